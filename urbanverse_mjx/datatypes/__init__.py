@@ -1,0 +1,35 @@
+"""The nouns that the stages exchange: frozen, validated, each with a file form."""
+
+from .asset import AssetMesh, AssetRecord, HullSet
+from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS
+from .hashing import content_hash
+from .robot import RobotSpec
+from .scene_bank import SceneBank
+from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
+from .scene_layout import PlacedGround, PlacedObject, SceneLayout
+from .simulation import Contacts, SimState, Simulator
+from .validation import NounError
+
+__all__ = [
+    "GROUND_KINDS",
+    "KIND_INDEX",
+    "PAINT_KINDS",
+    "TRAVERSABLE_KINDS",
+    "AssetMesh",
+    "AssetRecord",
+    "Contacts",
+    "GraphObject",
+    "GroundRegion",
+    "HullSet",
+    "NounError",
+    "PlacedGround",
+    "PlacedObject",
+    "RobotSpec",
+    "SceneBank",
+    "SceneGraph",
+    "SceneLayout",
+    "SimState",
+    "Simulator",
+    "Source",
+    "content_hash",
+]

@@ -1,0 +1,51 @@
+"""`RobotSpec`: a robot as data. What one needs beside the MJCF to drive it, stream slots around it and judge hits."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+from . import validation as v
+
+
+@dataclasses.dataclass(frozen=True)
+class RobotSpec:
+    """A robot and how a body velocity becomes actuator commands.
+
+    Attributes:
+      name: e.g. "coco".
+      mjcf: MJCF text with one free root body, no ground and no light. Every collision geom is a sphere.
+      root_body: name of the free body.
+      foot_geoms: names of collision geoms that may touch the ground (wheels, feet).
+      camera: name of the camera the policy sees through.
+      circumradius: m, farthest collision point from the root body's origin, in any joint position.
+      spawn_height: m, root origin above the ground at rest.
+      max_speed: m/s, max_yaw_rate: rad/s: the commands are clipped to these.
+      physics_timestep: s, at most 0.010.
+      command: (v m/s, omega rad/s) -> (nu,) actuator commands; pure, runs under jit.
+      waypoint_to_velocity: (waypoint (2,) m in the body frame, control period s) -> (v, omega); the ideal PD.
+      planner_radius, planner_height, step_height: m, what routes are made for.
+    """
+
+    name: str
+    mjcf: str
+    root_body: str
+    foot_geoms: tuple[str, ...]
+    camera: str
+    circumradius: float
+    spawn_height: float
+    max_speed: float
+    max_yaw_rate: float
+    physics_timestep: float
+    command: Callable[[Any, Any], Any]
+    waypoint_to_velocity: Callable[[Any, float], tuple[Any, Any]]
+    planner_radius: float
+    planner_height: float
+    step_height: float
+
+    def __post_init__(self) -> None:
+        v.text(self.name, "robot.name")
+        where = f"robot {self.name!r}"
+        for name in ("circumradius", "spawn_height", "max_speed", "max_yaw_rate", "planner_radius", "planner_height"):
+            v.number(getattr(self, name), f"{where}.{name}", above=0.0)
+        v.number(self.physics_timestep, f"{where}.physics_timestep", above=0.0, maximum=0.010)
+        v.number(self.step_height, f"{where}.step_height", minimum=0.0)

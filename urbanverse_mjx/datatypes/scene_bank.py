@@ -1,0 +1,191 @@
+"""`SceneBank`: many compiled scenes as padded arrays with a leading `scene` axis. File: `bank-<hash>.npz`.
+
+It is everything the runtime needs (physics, renderer, environment, evaluation) and it travels alone to a
+GPU machine. All positions are in the scene's world frame (z up, metres), rotations R_world_x.
+
+Sizes: Z scenes, T distinct hulls, V = 32 corners and F = 60 triangles a hull, Q hull instances a scene,
+P ground prisms a scene, N visual slots a scene, E episodes a scene, W waypoints an episode, M meshes,
+K materials, S skies, A categories.
+"""
+
+import dataclasses
+import json
+import os
+from typing import Any
+
+import numpy as np
+
+from . import validation as v
+from .asset import MAX_HULL_VERTICES
+
+SCHEMA = "urbanverse.scene_bank/1"
+MAX_HULL_TRIANGLES = 2 * MAX_HULL_VERTICES - 4
+
+
+@dataclasses.dataclass(frozen=True)
+class SceneBank:
+    """Arrays of a bank; -1 marks an empty slot, padding repeats a valid entry where an index is needed.
+
+    Hull table (shared by all scenes; ground prisms stand in it too):
+      hull_vertices (T, V, 3) f32: corners in the hull's own frame, padded by repeating corner 0.
+      hull_num_vertices (T,) i32.
+      hull_triangles (T, F, 3) i32: outward triangles over the corners, padded by repeating triangle 0.
+      hull_num_triangles (T,) i32.
+      hull_planes (T, F, 4) f32: outward unit normal n and offset d of each triangle, inside is n·x <= d.
+      hull_box (T, 2, 3) f32: centre and half size of the box around the hull in the hull's frame.
+
+    Static hulls of objects:
+      inst_hull (Z, Q) i32: row of the hull table, -1 = empty.
+      inst_object (Z, Q) i32: object (= visual slot) the hull belongs to, -1 = empty.
+      inst_position (Z, Q, 3) f32, inst_rotation (Z, Q, 3, 3) f32: T_world_hull.
+      inst_friction (Z, Q) f32.
+
+    Ground prisms (same meaning; prism_kind indexes `ground.GROUND_KINDS`):
+      prism_hull (Z, P) i32, prism_position (Z, P, 3) f32 (no rotation), prism_friction (Z, P) f32,
+      prism_kind (Z, P) i32.
+
+    Grids that say which hulls and prisms may matter near a place (built for `grid_reach` metres):
+      grid_origin (Z, 2) f32 lower corner, grid_cell () f32 m, hull_grid (Z, X, Y, L) i32 and
+      prism_grid (Z, X, Y, G) i32: instance numbers, -1 = empty.
+
+    Map: map_kind (Z, MX, MY) u8 over `ground.GROUND_KINDS`, map_origin (Z, 2) f32, map_resolution () f32 m;
+      cell (i, j) covers origin + [i, i+1) x [j, j+1) cells.
+
+    Episodes: episode_start (Z, E, 4) f32 x, y, z of the ground, yaw; episode_goal (Z, E, 3) f32;
+      episode_waypoints (Z, E, W, 3) f32 every 5 m along the geodesic, the last is the goal and repeats;
+      episode_num_waypoints (Z, E) i32; episode_length (Z, E) f32 geodesic m; num_episodes (Z,) i32.
+
+    What is seen:
+      mesh_vertices (ΣV, 3) f32, mesh_uv (ΣV, 2) f32, mesh_faces (ΣF, 3) i32 (indices local to the mesh),
+      mesh_vertex_start (M+1,) i32, mesh_face_start (M+1,) i32, mesh_material (M,) i32;
+      material_texture (K,) i32 (-1 none), material_rgba (K, 4) f32, material_roughness (K,) f32,
+      material_metallic (K,) f32; texture_data (bytes,) u8, texture_start (number+1,) i64, texture_shape (number, 3) i32;
+      slot_mesh (Z, N) i32 (-1 empty), slot_position (Z, N, 3) f32, slot_quaternion (Z, N, 4) f32 wxyz,
+      slot_category (Z, N) i32: row of `meta["categories"]`. Slots keep one spatial order (along the street)
+      in every scene; slots of ground regions come after the objects.
+
+    Skies: sky_radiance (S, HS, WS, 3) f32 equirectangular, rows from zenith to nadir, column 0 at yaw -π growing
+      counter-clockwise, the sun's disc taken out; sky_sun_direction (S, 3) f32 unit, from the ground to the sun;
+      sky_sun_irradiance (S, 3) f32; scene_sky (Z,) i32, scene_sky_yaw (Z,) f32.
+
+    meta: {"schema", "scene_ids": [Z], "splits": [Z] "train"|"test", "categories": [A], "skies": [S],
+      "object_ids": [Z][..], "hashes": {...}, "grid_reach": m}.
+    """
+
+    hull_vertices: np.ndarray
+    hull_num_vertices: np.ndarray
+    hull_triangles: np.ndarray
+    hull_num_triangles: np.ndarray
+    hull_planes: np.ndarray
+    hull_box: np.ndarray
+    inst_hull: np.ndarray
+    inst_object: np.ndarray
+    inst_position: np.ndarray
+    inst_rotation: np.ndarray
+    inst_friction: np.ndarray
+    prism_hull: np.ndarray
+    prism_position: np.ndarray
+    prism_friction: np.ndarray
+    prism_kind: np.ndarray
+    grid_origin: np.ndarray
+    grid_cell: np.ndarray
+    hull_grid: np.ndarray
+    prism_grid: np.ndarray
+    map_kind: np.ndarray
+    map_origin: np.ndarray
+    map_resolution: np.ndarray
+    episode_start: np.ndarray
+    episode_goal: np.ndarray
+    episode_waypoints: np.ndarray
+    episode_num_waypoints: np.ndarray
+    episode_length: np.ndarray
+    num_episodes: np.ndarray
+    mesh_vertices: np.ndarray
+    mesh_uv: np.ndarray
+    mesh_faces: np.ndarray
+    mesh_vertex_start: np.ndarray
+    mesh_face_start: np.ndarray
+    mesh_material: np.ndarray
+    material_texture: np.ndarray
+    material_rgba: np.ndarray
+    material_roughness: np.ndarray
+    material_metallic: np.ndarray
+    texture_data: np.ndarray
+    texture_start: np.ndarray
+    texture_shape: np.ndarray
+    slot_mesh: np.ndarray
+    slot_position: np.ndarray
+    slot_quaternion: np.ndarray
+    slot_category: np.ndarray
+    sky_radiance: np.ndarray
+    sky_sun_direction: np.ndarray
+    sky_sun_irradiance: np.ndarray
+    scene_sky: np.ndarray
+    scene_sky_yaw: np.ndarray
+    meta: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        ids = self.meta.get("scene_ids", [])
+        if len(ids) != self.num_scenes:
+            raise v.fail("bank.meta.scene_ids", f"{len(ids)} ids", f"one per scene ({self.num_scenes})")
+        for name, array in self.arrays().items():
+            if array.dtype.kind == "f" and not np.isfinite(array).all():
+                raise v.fail(f"bank.{name}", "a NaN or infinity", "finite numbers", "rebuild the bank")
+            if name.startswith(("inst_", "prism_", "slot_", "episode_", "map_kind")) and array.shape[:1] != (
+                self.num_scenes,
+            ):
+                raise v.fail(f"bank.{name}", f"shape {array.shape}", f"a leading axis of {self.num_scenes} scenes")
+        for name, limit in (("inst_hull", self.num_hulls), ("prism_hull", self.num_hulls), ("slot_mesh", self.num_meshes)):
+            array = getattr(self, name)
+            if array.size and (array.max() >= limit or array.min() < -1):
+                raise v.fail(f"bank.{name}", "an index outside its table", f"-1 or [0, {limit})", "rebuild the bank")
+
+    @property
+    def num_scenes(self) -> int:
+        return len(self.inst_hull)
+
+    @property
+    def num_hulls(self) -> int:
+        return len(self.hull_vertices)
+
+    @property
+    def num_meshes(self) -> int:
+        return len(self.mesh_material)
+
+    @property
+    def scene_ids(self) -> tuple[str, ...]:
+        return tuple(self.meta["scene_ids"])
+
+    def scenes_of(self, split: str) -> np.ndarray:
+        """(n,) i32: numbers of the scenes of a split ("train" or "test")."""
+        return np.array([i for i, s in enumerate(self.meta["splits"]) if s == split], np.int32)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Every array by its name."""
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "meta"}
+
+    def texture(self, index: int) -> np.ndarray:
+        """(H, W, 3) uint8 pixels of one texture, sRGB, row 0 at the top."""
+        body = self.texture_data[self.texture_start[index] : self.texture_start[index + 1]]
+        return body.reshape(tuple(self.texture_shape[index]))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        meta = np.frombuffer(json.dumps({**self.meta, "schema": SCHEMA}).encode("utf-8"), np.uint8)
+        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, meta=meta, **self.arrays()))
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> "SceneBank":
+        if not os.path.isfile(path):
+            raise v.fail(str(path), "no such file", "a scene bank", "build one with `urbanverse scene bank`")
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+        except (OSError, ValueError, EOFError) as error:
+            raise v.fail(str(path), f"an unreadable file ({error})", "a scene bank", "build it again") from error
+        meta = json.loads(arrays.pop("meta").tobytes().decode("utf-8")) if "meta" in arrays else {}
+        v.choice(meta.get("schema"), f"{path}: schema", (SCHEMA,))
+        names = {f.name for f in dataclasses.fields(SceneBank)} - {"meta"}
+        if names != set(arrays):
+            wrong = ", ".join(sorted(names ^ set(arrays)))
+            raise v.fail(str(path), f"other arrays than expected ({wrong})", "a bank of this version", "build it again")
+        return SceneBank(meta=meta, **arrays)

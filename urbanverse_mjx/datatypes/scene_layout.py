@@ -1,0 +1,169 @@
+"""`SceneLayout`: one digital cousin, every asset chosen and placed. File: `layout.json`."""
+
+import dataclasses
+import os
+from typing import Any
+
+from . import ground
+from . import validation as v
+from .hashing import content_hash
+
+SCHEMA = "urbanverse.scene_layout/1"
+
+
+@dataclasses.dataclass(frozen=True)
+class PlacedObject:
+    """An asset at a pose.
+
+    Attributes:
+      id: the graph object's id.
+      label: the graph object's label.
+      category: leaf of the ontology.
+      asset_uid: record in the asset index.
+      position: (3,) m, world position of the asset's origin (centre of its footprint on the ground).
+      yaw: rad, counter-clockwise from +x.
+      scale: (3,) factors along the asset's own axes.
+      mass: kg, after scaling.
+      friction: sliding friction coefficient.
+      movable: whether a robot could push it over or along.
+    """
+
+    id: str
+    label: str
+    category: str
+    asset_uid: str
+    position: tuple[float, float, float]
+    yaw: float
+    scale: tuple[float, float, float]
+    mass: float
+    friction: float
+    movable: bool
+
+    def __post_init__(self) -> None:
+        v.text(self.id, "object.id")
+        where = f"object {self.id!r}"
+        set_ = object.__setattr__
+        for name in ("label", "category", "asset_uid"):
+            v.text(getattr(self, name), f"{where}.{name}")
+        set_(self, "position", v.vector(self.position, f"{where}.position", 3, minimum=-1e5, maximum=1e5))
+        set_(self, "yaw", v.number(self.yaw, f"{where}.yaw", minimum=-100.0, maximum=100.0))
+        set_(self, "scale", v.vector(self.scale, f"{where}.scale", 3, minimum=0.01, maximum=100.0))
+        set_(self, "mass", v.number(self.mass, f"{where}.mass", above=0.0, maximum=1e9))
+        set_(self, "friction", v.number(self.friction, f"{where}.friction", minimum=0.0, maximum=5.0))
+        v.boolean(self.movable, f"{where}.movable")
+
+    def to_json(self) -> dict[str, Any]:
+        body = dataclasses.asdict(self)
+        return {**body, "position": list(self.position), "scale": list(self.scale)}
+
+    @staticmethod
+    def from_json(value: Any, where: str) -> "PlacedObject":
+        return PlacedObject(**v.mapping(value, where, [f.name for f in dataclasses.fields(PlacedObject)]))
+
+
+@dataclasses.dataclass(frozen=True)
+class PlacedGround:
+    """A ground region with its material; see `GroundRegion` for the geometry."""
+
+    id: str
+    kind: str
+    polygon: tuple[tuple[float, float], ...]
+    plane: tuple[float, float, float]
+    material: str
+
+    def __post_init__(self) -> None:
+        v.text(self.id, "ground.id")
+        where = f"ground {self.id!r}"
+        set_ = object.__setattr__
+        v.choice(self.kind, f"{where}.kind", ground.GROUND_KINDS[1:])
+        set_(self, "polygon", ground.check_polygon(self.polygon, f"{where}.polygon"))
+        set_(self, "plane", v.vector(self.plane, f"{where}.plane", 3, minimum=-1e4, maximum=1e4))
+        v.text(self.material, f"{where}.material")
+
+    def to_json(self) -> dict[str, Any]:
+        body = dataclasses.asdict(self)
+        return {**body, "polygon": [list(p) for p in self.polygon], "plane": list(self.plane)}
+
+    @staticmethod
+    def from_json(value: Any, where: str) -> "PlacedGround":
+        return PlacedGround(**v.mapping(value, where, [f.name for f in dataclasses.fields(PlacedGround)]))
+
+
+@dataclasses.dataclass(frozen=True)
+class SceneLayout:
+    """One cousin of a graph: what stands where, on which ground, under which sky.
+
+    Attributes:
+      id: scene id; cousins of one graph differ in their suffix.
+      graph_id, graph_hash: the graph it was made from.
+      seed, cousin: what chose among equally good assets.
+      objects, ground: placed things.
+      sky: id of a sky; sky_yaw: rad, its rotation about z.
+      hashes: further inputs, name to hash (asset index, materialiser).
+    """
+
+    id: str
+    graph_id: str
+    graph_hash: str
+    seed: int
+    cousin: int
+    objects: tuple[PlacedObject, ...]
+    ground: tuple[PlacedGround, ...]
+    sky: str
+    sky_yaw: float
+    hashes: dict[str, str]
+
+    def __post_init__(self) -> None:
+        for name in ("id", "graph_id", "graph_hash", "sky"):
+            v.text(getattr(self, name), f"layout.{name}")
+        v.integer(self.seed, "layout.seed", 0)
+        v.integer(self.cousin, "layout.cousin", 0)
+        set_ = object.__setattr__
+        set_(self, "objects", tuple(v.items(self.objects, "objects")))
+        set_(self, "ground", tuple(v.items(self.ground, "ground", minimum=1)))
+        v.unique((o.id for o in self.objects), "objects")
+        v.unique((g.id for g in self.ground), "ground")
+        set_(self, "sky_yaw", v.number(self.sky_yaw, "layout.sky_yaw", minimum=-100.0, maximum=100.0))
+        if not isinstance(self.hashes, dict):
+            raise v.fail("layout.hashes", v.show(self.hashes), "a JSON object of texts")
+        for key, value in self.hashes.items():
+            v.text(value, f"layout.hashes.{key}")
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "schema": SCHEMA,
+            "id": self.id,
+            "graph_id": self.graph_id,
+            "graph_hash": self.graph_hash,
+            "seed": self.seed,
+            "cousin": self.cousin,
+            "objects": [o.to_json() for o in self.objects],
+            "ground": [g.to_json() for g in self.ground],
+            "sky": self.sky,
+            "sky_yaw": self.sky_yaw,
+            "hashes": dict(self.hashes),
+        }
+
+    @staticmethod
+    def from_json(value: Any) -> "SceneLayout":
+        names = [f.name for f in dataclasses.fields(SceneLayout)]
+        m = dict(v.mapping(value, "layout", ["schema", *names]))
+        v.choice(m.pop("schema"), "layout.schema", (SCHEMA,))
+        objects = v.items(m.pop("objects"), "objects")
+        regions = v.items(m.pop("ground"), "ground", minimum=1)
+        return SceneLayout(
+            objects=tuple(PlacedObject.from_json(o, f"objects[{i}]") for i, o in enumerate(objects)),
+            ground=tuple(PlacedGround.from_json(g, f"ground[{i}]") for i, g in enumerate(regions)),
+            **m,
+        )
+
+    def content_hash(self) -> str:
+        """Hash over the canonical content (see `hashing`)."""
+        return content_hash(self.to_json())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        v.write_json(path, self.to_json())
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> "SceneLayout":
+        return SceneLayout.from_json(v.read_json(path, "scene layout"))

@@ -1,0 +1,55 @@
+"""`SimState` and the interface every engine keeps. Arrays are per env; engines work alone and under `jax.vmap`."""
+
+from typing import Any, NamedTuple, Protocol
+
+
+class Contacts(NamedTuple):
+    """What touched what during the last control step.
+
+    Attributes:
+      hit: () bool, any robot geom touched an object, or a geom that is no foot touched the ground.
+      hit_object: () i32, the object (visual slot) of the strongest touch, -1 = none or the ground.
+      hit_ground: () bool, a geom that is no foot touched the ground.
+      hit_force: () f32 N, largest normal force of such a touch over the physics steps.
+      hit_fraction: () f32, share of the physics steps with such a touch.
+    """
+
+    hit: Any
+    hit_object: Any
+    hit_ground: Any
+    hit_force: Any
+    hit_fraction: Any
+
+
+class SimState(NamedTuple):
+    """State of one env between two control steps.
+
+    Attributes:
+      scene: () i32, row of the bank.
+      qpos: (nq,) f32; qvel: (nv,) f32.
+      xpos: (nbody, 3) f32 m, xquat: (nbody, 4) f32 wxyz: T_world_body of the robot's bodies, row 0 is the world.
+      contacts: see `Contacts`.
+      slot_overflow: () i32, hulls within reach that found no slot in the last step.
+      carry: whatever else the engine needs to go on, such as the solver's warm start.
+    """
+
+    scene: Any
+    qpos: Any
+    qvel: Any
+    xpos: Any
+    xquat: Any
+    contacts: Contacts
+    slot_overflow: Any
+    carry: Any
+
+
+class Simulator(Protocol):
+    """An engine over a bank of scenes."""
+
+    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
+        """State at rest in the given scene with kinematics computed and no contact recorded."""
+        ...
+
+    def step(self, state: SimState, ctrl: Any) -> SimState:
+        """One control step (`num_substeps` physics steps) with the actuator commands `ctrl` (nu,) held."""
+        ...

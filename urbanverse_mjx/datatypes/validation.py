@@ -1,0 +1,158 @@
+"""Checks that turn bad input into one sentence: where, what was found, what was needed, what to try.
+
+Every noun validates itself when it is made, so a noun that exists is a valid one. The functions here
+return the checked value in its canonical Python type and raise `NounError` otherwise.
+"""
+
+import json
+import math
+import os
+import pathlib
+import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+MAX_FILE_BYTES = 64 * 2**20
+
+
+class NounError(ValueError):
+    """A noun (scene graph, layout, ...) that cannot be used; the message is one clear sentence."""
+
+
+def fail(where: str, found: str, needed: str, hint: str = "") -> NounError:
+    """Returns the error (to raise) that says where, what was found, what was needed and what to try."""
+    tail = f"; {hint}" if hint else ""
+    return NounError(f"{where}: found {found}, needed {needed}{tail}.")
+
+
+def show(value: Any, limit: int = 60) -> str:
+    """A short printable form of any value."""
+    text = repr(value)
+    return text if len(text) <= limit else text[: limit - 1] + "…"
+
+
+def text(value: Any, where: str, allow_empty: bool = False) -> str:
+    if not isinstance(value, str):
+        raise fail(where, show(value), "a text")
+    if not value and not allow_empty:
+        raise fail(where, "an empty text", "a text of at least one character")
+    return value
+
+
+def choice(value: Any, where: str, allowed: Iterable[str]) -> str:
+    allowed = tuple(allowed)
+    if not isinstance(value, str) or value not in allowed:
+        raise fail(where, show(value), "one of " + ", ".join(allowed))
+    return value
+
+
+def boolean(value: Any, where: str) -> bool:
+    if not isinstance(value, bool):
+        raise fail(where, show(value), "true or false")
+    return value
+
+
+def integer(value: Any, where: str, minimum: int | None = None, maximum: int | None = None) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise fail(where, show(value), "a whole number")
+    return int(_bounded(value, where, minimum, maximum, None))
+
+
+def number(
+    value: Any,
+    where: str,
+    minimum: float | None = None,
+    maximum: float | None = None,
+    above: float | None = None,
+) -> float:
+    """A finite number with minimum <= value <= maximum and value > above, as far as these are given."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise fail(where, show(value), "a finite number")
+    if not math.isfinite(value):
+        raise fail(where, show(value), "a finite number", "remove the NaN or infinity where the file was written")
+    return float(_bounded(value, where, minimum, maximum, above))
+
+
+def _bounded(value: float, where: str, minimum: float | None, maximum: float | None, above: float | None) -> float:
+    if above is not None and not value > above:
+        raise fail(where, show(value), f"a number greater than {above:g}")
+    if minimum is not None and value < minimum:
+        raise fail(where, show(value), f"a number of at least {minimum:g}")
+    if maximum is not None and value > maximum:
+        raise fail(where, show(value), f"a number of at most {maximum:g}")
+    return value
+
+
+def vector(value: Any, where: str, length: int, **bounds: Any) -> tuple[float, ...]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != length:
+        raise fail(where, show(value), f"a list of {length} numbers")
+    return tuple(number(v, f"{where}[{i}]", **bounds) for i, v in enumerate(value))
+
+
+def items(value: Any, where: str, minimum: int = 0, maximum: int | None = None) -> Sequence[Any]:
+    if not isinstance(value, Sequence) or isinstance(value, str):
+        raise fail(where, show(value), "a list")
+    if len(value) < minimum:
+        raise fail(where, f"{len(value)} entries", f"at least {minimum}")
+    if maximum is not None and len(value) > maximum:
+        raise fail(where, f"{len(value)} entries", f"at most {maximum}", "split the scene or drop entries")
+    return value
+
+
+def unique(names: Iterable[str], where: str) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise fail(where, f"the id {name!r} twice", "every id once", "rename one of them")
+        seen.add(name)
+
+
+def mapping(
+    value: Any, where: str, required: Iterable[str], optional: Iterable[str] = (), hint: str = ""
+) -> Mapping[str, Any]:
+    """A JSON object with all required keys and no key that nobody reads."""
+    if not isinstance(value, Mapping):
+        raise fail(where, show(value), "a JSON object")
+    required, optional = tuple(required), tuple(optional)
+    for key in required:
+        if key not in value:
+            raise fail(f"{where}.{key}", "nothing (the field is missing)", "a value", hint or f"add {key!r}")
+    for key in value:
+        if key not in required and key not in optional:
+            known = ", ".join((*required, *optional))
+            raise fail(f"{where}.{key}", "an unknown field", f"only {known}", "remove it or mend its spelling")
+    return value
+
+
+def read_json(path: str | os.PathLike[str], noun: str) -> Any:
+    """Reads a JSON file; every failure is a `NounError` naming the file."""
+    path = pathlib.Path(path)
+    if not path.is_file():
+        raise fail(str(path), "no such file", f"a {noun} file", "check the path")
+    if path.stat().st_size > MAX_FILE_BYTES:
+        raise fail(str(path), f"{path.stat().st_size} bytes", f"a {noun} file of at most {MAX_FILE_BYTES} bytes")
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        raise fail(str(path), f"something that is not JSON ({error})", f"a {noun} written as JSON") from error
+
+
+def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path], Any]) -> pathlib.Path:
+    """Calls `write(temporary_path)` beside `path`, then renames: readers never see half a file."""
+    path = pathlib.Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    os.close(handle)
+    temporary = pathlib.Path(name)
+    try:
+        write(temporary)
+        temporary.chmod(0o644)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path
+
+
+def write_json(path: str | os.PathLike[str], value: Any) -> pathlib.Path:
+    body = json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return write_atomically(path, lambda temporary: temporary.write_text(body, encoding="utf-8"))
