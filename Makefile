@@ -1,0 +1,67 @@
+# Two commands do everything: `make train` and `make test`. Each makes the environment first.
+.DEFAULT_GOAL := help
+SHELL := /bin/bash
+MAKEFLAGS += --no-print-directory --no-builtin-rules
+.DELETE_ON_ERROR:
+
+VENV := .venv
+BIN := $(VENV)/bin
+# Options for the command behind a target: make train ARGS="--preset paper"
+ARGS ?=
+LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
+
+.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets gallery doctor lock wheel clean distclean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+setup: $(VENV)/.stamp-main ## create .venv and install the locked packages (CUDA ones too where nvidia-smi works)
+
+setup-dev: $(VENV)/.stamp-dev ## the same, and what tests and checks need
+
+$(VENV)/.stamp-main: pyproject.toml requirements.lock requirements-cuda.lock .ci/setup
+	@.ci/setup main >&2
+
+$(VENV)/.stamp-dev: requirements-dev.lock $(VENV)/.stamp-main
+	@.ci/setup dev >&2
+
+train: setup ## train the small policy, evaluate it on unseen streets; the last line printed is the result as JSON
+	@$(BIN)/urbanverse train $(ARGS)
+
+test: setup-dev ## run the tests
+	@$(BIN)/python -m pytest $(ARGS)
+
+test-slow: setup-dev ## run the tests that take minutes
+	@$(BIN)/python -m pytest -m "slow and not gpu" $(ARGS)
+
+test-gpu: setup-dev ## run the tests that need a CUDA device
+	@$(BIN)/python -m pytest -m gpu $(ARGS)
+
+check: setup-dev ## formatting, lint, types and who may import whom
+	@$(BIN)/ruff format --check .
+	@$(BIN)/ruff check .
+	@$(BIN)/pyright --pythonpath $(BIN)/python
+	@$(BIN)/lint-imports
+
+format: setup-dev ## format the code and mend what ruff can mend
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+
+bench: setup ## measure throughput; prints one JSON line
+	@$(BIN)/python -m benchmarks.throughput --impl jax --num-envs 64 --pixels 36x64 --json $(ARGS)
+
+doctor: setup ## say what this machine has and how to mend what is missing
+	@$(BIN)/urbanverse doctor $(ARGS)
+
+lock: ## resolve the locks anew (needs uv)
+	@.ci/lock
+
+wheel: setup-dev ## build a wheel, install it in an empty environment and ask its doctor
+	@.ci/wheel
+
+clean: ## remove build outputs and caches of this folder (not .venv, not runs/)
+	@rm -rf -- build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	@find . -path ./$(VENV) -prune -o -name __pycache__ -type d -exec rm -rf -- {} +
+
+distclean: clean ## clean, and remove .venv
+	@rm -rf -- $(VENV)

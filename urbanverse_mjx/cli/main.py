@@ -1,0 +1,98 @@
+"""`urbanverse <command>`: finds the command's module and turns errors into one sentence and an exit status.
+
+Only the standard library is imported before a command is chosen, so `--help` is instant and `doctor` runs in a
+broken environment. Exit status: 0 done, 1 the command
+found a problem or a bug was hit, 2 wrong use or wrong input (one sentence on stderr), 130 interrupted.
+"""
+
+import difflib
+import importlib
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+from .. import __version__
+
+#: Command -> (module below `urbanverse_mjx.cli`, one line for --help).
+COMMANDS = {
+    "train": ("train", "train a policy and evaluate it on streets it has never seen"),
+    "evaluate": ("evaluate", "run a trained or scripted policy over fixed episodes and write a report"),
+    "play": ("play", "drive one episode and write it as a video"),
+    "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
+    "assets": ("assets", "list, search and export the asset index"),
+    "list-envs": ("list_envs", "list the registered environments and their presets"),
+    "doctor": ("doctor", "say what this machine has and how to mend what is missing"),
+}
+
+
+def usage() -> str:
+    """The text of --help."""
+    lines = [f"  {name:<10} {line}" for name, (_, line) in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: urbanverse [--version] [--help] <command> ...",
+            "",
+            "commands:",
+            *lines,
+            "",
+            "`urbanverse <command> --help` explains one command.",
+        ]
+    )
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs one command line (`sys.argv` by default) and returns the exit status."""
+    argv = list(sys.argv[1:] if argv is None else argv)
+    if not argv or argv[0] in ("-h", "--help", "help"):
+        print(usage())
+        return 0 if argv else 2
+    if argv[0] in ("-V", "--version"):
+        print(f"urbanverse {__version__}")
+        return 0
+    if argv[0] not in COMMANDS:
+        near = difflib.get_close_matches(argv[0], COMMANDS, n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else "known are " + ", ".join(COMMANDS) + "."
+        return _refuse(f"unknown command {argv[0]!r}; {hint}")
+    return _run(argv[0], argv[1:])
+
+
+def _run(name: str, argv: list[str]) -> int:
+    try:
+        command = importlib.import_module(f"urbanverse_mjx.cli.{COMMANDS[name][0]}")
+        return int(command.main(argv) or 0)
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        # The reader (`| head`) went away; keep Python from complaining again when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except ValueError as error:
+        # NounError, or a ValueError raised by our own code, is about the input; one from a library is a bug to be seen.
+        if _is_ours(error):
+            return _refuse(str(error))
+        raise
+    except (FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError, FileExistsError) as error:
+        if error.filename is None:
+            raise
+        return _refuse(f"{error.filename}: {error.strerror}.")
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] == "urbanverse_mjx":
+            raise
+        return _refuse(f"the package {error.name!r} is not installed; `urbanverse doctor` prints the command for it.")
+
+
+def _refuse(sentence: str) -> int:
+    print(f"error: {' '.join(sentence.split())}", file=sys.stderr)
+    return 2
+
+
+def _is_ours(error: BaseException) -> bool:
+    frames = list(traceback.walk_tb(error.__traceback__))
+    raised_in = frames[-1][0].f_globals.get("__name__", "") if frames else ""
+    return any(name.partition(".")[0] == "urbanverse_mjx" for name in (type(error).__module__, raised_in))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""The one place that reads the environment: where caches and data lie, and how many threads to use.
+
+| variable | meaning | default |
+| --- | --- | --- |
+| `URBANVERSE_CACHE` | folder for what commands build (banks, meshes, kernels) | `$XDG_CACHE_HOME/urbanverse_mjx` |
+| `XDG_CACHE_HOME` | folder of all caches | `~/.cache` |
+| `URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it |
+| `URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it |
+| `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use |
+"""
+
+import os
+import pathlib
+
+_PACKAGE = pathlib.Path(__file__).resolve().parent
+
+
+def cache_dir(*parts: str) -> pathlib.Path:
+    """The cache folder, or a folder inside it. It is not created here."""
+    own = os.environ.get("URBANVERSE_CACHE")
+    if own:
+        base = pathlib.Path(own)
+    else:
+        xdg = os.environ.get("XDG_CACHE_HOME")
+        base = (pathlib.Path(xdg) if xdg else pathlib.Path.home() / ".cache") / "urbanverse_mjx"
+    return base.expanduser().absolute().joinpath(*parts)
+
+
+def asset_root() -> pathlib.Path:
+    """Folder of the asset index.
+
+    Raises:
+      NounError: the folder named by `URBANVERSE_ASSET_ROOT`, or the one that belongs to the package, is not there.
+    """
+    return _data_root("assets_index", "URBANVERSE_ASSET_ROOT")
+
+
+def scene_root() -> pathlib.Path:
+    """Folder of the shipped scenes.
+
+    Raises:
+      NounError: the folder named by `URBANVERSE_SCENE_ROOT`, or the one that belongs to the package, is not there.
+    """
+    return _data_root("scenes", "URBANVERSE_SCENE_ROOT")
+
+
+def num_threads() -> int:
+    """Worker threads to use on the CPU, at least 1.
+
+    Raises:
+      NounError: `URBANVERSE_THREADS` is no whole number from 1 to 1024.
+    """
+    text = os.environ.get("URBANVERSE_THREADS", "").strip()
+    if not text:
+        # The cores of this process's affinity mask: fewer than os.cpu_count() inside most containers.
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1024):
+        raise _fail("URBANVERSE_THREADS", repr(text), "a whole number from 1 to 1024", "unset it to use every core")
+    return int(text)
+
+
+def _data_root(name: str, variable: str) -> pathlib.Path:
+    own = os.environ.get(variable)
+    if own:
+        path = pathlib.Path(own).expanduser().absolute()
+        if not path.is_dir():
+            raise _fail(variable, str(path), "an existing folder", "unset it to use the shipped data")
+        return path
+    # A clone keeps the data beside the package; a wheel carries it inside (pyproject.toml, force-include).
+    beside, inside = _PACKAGE.parent / name, _PACKAGE / "_data" / name
+    for path in (beside, inside):
+        if path.is_dir() and (path == inside or (_PACKAGE.parent / "pyproject.toml").is_file()):
+            return path
+    raise _fail(f"{name}/", f"neither {beside} nor {inside}", "the shipped data", f"install again or set {variable}")
+
+
+def _fail(where: str, found: str, needed: str, hint: str) -> ValueError:
+    # Imported late: the nouns need numpy, and `urbanverse doctor` reads settings where numpy may be missing.
+    from .datatypes.validation import fail
+
+    return fail(where, found, needed, hint)
