@@ -1,0 +1,99 @@
+"""Configurations of the navigation task: a fresh, locked `ConfigDict` from `default_config(preset)` each time.
+
+Sources: the paper's appendix "Details of Training and Evaluation Setup" and "Details of Policy Learning";
+for `urbansim_v0_1` the released code as tabulated in docs/decisions/presets.md.
+"""
+
+from ml_collections import ConfigDict
+
+from ..datatypes import NounError
+
+PRESETS = ("paper", "urbansim_v0_1", "cpu")
+
+
+def _paper() -> ConfigDict:
+    return ConfigDict(
+        {
+            "preset": "paper",
+            "robot": "coco",
+            "drive": "differential",
+            "ctrl_dt": 0.2,  # 5 Hz
+            "sim_dt": 0.01,
+            "episode_length": 300,  # 60 s at 5 Hz
+            "action_repeat": 1,
+            "impl": "auto",
+            "num_slots": 16,
+            "scenes": "train",
+            "action_mode": "waypoint",
+            "goal_mode": "final",
+            "goal_observation_limit": 0.0,  # m, 0 = as far as the goal is
+            "success_radius": 1.0,  # m, from the authors' code; the paper says "within a distance tolerance"
+            "success_after_step": 0,
+            "terminate_on_hit": True,
+            "terminate_off_traversable": True,
+            "vision": True,
+            "vision_config": {"height": 135, "width": 240, "depth": False, "sky": True, "shadows": False},
+            "reward_config": {
+                "multiply_by_dt": False,
+                "scales": {
+                    "arrived": 2000.0,
+                    "hit": -200.0,
+                    "off_traversable": 0.0,
+                    "position": 10.0,
+                    "position_fine": 50.0,
+                    "velocity_cosine": 10.0,
+                    "velocity_dot": 0.0,
+                    "progress": 0.0,
+                },
+            },
+        }
+    )
+
+
+def _urbansim_v0_1() -> ConfigDict:
+    config = _paper()
+    config.preset = "urbansim_v0_1"
+    config.drive = "ackermann"
+    config.ctrl_dt = 0.1  # dt 0.005 s, decimation 20
+    config.sim_dt = 0.005
+    config.goal_observation_limit = 5.0
+    config.success_after_step = 10
+    config.terminate_off_traversable = False
+    config.vision_config.depth = True
+    config.reward_config.multiply_by_dt = True  # Isaac Lab multiplies every term by the step
+    config.reward_config.scales.velocity_cosine = 0.0
+    config.reward_config.scales.velocity_dot = 10.0
+    config.reward_config.scales.progress = 20.0
+    return config
+
+
+def _cpu() -> ConfigDict:
+    """The paper's task on a laptop: a smaller picture and other reward weights, nothing else."""
+    config = _paper()
+    config.preset = "cpu"
+    config.vision_config.height, config.vision_config.width = 27, 48
+    config.reward_config.scales = ConfigDict(
+        {
+            "arrived": 10.0,
+            "hit": -5.0,
+            "off_traversable": -5.0,
+            "position": 0.0,
+            "position_fine": 0.0,
+            "velocity_cosine": 0.0,
+            "velocity_dot": 0.0,
+            "progress": 1.0,
+        }
+    )
+    return config
+
+
+def default_config(preset: str = "paper") -> ConfigDict:
+    """A fresh configuration.
+
+    Raises:
+      NounError: unknown preset.
+    """
+    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "cpu": _cpu}
+    if preset not in makers:
+        raise NounError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
+    return makers[preset]().lock()

@@ -1,0 +1,336 @@
+"""`NavEnv`: drive to a goal 10-30 m away over the pavement of a street, by camera, without touching anything."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from ml_collections import ConfigDict
+
+from ..datatypes import KIND_INDEX, TRAVERSABLE_KINDS, NounError, RobotSpec, SceneBank
+from . import terms
+from .types import NavState, Result, State
+
+#: cos of the tilt at which a robot counts as fallen (60 degrees).
+_UPRIGHT = 0.5
+_PRIVILEGED_SIZE = 13
+
+
+def typed_key(key: jax.Array) -> jax.Array:
+    """Accepts raw uint32 and typed keys; returns a typed one."""
+    return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
+
+
+def _select_scenes(bank: SceneBank, which: Any) -> np.ndarray:
+    """(n,) i32 rows of the bank named by a split ("train", "test", "all") or by a list of scene ids."""
+    if isinstance(which, str) and which == "all":
+        rows = np.arange(bank.num_scenes, dtype=np.int32)
+    elif isinstance(which, str):
+        rows = bank.scenes_of(which)
+    else:
+        unknown = [s for s in which if s not in bank.scene_ids]
+        if unknown:
+            known = ", ".join(bank.scene_ids)
+            raise NounError(f"config.scenes: found {unknown[0]!r}, needed scenes of the bank ({known}).")
+        rows = np.array([bank.scene_ids.index(s) for s in which], np.int32)
+    if not len(rows):
+        raise NounError(f"config.scenes: found {which!r}, which names no scene, needed 'train', 'test', 'all' or ids.")
+    return rows
+
+
+class NavEnv:
+    """Point-goal navigation of one robot, each env in its own scene of a bank.
+
+    Observation (dict):
+      pixels/front: (H, W, 3) uint8; with vision_config.depth (H, W, 4), the fourth in 10 cm up to 25.5 m;
+        present when `config.vision`.
+      goal: (2,) f32 m, the final goal (or the next 5 m waypoint with goal_mode="waypoint") in the heading frame.
+      privileged: (13,) f32 for critics and tests only: goal, next waypoint, the one after (heading frame, m),
+        forward and lateral speed (m/s), yaw rate (rad/s), share of time and of route left, last action.
+    Action: (2,) in [-1, 1]; by `config.action_mode`:
+      waypoint: (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega);
+      velocity: ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate).
+    Reward: sum of `reward_config.scales` times the terms of `terms`.
+    Ends: see `Result`; TIMEOUT is a truncation. With terminate_on_hit=False hits are only measured.
+
+        env = registry.load("CocoNav", config_overrides={"preset": "cpu"})
+        state = jax.jit(env.reset)(jax.random.key(0))
+        state = jax.jit(env.step)(state, jnp.array([1.0, 0.0]))
+    """
+
+    def __init__(self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Any, renderer: Any | None):
+        if config.action_mode not in ("waypoint", "velocity"):
+            raise NounError(f"config.action_mode: found {config.action_mode!r}, needed 'waypoint' or 'velocity'.")
+        if config.goal_mode not in ("final", "waypoint"):
+            raise NounError(f"config.goal_mode: found {config.goal_mode!r}, needed 'final' or 'waypoint'.")
+        self._config = config
+        self.bank = bank
+        self.robot = robot
+        self.engine = engine
+        self.renderer = renderer
+        model = mujoco.MjModel.from_xml_string(robot.mjcf)
+        self._mj_model = model
+        self._root = model.body(robot.root_body).id
+        self._qpos0 = jnp.asarray(model.qpos0, jnp.float32)
+        self._nv = model.nv
+        self.scenes = _select_scenes(bank, config.scenes)
+        self._scenes = jnp.asarray(self.scenes)
+        self._episodes = {
+            name: jnp.asarray(getattr(bank, name))
+            for name in ("num_episodes", "episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
+        }
+        self._map_kind = jnp.asarray(bank.map_kind)
+        self._map_origin = jnp.asarray(bank.map_origin)
+        self._map_resolution = float(bank.map_resolution)
+        allowed = np.zeros(256, bool)
+        allowed[[KIND_INDEX[k] for k in TRAVERSABLE_KINDS]] = True
+        self._traversable = jnp.asarray(allowed)
+
+    # What users of Playground and Brax ask an environment.
+
+    @property
+    def config(self) -> ConfigDict:
+        return self._config
+
+    @property
+    def action_size(self) -> int:
+        return 2
+
+    @property
+    def observation_size(self) -> dict[str, tuple[int, ...]]:
+        shapes = jax.eval_shape(self.reset, jax.random.key(0)).obs
+        return {name: tuple(x.shape) for name, x in shapes.items()}
+
+    @property
+    def dt(self) -> float:
+        """Control step (s)."""
+        return float(self._config.ctrl_dt)
+
+    @property
+    def sim_dt(self) -> float:
+        """Physics step (s)."""
+        return float(self._config.sim_dt)
+
+    @property
+    def n_substeps(self) -> int:
+        return round(self.dt / self.sim_dt)
+
+    @property
+    def mj_model(self) -> mujoco.MjModel:
+        """The robot's own model, without scene."""
+        return self._mj_model
+
+    @property
+    def backend(self) -> str:
+        return "mjx"
+
+    @property
+    def unwrapped(self) -> "NavEnv":
+        return self
+
+    # The three stages.
+
+    def begin(self, key: jax.Array) -> NavState:
+        """A new episode in a random scene of `config.scenes` with a random row of its episode table."""
+        key, key_scene, key_row = jax.random.split(typed_key(key), 3)
+        # scene ~ U over the selected scenes, row ~ U over the scene's episodes
+        scene = self._scenes[jax.random.randint(key_scene, (), 0, len(self.scenes))]
+        row = jax.random.randint(key_row, (), 0, self._episodes["num_episodes"][scene])
+        return self.begin_at(key, scene, row)
+
+    def begin_at(self, key: jax.Array, scene: jax.Array, row: jax.Array) -> NavState:
+        """A new episode from a given row of a given scene's episode table."""
+        start = self._episodes["episode_start"][scene, row]
+        goal = self._episodes["episode_goal"][scene, row]
+        waypoints = self._episodes["episode_waypoints"][scene, row]
+        half = 0.5 * start[3]
+        pose = jnp.stack(
+            [start[0], start[1], start[2] + self.robot.spawn_height, jnp.cos(half), 0.0 * half, 0.0 * half, jnp.sin(half)]
+        )
+        sim = self.engine.init(scene, self._qpos0.at[:7].set(pose), jnp.zeros(self._nv))
+        zero = jnp.float32(0.0)
+        return NavState(
+            key=typed_key(key),
+            sim=sim,
+            episode=row.astype(jnp.int32),
+            start=start[:3],
+            goal=goal,
+            waypoints=waypoints,
+            num_waypoints=self._episodes["episode_num_waypoints"][scene, row],
+            waypoint=jnp.int32(0),
+            route_length=terms.route_length(start[:3], waypoints),
+            route_done=zero,
+            goal_distance=jnp.linalg.norm(goal[:2] - start[:2]),
+            steps=jnp.int32(0),
+            last_action=jnp.zeros(2),
+            result=jnp.int32(Result.RUNNING),
+        )
+
+    def advance(
+        self, nav: NavState, action: jax.Array
+    ) -> tuple[NavState, jax.Array, jax.Array, dict[str, jax.Array]]:
+        """One control step: (next state, reward () f32, done () f32, metrics). Values are finite even if physics is not."""
+        action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
+        sim = self.engine.step(nav.sim, self._control(action))
+        finite = jnp.isfinite(sim.qpos).all() & jnp.isfinite(sim.qvel).all()
+        position = jnp.where(finite, sim.xpos[self._root], nav.sim.xpos[self._root])
+        quaternion = jnp.where(finite, sim.xquat[self._root], nav.sim.xquat[self._root])
+        velocity = jnp.where(finite, sim.qvel[:2], 0.0)
+        p_xy = position[:2]
+        distance = jnp.linalg.norm(nav.goal[:2] - p_xy)
+        steps = nav.steps + 1
+        hit = sim.contacts.hit & finite
+        config = self._config
+        result = terms.result_of(
+            finite=finite,
+            fallen=terms.up_of(quaternion) < _UPRIGHT,
+            hit=hit & config.terminate_on_hit,
+            off_traversable=(~self.is_traversable(sim.scene, p_xy)) & config.terminate_off_traversable,
+            at_goal=(distance < config.success_radius) & (steps > config.success_after_step),
+            out_of_time=steps >= config.episode_length,
+        )
+        done = result != Result.RUNNING
+        done_f = done.astype(jnp.float32)
+        on_route = terms.route_position(p_xy, nav.start, nav.waypoints)
+        route_done = jnp.where(result == Result.GOAL, nav.route_length, jnp.maximum(nav.route_done, on_route))
+        new = nav._replace(
+            sim=sim,
+            waypoint=terms.next_waypoint(p_xy, nav.waypoint, nav.waypoints, nav.num_waypoints),
+            route_done=route_done,
+            goal_distance=distance,
+            steps=steps,
+            last_action=action,
+            result=result,
+        )
+        rewards = self._rewards(nav, new, velocity, hit)
+        reward = sum(rewards.values(), jnp.float32(0.0))
+        metrics = self._metrics(new, done_f, rewards)
+        return new, reward, done_f, metrics
+
+    def observe(self, nav: NavState) -> dict[str, jax.Array]:
+        """Observations of a state; the only place that renders."""
+        position, quaternion = nav.sim.xpos[self._root], nav.sim.xquat[self._root]
+        yaw = terms.yaw_of(quaternion)
+        last = nav.num_waypoints - 1
+        to = [
+            terms.to_body(point[:2] - position[:2], yaw)
+            for point in (nav.goal, nav.waypoints[nav.waypoint], nav.waypoints[jnp.minimum(nav.waypoint + 1, last)])
+        ]
+        config = self._config
+        goal = to[0] if config.goal_mode == "final" else to[1]
+        if config.goal_observation_limit > 0.0:
+            goal = terms.limit_norm(goal, config.goal_observation_limit)
+        speed = terms.to_body(nav.sim.qvel[:2], yaw)
+        left = jnp.stack(
+            [
+                1.0 - nav.steps / config.episode_length,
+                1.0 - nav.route_done / jnp.maximum(nav.route_length, 1e-6),
+            ]
+        )
+        privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, nav.last_action])
+        obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
+        if self.renderer is not None:
+            obs["pixels/front"] = self._pixels(nav)
+        return obs
+
+    # The environment as a whole.
+
+    def reset(self, key: jax.Array) -> State:
+        """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
+        nav = self.begin(key)
+        zero = jnp.float32(0.0)
+        return State(nav, self.observe(nav), zero, zero, self.zero_metrics(), self.info_of(nav))
+
+    def step(self, state: State, action: jax.Array) -> State:
+        """One control step without auto-reset."""
+        nav, reward, done, metrics = self.advance(state.data, action)
+        return State(nav, self.observe(nav), reward, done, metrics, self.info_of(nav))
+
+    def info_of(self, nav: NavState) -> dict[str, jax.Array]:
+        """Where the env is and how its episode ended."""
+        timeout = (nav.result == Result.TIMEOUT).astype(jnp.float32)
+        return {
+            "scene": nav.sim.scene,
+            "episode": nav.episode,
+            "result": nav.result,
+            "steps": nav.steps.astype(jnp.float32),
+            "truncation": timeout,
+            "time_out": timeout,
+        }
+
+    def zero_metrics(self) -> dict[str, jax.Array]:
+        """The metrics of a first state."""
+        names = [f"reward/{name}" for name in self._config.reward_config.scales]
+        names += [
+            "success",
+            "hit",
+            "off_traversable",
+            "fall",
+            "timeout",
+            "non_finite",
+            "route_completion",
+            "distance_to_goal",
+            "hit_time_per_step",
+            "slot_overflow",
+        ]
+        return {name: jnp.float32(0.0) for name in names}
+
+    def is_traversable(self, scene: jax.Array, p_xy: jax.Array) -> jax.Array:
+        """() bool: whether the ground under (2,) m is a kind a pavement robot may be on."""
+        cell = jnp.floor((p_xy - self._map_origin[scene]) / self._map_resolution).astype(jnp.int32)
+        size = jnp.array(self._map_kind.shape[1:])
+        inside = ((cell >= 0) & (cell < size)).all()
+        cell = jnp.clip(cell, 0, size - 1)
+        return inside & self._traversable[self._map_kind[scene, cell[0], cell[1]]]
+
+    def _control(self, action: jax.Array) -> jax.Array:
+        robot = self.robot
+        if self._config.action_mode == "waypoint":
+            v, omega = robot.waypoint_to_velocity(action, self.dt)
+        else:
+            v, omega = 0.5 * (action[0] + 1.0) * robot.max_speed, action[1] * robot.max_yaw_rate
+        return robot.command(v, omega)
+
+    def _rewards(self, old: NavState, new: NavState, velocity: jax.Array, hit: jax.Array) -> dict[str, jax.Array]:
+        to_goal = new.goal[:2] - jnp.where(
+            jnp.isfinite(new.sim.xpos[self._root, :2]), new.sim.xpos[self._root, :2], new.goal[:2]
+        )
+        values = {
+            "arrived": terms.reward_arrived(new.result),
+            "hit": terms.reward_hit(hit),
+            "off_traversable": terms.reward_off_traversable(new.result),
+            "position": terms.reward_position(new.goal_distance, 5.0),
+            "position_fine": terms.reward_position(new.goal_distance, 1.0),
+            "velocity_cosine": terms.reward_velocity_cosine(velocity, to_goal),
+            "velocity_dot": terms.reward_velocity_dot(velocity, to_goal),
+            "progress": terms.reward_progress(old.goal_distance, new.goal_distance),
+        }
+        factor = self.dt if self._config.reward_config.multiply_by_dt else 1.0
+        return {name: jnp.float32(factor * scale) * values[name] for name, scale in self._config.reward_config.scales.items()}
+
+    def _metrics(self, nav: NavState, done: jax.Array, rewards: dict[str, jax.Array]) -> dict[str, jax.Array]:
+        def ended(code: Result) -> jax.Array:
+            return (nav.result == code).astype(jnp.float32)
+
+        return {
+            **{f"reward/{name}": value for name, value in rewards.items()},
+            "success": ended(Result.GOAL),
+            "hit": ended(Result.HIT),
+            "off_traversable": ended(Result.OFF_TRAVERSABLE),
+            "fall": ended(Result.FALL),
+            "timeout": ended(Result.TIMEOUT),
+            "non_finite": ended(Result.NON_FINITE),
+            "route_completion": done * nav.route_done / jnp.maximum(nav.route_length, 1e-6),
+            "distance_to_goal": done * nav.goal_distance,
+            "hit_time_per_step": jnp.nan_to_num(nav.sim.contacts.hit_fraction),
+            "slot_overflow": nav.sim.slot_overflow.astype(jnp.float32),
+        }
+
+    def _pixels(self, nav: NavState) -> jax.Array:
+        assert self.renderer is not None
+        frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat)
+        if not self._config.vision_config.depth:
+            return frame["rgb"]
+        depth = jnp.clip(frame["depth"] * 10.0, 0.0, 255.0).astype(jnp.uint8)
+        return jnp.concatenate([frame["rgb"], depth[..., None]], axis=-1)

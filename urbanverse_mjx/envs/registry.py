@@ -1,0 +1,137 @@
+"""Environments by name, as in MuJoCo Playground; others can register their own from outside the package."""
+
+import difflib
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ml_collections import ConfigDict
+
+from .. import settings
+from ..datatypes import NounError, RobotSpec, SceneBank
+from .config import default_config
+from .navigation import NavEnv
+
+EnvMaker = Callable[[ConfigDict, SceneBank], Any]
+ConfigMaker = Callable[[str], ConfigDict]
+
+_REGISTRY: dict[str, tuple[EnvMaker, ConfigMaker]] = {}
+
+
+def register_environment(name: str, make: EnvMaker, make_config: ConfigMaker) -> None:
+    """Adds an environment.
+
+    Args:
+      name: CamelCase, new.
+      make: (config, bank) -> environment.
+      make_config: preset name -> a fresh config.
+    """
+    if name in _REGISTRY:
+        raise NounError(f"environment {name!r}: found it registered already, needed a new name.")
+    _REGISTRY[name] = (make, make_config)
+
+
+def all_envs() -> tuple[str, ...]:
+    """Names of all registered environments, also those registered after import."""
+    return tuple(sorted(_REGISTRY))
+
+
+def __getattr__(name: str) -> Any:
+    if name == "ALL_ENVS":
+        return all_envs()
+    raise AttributeError(name)
+
+
+def _entry(name: str) -> tuple[EnvMaker, ConfigMaker]:
+    if name not in _REGISTRY:
+        near = difflib.get_close_matches(name, _REGISTRY, 1, 0.4)
+        hint = f"did you mean {near[0]!r}?" if near else "see registry.ALL_ENVS"
+        raise NounError(f"environment: found {name!r}, needed one of {', '.join(all_envs())}; {hint}")
+    return _REGISTRY[name]
+
+
+def get_default_config(name: str, preset: str = "paper") -> ConfigDict:
+    """A fresh, locked config."""
+    return _entry(name)[1](preset)
+
+
+def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDict:
+    """A copy of `config` with flat dotted keys replaced, e.g. {"reward_config.scales.hit": -50}."""
+    copy = ConfigDict(config.to_dict()).lock()
+    for key, value in overrides.items():
+        try:
+            copy.update_from_flattened_dict({key: value})
+        except (KeyError, TypeError, ValueError) as error:
+            raise NounError(f"config override {key!r}: found {value!r}, which does not fit ({error}).") from error
+    return copy
+
+
+def load(
+    name: str,
+    config: ConfigDict | None = None,
+    config_overrides: Mapping[str, Any] | None = None,
+    bank: SceneBank | None = None,
+) -> Any:
+    """Builds an environment.
+
+    Args:
+      name: a registered name, e.g. "CocoNav".
+      config: from `get_default_config`; None takes the default of the preset in `config_overrides` or "paper".
+      config_overrides: flat dotted keys; "preset" picks the base when `config` is None.
+      bank: scenes; None loads the bank that `urbanverse scene bank` built last.
+    """
+    make, make_config = _entry(name)
+    overrides = dict(config_overrides or {})
+    if config is None:
+        config = make_config(overrides.pop("preset", "paper"))
+    return make(with_overrides(config, overrides), bank if bank is not None else load_default_bank())
+
+
+def load_default_bank() -> SceneBank:
+    """The bank of the six streets in the cache.
+
+    Raises:
+      NounError: it has not been built on this machine.
+    """
+    path = settings.default_bank_path()
+    if not path.is_file():
+        raise NounError(f"scene bank: found none at {path}, needed one; run `urbanverse scene bank` (or `make scenes`).")
+    return SceneBank.load(path)
+
+
+def make_robot(config: ConfigDict) -> RobotSpec:
+    """The robot a config names."""
+    from ..robots import make_coco
+
+    if config.robot != "coco":
+        raise NounError(f"config.robot: found {config.robot!r}, needed 'coco'.")
+    return make_coco(drive=config.drive)
+
+
+def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
+    """A `NavEnv` with the engine and the renderer its config asks for."""
+    from ..simulation import make_engine
+
+    robot = make_robot(config)
+    if abs(config.ctrl_dt / config.sim_dt - round(config.ctrl_dt / config.sim_dt)) > 1e-6:
+        raise NounError(
+            f"config.ctrl_dt: found {config.ctrl_dt} s with sim_dt {config.sim_dt} s, needed a whole number of steps."
+        )
+    engine = make_engine(
+        bank,
+        robot,
+        impl=config.impl,
+        control_dt=config.ctrl_dt,
+        physics_dt=config.sim_dt,
+        num_slots=config.num_slots,
+    )
+    renderer = None
+    if config.vision:
+        from ..simulation.renderer import Renderer
+
+        view = config.vision_config
+        outputs = ("rgb", "depth") if view.depth else ("rgb",)
+        renderer = Renderer(bank, robot, view.height, view.width, outputs=outputs, sky=view.sky, shadows=view.shadows)
+    return NavEnv(config, bank, robot, engine, renderer)
+
+
+register_environment("CocoNav", make_nav_env, default_config)

@@ -1,0 +1,126 @@
+"""Pure terms of the navigation task: geometry, observations, rewards, terminations. All are per env, f32, no state.
+
+Distances are on the ground plane. Rewards follow the paper's appendix; where the paper is silent the
+authors' released terms are used, each named in its docstring.
+"""
+
+import jax
+import jax.numpy as jnp
+
+from .types import Result
+
+
+def yaw_of(quaternion: jax.Array) -> jax.Array:
+    """Heading (rad) of a body from its (4,) wxyz quaternion."""
+    w, x, y, z = quaternion
+    return jnp.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def up_of(quaternion: jax.Array) -> jax.Array:
+    """z component of the body's up axis in the world; 1 = upright."""
+    _, x, y, _ = quaternion
+    return 1.0 - 2.0 * (x * x + y * y)
+
+
+def to_body(vector_world: jax.Array, yaw: jax.Array) -> jax.Array:
+    """(2,) world vector seen in the heading frame (x forward, y left)."""
+    c, s = jnp.cos(yaw), jnp.sin(yaw)
+    x, y = vector_world[0], vector_world[1]
+    return jnp.stack([c * x + s * y, -s * x + c * y])
+
+
+def limit_norm(vector: jax.Array, limit: float) -> jax.Array:
+    """Shortens a vector to at most `limit`."""
+    norm = jnp.linalg.norm(vector)
+    return vector * jnp.minimum(1.0, limit / jnp.maximum(norm, 1e-6))
+
+
+def route_length(start: jax.Array, waypoints: jax.Array) -> jax.Array:
+    """Length (m) of the polyline start (3,), waypoints (W, 3); repeated waypoints add nothing."""
+    points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
+    return jnp.linalg.norm(jnp.diff(points, axis=0), axis=-1).sum()
+
+
+def route_position(p_xy: jax.Array, start: jax.Array, waypoints: jax.Array) -> jax.Array:
+    """Arc length (m) of the point of the route nearest to `p_xy` (2,)."""
+    points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
+    a, b = points[:-1], points[1:]
+    span = b - a
+    length = jnp.linalg.norm(span, axis=-1)
+    t = jnp.clip(((p_xy - a) * span).sum(-1) / jnp.maximum(length**2, 1e-9), 0.0, 1.0)
+    distance = jnp.linalg.norm(a + t[:, None] * span - p_xy, axis=-1)
+    # Segments of no length (padding) must not win a tie against the real last one.
+    best = jnp.argmin(jnp.where(length > 1e-6, distance, jnp.inf))
+    before = jnp.cumsum(length) - length
+    return before[best] + t[best] * length[best]
+
+
+def next_waypoint(p_xy: jax.Array, waypoint: jax.Array, waypoints: jax.Array, count: jax.Array) -> jax.Array:
+    """Index of the waypoint to head for: moves on when within 2 m of the present one."""
+    near = jnp.linalg.norm(waypoints[waypoint, :2] - p_xy) < 2.0
+    return jnp.minimum(waypoint + near.astype(jnp.int32), count - 1)
+
+
+def reward_arrived(result: jax.Array) -> jax.Array:
+    """1 on the step that reaches the goal (paper R_A)."""
+    return (result == Result.GOAL).astype(jnp.float32)
+
+
+def reward_hit(hit: jax.Array) -> jax.Array:
+    """1 on a step with a hit (paper R_C)."""
+    return hit.astype(jnp.float32)
+
+
+def reward_off_traversable(result: jax.Array) -> jax.Array:
+    """1 on the step that leaves the traversable area."""
+    return (result == Result.OFF_TRAVERSABLE).astype(jnp.float32)
+
+
+def reward_position(distance: jax.Array, std: float) -> jax.Array:
+    """1 - tanh(distance / std) in [0, 1] (paper R_P; the form is the released code's tracking term)."""
+    return 1.0 - jnp.tanh(distance / std)
+
+
+def reward_velocity_cosine(velocity_xy: jax.Array, to_goal_xy: jax.Array) -> jax.Array:
+    """Cosine between the velocity and the direction to the goal (paper R_V), 0 at rest.
+
+    The speed enters below 5 cm/s so that the jitter of a standing robot earns nothing.
+    """
+    norm = jnp.maximum(jnp.linalg.norm(velocity_xy), 0.05) * jnp.maximum(jnp.linalg.norm(to_goal_xy), 1e-6)
+    return velocity_xy @ to_goal_xy / norm
+
+
+def reward_velocity_dot(velocity_xy: jax.Array, to_goal_xy: jax.Array) -> jax.Array:
+    """Speed (m/s) towards the goal (released code's velocity term)."""
+    return velocity_xy @ to_goal_xy / jnp.maximum(jnp.linalg.norm(to_goal_xy), 1e-6)
+
+
+def reward_progress(previous_distance: jax.Array, distance: jax.Array) -> jax.Array:
+    """Metres by which the goal came nearer in this step (released code's moving-towards-goal idea)."""
+    return previous_distance - distance
+
+
+def result_of(
+    *,
+    finite: jax.Array,
+    fallen: jax.Array,
+    hit: jax.Array,
+    off_traversable: jax.Array,
+    at_goal: jax.Array,
+    out_of_time: jax.Array,
+) -> jax.Array:
+    """() i32 result code; when several hold, the first of non-finite, hit, fall, off, goal, timeout counts.
+
+    A robot that touches something while it arrives has not arrived without collision (paper, SR).
+    """
+    code = jnp.int32(Result.RUNNING)
+    for flag, value in (
+        (out_of_time, Result.TIMEOUT),
+        (at_goal, Result.GOAL),
+        (off_traversable, Result.OFF_TRAVERSABLE),
+        (fallen, Result.FALL),
+        (hit, Result.HIT),
+        (~finite, Result.NON_FINITE),
+    ):
+        code = jnp.where(flag, jnp.int32(value), code)
+    return code

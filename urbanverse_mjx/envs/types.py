@@ -1,0 +1,78 @@
+"""What an environment hands out (`State`), carries inside (`NavState`) and how episodes end (`Result`)."""
+
+import enum
+from typing import Any, NamedTuple
+
+import jax
+from flax import struct
+
+
+class Result(enum.IntEnum):
+    """How an episode ended; RUNNING while it has not."""
+
+    RUNNING = 0
+    GOAL = 1
+    HIT = 2
+    OFF_TRAVERSABLE = 3
+    FALL = 4
+    NON_FINITE = 5
+    TIMEOUT = 6
+
+
+class NavState(NamedTuple):
+    """Everything one navigation env carries from step to step; replaced as a whole when an episode begins.
+
+    Attributes:
+      key: typed PRNG key for the next episode.
+      sim: the engine's `SimState`.
+      episode: () i32, row of the scene's episode table.
+      start: (3,) m; goal: (3,) m; waypoints: (W, 3) m, the last real one is the goal, which then repeats.
+      num_waypoints: () i32.
+      waypoint: () i32, the next waypoint to pass.
+      route_length: () f32 m along start, waypoints, goal.
+      route_done: () f32 m, farthest point of the route reached so far.
+      goal_distance: () f32 m, ground distance robot to goal.
+      steps: () i32 control steps done.
+      last_action: (2,) f32.
+      result: () i32, see `Result`.
+    """
+
+    key: Any
+    sim: Any
+    episode: Any
+    start: Any
+    goal: Any
+    waypoints: Any
+    num_waypoints: Any
+    waypoint: Any
+    route_length: Any
+    route_done: Any
+    goal_distance: Any
+    steps: Any
+    last_action: Any
+    result: Any
+
+
+@struct.dataclass
+class State:
+    """State of an environment, with the fields users of MuJoCo Playground know.
+
+    Attributes:
+      data: `NavState`.
+      obs: dict of observations.
+      reward: () f32; done: () f32, 1 when the episode ended with this step.
+      metrics: dict of () f32, the same keys from reset on.
+      info: dict of further values: scene, episode, result, steps, truncation, time_out.
+    """
+
+    data: NavState
+    obs: dict[str, jax.Array]
+    reward: jax.Array
+    done: jax.Array
+    metrics: dict[str, jax.Array]
+    info: dict[str, Any]
+
+    @property
+    def pipeline_state(self) -> NavState:
+        """Brax's name of `data`."""
+        return self.data

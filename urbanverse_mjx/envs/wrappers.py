@@ -1,0 +1,96 @@
+"""Training wrapper: batched, auto-resetting into a new scene, one frame a step.
+
+Brax's own AutoResetWrapper would restore the first state of each env for ever (its scene, start and goal), so
+it is not supported; `wrap_for_training` is handed to `brax.training.agents.ppo.train` as `wrap_env_fn`.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from ..datatypes import NounError
+from .navigation import NavEnv
+from .types import State
+
+
+class AutoResetEnv:
+    """A batch of `NavEnv`s: advance, begin anew where done (all carried state replaced), then observe once.
+
+    `reset(keys)` and `step(state, actions)` take a leading batch axis. Beside the env's own info the state holds
+    what Brax reads: steps, truncation, time_out, episode_done, episode_metrics (sums over the running episode).
+    After a done step, `obs` is the first observation of the next episode, while reward, metrics and info belong to
+    the step that ended; Brax's GAE never looks across `done`.
+    """
+
+    def __init__(self, env: NavEnv, episode_length: int):
+        if episode_length != env.config.episode_length:
+            raise NounError(
+                f"episode_length: found {episode_length}, needed the environment's {env.config.episode_length}; "
+                "set config.episode_length instead."
+            )
+        self.env = env
+
+    @property
+    def action_size(self) -> int:
+        return self.env.action_size
+
+    @property
+    def observation_size(self) -> Any:
+        return self.env.observation_size
+
+    @property
+    def backend(self) -> str:
+        return self.env.backend
+
+    @property
+    def unwrapped(self) -> NavEnv:
+        return self.env
+
+    def reset(self, keys: jax.Array) -> State:
+        """First states for (n,) keys."""
+
+        def first(key: jax.Array) -> State:
+            nav = self.env.begin(key)
+            metrics, zero = self.env.zero_metrics(), jnp.float32(0.0)
+            sums = {**metrics, "sum_reward": zero, "length": zero}
+            info = {**self.env.info_of(nav), "episode_done": zero, "episode_metrics": sums}
+            return State(nav, self.env.observe(nav), zero, zero, metrics, info)
+
+        return jax.vmap(first)(keys)
+
+    def step(self, state: State, action: jax.Array) -> State:
+        """One control step of every env."""
+
+        def advance(state: State, action: jax.Array) -> State:
+            nav, reward, done, metrics = self.env.advance(state.data, action)
+            alive = 1.0 - state.done
+            old = state.info["episode_metrics"]
+            new = {**metrics, "sum_reward": reward, "length": jnp.float32(1.0)}
+            sums = {name: old[name] * alive + new[name] for name in new}
+            info = {**self.env.info_of(nav), "episode_done": done, "episode_metrics": sums}
+            fresh = self.env.begin(nav.key)
+            nav = jax.tree.map(lambda a, b: jnp.where(done > 0, a, b), fresh, nav)
+            return State(nav, state.obs, reward, done, metrics, info)
+
+        state = jax.vmap(advance)(state, action)
+        return state.replace(obs=jax.vmap(self.env.observe)(state.data))
+
+
+def wrap_for_training(
+    env: NavEnv,
+    episode_length: int,
+    action_repeat: int = 1,
+    randomization_fn: Callable[..., Any] | None = None,
+) -> AutoResetEnv:
+    """The `wrap_env_fn` for Brax's trainers.
+
+    Raises:
+      NounError: action_repeat other than 1 (the env's control step is the policy's step) or a Brax randomiser.
+    """
+    if action_repeat != 1:
+        raise NounError(f"action_repeat: found {action_repeat}, needed 1; set config.ctrl_dt instead.")
+    if randomization_fn is not None:
+        raise NounError("randomization_fn: found a function, needed None; scenes differ per env already.")
+    return AutoResetEnv(env, episode_length)
