@@ -201,9 +201,8 @@ def _(rng: np.random.Generator) -> np.ndarray:
     dark = (np.floor(a) + np.floor(b)) % 2 == 0
     gap = np.minimum(p.to_nearest(a % 1.0), p.to_nearest(b % 1.0)) * SIZE / 4 / np.sqrt(2)
     image = p.mix(p.tone((0.68, 0.44, 0.33)), p.tone((0.58, 0.36, 0.28)), dark * 1.0)
-    image = image * (1 + noise.periodic_noise(rng, SIZE, 0.8) * 0.04 + noise.periodic_noise(rng, SIZE, 2.4, 2.0) * 0.04)[
-        ..., None
-    ]
+    dirt = noise.periodic_noise(rng, SIZE, 0.8) * 0.04 + noise.periodic_noise(rng, SIZE, 2.4, 2.0) * 0.04
+    image = image * (1 + dirt)[..., None]
     return p.mix(image, (0.4, 0.3, 0.25), np.clip(1.7 - gap, 0, 1) * 0.8)
 
 

@@ -1,4 +1,4 @@
-"""Patterns that ground textures are laid from: courses, herringbone, setts, stones, cracks, stripes. All of them wrap."""
+"""Patterns that ground textures are laid from: courses, herringbone, setts, stones, cracks, stripes. They all wrap."""
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def crack(rng: np.random.Generator, count: int, width: float = 1.0) -> np.ndarra
         position = rng.random(2) * SIZE
         for _ in range(int(rng.integers(90, 240))):
             heading += rng.normal(0, 0.28)
-            position = (position + [np.sin(heading), np.cos(heading)]) % SIZE
+            position = (position + np.array([np.sin(heading), np.cos(heading)])) % SIZE
             image[int(position[0]) % SIZE, int(position[1]) % SIZE] = 1.0
     return np.clip(noise.blur(image, width) * 4.0 * width, 0.0, 1.0)
 

@@ -8,6 +8,7 @@ Everything is then scaled so that a white diffuse surface in the open is about 0
 
 import dataclasses
 import functools
+import itertools
 
 import numpy as np
 
@@ -154,7 +155,7 @@ def _depths(origin: np.ndarray, direction: np.ndarray, steps: int = 16) -> tuple
     # Midpoints crowd near the start, where the air is dense.
     edges = np.linspace(0.0, 1.0, steps + 1) ** 2
     rayleigh, mie = np.zeros(length.shape), np.zeros(length.shape)
-    for near, far in zip(edges[:-1], edges[1:], strict=True):
+    for near, far in itertools.pairwise(edges):
         point = origin + direction * (length * (near + far) / 2)[..., None]
         height = np.maximum(np.linalg.norm(point, axis=-1) - EARTH_RADIUS, 0.0)
         step = length * (far - near)
@@ -186,7 +187,7 @@ def _clear(directions: np.ndarray, sun: np.ndarray, beta_mie: float) -> tuple[np
     edges = np.linspace(0.0, 1.0, 25) ** 2.5
     total, isotropic = np.zeros((len(directions), 3)), np.zeros((len(directions), 3))
     column = [np.zeros(len(directions)), np.zeros(len(directions))]
-    for near, far in zip(edges[:-1], edges[1:], strict=True):
+    for near, far in itertools.pairwise(edges):
         point = ground + directions * (length * (near + far) / 2)[:, None]
         height = np.maximum(np.linalg.norm(point, axis=-1) - EARTH_RADIUS, 0.0)
         step = length * (far - near)
