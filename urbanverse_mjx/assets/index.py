@@ -1,0 +1,169 @@
+"""The asset index: every record of every recipe, in one Parquet file that a command rebuilds bit for bit in content."""
+
+import functools
+import json
+import os
+import pathlib
+from collections.abc import Iterable
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError, content_hash
+from urbanverse_mjx.datatypes.validation import write_atomically
+
+from . import ontology
+from .mesh_builder import BuiltAsset
+from .paths import data_root
+from .recipe import Recipe, all_recipes, get_recipe
+
+GRAVITY = 9.81  # m/s^2
+LICENCE = "Apache-2.0"
+PROVENANCE = "urbanverse_mjx parametric recipe"
+REBUILD = "python -m urbanverse_mjx.assets build"
+SCHEMA = pa.schema(
+    [
+        ("uid", pa.string()),
+        ("category", pa.list_(pa.string())),
+        ("description", pa.string()),
+        ("recipe", pa.string()),
+        ("params", pa.string()),
+        ("extent_xyz", pa.list_(pa.float64())),
+        *[(name, pa.float64()) for name in ("length", "width", "height", "volume", "mass")],
+        ("materials", pa.list_(pa.string())),
+        ("friction_coefficient", pa.float64()),
+        ("movable", pa.bool_()),
+        ("required_force", pa.float64()),
+        ("licence", pa.string()),
+        ("provenance", pa.string()),
+    ]
+)
+
+
+class AssetIndex:
+    """All asset records, in order of their uid."""
+
+    def __init__(self, records: Iterable[AssetRecord]) -> None:
+        self.records: tuple[AssetRecord, ...] = tuple(sorted(records, key=lambda r: r.uid))
+        self._by_uid = {r.uid: r for r in self.records}
+        if len(self._by_uid) != len(self.records):
+            raise NounError("asset index: found a uid twice, needed every uid once; rename a recipe.")
+        self._by_leaf: dict[str, list[AssetRecord]] = {}
+        for record in self.records:
+            self._by_leaf.setdefault(record.leaf, []).append(record)
+
+    @property
+    def leaves(self) -> tuple[str, ...]:
+        """The leaves that have at least one record."""
+        return tuple(sorted(self._by_leaf))
+
+    def by_leaf(self, leaf: str) -> tuple[AssetRecord, ...]:
+        """The records of a leaf, in order of their uid; empty for a leaf without any.
+
+        Raises:
+          UnknownLabelError: the ontology has no such leaf.
+        """
+        ontology.category_of(leaf)
+        return tuple(self._by_leaf.get(leaf, ()))
+
+    def get(self, uid: str) -> AssetRecord:
+        """The record of a uid.
+
+        Raises:
+          NounError: the index holds none.
+        """
+        if uid not in self._by_uid:
+            raise NounError(
+                f"asset uid: found {uid!r}, needed one of the index's {len(self.records)} records; "
+                "the layout may have been made with another index: materialise its scene graph again."
+            )
+        return self._by_uid[uid]
+
+    def content_hash(self) -> str:
+        """64 hexadecimal digits over all records (1 mm, 1 g)."""
+        return content_hash([r.to_json() for r in self.records])
+
+
+def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -> AssetRecord:
+    """Builds one variant and measures it."""
+    built = built or recipe.build(variant)
+    extent = [round(float(e), 4) for e in built.mesh.extent]
+    physics = recipe.physics
+    volume = built.volume if built.volume > 0 else 0.1 * float(np.prod(built.mesh.extent))
+    mass = built.mass if built.mass is not None else float(np.clip(volume * physics.density, *physics.mass_range))
+    slug = recipe.leaf.replace(" ", "-")
+    family = recipe.name.replace("_", "-").replace(".", "-")
+    return AssetRecord(
+        uid=f"{slug}/{family}/{variant:03d}",
+        category=ontology.category_of(recipe.leaf),
+        description=built.description,
+        recipe=recipe.name,
+        params={"variant": variant, **built.params},
+        extent_xyz=tuple(extent),
+        length=max(extent[:2]),
+        width=min(extent[:2]),
+        height=extent[2],
+        volume=round(volume, 6),
+        mass=round(mass, 3),
+        materials=physics.materials,
+        friction_coefficient=physics.friction,
+        movable=physics.movable,
+        required_force=round(physics.friction * mass * GRAVITY, 1),
+        licence=LICENCE,
+        provenance=PROVENANCE,
+    )
+
+
+def build_mesh(record: AssetRecord) -> AssetMesh:
+    """The mesh of a record, built by its recipe.
+
+    Raises:
+      NounError: this version of the package has no such recipe, or builds something else under its name.
+    """
+    return _build_cached(record.recipe, record.leaf, int(record.params["variant"]), record.extent_xyz, record.uid)
+
+
+@functools.lru_cache(maxsize=512)
+def _build_cached(name: str, leaf: str, variant: int, extent: tuple[float, ...], uid: str) -> AssetMesh:
+    mesh = get_recipe(name, leaf).build(variant).mesh
+    if np.abs(mesh.extent - np.asarray(extent)).max() > 1e-3:
+        raise NounError(
+            f"asset {uid!r}: found a mesh of {np.round(mesh.extent, 3).tolist()} m, needed the index's {list(extent)} m; "
+            f"rebuild the index with `{REBUILD}`."
+        )
+    return mesh
+
+
+def build_index() -> AssetIndex:
+    """Every variant of every recipe, built and measured."""
+    return AssetIndex(make_record(recipe, k) for recipe in all_recipes() for k in range(recipe.variants))
+
+
+def save_index(index: AssetIndex, path: str | os.PathLike[str] | None = None) -> pathlib.Path:
+    """Writes the index as Parquet (`params` as JSON text)."""
+    rows = [r.to_json() for r in index.records]
+    for row in rows:
+        row["params"] = json.dumps(row["params"], sort_keys=True)
+    table = pa.Table.from_pylist(rows, SCHEMA)
+    path = pathlib.Path(path or data_root() / "index.parquet")
+    return write_atomically(path, lambda p: pq.write_table(table, p, compression="zstd"))
+
+
+def load_index(path: str | os.PathLike[str] | None = None) -> AssetIndex:
+    """Reads the packaged index, or another one.
+
+    Raises:
+      NounError: no such file, or a record that is not valid.
+    """
+    return _load_cached(pathlib.Path(path or data_root() / "index.parquet"))
+
+
+@functools.lru_cache(maxsize=4)
+def _load_cached(path: pathlib.Path) -> AssetIndex:
+    if not path.is_file():
+        raise NounError(f"{path}: found no such file, needed the asset index; build it with `{REBUILD}`.")
+    rows = pq.read_table(path).to_pylist()
+    return AssetIndex(
+        AssetRecord.from_json({**row, "params": json.loads(row["params"])}, f"{path.name}[{i}]") for i, row in enumerate(rows)
+    )

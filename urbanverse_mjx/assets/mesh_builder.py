@@ -1,0 +1,389 @@
+"""`MeshBuilder`: collects painted parts into one `AssetMesh` with one texture.
+
+Frame: +x front, +y left, z up, metres. Upright solids (box, cylinder, lathe, extrusion) stand on `at`, the centre of their base; round
+ones (ball, ring) are centred on it. `turn_deg` = (about x, about y, about z) in degrees, applied in that order about `at`.
+"""
+
+import contextlib
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.transform import Rotation
+
+from urbanverse_mjx.datatypes import AssetMesh
+
+from . import palette, shapes
+from .atlas import pack
+from .palette import Color
+from .shapes import Point2, Point3, Shape
+
+Picture = np.ndarray | Image.Image
+ZERO = (0.0, 0.0, 0.0)
+CREASE_DEG = 40.0
+_NORMALS = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1), "-z": (0, 0, -1)}
+
+
+@dataclasses.dataclass(frozen=True)
+class BuiltAsset:
+    """What a recipe returns.
+
+    Attributes:
+      mesh: the painted mesh, footprint centred, bottom at z = 0.
+      description: one sentence without its full stop.
+      params: what makes this variant itself, recorded in the index (JSON values).
+      volume: m^3 enclosed by the closed parts (overlaps counted twice).
+      mass: kg, or None to take volume times the recipe's bulk density.
+    """
+
+    mesh: AssetMesh
+    description: str
+    params: dict[str, Any]
+    volume: float
+    mass: float | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class _Part:
+    shape: Shape
+    color: tuple[int, int, int] | None
+    picture: int | None
+    crease_deg: float
+
+
+def affine(at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1.0) -> np.ndarray:
+    """(4, 4) matrix: scale, then turn about x, y, z, then move to `at`."""
+    matrix = np.eye(4)
+    turn = Rotation.from_euler("xyz", turn_deg, degrees=True).as_matrix()
+    matrix[:3, :3] = turn * np.broadcast_to(np.asarray(scale, float), 3)
+    matrix[:3, 3] = at
+    return matrix
+
+
+class MeshBuilder:
+    """Adds parts one by one; `build` makes the asset. `roughness` and `metallic` hold for the whole mesh."""
+
+    def __init__(self, roughness: float = 0.8, metallic: float = 0.0) -> None:
+        self._roughness, self._metallic = roughness, metallic
+        self._parts: list[_Part] = []
+        self._pictures: list[np.ndarray] = []
+        self._frame = np.eye(4)
+
+    @contextlib.contextmanager
+    def frame(self, at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1.0) -> Iterator["MeshBuilder"]:
+        """Parts added inside are placed in this frame (frames nest; a negative scale mirrors)."""
+        outer = self._frame
+        self._frame = outer @ affine(at, turn_deg, scale)
+        try:
+            yield self
+        finally:
+            self._frame = outer
+
+    def add(
+        self,
+        shape: Shape,
+        color: Color | None = None,
+        at: Point3 = ZERO,
+        turn_deg: Point3 = ZERO,
+        scale: Point3 | float = 1.0,
+        picture: Picture | None = None,
+        crease_deg: float = CREASE_DEG,
+    ) -> None:
+        """Adds any shape, in one colour, or with a picture where the shape has UV.
+
+        Edges that bend more than `crease_deg` look sharp, others are shaded smoothly.
+        """
+        if (color is None) == (picture is None):
+            raise ValueError("part: found both or neither of color and picture, needed exactly one.")
+        if picture is not None and shape.uv is None:
+            raise ValueError("part: found a picture on a shape without UV, needed a panel, quad, sheet or box skin.")
+        placed = shape.transformed(self._frame @ affine(at, turn_deg, scale))
+        paint = None if color is None else palette.rgb(color)
+        self._parts.append(_Part(placed, paint, None if picture is None else self._picture(picture), crease_deg))
+
+    def _picture(self, picture: Picture) -> int:
+        pixels = np.asarray(picture.convert("RGB") if isinstance(picture, Image.Image) else picture, np.uint8)
+        for i, known in enumerate(self._pictures):
+            if known.shape == pixels.shape and np.array_equal(known, pixels):
+                return i
+        self._pictures.append(pixels)
+        return len(self._pictures) - 1
+
+    # Solids -----------------------------------------------------------------------------------------------------------
+
+    def box(
+        self,
+        size: Point3,
+        at: Point3 = ZERO,
+        color: Color = "grey",
+        turn_deg: Point3 = ZERO,
+        bevel: float = 0.0,
+        taper: Point2 = (1.0, 1.0),
+        centered: bool = False,
+        skins: Mapping[str, Picture] | None = None,
+    ) -> None:
+        """A box standing on `at` (or centred on it); `skins` lays pictures on faces, e.g. {"+x": shop_front}."""
+        lift = affine((0, 0, -size[2] / 2 if centered else 0.0))
+        with self.frame(at, turn_deg):
+            self.add(shapes.box(size, bevel, taper).transformed(lift), color, crease_deg=20.0)
+            centre = np.array([0.0, 0.0, 0.0 if centered else size[2] / 2])
+            for face, picture in (skins or {}).items():
+                normal = np.array(_NORMALS[face], float)
+                across, up = _face_size(size, face)
+                # 2 mm proud of the face, so that the picture never fights the box for a pixel.
+                self.panel(picture, centre + normal * (np.abs(normal) @ np.asarray(size) / 2 + 0.002), across, up, face)
+
+    def cylinder(
+        self,
+        radius: float,
+        height: float,
+        at: Point3 = ZERO,
+        color: Color = "grey",
+        turn_deg: Point3 = ZERO,
+        top_radius: float | None = None,
+        segments: int = 16,
+    ) -> None:
+        """An upright cylinder, cone (`top_radius=0`) or frustum standing on `at`."""
+        self.add(shapes.frustum(radius, radius if top_radius is None else top_radius, height, segments), color, at, turn_deg)
+
+    def cone(self, radius: float, height: float, at: Point3 = ZERO, color: Color = "grey", segments: int = 16) -> None:
+        self.add(shapes.frustum(radius, 0.0, height, segments), color, at)
+
+    def ball(
+        self,
+        radii: Point3 | float,
+        at: Point3 = ZERO,
+        color: Color = "grey",
+        turn_deg: Point3 = ZERO,
+        segments: int = 14,
+        rings: int = 8,
+    ) -> None:
+        """A sphere or ellipsoid centred on `at`."""
+        self.add(shapes.ellipsoid(radii, segments, rings), color, at, turn_deg)
+
+    def capsule(
+        self, radius: float, length: float, at: Point3 = ZERO, color: Color = "grey", turn_deg: Point3 = ZERO, segments: int = 12
+    ) -> None:
+        self.add(shapes.capsule(radius, length, segments), color, at, turn_deg)
+
+    def ring(
+        self,
+        radius: float,
+        thickness: float,
+        at: Point3 = ZERO,
+        color: Color = "grey",
+        turn_deg: Point3 = ZERO,
+        segments: int = 24,
+        sides: int = 8,
+    ) -> None:
+        """A torus about the local z, centred on `at`; `thickness` is the tube's radius."""
+        self.add(shapes.torus(radius, thickness, segments, sides), color, at, turn_deg)
+
+    def lathe(
+        self,
+        profile: Sequence[Point2],
+        at: Point3 = ZERO,
+        color: Color = "grey",
+        turn_deg: Point3 = ZERO,
+        segments: int = 16,
+        crease_deg: float = CREASE_DEG,
+    ) -> None:
+        """(radius, z) points from bottom to top, revolved about the local z."""
+        self.add(shapes.lathe(profile, segments), color, at, turn_deg, crease_deg=crease_deg)
+
+    def extrude(
+        self,
+        outline: Sequence[Point2],
+        height: float,
+        at: Point3 = ZERO,
+        color: Color = "grey",
+        turn_deg: Point3 = ZERO,
+        holes: Sequence[Sequence[Point2]] = (),
+        crease_deg: float = CREASE_DEG,
+    ) -> None:
+        """A polygon in local xy raised along local z; it may be concave and have holes."""
+        self.add(shapes.extrusion(outline, height, holes), color, at, turn_deg, crease_deg=crease_deg)
+
+    def profile(self, outline_xz: Sequence[Point2], width: float, at: Point3 = ZERO, color: Color = "grey") -> None:
+        """A side view drawn in (x, z), `width` wide across y, centred on `at`."""
+        solid = shapes.extrusion([(x, z) for x, z in outline_xz], width)
+        # Local (x, y, z) = (x, up, across): turned so that the drawing's up is z; then centred across.
+        self.add(solid.transformed(affine((0, width / 2, 0), (90, 0, 0))), color, at)
+
+    def tube(
+        self,
+        path: Sequence[Point3],
+        radius: float | Sequence[float],
+        color: Color = "grey",
+        sides: int = 8,
+        closed: bool = False,
+        at: Point3 = ZERO,
+    ) -> None:
+        """A round pipe along a polyline; one radius or one per point."""
+        self.add(shapes.tube(path, radius, sides, closed), color, at, crease_deg=50.0)
+
+    def rod(self, start: Point3, end: Point3, radius: float, color: Color = "grey", sides: int = 8) -> None:
+        """A straight round bar between two points."""
+        self.tube([start, end], radius, color, sides)
+
+    def beam(
+        self, start: Point3, end: Point3, width: float, depth: float, color: Color = "grey", bevel: float = 0.0
+    ) -> None:
+        """A straight bar of rectangular section; `width` lies level across the bar, `depth` is the other side."""
+        a, b = np.asarray(start, float), np.asarray(end, float)
+        axis = b - a
+        length = float(np.linalg.norm(axis))
+        axis /= length
+        reference = np.array([0.0, 0.0, 1.0]) if abs(axis[2]) < 0.999 else np.array([1.0, 0.0, 0.0])
+        level = np.cross(reference, axis)
+        level /= np.linalg.norm(level)
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.stack([np.cross(level, axis), level, axis], 1)
+        matrix[:3, 3] = a
+        self.add(shapes.box((depth, width, length), bevel).transformed(matrix), color, crease_deg=20.0)
+
+    def loft(
+        self, sections: Sequence[np.ndarray], color: Color = "grey", at: Point3 = ZERO, crease_deg: float = CREASE_DEG
+    ) -> None:
+        """A skin through cross sections (see `shapes.loft`), closed by caps."""
+        self.add(shapes.loft(sections), color, at, crease_deg=crease_deg)
+
+    def convex(self, points: Sequence[Point3] | np.ndarray, color: Color = "grey", at: Point3 = ZERO) -> None:
+        """The convex hull of points."""
+        self.add(shapes.convex(points), color, at, crease_deg=25.0)
+
+    # Surfaces ---------------------------------------------------------------------------------------------------------
+
+    def panel(
+        self,
+        picture: Picture,
+        at: Point3,
+        width: float,
+        height: float,
+        facing: str | float = "+x",
+        back: Color | None = None,
+        tilt_deg: float = 0.0,
+    ) -> None:
+        """A flat picture centred on `at`, upright as seen from outside.
+
+        Args:
+          facing: "+x", "-x", "+y", "-y", "+z", "-z", or a yaw in degrees.
+          back: colour of the other side (else it cannot be seen from behind).
+          tilt_deg: leans the top backwards.
+        """
+        corners = _panel_corners(np.asarray(at, float), width, height, facing, tilt_deg)
+        self.add(shapes.quad(corners), picture=picture)
+        if back is not None:
+            normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
+            self.add(shapes.quad(corners - 0.001 * normal / np.linalg.norm(normal)).flipped(), back)
+
+    def quad(
+        self, corners: Sequence[Point3], color: Color | None = None, picture: Picture | None = None, both_sides: bool = False
+    ) -> None:
+        """Four corners: lower left, lower right, upper right, upper left, seen from the visible side."""
+        self.sheet(np.asarray(corners, float)[[0, 1, 3, 2]].reshape(2, 2, 3), color, picture, both_sides)
+
+    def sheet(
+        self, grid: np.ndarray, color: Color | None = None, picture: Picture | None = None, both_sides: bool = False
+    ) -> None:
+        """A curved surface through (rows, columns, 3) points; see `shapes.sheet`."""
+        surface = shapes.sheet(grid)
+        self.add(surface, color, picture=picture)
+        if both_sides:
+            self.add(surface.flipped(), color, picture=picture)
+
+    # The result -------------------------------------------------------------------------------------------------------
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """(2, 3) least and greatest corner of what was added so far, m."""
+        points = np.concatenate([p.shape.vertices for p in self._parts])
+        return np.stack([points.min(0), points.max(0)])
+
+    def build(
+        self, description: str, params: Mapping[str, Any] | None = None, mass: float | None = None, recenter: bool = True
+    ) -> BuiltAsset:
+        """Packs the texture, splits vertices at creases, centres the footprint and puts the bottom on z = 0."""
+        colors = sorted({p.color for p in self._parts if p.color is not None})
+        packed = pack(colors, self._pictures)
+        vertices, faces, uvs, offset = [], [], [], 0
+        for part in self._parts:
+            shape = _split(part.shape, part.crease_deg)
+            if part.picture is None:
+                uv = np.broadcast_to(packed.cells[colors.index(part.color)], (len(shape.vertices), 2))  # type: ignore[arg-type]
+            else:
+                u0, v0, u1, v1 = packed.rectangles[part.picture]
+                assert shape.uv is not None
+                uv = np.array([u0, v0]) + shape.uv * np.array([u1 - u0, v1 - v0])
+            vertices.append(shape.vertices)
+            faces.append(shape.faces + offset)
+            uvs.append(uv)
+            offset += len(shape.vertices)
+        points = np.concatenate(vertices)
+        if recenter:
+            low, high = points.min(0), points.max(0)
+            points = points - np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+        mesh = AssetMesh(
+            points, np.concatenate(faces), np.concatenate(uvs), packed.texture, self._roughness, self._metallic
+        )
+        volume = sum(_volume(p.shape) for p in self._parts)
+        return BuiltAsset(mesh, description, dict(params or {}), volume, mass)
+
+
+def _face_size(size: Point3, face: str) -> tuple[float, float]:
+    """(across, up) of a box face as `panel` sees it."""
+    x, y, z = (float(s) for s in size)
+    return {"x": (y, z), "y": (x, z), "z": (y, x)}[face[1]]
+
+
+def _panel_corners(at: np.ndarray, width: float, height: float, facing: str | float, tilt_deg: float) -> np.ndarray:
+    if isinstance(facing, str):
+        normal = np.array(_NORMALS[facing], float)
+    else:
+        normal = np.array([np.cos(np.radians(facing)), np.sin(np.radians(facing)), 0.0])
+    # Lying panels read with their top towards +x when seen from above, as text on the road does for who walks along +x.
+    up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.5 else np.array([1.0, 0.0, 0.0])
+    right = np.cross(up, normal)
+    lean = np.radians(tilt_deg)
+    up = np.cos(lean) * up - np.sin(lean) * normal
+    return np.stack([at + sx * right * width / 2 + sy * up * height / 2 for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+
+
+def _split(shape: Shape, crease_deg: float) -> Shape:
+    """Vertices shared only between faces joined by edges that bend less than the crease; unused ones dropped."""
+    faces = shape.faces
+    a, b, c = (shape.vertices[faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    corners = np.arange(faces.size).reshape(-1, 3)
+    start, end = faces.ravel(), np.roll(faces, -1, 1).ravel()
+    at_start, at_end = corners.ravel(), np.roll(corners, -1, 1).ravel()
+    count = len(shape.vertices)
+    forward, backward = start.astype(np.int64) * count + end, end.astype(np.int64) * count + start
+    order = np.argsort(forward)
+    found = np.clip(np.searchsorted(forward[order], backward), 0, len(order) - 1)
+    other = order[found]
+    smooth = (forward[other] == backward) & (
+        np.einsum("ij,ij->i", normals[np.arange(faces.size) // 3], normals[other // 3]) > np.cos(np.radians(crease_deg))
+    )
+    rows = np.concatenate([at_start[smooth], at_end[smooth]])
+    columns = np.concatenate([at_end[other[smooth]], at_start[other[smooth]]])
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(faces.size, faces.size))
+    _, group = connected_components(graph, directed=False)
+    _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
+    chosen = start[first]
+    return Shape(shape.vertices[chosen], inverse.reshape(-1, 3), None if shape.uv is None else shape.uv[chosen])
+
+
+def _volume(shape: Shape) -> float:
+    """m^3 enclosed, 0 for an open surface."""
+    edges = np.sort(np.concatenate([shape.faces[:, [0, 1]], shape.faces[:, [1, 2]], shape.faces[:, [2, 0]]]), 1)
+    _, counts = np.unique(edges, axis=0, return_counts=True)
+    if (counts != 2).any():
+        return 0.0
+    a, b, c = (shape.vertices[shape.faces[:, i]] for i in range(3))
+    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6)

@@ -1,0 +1,61 @@
+"""Pictures for signs, screens, doors and posters, drawn with Pillow (its built-in typeface, so every machine draws the same)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from .palette import Color, rgb
+
+Size = tuple[int, int]
+
+
+def canvas(size: Size, color: Color) -> tuple[Image.Image, ImageDraw.ImageDraw]:
+    """A picture of (width, height) pixels in one colour, and the pen for it."""
+    image = Image.new("RGB", size, rgb(color))
+    return image, ImageDraw.Draw(image)
+
+
+def text(
+    draw: ImageDraw.ImageDraw, words: str, box: tuple[float, float, float, float], color: Color, bold: float = 0.0
+) -> None:
+    """Writes words as large as fit into box = (left, top, right, bottom), centred; `bold` thickens strokes by a share of the size."""
+    left, top, right, bottom = box
+    size, stroke = 200, 0
+    while size > 5:
+        font = ImageFont.load_default(size)
+        stroke = round(size * bold)
+        x0, y0, x1, y1 = draw.multiline_textbbox((0, 0), words, font=font, stroke_width=stroke, align="center")
+        if x1 - x0 <= right - left and y1 - y0 <= bottom - top:
+            break
+        size -= 1
+    x = (left + right - x0 - x1) / 2
+    y = (top + bottom - y0 - y1) / 2
+    draw.multiline_text((x, y), words, fill=rgb(color), font=font, stroke_width=stroke, stroke_fill=rgb(color), align="center")
+
+
+def smooth(size: Size, scale: int = 4) -> Size:
+    """Size at which to draw before `shrunk`, for clean edges."""
+    return size[0] * scale, size[1] * scale
+
+
+def shrunk(image: Image.Image, size: Size) -> Image.Image:
+    """The picture resampled to its final size."""
+    return image.resize(size, Image.Resampling.LANCZOS)
+
+
+def speckled(size: Size, color: Color, rng: np.random.Generator, amount: float = 10.0, grain: int = 2) -> Image.Image:
+    """Stone-like noise about a colour; `amount` is its standard deviation (0-255), `grain` the size of a fleck in pixels."""
+    width, height = size
+    coarse = rng.normal(0.0, amount, (-(-height // grain), -(-width // grain), 1))
+    noise = np.kron(coarse, np.ones((grain, grain, 1)))[:height, :width]
+    return Image.fromarray(np.clip(np.array(rgb(color)) + noise, 0, 255).astype(np.uint8), "RGB")
+
+
+def stripes(size: Size, colors: Sequence[Color], count: int, slant: float = 0.0) -> Image.Image:
+    """`count` stripes across the width in turn of colours; `slant` moves their top by that share of the height."""
+    width, height = size
+    x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+    phase = (x + slant * (height - y)) / width * count
+    table = np.array([rgb(c) for c in colors], np.uint8)
+    return Image.fromarray(table[np.floor(phase).astype(int) % len(colors)], "RGB")

@@ -1,0 +1,1 @@
+"""Parametric recipes, one module per family; every module here is imported by `assets.recipe`."""
