@@ -1,0 +1,12 @@
+"""Fixtures shared by all rooms."""
+
+import pytest
+
+from tests.support.box_bank import box_bank
+from urbanverse_mjx.datatypes import SceneBank
+
+
+@pytest.fixture(scope="session")
+def small_bank() -> SceneBank:
+    """Three box streets, built in memory."""
+    return box_bank(3, seed=0)

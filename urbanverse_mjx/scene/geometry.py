@@ -1,0 +1,183 @@
+"""`SceneGeometry`: one compiled scene as plain arrays, before it is written as MJCF or packed into a bank.
+
+It is what both writers start from, so `scene.xml` and the bank cannot differ. File: `geometry.npz`.
+"""
+
+import dataclasses
+import json
+import os
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..datatypes import AssetMesh
+from ..datatypes import validation as v
+
+SCHEMA = "urbanverse.scene_geometry/1"
+
+
+class Sky(Protocol):
+    """Light of a scene, as `assets.skies` builds it.
+
+    Attributes:
+      radiance: (H, W, 3) float32 equirectangular, rows from zenith to nadir, column 0 at yaw -π growing
+        counter-clockwise, the sun's disc taken out.
+      sun_direction: (3,) unit vector from the ground to the sun, before the scene's sky yaw.
+      sun_irradiance: (3,) on a plane facing the sun.
+    """
+
+    @property
+    def radiance(self) -> np.ndarray: ...
+    @property
+    def sun_direction(self) -> np.ndarray: ...
+    @property
+    def sun_irradiance(self) -> np.ndarray: ...
+
+
+@dataclasses.dataclass(frozen=True)
+class SceneMap:
+    """5 cm map of one scene; cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells.
+
+    Attributes:
+      origin: (2,) m, lower corner; resolution: m.
+      height: (X, Y) float32 m of the ground's top at the cell's centre, NaN where there is none.
+      kind: (X, Y) uint8 over `ground.GROUND_KINDS`, paint included.
+      clearance: (X, Y) float32 m of free height above the ground, `FREE` where nothing hangs below 6.4 m.
+    """
+
+    origin: np.ndarray
+    resolution: float
+    height: np.ndarray
+    kind: np.ndarray
+    clearance: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
+class EpisodeTable:
+    """E episodes with at most W waypoints.
+
+    Attributes:
+      start: (E, 4) x, y, z of the ground, yaw; goal: (E, 3).
+      waypoints: (E, W, 3) every 5 m along the geodesic, the last is the goal and repeats.
+      num_waypoints: (E,) i32; length: (E,) geodesic m.
+      line_free: (E,) bool, nothing stands on the straight line from start to goal.
+      crosses_road: (E,) bool, the way uses a crosswalk.
+      drive_time: (E,) s the planner took without obstacles, -1 where it was not driven.
+    """
+
+    start: np.ndarray
+    goal: np.ndarray
+    waypoints: np.ndarray
+    num_waypoints: np.ndarray
+    length: np.ndarray
+    line_free: np.ndarray
+    crosses_road: np.ndarray
+    drive_time: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+
+@dataclasses.dataclass(frozen=True)
+class SceneGeometry:
+    """What stands in a scene, as arrays.
+
+    Attributes:
+      scene_id: unique in a bank.
+      object_ids, object_categories: one each per object, in visual-slot order (along x).
+      object_position: (O, 3) m; object_quaternion: (O, 4) wxyz; object_mesh: (O,) index into `meshes`;
+        object_mass: (O,) kg; object_friction: (O,); object_movable: (O,) bool.
+      hulls: distinct hulls, (n, 3) float32 corners in the frame of the object or prism they belong to.
+      inst_hull, inst_object: (Q,) i32: hull of an instance and the object that carries it.
+      prism_hull: (P,) i32; prism_position: (P, 3) m; prism_kind: (P,) i32; prism_friction: (P,).
+      prism_region: (P,) i32, the ground region a prism belongs to.
+      region_ids: one per ground region; region_kind: (R,) i32; region_mesh: (R,) index into `meshes`;
+        region_position: (R, 3) m.
+      meshes: distinct visual meshes.
+      sky: id of the sky; sky_yaw: rad.
+      map, episodes: see there.
+    """
+
+    scene_id: str
+    object_ids: tuple[str, ...]
+    object_categories: tuple[str, ...]
+    object_position: np.ndarray
+    object_quaternion: np.ndarray
+    object_mesh: np.ndarray
+    object_mass: np.ndarray
+    object_friction: np.ndarray
+    object_movable: np.ndarray
+    hulls: tuple[np.ndarray, ...]
+    inst_hull: np.ndarray
+    inst_object: np.ndarray
+    prism_hull: np.ndarray
+    prism_position: np.ndarray
+    prism_kind: np.ndarray
+    prism_friction: np.ndarray
+    prism_region: np.ndarray
+    region_ids: tuple[str, ...]
+    region_kind: np.ndarray
+    region_mesh: np.ndarray
+    region_position: np.ndarray
+    meshes: tuple[AssetMesh, ...]
+    sky: str
+    sky_yaw: float
+    map: SceneMap
+    episodes: EpisodeTable
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes `geometry.npz`: arrays by name, lists of arrays concatenated with their starts."""
+        body: dict[str, np.ndarray] = {}
+        meta: dict[str, Any] = {"schema": SCHEMA}
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                body[field.name] = value
+            elif field.name not in ("hulls", "meshes", "map", "episodes"):
+                meta[field.name] = list(value) if isinstance(value, tuple) else value
+        body |= _join("hulls", self.hulls)
+        for name in ("vertices", "faces", "uv", "texture"):
+            body |= _join(f"meshes.{name}", [getattr(m, name) for m in self.meshes])
+        body["meshes.surface"] = np.array([[m.roughness, m.metallic] for m in self.meshes], np.float32).reshape(-1, 2)
+        for noun in ("map", "episodes"):
+            part = getattr(self, noun)
+            body |= {f"{noun}.{f.name}": np.asarray(getattr(part, f.name)) for f in dataclasses.fields(part)}
+        body["meta"] = np.frombuffer(json.dumps(meta).encode("utf-8"), np.uint8)
+        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, **body))
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> "SceneGeometry":
+        if not os.path.isfile(path):
+            raise v.fail(str(path), "no such file", "a compiled scene", "run `urbanverse scene compile` again")
+        with np.load(path, allow_pickle=False) as file:
+            body = {name: file[name] for name in file.files}
+        meta = json.loads(body.pop("meta").tobytes().decode("utf-8"))
+        v.choice(meta.pop("schema"), f"{path}: schema", (SCHEMA,))
+        columns = [_split(body, f"meshes.{name}") for name in ("vertices", "faces", "uv", "texture")]
+        surface = body.pop("meshes.surface")
+        meshes = tuple(
+            AssetMesh(*parts, roughness=float(s[0]), metallic=float(s[1]))
+            for *parts, s in zip(*columns, surface, strict=True)
+        )
+        scene_map = {f.name: body.pop(f"map.{f.name}") for f in dataclasses.fields(SceneMap)}
+        scene_map["resolution"] = float(scene_map["resolution"])
+        episodes = {f.name: body.pop(f"episodes.{f.name}") for f in dataclasses.fields(EpisodeTable)}
+        hulls = tuple(_split(body, "hulls"))
+        meta = {k: tuple(x) if isinstance(x, list) else x for k, x in meta.items()}
+        return SceneGeometry(
+            **meta, **body, hulls=hulls, meshes=meshes, map=SceneMap(**scene_map), episodes=EpisodeTable(**episodes)
+        )
+
+
+def _join(name: str, arrays: Any) -> dict[str, np.ndarray]:
+    """Arrays of different shapes as one flat array, the shapes beside it."""
+    arrays = list(arrays)
+    dims = max((a.ndim for a in arrays), default=1)
+    flat = np.concatenate([a.ravel() for a in arrays]) if arrays else np.zeros(0, np.float32)
+    return {f"{name}.data": flat, f"{name}.shape": np.array([a.shape for a in arrays], np.int64).reshape(-1, dims)}
+
+
+def _split(body: dict[str, np.ndarray], name: str) -> list[np.ndarray]:
+    data, shapes = body.pop(f"{name}.data"), body.pop(f"{name}.shape")
+    starts = np.concatenate([[0], np.cumsum(shapes.prod(1))]).astype(np.int64)
+    return [data[a:b].reshape(shape) for a, b, shape in zip(starts, starts[1:], shapes, strict=False)]

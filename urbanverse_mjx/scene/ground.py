@@ -1,0 +1,151 @@
+"""Ground regions -> convex prisms to stand on and one visual mesh each."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+import shapely
+
+from ..datatypes import AssetMesh
+from ..datatypes import validation as v
+from ..datatypes.ground import KIND_INDEX, PAINT_KINDS
+from .polygons import convex_parts, triangulate
+
+#: Corners of a prism's ring; two rings make 16 vertices (design, section 3).
+MAX_RING = 8
+#: Prisms end this far (m) below the scene's lowest ground, so that no kerb is open underneath.
+THICKNESS = 0.3
+#: Paint is drawn this high (m) above what it is painted on.
+PAINT_LIFT = 0.003
+#: Shared area (m^2) from which two regions count as overlapping.
+MAX_OVERLAP = 1e-3
+#: Frames of regions sit on this raster (m), a power of two: float32 holds it exactly, so seams stay level.
+_RASTER = 1 / 64
+
+
+class Region(Protocol):
+    """What is needed of a `GroundRegion` or `PlacedGround`."""
+
+    @property
+    def id(self) -> str: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def polygon(self) -> tuple[tuple[float, float], ...]: ...
+    @property
+    def plane(self) -> tuple[float, float, float]: ...
+
+
+@dataclasses.dataclass(frozen=True)
+class Prism:
+    """A convex piece of ground.
+
+    Attributes:
+      region: number of its region.
+      position: (3,) m, where its frame sits (no rotation).
+      corners: (2n, 3) float32 in that frame: the top ring, then the bottom ring.
+    """
+
+    region: int
+    position: np.ndarray
+    corners: np.ndarray
+
+
+def check_regions(regions: Sequence[Region]) -> None:
+    """Refuses non-paint regions that overlap, and a scene without ground to stand on.
+
+    Raises:
+      NounError: naming the two regions, or saying that there is no ground.
+    """
+    solid = [r for r in regions if r.kind not in PAINT_KINDS]
+    if not solid:
+        raise v.fail("ground", "paint alone", "at least one region that carries weight", "add a sidewalk or a road")
+    shapes = [shapely.Polygon(r.polygon) for r in solid]
+    for a, b in shapely.STRtree(shapes).query(shapes, predicate="intersects").T:
+        area = shapes[a].intersection(shapes[b]).area if a < b else 0.0
+        if area > MAX_OVERLAP:
+            raise v.fail(
+                f"ground {solid[a].id!r}",
+                f"{area:.3g} m² shared with {solid[b].id!r}",
+                "regions that do not overlap",
+                "cut one of them or make it a road_marking",
+            )
+
+
+def plane_height(plane: Sequence[float], xy: np.ndarray) -> np.ndarray:
+    """Height (m) of z = a x + b y + c at points (..., 2)."""
+    return xy @ np.asarray(plane[:2]) + plane[2]
+
+
+def _frame(region: Region) -> np.ndarray:
+    ring = np.asarray(region.polygon)
+    middle = np.append((ring.min(0) + ring.max(0)) / 2, plane_height(region.plane, ring).min())
+    return np.round(middle / _RASTER) * _RASTER
+
+
+def _lowest(region: Region) -> float:
+    return float(plane_height(region.plane, np.asarray(region.polygon)).min())
+
+
+def ground_prisms(regions: Sequence[Region]) -> list[Prism]:
+    """Few convex prisms whose tops cover every non-paint region exactly and lie in its plane."""
+    solid = [(i, r) for i, r in enumerate(regions) if r.kind not in PAINT_KINDS]
+    bottom = min(_lowest(r) for _, r in solid) - THICKNESS
+    prisms = []
+    for number, region in solid:
+        position = _frame(region)
+        for ring in convex_parts(np.asarray(region.polygon), MAX_RING):
+            top = np.column_stack([ring, plane_height(region.plane, ring)])
+            base = np.column_stack([ring, np.full(len(ring), bottom)])
+            prisms.append(Prism(number, position, (np.concatenate([top, base]) - position).astype(np.float32)))
+    return prisms
+
+
+def region_mesh(
+    region: Region, texture: np.ndarray, tile: float, roughness: float, metallic: float = 0.0
+) -> tuple[np.ndarray, AssetMesh]:
+    """Visual mesh of a region and where its frame sits.
+
+    The top is textured in world coordinates, `tile` metres a repetition; other kinds than paint get a
+    skirt down to `THICKNESS` below their lowest point, which shows as the kerb's face.
+
+    Returns:
+      (3,) m position without rotation, and the mesh in that frame.
+    """
+    paint = region.kind in PAINT_KINDS
+    position, ring = _frame(region), np.asarray(region.polygon)
+    top = np.column_stack([ring, plane_height(region.plane, ring) + (PAINT_LIFT if paint else 0.0)])
+    vertices, uv, faces = [top], [ring / tile], [triangulate(ring)]
+    if paint:
+        faces.append(faces[0][:, ::-1])  # a mesh has at least four faces; paint is seen from below by nobody
+    else:
+        sides = _skirt(top, _lowest(region) - THICKNESS, tile, len(ring))
+        vertices, uv, faces = ([a, b] for a, b in zip((top, ring / tile, faces[0]), sides, strict=True))
+    coordinates = np.concatenate(uv)
+    return position, AssetMesh(
+        vertices=np.concatenate(vertices) - position,
+        faces=np.concatenate(faces),
+        uv=coordinates - np.floor(coordinates.min(0)),
+        texture=texture,
+        roughness=roughness,
+        metallic=metallic,
+    )
+
+
+def _skirt(top: np.ndarray, bottom: float, tile: float, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices, uv and faces of the vertical sides below a ring, numbered from `first`; every side has its own."""
+    after = np.roll(top, -1, 0)
+    low, low_after = top.copy(), after.copy()
+    low[:, 2] = low_after[:, 2] = bottom
+    vertices = np.stack([top, low, low_after, after], 1)
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm((after - top)[:, :2], axis=1))])
+    along = np.stack([way[:-1], way[:-1], way[1:], way[1:]], 1) / tile
+    uv = np.stack([along, vertices[..., 2] / tile], -1)
+    quad = first + 4 * np.arange(len(top))[:, None]
+    faces = np.concatenate([quad + [0, 1, 2], quad + [0, 2, 3]])
+    return vertices.reshape(-1, 3), uv.reshape(-1, 2), faces
+
+
+def kind_index(region: Region) -> int:
+    return KIND_INDEX[region.kind]

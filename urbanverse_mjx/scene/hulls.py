@@ -1,0 +1,94 @@
+"""Convex hulls as the runtime wants them: corners, outward triangles and planes, padded to one size."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from ..datatypes import validation as v
+from ..datatypes.asset import MAX_HULL_VERTICES
+from ..datatypes.scene_bank import MAX_HULL_TRIANGLES
+
+#: Triangles smaller than this share of the hull's squared size are slivers of Qhull's triangulation of flat
+#: facets; their neighbours lie in the same plane and meet the same edges, so dropping them changes nothing.
+_SLIVER = 1e-12
+
+
+@dataclasses.dataclass(frozen=True)
+class ConvexPart:
+    """One convex hull in its own frame.
+
+    Attributes:
+      corners: (n, 3) float32, m, extreme points only.
+      triangles: (m, 3) int32, counter-clockwise seen from outside.
+      planes: (m, 4) float32, outward unit normal n and offset d of each triangle; inside is n·x <= d.
+      volume: m^3.
+    """
+
+    corners: np.ndarray
+    triangles: np.ndarray
+    planes: np.ndarray
+    volume: float
+
+    @property
+    def box(self) -> np.ndarray:
+        """(2, 3): centre and half size of the box around the corners, m."""
+        low, high = self.corners.min(0), self.corners.max(0)
+        return np.stack([(low + high) / 2, (high - low) / 2])
+
+
+def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
+    """The convex hull of `points` (n, 3).
+
+    Raises:
+      NounError: fewer than four points, all in one plane, or more than 32 corners.
+    """
+    points = np.asarray(points, np.float32)
+    centre = points.astype(np.float64).mean(0)
+    try:
+        hull = ConvexHull(points.astype(np.float64) - centre)
+    except (QhullError, ValueError) as error:
+        raise v.fail(where, f"{len(points)} points without volume", "a solid", "thicken or drop the part") from error
+    if len(hull.vertices) > MAX_HULL_VERTICES:
+        raise v.fail(where, f"{len(hull.vertices)} corners", f"at most {MAX_HULL_VERTICES}", "simplify the part")
+    keep = np.sort(hull.vertices)
+    number = np.zeros(len(points), np.int32)
+    number[keep] = np.arange(len(keep))
+    a, b, c = (hull.points[hull.simplices[:, i]] for i in range(3))
+    cross = np.cross(b - a, c - a)
+    normals = hull.equations[:, :3]
+    flip = np.einsum("ij,ij->i", cross, normals) < 0
+    triangles = np.where(flip[:, None], hull.simplices[:, ::-1], hull.simplices)
+    solid = np.linalg.norm(cross, axis=1) > _SLIVER * np.ptp(hull.points, axis=0).max() ** 2
+    offsets = -hull.equations[:, 3] + normals @ centre
+    return ConvexPart(
+        corners=points[keep],
+        triangles=number[triangles[solid]],
+        planes=np.concatenate([normals, offsets[:, None]], 1)[solid].astype(np.float32),
+        volume=float(hull.volume),
+    )
+
+
+def hull_table(parts: Sequence[ConvexPart]) -> dict[str, np.ndarray]:
+    """The `hull_*` arrays of a `SceneBank`, one row per part."""
+    t, n, f = len(parts), MAX_HULL_VERTICES, MAX_HULL_TRIANGLES
+    table = {
+        "hull_vertices": np.zeros((t, n, 3), np.float32),
+        "hull_num_vertices": np.array([len(p.corners) for p in parts], np.int32),
+        "hull_triangles": np.zeros((t, f, 3), np.int32),
+        "hull_num_triangles": np.array([len(p.triangles) for p in parts], np.int32),
+        "hull_planes": np.zeros((t, f, 4), np.float32),
+        "hull_box": np.zeros((t, 2, 3), np.float32),
+    }
+    for row, part in enumerate(parts):
+        table["hull_vertices"][row] = _padded(part.corners, n)
+        table["hull_triangles"][row] = _padded(part.triangles, f)
+        table["hull_planes"][row] = _padded(part.planes, f)
+        table["hull_box"][row] = part.box
+    return table
+
+
+def _padded(rows: np.ndarray, length: int) -> np.ndarray:
+    """`rows` followed by copies of its first row."""
+    return np.concatenate([rows, np.repeat(rows[:1], length - len(rows), 0)])

@@ -1,0 +1,120 @@
+"""Exact convex decomposition of simple polygons."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+#: Cross products (m^2) smaller than this count as straight.
+_STRAIGHT = 1e-9
+#: Merge orders tried before the fewest parts found are taken.
+_ORDERS = 64
+
+Ring = list[int]
+
+
+def without_straight_corners(polygon: np.ndarray) -> np.ndarray:
+    """(n, 2) ring without the corners that lie on the line between their neighbours."""
+    ring = np.asarray(polygon, np.float64)
+    while len(ring) > 3:
+        before, after = np.roll(ring, 1, 0), np.roll(ring, -1, 0)
+        turn = _cross(ring - before, after - ring)
+        scale = np.linalg.norm(ring - before, axis=1) * np.linalg.norm(after - ring, axis=1)
+        straight = np.flatnonzero(np.abs(turn) <= _STRAIGHT * np.maximum(scale, 1.0))
+        if not len(straight):
+            break
+        ring = np.delete(ring, straight[0], 0)
+    return ring
+
+
+def convex_parts(polygon: np.ndarray, max_corners: int = 8) -> list[np.ndarray]:
+    """Splits a simple counter-clockwise ring (n, 2) into few convex rings that cover it exactly.
+
+    No part is cut inside: the only cuts are diagonals that remove a reflex corner, or that keep a convex part at
+    `max_corners` or fewer. Corners of the parts are corners of the polygon, so nothing is rounded.
+    """
+    ring = without_straight_corners(polygon)
+    rings = [list(range(len(ring)))]
+    reflex = int(np.sum(_turns(ring, rings[0]) < -_STRAIGHT))
+    if reflex:
+        rings = _fewest(ring, _triangles(ring), bound=(reflex + 1) // 2 + 1)
+    rings = [part for whole in rings for part in _chunks(whole, max_corners)]
+    return [ring[part] for part in rings]
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def _turns(corners: np.ndarray, ring: Ring) -> np.ndarray:
+    p = corners[ring]
+    return _cross(p - np.roll(p, 1, 0), np.roll(p, -1, 0) - p)
+
+
+def _triangles(corners: np.ndarray) -> list[Ring]:
+    """Constrained Delaunay triangles as counter-clockwise rings of corner numbers."""
+    number = {tuple(c): i for i, c in enumerate(corners)}
+    rings = []
+    for triangle in shapely.constrained_delaunay_triangles(shapely.Polygon(corners)).geoms:
+        ring = [number[xy] for xy in triangle.exterior.coords[:3]]
+        rings.append(ring if _turns(corners, ring)[0] > 0 else ring[::-1])
+    return rings
+
+
+def _fewest(corners: np.ndarray, triangles: list[Ring], bound: int) -> list[Ring]:
+    """The best of several merge orders; stops at the theoretical least number of parts."""
+    generator = np.random.default_rng(0)
+    best: list[Ring] = triangles
+    for attempt in range(_ORDERS):
+        parts = _merge(corners, triangles, None if attempt == 0 else generator)
+        if len(parts) < len(best):
+            best = parts
+        if len(best) <= bound:
+            break
+    return best
+
+
+def _merge(corners: np.ndarray, triangles: list[Ring], generator: np.random.Generator | None) -> list[Ring]:
+    """Removes every diagonal whose removal leaves a convex part, longest first or in random order."""
+    owner: dict[tuple[int, int], int] = {}
+    parts: dict[int, Ring] = dict(enumerate(triangles))
+    for number, ring in parts.items():
+        owner |= {edge: number for edge in zip(ring, ring[1:] + ring[:1], strict=True)}
+    diagonals = [edge for edge in owner if edge[0] < edge[1] and edge[::-1] in owner]
+    if generator is None:
+        diagonals.sort(key=lambda e: -float(np.linalg.norm(corners[e[0]] - corners[e[1]])))
+    else:
+        generator.shuffle(diagonals)
+    for a, b in (tuple(map(int, d)) for d in diagonals):
+        left, right = owner[a, b], owner[b, a]
+        merged = _join(parts[left], parts[right], a, b)
+        if left != right and (_turns(corners, merged) >= -_STRAIGHT).all():
+            del parts[right]
+            parts[left] = merged
+            owner |= {edge: left for edge in zip(merged, merged[1:] + merged[:1], strict=True)}
+    return list(parts.values())
+
+
+def _join(left: Ring, right: Ring, a: int, b: int) -> Ring:
+    """The ring around two parts that share the edge a-b (a to b in `left`)."""
+    i, j = left.index(b), right.index(a)
+    return [*(left[i:] + left[:i]), *(right[j:] + right[:j])[1:-1]]
+
+
+def _chunks(ring: Ring, most: int) -> list[Ring]:
+    """A convex ring as rings of at most `most` corners, all with the first corner."""
+    parts = []
+    while len(ring) > most:
+        parts.append(ring[:most])
+        ring = [ring[0], *ring[most - 1 :]]
+    return [*parts, ring]
+
+
+def triangulate(polygon: np.ndarray) -> np.ndarray:
+    """(m, 3) int32 triangles over the corners of a simple counter-clockwise ring."""
+    return np.array(_triangles(np.asarray(polygon, np.float64)), np.int32).reshape(-1, 3)
+
+
+def union_area(rings: Sequence[np.ndarray]) -> float:
+    """Area (m^2) covered by the rings together."""
+    return float(shapely.union_all([shapely.Polygon(r) for r in rings]).area)
