@@ -2,6 +2,7 @@
 
 
 import tyro
+from rich.console import Console
 
 
 def build() -> None:
@@ -10,7 +11,7 @@ def build() -> None:
 
     index = build_index()
     path = save_index(index)
-    print(f"{path.name}: {len(index.records)} records of {len(index.leaves)} leaves, content {index.content_hash()[:16]}")
+    Console().print(f"{path.name}: {len(index.records)} records of {len(index.leaves)} leaves, content {index.content_hash()[:16]}")
 
 
 def hulls(jobs: int = 2, leaf: str | None = None) -> None:

@@ -31,7 +31,7 @@ def pack(colors: list[tuple[int, int, int]], pictures: list[np.ndarray]) -> Atla
       ValueError: the pictures do not fit.
     """
     sides = [2**k for k in range(4, 10)]
-    shapes = sorted(((w * h, max(w, h), w, h) for w in sides for h in sides if max(w, h) <= 4 * min(w, h) and max(w, h) <= MAX_SIDE))
+    shapes = sorted((w * h, max(w, h), w, h) for w in sides for h in sides if max(w, h) <= 4 * min(w, h) and max(w, h) <= MAX_SIDE)
     for _, _, width, height in shapes:
         places = _shelves(len(colors), [p.shape[:2] for p in pictures], width, height)
         if places is not None:

@@ -15,9 +15,9 @@ import numpy as np
 
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically
+from urbanverse_mjx.settings import asset_root
 
 from .index import build_mesh
-from .paths import data_root
 from .recipe import get_recipe
 
 BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
@@ -73,7 +73,7 @@ class HullStore:
 
 
 def store_path() -> pathlib.Path:
-    return data_root() / "hulls" / "hulls.npz"
+    return asset_root() / "hulls" / "hulls.npz"
 
 
 @functools.cache

@@ -12,10 +12,10 @@ import pyarrow.parquet as pq
 
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError, content_hash
 from urbanverse_mjx.datatypes.validation import write_atomically
+from urbanverse_mjx.settings import asset_root
 
 from . import ontology
 from .mesh_builder import BuiltAsset
-from .paths import data_root
 from .recipe import Recipe, all_recipes, get_recipe
 
 GRAVITY = 9.81  # m/s^2
@@ -146,7 +146,7 @@ def save_index(index: AssetIndex, path: str | os.PathLike[str] | None = None) ->
     for row in rows:
         row["params"] = json.dumps(row["params"], sort_keys=True)
     table = pa.Table.from_pylist(rows, SCHEMA)
-    path = pathlib.Path(path or data_root() / "index.parquet")
+    path = pathlib.Path(path or asset_root() / "index.parquet")
     return write_atomically(path, lambda p: pq.write_table(table, p, compression="zstd"))
 
 
@@ -156,7 +156,7 @@ def load_index(path: str | os.PathLike[str] | None = None) -> AssetIndex:
     Raises:
       NounError: no such file, or a record that is not valid.
     """
-    return _load_cached(pathlib.Path(path or data_root() / "index.parquet"))
+    return _load_cached(pathlib.Path(path or asset_root() / "index.parquet"))
 
 
 @functools.lru_cache(maxsize=4)

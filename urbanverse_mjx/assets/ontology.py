@@ -9,8 +9,7 @@ import json
 import re
 
 from urbanverse_mjx.datatypes import NounError
-
-from .paths import data_root
+from urbanverse_mjx.settings import asset_root
 
 
 class UnknownLabelError(NounError):
@@ -27,7 +26,7 @@ class UnknownLabelError(NounError):
 @functools.cache
 def tree() -> dict[str, dict[str, dict[str, int]]]:
     """top -> middle -> {leaf: number of assets in UrbanVerse-100K}."""
-    return json.loads((data_root() / "ontology.json").read_text(encoding="utf-8"))["tree"]
+    return json.loads((asset_root() / "ontology.json").read_text(encoding="utf-8"))["tree"]
 
 
 @functools.cache
@@ -55,7 +54,7 @@ def normalised(label: str) -> str:
 @functools.cache
 def _names() -> dict[str, str]:
     """normalised name or synonym -> leaf; a leaf's own name always wins."""
-    raw: dict[str, list[str]] = json.loads((data_root() / "synonyms.json").read_text(encoding="utf-8"))
+    raw: dict[str, list[str]] = json.loads((asset_root() / "synonyms.json").read_text(encoding="utf-8"))
     names: dict[str, str] = {}
     for leaf, others in raw.items():
         category_of(leaf)

@@ -17,21 +17,34 @@ def canvas(size: Size, color: Color) -> tuple[Image.Image, ImageDraw.ImageDraw]:
 
 
 def text(
-    draw: ImageDraw.ImageDraw, words: str, box: tuple[float, float, float, float], color: Color, bold: float = 0.0
+    draw: ImageDraw.ImageDraw,
+    words: str,
+    box: tuple[float, float, float, float],
+    color: Color,
+    bold: float = 0.0,
+    limit: int = 400,
 ) -> None:
-    """Writes words as large as fit into box = (left, top, right, bottom), centred; `bold` thickens strokes by a share of the size."""
+    """Writes words as large as fit into box = (left, top, right, bottom), centred.
+
+    `bold` thickens the strokes by a share of the size; `limit` is the largest size in pixels.
+    """
     left, top, right, bottom = box
-    size, stroke = 200, 0
-    while size > 5:
-        font = ImageFont.load_default(size)
-        stroke = round(size * bold)
-        x0, y0, x1, y1 = draw.multiline_textbbox((0, 0), words, font=font, stroke_width=stroke, align="center")
-        if x1 - x0 <= right - left and y1 - y0 <= bottom - top:
-            break
-        size -= 1
-    x = (left + right - x0 - x1) / 2
-    y = (top + bottom - y0 - y1) / 2
-    draw.multiline_text((x, y), words, fill=rgb(color), font=font, stroke_width=stroke, stroke_fill=rgb(color), align="center")
+    low, high = 4, limit
+    while low < high:
+        size = (low + high + 1) // 2
+        x0, y0, x1, y1 = _extent(draw, words, size, bold)
+        fits = x1 - x0 <= right - left and y1 - y0 <= bottom - top
+        low, high = (size, high) if fits else (low, size - 1)
+    x0, y0, x1, y1 = _extent(draw, words, low, bold)
+    at = ((left + right - x0 - x1) / 2, (top + bottom - y0 - y1) / 2)
+    fill, stroke = rgb(color), round(low * bold)
+    font = ImageFont.load_default(low)
+    draw.multiline_text(at, words, fill=fill, font=font, stroke_width=stroke, stroke_fill=fill, align="center")
+
+
+def _extent(draw: ImageDraw.ImageDraw, words: str, size: int, bold: float) -> tuple[float, float, float, float]:
+    font = ImageFont.load_default(size)
+    return draw.multiline_textbbox((0, 0), words, font=font, stroke_width=round(size * bold), align="center")
 
 
 def smooth(size: Size, scale: int = 4) -> Size:

@@ -87,7 +87,7 @@ def rgb(color: Color) -> tuple[int, int, int]:
         if color not in NAMED:
             raise ValueError(f"colour: found {color!r}, needed a name of palette.NAMED or '#rrggbb'; add it to palette.NAMED.")
         return NAMED[color]
-    red, green, blue = (int(round(min(max(float(c), 0.0), 255.0))) for c in color)
+    red, green, blue = (round(min(max(float(c), 0.0), 255.0)) for c in color)
     return red, green, blue
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+import trimesh
 from scipy.spatial import ConvexHull
 
 Point2 = tuple[float, float]
@@ -99,7 +100,7 @@ def loft(sections: Sequence[np.ndarray], caps: bool = True, closed: bool = False
         k, nxt, base = np.arange(n), (np.arange(n) + 1) % n, count * n
         faces.append(np.stack([np.full(n, base), nxt, k], 1))
         faces.append(np.stack([np.full(n, base + 1), (count - 1) * n + k, (count - 1) * n + nxt], 1))
-    return _clean(Shape(np.concatenate(vertices), np.concatenate(faces)))
+    return welded(Shape(np.concatenate(vertices), np.concatenate(faces)))
 
 
 def frustum(bottom: float, top: float, height: float, segments: int = 16) -> Shape:
@@ -117,7 +118,7 @@ def ellipsoid(radii: Point3 | float, segments: int = 14, rings: int = 8) -> Shap
     r = np.broadcast_to(np.asarray(radii, float), 3)
     angles = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
     ball = loft([ring(max(np.cos(a), 0.0), segments, np.sin(a)) for a in angles], caps=False)
-    return _clean(Shape(ball.vertices * r, ball.faces))
+    return Shape(ball.vertices * r, ball.faces)
 
 
 def capsule(radius: float, length: float, segments: int = 12, rings: int = 4) -> Shape:
@@ -150,10 +151,10 @@ def extrusion(outline: Sequence[Point2], height: float, holes: Sequence[Sequence
     polygon = shapely.geometry.polygon.orient(shapely.Polygon(outline, holes))
     if not polygon.is_valid:
         raise ValueError("extrusion: found an outline that crosses itself, needed a simple polygon; reorder its points.")
-    triangles = shapely.constrained_delaunay_triangles(polygon)
-    flat = np.array([shapely.geometry.polygon.orient(t).exterior.coords[:3] for t in triangles.geoms])[..., :2]
-    points = flat.reshape(-1, 2)
-    caps = np.arange(len(points)).reshape(-1, 3)
+    points, caps = trimesh.creation.triangulate_polygon(polygon, engine="earcut")
+    a, b, c = (points[caps[:, i]] for i in range(3))
+    clockwise = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] < 0
+    caps[clockwise] = caps[clockwise][:, ::-1]
     bottom = Shape(np.column_stack([points, np.zeros(len(points))]), caps[:, ::-1])
     top = Shape(np.column_stack([points, np.full(len(points), height)]), caps)
     sides = []

@@ -1,0 +1,143 @@
+"""Pictures of assets by MuJoCo's renderer: one tile per leaf with its variants side by side, and a contact sheet of all leaves."""
+
+import os
+import pathlib
+from collections.abc import Callable, Sequence
+
+import mujoco
+import numpy as np
+from PIL import Image
+
+from urbanverse_mjx.datatypes import AssetMesh
+from urbanverse_mjx.datatypes.validation import write_atomically
+
+from . import paint
+from .index import AssetIndex, build_mesh
+
+LABEL_HEIGHT = 22  # pixels
+
+
+def scene_of(meshes: Sequence[AssetMesh], gap: float = 0.35) -> tuple[mujoco.MjModel, np.ndarray]:
+    """A model with meshes in a row along y on a grey floor.
+
+    Args:
+      meshes: at least one.
+      gap: space between two, as a share of the widest.
+
+    Returns:
+      the model, and (2, 3) least and greatest corner of the row, m.
+    """
+    spec = mujoco.MjSpec()
+    spec.visual.headlight.ambient = [0.42, 0.42, 0.42]
+    spec.visual.headlight.diffuse = [0.25, 0.25, 0.25]
+    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
+    spec.visual.quality.shadowsize = 2048
+    spec.visual.quality.offsamples = 8
+    spec.worldbody.add_light(
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, dir=[-0.5, 0.45, -1.0], diffuse=[0.62, 0.6, 0.56], castshadow=True
+    )
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], rgba=[0.62, 0.64, 0.66, 1])
+    widths = [float(m.extent[1]) for m in meshes]
+    # The row runs from left to right as the camera, on the +x side, sees it: along +y.
+    step = gap * max(widths) + 0.05
+    y = 0.0
+    for k, (mesh, width) in enumerate(zip(meshes, widths, strict=True)):
+        _add_visual(spec, f"asset{k}", mesh, (0.0, y + width / 2, 0.0))
+        y += width + step
+    depth = max(float(m.extent[0]) for m in meshes)
+    height = max(float(m.extent[2]) for m in meshes)
+    return spec.compile(), np.array([(-depth / 2, 0.0, 0.0), (depth / 2, y - step, height)])
+
+
+def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Sequence[float]) -> None:
+    height, width = mesh.texture.shape[:2]
+    texture = spec.add_texture(
+        name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
+    )
+    texture.data = mesh.texture.tobytes()
+    material = spec.add_material(name=name, specular=0.5 * (1 - mesh.roughness), shininess=1 - mesh.roughness)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+    # MuJoCo's texture coordinates count from the first row of the data, ours from the last.
+    uv = mesh.uv * np.array([1.0, -1.0], np.float32) + np.array([0.0, 1.0], np.float32)
+    spec.add_mesh(
+        name=name,
+        uservert=mesh.vertices.ravel(),
+        userface=mesh.faces.ravel(),
+        usertexcoord=uv.ravel(),
+        userfacetexcoord=mesh.faces.ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=name, pos=position, contype=0, conaffinity=0
+    )
+
+
+def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], azimuth_deg: float = 28.0) -> np.ndarray:
+    """A picture of meshes side by side, seen from the front at a slant.
+
+    Args:
+      size: (width, height) pixels.
+      azimuth_deg: how far the camera stands to the side of the front.
+
+    Returns:
+      (height, width, 3) uint8.
+    """
+    model, bounds = scene_of(meshes)
+    model.vis.global_.fovy = 20.0
+    width, height = size
+    model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+    camera = mujoco.MjvCamera()
+    camera.azimuth, camera.elevation = 180.0 - azimuth_deg, -14.0
+    camera.lookat = bounds.mean(0)
+    camera.distance = _distance(bounds, camera, np.radians(model.vis.global_.fovy), width / height)
+    model.vis.map.znear = 0.02 / max(model.stat.extent, 1e-3)
+    model.vis.map.zfar = 10 * (camera.distance + 10) / model.stat.extent
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with mujoco.Renderer(model, height, width) as renderer:
+        renderer.update_scene(data, camera)
+        return renderer.render()
+
+
+def _distance(bounds: np.ndarray, camera: mujoco.MjvCamera, fovy: float, aspect: float) -> float:
+    """Distance at which the box just fits into the picture, m."""
+    azimuth, elevation = np.radians(camera.azimuth), np.radians(camera.elevation)
+    forward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+    right = np.cross(forward, (0, 0, 1))
+    right /= np.linalg.norm(right)
+    corners = np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    offset = corners - bounds.mean(0)
+    tangent = np.tan(fovy / 2)
+    across = np.abs(offset @ right) / (tangent * aspect)
+    up = np.abs(offset @ np.cross(right, forward)) / tangent
+    return float((np.maximum(across, up) - offset @ forward).max() * 1.06)
+
+
+def leaf_tile(leaf: str, meshes: Sequence[AssetMesh], size: tuple[int, int]) -> Image.Image:
+    """The row of a leaf's variants with its name underneath."""
+    width, height = size
+    tile, pen = paint.canvas(size, "white")
+    tile.paste(Image.fromarray(render_row(meshes, (width, height - LABEL_HEIGHT))), (0, 0))
+    paint.text(pen, leaf, (4, height - LABEL_HEIGHT + 3, width - 4, height - 5), "black", limit=14)
+    return tile
+
+
+def contact_sheet(
+    index: AssetIndex,
+    path: str | os.PathLike[str],
+    leaves: Sequence[str] | None = None,
+    tile: tuple[int, int] = (340, 200),
+    columns: int = 8,
+    variants: int = 4,
+    progress: Callable[[str], object] = lambda leaf: None,
+) -> pathlib.Path:
+    """Writes one PNG with a tile for every leaf (or those given), in alphabetical order."""
+    leaves = sorted(leaves or index.leaves)
+    rows = -(-len(leaves) // columns)
+    sheet = Image.new("RGB", (columns * tile[0], rows * tile[1]), "white")
+    for k, leaf in enumerate(leaves):
+        progress(leaf)
+        meshes = [build_mesh(r) for r in index.by_leaf(leaf)[:variants]]
+        sheet.paste(leaf_tile(leaf, meshes, tile), ((k % columns) * tile[0], (k // columns) * tile[1]))
+    reduced = sheet.quantize(256, dither=Image.Dither.NONE)
+    return write_atomically(path, lambda p: reduced.save(p, optimize=True))
