@@ -16,8 +16,10 @@ help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: $(VENV)/.stamp-main ## create .venv and install the locked packages (CUDA ones too where nvidia-smi works)
+	@:
 
 setup-dev: $(VENV)/.stamp-dev ## the same, and what tests and checks need
+	@:
 
 $(VENV)/.stamp-main: pyproject.toml requirements.lock requirements-cuda.lock .ci/setup
 	@.ci/setup main >&2

@@ -43,7 +43,15 @@ def usage() -> str:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command line (`sys.argv` by default) and returns the exit status."""
-    argv = list(sys.argv[1:] if argv is None else argv)
+    try:
+        return _choose(list(sys.argv[1:] if argv is None else argv))
+    except BrokenPipeError:
+        # The reader (`| head`) went away; keep Python from complaining again when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+
+
+def _choose(argv: list[str]) -> int:
     if not argv or argv[0] in ("-h", "--help", "help"):
         print(usage())
         return 0 if argv else 2
@@ -64,10 +72,6 @@ def _run(name: str, argv: list[str]) -> int:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 130
-    except BrokenPipeError:
-        # The reader (`| head`) went away; keep Python from complaining again when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
     except ValueError as error:
         # NounError, or a ValueError raised by our own code, is about the input; one from a library is a bug to be seen.
         if _is_ours(error):

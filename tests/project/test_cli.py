@@ -1,0 +1,105 @@
+"""The `urbanverse` command: its help, its errors and its exit status."""
+
+import subprocess
+import sys
+import types
+
+import pytest
+
+import urbanverse_mjx
+from urbanverse_mjx.cli import main as cli
+from urbanverse_mjx.datatypes import NounError
+
+
+def run(*argv: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "urbanverse_mjx.cli.main", *argv]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_help_lists_every_command_with_a_line() -> None:
+    done = run("--help")
+    assert done.returncode == 0
+    for name, (_, line) in cli.COMMANDS.items():
+        assert f"  {name:<10} {line}" in done.stdout
+
+
+def test_no_command_prints_the_usage_and_fails() -> None:
+    done = run()
+    assert done.returncode == 2
+    assert done.stdout.startswith("usage: urbanverse")
+
+
+def test_version() -> None:
+    done = run("--version")
+    assert (done.returncode, done.stdout) == (0, f"urbanverse {urbanverse_mjx.__version__}\n")
+
+
+@pytest.mark.parametrize(("typed", "meant"), [("trian", "train"), ("sceen", "scene"), ("listenvs", "list-envs")])
+def test_unknown_command_suggests_the_nearest(typed: str, meant: str) -> None:
+    done = run(typed)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith(f"error: unknown command {typed!r}; did you mean {meant}")
+
+
+def test_a_command_like_nothing_lists_what_is_known() -> None:
+    assert "known are train, " in run("xyzzy").stderr
+
+
+@pytest.fixture
+def command(monkeypatch: pytest.MonkeyPatch):
+    """Installs a command whose body is the given function."""
+
+    def put(body) -> None:
+        module = types.ModuleType("urbanverse_mjx.cli.probe")
+        module.main = body  # pyright: ignore[reportAttributeAccessIssue]
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+        monkeypatch.setitem(cli.COMMANDS, "probe", ("probe", "for this test"))
+
+    return put
+
+
+def raiser(error: BaseException, module: str):
+    """A function that raises `error` as if its code stood in `module`."""
+    space = {"__name__": module, "error": error}
+    exec("def body(argv):\n    raise error", space)
+    return space["body"]
+
+
+@pytest.mark.parametrize(
+    ("error", "module", "status", "said"),
+    [
+        (NounError("graph.objects[3].size: found -1, needed more."), "elsewhere", 2, "error: graph.objects[3].size: found -1"),
+        (ValueError("two\nlines"), "urbanverse_mjx.scene.compile", 2, "error: two lines\n"),
+        (FileNotFoundError(2, "No such file or directory", "a.json"), "elsewhere", 2, "error: a.json: No such file"),
+        (ModuleNotFoundError("no", name="coacd"), "urbanverse_mjx.assets", 2, "error: the package 'coacd' is not installed"),
+        (KeyboardInterrupt(), "urbanverse_mjx.training", 130, "interrupted"),
+    ],
+)
+def test_errors_become_one_sentence_and_a_status(error, module, status, said, command, capsys) -> None:
+    command(raiser(error, module))
+    assert cli.main(["probe"]) == status
+    captured = capsys.readouterr()
+    assert captured.err.startswith(said)
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+
+
+@pytest.mark.parametrize("error", [ValueError("in a library"), ModuleNotFoundError("no", name="urbanverse_mjx.gone"), KeyError("bug")])
+def test_bugs_keep_their_traceback(error: Exception, command) -> None:
+    command(raiser(error, "numpy.core"))
+    with pytest.raises(type(error)):
+        cli.main(["probe"])
+
+
+def test_the_command_gets_its_arguments_and_its_status_is_returned(command) -> None:
+    seen = []
+    command(lambda argv: seen.append(argv) or 7)
+    assert cli.main(["probe", "--a", "b"]) == 7
+    assert seen == [["--a", "b"]]
+
+
+def test_a_reader_that_goes_away_is_no_traceback() -> None:
+    code = "import sys; from urbanverse_mjx.cli import main as m; m.usage = lambda: 'x' * 10**6; sys.exit(m.main(['--help']))"
+    done = subprocess.run(["bash", "-c", f'"{sys.executable}" -c "{code}" | head -c 10'], capture_output=True, text=True, check=False)
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,80 @@
+"""Importing the package is quick and light, and one module alone reads the environment."""
+
+import ast
+import pathlib
+import subprocess
+import sys
+import time
+
+import pytest
+
+ROOT = pathlib.Path(__file__).parents[2]
+PACKAGE = ROOT / "urbanverse_mjx"
+HEAVY = ("jax", "warp", "brax", "mujoco", "numpy", "flax", "trimesh")
+#: Rooms (each package below urbanverse_mjx) and the modules that importing the room must not load.
+ROOMS = sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
+
+
+def loaded_after(statement: str) -> tuple[set[str], float]:
+    """Top-level modules loaded by a statement in a fresh interpreter, and its wall time in s."""
+    code = f"import sys, time; t = time.perf_counter(); {statement}; t = time.perf_counter() - t\n"
+    code += "print(t, *{name.partition('.')[0] for name in sys.modules})"
+    start = time.perf_counter()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert time.perf_counter() - start < 60
+    seconds, *names = done.stdout.split()
+    return set(names), float(seconds)
+
+
+@pytest.mark.parametrize("module", ["urbanverse_mjx", "urbanverse_mjx.settings", "urbanverse_mjx.cli.main"])
+def test_package_imports_nothing_heavy_within_a_second(module: str) -> None:
+    # The best of three: a busy machine may delay one of them.
+    runs = [loaded_after(f"import {module}") for _ in range(3)]
+    assert min(seconds for _, seconds in runs) < 1.0
+    assert not runs[0][0] & set(HEAVY)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_no_room_loads_warp_or_brax_when_imported(room: str) -> None:
+    names, _ = loaded_after(f"import urbanverse_mjx.{room}")
+    assert not names & {"warp", "brax", "mujoco_warp", "mujoco_warp_pbr"}
+
+
+@pytest.mark.parametrize("room", [r for r in ("datatypes", "assets", "citygen", "materialisation", "scene") if r in ROOMS])
+def test_what_makes_scenes_loads_no_jax(room: str) -> None:
+    names, _ = loaded_after(f"import urbanverse_mjx.{room}")
+    assert "jax" not in names
+
+
+def reads_environment(tree: ast.Module) -> list[int]:
+    """Lines that touch the process environment, however it is spelled."""
+    lines = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and node.attr in ("environ", "environb", "getenv", "putenv", "unsetenv"):
+            lines.append(node.lineno)
+        if isinstance(node, ast.ImportFrom) and node.module == "os":
+            lines += [node.lineno for name in node.names if name.name in ("environ", "getenv", "putenv")]
+    return lines
+
+
+def test_settings_alone_reads_the_environment() -> None:
+    found = {}
+    for path in PACKAGE.rglob("*.py"):
+        lines = reads_environment(ast.parse(path.read_text(encoding="utf-8")))
+        if lines:
+            found[path.relative_to(PACKAGE).as_posix()] = lines
+    assert set(found) == {"settings.py"}, found
+
+
+def test_the_scan_sees_every_spelling() -> None:
+    code = "import os\nfrom os import environ\nos.environ['A']\nos.getenv('A')\nx = os\nx.environ\n"
+    assert sorted(reads_environment(ast.parse(code))) == [2, 3, 4, 6]
+
+
+def test_every_command_has_its_module() -> None:
+    from urbanverse_mjx.cli.main import COMMANDS
+
+    for module, line in COMMANDS.values():
+        tree = ast.parse((PACKAGE / "cli" / f"{module}.py").read_text(encoding="utf-8"))
+        assert any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in tree.body), module
+        assert line

@@ -1,0 +1,65 @@
+"""Where data and caches lie, by the environment."""
+
+import pathlib
+
+import pytest
+
+from urbanverse_mjx import settings
+from urbanverse_mjx.datatypes import NounError
+
+ROOT = pathlib.Path(__file__).parents[2]
+VARIABLES = ("URBANVERSE_CACHE", "XDG_CACHE_HOME", "URBANVERSE_ASSET_ROOT", "URBANVERSE_SCENE_ROOT", "URBANVERSE_THREADS")
+
+
+@pytest.fixture(autouse=True)
+def clean_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_cache_follows_own_variable_then_xdg_then_home(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert settings.cache_dir() == tmp_path / "home" / ".cache" / "urbanverse_mjx"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert settings.cache_dir("banks") == tmp_path / "xdg" / "urbanverse_mjx" / "banks"
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "own"))
+    assert settings.cache_dir("a", "b") == tmp_path / "own" / "a" / "b"
+    assert not (tmp_path / "own").exists(), "naming a cache must not create it"
+
+
+def test_a_clone_finds_the_data_beside_the_package() -> None:
+    assert settings.asset_root() == ROOT / "assets_index"
+    assert settings.scene_root() == ROOT / "scenes"
+
+
+@pytest.mark.parametrize(
+    ("root", "variable"),
+    [(settings.asset_root, "URBANVERSE_ASSET_ROOT"), (settings.scene_root, "URBANVERSE_SCENE_ROOT")],
+)
+def test_data_roots_can_be_moved_and_a_wrong_one_is_refused(root, variable, monkeypatch, tmp_path) -> None:
+    monkeypatch.setenv(variable, str(tmp_path))
+    assert root() == tmp_path
+    monkeypatch.setenv(variable, str(tmp_path / "nowhere"))
+    with pytest.raises(NounError, match=f"{variable}: found .*nowhere, needed an existing folder"):
+        root()
+
+
+def test_an_installed_package_finds_the_data_inside(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    package = tmp_path / "site-packages" / "urbanverse_mjx"
+    (package / "_data" / "scenes").mkdir(parents=True)
+    # A folder of the same name that somebody else installed beside the package must not be taken.
+    (tmp_path / "site-packages" / "scenes").mkdir()
+    monkeypatch.setattr(settings, "_PACKAGE", package)
+    assert settings.scene_root() == package / "_data" / "scenes"
+    with pytest.raises(NounError, match="URBANVERSE_ASSET_ROOT"):
+        settings.asset_root()
+
+
+def test_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert settings.num_threads() >= 1
+    monkeypatch.setenv("URBANVERSE_THREADS", "3")
+    assert settings.num_threads() == 3
+    for wrong in ("0", "-1", "two", "1.5", "²", "99999"):
+        monkeypatch.setenv("URBANVERSE_THREADS", wrong)
+        with pytest.raises(NounError, match="URBANVERSE_THREADS"):
+            settings.num_threads()
