@@ -1,6 +1,7 @@
 """The nouns that the stages exchange: frozen, validated, each with a file form."""
 
 from .asset import AssetMesh, AssetRecord, HullSet
+from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS
 from .hashing import content_hash
 from .robot import RobotSpec
@@ -14,10 +15,13 @@ __all__ = [
     "GROUND_KINDS",
     "KIND_INDEX",
     "PAINT_KINDS",
+    "RESULTS",
     "TRAVERSABLE_KINDS",
     "AssetMesh",
     "AssetRecord",
+    "BenchmarkReport",
     "Contacts",
+    "EpisodeResult",
     "GraphObject",
     "GroundRegion",
     "HullSet",

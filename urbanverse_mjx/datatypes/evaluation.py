@@ -1,0 +1,117 @@
+"""`EpisodeResult` (what one rollout did) and `BenchmarkReport` (many of them, summed up, with their record)."""
+
+import dataclasses
+import os
+from typing import Any
+
+from . import validation as v
+
+SCHEMA = "urbanverse.benchmark_report/1"
+RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout")
+
+
+@dataclasses.dataclass(frozen=True)
+class EpisodeResult:
+    """One evaluated episode.
+
+    Attributes:
+      agent: who drove; scene: scene id; episode: row of the scene's episode table; seed.
+      result: one of `RESULTS`.
+      steps: control steps; duration: s.
+      route_completion: share of the route reached, [0, 1].
+      distance_to_goal: m at the end.
+      hit_time: share of the episode's time in contact with an object, [0, 1].
+      path_length: m driven; route_length: m of the geodesic route.
+      slot_overflow: hulls within reach that found no slot, summed over the episode (0 = physics complete).
+    """
+
+    agent: str
+    scene: str
+    episode: int
+    seed: int
+    result: str
+    steps: int
+    duration: float
+    route_completion: float
+    distance_to_goal: float
+    hit_time: float
+    path_length: float
+    route_length: float
+    slot_overflow: int
+
+    def __post_init__(self) -> None:
+        where = f"episode {self.scene!r}/{self.episode}"
+        v.text(self.agent, f"{where}.agent")
+        v.text(self.scene, "episode.scene")
+        v.choice(self.result, f"{where}.result", RESULTS)
+        v.integer(self.episode, f"{where}.episode", 0)
+        v.integer(self.seed, f"{where}.seed", 0)
+        v.integer(self.steps, f"{where}.steps", 1)
+        v.integer(self.slot_overflow, f"{where}.slot_overflow", 0)
+        for name in ("route_completion", "hit_time"):
+            v.number(getattr(self, name), f"{where}.{name}", 0.0, 1.0)
+        for name in ("duration", "distance_to_goal", "path_length", "route_length"):
+            v.number(getattr(self, name), f"{where}.{name}", 0.0)
+
+    @property
+    def success(self) -> bool:
+        return self.result == "goal"
+
+    @property
+    def spl(self) -> float:
+        """Success weighted by route length over the length driven (Anderson et al. 2018)."""
+        return self.route_length / max(self.path_length, self.route_length, 1e-9) if self.success else 0.0
+
+    def to_json(self) -> dict[str, Any]:
+        return dataclasses.asdict(self)
+
+    @staticmethod
+    def from_json(value: Any, where: str = "episode") -> "EpisodeResult":
+        return EpisodeResult(**v.mapping(value, where, [f.name for f in dataclasses.fields(EpisodeResult)]))
+
+
+@dataclasses.dataclass(frozen=True)
+class BenchmarkReport:
+    """Results of several agents on the same episodes.
+
+    Attributes:
+      title: what was measured.
+      summary: agent -> metric -> {"mean", "low", "high"} (95 % interval) or a number.
+      episodes: every episode.
+      record: everything that made them: versions, configs, hashes, seeds, command.
+    """
+
+    title: str
+    summary: dict[str, dict[str, Any]]
+    episodes: tuple[EpisodeResult, ...]
+    record: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        v.text(self.title, "report.title")
+        if not isinstance(self.summary, dict) or not isinstance(self.record, dict):
+            raise v.fail("report", "a summary or record that is no object", "JSON objects")
+        object.__setattr__(self, "episodes", tuple(self.episodes))
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "schema": SCHEMA,
+            "title": self.title,
+            "summary": self.summary,
+            "episodes": [e.to_json() for e in self.episodes],
+            "record": self.record,
+        }
+
+    @staticmethod
+    def from_json(value: Any) -> "BenchmarkReport":
+        m = v.mapping(value, "report", ("schema", "title", "summary", "episodes", "record"))
+        v.choice(m["schema"], "report.schema", (SCHEMA,))
+        episodes = v.items(m["episodes"], "episodes")
+        made = tuple(EpisodeResult.from_json(e, f"episodes[{i}]") for i, e in enumerate(episodes))
+        return BenchmarkReport(m["title"], m["summary"], made, m["record"])
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        v.write_json(path, self.to_json())
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> "BenchmarkReport":
+        return BenchmarkReport.from_json(v.read_json(path, "benchmark report"))

@@ -1,0 +1,60 @@
+"""A `BenchmarkReport` as Markdown and CSV."""
+
+import csv
+import pathlib
+from collections.abc import Sequence
+
+from ..datatypes import RESULTS, BenchmarkReport, EpisodeResult
+from ..datatypes import validation as v
+from .metrics import summarise
+from .rollouts import result_counts
+
+
+def make_report(title: str, results: Sequence[EpisodeResult], record: dict[str, object]) -> BenchmarkReport:
+    """Sums up episodes by agent, in order of first appearance."""
+    agents = list(dict.fromkeys(r.agent for r in results))
+    summary = {a: summarise([r for r in results if r.agent == a]) for a in agents}
+    return BenchmarkReport(title, summary, tuple(results), record)
+
+
+def _cell(entry: dict[str, float]) -> str:
+    return f"{entry['mean']:g} [{entry['low']:g}, {entry['high']:g}]"
+
+
+def to_markdown(report: BenchmarkReport) -> str:
+    """Tables: all scenes, how episodes ended, and each scene."""
+    lines = [f"# {report.title}", "", "Means with 95 % intervals; SR, CT, RC, SPL in %, DTG in m.", ""]
+    metrics = ("SR", "CT", "RC", "DTG", "hit_episodes", "SPL")
+    lines += ["| agent | " + " | ".join(metrics) + " | episodes |", "|---" * (len(metrics) + 2) + "|"]
+    for agent, values in report.summary.items():
+        cells = " | ".join(_cell(values[m]) for m in metrics)
+        lines.append(f"| {agent} | {cells} | {values['n']} |")
+    lines += ["", "How the episodes ended:", "", "| agent | " + " | ".join(RESULTS) + " |", "|---" * (len(RESULTS) + 1) + "|"]
+    for agent in report.summary:
+        counts = result_counts([e for e in report.episodes if e.agent == agent])
+        lines.append(f"| {agent} | " + " | ".join(str(counts[r]) for r in RESULTS) + " |")
+    lines += ["", "By scene (SR / RC in %):", "", "| scene | " + " | ".join(report.summary) + " |", "|---" * (len(report.summary) + 1) + "|"]
+    for scene in dict.fromkeys(e.scene for e in report.episodes):
+        cells = []
+        for agent in report.summary:
+            s = summarise([e for e in report.episodes if e.agent == agent and e.scene == scene])
+            cells.append(f"{s['SR']['mean']:g} / {s['RC']['mean']:g}")  # type: ignore[index]
+        lines.append(f"| {scene} | " + " | ".join(cells) + " |")
+    lines += ["", "Made by:", ""]
+    lines += [f"* {key}: {value}" for key, value in report.record.items()]
+    return "\n".join(lines) + "\n"
+
+
+def write_report(report: BenchmarkReport, folder: pathlib.Path) -> None:
+    """Writes report.json, report.md and episodes.csv."""
+    folder.mkdir(parents=True, exist_ok=True)
+    report.save(folder / "report.json")
+    v.write_atomically(folder / "report.md", lambda p: p.write_text(to_markdown(report), encoding="utf-8"))
+
+    def write_csv(path: pathlib.Path) -> None:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(report.episodes[0].to_json()))
+            writer.writeheader()
+            writer.writerows(e.to_json() for e in report.episodes)
+
+    v.write_atomically(folder / "episodes.csv", write_csv)

@@ -1,0 +1,169 @@
+"""The paper's networks for Brax PPO: conv 16/32/64 on the picture, an MLP on the goal, 3 x 128 ELU.
+
+Pixels arrive as uint8 and are scaled here, nowhere else. Convolutions are written as space-to-depth and matrix
+products: XLA's CPU convolutions have gradients that run 13-20 times slower inside `lax.scan`, where Brax does its
+SGD (facts/brax_over_warp.md, Q2). They are exact: tested against `flax.linen.Conv` with the same parameters.
+"""
+
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from brax.training import distribution, networks, types
+from brax.training.agents.ppo import networks as ppo_networks
+from flax import linen as nn
+
+PIXELS = "pixels/front"
+
+
+def _space_to_depth(x: jax.Array, block: int) -> jax.Array:
+    """(n, H, W, C) -> (n, H/b, W/b, b*b*C); rows and columns beyond a whole block are cut."""
+    n, height, width, channels = x.shape
+    h, w = height // block, width // block
+    x = x[:, : h * block, : w * block].reshape(n, h, block, w, block, channels)
+    return x.transpose(0, 1, 3, 2, 4, 5).reshape(n, h, w, block * block * channels)
+
+
+def conv_by_matmul(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int) -> jax.Array:
+    """VALID convolution of (n, H, W, C) with (k, k, C, D); k must be a multiple of the stride.
+
+    Equal to `lax.conv_general_dilated` up to rounding.
+    """
+    k, _, channels, depth = kernel.shape
+    taps = k // stride
+    x = _space_to_depth(x, stride)
+    w = kernel.reshape(taps, stride, taps, stride, channels, depth)
+    w = w.transpose(0, 2, 1, 3, 4, 5).reshape(taps, taps, stride * stride * channels, depth)
+    rows, columns = x.shape[1] - taps + 1, x.shape[2] - taps + 1
+    patches = [x[:, i : i + rows, j : j + columns] for i in range(taps) for j in range(taps)]
+    stacked = jnp.concatenate(patches, axis=-1) if taps > 1 else x
+    return stacked @ w.reshape(-1, depth) + bias
+
+
+class Encoder(nn.Module):
+    """Conv layers with ReLU, flattened (never pooled: where a thing stands matters).
+
+    Attributes:
+      layers: (depth, kernel, stride) of each layer; kernel is a multiple of stride.
+      dtype: of the arithmetic; parameters are float32.
+    """
+
+    layers: Sequence[tuple[int, int, int]]
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, pixels: jax.Array) -> jax.Array:
+        """(..., H, W, C) uint8 -> (..., n) float32."""
+        lead = pixels.shape[:-3]
+        x = pixels.reshape((-1, *pixels.shape[-3:])).astype(self.dtype) / 255.0 - 0.5
+        for i, (depth, k, stride) in enumerate(self.layers):
+            init = nn.initializers.lecun_uniform()
+            kernel = self.param(f"kernel_{i}", init, (k, k, x.shape[-1], depth))
+            bias = self.param(f"bias_{i}", nn.initializers.zeros_init(), (depth,))
+            x = nn.relu(conv_by_matmul(x, kernel.astype(self.dtype), bias.astype(self.dtype), stride))
+        return x.reshape((*lead, -1)).astype(jnp.float32)
+
+
+def goal_features(goal: jax.Array) -> jax.Array:
+    """(..., 2) goal in the heading frame (m) -> (..., 5): in units of 10 m, direction, and 1 m nearness."""
+    distance = jnp.linalg.norm(goal, axis=-1, keepdims=True)
+    direction = goal / jnp.maximum(distance, 1e-3)
+    return jnp.concatenate([goal / 10.0, direction, jnp.exp(-distance)], axis=-1)
+
+
+class Trunk(nn.Module):
+    """Pixels and goal to features: conv encoder and goal MLP, then 3 x 128 ELU."""
+
+    layers: Sequence[tuple[int, int, int]]
+    hidden: Sequence[int] = (128, 128, 128)
+    goal_hidden: int = 32
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, pixels: jax.Array | None, goal: jax.Array) -> jax.Array:
+        x = nn.elu(nn.Dense(self.goal_hidden, name="goal")(goal_features(goal)))
+        if pixels is not None:
+            seen = Encoder(self.layers, self.dtype, name="encoder")(pixels)
+            x = jnp.concatenate([nn.Dense(self.hidden[0], name="seen")(seen), x], axis=-1)
+        for i, size in enumerate(self.hidden):
+            x = nn.elu(nn.Dense(size, name=f"hidden_{i}")(x))
+        return x
+
+
+class Actor(nn.Module):
+    """Mean from the trunk, a standard deviation of its own per action (paper: constant, initialised at 0)."""
+
+    trunk: Trunk
+    action_size: int
+
+    @nn.compact
+    def __call__(self, pixels: jax.Array | None, goal: jax.Array) -> jax.Array:
+        x = self.trunk(pixels, goal)
+        mean = nn.Dense(self.action_size, name="mean", kernel_init=nn.initializers.variance_scaling(0.01, "fan_in", "normal"))(x)
+        std = self.param("std", nn.initializers.zeros_init(), (self.action_size,))
+        return jnp.concatenate([mean, jnp.broadcast_to(std, mean.shape)], axis=-1)
+
+
+class Critic(nn.Module):
+    """Value of a state; sees what the actor sees, and privileged values if given."""
+
+    trunk: Trunk
+    privileged: bool
+
+    @nn.compact
+    def __call__(self, pixels: jax.Array | None, goal: jax.Array, privileged: jax.Array) -> jax.Array:
+        x = self.trunk(pixels, goal)
+        if self.privileged:
+            # Metres to units of about one; the rest is there already.
+            y = jnp.concatenate([privileged[..., :6] / 10.0, privileged[..., 6:]], axis=-1)
+            x = jnp.concatenate([x, nn.elu(nn.Dense(64, name="privileged")(y))], axis=-1)
+            x = nn.elu(nn.Dense(128, name="joint")(x))
+        return nn.Dense(1, name="value")(x)[..., 0]
+
+
+def make_networks(
+    observation_size: types.ObservationSize,
+    action_size: int,
+    preprocess_observations_fn: types.PreprocessObservationFn = types.identity_observation_preprocessor,
+    layers: Sequence[tuple[int, int, int]] = ((16, 8, 4), (32, 4, 2), (64, 4, 2)),
+    critic_sees: str = "pixels",
+    bfloat16: bool = False,
+) -> ppo_networks.PPONetworks:
+    """Brax's network factory for `NavEnv`.
+
+    Args:
+      observation_size: shapes by name, as Brax hands them over.
+      action_size: 2.
+      preprocess_observations_fn: unused; goals and pixels have fixed scales here, so statistics cannot drift.
+      layers: (depth, kernel, stride) of the conv layers.
+      critic_sees: "pixels" (the paper: the same as the actor) or "privileged" (no second CNN).
+      bfloat16: convolutions in bfloat16, heads stay float32.
+    """
+    del preprocess_observations_fn
+    sizes = dict(observation_size)  # type: ignore[arg-type]
+    dtype = jnp.bfloat16 if bfloat16 else jnp.float32
+    has_pixels = PIXELS in sizes
+
+    def pixels_of(obs: Any) -> Any:
+        return obs[PIXELS] if has_pixels else None
+
+    trunk = functools.partial(Trunk, layers=tuple(tuple(x) for x in layers), dtype=dtype)
+    actor = Actor(trunk(), action_size)
+    critic = Critic(trunk(), critic_sees == "privileged")
+    critic_pixels = pixels_of if critic_sees == "pixels" else (lambda obs: None)
+    dummy = {k: jnp.zeros((1, *s), jnp.uint8 if k.startswith("pixels/") else jnp.float32) for k, s in sizes.items()}
+    policy = networks.FeedForwardNetwork(
+        init=lambda key: actor.init(key, pixels_of(dummy), dummy["goal"]),
+        apply=lambda _, params, obs: actor.apply(params, pixels_of(obs), obs["goal"]),
+    )
+    value = networks.FeedForwardNetwork(
+        init=lambda key: critic.init(key, critic_pixels(dummy), dummy["goal"], dummy["privileged"]),
+        apply=lambda _, params, obs: critic.apply(params, critic_pixels(obs), obs["goal"], obs["privileged"]),
+    )
+    return ppo_networks.PPONetworks(
+        policy_network=policy,
+        value_network=value,
+        parametric_action_distribution=distribution.NormalTanhDistribution(event_size=action_size),
+    )

@@ -1,0 +1,149 @@
+"""`Policy`: a trained controller as a folder: parameters (orbax, through Brax) and `policy.json`, which says what it is."""
+
+import dataclasses
+import functools
+import pathlib
+from collections.abc import Callable
+from importlib import metadata
+from typing import Any
+
+import jax
+from ml_collections import ConfigDict
+
+from ..datatypes import NounError
+from ..datatypes import validation as v
+
+SCHEMA = "urbanverse.policy/1"
+PolicyFunction = Callable[[Any, jax.Array], jax.Array]
+
+
+@dataclasses.dataclass(frozen=True)
+class PolicySpec:
+    """What is needed to use a policy's parameters.
+
+    Attributes:
+      environment, env_config: name and full config of the environment it was trained in.
+      ppo_config: full training config, networks included.
+      observations: name to shape; action_size.
+      scene_ids, bank_hashes: what it was trained on.
+      steps: env-steps of training; versions: packages.
+    """
+
+    environment: str
+    env_config: dict[str, Any]
+    ppo_config: dict[str, Any]
+    observations: dict[str, list[int]]
+    action_size: int
+    scene_ids: list[str]
+    bank_hashes: dict[str, Any]
+    steps: int
+    versions: dict[str, str]
+
+    @staticmethod
+    def of(environment: str, env: Any, ppo_config: ConfigDict, steps: int) -> "PolicySpec":
+        packages = ("urbanverse_mjx", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "jax", "brax")
+        ids = [env.bank.scene_ids[i] for i in env.scenes]
+        return PolicySpec(
+            environment=environment,
+            env_config=env.config.to_dict(),
+            ppo_config=ppo_config.to_dict(),
+            observations={k: list(s) for k, s in env.observation_size.items()},
+            action_size=env.action_size,
+            scene_ids=ids,
+            bank_hashes=dict(env.bank.meta.get("hashes", {})),
+            steps=steps,
+            versions={p: _version(p) for p in packages},
+        )
+
+    def save(self, folder: pathlib.Path) -> None:
+        v.write_json(folder / "policy.json", {"schema": SCHEMA, **dataclasses.asdict(self)})
+
+    @staticmethod
+    def load(folder: pathlib.Path) -> "PolicySpec":
+        body = v.read_json(folder / "policy.json", "policy")
+        fields = [f.name for f in dataclasses.fields(PolicySpec)]
+        m = dict(v.mapping(body, "policy", ["schema", *fields]))
+        v.choice(m.pop("schema"), "policy.schema", (SCHEMA,))
+        return PolicySpec(**m)
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
+    """Writes a policy folder named by its steps under `folder`; returns it. `policy.json` comes last."""
+    from brax.training import checkpoint
+
+    checkpoint.save(folder, spec.steps, params, ConfigDict(), "network.json")
+    path = folder / f"{spec.steps:012d}"
+    spec.save(path)
+    return path
+
+
+def load_params(folder: pathlib.Path) -> Any:
+    """(normaliser, policy, value) parameters of a policy folder."""
+    from brax.training import checkpoint
+
+    if not (folder / "policy.json").is_file():
+        raise NounError(f"policy: found no policy.json in {folder}, needed a policy folder; see `urbanverse train`.")
+    return checkpoint.load(folder)
+
+
+def latest_policy(folder: pathlib.Path) -> pathlib.Path:
+    """The finished policy folder with the most steps under `folder` (or `folder` itself).
+
+    Raises:
+      NounError: there is none.
+    """
+    if (folder / "policy.json").is_file():
+        return folder
+    found = sorted(folder.glob("**/policy.json"), key=lambda p: p.parent.name)
+    if not found:
+        raise NounError(f"policy: found none under {folder}, needed a folder with policy.json; train one first.")
+    return found[-1].parent
+
+
+def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
+    """The network factory of a training config, for `ppo.train` and for loading."""
+    from .networks import make_networks
+
+    network = ppo_config.network
+    layers = tuple(tuple(int(n) for n in layer) for layer in network.layers)
+    return functools.partial(
+        make_networks, layers=layers, critic_sees=network.critic_sees, bfloat16=network.bfloat16
+    )
+
+
+def make_policy_function(
+    observations: dict[str, Any], action_size: int, ppo_config: ConfigDict, params: Any, deterministic: bool = True
+) -> PolicyFunction:
+    """(observation, key) -> action, for one env or a batch."""
+    from brax.training.agents.ppo import networks as ppo_networks
+
+    nets = network_factory(ppo_config)({k: tuple(s) for k, s in observations.items()}, action_size)
+    act = ppo_networks.make_inference_fn(nets)((None, *params[1:]), deterministic=deterministic)
+    return lambda obs, key: act(obs, key)[0]
+
+
+def initial_params(observations: dict[str, Any], action_size: int, ppo_config: ConfigDict, seed: int) -> Any:
+    """Parameters before any training."""
+    nets = network_factory(ppo_config)({k: tuple(s) for k, s in observations.items()}, action_size)
+    key_policy, key_value = jax.random.split(jax.random.PRNGKey(seed))
+    return None, nets.policy_network.init(key_policy), nets.value_network.init(key_value)
+
+
+def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[PolicyFunction, PolicySpec]:
+    """A trained policy and what it is.
+
+    Args:
+      folder: a policy folder, or one that holds some (the most trained is taken).
+    """
+    folder = latest_policy(folder)
+    spec = PolicySpec.load(folder)
+    config = ConfigDict(spec.ppo_config)
+    function = make_policy_function(spec.observations, spec.action_size, config, load_params(folder), deterministic)
+    return function, spec

@@ -1,0 +1,83 @@
+"""Where a training says how it goes: a progress bar, a JSONL log and TensorBoard."""
+
+import json
+import pathlib
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from tensorboardX import SummaryWriter
+
+
+class TrainingLog:
+    """Receives Brax's two kinds of progress calls and writes them down.
+
+    Args:
+      folder: run folder; `log.jsonl` and TensorBoard's event file go there.
+      total: env-steps of the whole run, start: steps already done by earlier segments.
+      quiet: no progress bar.
+    """
+
+    def __init__(self, folder: pathlib.Path, total: int, start: int = 0, quiet: bool = False):
+        self._start = start
+        self._begin = time.monotonic()
+        self._last: tuple[float, int] | None = None
+        self.rates: list[tuple[int, float]] = []
+        self._file = (folder / "log.jsonl").open("a", encoding="utf-8")
+        self._board = SummaryWriter(str(folder))
+        self._bar = Progress(
+            TextColumn("training"),
+            BarColumn(),
+            TextColumn("{task.completed:,.0f}/{task.total:,.0f} steps"),
+            TextColumn("{task.fields[note]}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+            disable=quiet,
+        )
+        self._task = self._bar.add_task("training", total=total, completed=start, note="compiling")
+        self._bar.start()
+
+    @property
+    def steps_per_second(self) -> float:
+        """Median of the measured rates, the first (which holds the compilation) left out."""
+        values = sorted(rate for _, rate in self.rates)
+        return values[len(values) // 2] if values else 0.0
+
+    def __call__(self, step: int, metrics: Mapping[str, Any]) -> None:
+        """`progress_fn` of `ppo.train`: episode metrics from inside an epoch, or totals after one."""
+        done = self._start + int(step)
+        now = time.monotonic()
+        values = {name: float(value) for name, value in metrics.items()}
+        inside = any(name.startswith("episode/") for name in values)
+        if inside:
+            values = {_tidy(name): value for name, value in values.items()}
+            if self._last is not None and done > self._last[1]:
+                rate = (done - self._last[1]) / max(now - self._last[0], 1e-9)
+                self.rates.append((done, rate))
+                values["steps_per_second"] = rate
+                success = values.get("episode/success", 0.0)
+                route = values.get("episode/route_completion", 0.0)
+                note = f"{rate:,.0f} steps/s  success {success:.0%}  route {route:.0%}"
+                self._bar.update(self._task, completed=done, note=note)
+            self._last = (now, done)
+        record = {"step": done, "seconds": round(now - self._begin, 3), **values}
+        self._file.write(json.dumps(record) + "\n")
+        self._file.flush()
+        for name, value in values.items():
+            self._board.add_scalar(name, value, done)
+
+    def close(self) -> None:
+        self._bar.stop()
+        self._file.close()
+        self._board.close()
+
+
+def _tidy(name: str) -> str:
+    """Brax files losses and episode sums under "episode/"; ours are told apart by name."""
+    loss = ("total_loss", "policy_loss", "v_loss", "entropy_loss", "kl_mean", "learning_rate")
+    base = name.removeprefix("episode/")
+    return f"training/{base}" if base in loss else name
