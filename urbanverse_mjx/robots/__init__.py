@@ -1,0 +1,5 @@
+"""Robots as data."""
+
+from .coco import make_coco
+
+__all__ = ["make_coco"]

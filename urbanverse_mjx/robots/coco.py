@@ -1,0 +1,128 @@
+"""The COCO pavement delivery robot, with differential or Ackermann drive.
+
+In:   the drive.
+Out:  `RobotSpec`: MJCF and the mappings waypoint -> (v, omega) -> wheel commands.
+When: once, at construction; the mappings run under jit.
+
+The two drives are the two readings of the public sources (facts/reference_systems.md b.5): the paper drives COCO as
+a differential robot by (v, omega), the authors' asset steers its front axle by at most 20 degrees.
+
+* `differential`: the two wheels of a side turn at the speed of that side. Four gripping tyres could only turn by
+  skidding, with a yaw rate that depends on load, heading and what the robot pushes. The paper's model is kinematic, so
+  the front tyres slide freely on the ground (condim 1, ideal omni wheels) and the rear pair decides: the robot turns
+  about the middle of its rear axle.
+* `ackermann`: the front axle turns as a whole; every wheel gets the speed of its own path, so that no tyre scrubs.
+"""
+
+import math
+from typing import Any, Literal, get_args
+
+import jax.numpy as jnp
+
+from ..datatypes import RobotSpec
+from ..datatypes import validation as v
+from . import coco_body as body
+
+Drive = Literal["differential", "ackermann"]
+
+MAX_SPEED = 2.0  # m/s, design section 4; coco.json coco2play_kinematics.max_speed_mps
+MAX_YAW_RATE = 1.0  # rad/s, design section 4; coco.json suggested_numbers_for_a_model.max_yaw_rate
+PHYSICS_TIMESTEP = 0.010  # s, facts/measured.md: sphere wheels over prism seams, 0.6 mm at 10 ms, 12 mm at 20 ms
+WAYPOINT_REACH = 1.0  # m, design section 4: the action's range is [-1, 1] m
+PLANNER_HEIGHT = 1.0  # m, facts/reference_systems.md b.5: the planner's disc needs this height (flag)
+STEP_HEIGHT = 0.02  # m, tests/robots/test_coco_drive.py drives both robots over a step of this height
+#: A waypoint nearer than this (m) is "here": stand still.
+STANDSTILL = 1e-3
+
+
+def _differential(command: Any) -> Any:
+    speed, yaw_rate = command[0], command[1]
+    # In a bend the mass, ahead of the rear axle, wants to go straight on: the rear wheels must hold this moment, and a
+    # servo holds a torque only by a difference of speed, which is given in advance.
+    moment = body.TOTAL_MASS * (body.CENTRE_X - body.REAR_AXLE_X) * speed * yaw_rate
+    lead = moment / body.TRACK * body.WHEEL_RADIUS**2 / body.make_servo().wheel
+    half = 0.5 * body.TRACK * yaw_rate + lead
+    return jnp.stack([speed - half, speed + half, speed - half, speed + half]) / body.WHEEL_RADIUS
+
+
+def _ackermann(command: Any) -> Any:
+    speed, yaw_rate = command[0], command[1]
+    # At rest nothing turns: the angle is then only held at its side.
+    angle = jnp.arctan2(body.WHEELBASE * yaw_rate, jnp.maximum(speed, STANDSTILL))
+    angle = jnp.clip(angle, -body.MAX_STEER, body.MAX_STEER)
+    turn = speed * jnp.tan(angle) / body.WHEELBASE
+    front, half = speed / jnp.cos(angle), 0.5 * body.TRACK * turn
+    wheels = jnp.stack([front - half, front + half, speed - half, speed + half]) / body.WHEEL_RADIUS
+    return jnp.append(wheels, angle)
+
+
+def clip_command(velocity: Any) -> Any:
+    """(2,) (v m/s, omega rad/s) clipped to what the robot does: it never drives backwards."""
+    velocity = jnp.asarray(velocity)
+    return jnp.stack([jnp.clip(velocity[0], 0.0, MAX_SPEED), jnp.clip(velocity[1], -MAX_YAW_RATE, MAX_YAW_RATE)])
+
+
+def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any]:
+    """The ideal PD controller of the paper: reach the waypoint, and face it, within one horizon.
+
+    The horizon is the time to a waypoint at full reach at full speed (0.5 s), so a waypoint 1 m ahead means 2 m/s at
+    every control rate; it is never shorter than the control period, which would overshoot. A waypoint beside or behind
+    the robot gives no speed and a turn at full rate: on the spot with the differential drive.
+
+    Args:
+      waypoint: (2,) m, x forward and y left, in the body frame.
+      control_period: s.
+
+    Returns:
+      v () m/s in [0, 2] and omega () rad/s in [-1, 1].
+    """
+    horizon = max(WAYPOINT_REACH / MAX_SPEED, control_period)
+    x, y = waypoint[0], waypoint[1]
+    here = x * x + y * y < STANDSTILL**2
+    # The safe value keeps the derivative of atan2 finite at the origin.
+    bearing = jnp.where(here, 0.0, jnp.arctan2(jnp.where(here, 0.0, y), jnp.where(here, 1.0, x)))
+    velocity = clip_command(jnp.stack([jnp.where(here, 0.0, x), bearing]) / horizon)
+    return velocity[0], velocity[1]
+
+
+def _circumradius() -> float:
+    wheel = max(abs(body.FRONT_AXLE_X), abs(body.REAR_AXLE_X))
+    spheres = [((wheel, body.WHEEL_Y, body.WHEEL_Z), body.WHEEL_RADIUS)]
+    # The steered axle can bring a wheel outwards along its own circle, never farther than this.
+    swing = (body.FRONT_AXLE_X + body.WHEEL_Y * math.sin(body.MAX_STEER), body.WHEEL_Y, body.WHEEL_Z)
+    spheres += [(swing, body.WHEEL_RADIUS)] + [(c, body.BODY_SPHERE_RADIUS) for c in body.BODY_SPHERES]
+    return max(math.hypot(*centre) + radius for centre, radius in spheres)
+
+
+def make_coco(drive: Drive = "differential") -> RobotSpec:
+    """The COCO robot.
+
+    Args:
+      drive: "differential" (turns on the spot; preset `paper`) or "ackermann" (±20.05 degrees; `urbansim_v0_1`).
+
+    Actuators: wheel speeds (rad/s) front left, front right, rear left, rear right, and for "ackermann" the angle of
+    the front axle (rad).
+
+    Raises:
+      NounError: no such drive.
+    """
+    v.choice(drive, "make_coco.drive", get_args(Drive))
+    convert = _differential if drive == "differential" else _ackermann
+    return RobotSpec(
+        name=f"coco_{drive}",
+        mjcf=body.make_mjcf(drive, body.make_servo()),
+        root_body="base_link",
+        foot_geoms=tuple(f"{wheel}_wheel" for wheel in body.WHEELS),
+        camera="front_cam",
+        circumradius=_circumradius(),
+        spawn_height=body.SPAWN_HEIGHT,
+        max_speed=MAX_SPEED,
+        max_yaw_rate=MAX_YAW_RATE,
+        physics_timestep=PHYSICS_TIMESTEP,
+        command=lambda velocity: convert(clip_command(velocity)),
+        waypoint_to_velocity=waypoint_to_velocity,
+        # Farthest collision point from the point between the rear wheels projected on the ground, see the tests.
+        planner_radius=math.hypot(body.REAR_AXLE_X, body.WHEEL_Y) + body.WHEEL_RADIUS,
+        planner_height=PLANNER_HEIGHT,
+        step_height=STEP_HEIGHT,
+    )
