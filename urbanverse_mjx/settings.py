@@ -6,13 +6,17 @@
 | `XDG_CACHE_HOME` | folder of all caches | `~/.cache` |
 | `URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it |
 | `URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it |
+| `URBANVERSE_BANK` | the scene bank that environments load | in the cache, named by what it is made of |
 | `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use |
 """
 
+import hashlib
 import os
 import pathlib
 
 _PACKAGE = pathlib.Path(__file__).resolve().parent
+#: Rooms whose code decides what a bank holds.
+_BANK_ROOMS = ("datatypes", "assets", "materialisation", "scene")
 
 
 def cache_dir(*parts: str) -> pathlib.Path:
@@ -42,6 +46,28 @@ def scene_root() -> pathlib.Path:
       NounError: the folder named by `URBANVERSE_SCENE_ROOT`, or the one that belongs to the package, is not there.
     """
     return _data_root("scenes", "URBANVERSE_SCENE_ROOT")
+
+
+def default_bank_path() -> pathlib.Path:
+    """File of the bank of the shipped scenes, which `urbanverse scene bank` writes and environments load.
+
+    Unless `URBANVERSE_BANK` names a file, the name changes with the scenes, the asset index and the code that makes
+    a bank of them: a stale bank is never found.
+
+    Raises:
+      NounError: the shipped scenes or the asset index are not there.
+    """
+    own = os.environ.get("URBANVERSE_BANK")
+    if own:
+        return pathlib.Path(own).expanduser().absolute()
+    digest = hashlib.sha256()
+    folders = [(scene_root(), "*.json"), (asset_root(), "*")]
+    folders += [(_PACKAGE / room, "*.py") for room in _BANK_ROOMS]
+    for folder, pattern in folders:
+        for path in sorted(p for p in folder.rglob(pattern) if p.is_file() and "__pycache__" not in p.parts):
+            digest.update(f"{folder.name}/{path.relative_to(folder).as_posix()}\0".encode())
+            digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return cache_dir("banks", f"bank-{digest.hexdigest()[:16]}.npz")
 
 
 def num_threads() -> int:

@@ -8,7 +8,7 @@ from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import NounError
 
 ROOT = pathlib.Path(__file__).parents[2]
-VARIABLES = ("URBANVERSE_CACHE", "XDG_CACHE_HOME", "URBANVERSE_ASSET_ROOT", "URBANVERSE_SCENE_ROOT", "URBANVERSE_THREADS")
+VARIABLES = ("URBANVERSE_CACHE", "XDG_CACHE_HOME", "URBANVERSE_ASSET_ROOT", "URBANVERSE_SCENE_ROOT", "URBANVERSE_BANK", "URBANVERSE_THREADS")
 
 
 @pytest.fixture(autouse=True)
@@ -53,6 +53,25 @@ def test_an_installed_package_finds_the_data_inside(monkeypatch: pytest.MonkeyPa
     assert settings.scene_root() == package / "_data" / "scenes"
     with pytest.raises(NounError, match="URBANVERSE_ASSET_ROOT"):
         settings.asset_root()
+
+
+def test_the_default_bank_is_named_by_what_it_is_made_of(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
+    scenes = tmp_path / "scenes"
+    (scenes / "street").mkdir(parents=True)
+    (scenes / "street" / "graph.json").write_text("{}")
+    monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(scenes))
+    first = settings.default_bank_path()
+    assert first.parent == tmp_path / "cache" / "banks"
+    (scenes / "street" / "picture.png").write_text("no part of the bank")
+    assert settings.default_bank_path() == first
+    (scenes / "street" / "graph.json").write_text("{ }")
+    changed = settings.default_bank_path()
+    assert changed != first
+    (scenes / "street").rename(scenes / "avenue")
+    assert settings.default_bank_path() not in (first, changed)
+    monkeypatch.setenv("URBANVERSE_BANK", str(tmp_path / "my.npz"))
+    assert settings.default_bank_path() == tmp_path / "my.npz"
 
 
 def test_threads(monkeypatch: pytest.MonkeyPatch) -> None:
