@@ -1,0 +1,55 @@
+"""Which part of the ground an object takes, and whether a robot still gets by."""
+
+import math
+from collections.abc import Iterable
+
+import shapely
+from shapely import affinity
+from shapely.geometry.base import BaseGeometry
+
+from ..datatypes import TRAVERSABLE_KINDS, GraphObject, GroundRegion
+from . import catalogue
+
+#: Free width (m) that must remain: a robot of 0.35 m radius with 20 cm of air on each side.
+PASSAGE = 1.1
+
+
+def footprint(thing: GraphObject) -> shapely.Polygon:
+    """The oriented rectangle (m, scene frame) that a thing takes at walking height."""
+    stem = catalogue.STEMS.get(thing.label)
+    along, across = (stem, stem) if stem else thing.size[:2]
+    box = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
+    turned = affinity.rotate(box, thing.yaw, origin=(0.0, 0.0), use_radians=True)
+    return affinity.translate(turned, thing.center[0], thing.center[1])
+
+
+def is_obstacle(thing: GraphObject) -> bool:
+    return thing.label not in catalogue.FLAT
+
+
+def walkable(ground: Iterable[GroundRegion]) -> BaseGeometry:
+    """Union of the regions that a pavement robot may be on."""
+    return shapely.union_all([shapely.Polygon(r.polygon) for r in ground if r.kind in TRAVERSABLE_KINDS])
+
+
+def free_space(
+    ground: Iterable[GroundRegion], objects: Iterable[GraphObject], passage: float = PASSAGE
+) -> BaseGeometry:
+    """Where the middle of a disc of diameter `passage` may be: on walkable ground, clear of kerbs and things."""
+    reach = passage / 2
+    taken = [footprint(o).buffer(reach, quad_segs=4) for o in objects if is_obstacle(o)]
+    return walkable(ground).buffer(-reach, join_style="mitre").difference(shapely.union_all(taken))
+
+
+def reach_along(space: BaseGeometry, y0: float, y1: float) -> float:
+    """Longest stretch in x (m) that one connected piece of `space` covers between two values of y."""
+    band = space.intersection(shapely.box(-1e3, min(y0, y1), 1e3, max(y0, y1)))
+    parts = shapely.get_parts(band)
+    spans = [p.bounds[2] - p.bounds[0] for p in parts if isinstance(p, shapely.Polygon) and p.area > 0.0]
+    return max(spans, default=0.0)
+
+
+def heading(degrees: float) -> float:
+    """Degrees as radians in (-pi, pi], rounded to 1 mrad."""
+    angle = math.remainder(math.radians(degrees), math.tau)
+    return round(angle, 3)
