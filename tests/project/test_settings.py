@@ -8,7 +8,10 @@ from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import NounError
 
 ROOT = pathlib.Path(__file__).parents[2]
-VARIABLES = ("URBANVERSE_CACHE", "XDG_CACHE_HOME", "URBANVERSE_ASSET_ROOT", "URBANVERSE_SCENE_ROOT", "URBANVERSE_BANK", "URBANVERSE_THREADS")
+VARIABLES = (
+    "XDG_CACHE_HOME",
+    *(f"URBANVERSE_{name}" for name in ("CACHE", "ASSET_ROOT", "SCENE_ROOT", "BANK", "THREADS")),
+)
 
 
 @pytest.fixture(autouse=True)
@@ -55,7 +58,7 @@ def test_an_installed_package_finds_the_data_inside(monkeypatch: pytest.MonkeyPa
         settings.asset_root()
 
 
-def test_the_default_bank_is_named_by_what_it_is_made_of(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+def test_the_default_bank_is_named_by_its_sources(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
     scenes = tmp_path / "scenes"
     (scenes / "street").mkdir(parents=True)

@@ -17,6 +17,7 @@ from typing import Any, Literal
 MINIMUM_PYTHON = (3, 12)
 #: CUDA 13 needs this driver series (NVIDIA's CUDA 13.0 release notes, table of driver versions).
 MINIMUM_DRIVER = 580
+_DRIVER = f"install an NVIDIA driver of the {MINIMUM_DRIVER} series or newer (CUDA 13)"
 #: The meshes, kernels and banks of the shipped scenes stay well below this.
 MINIMUM_FREE_BYTES = 2 * 10**9
 
@@ -93,8 +94,9 @@ def check_machine() -> Finding:
     from .. import settings
 
     memory = psutil.virtual_memory()
-    detail = f"{settings.num_threads()} cores, {memory.available / 2**30:.1f} of {memory.total / 2**30:.1f} GiB memory free"
-    if memory.available < 3 * 2**30:  # `make train` peaks below 3 GiB (README, "how long it takes")
+    free, total = memory.available / 2**30, memory.total / 2**30
+    detail = f"{settings.num_threads()} cores, {free:.1f} of {total:.1f} GiB memory free"
+    if free < 3.0:  # `make train` peaks below 3 GiB (README, "how long it takes")
         return Finding("problem", detail, "close other programs: training needs 3 GiB of memory")
     return Finding("ok", detail)
 
@@ -106,7 +108,8 @@ def check_packages() -> Finding:
     try:
         declared = [Requirement(line) for line in importlib.metadata.requires("urbanverse_mjx") or []]
     except importlib.metadata.PackageNotFoundError:
-        return Finding("missing", "urbanverse_mjx is not installed, only importable", f"{sys.executable} -m pip install -e .")
+        mend = f"{sys.executable} -m pip install -e ."
+        return Finding("missing", "urbanverse_mjx is not installed, only importable", mend)
     needed = [r for r in declared if r.marker is None or r.marker.evaluate({"extra": ""})]
     missing, wrong = [], []
     for item in needed:
@@ -132,7 +135,8 @@ def check_jax() -> Finding:
     if total != 14.0:
         return Finding("problem", f"{detail}; computed {total} where 14 is right", reinstall("jaxlib"))
     if jax.default_backend() == "cpu" and _gpus():
-        return Finding("problem", f"{detail}, but the GPU is not used", f'{sys.executable} -m pip install "jax[cuda13]=={jax.__version__}"')
+        mend = f'{sys.executable} -m pip install "jax[cuda13]=={jax.__version__}"'
+        return Finding("problem", f"{detail}, but the GPU is not used", mend)
     return Finding("ok", detail)
 
 
@@ -143,7 +147,7 @@ def check_gpu() -> Finding:
     name, driver, memory = (part.strip() for part in gpus[0].split(","))
     detail = f"{len(gpus)} x {name}, {memory}, driver {driver}"
     if int(driver.partition(".")[0]) < MINIMUM_DRIVER:
-        return Finding("problem", detail, f"install an NVIDIA driver of the {MINIMUM_DRIVER} series or newer (CUDA 13)")
+        return Finding("problem", detail, _DRIVER)
     return Finding("ok", detail)
 
 
@@ -162,7 +166,8 @@ def check_mujoco() -> Finding:
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data)
     if data.ncon < 4:
-        return Finding("problem", f"{mujoco.__version__}: a box on a plane has {data.ncon} contacts", reinstall("mujoco"))
+        detail = f"{mujoco.__version__}: a box on a plane has {data.ncon} contacts"
+        return Finding("problem", detail, reinstall("mujoco"))
     return Finding("ok", f"{mujoco.__version__}, a box rests on a plane with {data.ncon} contacts")
 
 
@@ -183,7 +188,7 @@ def check_warp() -> Finding:
     names = ", ".join(f"{d.alias} {d.name}" for d in wp.get_devices())
     detail = f"{wp.config.version} on {names}"
     if _gpus() and not wp.is_cuda_available():
-        return Finding("problem", f"{detail}, but the GPU is not used", f"install an NVIDIA driver of the {MINIMUM_DRIVER} series or newer")
+        return Finding("problem", f"{detail}, but the GPU is not used", _DRIVER)
     return Finding("ok", detail)
 
 
@@ -214,19 +219,25 @@ def check_renderer() -> Finding:
 
 
 def check_brax() -> Finding:
-    from ..training import jax_shim
+    import jax
+    import jax.numpy as jnp
 
-    jax_shim.install()
-    from brax.training.agents.ppo import train  # noqa: F401
+    from ..training import brax_compat
 
-    return Finding("ok", f"{_version('brax')}, PPO imports with the shim for this JAX")
+    brax_compat.load_ppo()
+    # What Brax's PPO calls first, gone from JAX since 0.10 and put back by brax_compat.
+    copies = jax.device_put_replicated(jnp.arange(3.0), jax.local_devices())
+    if copies.shape != (jax.local_device_count(), 3):
+        return Finding("problem", f"{_version('brax')}: parameters are not copied to every device", reinstall("jax"))
+    return Finding("ok", f"{_version('brax')}, PPO imports on this JAX")
 
 
 def check_ffmpeg() -> Finding:
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
-    listing = subprocess.run([program, "-hide_banner", "-encoders"], capture_output=True, text=True, timeout=60, check=True)
+    command = [program, "-hide_banner", "-encoders"]
+    listing = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
     if "libx264" not in listing.stdout:
         return Finding("problem", f"{program} cannot write H.264", install("imageio-ffmpeg"))
     return Finding("ok", f"{imageio_ffmpeg.get_ffmpeg_version()} with H.264 at {program}")
@@ -243,11 +254,13 @@ def check_cache() -> Finding:
         with tempfile.TemporaryFile(dir=folder) as file:
             file.write(b"urbanverse")
     except OSError as error:
-        return Finding("problem", f"{folder} cannot be written ({error.strerror})", "export URBANVERSE_CACHE=<a folder you can write to>")
+        mend = "export URBANVERSE_CACHE=<a folder you can write to>"
+        return Finding("problem", f"{folder} cannot be written ({error.strerror})", mend)
     free = shutil.disk_usage(folder).free
     detail = f"{folder}, {free / 1e9:.1f} GB free"
     if free < MINIMUM_FREE_BYTES:
-        return Finding("problem", detail, f"free {MINIMUM_FREE_BYTES / 1e9:.0f} GB there, or export URBANVERSE_CACHE=<another folder>")
+        mend = f"free {MINIMUM_FREE_BYTES / 1e9:.0f} GB there, or export URBANVERSE_CACHE=<another folder>"
+        return Finding("problem", detail, mend)
     return Finding("ok", detail)
 
 

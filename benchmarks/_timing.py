@@ -1,0 +1,86 @@
+"""Timing of compiled functions: medians over repeats with their spread, compilation apart."""
+
+import dataclasses
+import resource
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample:
+    """Wall times of one thing, repeated.
+
+    Attributes:
+      seconds: one entry a repeat, s.
+    """
+
+    seconds: tuple[float, ...]
+
+    @property
+    def median(self) -> float:
+        return statistics.median(self.seconds)
+
+    @property
+    def spread(self) -> float:
+        """(slowest - fastest) / median."""
+        return (max(self.seconds) - min(self.seconds)) / self.median
+
+    def rate(self, count: float) -> float:
+        """How many of `count` things happen in a second, by the median."""
+        return count / self.median
+
+
+@dataclasses.dataclass(frozen=True)
+class Compiled:
+    """A compiled function and how long tracing and compiling it took (s)."""
+
+    call: Callable[..., Any]
+    seconds: float
+
+
+def compile_(function: Callable[..., Any], *arguments: Any) -> Compiled:
+    """Compiles `function` for these arguments, ahead of its first call."""
+    start = time.perf_counter()
+    call = jax.jit(function).lower(*arguments).compile()
+    return Compiled(call, time.perf_counter() - start)
+
+
+def time_(call: Callable[..., Any], *arguments: Any, repeats: int) -> Sample:
+    """Times a call, results awaited, after one call that does not count (it may load kernels)."""
+    jax.block_until_ready(call(*arguments))
+    seconds = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        jax.block_until_ready(call(*arguments))
+        seconds.append(time.perf_counter() - start)
+    return Sample(tuple(seconds))
+
+
+def time_in_turn(calls: dict[str, Callable[[], Any]], repeats: int) -> dict[str, Sample]:
+    """Times several calls in turn, so that a slow spell of the machine falls on all of them alike."""
+    for call in calls.values():
+        jax.block_until_ready(call())
+    seconds: dict[str, list[float]] = {name: [] for name in calls}
+    for _ in range(repeats):
+        for name, call in calls.items():
+            start = time.perf_counter()
+            jax.block_until_ready(call())
+            seconds[name].append(time.perf_counter() - start)
+    return {name: Sample(tuple(values)) for name, values in seconds.items()}
+
+
+def peak_rss_mib() -> float:
+    """Largest resident memory of this process so far, MiB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (2**20 if sys.platform == "darwin" else 2**10)  # bytes on macOS, KiB elsewhere
+
+
+def peak_device_mib() -> float | None:
+    """Largest memory JAX held on the first device, MiB; None where the device does not count (CPU)."""
+    stats = jax.devices()[0].memory_stats()
+    return stats["peak_bytes_in_use"] / 2**20 if stats and "peak_bytes_in_use" in stats else None
