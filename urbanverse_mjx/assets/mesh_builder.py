@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.datatypes import AssetMesh
@@ -281,6 +279,30 @@ class MeshBuilder:
             normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
             self.add(shapes.quad(corners - 0.001 * normal / np.linalg.norm(normal)).flipped(), back)
 
+    def plate(
+        self,
+        outline: Sequence[Point2],
+        thickness: float,
+        at: Point3,
+        picture: Picture,
+        color: Color = "aluminium",
+        both_faces: bool = False,
+    ) -> None:
+        """A convex plate whose front (+x) shows a picture over its box, e.g. a traffic sign.
+
+        Args:
+          outline: (right, up) points as seen from the front, m, about `at`, counter-clockwise.
+          color: of the rim and the back.
+          both_faces: whether the back shows the picture too.
+        """
+        corners = np.asarray(outline, float)
+        rows = [np.column_stack([np.full(len(corners), x), corners]) for x in (-thickness / 2, thickness / 2)]
+        self.add(shapes.loft(rows), color, at)
+        face = shapes.fan(rows[1] + np.array([0.001, 0.0, 0.0]))
+        self.add(face, at=at, picture=picture)
+        if both_faces:
+            self.add(face, at=at, turn_deg=(0, 0, 180), picture=picture)
+
     def quad(
         self, corners: Sequence[Point3], color: Color | None = None, picture: Picture | None = None, both_sides: bool = False
     ) -> None:
@@ -312,7 +334,7 @@ class MeshBuilder:
         packed = pack(colors, self._pictures)
         vertices, faces, uvs, offset = [], [], [], 0
         for part in self._parts:
-            shape = _split(part.shape, part.crease_deg)
+            shape = shapes.split_at_creases(part.shape, part.crease_deg)
             if part.picture is None:
                 uv = np.broadcast_to(packed.cells[colors.index(part.color)], (len(shape.vertices), 2))  # type: ignore[arg-type]
             else:
@@ -330,7 +352,7 @@ class MeshBuilder:
         mesh = AssetMesh(
             points, np.concatenate(faces), np.concatenate(uvs), packed.texture, self._roughness, self._metallic
         )
-        volume = sum(_volume(p.shape) for p in self._parts)
+        volume = sum(shapes.volume(p.shape) for p in self._parts)
         return BuiltAsset(mesh, description, dict(params or {}), volume, mass)
 
 
@@ -351,39 +373,3 @@ def _panel_corners(at: np.ndarray, width: float, height: float, facing: str | fl
     lean = np.radians(tilt_deg)
     up = np.cos(lean) * up - np.sin(lean) * normal
     return np.stack([at + sx * right * width / 2 + sy * up * height / 2 for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
-
-
-def _split(shape: Shape, crease_deg: float) -> Shape:
-    """Vertices shared only between faces joined by edges that bend less than the crease; unused ones dropped."""
-    faces = shape.faces
-    a, b, c = (shape.vertices[faces[:, i]] for i in range(3))
-    normals = np.cross(b - a, c - a)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
-    corners = np.arange(faces.size).reshape(-1, 3)
-    start, end = faces.ravel(), np.roll(faces, -1, 1).ravel()
-    at_start, at_end = corners.ravel(), np.roll(corners, -1, 1).ravel()
-    count = len(shape.vertices)
-    forward, backward = start.astype(np.int64) * count + end, end.astype(np.int64) * count + start
-    order = np.argsort(forward)
-    found = np.clip(np.searchsorted(forward[order], backward), 0, len(order) - 1)
-    other = order[found]
-    smooth = (forward[other] == backward) & (
-        np.einsum("ij,ij->i", normals[np.arange(faces.size) // 3], normals[other // 3]) > np.cos(np.radians(crease_deg))
-    )
-    rows = np.concatenate([at_start[smooth], at_end[smooth]])
-    columns = np.concatenate([at_end[other[smooth]], at_start[other[smooth]]])
-    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(faces.size, faces.size))
-    _, group = connected_components(graph, directed=False)
-    _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
-    chosen = start[first]
-    return Shape(shape.vertices[chosen], inverse.reshape(-1, 3), None if shape.uv is None else shape.uv[chosen])
-
-
-def _volume(shape: Shape) -> float:
-    """m^3 enclosed, 0 for an open surface."""
-    edges = np.sort(np.concatenate([shape.faces[:, [0, 1]], shape.faces[:, [1, 2]], shape.faces[:, [2, 0]]]), 1)
-    _, counts = np.unique(edges, axis=0, return_counts=True)
-    if (counts != 2).any():
-        return 0.0
-    a, b, c = (shape.vertices[shape.faces[:, i]] for i in range(3))
-    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6)

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 import trimesh
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 
 Point2 = tuple[float, float]
@@ -195,6 +197,14 @@ def quad(corners: Sequence[Point3]) -> Shape:
     return Shape(np.asarray(corners, float), np.array([(0, 1, 2), (0, 2, 3)]), uv)
 
 
+def fan(corners: np.ndarray) -> Shape:
+    """A flat convex polygon facing +x, (n, 3) counter-clockwise from its front, UV over its box."""
+    flat = corners[:, 1:]
+    uv = (flat - flat.min(0)) / (flat.max(0) - flat.min(0))
+    k = np.arange(1, len(corners) - 1)
+    return Shape(corners, np.stack([np.zeros_like(k), k, k + 1], 1), uv)
+
+
 def sheet(grid: np.ndarray) -> Shape:
     """A curved surface through (rows, columns, 3) points, UV over the grid: columns run right, rows run up, seen from its visible side."""
     grid = np.asarray(grid, float)
@@ -219,3 +229,39 @@ def _clean(shape: Shape) -> Shape:
     a, b, c = (shape.vertices[shape.faces[:, i]] for i in range(3))
     keep = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-12
     return Shape(shape.vertices, shape.faces[keep], shape.uv)
+
+
+def split_at_creases(shape: Shape, crease_deg: float) -> Shape:
+    """Vertices shared only between faces joined by edges that bend less than the crease; unused ones dropped."""
+    faces = shape.faces
+    a, b, c = (shape.vertices[faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    corners = np.arange(faces.size).reshape(-1, 3)
+    start, end = faces.ravel(), np.roll(faces, -1, 1).ravel()
+    at_start, at_end = corners.ravel(), np.roll(corners, -1, 1).ravel()
+    count = len(shape.vertices)
+    forward, backward = start.astype(np.int64) * count + end, end.astype(np.int64) * count + start
+    order = np.argsort(forward)
+    found = np.clip(np.searchsorted(forward[order], backward), 0, len(order) - 1)
+    other = order[found]
+    smooth = (forward[other] == backward) & (
+        np.einsum("ij,ij->i", normals[np.arange(faces.size) // 3], normals[other // 3]) > np.cos(np.radians(crease_deg))
+    )
+    rows = np.concatenate([at_start[smooth], at_end[smooth]])
+    columns = np.concatenate([at_end[other[smooth]], at_start[other[smooth]]])
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(faces.size, faces.size))
+    _, group = connected_components(graph, directed=False)
+    _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
+    chosen = start[first]
+    return Shape(shape.vertices[chosen], inverse.reshape(-1, 3), None if shape.uv is None else shape.uv[chosen])
+
+
+def volume(shape: Shape) -> float:
+    """m^3 enclosed, 0 for an open surface."""
+    edges = np.sort(np.concatenate([shape.faces[:, [0, 1]], shape.faces[:, [1, 2]], shape.faces[:, [2, 0]]]), 1)
+    _, counts = np.unique(edges, axis=0, return_counts=True)
+    if (counts != 2).any():
+        return 0.0
+    a, b, c = (shape.vertices[shape.faces[:, i]] for i in range(3))
+    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6)
