@@ -1,0 +1,190 @@
+"""Warp kernels that fill a render context from the scene tables and unpack what it drew."""
+
+import warp as wp
+
+wp.set_module_options({"enable_backward": False, "fast_math": False})
+
+
+@wp.struct
+class SceneTables:
+    """Every scene of the bank on the device; Z scenes, N slots.
+
+    position, lower, upper, rotation, mesh, material, roughness, metallic, category: (Z, N) per slot;
+    sun_direction, sun_irradiance, ambient, sky, sky_yaw: (Z,) per scene.
+    """
+
+    position: wp.array2d[wp.vec3]
+    rotation: wp.array2d[wp.mat33]
+    lower: wp.array2d[wp.vec3]
+    upper: wp.array2d[wp.vec3]
+    mesh: wp.array2d[int]
+    material: wp.array2d[int]
+    roughness: wp.array2d[float]
+    metallic: wp.array2d[float]
+    category: wp.array2d[int]
+    sun_direction: wp.array[wp.vec3]
+    sun_irradiance: wp.array[wp.vec3]
+    ambient: wp.array[wp.vec3]
+    sky: wp.array[int]
+    sky_yaw: wp.array[float]
+
+
+@wp.struct
+class RobotTables:
+    """T_body_geom, and the box around each of the robot's R visual geoms in the geom's frame."""
+
+    body: wp.array[int]
+    position: wp.array[wp.vec3]
+    rotation: wp.array[wp.mat33]
+    centre: wp.array[wp.vec3]
+    half: wp.array[wp.vec3]
+
+
+@wp.struct
+class Worlds:
+    """What a render context reads, per world and geom or per world and light."""
+
+    geom_xpos: wp.array2d[wp.vec3]
+    geom_xmat: wp.array2d[wp.mat33]
+    geom_dataid: wp.array2d[int]
+    geom_matid: wp.array2d[int]
+    geom_roughness: wp.array2d[float]
+    geom_metallic: wp.array2d[float]
+    lower: wp.array[wp.vec3]
+    upper: wp.array[wp.vec3]
+    group: wp.array[int]
+    light_xdir: wp.array2d[wp.vec3]
+    light_diffuse: wp.array2d[wp.vec3]
+    ambient: wp.array[wp.vec3]
+    env_id: wp.array[int]
+    env_yaw: wp.array[float]
+    cam_xpos: wp.array2d[wp.vec3]
+    cam_xmat: wp.array2d[wp.mat33]
+    cam_fovy: wp.array2d[float]
+    ngeom: int
+
+
+@wp.kernel
+def place_slots(tables: SceneTables, scene: wp.array[int], current: wp.array[int], worlds: Worlds):
+    """Puts the objects of scene[w] into world w where current[w] is another scene; dim (worlds, N)."""
+    w, slot = wp.tid()
+    z = scene[w]
+    if current[w] == z:
+        return
+    worlds.geom_xpos[w, slot] = tables.position[z, slot]
+    worlds.geom_xmat[w, slot] = tables.rotation[z, slot]
+    worlds.geom_dataid[w, slot] = tables.mesh[z, slot]
+    worlds.geom_matid[w, slot] = tables.material[z, slot]
+    worlds.geom_roughness[w, slot] = tables.roughness[z, slot]
+    worlds.geom_metallic[w, slot] = tables.metallic[z, slot]
+    worlds.lower[w * worlds.ngeom + slot] = tables.lower[z, slot]
+    worlds.upper[w * worlds.ngeom + slot] = tables.upper[z, slot]
+    worlds.group[w * worlds.ngeom + slot] = w
+
+
+@wp.kernel
+def place_light(tables: SceneTables, scene: wp.array[int], current: wp.array[int], worlds: Worlds):
+    """Sun and sky of scene[w], after `place_slots`; remembers the scene in current[w]; dim worlds."""
+    w = wp.tid()
+    z = scene[w]
+    if current[w] == z:
+        return
+    current[w] = z
+    worlds.light_xdir[w, 0] = -tables.sun_direction[z]
+    worlds.light_diffuse[w, 0] = tables.sun_irradiance[z]
+    worlds.ambient[w] = tables.ambient[z]
+    worlds.env_id[w] = tables.sky[z]
+    worlds.env_yaw[w] = tables.sky_yaw[z]
+
+
+@wp.func
+def _matrix(q: wp.vec4) -> wp.mat33:
+    """Rotation of a unit quaternion wxyz."""
+    return wp.quat_to_matrix(wp.quat(q[1], q[2], q[3], q[0]))
+
+
+@wp.kernel
+def place_robot(
+    tables: RobotTables, xpos: wp.array2d[wp.vec3], xquat: wp.array2d[wp.vec4], first: int, worlds: Worlds
+):
+    """Puts the robot's visual geoms at its bodies' poses; `first` is their first geom; dim (worlds, R)."""
+    w, i = wp.tid()
+    body = tables.body[i]
+    turn = _matrix(xquat[w, body])
+    position = xpos[w, body] + turn @ tables.position[i]
+    rotation = turn @ tables.rotation[i]
+    geom = first + i
+    worlds.geom_xpos[w, geom] = position
+    worlds.geom_xmat[w, geom] = rotation
+    half = tables.half[i]
+    reach = wp.vec3(0.0)
+    for row in range(3):
+        reach[row] = (
+            wp.abs(rotation[row, 0]) * half[0] + wp.abs(rotation[row, 1]) * half[1] + wp.abs(rotation[row, 2]) * half[2]
+        )
+    centre = position + rotation @ tables.centre[i]
+    worlds.lower[w * worlds.ngeom + geom] = centre - reach
+    worlds.upper[w * worlds.ngeom + geom] = centre + reach
+    worlds.group[w * worlds.ngeom + geom] = w
+
+
+@wp.kernel
+def place_camera(position: wp.array[wp.vec3], quaternion: wp.array[wp.vec4], fovy: wp.array[float], worlds: Worlds):
+    """T_world_camera and vertical field of view (rad) of each world's camera; dim worlds."""
+    w = wp.tid()
+    worlds.cam_xpos[w, 0] = position[w]
+    worlds.cam_xmat[w, 0] = _matrix(quaternion[w])
+    worlds.cam_fovy[w, 0] = fovy[w] * (180.0 / wp.pi)
+
+
+@wp.kernel
+def unpack_colour(packed: wp.array2d[wp.uint32], rgb: wp.array4d[wp.uint8]):
+    """0xAARRGGBB words to bytes; dim (worlds, pixels)."""
+    w, pixel = wp.tid()
+    word = packed[w, pixel]
+    row = pixel // rgb.shape[2]
+    column = pixel % rgb.shape[2]
+    rgb[w, row, column, 0] = wp.uint8((word >> wp.uint32(16)) & wp.uint32(255))
+    rgb[w, row, column, 1] = wp.uint8((word >> wp.uint32(8)) & wp.uint32(255))
+    rgb[w, row, column, 2] = wp.uint8(word & wp.uint32(255))
+
+
+@wp.kernel
+def unpack_labels(
+    tables: SceneTables,
+    scene: wp.array[int],
+    seg: wp.array2d[wp.vec2i],
+    num_slots: int,
+    robot_label: int,
+    category: wp.array3d[int],
+    object: wp.array3d[int],
+):
+    """Geom numbers to object (slot) and category numbers, either output may be empty; dim (worlds, pixels)."""
+    w, pixel = wp.tid()
+    geom = seg[w, pixel][0]
+    number = int(-1)
+    kind = int(-1)
+    if geom >= num_slots:
+        number = robot_label
+        kind = robot_label
+    elif geom >= 0:
+        number = geom
+        kind = tables.category[scene[w], geom]
+    if object.shape[1] > 0:
+        object[w, pixel // object.shape[2], pixel % object.shape[2]] = number
+    if category.shape[1] > 0:
+        category[w, pixel // category.shape[2], pixel % category.shape[2]] = kind
+
+
+@wp.kernel
+def unpack_depth(depth: wp.array2d[float], out: wp.array3d[float]):
+    """dim (worlds, pixels)."""
+    w, pixel = wp.tid()
+    out[w, pixel // out.shape[2], pixel % out.shape[2]] = depth[w, pixel]
+
+
+@wp.kernel
+def unpack_normal(normal: wp.array2d[wp.vec3], out: wp.array3d[wp.vec3]):
+    """dim (worlds, pixels)."""
+    w, pixel = wp.tid()
+    out[w, pixel // out.shape[2], pixel % out.shape[2]] = normal[w, pixel]

@@ -1,0 +1,238 @@
+"""The render model: one MjModel with every mesh, texture and material of a bank, N slots and the robot's looks.
+
+All geoms hang on the world body, so the model has no joint and no dynamics: who renders writes the geoms' poses.
+Hulls are not in it, because the renderer builds a search tree for every mesh it is given.
+"""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+
+from ..datatypes import NounError, RobotSpec, SceneBank
+
+#: MJCF geom group of what is seen of a robot (its collision spheres are in group 3, as in MuJoCo Menagerie).
+VISUAL_GROUP = 2
+#: m; what lies farther is sky. The longest designed street has 200 m, its skyline twice that.
+FAR = 1000.0
+NEAR = 0.01
+SLOT_GROUP = 0
+#: MuJoCo's default colour: a geom of this colour shows its material's colour instead.
+_INHERIT = (0.5, 0.5, 0.5, 1.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class RobotCamera:
+    """A camera fixed to a robot's body.
+
+    Attributes:
+      body: number of the body in the robot's model.
+      position (3,) m, quaternion (4,) wxyz: T_body_camera; the camera looks along its -z, +y is up in the picture.
+      fovy: vertical field of view, rad.
+    """
+
+    body: int
+    position: np.ndarray
+    quaternion: np.ndarray
+    fovy: float
+
+
+@dataclasses.dataclass(frozen=True)
+class RenderModel:
+    """What the renderer draws.
+
+    Attributes:
+      model: compiled; geoms [0, N) are the slots, [N, N + R) the robot's visual geoms.
+      vertices (ΣV, 3), normals (ΣVn, 3) f32: `model.mesh_vert` and `mesh_normal` turned back into the frames in
+        which the meshes were authored (the compiler moves every mesh to its inertial frame).
+      num_slots: N. absent_material: a material nobody sees, for empty slots.
+      robot_body (R,) i32, robot_position (R, 3) f32, robot_rotation (R, 3, 3) f32: T_body_geom.
+      robot_half (R, 2, 3) f32: centre and half size of the box around each robot geom in the geom's frame.
+      num_bodies: bodies of the robot's model, the world included; 1 without a robot.
+      cameras: the robot's cameras by name.
+    """
+
+    model: mujoco.MjModel
+    vertices: np.ndarray
+    normals: np.ndarray
+    num_slots: int
+    absent_material: int
+    robot_body: np.ndarray
+    robot_position: np.ndarray
+    robot_rotation: np.ndarray
+    robot_half: np.ndarray
+    num_bodies: int
+    cameras: dict[str, RobotCamera]
+
+
+def rotation_matrices(quaternions: np.ndarray) -> np.ndarray:
+    """(..., 3, 3) f64 rotation matrices of (..., 4) wxyz quaternions of any length but zero."""
+    q = np.asarray(quaternions, np.float64)
+    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, -1) for row in rows], -2)
+
+
+def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
+    """Adds the bank's textures, materials, meshes and one geom per slot; numbers stay those of the bank."""
+    for i, (height, width, channels) in enumerate(bank.texture_shape):
+        texture = spec.add_texture(
+            name=f"bank/{i}", type=mujoco.mjtTexture.mjTEXTURE_2D, width=int(width), height=int(height),
+            nchannel=int(channels), colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
+        )
+        texture.data = bank.texture(i).tobytes()
+    for i, rgba in enumerate(bank.material_rgba):
+        material = spec.add_material(
+            name=f"bank/{i}", rgba=rgba, roughness=float(bank.material_roughness[i]),
+            metallic=float(bank.material_metallic[i]),
+        )
+        if bank.material_texture[i] >= 0:
+            material.textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = f"bank/{bank.material_texture[i]}"
+    spec.add_material(name="absent", rgba=(0.0, 0.0, 0.0, 0.0))
+    for i in range(bank.num_meshes):
+        corners = slice(bank.mesh_vertex_start[i], bank.mesh_vertex_start[i + 1])
+        faces = bank.mesh_faces[bank.mesh_face_start[i] : bank.mesh_face_start[i + 1]]
+        # Inertia of the surface: flat ground has no volume.
+        spec.add_mesh(
+            name=f"bank/{i}", uservert=bank.mesh_vertices[corners].ravel(), userface=faces.ravel(),
+            usertexcoord=bank.mesh_uv[corners].ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        )
+    for _ in range(bank.slot_mesh.shape[1]):
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH, meshname="bank/0", material="absent", contype=0, conaffinity=0,
+            group=SLOT_GROUP, rgba=_INHERIT,
+        )
+
+
+def _geom_box(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray]:
+    """Centre and half size of the box around a geom, in the geom's frame."""
+    return model.geom_aabb[geom, :3].astype(np.float64), model.geom_aabb[geom, 3:].astype(np.float64)
+
+
+def _add_robot(spec: mujoco.MjSpec, robot: mujoco.MjModel) -> list[int]:
+    """Adds the robot's visual geoms (group 2) and what they need; returns their numbers in the robot's model."""
+    geoms = [int(g) for g in np.flatnonzero(robot.geom_group == VISUAL_GROUP)]
+    for g in geoms:
+        looks: dict = {"rgba": robot.geom_rgba[g]}
+        material = int(robot.geom_matid[g])
+        if material >= 0:
+            name = f"robot/{material}"
+            if spec.material(name) is None:
+                _add_robot_material(spec, robot, material, name)
+            looks["material"] = name
+        kind = int(robot.geom_type[g])
+        if kind == mujoco.mjtGeom.mjGEOM_MESH:
+            name = f"robot/{int(robot.geom_dataid[g])}"
+            if spec.mesh(name) is None:
+                _add_robot_mesh(spec, robot, int(robot.geom_dataid[g]), name)
+            looks["meshname"] = name
+        else:
+            looks["size"] = robot.geom_size[g]
+        spec.worldbody.add_geom(type=kind, contype=0, conaffinity=0, group=SLOT_GROUP, **looks)
+    return geoms
+
+
+def _add_robot_material(spec: mujoco.MjSpec, robot: mujoco.MjModel, material: int, name: str) -> None:
+    added = spec.add_material(
+        name=name, rgba=robot.mat_rgba[material], roughness=float(robot.mat_roughness[material]),
+        metallic=float(robot.mat_metallic[material]), shininess=float(robot.mat_shininess[material]),
+        specular=float(robot.mat_specular[material]), emission=float(robot.mat_emission[material]),
+    )
+    role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
+    texture = int(robot.mat_texid[material, role])
+    if texture < 0 or robot.tex_type[texture] != mujoco.mjtTexture.mjTEXTURE_2D:
+        return
+    label = f"robot/{texture}"
+    if spec.texture(label) is None:
+        shape = (int(robot.tex_height[texture]), int(robot.tex_width[texture]), int(robot.tex_nchannel[texture]))
+        start = int(robot.tex_adr[texture])
+        image = spec.add_texture(
+            name=label, type=mujoco.mjtTexture.mjTEXTURE_2D, height=shape[0], width=shape[1], nchannel=shape[2],
+            colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
+        )
+        image.data = robot.tex_data[start : start + int(np.prod(shape))].tobytes()
+    added.textures[role] = label
+
+
+def _add_robot_mesh(spec: mujoco.MjSpec, robot: mujoco.MjModel, mesh: int, name: str) -> None:
+    """Adds a mesh in the frame the robot's geoms use, corners split so that UVs go with vertices."""
+    corners = slice(robot.mesh_vertadr[mesh], robot.mesh_vertadr[mesh] + robot.mesh_vertnum[mesh])
+    faces = slice(robot.mesh_faceadr[mesh], robot.mesh_faceadr[mesh] + robot.mesh_facenum[mesh])
+    extra: dict = {}
+    if robot.mesh_texcoordadr[mesh] >= 0:
+        start = int(robot.mesh_texcoordadr[mesh])
+        stop = start + int(robot.mesh_texcoordnum[mesh])
+        extra = {
+            "usertexcoord": robot.mesh_texcoord[start:stop].ravel(),
+            "userfacetexcoord": robot.mesh_facetexcoord[faces].ravel(),
+        }
+    spec.add_mesh(
+        name=name, uservert=robot.mesh_vert[corners].ravel(), userface=robot.mesh_face[faces].ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL, **extra,
+    )
+
+
+def _authored(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and normals of all meshes in the frames they were authored in."""
+    vertices, normals = model.mesh_vert.astype(np.float64), model.mesh_normal.astype(np.float64)
+    rotations = rotation_matrices(model.mesh_quat) if model.nmesh else np.zeros((0, 3, 3))
+    for i, rotation in enumerate(rotations):
+        corners = slice(model.mesh_vertadr[i], model.mesh_vertadr[i] + model.mesh_vertnum[i])
+        arrows = slice(model.mesh_normaladr[i], model.mesh_normaladr[i] + model.mesh_normalnum[i])
+        vertices[corners] = vertices[corners] @ rotation.T + model.mesh_pos[i]
+        normals[arrows] = normals[arrows] @ rotation.T
+    return vertices.astype(np.float32), normals.astype(np.float32)
+
+
+def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
+    return {
+        robot.camera(i).name: RobotCamera(
+            body=int(robot.cam_bodyid[i]),
+            position=robot.cam_pos[i].astype(np.float32),
+            quaternion=robot.cam_quat[i].astype(np.float32),
+            fovy=float(np.radians(robot.cam_fovy[i])),
+        )
+        for i in range(robot.ncam)
+    }
+
+
+def build_render_model(bank: SceneBank, robot: RobotSpec | None) -> RenderModel:
+    """Builds the render model of a bank and, if given, a robot.
+
+    Raises:
+      NounError: the bank shows nothing.
+    """
+    if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
+        raise NounError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
+    spec = mujoco.MjSpec()
+    spec.stat.extent = 1.0
+    # `visual.map` has a field whose name is taken by nothing else: the far and near planes, in extents.
+    spec.visual.map.znear, spec.visual.map.zfar = NEAR, FAR
+    spec.visual.headlight.active = 0
+    _add_bank(spec, bank)
+    robot_model = None if robot is None else mujoco.MjModel.from_xml_string(robot.mjcf)
+    geoms = [] if robot_model is None else _add_robot(spec, robot_model)
+    spec.worldbody.add_camera(name="eye")
+    spec.worldbody.add_light(name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=True, dir=(0, 0, -1))
+    model = spec.compile()
+    vertices, normals = _authored(model)
+    boxes = [_geom_box(robot_model, g) for g in geoms] if robot_model is not None else []
+    return RenderModel(
+        model=model,
+        vertices=vertices,
+        normals=normals,
+        num_slots=bank.slot_mesh.shape[1],
+        absent_material=len(bank.material_rgba),
+        robot_body=np.array([robot_model.geom_bodyid[g] for g in geoms], np.int32) if geoms else np.zeros(0, np.int32),
+        robot_position=np.array([robot_model.geom_pos[g] for g in geoms], np.float32).reshape(-1, 3),
+        robot_rotation=rotation_matrices(robot_model.geom_quat[geoms]).astype(np.float32)
+        if geoms
+        else np.zeros((0, 3, 3), np.float32),
+        robot_half=np.array(boxes, np.float32).reshape(-1, 2, 3),
+        num_bodies=1 if robot_model is None else robot_model.nbody,
+        cameras={} if robot_model is None else _cameras(robot_model),
+    )

@@ -1,0 +1,142 @@
+"""The bank's scenes as tables on the Warp device, and its skies as textures."""
+
+import dataclasses
+
+import numpy as np
+import warp as wp
+from mujoco_warp_pbr._src import envmap
+
+from ..datatypes import SceneBank
+from .render_kernels import RobotTables, SceneTables
+from .render_model import RenderModel, rotation_matrices
+
+#: The blurred copies of a sky that rough surfaces mirror: width, roughness levels, samples a texel. Streets are
+#: rough, so that at 64 texels around (5.6 degrees) nothing is lost; sharper mirrors read the sky itself.
+BLUR_WIDTH, BLUR_LEVELS, BLUR_SAMPLES = 64, 8, 128
+
+
+@dataclasses.dataclass(frozen=True)
+class Skies:
+    """Sky textures of a bank, in the form in which a pbr context takes them.
+
+    radiance, prefiltered: (S,) Warp texture arrays; sh: (S, 9) diffuse light as spherical harmonics;
+    width: texels around; owners: the texture objects, which live as long as this does.
+    """
+
+    radiance: wp.array
+    prefiltered: wp.array
+    sh: wp.array
+    width: int
+    owners: tuple[object, ...]
+
+
+def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:
+    """The sky blurred by the GGX lobe of each of `BLUR_LEVELS` roughnesses."""
+    stack = wp.zeros((BLUR_LEVELS, BLUR_WIDTH // 2, BLUR_WIDTH, 4), dtype=wp.float16)
+    wp.launch(
+        envmap._prefilter,
+        dim=stack.shape[:3],
+        inputs=[radiance, width, height, BLUR_SAMPLES, 0],
+        outputs=[stack],
+    )
+    clamp = wp.TextureAddressMode.CLAMP
+    return wp.Texture3D(
+        stack, filter_mode=wp.TextureFilterMode.LINEAR, address_mode_u=wp.TextureAddressMode.WRAP,
+        address_mode_v=clamp, address_mode_w=clamp,
+    )
+
+
+def build_skies(radiance: np.ndarray) -> Skies:
+    """Uploads (S, H, W, 3) panoramas in the bank's layout (which is also that of mujoco-warp-pbr)."""
+    maps, stacks, harmonics = [], [], []
+    height, width = radiance.shape[1:3]
+    for image in radiance:
+        rgba = np.concatenate([image, np.ones((height, width, 1), np.float32)], -1).astype(np.float16)
+        texture = wp.Texture2D(
+            rgba, filter_mode=wp.TextureFilterMode.LINEAR, address_mode_u=wp.TextureAddressMode.WRAP,
+            address_mode_v=wp.TextureAddressMode.CLAMP, num_mip_levels=0, mip_filter_mode=wp.TextureFilterMode.LINEAR,
+        )
+        maps.append(texture)
+        stacks.append(_blurred(texture, width, height))
+        harmonics.append(envmap._sh9_irradiance(image))
+    return Skies(
+        radiance=wp.array(maps, dtype=wp.Texture2D),
+        prefiltered=wp.array(stacks, dtype=wp.Texture3D),
+        sh=wp.array(np.stack(harmonics), dtype=wp.vec3),
+        width=width,
+        owners=(*maps, *stacks),
+    )
+
+
+def slot_boxes(bank: SceneBank) -> tuple[np.ndarray, np.ndarray]:
+    """(Z, N, 3) lower and upper corners, m, of the box around each slot's mesh in the world.
+
+    An empty slot gets a point inside the box of the slot before it, so that no node of the search tree grows.
+    """
+    rotation = rotation_matrices(bank.slot_quaternion)
+    lower = np.zeros(bank.slot_position.shape)
+    upper = np.zeros(bank.slot_position.shape)
+    start = bank.mesh_vertex_start
+    for z in range(bank.num_scenes):
+        last = bank.slot_position[z, 0].astype(np.float64)
+        for n, mesh in enumerate(bank.slot_mesh[z]):
+            if mesh < 0:
+                lower[z, n] = upper[z, n] = last
+                continue
+            corners = bank.mesh_vertices[start[mesh] : start[mesh + 1]] @ rotation[z, n].T + bank.slot_position[z, n]
+            lower[z, n], upper[z, n] = corners.min(0), corners.max(0)
+            last = (lower[z, n] + upper[z, n]) / 2
+    return lower, upper
+
+
+def scene_sun(bank: SceneBank) -> tuple[np.ndarray, np.ndarray]:
+    """(Z, 3) unit directions towards the sun, turned by each scene's yaw, and (Z, 3) irradiances."""
+    direction = bank.sky_sun_direction[bank.scene_sky].astype(np.float64)
+    c, s = np.cos(bank.scene_sky_yaw), np.sin(bank.scene_sky_yaw)
+    turned = np.stack(
+        [c * direction[:, 0] - s * direction[:, 1], s * direction[:, 0] + c * direction[:, 1], direction[:, 2]], -1
+    )
+    return turned, bank.sky_sun_irradiance[bank.scene_sky]
+
+
+def sky_ambient(bank: SceneBank) -> np.ndarray:
+    """(Z, 3) mean radiance of each scene's sky over the sphere: its light where no sky is drawn."""
+    height = bank.sky_radiance.shape[1]
+    weight = np.sin((np.arange(height) + 0.5) / height * np.pi)
+    mean = np.einsum("h,shwc->sc", weight / weight.sum(), bank.sky_radiance) / bank.sky_radiance.shape[2]
+    return mean[bank.scene_sky]
+
+
+def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> SceneTables:
+    """Moves what the renderer needs of every scene to the current Warp device; sky: whether skies are drawn."""
+    mesh = np.maximum(bank.slot_mesh, 0)
+    material = bank.mesh_material[mesh]
+    empty = bank.slot_mesh < 0
+    lower, upper = slot_boxes(bank)
+    sun, irradiance = scene_sun(bank)
+    tables = SceneTables()
+    tables.position = wp.array(bank.slot_position, dtype=wp.vec3)
+    tables.rotation = wp.array(rotation_matrices(bank.slot_quaternion), dtype=wp.mat33)
+    tables.lower = wp.array(lower, dtype=wp.vec3)
+    tables.upper = wp.array(upper, dtype=wp.vec3)
+    tables.mesh = wp.array(mesh, dtype=int)
+    tables.material = wp.array(np.where(empty, model.absent_material, material), dtype=int)
+    tables.roughness = wp.array(bank.material_roughness[material], dtype=float)
+    tables.metallic = wp.array(bank.material_metallic[material], dtype=float)
+    tables.category = wp.array(bank.slot_category, dtype=int)
+    tables.sun_direction = wp.array(sun, dtype=wp.vec3)
+    tables.sun_irradiance = wp.array(irradiance, dtype=wp.vec3)
+    tables.ambient = wp.array(sky_ambient(bank), dtype=wp.vec3)
+    tables.sky = wp.array(bank.scene_sky if sky else np.zeros_like(bank.scene_sky), dtype=int)
+    tables.sky_yaw = wp.array(bank.scene_sky_yaw, dtype=float)
+    return tables
+
+
+def build_robot_tables(model: RenderModel) -> RobotTables:
+    tables = RobotTables()
+    tables.body = wp.array(model.robot_body, dtype=int)
+    tables.position = wp.array(model.robot_position, dtype=wp.vec3)
+    tables.rotation = wp.array(model.robot_rotation, dtype=wp.mat33)
+    tables.centre = wp.array(model.robot_half[:, 0], dtype=wp.vec3)
+    tables.half = wp.array(model.robot_half[:, 1], dtype=wp.vec3)
+    return tables

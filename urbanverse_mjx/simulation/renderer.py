@@ -1,0 +1,215 @@
+"""`Renderer`: what robots see, for many envs at once and each in its own scene, inside jitted JAX code.
+
+mujoco-warp-pbr draws over MuJoCo Warp's data and search trees, on the CPU and on CUDA. It is young, and this module is
+the only one that the rest of the program knows of it.
+"""
+
+import collections
+import concurrent.futures
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import warp as wp
+
+from .. import settings as process
+from ..datatypes import NounError, RobotSpec, SceneBank
+from .render_context import OUTPUTS, ROBOT_LABEL, Settings, SharedAssets, WorldBatch
+from .render_model import build_render_model
+from .warp_bridge import batched_call, register, registered
+
+__all__ = ["OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
+
+SKY_LABEL = -1
+#: Batches of other sizes that are kept before the oldest is dropped (training, evaluation, a single frame, ...).
+KEPT_BATCHES = 8
+
+
+def _draw(
+    owner: int,
+    scene: wp.array(dtype=wp.int32, ndim=1),
+    xpos: wp.array(dtype=wp.vec3, ndim=2),
+    xquat: wp.array(dtype=wp.vec4, ndim=2),
+    eye: wp.array(dtype=wp.vec3, ndim=1),
+    turn: wp.array(dtype=wp.vec4, ndim=1),
+    fovy: wp.array(dtype=wp.float32, ndim=1),
+    rgb: wp.array(dtype=wp.uint8, ndim=4),
+    depth: wp.array(dtype=wp.float32, ndim=3),
+    category: wp.array(dtype=wp.int32, ndim=3),
+    object: wp.array(dtype=wp.int32, ndim=3),
+    normal: wp.array(dtype=wp.vec3, ndim=3),
+) -> None:
+    """What JAX calls; outputs that were not asked for have no pixel."""
+    out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}
+    registered(owner)._render(scene, xpos, xquat, eye, turn, fovy, {k: v for k, v in out.items() if v.shape[1] > 0})
+
+
+class Renderer:
+    """Draws scenes of a bank, with or without a robot in them.
+
+    Pixel rows go from top to bottom. Depth is planar: the distance along the camera's axis, 0 where nothing was hit.
+    "object" is the visual slot and "category" the row of `bank.meta["categories"]`; -1 is the sky, -2 the robot.
+    Normals are unit and in the world's frame, 0 for the sky. Colours are sRGB, and depend on nothing but the scene,
+    the robot's pose and the camera.
+
+    Args:
+      bank: the scenes.
+      robot: its visual geoms (MJCF group 2) are drawn and its camera is looked through; None for empty streets.
+      height, width: pixels.
+      outputs: any of "rgb", "depth", "category", "object", "normal".
+      shadows: whether the sun casts shadows.
+      sky: whether the sky is drawn and lights the street by direction; else a flat colour and an even light.
+      threads: on the CPU worlds are split over this many threads; default: `settings.num_threads()`.
+      camera: name of the robot's camera; default `robot.camera`.
+      samples: rays per pixel along each side (2 = four rays).
+
+    Raises:
+      NounError: an unknown output or camera, or a size below one.
+    """
+
+    def __init__(
+        self,
+        bank: SceneBank,
+        robot: RobotSpec | None,
+        height: int,
+        width: int,
+        outputs: Sequence[str] = ("rgb",),
+        shadows: bool = False,
+        sky: bool = True,
+        threads: int | None = None,
+        camera: str | None = None,
+        samples: int = 1,
+    ) -> None:
+        wanted = tuple(dict.fromkeys(outputs))
+        for name in wanted:
+            if name not in OUTPUTS:
+                raise NounError(f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; mend its spelling")
+        if not wanted or min(height, width, samples) < 1:
+            raise NounError(
+                f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of each"
+            )
+        self.bank = bank
+        self.settings = Settings(height, width, wanted, shadows, sky, samples)
+        self.threads = threads or process.num_threads()
+        self._model = build_render_model(bank, robot)
+        self.num_bodies = self._model.num_bodies
+        self.camera = None if robot is None else self._find_camera(camera or robot.camera)
+        self._assets: dict[str, SharedAssets] = {}
+        self._batches: collections.OrderedDict[tuple[str, int], list[WorldBatch]] = collections.OrderedDict()
+        self._pool: concurrent.futures.ThreadPoolExecutor | None = None
+        self._number = register(self)
+        self._view = batched_call(_batch_function(self._number, self.settings))
+
+    def _find_camera(self, name: str) -> Any:
+        if name not in self._model.cameras:
+            known = ", ".join(self._model.cameras) or "none"
+            raise NounError(f"camera: found {name!r}; needed a camera of the robot ({known}); mend its spelling")
+        return self._model.cameras[name]
+
+    def __call__(self, scene: Any, xpos: Any, xquat: Any) -> dict[str, jax.Array]:
+        """One frame through the robot's camera; pure, works alone, under jit and any nesting of vmap.
+
+        Args:
+          scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
+
+        Returns:
+          the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
+          "normal" (H, W, 3) f32.
+        """
+        if self.camera is None:
+            raise NounError("renderer: found no robot; needed one to look through its camera; call `view` instead")
+        xpos, xquat = jnp.asarray(xpos, jnp.float32), jnp.asarray(xquat, jnp.float32)
+        body = self.camera.body
+        eye = xpos[body] + _rotate(xquat[body], jnp.asarray(self.camera.position))
+        turn = _multiply(xquat[body], jnp.asarray(self.camera.quaternion))
+        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat)
+
+    def view(
+        self, scene: Any, position: Any, quaternion: Any, fovy: Any, xpos: Any = None, xquat: Any = None
+    ) -> dict[str, jax.Array]:
+        """One frame through a free camera.
+
+        Args:
+          scene: () i32.
+          position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
+          fovy: () vertical field of view, rad.
+          xpos, xquat: the robot's bodies; None leaves the robot out of the picture, far below the ground.
+        """
+        bodies = self.num_bodies
+        if xpos is None:
+            xpos, xquat = np.tile([0.0, 0.0, -1e4], (bodies, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))
+        arrays = [jnp.asarray(x, jnp.float32) for x in (xpos, xquat, position, quaternion, fovy)]
+        wanted = ((bodies, 3), (bodies, 4), (3,), (4,), ())
+        for name, array, shape in zip(("xpos", "xquat", "position", "quaternion", "fovy"), arrays, wanted, strict=True):
+            if array.shape != shape:
+                raise NounError(f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more")
+        return self._view(jnp.asarray(scene, jnp.int32), *arrays)
+
+    def _render(
+        self, scene: wp.array, xpos: wp.array, xquat: wp.array, eye: wp.array, turn: wp.array, fovy: wp.array,
+        outputs: dict[str, wp.array],
+    ) -> None:
+        """Draws a batch of worlds, on the CPU in one thread per part; called by Warp with its device set."""
+        total = scene.shape[0]
+        if total == 0:
+            return
+        inputs = (scene, xpos, xquat, eye, turn, fovy)
+        start, jobs = 0, []
+        for part in self._parts(scene.device, total):
+            stop = start + part.num_worlds
+            jobs.append(
+                (part, [x[start:stop] for x in inputs], {name: x[start:stop] for name, x in outputs.items()})
+            )
+            start = stop
+        if len(jobs) == 1:
+            part, arrays, out = jobs[0]
+            part.render(*arrays, out)
+            return
+        if self._pool is None:
+            self._pool = concurrent.futures.ThreadPoolExecutor(self.threads, "render")
+        waiting = [self._pool.submit(part.render, *arrays, out) for part, arrays, out in jobs]
+        for job in waiting:
+            job.result()
+
+    def _parts(self, device: Any, total: int) -> list[WorldBatch]:
+        key = (str(device), total)
+        if key not in self._batches:
+            if key[0] not in self._assets:
+                self._assets[key[0]] = SharedAssets(self.bank, self._model, self.settings)
+            count = min(self.threads, total) if device.is_cpu else 1
+            sizes = [total // count + (i < total % count) for i in range(count)]
+            self._batches[key] = [WorldBatch(self._assets[key[0]], size) for size in sizes]
+            while len(self._batches) > KEPT_BATCHES:
+                self._batches.popitem(last=False)
+        self._batches.move_to_end(key)
+        return self._batches[key]
+
+
+def _batch_function(number: int, settings: Settings) -> Any:
+    """(scene (n,), xpos (n, nbody, 3), ...) -> outputs with a leading axis n. Holds the renderer by its number."""
+    height, width = settings.height, settings.width
+    # Contexts are made when a call first runs, which a graph capture would not allow.
+    function = wp.jax_callable(_draw, num_outputs=len(OUTPUTS), graph_mode=wp.JaxCallableGraphMode.NONE)
+
+    def batch(scene: jax.Array, *arrays: jax.Array) -> dict[str, jax.Array]:
+        n = scene.shape[0]
+        shapes = {"rgb": (n, height, width, 3)} | {name: (n, height, width) for name in OUTPUTS[1:]}
+        shapes = {k: s if k in settings.outputs else (n, *[0] * (len(s) - 1)) for k, s in shapes.items()}
+        out = function(number, scene, *arrays, output_dims=shapes)
+        return {name: x for name, x in zip(OUTPUTS, out, strict=True) if name in settings.outputs}
+
+    return batch
+
+
+def _rotate(q: jax.Array, v: jax.Array) -> jax.Array:
+    """R(q) v for a unit quaternion wxyz."""
+    t = 2.0 * jnp.cross(q[1:], v)
+    return v + q[0] * t + jnp.cross(q[1:], t)
+
+
+def _multiply(p: jax.Array, q: jax.Array) -> jax.Array:
+    """Product of two quaternions wxyz."""
+    w = p[0] * q[0] - p[1:] @ q[1:]
+    return jnp.concatenate([w[None], p[0] * q[1:] + q[0] * p[1:] + jnp.cross(p[1:], q[1:])])
