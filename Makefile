@@ -42,7 +42,7 @@ test-gpu: setup-dev ## run the tests that need a CUDA device
 check: setup-dev ## formatting, lint, types and who may import whom
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
-	@$(BIN)/pyright --pythonpath $(BIN)/python
+	@$(BIN)/pyright
 	@$(BIN)/lint-imports
 
 format: setup-dev ## format the code and mend what ruff can mend
