@@ -1,0 +1,163 @@
+"""A building block seen from the street: walls with real openings, reveals, sills, cornices, shop fronts, awnings, roofs."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from scipy.spatial import ConvexHull
+
+from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ..palette import Color, shade
+from ..shapes import Shape
+
+
+def finish(builder: MeshBuilder, description: str, params: dict, mass: float, fill: float) -> BuiltAsset:
+    """The asset with its mass, and as its volume a share of its convex hull (its skin is open, so it encloses none)."""
+    built = builder.build(description, params, mass=mass)
+    return dataclasses.replace(built, volume=float(ConvexHull(built.mesh.vertices).volume) * fill)
+
+
+class Facade:
+    """A block `width` (y) by `depth` (x) by `height`, front at x = depth / 2; openings are cut into the front as they come."""
+
+    def __init__(self, builder: MeshBuilder, width: float, depth: float, height: float, trim: Color) -> None:
+        self.builder, self.width, self.depth, self.height, self.trim = builder, width, depth, height, trim
+        self.front = depth / 2
+        self._holes: list[shapely.Polygon] = []
+
+    def opening(
+        self, y: float, z: float, width: float, height: float, picture: Picture, recess: float = 0.14,
+        sill: bool = True, lintel: Color | None = None,
+    ) -> None:
+        """A hole whose lower middle is at (y, z), with reveals and a picture at its back."""
+        y0, y1, z1, x = y - width / 2, y + width / 2, z + height, self.front
+        self._holes.append(shapely.box(y0, z, y1, z1))
+        back = x - recess
+        self.builder.panel(picture, (back, y, z + height / 2), width, height)
+        reveal = shade(self.trim, 0.8)
+        rim = np.array([(y0, z), (y1, z), (y1, z1), (y0, z1)])
+        for (ya, za), (yb, zb) in zip(rim, np.roll(rim, -1, 0), strict=True):
+            self.builder.quad([(x, ya, za), (x, yb, zb), (back, yb, zb), (back, ya, za)], reveal)
+        if sill:
+            self.builder.box((recess + 0.10, width + 0.16, 0.07), (x - recess / 2 + 0.05, y, z - 0.07), self.trim)
+        if lintel is not None:
+            self.builder.box((0.05, width + 0.24, 0.16), (x + 0.02, y, z1 + 0.02), lintel)
+
+    def walls(self, picture: Picture, ground: Color | None = None, ground_height: float = 0.0) -> None:
+        """Front with its holes, both sides and the back; below `ground_height` the front is plain."""
+        width, height, depth = self.width, self.height, self.depth
+        holes = shapely.union_all(self._holes)
+        upper = shapely.box(-width / 2, ground_height, width / 2, height).difference(holes)
+        self._front(upper, picture=picture)
+        if ground_height > 0:
+            self._front(shapely.box(-width / 2, 0, width / 2, ground_height).difference(holes), color=ground)
+        u = min(1.0, depth / width)
+        for sign in (1.0, -1.0):
+            corners = [(sign * self.front, 0), (-sign * self.front, 0), (-sign * self.front, height), (sign * self.front, height)]
+            vertices = np.array([(x, sign * width / 2, z) for x, z in corners])
+            uv = np.array([(0, 0), (u, 0), (u, 1), (0, 1)], float)
+            self.builder.add(Shape(vertices, np.array([(0, 1, 2), (0, 2, 3)]), uv), picture=picture)
+        self.builder.panel(picture, (-self.front, 0, height / 2), width, height, "-x")
+
+    def _front(self, area: shapely.Geometry, color: Color | None = None, picture: Picture | None = None) -> None:
+        triangles = [t for part in shapely.get_parts(area) for t in shapely.constrained_delaunay_triangles(part).geoms]
+        flat = np.array([shapely.geometry.polygon.orient(t).exterior.coords[:3] for t in triangles])[..., :2].reshape(-1, 2)
+        points, inverse = np.unique(np.round(flat, 5), axis=0, return_inverse=True)
+        vertices = np.column_stack([np.full(len(points), self.front), points])
+        uv = np.clip(np.column_stack([points[:, 0] / self.width + 0.5, points[:, 1] / self.height]), 0.0, 1.0)
+        self.builder.add(Shape(vertices, inverse.reshape(-1, 3), uv), color, picture=picture)
+
+    # What stands out ----------------------------------------------------------------------------------------------------
+
+    def course(self, z: float, height: float, out: float, color: Color | None = None, around: bool = False) -> None:
+        """A string course or cornice of one step; `around` carries it along the sides."""
+        back = self.depth + 2 * out if around else 0.12 + out
+        x = 0.0 if around else self.front + out - back / 2
+        self.builder.box((back, self.width + 2 * out, height), (x, 0, z), color or self.trim)
+
+    def cornice(self, z: float, out: float = 0.28) -> None:
+        """Three steps below the roof."""
+        for k, share in enumerate((0.35, 0.65, 1.0)):
+            self.course(z + 0.12 * k, 0.12, out * share)
+
+    def pilaster(self, y: float, z0: float, z1: float, width: float = 0.35, color: Color | None = None) -> None:
+        self.builder.box((0.10, width, z1 - z0), (self.front + 0.05, y, z0), color or self.trim)
+
+    def fascia(self, y: float, z: float, width: float, height: float, picture: Picture, color: Color) -> None:
+        """A sign board along the front."""
+        self.builder.box((0.12, width, height), (self.front + 0.06, y, z), color, skins={"+x": picture})
+
+    def awning(self, y: float, z: float, width: float, reach: float, picture: Picture, drop: float = 0.55) -> None:
+        """A sloping cloth from height z with a valance, both sides to be seen, cheeks open."""
+        x0, x1 = self.front + 0.02, self.front + reach
+        low = z - drop
+        half = width / 2
+        cloth = np.array([[(x1, y - half, low), (x1, y + half, low)], [(x0, y - half, z), (x0, y + half, z)]])
+        self.builder.sheet(cloth, picture=picture, both_sides=True)
+        hang = np.array([[(x1, y - half, low - 0.22), (x1, y + half, low - 0.22)], [(x1, y - half, low), (x1, y + half, low)]])
+        self.builder.sheet(hang, picture=picture, both_sides=True)
+        for side in (-half, half):
+            self.builder.rod((x0, y + side * 0.98, low), (x1, y + side * 0.98, low), 0.015, "dark grey", sides=4)
+
+    def blade_sign(self, y: float, z: float, picture: Picture, size: float = 0.7, color: Color = "black") -> None:
+        """A square sign that stands out from the wall, readable from both ends of the street."""
+        x = self.front + 0.12 + size / 2
+        self.builder.box((size, 0.08, size), (x, y, z), color, skins={"+y": picture, "-y": picture})
+        self.builder.rod((self.front, y, z + size * 0.8), (x, y, z + size * 0.8), 0.02, "black", sides=5)
+
+    def balcony(self, y: float, z: float, width: float, reach: float = 0.9, color: Color = "black", slab: Color | None = None) -> None:
+        """A slab with a railing of bars."""
+        x = self.front + reach / 2
+        self.builder.box((reach, width, 0.14), (x, y, z - 0.14), slab or self.trim)
+        rail = [(self.front, y - width / 2 + 0.04, z + 0.95), (self.front + reach - 0.04, y - width / 2 + 0.04, z + 0.95),
+                (self.front + reach - 0.04, y + width / 2 - 0.04, z + 0.95), (self.front, y + width / 2 - 0.04, z + 0.95)]  # fmt: skip
+        self.builder.tube(rail, 0.025, color, sides=4)
+        for k in np.linspace(-1, 1, max(4, int(width / 0.28))):
+            py = y + k * (width / 2 - 0.04)
+            self.builder.beam((self.front + reach - 0.04, py, z), (self.front + reach - 0.04, py, z + 0.95), 0.018, 0.018, color)
+        for side in (-1.0, 1.0):
+            for f in (0.35, 0.7):
+                py = y + side * (width / 2 - 0.04)
+                self.builder.beam((self.front + reach * f, py, z), (self.front + reach * f, py, z + 0.95), 0.018, 0.018, color)
+
+    # Roofs --------------------------------------------------------------------------------------------------------------
+
+    def flat_roof(self, parapet: float = 0.5, color: Color = "dark concrete") -> None:
+        w, d, h = self.width, self.depth, self.height
+        self.builder.quad([(d / 2, -w / 2, h), (d / 2, w / 2, h), (-d / 2, w / 2, h), (-d / 2, -w / 2, h)], color)
+        t = 0.22
+        for x in (-d / 2 + t / 2, d / 2 - t / 2):
+            self.builder.box((t, w, parapet), (x, 0, h), self.trim)
+        for y in (-w / 2 + t / 2, w / 2 - t / 2):
+            self.builder.box((d - 2 * t, t, parapet), (0, y, h), self.trim)
+
+    def gable_roof(self, rise: float, color: Color, overhang: float = 0.35, along: bool = True, wall: Color | None = None) -> None:
+        """A pitched roof; its ridge runs `along` the street, or towards it with the gable in front."""
+        h = self.height
+        half, run = (self.depth / 2, self.width / 2) if along else (self.width / 2, self.depth / 2)
+        e, t = overhang, 0.14
+        slope = rise / half
+        low = h - e * slope
+        section = [(-half - e, low), (0, h + rise), (half + e, low), (half + e, low + t), (0, h + rise + t), (-half - e, low + t)]
+        turn = 0.0 if along else 90.0
+        with self.builder.frame((0, 0, 0), (0, 0, turn)):
+            self.builder.profile(section, 2 * (run + e * 0.5), color=color)
+            for sign in (1.0, -1.0):
+                corners = [(sign * half, sign * run * 1.0, h), (-sign * half, sign * run, h), (0.0, sign * run, h + rise)]
+                self.builder.add(Shape(np.array(corners), np.array([(0, 1, 2)])), wall or self.trim)
+
+    def mansard(self, rise: float, color: Color, dormers: Sequence[float], picture: Picture, inset: float = 0.8) -> None:
+        """A steep roof with dormers (y of their middles) and a flat top."""
+        w, d, h = self.width, self.depth, self.height
+        self.builder.box((d, w, rise), (0, 0, h), color, taper=((d - 2 * inset) / d, (w - 0.4) / w))
+        for y in dormers:
+            x = d / 2 - 0.12
+            self.builder.box((inset, 1.15, rise * 0.72), (x - inset / 2, y, h + 0.1), self.trim, skins={"+x": picture})
+            self.builder.box((inset + 0.15, 1.35, 0.10), (x - inset / 2 + 0.05, y, h + 0.1 + rise * 0.72), shade(color, 0.8))
+
+    def chimney(self, x: float, y: float, top: float, color: Color = "brick") -> None:
+        self.builder.box((0.5, 0.8, top - self.height + 0.8), (x, y, self.height - 0.8), color)
+        self.builder.box((0.62, 0.92, 0.1), (x, y, top), "dark concrete")
+        for k in (-0.2, 0.2):
+            self.builder.cylinder(0.1, 0.3, (x, y + k, top + 0.1), "terracotta", segments=8)
