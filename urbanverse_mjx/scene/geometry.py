@@ -136,8 +136,12 @@ class SceneGeometry:
             elif field.name not in ("hulls", "meshes", "map", "episodes"):
                 meta[field.name] = list(value) if isinstance(value, tuple) else value
         body |= _join("hulls", self.hulls)
-        for name in ("vertices", "faces", "uv", "texture"):
+        for name in ("vertices", "faces", "uv"):
             body |= _join(f"meshes.{name}", [getattr(m, name) for m in self.meshes])
+        textures = {m.texture.tobytes(): m.texture for m in self.meshes}
+        number = {key: i for i, key in enumerate(textures)}
+        body |= _join("textures", textures.values())
+        body["meshes.texture"] = np.array([number[m.texture.tobytes()] for m in self.meshes], np.int32)
         body["meshes.surface"] = np.array([[m.roughness, m.metallic] for m in self.meshes], np.float32).reshape(-1, 2)
         for noun in ("map", "episodes"):
             part = getattr(self, noun)
@@ -153,7 +157,9 @@ class SceneGeometry:
             body = {name: file[name] for name in file.files}
         meta = json.loads(body.pop("meta").tobytes().decode("utf-8"))
         v.choice(meta.pop("schema"), f"{path}: schema", (SCHEMA,))
-        columns = [_split(body, f"meshes.{name}") for name in ("vertices", "faces", "uv", "texture")]
+        columns = [_split(body, f"meshes.{name}") for name in ("vertices", "faces", "uv")]
+        textures = _split(body, "textures")
+        columns.append([textures[i] for i in body.pop("meshes.texture")])
         surface = body.pop("meshes.surface")
         meshes = tuple(
             AssetMesh(*parts, roughness=float(s[0]), metallic=float(s[1]))

@@ -1,8 +1,10 @@
 """The 5 cm map of a scene: ground height, kind and free height."""
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 from skimage.draw import polygon as fill
 
 from ..datatypes.ground import PAINT_KINDS
@@ -42,3 +44,23 @@ def ground_map(regions: Sequence[Region]) -> SceneMap:
                 height[i, j] = plane_height(region.plane, centres)
             kind[i, j] = kind_index(region)
     return SceneMap(origin, RESOLUTION, height, kind, np.full(shape, np.float32(FREE)))
+
+
+def with_clearance(
+    scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray
+) -> SceneMap:
+    """The map with the free height below the hulls (n, 3) standing at T_world_hull.
+
+    Below a hull the height of its lowest corner counts, and every cell that its footprint touches is below it.
+    """
+    clearance = scene_map.clearance.copy()
+    for corners, rotation, position in zip(hulls, rotations, positions, strict=True):
+        world = corners @ rotation.T + position
+        outline = shapely.MultiPoint(world[:, :2]).convex_hull.buffer(RESOLUTION * np.sqrt(0.5), quad_segs=2)
+        i, j = raster(np.array(outline.exterior.coords[:-1]), scene_map.origin, clearance.shape)
+        ground = scene_map.height[i, j]
+        low, high = world[:, 2].min(), world[:, 2].max()
+        above = np.where(high > ground, np.maximum(low - ground, 0.0), FREE)
+        above = np.where(above < CEILING, above, FREE)
+        clearance[i, j] = np.fmin(clearance[i, j], above)
+    return dataclasses.replace(scene_map, clearance=clearance)

@@ -1,0 +1,71 @@
+"""A kinematic engine: no contact, exact motion. It lets the task's logic be checked against arithmetic."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from urbanverse_mjx.datatypes import Contacts, RobotSpec, SceneBank, SimState
+from urbanverse_mjx.envs import NavEnv, default_config
+from urbanverse_mjx.envs.registry import with_overrides
+from urbanverse_mjx.robots import make_coco
+
+NOTHING = Contacts(jnp.bool_(False), jnp.int32(-1), jnp.bool_(False), jnp.float32(0.0), jnp.float32(0.0))
+
+
+def unicycle_robot() -> RobotSpec:
+    """COCO whose command is the body velocity itself."""
+    return dataclasses.replace(make_coco(), command=lambda velocity: velocity)
+
+
+class UnicycleEngine:
+    """`Simulator` of a point that obeys (v, omega) at once; a hit whenever x passes `wall` (m)."""
+
+    def __init__(self, robot: RobotSpec, control_dt: float, wall: float = jnp.inf):
+        self._dt = control_dt
+        self._wall = wall
+        self._height = robot.spawn_height
+
+    def _state(self, scene: Any, qpos: Any, qvel: Any, hit: Any) -> SimState:
+        xpos = jnp.zeros((2, 3)).at[1].set(qpos[:3])
+        xquat = jnp.zeros((2, 4)).at[:, 0].set(1.0).at[1].set(qpos[3:7])
+        contacts = NOTHING._replace(hit=hit, hit_fraction=hit.astype(jnp.float32))
+        return SimState(scene, qpos, qvel, xpos, xquat, contacts, jnp.int32(0), ())
+
+    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
+        return self._state(scene, qpos, qvel, jnp.bool_(False))
+
+    def step(self, state: SimState, ctrl: Any) -> SimState:
+        v, omega = ctrl
+        yaw = 2.0 * jnp.arctan2(state.qpos[6], state.qpos[3]) + omega * self._dt
+        velocity = v * jnp.stack([jnp.cos(yaw), jnp.sin(yaw)])
+        xy = state.qpos[:2] + velocity * self._dt
+        turn = jnp.stack([jnp.cos(yaw / 2), 0.0 * yaw, 0.0 * yaw, jnp.sin(yaw / 2)])
+        qpos = state.qpos.at[:2].set(xy).at[3:7].set(turn)
+        qvel = state.qvel.at[:2].set(velocity).at[5].set(omega)
+        return self._state(state.scene, qpos, qvel, xy[0] > self._wall)
+
+
+class GoalPicture:
+    """A renderer whose picture shows where the robot stands: enough to see frames change."""
+
+    def __call__(self, scene: Any, xpos: Any, xquat: Any) -> dict[str, Any]:
+        rows = jnp.arange(12)[:, None, None] + scene * 7 + xpos[1, 0] * 10.0
+        frame = (rows + jnp.arange(16)[None, :, None] * 3 + xquat[1, 3] * 50.0 + jnp.zeros((12, 16, 3))) % 256
+        return {"rgb": frame.astype(jnp.uint8)}
+
+
+def unicycle_env(
+    bank: SceneBank, overrides: dict[str, Any] | None = None, wall: float = jnp.inf, vision: bool = False
+) -> NavEnv:
+    """`CocoNav`'s task on the kinematic engine."""
+    config = with_overrides(default_config("paper"), {"scenes": "all", **(overrides or {})})
+    robot = unicycle_robot()
+    engine = UnicycleEngine(robot, config.ctrl_dt, wall)
+    return NavEnv(config, bank, robot, engine, GoalPicture() if vision else None)
+
+
+def drive_to_goal(obs: dict[str, jax.Array]) -> jax.Array:
+    """Waypoint straight to the goal."""
+    return obs["goal"] / jnp.linalg.norm(obs["goal"])

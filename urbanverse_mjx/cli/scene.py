@@ -1,0 +1,178 @@
+"""`urbanverse scene compile` and `urbanverse scene bank`: graph -> layout -> compiled scene -> bank."""
+
+import concurrent.futures
+import dataclasses
+import json
+import multiprocessing
+import pathlib
+import sys
+import tempfile
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from .. import settings
+from ..datatypes import SceneBank, SceneGraph
+from ..datatypes import validation as v
+
+if TYPE_CHECKING:
+    from ..materialisation import Materialisation
+    from ..scene import CompiledScene, Driver
+
+
+@dataclasses.dataclass(frozen=True)
+class CompileArgs:
+    """Compile a scene graph to a folder whose scene.xml stock MuJoCo loads; prints one JSON line."""
+
+    graph: Annotated[pathlib.Path, tyro.conf.Positional]
+    """graph.json."""
+    out: pathlib.Path
+    """Folder to write; an older compiled scene there is replaced once the new one is whole."""
+    seed: int = 0
+    """Chooses among equally good assets, materials and skies, and the episodes."""
+    cousin: int = 0
+    """Number of the digital cousin."""
+    skip_unknown: bool = False
+    """Leave out objects whose label no asset is known for, and list them, instead of refusing the graph."""
+
+
+@dataclasses.dataclass(frozen=True)
+class BankArgs:
+    """Compile scene graphs and pack them into one bank file; prints one JSON line."""
+
+    graphs: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional] = ()
+    """graph.json files; none: the shipped streets, re-used where nothing changed."""
+    out: pathlib.Path | None = None
+    """Bank file; default: the one that environments load."""
+    seed: int = 0
+    split: str = "train"
+    """Split of the graphs given by name, "train" or "test"; shipped streets have their own (scenes/splits.json)."""
+    quiet: bool = False
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs `urbanverse scene ...`."""
+    args = tyro.extras.subcommand_cli_from_dict(
+        {"compile": CompileArgs, "bank": BankArgs}, args=list(argv), prog="urbanverse scene"
+    )
+    if isinstance(args, CompileArgs):
+        return _compile(args)
+    return _bank(args)
+
+
+def _compile(args: CompileArgs) -> int:
+    materialised, compiled = compile_graph(args.graph, args.out, args.seed, args.cousin, args.skip_unknown)
+    for name, label in materialised.skipped:
+        sys.stderr.write(f"left out {name!r}: no asset for the label {label!r}\n")
+    print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **compiled.metadata["counts"]}))
+    return 0
+
+
+def compile_graph(
+    graph: pathlib.Path, out: pathlib.Path, seed: int = 0, cousin: int = 0, skip_unknown: bool = False
+) -> "tuple[Materialisation, CompiledScene]":
+    """Reads, materialises and compiles one graph; episodes are driven by COCO with the differential drive.
+
+    Raises:
+      NounError: whatever is wrong with the graph; then nothing is written.
+    """
+    from ..scene.compiler import check_out_dir, compile_scene
+    from ..scene.ground import check_regions
+
+    check_out_dir(out)
+    scene = SceneGraph.load(graph)
+    check_regions(scene.ground)
+    from ..assets import load_index
+    from ..materialisation import materialise
+
+    index = load_index()
+    materialised = materialise(scene, index, seed, cousin, skip_unknown)
+    return materialised, compile_scene(materialised.layout, index, out, make_driver())
+
+
+def make_driver() -> "Driver":
+    """COCO behind its own waypoint controller, as numpy in and out."""
+    import jax
+    import jax.numpy as jnp
+
+    from ..robots import make_coco
+    from ..scene.drive import CONTROL_PERIOD, Driver
+
+    robot = make_coco()
+    batch = jax.vmap(lambda w: robot.command(jnp.stack(robot.waypoint_to_velocity(w, CONTROL_PERIOD))))
+    return Driver(robot, jax.jit(batch, backend="cpu"))
+
+
+def _bank(args: BankArgs) -> int:
+    if args.graphs:
+        v.choice(args.split, "--split", ("train", "test"))
+        out = args.out or settings.default_bank_path()
+        bank = build_bank(args.graphs, [args.split] * len(args.graphs), args.seed, args.quiet)
+        bank.save(out)
+    elif args.out is not None:
+        out = args.out
+        bank = build_bank(*shipped_scenes(), args.seed, args.quiet)
+        bank.save(out)
+    else:
+        out = settings.default_bank_path()
+        bank = ensure_default_bank(args.quiet)
+    print(json.dumps({"bank": str(out), "scenes": list(bank.scene_ids), "hulls": bank.num_hulls}))
+    return 0
+
+
+def shipped_scenes() -> tuple[list[pathlib.Path], list[str]]:
+    """Graphs and splits of the shipped streets, train first.
+
+    Raises:
+      NounError: `splits.json` names something else than lists of scenes.
+    """
+    root = settings.scene_root()
+    table = v.mapping(v.read_json(root / "splits.json", "split table"), "splits.json", ("train", "test"))
+    rows = [(root / v.text(name, f"splits.json {split}") / "graph.json", split) for split in table for name in table[split]]
+    return [path for path, _ in rows], [split for _, split in rows]
+
+
+def ensure_default_bank(quiet: bool = False) -> SceneBank:
+    """The bank of the shipped streets, built into the cache where it is missing or anything it is made of changed."""
+    path = settings.default_bank_path()
+    if not path.is_file():
+        build_bank(*shipped_scenes(), seed=0, quiet=quiet).save(path)
+    return SceneBank.load(path)
+
+
+def build_bank(
+    graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int = 0, quiet: bool = False
+) -> SceneBank:
+    """Compiles the graphs in parallel processes and packs them.
+
+    Raises:
+      NounError: a graph that cannot be compiled; the message names it.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from ..scene import pack_bank
+
+    # Not forked: JAX and MuJoCo may already run threads here.
+    context = multiprocessing.get_context("spawn")
+    workers = max(1, min(settings.num_threads(), len(graphs)))
+    with (
+        tempfile.TemporaryDirectory(prefix="urbanverse-scenes-") as work,
+        Progress(console=Console(stderr=True), disable=quiet) as progress,
+        concurrent.futures.ProcessPoolExecutor(workers, mp_context=context) as pool,
+    ):
+        task = progress.add_task("compiling scenes", total=len(graphs))
+        folders = [pathlib.Path(work) / str(i) for i in range(len(graphs))]
+        jobs = [pool.submit(_compile_job, g, f, seed) for g, f in zip(graphs, folders, strict=True)]
+        for job in concurrent.futures.as_completed(jobs):
+            job.result()
+            progress.advance(task)
+        return pack_bank(folders, splits)
+
+
+def _compile_job(graph: pathlib.Path, out: pathlib.Path, seed: int) -> None:
+    try:
+        compile_graph(graph, out, seed)
+    except v.NounError as error:
+        raise v.NounError(f"{graph}: {error}") from error

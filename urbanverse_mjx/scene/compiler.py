@@ -1,0 +1,300 @@
+"""`SceneLayout` -> `CompiledScene`: the folder that stock MuJoCo loads, with maps, routes and episodes."""
+
+import contextlib
+import dataclasses
+import math
+import os
+import pathlib
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from ..assets import AssetIndex, build_mesh, load_hulls
+from ..assets.ground_materials import build_material
+from ..assets.skies import build_sky
+from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, RobotSpec, SceneLayout
+from ..datatypes import validation as v
+from . import ground, maps
+from .bank import quaternion_matrix
+from .drive import Driver, drive_all, ground_model
+from .episodes import EpisodeRules, build_episodes
+from .geometry import EpisodeTable, SceneGeometry
+from .mjcf import scene_mjcf
+from .planner import FreeSpace, RobotSize, free_space
+from .routes import routes_json
+
+SCHEMA = "urbanverse.compiled_scene/1"
+#: Sliding friction of every ground (URBAN-SIM's ground: 1.0 static and dynamic, facts/reference_systems.md b.5).
+GROUND_FRICTION = 1.0
+
+
+@dataclasses.dataclass(frozen=True)
+class CompiledScene:
+    """A scene folder and what is in it.
+
+    Attributes:
+      folder: `scene.xml`, `meshes/`, `textures/`, `maps.npz`, `routes.json`, `episodes.npz`, `layout.json`,
+        `metadata.json`, `geometry.npz`.
+      layout, geometry: what it was made of. metadata: the content of `metadata.json`.
+    """
+
+    folder: pathlib.Path
+    layout: SceneLayout
+    geometry: SceneGeometry
+    metadata: dict[str, Any]
+
+    @staticmethod
+    def load(folder: str | os.PathLike[str]) -> "CompiledScene":
+        """Reads a folder that `compile_scene` wrote.
+
+        Raises:
+          NounError: the folder is none.
+        """
+        folder = pathlib.Path(folder)
+        metadata = v.read_json(folder / "metadata.json", "compiled scene's metadata")
+        v.choice(metadata.get("schema") if isinstance(metadata, dict) else None, f"{folder}: schema", (SCHEMA,))
+        layout = SceneLayout.load(folder / "layout.json")
+        return CompiledScene(folder, layout, SceneGeometry.load(folder / "geometry.npz"), metadata)
+
+
+@dataclasses.dataclass(frozen=True)
+class AssetSource:
+    """What turns a record into what is seen and what is hit, both in the asset frame at scale 1."""
+
+    mesh: Callable[[AssetRecord], AssetMesh] = build_mesh
+    hulls: Callable[[AssetRecord], HullSet] = load_hulls
+
+
+def compile_scene(
+    layout: SceneLayout,
+    index: AssetIndex,
+    out_dir: str | os.PathLike[str],
+    driver: Driver,
+    size: RobotSize | None = None,
+    rules: EpisodeRules | None = None,
+    source: AssetSource | None = None,
+) -> CompiledScene:
+    """Compiles a layout and writes its folder whole or not at all.
+
+    Args:
+      driver: drives every episode once over the ground.
+      size: what routes are planned for. rules: what the episode table holds.
+      source: builds meshes and hulls of records; default: the packaged recipes and hull store.
+
+    Raises:
+      NounError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
+    """
+    out_dir = pathlib.Path(out_dir)
+    check_out_dir(out_dir)
+    robot = driver.robot
+    size = size or RobotSize(height=robot.planner_height)
+    geometry = scene_geometry(layout, index, source)
+    space = free_space(geometry.map, size)
+    model = ground_model(geometry, robot)
+
+    def drive(starts: np.ndarray, paths: Sequence[np.ndarray]) -> Any:
+        return drive_all(model, driver, space, starts, paths)
+
+    geometry = dataclasses.replace(geometry, episodes=build_episodes(space, size, layout.seed, drive, rules))
+    metadata = _metadata(layout, index, geometry, robot, size)
+    with _replacing(out_dir) as folder:
+        _write(folder, layout, geometry, space, size, metadata)
+    return CompiledScene(out_dir, layout, geometry, metadata)
+
+
+def check_out_dir(out_dir: pathlib.Path) -> None:
+    """Refuses to write where something else than a compiled scene or nothing lies.
+
+    Raises:
+      NounError: it names what lies there.
+    """
+    if out_dir.is_dir() and not ((out_dir / "metadata.json").is_file() and (out_dir / "geometry.npz").is_file()):
+        if any(out_dir.iterdir()):
+            raise v.fail(str(out_dir), "a folder with other things", "a new name or a compiled scene", "choose another")
+    elif out_dir.exists() and not out_dir.is_dir():
+        raise v.fail(str(out_dir), "a file", "the name of a folder", "choose another")
+
+
+def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource | None = None) -> SceneGeometry:
+    """Everything that stands in the layout, as arrays; its episode table is empty.
+
+    Raises:
+      NounError: overlapping ground regions or an unknown asset, material or sky.
+    """
+    ground.check_regions(layout.ground)
+    objects = sorted(layout.objects, key=lambda o: (o.position[0], o.position[1], o.id))
+    regions = sorted(layout.ground, key=lambda r: (min(p[0] for p in r.polygon), r.id))
+    library = _Assets(index, source or AssetSource())
+    kinds = [library.add(o) for o in objects]
+    prisms = ground.ground_prisms(regions)
+    position = np.array([o.position for o in objects], np.float64).reshape(-1, 3)
+    yaw = np.array([o.yaw for o in objects], np.float64)
+    quaternion = np.column_stack([np.cos(yaw / 2), np.zeros((len(yaw), 2)), np.sin(yaw / 2)])
+    counts = [len(library.hull_rows[k]) for k in kinds]
+    inst_object = np.repeat(np.arange(len(objects)), counts).astype(np.int32)
+    inst_hull = np.array([h for k in kinds for h in library.hull_rows[k]], np.int32)
+    hulls = (*library.hulls, *(p.corners for p in prisms))
+    scene_map = maps.with_clearance(
+        maps.ground_map(regions),
+        [hulls[h] for h in inst_hull],
+        quaternion_matrix(quaternion)[inst_object],
+        position[inst_object],
+    )
+    return SceneGeometry(
+        scene_id=layout.id,
+        object_ids=tuple(o.id for o in objects),
+        object_categories=tuple(o.category for o in objects),
+        object_position=position,
+        object_quaternion=quaternion,
+        object_mesh=np.array(kinds, np.int32),
+        object_mass=np.array([o.mass for o in objects]),
+        object_friction=np.array([o.friction for o in objects]),
+        object_movable=np.array([o.movable for o in objects], bool),
+        hulls=hulls,
+        inst_hull=inst_hull,
+        inst_object=inst_object,
+        prism_hull=len(library.hulls) + np.arange(len(prisms), dtype=np.int32),
+        prism_position=np.stack([p.position for p in prisms]),
+        prism_kind=np.array([ground.kind_index(regions[p.region]) for p in prisms], np.int32),
+        prism_friction=np.full(len(prisms), GROUND_FRICTION),
+        prism_region=np.array([p.region for p in prisms], np.int32),
+        **_region_fields(regions, library.meshes),
+        sky=layout.sky,
+        sky_yaw=layout.sky_yaw,
+        map=scene_map,
+        episodes=_no_episodes(),
+    )
+
+
+def _region_fields(regions: Sequence[Any], meshes: list[AssetMesh]) -> dict[str, Any]:
+    visuals = []
+    for region in regions:
+        material = build_material(region.material)
+        visuals.append(ground.region_mesh(region, material.texture, material.tile_size_m, material.roughness))
+    return {
+        "region_ids": tuple(r.id for r in regions),
+        "region_kind": np.array([ground.kind_index(r) for r in regions], np.int32),
+        "region_mesh": len(meshes) + np.arange(len(regions), dtype=np.int32),
+        "region_position": np.stack([p for p, _ in visuals]),
+        "meshes": (*meshes, *(m for _, m in visuals)),
+    }
+
+
+class _Assets:
+    """Meshes and hulls of the distinct (asset, scale) pairs of a layout."""
+
+    def __init__(self, index: AssetIndex, source: AssetSource) -> None:
+        self._index, self._source = index, source
+        self._rows: dict[tuple[Any, ...], int] = {}
+        self.meshes: list[AssetMesh] = []
+        self.hulls: list[np.ndarray] = []
+        self.hull_rows: list[range] = []
+
+    def add(self, placed: PlacedObject) -> int:
+        """Number of the pair's mesh, which is also the row of `hull_rows`."""
+        key = (placed.asset_uid, *placed.scale)
+        if key not in self._rows:
+            record = self._index.get(placed.asset_uid)
+            scale = np.array(placed.scale, np.float32)
+            mesh = self._source.mesh(record)
+            hulls = [h * scale for h in self._source.hulls(record).hulls]
+            self._rows[key] = len(self.meshes)
+            self.hull_rows.append(range(len(self.hulls), len(self.hulls) + len(hulls)))
+            self.hulls += hulls
+            self.meshes.append(dataclasses.replace(mesh, vertices=mesh.vertices * scale))
+        return self._rows[key]
+
+
+def _no_episodes() -> EpisodeTable:
+    no = np.zeros(0)
+    return EpisodeTable(np.zeros((0, 4)), np.zeros((0, 3)), np.zeros((0, 1, 3)), no, no, no, no, no)
+
+
+@contextlib.contextmanager
+def _replacing(out_dir: pathlib.Path) -> Iterator[pathlib.Path]:
+    """A folder beside `out_dir` that takes its place when the block succeeds and vanishes when it fails."""
+    out_dir.parent.mkdir(parents=True, exist_ok=True)
+    work = pathlib.Path(tempfile.mkdtemp(dir=out_dir.parent, prefix=f".{out_dir.name}-"))
+    try:
+        fresh, old = work / "new", work / "old"
+        fresh.mkdir()
+        yield fresh
+        if out_dir.exists():
+            out_dir.rename(old)
+        fresh.rename(out_dir)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def _write(
+    folder: pathlib.Path,
+    layout: SceneLayout,
+    geometry: SceneGeometry,
+    space: FreeSpace,
+    size: RobotSize,
+    metadata: dict[str, Any],
+) -> None:
+    text, files = scene_mjcf(geometry, build_sky(layout.sky))
+    for path, body in {"scene.xml": text.encode("utf-8"), **files}.items():
+        (folder / path).parent.mkdir(exist_ok=True)
+        (folder / path).write_bytes(body)
+    m = geometry.map
+    grid = {"origin": m.origin, "resolution": np.array(m.resolution)}
+    np.savez_compressed(folder / "maps.npz", ground=m.height, kind=m.kind, clearance=m.clearance, **grid)
+    table = geometry.episodes
+    np.savez_compressed(
+        folder / "episodes.npz", **{f.name: getattr(table, f.name) for f in dataclasses.fields(table)}
+    )
+    geometry.save(folder / "geometry.npz")
+    layout.save(folder / "layout.json")
+    v.write_json(folder / "routes.json", routes_json(layout.id, space, size, table))
+    v.write_json(folder / "metadata.json", metadata)
+
+
+def _metadata(
+    layout: SceneLayout, index: AssetIndex, geometry: SceneGeometry, robot: RobotSpec, size: RobotSize
+) -> dict[str, Any]:
+    table, m = geometry.episodes, geometry.map
+    used = sorted({o.asset_uid for o in layout.objects})
+    return {
+        "schema": SCHEMA,
+        "id": layout.id,
+        "version": __version__,
+        "hashes": {"layout": layout.content_hash(), "graph": layout.graph_hash, **layout.hashes},
+        "seed": layout.seed,
+        "counts": {
+            "objects": len(geometry.object_ids),
+            "hulls": len(geometry.inst_hull),
+            "prisms": len(geometry.prism_hull),
+            "regions": len(geometry.region_ids),
+            "episodes": len(table),
+            "goals": len(np.unique(table.goal, axis=0)),
+        },
+        "map": {
+            "x_min": float(m.origin[0]),
+            "y_min": float(m.origin[1]),
+            "y_max": float(m.origin[1] + m.kind.shape[1] * m.resolution),
+            "res": m.resolution,
+            "width": m.kind.shape[0],
+            "height": m.kind.shape[1],
+        },
+        "episodes": {
+            "line_free": float(table.line_free.mean()),
+            "crosses_road": float(table.crosses_road.mean()),
+            "mean_length_m": math.fsum(table.length) / len(table),
+            "robot": robot.name,
+            "robot_size": dataclasses.asdict(size),
+        },
+        "sky": layout.sky,
+        "materials": sorted({g.material for g in layout.ground}),
+        "assets": {uid: _credits(index, uid) for uid in used},
+    }
+
+
+def _credits(index: AssetIndex, uid: str) -> dict[str, str]:
+    record = index.get(uid)
+    return {"licence": record.licence, "provenance": record.provenance}

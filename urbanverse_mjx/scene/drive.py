@@ -1,0 +1,136 @@
+"""Drives every episode once in C MuJoCo over the ground alone: whoever fails here has a route no robot can take."""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import mujoco
+import mujoco.rollout
+import numpy as np
+
+from ..datatypes import RobotSpec
+from .geometry import SceneGeometry
+from .mjcf import scene_spec
+from .planner import FreeSpace, path_length, resample, traversable
+
+#: The task's control period, s (paper: 5 Hz).
+CONTROL_PERIOD = 0.2
+#: The robot steers for the point this far ahead on its path, m; within the action's reach of 1 m.
+LOOKAHEAD = 1.0
+#: Distance (m) to the goal that counts as arrived.
+ARRIVED = 0.5
+#: Slowest average speed (m/s) and waiting time (s) before a drive counts as stuck.
+SLOWEST, PATIENCE = 0.6, 6.0
+_SPACING = 0.1
+
+
+@dataclasses.dataclass(frozen=True)
+class Driver:
+    """A robot and its own waypoint controller over a batch.
+
+    Attributes:
+      robot: what is driven.
+      command: waypoints (n, 2) m in the body frame -> actuator commands (n, nu), for steps of `CONTROL_PERIOD`.
+    """
+
+    robot: RobotSpec
+    command: Callable[[np.ndarray], np.ndarray]
+
+
+@dataclasses.dataclass(frozen=True)
+class Drive:
+    """How a row was driven: seconds to the goal, or -1 and why it failed."""
+
+    seconds: float
+    reason: str
+
+
+def ground_model(scene: SceneGeometry, robot: RobotSpec) -> mujoco.MjModel:
+    """The robot on the scene's ground prisms, without objects."""
+    spec = scene_spec(without_objects(scene))
+    spec.attach(mujoco.MjSpec.from_string(robot.mjcf), prefix="robot/", frame=spec.worldbody.add_frame())
+    spec.option.timestep = robot.physics_timestep
+    return spec.compile()
+
+
+def without_objects(scene: SceneGeometry) -> SceneGeometry:
+    """The same ground, empty."""
+    none, no = np.zeros(0, np.int32), np.zeros(0)
+    return dataclasses.replace(
+        scene,
+        object_ids=(),
+        object_categories=(),
+        object_position=np.zeros((0, 3)),
+        object_quaternion=np.zeros((0, 4)),
+        object_mesh=none,
+        object_mass=no,
+        object_friction=no,
+        object_movable=np.zeros(0, bool),
+        inst_hull=none,
+        inst_object=none,
+    )
+
+
+def drive_all(
+    model: mujoco.MjModel, driver: Driver, space: FreeSpace, starts: np.ndarray, paths: Sequence[np.ndarray]
+) -> list[Drive]:
+    """Drives each path (n, 2) from its start (E, 4) = x, y, ground z, yaw; all of them in step."""
+    robot, data = driver.robot, mujoco.MjData(model)
+    adr = int(model.jnt_qposadr[model.body(f"robot/{robot.root_body}").jntadr[0]])
+    state = _initial_states(model, data, adr, robot, starts)
+    substeps = round(CONTROL_PERIOD / model.opt.timestep)
+    dense = [np.concatenate([p[:1], resample(p, _SPACING)]) for p in paths]
+    progress = np.zeros(len(paths), int)
+    limit = np.array([path_length(p) / SLOWEST + PATIENCE for p in paths])
+    drives: list[Drive | None] = [None] * len(paths)
+    alive, time = np.arange(len(paths)), 0.0
+    while len(alive):
+        pose = state[:, 1 + adr : 1 + adr + 7]
+        targets = np.zeros((len(paths), 2))
+        for e in alive:
+            drives[e] = _judge(pose[e], dense[e][-1], space, time, limit[e])
+            progress[e], targets[e] = _target(pose[e], dense[e], int(progress[e]))
+        alive = np.array([e for e in alive if drives[e] is None], int)
+        if len(alive):
+            control = np.asarray(driver.command(targets), np.float64)[alive]
+            control = np.repeat(control[:, None], substeps, 1)
+            out, _ = mujoco.rollout.rollout(model, data, state[alive], control)
+            state[alive] = out[:, -1]
+            time += CONTROL_PERIOD
+    return [d for d in drives if d is not None]
+
+
+def _initial_states(
+    model: mujoco.MjModel, data: mujoco.MjData, adr: int, robot: RobotSpec, starts: np.ndarray
+) -> np.ndarray:
+    size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    state = np.zeros((len(starts), size))
+    for row, (x, y, z, yaw) in zip(state, starts, strict=True):
+        mujoco.mj_resetData(model, data)
+        data.qpos[adr : adr + 7] = [x, y, z + robot.spawn_height, np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
+        mujoco.mj_getState(model, data, row, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    return state
+
+
+def _judge(pose: np.ndarray, goal: np.ndarray, space: FreeSpace, time: float, limit: float) -> Drive | None:
+    """A finished drive, or None while it goes on."""
+    if not np.isfinite(pose).all():
+        return Drive(-1.0, "unstable")
+    if np.linalg.norm(pose[:2] - goal) < ARRIVED:
+        return Drive(time, "")
+    upright = 1.0 - 2.0 * (pose[4] ** 2 + pose[5] ** 2)
+    if upright < 0.7:
+        return Drive(-1.0, "tipped over")
+    if not traversable(space.map.kind[space.cell(pose[:2])]):
+        return Drive(-1.0, "off the traversable area")
+    return Drive(-1.0, "stuck") if time > limit else None
+
+
+def _target(pose: np.ndarray, path: np.ndarray, progress: int) -> tuple[int, np.ndarray]:
+    """The nearest point of the path from `progress` on, and the body-frame point to steer for."""
+    window = path[progress : progress + 30]
+    progress += int(np.linalg.norm(window - pose[:2], axis=1).argmin())
+    ahead = path[min(progress + round(LOOKAHEAD / _SPACING), len(path) - 1)] - pose[:2]
+    w, x, y, z = pose[3:7]
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    c, s = np.cos(yaw), np.sin(yaw)
+    return progress, np.array([c * ahead[0] + s * ahead[1], -s * ahead[0] + c * ahead[1]])

@@ -1,0 +1,202 @@
+"""Episode tables: starts and goals 10-30 m apart, a geodesic between them, each way driven once."""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy import ndimage
+
+from ..datatypes import validation as v
+from ..datatypes.ground import KIND_INDEX
+from .drive import Drive
+from .geometry import EpisodeTable
+from .planner import POOL, FreeSpace, GoalField, RobotSize, path_length, resample
+
+#: (starts (E, 4), paths) -> how each drive went.
+DriveAll = Callable[[np.ndarray, Sequence[np.ndarray]], list[Drive]]
+
+
+@dataclasses.dataclass(frozen=True)
+class EpisodeRules:
+    """What a table holds (paper: goals 10-30 m away; issue 2, item 6: 256 rows, 32 goals, waypoints every 5 m).
+
+    Attributes:
+      rows, goals: how many. distance: (low, high) m, straight from start to goal.
+      detour: longest way in straight distances. spacing: m between waypoints.
+      yaw: rad, the start may look this far off its first segment.
+      line_share, crossing_share: wanted shares of rows with a free straight line, and of rows over a crosswalk.
+    """
+
+    rows: int = 288
+    goals: int = 40
+    distance: tuple[float, float] = (10.0, 30.0)
+    detour: float = 1.8
+    spacing: float = 5.0
+    yaw: float = np.pi / 6
+    line_share: float = 1 / 3
+    crossing_share: float = 0.2
+
+
+#: Starts tried for every goal; the mix is chosen among them.
+_STARTS_PER_GOAL = 28
+#: Fewest rows with which a scene can be used.
+MIN_ROWS = 256
+#: Goals keep this distance (m) from each other while places last.
+_GOAL_SPACING = 2.0
+#: Smallest share of the largest connected place's size at which another place is used too.
+_ISLAND = 0.4
+#: Length (m) of crosswalk on a way from which it counts as a crossing.
+_CROSSING = 2.0
+
+
+@dataclasses.dataclass(frozen=True)
+class _Row:
+    goal: int
+    start: np.ndarray
+    path: np.ndarray
+    line_free: bool
+    crosses: bool
+
+
+def build_episodes(
+    space: FreeSpace, size: RobotSize, seed: int, drive: DriveAll, rules: EpisodeRules | None = None
+) -> EpisodeTable:
+    """The table of one scene; the same for the same seed.
+
+    Rows that `drive` fails are replaced by others while there are any.
+
+    Raises:
+      NounError: the walkable ground has too little room for `MIN_ROWS` rows.
+    """
+    rules = rules or EpisodeRules()
+    rng = np.random.default_rng(seed)
+    cells = _end_cells(space, size)
+    if len(cells) < 2:
+        raise _no_room(f"{len(cells)} places to start from")
+    pool = _candidate_pool(space, cells, rules, rng)
+    pool = [pool[i] for i in _mixed_order(pool, rules, rng)]
+    chosen: list[tuple[_Row, np.ndarray, Drive]] = []
+    while pool and len(chosen) < rules.rows:
+        batch, pool = pool[: rules.rows - len(chosen)], pool[rules.rows - len(chosen) :]
+        starts = np.array([_start(space, row, rules, rng) for row in batch])
+        drives = drive(starts, [row.path for row in batch])
+        chosen += [(r, s, d) for r, s, d in zip(batch, starts, drives, strict=True) if d.seconds >= 0]
+    if len(chosen) < MIN_ROWS:
+        raise _no_room(f"{len(chosen)} ways of {rules.distance[0]:g}-{rules.distance[1]:g} m that a robot can drive")
+    return _table(space, chosen, rules)
+
+
+def _no_room(found: str) -> Exception:
+    needed = f"walkable ground (sidewalk, crosswalk) with room for {MIN_ROWS} episodes"
+    return v.fail("scene", found, needed, "add or widen sidewalks, or free them of objects")
+
+
+def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
+    """(n, 2) planning cells for starts and goals: sidewalk where there is any, well away from everything.
+
+    Islands much smaller than the largest connected place are left out: ways there are short and say little.
+    """
+    place, _ = ndimage.label(space.cost > 0, np.ones((3, 3)))
+    sizes = np.bincount(place.ravel())
+    sizes[0] = 0
+    middle = np.argwhere(sizes[place] >= max(1, _ISLAND * sizes.max()))
+    i, j = space.cell(space.coarse_center(middle))
+    roomy = space.distance[i, j] >= size.radius + size.end_margin
+    on_sidewalk = space.map.kind[i, j] == KIND_INDEX["sidewalk"]
+    return middle[roomy & (on_sidewalk if (roomy & on_sidewalk).any() else np.ones(len(middle), bool))]
+
+
+def _candidate_pool(
+    space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rng: np.random.Generator
+) -> list[_Row]:
+    """Ways to `rules.goals` goals that have enough of them and, while places last, keep their distance."""
+    order = rng.permutation(len(cells))
+    pool: list[_Row] = []
+    taken: list[np.ndarray] = []
+    for spacing in (_GOAL_SPACING, 2 * POOL * space.map.resolution):
+        for goal in cells[order]:
+            if len(taken) == rules.goals:
+                return pool
+            place = space.coarse_center(goal)
+            if taken and np.linalg.norm(np.array(taken) - place, axis=1).min() < spacing:
+                continue
+            rows = _candidates(space, cells, goal, len(taken), rules, rng)
+            if len(rows) >= _STARTS_PER_GOAL // 3:
+                taken.append(place)
+                pool += rows
+    return pool
+
+
+def _candidates(
+    space: FreeSpace, cells: np.ndarray, goal: np.ndarray, number: int, rules: EpisodeRules, rng: np.random.Generator
+) -> list[_Row]:
+    """Ways to one goal from starts whose straight distances fill the allowed range evenly."""
+    field = GoalField(space, goal)
+    end = space.coarse_center(goal)
+    away = np.linalg.norm(space.coarse_center(cells) - end, axis=1)
+    reach = np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
+    rows = []
+    for wanted in rng.uniform(*rules.distance, _STARTS_PER_GOAL):
+        near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))
+        if not len(near):
+            continue
+        path = field.path(cells[rng.choice(near)])
+        if path_length(path) <= rules.detour * np.linalg.norm(path[0] - path[-1]):
+            rows.append(_Row(number, path[0], path, space.line_free(path[0], path[-1]), _crosses(space, path)))
+    return rows
+
+
+def _crosses(space: FreeSpace, path: np.ndarray) -> bool:
+    points = resample(path, 0.1)
+    return bool((space.map.kind[space.cell(points)] == KIND_INDEX["crosswalk"]).sum() * 0.1 >= _CROSSING)
+
+
+def _mixed_order(pool: list[_Row], rules: EpisodeRules, rng: np.random.Generator) -> list[int]:
+    """Numbers of the pool such that every stretch of it has the wanted mix and all goals take part."""
+    order = rng.permutation(len(pool))
+    turn = {g: 0 for g in range(rules.goals)}
+    rank = []
+    for i in order:
+        turn[pool[i].goal] += 1
+        rank.append(turn[pool[i].goal])
+    order = order[np.argsort(rank, kind="stable")]
+    crossing = [i for i in order if pool[i].crosses]
+    straight = [i for i in order if pool[i].line_free and not pool[i].crosses]
+    winding = [i for i in order if not pool[i].line_free and not pool[i].crosses]
+    shares = [rules.crossing_share, rules.line_share, 1 - rules.crossing_share - rules.line_share]
+    return _interleave([crossing, straight, winding], shares)
+
+
+def _interleave(queues: list[list[int]], shares: list[float]) -> list[int]:
+    """All entries, always next from the queue that lags most behind its share."""
+    taken, out = [0] * len(queues), []
+    while any(len(q) > t for q, t in zip(queues, taken, strict=True)):
+        open_queues = [k for k, q in enumerate(queues) if taken[k] < len(q)]
+        k = min(open_queues, key=lambda k: (taken[k] + 1) / shares[k])
+        out.append(int(queues[k][taken[k]]))
+        taken[k] += 1
+    return out
+
+
+def _start(space: FreeSpace, row: _Row, rules: EpisodeRules, rng: np.random.Generator) -> np.ndarray:
+    first = resample(row.path, rules.spacing)[0] - row.start
+    yaw = np.arctan2(first[1], first[0]) + rng.uniform(-rules.yaw, rules.yaw)
+    return np.array([*row.start, space.map.height[space.cell(row.start)], np.arctan2(np.sin(yaw), np.cos(yaw))])
+
+
+def _table(space: FreeSpace, chosen: list[Any], rules: EpisodeRules) -> EpisodeTable:
+    ways = [resample(row.path, rules.spacing) for row, _, _ in chosen]
+    most = max(len(w) for w in ways)
+    flat = np.stack([np.concatenate([w, np.repeat(w[-1:], most - len(w), 0)]) for w in ways])
+    waypoints = np.concatenate([flat, space.map.height[space.cell(flat)][..., None]], -1)
+    return EpisodeTable(
+        start=np.stack([s for _, s, _ in chosen]),
+        goal=waypoints[:, -1],
+        waypoints=waypoints,
+        num_waypoints=np.array([len(w) for w in ways], np.int32),
+        length=np.array([path_length(r.path) for r, _, _ in chosen]),
+        line_free=np.array([r.line_free for r, _, _ in chosen]),
+        crosses_road=np.array([r.crosses for r, _, _ in chosen]),
+        drive_time=np.array([d.seconds for _, _, d in chosen]),
+    )

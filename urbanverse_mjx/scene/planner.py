@@ -1,0 +1,150 @@
+"""Where a robot can go, and the shortest ways there: fields on a 20 cm grid, paths pulled taut on the 5 cm map."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from scipy import ndimage
+from skimage.graph import MCP_Geometric
+
+from ..datatypes.ground import GROUND_KINDS, TRAVERSABLE_KINDS
+from .geometry import SceneMap
+
+#: Cells of the 5 cm map along a side of a planning cell: 20 cm (issue 2, item 6).
+POOL = 4
+#: Cost per metre by kind; near things up to 1.0 more within 0.5 m (facts/reference_systems.md b.2).
+KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
+NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
+
+
+@dataclasses.dataclass(frozen=True)
+class RobotSize:
+    """What routes are made for; defaults are navbench's `delivery` robot (facts/reference_systems.md b.2).
+
+    Attributes:
+      radius: m, half of what it needs across; margin: m, kept free beyond it while driving.
+      end_margin: m, kept free beyond the radius at starts and goals.
+      height: m; step: m, the highest edge it may roll over.
+    """
+
+    radius: float = 0.35
+    margin: float = 0.05
+    end_margin: float = 0.15
+    height: float = 1.0
+    step: float = 0.03
+
+
+@dataclasses.dataclass(frozen=True)
+class FreeSpace:
+    """The 5 cm map as a robot sees it.
+
+    Attributes:
+      map: what it was made from.
+      distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken off.
+      free: (X, Y) bool, its centre may be there. cost: (X // 4, Y // 4) per metre, -1 = not passable.
+    """
+
+    map: SceneMap
+    distance: np.ndarray
+    free: np.ndarray
+    cost: np.ndarray
+
+    def cell(self, xy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(i, j) of points (..., 2), clipped to the map."""
+        cells = np.floor((np.asarray(xy) - self.map.origin) / self.map.resolution).astype(int)
+        cells = np.clip(cells, 0, np.array(self.map.kind.shape) - 1)
+        return cells[..., 0], cells[..., 1]
+
+    def coarse_center(self, cells: np.ndarray) -> np.ndarray:
+        """(n, 2) centres, m, of planning cells (n, 2)."""
+        return self.map.origin + (np.asarray(cells) + 0.5) * POOL * self.map.resolution
+
+    def line_free(self, a: np.ndarray, b: np.ndarray) -> bool:
+        """Whether the robot can go straight from a to b, (2,) m each."""
+        number = max(1, int(np.ceil(np.linalg.norm(b - a) / self.map.resolution)))
+        cells = (a - self.map.origin + np.arange(number + 1)[:, None] * ((b - a) / number)) / self.map.resolution
+        return bool(self.free[cells[:, 0].astype(int), cells[:, 1].astype(int)].all())
+
+
+def traversable(kind: np.ndarray) -> np.ndarray:
+    """Cells a pavement robot may be on."""
+    return np.array([name in TRAVERSABLE_KINDS for name in GROUND_KINDS])[kind]
+
+
+def free_space(scene_map: SceneMap, size: RobotSize) -> FreeSpace:
+    """Grows everything that stops the robot by its radius and prices what is left."""
+    allowed = traversable(scene_map.kind) & (scene_map.clearance >= size.height) & ~_edges(scene_map.height, size.step)
+    resolution = scene_map.resolution
+    distance = (ndimage.distance_transform_edt(allowed) * resolution - resolution / 2).astype(np.float32)
+    free = distance >= size.radius + size.margin
+    price = np.array([KIND_COST.get(name, 0.0) for name in GROUND_KINDS])[scene_map.kind]
+    near = np.clip(1.0 - (distance - size.radius) / NEAR_DISTANCE, 0.0, 1.0)
+    cost = np.where(_pool(free, np.all), _pool(price + NEAR_COST * near, np.max), -1.0)
+    return FreeSpace(scene_map, distance, free, cost)
+
+
+def _edges(height: np.ndarray, step: float) -> np.ndarray:
+    """Cells beside a step higher than `step`."""
+    edge = np.zeros(height.shape, bool)
+    for axis in (0, 1):
+        jump = np.abs(np.diff(height, axis=axis)) > step  # False beside NaN: no ground is not traversable anyway
+        pad = [(0, 0), (0, 0)]
+        pad[axis] = (0, 1)
+        low = np.pad(jump, pad)
+        pad[axis] = (1, 0)
+        edge |= low | np.pad(jump, pad)
+    return edge
+
+
+def _pool(cells: np.ndarray, reduce: Any) -> np.ndarray:
+    """Reduces blocks of POOL x POOL cells; an incomplete block at the far side is left out."""
+    x, y = (n // POOL for n in cells.shape)
+    return reduce(cells[: x * POOL, : y * POOL].reshape(x, POOL, y, POOL), axis=(1, 3))
+
+
+class GoalField:
+    """Cheapest ways from everywhere to one goal."""
+
+    def __init__(self, space: FreeSpace, goal: np.ndarray) -> None:
+        """`goal`: (2,) numbers of a passable planning cell."""
+        self._space = space
+        self._search = MCP_Geometric(space.cost, fully_connected=True)
+        costs, _ = self._search.find_costs([tuple(int(c) for c in goal)])
+        #: Cost to the goal of every planning cell, inf where there is no way.
+        self.cost: np.ndarray = costs * POOL * space.map.resolution
+
+    def path(self, start: np.ndarray) -> np.ndarray:
+        """(n, 2) m, the taut way from a planning cell with finite cost to the goal."""
+        cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
+        return _pull(self._space, self._space.coarse_center(cells))
+
+
+def _pull(space: FreeSpace, path: np.ndarray) -> np.ndarray:
+    """Cuts every stretch short that can be driven in a straight free line, longest strides tried first by doubling."""
+    kept, here, last = [path[0]], 0, len(path) - 1
+    while here < last:
+        near, stride = here + 1, 2
+        while near < last and space.line_free(path[here], path[min(here + stride, last)]):
+            near, stride = min(here + stride, last), stride * 2
+        far = min(here + stride, last)
+        while far - near > 1:
+            middle = (near + far) // 2
+            near, far = (middle, far) if space.line_free(path[here], path[middle]) else (near, middle)
+        here = near
+        kept.append(path[here])
+    return np.array(kept)
+
+
+def path_length(path: np.ndarray) -> float:
+    """Length (m) of a polyline (n, 2)."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def resample(path: np.ndarray, spacing: float) -> np.ndarray:
+    """Points on a polyline (n, 2) every `spacing` m from its first point (left out) to its last (always there)."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    number = max(1, int(np.ceil(way[-1] / spacing - 1e-6)))
+    at = np.minimum(spacing * np.arange(1, number + 1), way[-1])
+    points = np.column_stack([np.interp(at, way, path[:, k]) for k in (0, 1)])
+    points[-1] = path[-1]  # to the bit: the same goal in every row
+    return points
