@@ -12,7 +12,7 @@ THINGS = (
     ("bus", 38.0, RIGHT, -1.5, "+x"),
     ("bus shelter", 40.0, RIGHT, 2.7, "street"),
     ("directional sign", 44.5, RIGHT, 0.6, "+x"),
-    ("trash bin", 34.9, RIGHT, 3.3, "street"),
+    ("trash bin", 35.4, RIGHT, 3.3, "street"),
     ("bench", 47.6, RIGHT, 3.2, "street"),
     ("pedestrian adult", 36.0, RIGHT, 1.2, "street"),
     ("pedestrian adult", 37.3, RIGHT, 0.4, 100.0),

@@ -38,7 +38,7 @@ THINGS = (
     ("pedestrian adult", 19.5, RIGHT, 2.2, "-x"),
     ("pedestrian adult", 48.0, LEFT, 3.25, "-x"),
     ("pedestrian adult", 56.0, RIGHT, 1.5, "-x"),
-    ("elderly person", 60.5, RIGHT, 2.1, "+x"),
+    ("elderly person", 60.9, RIGHT, 2.55, "+x"),
     ("pedestrian adult", 53.5, LEFT, 2.6, "-x"),
     ("delivery robot", 45.5, RIGHT, 1.8, "+x"),
     ("trash bin", 4.0, RIGHT, 0.6, "wall"),

@@ -1,0 +1,51 @@
+"""A small index of boxes: three sizes of every thing in the street catalogue, so that the room is tested on its own."""
+
+import itertools
+
+import numpy as np
+
+from urbanverse_mjx.assets import AssetIndex, category_of
+from urbanverse_mjx.citygen.catalogue import SIZES
+from urbanverse_mjx.datatypes import AssetRecord, HullSet
+
+MOVABLE = {"chair", "garbage bag", "traffic cone", "scooter", "storage box", "parcels", "advertising board"}
+
+
+def record(leaf: str, variant: int, extent: tuple[float, float, float], movable: bool) -> AssetRecord:
+    volume = float(np.prod(extent))
+    return AssetRecord(
+        uid=f"{leaf.replace(' ', '-')}/box/{variant:03d}",
+        category=category_of(leaf),
+        description=f"a box as large as a {leaf}",
+        recipe="box",
+        params={"variant": variant},
+        extent_xyz=extent,
+        length=max(extent[:2]),
+        width=min(extent[:2]),
+        height=extent[2],
+        volume=volume,
+        mass=100.0 * volume,
+        materials=("wood",),
+        friction_coefficient=0.6,
+        movable=movable,
+        required_force=10.0,
+        licence="Apache-2.0",
+        provenance="test",
+    )
+
+
+def fake_index() -> AssetIndex:
+    """Three boxes per leaf: the catalogue's size, 5 % smaller all over, and 40 % longer."""
+    records = []
+    for leaf, size in SIZES.items():
+        for k, factors in enumerate(((1.0, 1.0, 1.0), (0.95, 0.95, 0.95), (1.4, 1.0, 1.0))):
+            extent = tuple(round(s * f, 4) for s, f in zip(size, factors, strict=True))
+            records.append(record(leaf, k, extent, leaf in MOVABLE))
+    return AssetIndex(records)
+
+
+def box_hulls(asset: AssetRecord) -> HullSet:
+    """The asset's box as its one hull."""
+    x, y, z = asset.extent_xyz
+    corners = itertools.product((-x / 2, x / 2), (-y / 2, y / 2), (0.0, z))
+    return HullSet((np.array(list(corners), np.float32),))
