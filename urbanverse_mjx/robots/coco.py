@@ -85,12 +85,12 @@ def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any
     return velocity[0], velocity[1]
 
 
-def _circumradius() -> float:
-    wheel = max(abs(body.FRONT_AXLE_X), abs(body.REAR_AXLE_X))
-    spheres = [((wheel, body.WHEEL_Y, body.WHEEL_Z), body.WHEEL_RADIUS)]
-    # The steered axle can bring a wheel outwards along its own circle, never farther than this.
-    swing = (body.FRONT_AXLE_X + body.WHEEL_Y * math.sin(body.MAX_STEER), body.WHEEL_Y, body.WHEEL_Z)
-    spheres += [(swing, body.WHEEL_RADIUS)] + [(c, body.BODY_SPHERE_RADIUS) for c in body.BODY_SPHERES]
+def _circumradius(max_steer: float) -> float:
+    """Farthest collision point (m) from base_link, the front axle turned by up to `max_steer` rad."""
+    spheres = [((body.REAR_AXLE_X, body.WHEEL_Y, body.WHEEL_Z), body.WHEEL_RADIUS)]
+    swing, half = body.WHEEL_Y * math.sin(max_steer), body.WHEEL_Y * math.cos(max_steer)
+    spheres += [((body.FRONT_AXLE_X + swing, half, body.WHEEL_Z), body.WHEEL_RADIUS)]
+    spheres += [(c, body.BODY_SPHERE_RADIUS) for c in body.BODY_SPHERES]
     return max(math.hypot(*centre) + radius for centre, radius in spheres)
 
 
@@ -114,14 +114,14 @@ def make_coco(drive: Drive = "differential") -> RobotSpec:
         root_body="base_link",
         foot_geoms=tuple(f"{wheel}_wheel" for wheel in body.WHEELS),
         camera="front_cam",
-        circumradius=_circumradius(),
+        circumradius=_circumradius(body.MAX_STEER if drive == "ackermann" else 0.0),
         spawn_height=body.SPAWN_HEIGHT,
         max_speed=MAX_SPEED,
         max_yaw_rate=MAX_YAW_RATE,
         physics_timestep=PHYSICS_TIMESTEP,
         command=lambda velocity: convert(clip_command(velocity)),
         waypoint_to_velocity=waypoint_to_velocity,
-        # Farthest collision point from the point between the rear wheels projected on the ground, see the tests.
+        # The circle that a turn on the spot sweeps on the ground: the farthest wheel seen from base_link.
         planner_radius=math.hypot(body.REAR_AXLE_X, body.WHEEL_Y) + body.WHEEL_RADIUS,
         planner_height=PLANNER_HEIGHT,
         step_height=STEP_HEIGHT,

@@ -1,0 +1,166 @@
+"""Contact and joint-limit constraints as rows, and the solver that finds the acceleration.
+
+In:   contacts, MJX's smooth dynamics.
+Out:  acceleration, constraint force and the contacts' normal forces.
+When: every physics step, per env, inside jit.
+
+The physics is MuJoCo's: soft constraints with solref and solimp, friction as a pyramid of four edges per contact,
+the acceleration that minimises  1/2 (a - a0)' M (a - a0) + 1/2 sum D_i min(0, J_i a - aref_i)^2.
+All sizes are fixed; a row that does not act has D = 0.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import mujoco
+
+from .hull_contact import SphereContacts
+from .physics_model import LimitTable, SphereTable
+
+
+class Rows(NamedTuple):
+    """Constraint rows: jacobian (n, nv), stiffness D (n,), reference acceleration aref (n,)."""
+
+    jacobian: Any
+    stiffness: Any
+    reference: Any
+
+
+def _impedance(solimp: Any, depth: Any) -> Any:
+    """MuJoCo's impedance curve at a violation of `depth` (n,) m or rad; solimp (n, 5)."""
+    low = jnp.clip(solimp[:, 0], mujoco.mjMINIMP, mujoco.mjMAXIMP)
+    high = jnp.clip(solimp[:, 1], mujoco.mjMINIMP, mujoco.mjMAXIMP)
+    middle = jnp.clip(solimp[:, 3], mujoco.mjMINIMP, mujoco.mjMAXIMP)
+    power = jnp.maximum(solimp[:, 4], 1.0)
+    x = jnp.clip(jnp.abs(depth) / jnp.maximum(solimp[:, 2], mujoco.mjMINVAL), 0.0, 1.0)
+    rising = x**power / middle ** (power - 1.0)
+    falling = 1.0 - (1.0 - x) ** power / (1.0 - middle) ** (power - 1.0)
+    return low + jnp.where(x < middle, rising, falling) * (high - low)
+
+
+def _spring(solref: Any, solimp: Any, depth: Any, timestep: float) -> tuple[Any, Any, Any]:
+    """Stiffness, damping and impedance (n,) of constraints; positive solref alone (time constant, damping ratio)."""
+    high = jnp.clip(solimp[:, 1], mujoco.mjMINIMP, mujoco.mjMAXIMP)
+    constant = jnp.maximum(solref[:, 0], 2.0 * timestep)
+    stiffness = 1.0 / (high * constant * solref[:, 1]) ** 2
+    return stiffness, 2.0 / (high * constant), _impedance(solimp, depth)
+
+
+def tangents(normal: Any) -> tuple[Any, Any]:
+    """Two unit vectors (n, 3) that complete the normals (n, 3), chosen as MuJoCo chooses them."""
+    sideways = jnp.abs(normal[:, 1:2]) < 0.5
+    guess = jnp.where(sideways, jnp.array([0.0, 1.0, 0.0]), jnp.array([0.0, 0.0, 1.0]))
+    first = guess - normal * jnp.sum(guess * normal, axis=1, keepdims=True)
+    first = first / jnp.linalg.norm(first, axis=1, keepdims=True)
+    return first, jnp.cross(normal, first)
+
+
+def contact_rows(
+    contacts: SphereContacts, spheres: SphereTable, slot_friction: Any, motion: Any, centre: Any, qvel: Any, timestep: float
+) -> Rows:
+    """Four rows per contact.
+
+    Args:
+      slot_friction: (C,) of the hulls.
+      motion: (nv, 6) MJX's cdof, angular then linear, about `centre` (3,).
+      qvel: (nv,).
+    """
+    sphere = contacts.sphere
+    acts = contacts.distance < 0
+    depth = jnp.where(acts, contacts.distance, 0.0)
+    arm = contacts.position - centre
+    velocity = motion[None, :, 3:] + jnp.cross(motion[None, :, :3], arm[:, None, :])
+    velocity = velocity * jnp.asarray(spheres.dof_mask, jnp.float32)[sphere][..., None]
+    first, second = tangents(contacts.normal)
+    axes = jnp.stack([contacts.normal, first, second], axis=1)
+    along, side, up = jnp.moveaxis(jnp.einsum("nki,nvi->nkv", axes, velocity), 1, 0)
+
+    own, slippery = jnp.asarray(spheres.own_friction)[sphere], jnp.asarray(spheres.slippery)[sphere]
+    friction = jnp.asarray(spheres.friction, jnp.float32)[sphere]
+    friction = jnp.where(own, friction, jnp.maximum(friction, slot_friction[contacts.slot]))
+    friction = jnp.where(slippery, 0.0, friction)[:, None]
+    jacobian = jnp.stack([along + friction * side, along - friction * side, along + friction * up, along - friction * up], 1)
+
+    solref = jnp.asarray(spheres.solref, jnp.float32)[sphere]
+    solimp = jnp.asarray(spheres.solimp, jnp.float32)[sphere]
+    stiffness, damping, impedance = _spring(solref, solimp, depth, timestep)
+    weight = jnp.asarray(spheres.invweight, jnp.float32)[sphere]
+    square = friction[:, 0] ** 2
+    # A contact without friction is one row in MuJoCo: here the same row four times at a quarter of its stiffness.
+    diagonal = jnp.where(slippery, 4.0 * weight, 2.0 * square * (1.0 + square) * weight)
+    resistance = jnp.maximum(diagonal * (1.0 - impedance) / impedance, mujoco.mjMINVAL)
+    reference = -damping[:, None] * (jacobian @ qvel) - (stiffness * impedance * depth)[:, None]
+    return Rows(
+        jnp.where(acts[:, None, None], jacobian, 0.0).reshape(-1, qvel.shape[0]),
+        jnp.repeat(jnp.where(acts, 1.0 / resistance, 0.0), 4),
+        jnp.where(acts[:, None], reference, 0.0).reshape(-1),
+    )
+
+
+def limit_rows(limits: LimitTable, qpos: Any, qvel: Any, timestep: float) -> Rows:
+    """One row per limited joint, for the end of its range that is nearer."""
+    value = qpos[limits.qpos]
+    span = jnp.asarray(limits.range, jnp.float32)
+    below, above = value - span[:, 0], span[:, 1] - value
+    depth = jnp.minimum(below, above)
+    sign = jnp.where(below < above, 1.0, -1.0)
+    acts = depth < 0
+    jacobian = jnp.zeros((len(limits.dof), qvel.shape[0])).at[jnp.arange(len(limits.dof)), limits.dof].set(sign)
+    solref, solimp = jnp.asarray(limits.solref, jnp.float32), jnp.asarray(limits.solimp, jnp.float32)
+    stiffness, damping, impedance = _spring(solref, solimp, depth, timestep)
+    resistance = jnp.maximum(jnp.asarray(limits.invweight, jnp.float32) * (1.0 - impedance) / impedance, mujoco.mjMINVAL)
+    reference = -damping * (jacobian @ qvel) - stiffness * impedance * depth
+    return Rows(jacobian, jnp.where(acts, 1.0 / resistance, 0.0), reference)
+
+
+def join(first: Rows, second: Rows) -> Rows:
+    return Rows(*(jnp.concatenate([a, b]) for a, b in zip(first, second, strict=True)))
+
+
+def solve(mass: Any, free: Any, start: Any, rows: Rows, iterations: int, line_steps: int) -> tuple[Any, Any]:
+    """Newton's method with an exact line search for the constrained acceleration.
+
+    Args:
+      mass: (nv, nv), free: (nv,) unconstrained acceleration, start: (nv,) acceleration of the step before.
+
+    Returns:
+      acceleration (nv,) and row forces (n,), not negative.
+    """
+    jacobian, stiffness, reference = rows
+
+    def cost(a: Any) -> Any:
+        short = jnp.minimum(jacobian @ a - reference, 0.0)
+        return 0.5 * (a - free) @ mass @ (a - free) + 0.5 * jnp.sum(stiffness * short * short)
+
+    def improve(_: int, a: Any) -> Any:
+        gap = jacobian @ a - reference
+        pull = jnp.where(gap < 0, stiffness, 0.0)
+        smooth = mass @ (a - free)
+        gradient = smooth + (pull * gap) @ jacobian
+        hessian = mass + (jacobian * pull[:, None]).T @ jacobian
+        step = -jax.scipy.linalg.cho_solve(jax.scipy.linalg.cho_factor(hessian, lower=True), gradient)
+        return a + _line_search(smooth @ step, step @ mass @ step, gap, jacobian @ step, stiffness, line_steps) * step
+
+    better = cost(start) < cost(free)
+    a = jax.lax.fori_loop(0, iterations, improve, jnp.where(better, start, free))
+    return a, stiffness * jnp.maximum(reference - jacobian @ a, 0.0)
+
+
+def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: Any, steps: int) -> Any:
+    """Where along the step the cost is least: the root of its derivative, which rises piecewise linearly."""
+
+    def derivative(alpha: Any) -> tuple[Any, Any]:
+        left = gap + alpha * change
+        pull = jnp.where(left < 0, stiffness, 0.0) * change
+        return slope + alpha * curvature + jnp.sum(pull * left), curvature + jnp.sum(pull * change)
+
+    def narrow(_: int, carry: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
+        alpha, low, high = carry
+        value, second = derivative(alpha)
+        low, high = jnp.where(value < 0, alpha, low), jnp.where(value < 0, high, alpha)
+        guess = alpha - value / jnp.maximum(second, mujoco.mjMINVAL)
+        guess = jnp.where((guess > low) & (guess < high), guess, jnp.where(jnp.isfinite(high), 0.5 * (low + high), 2 * low))
+        return jnp.where(value == 0, alpha, guess), low, high
+
+    return jax.lax.fori_loop(0, steps, narrow, (jnp.ones(()), jnp.zeros(()), jnp.full((), jnp.inf)))[0]

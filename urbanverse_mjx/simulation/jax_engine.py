@@ -1,0 +1,180 @@
+"""`JaxEngine`: MJX over a bank of scenes, every env in its own.
+
+In:   `SceneBank`, `RobotSpec`; then `SimState` and actuator commands.
+Out:  `SimState`.
+When: every control step, inside jit, alone or under `jax.vmap`.
+
+MJX's public functions do the robot's dynamics; contacts come from `hull_contact` on the hulls that `slots` found near
+the robot, and `constraint` solves for the acceleration. The bank stands on the device as arrays, so which scene an env
+is in is data: changing it compiles nothing.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from mujoco import mjx
+
+from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
+from ..datatypes import validation as v
+from . import constraint, hull_contact, slots
+from .physics_model import make_physics_model
+
+
+class EngineTables(NamedTuple):
+    """The bank on the device.
+
+    Attributes:
+      hulls: see `HullTable`; objects, prisms: see `InstanceTable`.
+      grid_origin: (Z, 2) m; grid_cell: () m.
+    """
+
+    hulls: hull_contact.HullTable
+    objects: slots.InstanceTable
+    prisms: slots.InstanceTable
+    grid_origin: Any
+    grid_cell: Any
+
+
+class _Touch(NamedTuple):
+    """Touches gathered over the physics steps of one control step."""
+
+    force: Any
+    owner: Any
+    ground: Any
+    count: Any
+    missed: Any
+
+
+class JaxEngine:
+    """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
+
+    Args:
+      bank: the scenes.
+      robot: the robot; all its collision geoms are spheres.
+      control_dt: s, a multiple of the robot's physics time step.
+      num_slots: hulls of objects looked at per control step.
+      num_prism_slots: ground prisms looked at per control step.
+      num_contacts: pairs of a sphere and a hull that may touch at once.
+      iterations, line_steps: of the constraint solver.
+
+    Raises:
+      NounError: a control period that is no multiple of the time step, too many or no slots, or a bank whose grids
+        do not reach as far as the robot can get in one control step.
+    """
+
+    def __init__(
+        self,
+        bank: SceneBank,
+        robot: RobotSpec,
+        control_dt: float = 0.2,
+        num_slots: int = 16,
+        num_prism_slots: int = 8,
+        num_contacts: int = 16,
+        iterations: int = 4,
+        line_steps: int = 6,
+    ) -> None:
+        self.robot = robot
+        self.physics = make_physics_model(robot)
+        self.control_dt = v.number(control_dt, "engine.control_dt", above=0.0)
+        self.num_substeps = round(control_dt / robot.physics_timestep)
+        if abs(self.num_substeps * robot.physics_timestep - control_dt) > 1e-9 or self.num_substeps < 1:
+            raise v.fail(
+                "engine.control_dt", f"{control_dt:g} s", f"a multiple of the physics step {robot.physics_timestep:g} s"
+            )
+        self.num_slots = v.integer(num_slots, "engine.num_slots", 1)
+        self.num_prism_slots = v.integer(num_prism_slots, "engine.num_prism_slots", 1)
+        pairs = (num_slots + num_prism_slots) * len(self.physics.spheres.radius)
+        self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, pairs)
+        self.iterations = v.integer(iterations, "engine.iterations", 1)
+        self.line_steps = v.integer(line_steps, "engine.line_steps", 1)
+        #: Farthest that a hull may be and still be touched before the next look-up, m.
+        self.reach = robot.circumradius + robot.max_speed * control_dt
+        grid_reach = float(bank.meta["grid_reach"])
+        if self.reach > grid_reach + 1e-6:
+            raise v.fail(
+                "bank.meta.grid_reach", f"{grid_reach:g} m", f"{self.reach:g} m for {robot.name!r}", "pack the bank again"
+            )
+        objects, prisms = slots.instance_tables(bank)
+        self.tables = EngineTables(
+            hull_contact.hull_table(bank), objects, prisms, jnp.asarray(bank.grid_origin), jnp.asarray(bank.grid_cell)
+        )
+        self._grid_shape = (bank.hull_grid.shape[1], bank.hull_grid.shape[2])
+        self._data = mjx.make_data(self.physics.model)
+
+    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
+        """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,)."""
+        scene = jnp.asarray(scene, jnp.int32)
+        qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
+        data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
+        no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
+        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()))
+        zero = jnp.zeros((), jnp.int32)
+        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, jnp.zeros_like(qvel))
+
+    def step(self, state: SimState, ctrl: Any) -> SimState:
+        """One control step with the commands `ctrl` (nu,) held."""
+        nearby, overflow = self.find_slots(state.scene, state.xpos[self.physics.root])
+        ctrl = jnp.asarray(ctrl, jnp.float32)
+
+        def substep(carry: Any, _: None) -> tuple[Any, None]:
+            return self._physics_step(nearby, ctrl, *carry), None
+
+        zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
+        touch = _Touch(jnp.zeros(()), none, jnp.zeros((), bool), zero, zero)
+        start = (state.qpos, state.qvel, state.carry, touch)
+        (qpos, qvel, warm, touch), _ = jax.lax.scan(substep, start, None, length=self.num_substeps)
+        data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
+        contacts = Contacts(
+            hit=touch.count > 0,
+            hit_object=touch.owner,
+            hit_ground=touch.ground,
+            hit_force=touch.force,
+            hit_fraction=touch.count / self.num_substeps,
+        )
+        return SimState(
+            state.scene, qpos, qvel, data.xpos, data.xquat, contacts, overflow + touch.missed, warm
+        )
+
+    def find_slots(self, scene: Any, centre: Any) -> tuple[slots.Slots, Any]:
+        """The hulls near `centre` (3,) in a scene, objects first, and () i32, how many within reach found no slot."""
+        tables = self.tables
+        cell = slots.grid_cell(tables.grid_origin[scene], tables.grid_cell, self._grid_shape, centre)
+        hulls, missing = slots.nearest(tables.objects, cell, scene, centre, self.reach, self.num_slots)
+        prisms, absent = slots.nearest(tables.prisms, cell, scene, centre, self.reach, self.num_prism_slots)
+        return slots.join(hulls, prisms), missing + absent
+
+    def _physics_step(self, nearby: slots.Slots, ctrl: Any, qpos: Any, qvel: Any, warm: Any, touch: _Touch) -> Any:
+        model, spheres, dt = self.physics.mjx_model, self.physics.spheres, self.robot.physics_timestep
+        data = self._data.replace(qpos=qpos, qvel=qvel, ctrl=ctrl)
+        for stage in (mjx.kinematics, mjx.com_pos, mjx.crb, mjx.factor_m, mjx.transmission, mjx.fwd_velocity):
+            data = stage(model, data)
+        data = mjx.fwd_acceleration(model, mjx.fwd_actuation(model, data))
+        radii = jnp.asarray(spheres.radius, jnp.float32)
+        found = hull_contact.find_contacts(data.geom_xpos[spheres.geom], radii, nearby, self.tables.hulls, self.num_contacts)
+        centre = data.subtree_com[self.physics.root]
+        rows = constraint.contact_rows(found, spheres, nearby.friction, data.cdof, centre, qvel, dt)
+        if len(self.physics.limits.dof):
+            rows = constraint.join(rows, constraint.limit_rows(self.physics.limits, data.qpos, qvel, dt))
+        mass = mjx.full_m(model, data)
+        qacc, force = constraint.solve(mass, data.qacc_smooth, warm, rows, self.iterations, self.line_steps)
+        data = mjx.euler(model, data.replace(qacc=qacc, qfrc_constraint=force @ rows.jacobian))
+        normal_force = force[: 4 * self.num_contacts].reshape(-1, 4).sum(1)
+        return data.qpos, data.qvel, qacc, self._note(touch, found, nearby, normal_force)
+
+    def _note(self, touch: _Touch, found: hull_contact.SphereContacts, nearby: slots.Slots, force: Any) -> _Touch:
+        """Adds the contacts of one physics step: robot against object, and no foot against the ground."""
+        owner = nearby.owner[found.slot]
+        touching = found.distance < 0
+        on_ground = touching & (owner < 0) & ~jnp.asarray(self.physics.spheres.is_foot)[found.sphere]
+        hit = (touching & (owner >= 0)) | on_ground
+        strength = jnp.where(hit, force, -1.0)
+        best = jnp.argmax(strength)
+        stronger = (strength[best] > touch.force) | ((touch.count == 0) & hit.any())
+        return _Touch(
+            force=jnp.maximum(touch.force, strength[best]),
+            owner=jnp.where(stronger, owner[best], touch.owner),
+            ground=touch.ground | on_ground.any(),
+            count=touch.count + hit.any().astype(jnp.int32),
+            missed=jnp.maximum(touch.missed, found.missed),
+        )
