@@ -4,9 +4,9 @@ import numpy as np
 
 #: Side of a cell, m.
 CELL = 1.0
-#: A robot's circumradius (0.5 m holds COCO's 0.70 x 0.50 x 0.40 m box, facts/coco.json) plus the way it goes in
+#: A robot's circumradius (0.55 m holds COCO with its front axle turned, robots/coco.py) plus the way it goes in
 #: one control step at the task's 2.0 m/s and 5 Hz: hulls farther away cannot be touched before the next look-up.
-REACH = 0.5 + 2.0 * 0.2
+REACH = 0.55 + 2.0 * 0.2
 #: Above the highest ground nothing of a robot reaches higher than this, m (planner height 1.0 m and as much again).
 HEADROOM = 2.0
 
