@@ -183,7 +183,6 @@ def check_mjx() -> Finding:
 def check_warp() -> Finding:
     import warp as wp
 
-    wp.config.quiet = True
     wp.init()
     names = ", ".join(f"{d.alias} {d.name}" for d in wp.get_devices())
     detail = f"{wp.config.version} on {names}"
@@ -199,7 +198,6 @@ def check_renderer() -> Finding:
     import mujoco_warp_pbr as pbr
     import warp as wp
 
-    wp.config.quiet = True
     size = 16
     model = mujoco.MjModel.from_xml_string(_SCENE)
     data = mujoco.MjData(model)
@@ -264,6 +262,41 @@ def check_cache() -> Finding:
     return Finding("ok", detail)
 
 
+def check_assets() -> Finding:
+    """Builds one asset of every leaf and looks up its hulls."""
+    from .. import assets
+
+    index = assets.load_index()
+    leaves = sorted({record.leaf for record in index.records})
+    without = []
+    for leaf in leaves:
+        record = index.by_leaf(leaf)[0]
+        assets.build_mesh(record)
+        try:
+            assets.load_hulls(record)
+        except ValueError:
+            without.append(leaf)
+    detail = f"{len(index.records)} assets of {len(leaves)} leaf categories"
+    if without:
+        mend = f"{sys.executable} -m urbanverse_mjx.assets hulls"
+        return Finding("missing", f"{detail}; no hulls for {', '.join(without[:3])} ({len(without)} leaves)", mend)
+    return Finding("ok", f"{detail}, with hulls")
+
+
+def check_scenes() -> Finding:
+    from .. import settings
+    from ..datatypes import SceneGraph
+
+    root = settings.scene_root()
+    graphs = [SceneGraph.load(path) for path in sorted(root.glob("*/graph.json"))]
+    objects = sum(len(graph.objects) for graph in graphs)
+    detail = f"{len(graphs)} streets with {objects} objects in {root}"
+    if not graphs:
+        return Finding("missing", detail, "git checkout -- scenes")
+    built = settings.default_bank_path().is_file()
+    return Finding("ok", f"{detail}; their bank is {'built' if built else 'built at the first use'}")
+
+
 def check_coacd() -> Finding:
     import coacd
 
@@ -283,6 +316,8 @@ CHECKS: dict[str, Check] = {
     "brax": Check(check_brax, "brax"),
     "ffmpeg": Check(check_ffmpeg, "imageio-ffmpeg"),
     "cache": Check(check_cache, None),
+    "assets": Check(check_assets, None),
+    "scenes": Check(check_scenes, None),
     "coacd": Check(check_coacd, "coacd", required=False),
 }
 
