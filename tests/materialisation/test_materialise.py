@@ -2,17 +2,18 @@
 
 import dataclasses
 import math
+import pathlib
 
 import numpy as np
 import pytest
 
 from urbanverse_mjx.assets import category_of
-from urbanverse_mjx.citygen import build
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, NounError, SceneGraph, SceneLayout, Source
 from urbanverse_mjx.materialisation import choice, materialise
 
 from .fake_index import box_hulls, fake_index, record
 
+SCENES = pathlib.Path(__file__).parents[2] / "scenes"
 SOURCE = Source("hand", "Apache-2.0", "none", "none")
 FLOOR = GroundRegion("floor", "sidewalk", ((-20, -20), (20, -20), (20, 20), (-20, 20)), (0.0, 0.0, 0.15))
 
@@ -107,7 +108,7 @@ def test_feet_near_the_ground_are_put_onto_it_and_hanging_things_stay():
 
 
 def test_same_inputs_same_layout_and_cousins_differ():
-    graph, index = build("park_edge"), fake_index()
+    graph, index = SceneGraph.load(SCENES / "park_edge" / "graph.json"), fake_index()
     first = materialise(graph, index, 7, hulls_of=box_hulls).layout
     again = materialise(graph, index, 7, hulls_of=box_hulls).layout
     assert first.to_json() == again.to_json()
@@ -123,7 +124,7 @@ def test_same_inputs_same_layout_and_cousins_differ():
 
 
 def test_one_material_per_kind_except_that_separate_pavements_may_differ():
-    graph, index = build("commercial_cafes"), fake_index()
+    graph, index = SceneGraph.load(SCENES / "commercial_cafes" / "graph.json"), fake_index()
     sides = set()
     for seed in range(6):
         layout = materialise(dataclasses.replace(graph, objects=()), index, seed, hulls_of=box_hulls).layout

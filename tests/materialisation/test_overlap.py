@@ -1,16 +1,19 @@
 """No two things in one place, and the moves that see to it."""
 
 import math
+import pathlib
 
 import pytest
 import shapely
 from shapely import affinity
 
-from urbanverse_mjx.citygen import BUILDERS, build
+from urbanverse_mjx.citygen import BUILDERS
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, SceneGraph, Source
 from urbanverse_mjx.materialisation import materialise
 
 from .fake_index import box_hulls, fake_index
+
+SCENES = pathlib.Path(__file__).parents[2] / "scenes"
 
 Size = tuple[float, float, float]
 
@@ -93,7 +96,7 @@ def test_no_move_takes_a_thing_over_the_kerb():
 @pytest.mark.parametrize("scene_id", list(BUILDERS))
 def test_shipped_streets_have_no_penetration_left(scene_id):
     """Boxes are a hard case (crowns reach the ground): houses and trees aside, nothing may overlap."""
-    done = materialise(build(scene_id), fake_index(), 0, hulls_of=box_hulls)
+    done = materialise(SceneGraph.load(SCENES / scene_id / "graph.json"), fake_index(), 0, hulls_of=box_hulls)
     hard = {"tree", "street light", "sunshade", "utility pole", "traffic light"}
     kinds = {o.id: o.category for o in done.layout.objects}
     left = [p for p in done.unresolved if not hard & {kinds[p[0]], kinds[p[1]]}]

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from shapely import affinity
 
 from ..datatypes import AssetRecord, HullSet, PlacedObject
+from ..datatypes import validation as v
 
 #: m that two things may share: collision hulls overstate curved shapes by about this much.
 TOUCH = 0.01
@@ -27,9 +27,16 @@ ROOTED = frozenset(
 
 @dataclasses.dataclass(frozen=True)
 class Prism:
-    """A convex outline (m, scene frame) between two heights (m)."""
+    """A convex outline between two heights.
 
-    outline: shapely.Polygon
+    Attributes:
+      corners: (n, 2) m, the outline's corners in order, scene frame.
+      normals: (n, 2) unit normals of its edges.
+      low, high: m, the range of heights.
+    """
+
+    corners: np.ndarray
+    normals: np.ndarray
     low: float
     high: float
 
@@ -51,13 +58,15 @@ class Body:
     offset: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        self.low, self.high = min(p.low for p in self.prisms), max(p.high for p in self.prisms)
-        self._bounds = shapely.union_all([p.outline for p in self.prisms]).bounds
+        #: (prisms, 6) x, y, z from and to of every prism, and (6,) of the whole, before any move.
+        self.boxes = np.array([[*p.corners.min(0), p.low, *p.corners.max(0), p.high] for p in self.prisms])
+        self.box = np.concatenate([self.boxes[:, :3].min(0), self.boxes[:, 3:].max(0)])
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        (x0, y0, x1, y1), (dx, dy) = self._bounds, self.offset
-        return x0 + dx, y0 + dy, x1 + dx, y1 + dy
+        """x, y from and to, after the move."""
+        dx, dy = self.offset
+        return self.box[0] + dx, self.box[1] + dy, self.box[3] + dx, self.box[4] + dy
 
     @property
     def rooted(self) -> bool:
@@ -67,53 +76,54 @@ class Body:
 
 
 def prisms_of(placed: PlacedObject, hulls: HullSet) -> list[Prism]:
-    """The shape of a placed asset; hulls that are flat from above are left out."""
+    """The shape of a placed asset; hulls that are flat from above are left out.
+
+    Raises:
+      NounError: no hull has an area seen from above.
+    """
     x, y, z = placed.position
+    c, s = math.cos(placed.yaw), math.sin(placed.yaw)
     shapes = []
     for corners in hulls.hulls:
         scaled = np.asarray(corners, float) * np.asarray(placed.scale)
         outline = shapely.MultiPoint(scaled[:, :2]).convex_hull
         if not isinstance(outline, shapely.Polygon):
             continue
-        turned = affinity.rotate(outline, placed.yaw, origin=(0.0, 0.0), use_radians=True)
-        low, high = float(scaled[:, 2].min()), float(scaled[:, 2].max())
-        shapes.append(Prism(affinity.translate(turned, x, y), z + low, z + high))
+        ring = np.asarray(outline.exterior.coords)[:-1] @ np.array([[c, s], [-s, c]]) + (x, y)
+        edges = np.roll(ring, -1, axis=0) - ring
+        normals = np.stack([edges[:, 1], -edges[:, 0]], 1) / np.linalg.norm(edges, axis=1, keepdims=True)
+        shapes.append(Prism(ring, normals, z + float(scaled[:, 2].min()), z + float(scaled[:, 2].max())))
     if not shapes:
-        raise ValueError(
-            f"object {placed.id!r}: found hulls without area seen from above, needed at least one solid hull."
+        where = f"object {placed.id!r} ({placed.asset_uid})"
+        raise v.fail(
+            where, "hulls without area seen from above", "at least one solid hull", "rebuild the asset's hulls"
         )
     return shapes
 
 
-def _depth(a: shapely.Polygon, b: shapely.Polygon) -> float:
-    """Least distance (m) by which one of two convex outlines must move to part from the other; 0 = apart."""
-    least = math.inf
-    for ring in (np.asarray(a.exterior.coords), np.asarray(b.exterior.coords)):
-        edges = np.diff(ring, axis=0)
-        lengths = np.linalg.norm(edges, axis=1)
-        normals = np.stack([edges[:, 1], -edges[:, 0]], 1)[lengths > 1e-9] / lengths[lengths > 1e-9, None]
-        on_a, on_b = np.asarray(a.exterior.coords) @ normals.T, np.asarray(b.exterior.coords) @ normals.T
-        gap = np.minimum(on_a.max(0) - on_b.min(0), on_b.max(0) - on_a.min(0))
-        least = min(least, float(gap.min()))
-        if least <= 0.0:
-            return 0.0
-    return least
+def _depth(a: Prism, b: Prism, shift: np.ndarray) -> float:
+    """Least distance (m) by which one of two convex outlines must move to part from the other; 0 = apart.
+
+    `shift` (2,) is added to a's corners. Convex outlines that are apart are apart along an edge's normal.
+    """
+    normals = np.concatenate([a.normals, b.normals])
+    on_a, on_b = (a.corners + shift) @ normals.T, b.corners @ normals.T
+    gap = np.minimum(on_a.max(0) - on_b.min(0), on_b.max(0) - on_a.min(0))
+    return max(float(gap.min()), 0.0)
 
 
-def penetration(a: Body, b: Body, shift: tuple[float, float] | None = None) -> float:
-    """Deepest penetration (m, horizontal) between two things; `shift` tries another offset for `a`."""
-    ax, ay = a.offset if shift is None else shift
-    (x0, y0, x1, y1), (dx, dy) = a._bounds, (ax, ay)
-    bx0, by0, bx1, by1 = b.bounds
-    if x0 + dx > bx1 or bx0 > x1 + dx or y0 + dy > by1 or by0 > y1 + dy or a.low > b.high or b.low > a.high:
+def penetration(a: Body, b: Body, offset: tuple[float, float] | None = None) -> float:
+    """Deepest penetration (m, horizontal) between two things; `offset` tries another one for `a`."""
+    shift = np.subtract(a.offset if offset is None else offset, b.offset)
+    move = np.array([shift[0], shift[1], 0.0])
+    low, high = a.box[:3] + move, a.box[3:] + move
+    if (low >= b.box[3:] - TOUCH).any() or (b.box[:3] >= high - TOUCH).any():
         return 0.0
+    starts, ends = a.boxes[:, None, :3] + move, a.boxes[:, None, 3:] + move
+    shared = np.minimum(ends, b.boxes[None, :, 3:]) - np.maximum(starts, b.boxes[None, :, :3])
     deepest = 0.0
-    rx, ry = ax - b.offset[0], ay - b.offset[1]
-    for p in a.prisms:
-        outline = affinity.translate(p.outline, rx, ry) if (rx or ry) else p.outline
-        for q in b.prisms:
-            if min(p.high, q.high) - max(p.low, q.low) > TOUCH and outline.intersects(q.outline):
-                deepest = max(deepest, _depth(outline, q.outline))
+    for i, j in np.argwhere((shared > TOUCH).all(-1)):
+        deepest = max(deepest, _depth(a.prisms[i], b.prisms[j], shift))
     return deepest if deepest > TOUCH else 0.0
 
 
@@ -151,7 +161,7 @@ class Support:
 
 def _free_offset(body: Body, bodies: Sequence[Body], support: Support) -> tuple[float, float] | None:
     """The least offset from the graph's place at which the thing touches nothing, or None within `LIMIT`."""
-    x0, y0, x1, y1 = body._bounds
+    x0, y0, x1, y1 = body.box[[0, 1, 3, 4]]
     others = []
     for o in bodies:
         bx0, by0, bx1, by1 = o.bounds
