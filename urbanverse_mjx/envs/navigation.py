@@ -290,7 +290,7 @@ class NavEnv:
             v, omega = robot.waypoint_to_velocity(action, self.dt)
         else:
             v, omega = 0.5 * (action[0] + 1.0) * robot.max_speed, action[1] * robot.max_yaw_rate
-        return robot.command(v, omega)
+        return robot.command(jnp.stack([v, omega]))
 
     def _rewards(self, old: NavState, new: NavState, velocity: jax.Array, hit: jax.Array) -> dict[str, jax.Array]:
         to_goal = new.goal[:2] - jnp.where(

@@ -58,10 +58,24 @@ class _Tally(NamedTuple):
     key: Any
 
 
-class Rollout:
-    """Runs agents over episodes of one env, `chunk` steps a call so that it can stop when all have ended.
+@dataclasses.dataclass(frozen=True)
+class Trajectory:
+    """Poses of every evaluated env before each control step.
 
-    With the same env several agents share one compilation of the simulation each.
+    Attributes:
+      xpos: (T, n, nbody, 3) m, xquat: (T, n, nbody, 4) wxyz of the robot's bodies.
+      running: (T, n) bool, the episode had not ended.
+    """
+
+    xpos: np.ndarray
+    xquat: np.ndarray
+    running: np.ndarray
+
+
+class Rollout:
+    """Runs agents over the same episodes at the same time, `chunk` steps a call so that it can stop early.
+
+    All agents share one batch and one compilation; each env asks every agent and follows its own.
     """
 
     def __init__(self, env: NavEnv, chunk: int = 20):
@@ -72,45 +86,48 @@ class Rollout:
 
     def run(
         self,
-        name: str,
-        agent: Agent,
+        agents: Mapping[str, Agent],
         episodes: EpisodeSet,
-        on_step: Callable[[NavState], None] | None = None,
         on_progress: Callable[[int, int], None] | None = None,
-    ) -> list[EpisodeResult]:
-        """Every episode once, all at the same time.
+    ) -> tuple[list[EpisodeResult], Trajectory]:
+        """Every episode once by every agent; results ordered by agent, then episode.
 
         Args:
-          name: recorded as the agent.
-          agent: see `agents`.
-          episodes: what to drive.
-          on_step: called with the batched state at the start of each chunk (chunk=1 sees every step).
-          on_progress: called with (ended, total).
+          agents: name -> agent, see `agents`.
+          episodes: what to drive; equal keys for all agents.
+          on_progress: called with (ended, total) after each chunk.
         """
-        n = len(episodes)
-        keys = jax.random.split(jax.random.key(episodes.seed), n)
-        nav = self._begin(keys, jnp.asarray(episodes.scenes), jnp.asarray(episodes.episodes))
-        tally = _Tally(jnp.zeros(n), jnp.zeros(n), jnp.zeros(n, jnp.int32), keys)
-        chunk = self._chunk_of(agent)
+        n, count = len(episodes), len(agents)
+        keys = jnp.tile(jax.random.split(jax.random.key(episodes.seed), n), count)
+        scenes, rows = np.tile(episodes.scenes, count), np.tile(episodes.episodes, count)
+        who = jnp.repeat(jnp.arange(count), n)
+        nav = self._begin(keys, jnp.asarray(scenes), jnp.asarray(rows))
+        zero = jnp.zeros(n * count)
+        tally = _Tally(zero, zero, zero.astype(jnp.int32), keys)
+        chunk = self._chunk_of(list(agents.values()))
+        seen = []
         for _ in range(-(-self.env.config.episode_length // self._chunk)):
-            if on_step is not None:
-                on_step(nav)
-            nav, tally = chunk(nav, tally)
+            (nav, tally), poses = chunk(nav, tally, who)
+            seen.append(jax.tree.map(np.asarray, poses))
             ended = int((np.asarray(nav.result) != 0).sum())
             if on_progress is not None:
-                on_progress(ended, n)
-            if ended == n:
+                on_progress(ended, n * count)
+            if ended == n * count:
                 break
-        if on_step is not None:
-            on_step(nav)
-        return self._results(name, nav, tally, episodes)
+        trajectory = Trajectory(*(np.concatenate(part) for part in zip(*seen, strict=True)))
+        results = []
+        for i, name in enumerate(agents):
+            part = slice(i * n, (i + 1) * n)
+            results += self._results(name, *jax.tree.map(lambda x, part=part: x[part], (nav, tally)), episodes)
+        return results, trajectory
 
-    def _chunk_of(self, agent: Agent) -> Callable[..., Any]:
+    def _chunk_of(self, agents: Sequence[Agent]) -> Callable[..., Any]:
         env, root = self.env, self._root
 
-        def one(nav: NavState, tally: _Tally, obs: Mapping[str, Any]) -> tuple[NavState, _Tally]:
+        def one(nav: NavState, tally: _Tally, obs: Mapping[str, Any], who: jax.Array) -> tuple[NavState, _Tally]:
             key, key_act = jax.random.split(tally.key)
-            new, _, _, metrics = env.advance(nav, agent(obs, key_act))
+            action = jnp.stack([agent(obs, key_act) for agent in agents])[who]
+            new, _, _, metrics = env.advance(nav, action)
             running = nav.result == 0
             moved = jnp.linalg.norm(new.sim.xpos[root, :2] - nav.sim.xpos[root, :2])
             new_tally = _Tally(
@@ -122,40 +139,39 @@ class Rollout:
             # An ended episode stands still as it ended.
             return jax.tree.map(lambda a, b: jnp.where(running, a, b), (new, new_tally), (nav, tally))
 
-        def step(carry: Any, _: None) -> tuple[Any, None]:
-            nav, tally = carry
-            obs = jax.vmap(env.observe)(nav)
-            return jax.vmap(one)(nav, tally, obs), None
+        def chunk(nav: NavState, tally: _Tally, who: jax.Array) -> Any:
+            def step(carry: Any, _: None) -> tuple[Any, Any]:
+                nav, tally = carry
+                obs = jax.vmap(env.observe)(nav)
+                return jax.vmap(one)(nav, tally, obs, who), (nav.sim.xpos, nav.sim.xquat, nav.result == 0)
 
-        def chunk(nav: NavState, tally: _Tally) -> tuple[NavState, _Tally]:
-            return jax.lax.scan(step, (nav, tally), None, length=self._chunk)[0]
+            return jax.lax.scan(step, (nav, tally), None, length=self._chunk)
 
         return jax.jit(chunk)
 
     def _results(self, name: str, nav: NavState, tally: _Tally, episodes: EpisodeSet) -> list[EpisodeResult]:
-        get = np.asarray
-        steps, result = get(nav.steps), get(nav.result)
-        length = get(nav.route_length)
-        out = []
-        for i in range(len(episodes)):
-            out.append(
-                EpisodeResult(
-                    agent=name,
-                    scene=self.env.bank.scene_ids[int(episodes.scenes[i])],
-                    episode=int(episodes.episodes[i]),
-                    seed=episodes.seed,
-                    result=RESULTS[int(result[i]) - 1],
-                    steps=int(steps[i]),
-                    duration=float(steps[i] * self.env.dt),
-                    route_completion=float(np.clip(get(nav.route_done)[i] / max(length[i], 1e-6), 0.0, 1.0)),
-                    distance_to_goal=float(get(nav.goal_distance)[i]),
-                    hit_time=float(np.clip(get(tally.hit_time)[i] / steps[i], 0.0, 1.0)),
-                    path_length=float(get(tally.path_length)[i]),
-                    route_length=float(length[i]),
-                    slot_overflow=int(get(tally.slot_overflow)[i]),
-                )
+        steps, result, length = np.asarray(nav.steps), np.asarray(nav.result), np.asarray(nav.route_length)
+        done = np.clip(np.asarray(nav.route_done) / np.maximum(length, 1e-6), 0.0, 1.0)
+        hit_time = np.clip(np.asarray(tally.hit_time) / steps, 0.0, 1.0)
+        goal_distance, path = np.asarray(nav.goal_distance), np.asarray(tally.path_length)
+        return [
+            EpisodeResult(
+                agent=name,
+                scene=self.env.bank.scene_ids[int(episodes.scenes[i])],
+                episode=int(episodes.episodes[i]),
+                seed=episodes.seed,
+                result=RESULTS[int(result[i]) - 1],
+                steps=int(steps[i]),
+                duration=float(steps[i] * self.env.dt),
+                route_completion=float(done[i]),
+                distance_to_goal=float(goal_distance[i]),
+                hit_time=float(hit_time[i]),
+                path_length=float(path[i]),
+                route_length=float(length[i]),
+                slot_overflow=int(tally.slot_overflow[i]),
             )
-        return out
+            for i in range(len(episodes))
+        ]
 
 
 def result_counts(results: Sequence[EpisodeResult]) -> dict[str, int]:

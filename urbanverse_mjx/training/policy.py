@@ -78,7 +78,8 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
     """Writes a policy folder named by its steps under `folder`; returns it. `policy.json` comes last."""
     from brax.training import checkpoint
 
-    checkpoint.save(folder, spec.steps, params, ConfigDict(), "network.json")
+    # Brax wants this key in the config it writes beside the parameters; what the networks are stands in policy.json.
+    checkpoint.save(folder, spec.steps, params, ConfigDict({"network_factory_kwargs": {}}), "network.json")
     path = folder / f"{spec.steps:012d}"
     spec.save(path)
     return path

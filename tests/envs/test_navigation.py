@@ -1,0 +1,159 @@
+"""The navigation task on a kinematic engine: its arithmetic, its ends, its wrapper."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.unicycle import drive_to_goal, unicycle_env
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs import Result, check_env, default_config, registry, wrap_for_training
+from urbanverse_mjx.envs.checks import EnvCheckError
+
+
+def test_check_env_accepts_the_task(small_bank: SceneBank) -> None:
+    check_env(unicycle_env(small_bank, {"episode_length": 40}, vision=True))
+
+
+def test_check_env_finds_a_constant_observation(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank)
+    whole = env.observe
+    env.observe = lambda nav: {**whole(nav), "goal": jnp.ones(2)}  # type: ignore[method-assign]
+    with pytest.raises(EnvCheckError, match=r"different first states|constants"):
+        check_env(env, num_envs=2, num_steps=3)
+
+
+def test_check_env_finds_a_stale_reset(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank)
+    whole = env.begin
+    # A begin that always gives the same episode: what Brax's AutoResetWrapper would do.
+    env.begin = lambda key: whole(jax.random.key(0))  # type: ignore[method-assign]
+    with pytest.raises(EnvCheckError, match="different seeds"):
+        check_env(env, num_envs=2, num_steps=3)
+
+
+def test_driving_straight_on_open_ground_reaches_the_goal_with_the_papers_reward(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank, {"terminate_off_traversable": False})
+    state = jax.jit(env.reset)(jax.random.key(3))
+    step = jax.jit(lambda s: env.step(s, drive_to_goal(s.obs)))
+    rewards = []
+    while not float(state.done):
+        before = float(state.data.goal_distance)
+        state = step(state)
+        rewards.append((before, float(state.data.goal_distance), float(state.reward)))
+    assert int(state.info["result"]) == Result.GOAL
+    assert float(state.metrics["success"]) == 1.0
+    assert float(state.metrics["route_completion"]) == 1.0
+    _, last, reward = rewards[-1]
+    # On the last step the robot drives at 2 m/s straight at the goal: arrived + both position terms + cosine.
+    cosine = float(state.metrics["reward/velocity_cosine"]) / 10
+    expected = 2000 + 10 * (1 - np.tanh(last / 5)) + 50 * (1 - np.tanh(last)) + 10 * cosine
+    assert reward == pytest.approx(expected, rel=1e-5)
+    assert last < 1.0 <= rewards[-1][0]
+
+
+def test_hit_ends_the_episode_or_is_only_measured(small_bank: SceneBank) -> None:
+    for terminate in (True, False):
+        env = unicycle_env(small_bank, {"terminate_on_hit": terminate, "terminate_off_traversable": False}, wall=-1e9)
+        state = env.reset(jax.random.key(0))
+        state = env.step(state, jnp.array([0.0, 0.0]))
+        assert bool(state.done) == terminate
+        assert float(state.metrics["hit_time_per_step"]) == 1.0
+        assert float(state.metrics["reward/hit"]) == -200.0
+
+
+def test_leaving_the_pavement_ends_the_episode(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank)
+    state = env.reset(jax.random.key(1))
+    qpos = state.data.sim.qpos.at[:2].set(jnp.array([-50.0, 0.0]))
+    state = state.replace(data=state.data._replace(sim=env.engine.init(state.data.sim.scene, qpos, state.data.sim.qvel)))
+    state = env.step(state, jnp.zeros(2))
+    assert int(state.info["result"]) == Result.OFF_TRAVERSABLE
+
+
+def test_non_finite_physics_is_a_result_and_never_reaches_reward_or_neighbours(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank)
+    state = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3))
+    clean = jax.vmap(env.step)(state, jnp.zeros((3, 2)))
+    sim = state.data.sim
+    broken = sim._replace(qpos=sim.qpos.at[1].set(jnp.nan))
+    after = jax.vmap(env.step)(state.replace(data=state.data._replace(sim=broken)), jnp.zeros((3, 2)))
+    assert int(after.info["result"][1]) == Result.NON_FINITE
+    assert np.isfinite(np.asarray(after.reward)).all()
+    assert all(np.isfinite(np.asarray(m)).all() for m in after.metrics.values())
+    for i in (0, 2):
+        assert float(after.reward[i]) == float(clean.reward[i])
+    wrapped = wrap_for_training(env, env.config.episode_length)
+    batch = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3))
+    del batch
+    first = wrapped.reset(jax.random.split(jax.random.key(0), 3))
+    first = first.replace(data=first.data._replace(sim=first.data.sim._replace(qpos=first.data.sim.qpos.at[1].set(jnp.nan))))
+    after = wrapped.step(first, jnp.zeros((3, 2)))
+    assert all(np.isfinite(np.asarray(x)).all() for x in after.obs.values())
+
+
+def test_wrapper_sums_and_new_episodes(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank, {"episode_length": 7, "terminate_off_traversable": False})
+    wrapped = wrap_for_training(env, 7)
+    state = jax.jit(wrapped.reset)(jax.random.split(jax.random.key(5), 4))
+    step = jax.jit(wrapped.step)
+    total = np.zeros(4)
+    starts = {(i, int(s), int(e)) for i, (s, e) in enumerate(zip(state.info["scene"], state.info["episode"], strict=True))}
+    for i in range(1, 29):
+        state = step(state, jnp.ones((4, 2)) * 0.01)
+        total += np.asarray(state.reward)
+        assert (np.asarray(state.done) == (i % 7 == 0)).all()
+        assert (np.asarray(state.info["truncation"]) == (i % 7 == 0)).all()
+        if i % 7 == 0:
+            np.testing.assert_allclose(state.info["episode_metrics"]["sum_reward"], total, rtol=1e-5)
+            assert (np.asarray(state.info["episode_metrics"]["length"]) == 7).all()
+            total[:] = 0
+            starts |= {
+                (j, int(s), int(e)) for j, (s, e) in enumerate(zip(state.data.sim.scene, state.data.episode, strict=True))
+            }
+    assert len(starts) > 12, "every episode begins somewhere else"
+
+
+def test_brax_autoreset_is_refused_in_words() -> None:
+    """Brax's own wrapper keeps each env's first scene for ever; ours replaces all carried state."""
+    from brax.envs.wrappers.training import AutoResetWrapper, VmapWrapper
+
+    from tests.support.box_bank import box_bank
+
+    env = unicycle_env(box_bank(3, 0), {"episode_length": 2, "terminate_off_traversable": False})
+    theirs = AutoResetWrapper(VmapWrapper(env))  # type: ignore[arg-type]
+    with pytest.raises((AttributeError, KeyError, TypeError, ValueError)):
+        # It stores pipeline_state under its own field names, which our State does not have.
+        state = theirs.reset(jax.random.split(jax.random.key(0), 2))
+        for _ in range(3):
+            state = theirs.step(state, jnp.zeros((2, 2)))
+
+
+def test_overrides_and_errors(small_bank: SceneBank) -> None:
+    config = registry.with_overrides(default_config(), {"reward_config.scales.hit": -50})
+    assert config.reward_config.scales.hit == -50
+    assert default_config().reward_config.scales.hit == -200, "defaults are fresh each time"
+    with pytest.raises(NounError, match="no_such_key"):
+        registry.with_overrides(default_config(), {"no_such_key": 1})
+    with pytest.raises(NounError, match=r"CocoNav.*did you mean 'CocoNav'"):
+        registry.load("CocoNva", bank=small_bank)
+    with pytest.raises(NounError, match="preset"):
+        default_config("fast")
+    with pytest.raises(NounError, match="names no scene"):
+        unicycle_env(small_bank, {"scenes": "validation"})
+
+
+def test_cpu_preset_changes_only_the_picture_and_the_weights() -> None:
+    paper, cpu = default_config("paper").to_dict(), default_config("cpu").to_dict()
+    for config in (paper, cpu):
+        for key in ("preset", "vision_config"):
+            config.pop(key)
+        config["reward_config"].pop("scales")
+    assert paper == cpu
+
+
+def test_register_from_outside() -> None:
+    registry.register_environment("TestOnlyNav", lambda config, bank: (config, bank), default_config)
+    assert "TestOnlyNav" in registry.ALL_ENVS
+    with pytest.raises(NounError, match="registered already"):
+        registry.register_environment("TestOnlyNav", lambda config, bank: None, default_config)

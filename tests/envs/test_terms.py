@@ -1,0 +1,71 @@
+"""The task's terms against numbers worked out by hand."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urbanverse_mjx.envs import Result, terms
+
+START = jnp.array([0.0, 0.0, 0.0])
+# An L: 5 m east, then 5 m north; the goal repeats as padding.
+ROUTE = jnp.array([[5.0, 0.0, 0.0], [5.0, 5.0, 0.0], [5.0, 5.0, 0.0], [5.0, 5.0, 0.0]])
+
+
+def test_route_length_ignores_padding() -> None:
+    assert float(terms.route_length(START, ROUTE)) == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("point", "arc"),
+    [((0, 0), 0.0), ((2, 1), 2.0), ((5, 0), 5.0), ((6, 3), 8.0), ((5, 5), 10.0), ((5, 9), 10.0), ((-3, 0), 0.0)],
+)
+def test_route_position_is_arc_length(point: tuple[float, float], arc: float) -> None:
+    assert float(terms.route_position(jnp.array(point, jnp.float32), START, ROUTE)) == pytest.approx(arc, abs=1e-5)
+
+
+def test_next_waypoint_moves_on_within_two_metres_and_stops_at_the_goal() -> None:
+    count = jnp.int32(2)
+    assert int(terms.next_waypoint(jnp.array([2.9, 0.0]), jnp.int32(0), ROUTE, count)) == 0
+    assert int(terms.next_waypoint(jnp.array([3.1, 0.0]), jnp.int32(0), ROUTE, count)) == 1
+    assert int(terms.next_waypoint(jnp.array([5.0, 5.0]), jnp.int32(1), ROUTE, count)) == 1
+
+
+def test_body_frame_turns_the_world_back() -> None:
+    # Heading north, a goal to the north is straight ahead, one to the east is to the right.
+    yaw = jnp.pi / 2
+    np.testing.assert_allclose(terms.to_body(jnp.array([0.0, 3.0]), yaw), [3.0, 0.0], atol=1e-6)
+    np.testing.assert_allclose(terms.to_body(jnp.array([2.0, 0.0]), yaw), [0.0, -2.0], atol=1e-6)
+
+
+def test_yaw_and_up_of_quaternions() -> None:
+    half = np.pi / 8
+    assert float(terms.yaw_of(jnp.array([np.cos(half), 0, 0, np.sin(half)]))) == pytest.approx(np.pi / 4)
+    # Rolled by 90 degrees: the up axis lies level.
+    assert float(terms.up_of(jnp.array([np.sqrt(0.5), np.sqrt(0.5), 0, 0]))) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_paper_rewards() -> None:
+    assert float(terms.reward_position(jnp.float32(0.0), 5.0)) == 1.0
+    assert float(terms.reward_position(jnp.float32(5.0), 5.0)) == pytest.approx(1 - np.tanh(1.0))
+    velocity, to_goal = jnp.array([0.6, 0.8]), jnp.array([10.0, 0.0])
+    assert float(terms.reward_velocity_cosine(velocity, to_goal)) == pytest.approx(0.6)
+    assert float(terms.reward_velocity_cosine(5 * velocity, to_goal)) == pytest.approx(0.6)
+    assert float(terms.reward_velocity_dot(5 * velocity, to_goal)) == pytest.approx(3.0)
+    assert float(terms.reward_velocity_cosine(jnp.zeros(2), to_goal)) == 0.0
+    assert float(terms.reward_progress(jnp.float32(7.0), jnp.float32(6.5))) == pytest.approx(0.5)
+
+
+def test_result_precedence() -> None:
+    flags = {"finite": True, "fallen": False, "hit": False, "off_traversable": False, "at_goal": False, "out_of_time": False}
+
+    def code(**changed: bool) -> int:
+        return int(terms.result_of(**{k: jnp.bool_(x) for k, x in {**flags, **changed}.items()}))
+
+    assert code() == Result.RUNNING
+    assert code(at_goal=True) == Result.GOAL
+    assert code(at_goal=True, out_of_time=True) == Result.GOAL
+    # Touching something on arrival is no success (paper: "reaches the goal without collision").
+    assert code(at_goal=True, hit=True) == Result.HIT
+    assert code(off_traversable=True, at_goal=True) == Result.OFF_TRAVERSABLE
+    assert code(finite=False, hit=True) == Result.NON_FINITE
+    assert code(out_of_time=True) == Result.TIMEOUT

@@ -1,0 +1,119 @@
+"""Evaluation: intervals against published numbers, rollouts against the kinematic engine, reports that round-trip."""
+
+import json
+import pathlib
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
+from urbanverse_mjx.evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, summarise, to_markdown
+from urbanverse_mjx.evaluation.agents import zero
+from urbanverse_mjx.evaluation.metrics import bootstrap_interval, wilson_interval
+from urbanverse_mjx.evaluation.report import write_report
+
+
+def _result(**changes: object) -> EpisodeResult:
+    base = {
+        "agent": "a",
+        "scene": "s",
+        "episode": 0,
+        "seed": 0,
+        "result": "goal",
+        "steps": 10,
+        "duration": 2.0,
+        "route_completion": 1.0,
+        "distance_to_goal": 0.5,
+        "hit_time": 0.0,
+        "path_length": 12.5,
+        "route_length": 10.0,
+        "slot_overflow": 0,
+    }
+    return EpisodeResult(**{**base, **changes})  # type: ignore[arg-type]
+
+
+def test_wilson_interval_against_published_values() -> None:
+    # Newcombe 1998, Statistics in Medicine 17, table I: 81/263, 15/148, 0/20, 1/29, Wilson score without correction.
+    for (r, n), (low, high) in {
+        (81, 263): (0.2553, 0.3662),
+        (15, 148): (0.0624, 0.1605),
+        (0, 20): (0.0, 0.1611),
+        (1, 29): (0.0061, 0.1718),
+    }.items():
+        assert wilson_interval(r, n) == pytest.approx((low, high), abs=6e-5)
+
+
+def test_bootstrap_interval_covers_the_normal_one() -> None:
+    values = np.random.default_rng(0).normal(3.0, 2.0, 400)
+    low, high = bootstrap_interval(values.tolist())
+    half = 1.96 * values.std() / 20
+    assert low == pytest.approx(values.mean() - half, abs=0.03)
+    assert high == pytest.approx(values.mean() + half, abs=0.03)
+
+
+def test_summary_by_hand() -> None:
+    results = [
+        _result(),
+        _result(result="hit", route_completion=0.5, distance_to_goal=5.5, hit_time=0.2, path_length=4.0),
+        _result(result="timeout", route_completion=0.0, distance_to_goal=12.0, path_length=0.0),
+        _result(path_length=10.0),
+    ]
+    s = summarise(results)
+    assert s["SR"]["mean"] == 50.0  # type: ignore[index]
+    assert s["CT"]["mean"] == 5.0  # type: ignore[index]
+    assert s["RC"]["mean"] == 62.5  # type: ignore[index]
+    assert s["DTG"]["mean"] == pytest.approx(18.5 / 4, abs=0.01)  # type: ignore[index]
+    assert s["hit_episodes"]["mean"] == 25.0  # type: ignore[index]
+    assert s["SPL"]["mean"] == pytest.approx(100 * (0.8 + 1.0) / 4, abs=0.05)  # type: ignore[index]
+    assert s["n"] == 4
+
+
+def test_rollouts_tell_agents_apart_and_repeat(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 120})
+    episodes = fixed_episodes(env, 9)
+    assert set(episodes.scenes.tolist()) == {0, 1, 2}
+    agents = {"zero": zero, "go_to_goal": go_to_goal}
+    results, poses = Rollout(env).run(agents, episodes)
+    assert [r.agent for r in results] == ["zero"] * 9 + ["go_to_goal"] * 9
+    assert all(r.result == "timeout" and r.path_length < 1e-3 and r.steps == 120 for r in results[:9])
+    for r in results[9:]:
+        assert r.success and r.distance_to_goal < 1.0 and r.route_completion == 1.0
+        # The kinematic robot drives at 2 m/s; it turns first, so it is never faster than that.
+        assert r.path_length <= 2.0 * r.duration + 1e-3
+    assert poses.xpos.shape[1] == 18
+    again, _ = Rollout(env).run(agents, episodes)
+    assert again == results
+
+
+def test_blank_image_covers_only_pixels() -> None:
+    seen = {}
+
+    def spy(obs: dict, key: object) -> object:
+        seen.update(obs)
+        return jnp.zeros(2)
+
+    blank_image(spy)({"pixels/front": jnp.ones((2, 2, 3), jnp.uint8), "goal": jnp.ones(2)}, None)  # type: ignore[arg-type]
+    assert not np.asarray(seen["pixels/front"]).any()
+    assert np.asarray(seen["goal"]).all()
+
+
+def test_report_round_trip_and_files(tmp_path: pathlib.Path) -> None:
+    report = make_report("Two agents", [_result(), _result(agent="b", result="hit")], {"seed": 0})
+    write_report(report, tmp_path)
+    assert BenchmarkReport.load(tmp_path / "report.json") == report
+    text = (tmp_path / "report.md").read_text()
+    assert text == to_markdown(report)
+    assert "| a | 100 [" in text and "| b | 0 [" in text
+    assert len((tmp_path / "episodes.csv").read_text().splitlines()) == 3
+    broken = json.loads((tmp_path / "report.json").read_text())
+    broken["episodes"][0]["route_completion"] = 1.5
+    (tmp_path / "broken.json").write_text(json.dumps(broken))
+    with pytest.raises(NounError, match="route_completion"):
+        BenchmarkReport.load(tmp_path / "broken.json")
+
+
+def test_too_many_episodes_is_said(small_bank: SceneBank) -> None:
+    with pytest.raises(NounError, match="episodes: found"):
+        fixed_episodes(unicycle_env(small_bank), 100_000)

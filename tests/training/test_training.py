@@ -1,0 +1,98 @@
+"""Brax PPO end to end on a kinematic engine: it learns, it resumes, its policies load as they were trained."""
+
+import json
+import pathlib
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs.registry import with_overrides
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes
+from urbanverse_mjx.training import brax_compat
+from urbanverse_mjx.training.config import batch_shape, default_ppo_config
+from urbanverse_mjx.training.policy import initial_params, latest_policy, load_params, load_policy, make_policy_function
+from urbanverse_mjx.training.run import train
+
+CPU_REWARDS = {
+    "reward_config.scales.arrived": 10.0,
+    "reward_config.scales.position": 0.0,
+    "reward_config.scales.position_fine": 0.0,
+    "reward_config.scales.velocity_cosine": 0.0,
+    "reward_config.scales.progress": 1.0,
+    "terminate_off_traversable": False,
+    "episode_length": 100,
+}
+SMALL = {"num_envs": 64, "num_timesteps": 8192, "num_checkpoints": 2, "network.layers": ((8, 4, 4), (8, 2, 2))}
+
+
+def test_shim_gives_pmaps_own_sharding_and_ppo_loads() -> None:
+    devices = jax.local_devices()
+    tree = {"a": jnp.arange(3.0), "b": jnp.int32(4)}
+    placed = brax_compat.device_put_replicated(tree, devices)
+    assert placed["a"].shape == (len(devices), 3)
+    np.testing.assert_array_equal(placed["a"][0], tree["a"])
+    through = jax.pmap(lambda t: t, axis_name="i")(placed)  # Brax's axis name
+    assert jax.tree.map(lambda x: x.sharding, placed) == jax.tree.map(lambda x: x.sharding, through)
+    assert callable(brax_compat.load_ppo().train)
+
+
+def test_batch_shape_divides_or_says_why() -> None:
+    assert batch_shape(default_ppo_config("paper")) == (16, 6)
+    with pytest.raises(NounError, match="num_envs"):
+        batch_shape(with_overrides(default_ppo_config(), {"num_envs": 50}))
+    with pytest.raises(NounError, match="minibatch"):
+        batch_shape(with_overrides(default_ppo_config(), {"minibatch": 500}))
+
+
+def test_papers_table() -> None:
+    """The values of the paper's table of hyper-parameters, number by number."""
+    c = default_ppo_config("paper")
+    assert (c.learning_rate, c.discounting, c.gae_lambda, c.clipping_epsilon) == (1e-4, 0.99, 0.95, 0.2)
+    assert (c.desired_kl, c.entropy_cost, c.vf_loss_coefficient, c.max_grad_norm) == (0.01, 0.002, 1.0, 1.0)
+    assert (c.unroll_length, c.minibatch, c.num_updates_per_batch) == (32, 512, 5)
+    assert c.num_timesteps == 1500 * 32 * 96
+
+
+def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
+    ppo = with_overrides(default_ppo_config("cpu"), SMALL)
+    first = train("CocoNav", env, ppo, tmp_path, quiet=True)
+    assert first.steps == 8192
+    assert len(list((tmp_path / "checkpoints").iterdir())) == 2
+    with pytest.raises(NounError, match="resume"):
+        train("CocoNav", env, ppo, tmp_path, quiet=True)
+
+    longer = with_overrides(ppo, {"num_timesteps": 12288, "num_checkpoints": 1})
+    second = train("CocoNav", env, longer, tmp_path, resume=True, quiet=True)
+    assert second.steps == 12288
+    assert latest_policy(tmp_path) == second.policy != first.policy
+    steps = [json.loads(line)["step"] for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    assert max(steps) == 12288
+    assert steps[-1] > 8192, "the counter goes on after a resume"
+
+    act, spec = load_policy(tmp_path)
+    assert spec.steps == 12288
+    assert spec.scene_ids == list(small_bank.scene_ids)
+    obs = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3)).obs
+    params = load_params(second.policy)
+    direct = make_policy_function(spec.observations, 2, longer, params)
+    np.testing.assert_array_equal(act(obs, jax.random.key(0)), direct(obs, jax.random.key(0)))
+    one = act(jax.tree.map(lambda x: x[1], obs), jax.random.key(0))
+    np.testing.assert_allclose(one, act(obs, jax.random.key(0))[1], atol=1e-5)
+
+
+@pytest.mark.slow
+def test_learns_to_reach_goals(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    env = unicycle_env(small_bank, CPU_REWARDS)
+    ppo = with_overrides(default_ppo_config("cpu"), {"num_timesteps": 120_000, "num_checkpoints": 1})
+    result = train("CocoNav", env, ppo, tmp_path, quiet=True)
+    act, spec = load_policy(result.policy)
+    start = make_policy_function(spec.observations, 2, ppo, initial_params(spec.observations, 2, ppo, 0))
+    results, _ = Rollout(env).run({"untrained": start, "trained": act}, fixed_episodes(env, 60))
+    success = {name: np.mean([r.success for r in results if r.agent == name]) for name in ("untrained", "trained")}
+    assert success["untrained"] < 0.1
+    assert success["trained"] > 0.9

@@ -1,0 +1,92 @@
+"""What `train` and `evaluate` share: a policy and its comparisons over fixed episodes on unseen streets."""
+
+import pathlib
+import sys
+from typing import Any
+
+import jax.numpy as jnp
+from ml_collections import ConfigDict
+from rich.console import Console
+from rich.progress import Progress
+
+from ..datatypes import SceneBank
+from ..envs import NavEnv, registry
+from ..evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
+
+
+class _CoveredCamera:
+    """Stands in for a renderer whose picture nobody will look at: all black, at no cost."""
+
+    def __init__(self, height: int, width: int):
+        self._frame = {"rgb": jnp.zeros((height, width, 3), jnp.uint8), "depth": jnp.zeros((height, width))}
+
+    def __call__(self, scene: Any, xpos: Any, xquat: Any) -> dict[str, Any]:
+        del scene, xpos, xquat
+        return self._frame
+
+
+def evaluate_policy(
+    policy: pathlib.Path,
+    bank: SceneBank,
+    folder: pathlib.Path,
+    num_episodes: int,
+    seed: int,
+    video: bool,
+    quiet: bool,
+    scenes: Any = "test",
+) -> dict[str, Any]:
+    """Drives the same episodes by four agents, writes report and video, returns agent -> metrics.
+
+    Agents: `untrained` (the same networks before training), `trained`, `go_to_goal` (straight ahead, sees nothing)
+    and `trained_blank_image` (the trained policy with its camera covered).
+    """
+    from ..training.policy import initial_params, load_policy, make_policy_function
+
+    act, spec = load_policy(policy)
+    ppo = ConfigDict(spec.ppo_config)
+    start = initial_params(spec.observations, spec.action_size, ppo, ppo.seed)
+    untrained = make_policy_function(spec.observations, spec.action_size, ppo, start)
+    config = registry.with_overrides(ConfigDict(spec.env_config), {"scenes": scenes})
+    seeing = registry.load(spec.environment, config=config, bank=bank)
+    view = config.vision_config
+    blind = NavEnv(config, bank, seeing.robot, seeing.engine, _CoveredCamera(view.height, view.width))
+    episodes = fixed_episodes(seeing, num_episodes, seed)
+    results, trajectories = [], {}
+    for env, agents in (
+        (seeing, {"untrained": untrained, "trained": act}),
+        (blind, {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act)}),
+    ):
+        with Progress(console=Console(stderr=True), disable=quiet) as bar:
+            task = bar.add_task(f"evaluating {', '.join(agents)}", total=num_episodes * len(agents))
+            part, poses = Rollout(env).run(agents, episodes, lambda ended, _: bar.update(task, completed=ended))
+        results += part
+        trajectories.update(dict.fromkeys(agents, poses))
+    record = {
+        "policy": str(policy),
+        "steps": spec.steps,
+        "preset": config.preset,
+        "scenes": ", ".join(bank.scene_ids[i] for i in seeing.scenes),
+        "seed": seed,
+        "hashes": bank.meta.get("hashes", {}),
+        "versions": spec.versions,
+    }
+    report = make_report(f"{spec.environment}: {num_episodes} fixed episodes on unseen streets", results, record)
+    write_report(report, folder)
+    if video:
+        from ..viz.video import write_rollout_video
+
+        chosen = [i for i, r in enumerate(r for r in results if r.agent == "trained") if r.success] or [0]
+        write_rollout_video(
+            folder / "rollout.mp4",
+            bank,
+            seeing.robot,
+            trajectories["trained"],
+            # `trained` is the second agent of its batch.
+            columns=[num_episodes + i for i in chosen[:3]],
+            scenes=[int(episodes.scenes[i]) for i in chosen[:3]],
+            goals=[bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in chosen[:3]],
+            frames_per_second=round(1 / seeing.dt),
+        )
+    if not quiet:
+        print(f"report: {folder / 'report.md'}", file=sys.stderr)
+    return dict(report.summary)

@@ -1,0 +1,41 @@
+"""`urbanverse evaluate`: a trained policy and its comparisons over fixed episodes; the result as one JSON line."""
+
+import dataclasses
+import json
+import pathlib
+from collections.abc import Sequence
+from typing import Annotated
+
+import tyro
+
+
+@dataclasses.dataclass(frozen=True)
+class EvaluateArgs:
+    """Evaluate a policy folder on fixed episodes; prints one JSON line and writes report.md, report.json, episodes.csv."""
+
+    policy: Annotated[pathlib.Path, tyro.conf.Positional]
+    """A policy folder, or a run folder (its most trained policy is taken)."""
+    scenes: str = "test"
+    """test, train, all, or scene ids separated by commas."""
+    num_episodes: int = 100
+    seed: int = 0
+    out: pathlib.Path | None = None
+    """Where the report goes; default: beside the policy."""
+    video: bool = True
+    quiet: bool = False
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs `urbanverse evaluate`."""
+    args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
+    from ..scene import ensure_default_bank
+    from ..training.policy import latest_policy
+    from ._evaluation import evaluate_policy
+
+    policy = latest_policy(args.policy)
+    scenes = args.scenes if args.scenes in ("test", "train", "all") else args.scenes.split(",")
+    out = args.out or policy / "evaluation"
+    bank = ensure_default_bank(quiet=args.quiet)
+    summary = evaluate_policy(policy, bank, out, args.num_episodes, args.seed, args.video, args.quiet, scenes)
+    print(json.dumps({**summary, "folder": str(out)}))
+    return 0

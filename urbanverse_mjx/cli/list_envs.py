@@ -1,0 +1,19 @@
+"""`urbanverse list-envs`: the registered environments and their presets."""
+
+from collections.abc import Sequence
+
+import tyro
+
+
+def list_envs() -> None:
+    """List the registered environments and their presets."""
+    from ..envs import PRESETS, registry
+
+    for name in registry.all_envs():
+        print(f"{name}  (presets: {', '.join(PRESETS)})")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs `urbanverse list-envs`."""
+    tyro.cli(list_envs, args=list(argv), prog="urbanverse list-envs")
+    return 0
