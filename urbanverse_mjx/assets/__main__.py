@@ -26,5 +26,8 @@ def hulls(jobs: int = 2, leaf: str | None = None) -> None:
     build_missing(jobs, leaf)
 
 
+#: Also behind `urbanverse assets`.
+COMMANDS = {"build": build, "hulls": hulls}
+
 if __name__ == "__main__":
-    tyro.extras.subcommand_cli_from_dict({"build": build, "hulls": hulls})
+    tyro.extras.subcommand_cli_from_dict(COMMANDS)
