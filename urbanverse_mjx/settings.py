@@ -16,7 +16,7 @@ import pathlib
 
 _PACKAGE = pathlib.Path(__file__).resolve().parent
 #: Rooms whose code decides what a bank holds.
-_BANK_ROOMS = ("datatypes", "assets", "materialisation", "scene")
+_BANK_ROOMS = ("datatypes", "assets", "materialisation", "scene", "robots")
 
 
 def cache_dir(*parts: str) -> pathlib.Path:

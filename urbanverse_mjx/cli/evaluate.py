@@ -28,7 +28,7 @@ class EvaluateArgs:
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
     args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
-    from ..scene import ensure_default_bank
+    from .scene import ensure_default_bank
     from ..training.policy import latest_policy
     from ._evaluation import evaluate_policy
 

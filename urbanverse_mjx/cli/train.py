@@ -67,7 +67,7 @@ def _json_object(text: str, option: str) -> dict[str, Any]:
 def run(args: TrainArgs) -> dict[str, Any]:
     """Trains and evaluates; returns what is printed."""
     from ..envs import registry
-    from ..scene import ensure_default_bank
+    from .scene import ensure_default_bank
     from ..training.config import default_ppo_config
     from ..training.run import train
     from . import _evaluation

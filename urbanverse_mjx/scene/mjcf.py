@@ -192,8 +192,13 @@ def _add_sky(
         files[f"textures/sky_{face}.png"] = png_bytes(_sky_face(sky.radiance, scene.sky_yaw, axes))
         names[f"file{face}"] = f"sky_{face}.png"
     ET.SubElement(asset, "texture", {"name": "sky", "type": "skybox", **names})
-    ambient = np.clip(sky.radiance[: len(sky.radiance) // 2].mean((0, 1)), 0.0, 1.0)
-    sun = np.clip(np.asarray(sky.sun_irradiance) / np.pi, 0.0, 1.0)
+    # MuJoCo adds display values, the sky's are linear: the shade shows the sky's light alone, sun and shade together
+    # show the sum of both.
+    rows = (np.arange(len(sky.radiance)) + 0.5) / len(sky.radiance) * np.pi
+    weight = np.where(rows < np.pi / 2, np.cos(rows) * np.sin(rows), 0.0)
+    shade = (sky.radiance.mean(1) * weight[:, None]).sum(0) / weight.sum()
+    ambient = _display(shade)
+    sun = _display(shade + np.asarray(sky.sun_irradiance) / np.pi) - ambient
     c, s = np.cos(scene.sky_yaw), np.sin(scene.sky_yaw)
     x, y, z = sky.sun_direction
     ET.SubElement(
@@ -204,12 +209,12 @@ def _add_sky(
         dir=_numbers([-(c * x - s * y), -(s * x + c * y), -z]),
         pos="0 0 50",
         diffuse=_numbers(sun),
-        ambient=_numbers(0.5 * ambient),
+        ambient="0 0 0",
         specular="0.2 0.2 0.2",
         castshadow="true",
     )
     visual = ET.SubElement(root, "visual")
-    ET.SubElement(visual, "headlight", ambient=_numbers(0.5 * ambient), diffuse="0 0 0", specular="0 0 0")
+    ET.SubElement(visual, "headlight", ambient=_numbers(ambient), diffuse="0 0 0", specular="0 0 0")
     ET.SubElement(visual, "global", offwidth="1920", offheight="1080")
     return files
 
@@ -224,6 +229,10 @@ def _sky_face(radiance: np.ndarray, yaw: float, axes: Sequence[Sequence[int]]) -
     azimuth = np.arctan2(ray[..., 1], ray[..., 0]) - yaw
     column = np.floor(((azimuth + np.pi) / (2 * np.pi) % 1.0) * width).astype(int) % width
     row = np.minimum((np.arccos(np.clip(ray[..., 2], -1, 1)) / np.pi * height).astype(int), height - 1)
-    linear = np.clip(radiance[row, column], 0.0, 1.0)
-    srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.round(srgb * 255).astype(np.uint8)
+    return np.round(_display(radiance[row, column]) * 255).astype(np.uint8)
+
+
+def _display(linear: np.ndarray) -> np.ndarray:
+    """Linear light to display values in [0, 1] (sRGB, IEC 61966-2-1)."""
+    linear = np.clip(linear, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
