@@ -332,5 +332,7 @@ class NavEnv:
         frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat)
         if not self._config.vision_config.depth:
             return frame["rgb"]
-        depth = jnp.clip(frame["depth"] * 10.0, 0.0, 255.0).astype(jnp.uint8)
+        # The renderer writes 0 where nothing was hit: as far as one can say.
+        metres = jnp.where(frame["depth"] > 0.0, frame["depth"], jnp.inf)
+        depth = jnp.clip(metres * 10.0, 0.0, 255.0).astype(jnp.uint8)
         return jnp.concatenate([frame["rgb"], depth[..., None]], axis=-1)

@@ -1,0 +1,128 @@
+"""Rollouts as H.264 videos: the robot from behind, what its camera sees, and how far the goal is."""
+
+import pathlib
+from collections.abc import Sequence
+from typing import Any
+
+import imageio.v2 as imageio
+import jax
+import jax.numpy as jnp
+import numpy as np
+from PIL import Image, ImageDraw
+
+from ..datatypes import RobotSpec, SceneBank
+from ..datatypes import validation as v
+from ..simulation.renderer import Renderer
+
+HEIGHT, WIDTH = 180, 320
+_BATCH = 16
+_CHASE_BACK, _CHASE_UP, _CHASE_FOV = 3.2, 1.9, 1.05  # m, m, rad
+
+
+def _look_at(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """(n, 4) wxyz quaternions of cameras (looking along -z, y up) at `eye` (n, 3) towards `target` (n, 3)."""
+    back = eye - target
+    back /= np.linalg.norm(back, axis=-1, keepdims=True)
+    right = np.cross(np.broadcast_to([0.0, 0.0, 1.0], back.shape), back)
+    right /= np.linalg.norm(right, axis=-1, keepdims=True)
+    up = np.cross(back, right)
+    matrix = np.stack([right, up, back], axis=-1)
+    # Rotation matrix to quaternion; the trace form is safe here: the camera never turns by 180 degrees in roll.
+    w = 0.5 * np.sqrt(np.maximum(1e-12, 1.0 + matrix[:, 0, 0] + matrix[:, 1, 1] + matrix[:, 2, 2]))
+    if (w < 1e-3).any():
+        from scipy.spatial.transform import Rotation
+
+        x, y, z, s = Rotation.from_matrix(matrix).as_quat().T
+        return np.stack([s, x, y, z], -1)
+    x = (matrix[:, 2, 1] - matrix[:, 1, 2]) / (4 * w)
+    y = (matrix[:, 0, 2] - matrix[:, 2, 0]) / (4 * w)
+    z = (matrix[:, 1, 0] - matrix[:, 0, 1]) / (4 * w)
+    return np.stack([w, x, y, z], -1)
+
+
+def _chase_cameras(xpos: np.ndarray, xquat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eye (T, 3) and quaternion (T, 4) of a camera behind the root body, its heading smoothed over two seconds."""
+    w, x, y, z = xquat[:, 1].T
+    heading = np.stack([1 - 2 * (y * y + z * z), 2 * (w * z + x * y)], -1)
+    window = min(9, len(heading))
+    smooth = np.stack([np.convolve(np.pad(h, window // 2, "edge"), np.ones(window) / window, "valid")[: len(h)] for h in heading.T], -1)
+    smooth /= np.maximum(np.linalg.norm(smooth, axis=-1, keepdims=True), 1e-6)
+    root = xpos[:, 1]
+    eye = root - _CHASE_BACK * np.pad(smooth, ((0, 0), (0, 1))) + [0.0, 0.0, _CHASE_UP]
+    target = root + 1.5 * np.pad(smooth, ((0, 0), (0, 1)))
+    return eye, _look_at(eye, target)
+
+
+def _batched(function: Any, *columns: np.ndarray) -> np.ndarray:
+    """Runs a vmapped function over (T, ...) columns in batches of one size, so that it is compiled once."""
+    total = len(columns[0])
+    out = []
+    for i in range(0, total, _BATCH):
+        part = [np.resize(c[i : i + _BATCH], (_BATCH, *c.shape[1:])) for c in columns]
+        out.append(np.asarray(function(*map(jnp.asarray, part)))[: total - i])
+    return np.concatenate(out)
+
+
+def _caption(frame: np.ndarray, text: str) -> np.ndarray:
+    image = Image.fromarray(frame)
+    draw = ImageDraw.Draw(image)
+    draw.rectangle((0, 0, 6 + 6 * len(text), 15), fill=(0, 0, 0))
+    draw.text((4, 2), text, fill=(255, 255, 255))
+    return np.asarray(image)
+
+
+def write_video(path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_second: float) -> None:
+    """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play.
+
+    Raises:
+      NounError: no frames, or sizes that differ or are odd.
+    """
+    shapes = {f.shape for f in frames}
+    if len(shapes) != 1 or any(n % 2 for n in next(iter(shapes))[:2]):
+        raise v.fail("video", f"frames of shapes {sorted(shapes)}", "at least one frame, all of one even size")
+
+    def write(temporary: pathlib.Path) -> None:
+        with imageio.get_writer(
+            temporary, fps=frames_per_second, codec="libx264", pixelformat="yuv420p", quality=7, macro_block_size=2
+        ) as writer:
+            for frame in frames:
+                writer.append_data(frame)
+
+    v.write_atomically(path, write)
+
+
+def write_rollout_video(
+    path: pathlib.Path,
+    bank: SceneBank,
+    robot: RobotSpec,
+    trajectory: Any,
+    columns: Sequence[int],
+    scenes: Sequence[int],
+    goals: Sequence[np.ndarray],
+    frames_per_second: float,
+) -> None:
+    """Draws some envs of an evaluation, one after the other: from behind on the left, the robot's view on the right.
+
+    Args:
+      path: .mp4 to write.
+      bank, robot: what was simulated.
+      trajectory: an `evaluation.Trajectory`.
+      columns: which envs of it; scenes: their rows of the bank; goals: their (3,) m goals.
+      frames_per_second: the control rate shows it in real time.
+    """
+    renderer = Renderer(bank, robot, HEIGHT, WIDTH, shadows=True)
+    front = jax.jit(jax.vmap(lambda s, p, q: renderer(s, p, q)["rgb"]))
+    chase = jax.jit(jax.vmap(lambda s, e, t, p, q: renderer.view(s, e, t, _CHASE_FOV, p, q)["rgb"]))
+    frames: list[np.ndarray] = []
+    for column, scene, goal in zip(columns, scenes, goals, strict=True):
+        length = int(trajectory.running[:, column].sum())
+        xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
+        where = np.full(length, scene, np.int32)
+        eye, turn = (x.astype(np.float32) for x in _chase_cameras(xpos, xquat))
+        left = _batched(chase, where, eye, turn, xpos, xquat)
+        right = _batched(front, where, xpos, xquat)
+        for t in range(length):
+            away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
+            both = np.concatenate([left[t], right[t]], axis=1)
+            frames.append(_caption(both, f"{bank.scene_ids[scene]}   {t / frames_per_second:4.1f} s   goal {away:4.1f} m"))
+    write_video(path, frames, frames_per_second)
