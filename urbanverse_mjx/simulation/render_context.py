@@ -7,12 +7,12 @@ import mujoco_warp as mjw
 import mujoco_warp_pbr as pbr
 import numpy as np
 import warp as wp
-from mujoco_warp_pbr._src import envmap, kernel_inputs, texture
+from mujoco_warp_pbr._src import envmap, kernel_inputs
 
 from ..datatypes import SceneBank
 from . import render_kernels as kernels
 from .render_model import RenderModel
-from .render_scenes import build_robot_tables, build_scene_tables, build_skies
+from .render_scenes import build_robot_tables, build_scene_tables, build_skies, upload_textures
 
 #: Label of the robot's own pixels in "object" and "category"; -1 is the sky.
 ROBOT_LABEL = -2
@@ -47,6 +47,8 @@ class SharedAssets:
         self.render_model = model
         self.settings = settings
         self.device = wp.get_device()
+        #: Whether a frame was drawn: the first one compiles kernels, which threads must not do at the same time.
+        self.ready = False
         mjm = model.model
         self.model = mjw.put_model(mjm)
         self.model.mesh_vert = wp.array(model.vertices, dtype=wp.vec3)
@@ -78,8 +80,7 @@ class SharedAssets:
         context.base.mesh_registry = {mesh.id: mesh for mesh in meshes}
         context.base.mesh_bvh_id = wp.array([mesh.id for mesh in meshes], dtype=wp.uint64)
         # The context uploads the textures of the geoms' materials at compile time; scenes choose theirs later.
-        used = np.ones(mjm.ntex, bool)
-        textures, sizes = texture.upload_textures(mjm, used)
+        textures, sizes = upload_textures(self.render_model)
         context.textures_registry = textures
         context.textures = wp.array(textures, dtype=wp.Texture2D)
         context.tex_size = wp.array(sizes, dtype=wp.vec2)
@@ -176,8 +177,12 @@ class WorldBatch:
             )
         wp.launch(kernels.place_camera, dim=n, inputs=[eye, turn, fovy, worlds])
         self._update_tree(scene)
+        # The kernel is the same for all batches: the first to draw builds it.
+        self.context._megakernel, self.context._megakernel_key = assets.context._megakernel, assets.context._megakernel_key
         pbr.render(self.model, self.data, self.context)
+        assets.context._megakernel, assets.context._megakernel_key = self.context._megakernel, self.context._megakernel_key
         self._unpack(scene, outputs)
+        assets.ready = True
 
     def _update_tree(self, scene) -> None:
         base, inputs = self.context.base, [self.assets.tables, scene, self.scene, self.worlds]

@@ -163,10 +163,9 @@ class Renderer:
                 (part, [x[start:stop] for x in inputs], {name: x[start:stop] for name, x in outputs.items()})
             )
             start = stop
-        if len(jobs) == 1:
-            part, arrays, out = jobs[0]
+        while jobs and (len(jobs) == 1 or not jobs[0][0].assets.ready):
+            part, arrays, out = jobs.pop(0)
             part.render(*arrays, out)
-            return
         if self._pool is None:
             self._pool = concurrent.futures.ThreadPoolExecutor(self.threads, "render")
         waiting = [self._pool.submit(part.render, *arrays, out) for part, arrays, out in jobs]
