@@ -1,0 +1,88 @@
+"""`.ci/setup` chooses an interpreter that works, or says in one sentence what to install."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).parents[2]
+TOOLS = ("bash", "awk", "cat", "cut", "dirname", "head", "rm", "tail", "touch")
+
+
+@pytest.fixture
+def clone(tmp_path: pathlib.Path) -> pathlib.Path:
+    """A folder with the script, and a PATH folder `bin` with the tools it uses but no Python and no uv."""
+    (tmp_path / ".ci").mkdir()
+    shutil.copy2(ROOT / ".ci" / "setup", tmp_path / ".ci" / "setup")
+    (tmp_path / "bin").mkdir()
+    for tool in TOOLS:
+        found = shutil.which(tool)
+        assert found, tool
+        (tmp_path / "bin" / tool).symlink_to(found)
+    return tmp_path
+
+
+def script(path: pathlib.Path, body: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"#!{shutil.which('bash')}\n{body}\n")
+    path.chmod(0o755)
+
+
+def setup(clone: pathlib.Path) -> subprocess.CompletedProcess[str]:
+    environment = {"PATH": str(clone / "bin"), "HOME": str(clone), "PYENV_ROOT": str(clone / "pyenv")}
+    return subprocess.run(
+        [str(clone / ".ci" / "setup"), "main"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+        timeout=120,
+    )
+
+
+def test_without_any_python_it_ends_with_one_sentence(clone: pathlib.Path) -> None:
+    done = setup(clone)
+    assert done.returncode == 1
+    assert done.stderr == ""
+    (line,) = done.stdout.splitlines()
+    assert line.startswith("setup: no Python 3.12 or newer")
+    assert "install uv, or Python 3.12 with its venv module" in line
+    assert not (clone / ".venv").exists()
+
+
+def test_shims_that_fail_and_old_pythons_are_passed_over(clone: pathlib.Path) -> None:
+    script(clone / "bin" / "python3.12", "echo 'pyenv: python3.12: command not found' >&2; exit 127")
+    old = 'if [ "$1" = -c ]; then exit 1; fi; echo "Python 3.8.18"'  # what `sys.version_info < (3, 12)` makes of it
+    script(clone / "bin" / "python3", old)
+    script(clone / "pyenv" / "versions" / "3.8.18" / "bin" / "python", old)
+    good = clone / "pyenv" / "versions" / "3.12.1" / "bin" / "python"
+    script(good, f'echo "$@" >>"{clone}/calls"; [ "$1" = -m ] && exit 5; [ "$1" = -c ]')
+    done = setup(clone)
+    # The good one is asked to make the environment; it refuses here, so that nothing is downloaded.
+    assert done.returncode == 5
+    assert (clone / "calls").read_text().splitlines()[-1] == "-m venv .venv"
+
+
+def test_uv_is_preferred_and_a_failing_installation_shows_its_log(clone: pathlib.Path) -> None:
+    script(
+        clone / "bin" / "uv",
+        f"""echo "$@" >>"{clone}/calls"
+case "$1" in
+  venv) mkdir -p .venv/bin; ln -s "{os.path.realpath(sys.executable)}" .venv/bin/python ;;
+  --version) echo "uv 0.0.0" ;;
+  pip) echo "no such wheel" >&2; exit 2 ;;
+esac""",
+    )
+    for tool in ("mkdir", "ln"):
+        (clone / "bin" / tool).symlink_to(str(shutil.which(tool)))
+    done = setup(clone)
+    assert done.returncode == 1
+    assert "with uv 0.0.0" in done.stdout
+    assert "no such wheel" in done.stdout
+    assert "the whole log is in .venv/setup.log" in done.stdout
+    calls = (clone / "calls").read_text()
+    assert "pip install --python .venv/bin/python --no-deps --require-hashes -r requirements.lock" in calls
+    assert not (clone / ".venv" / ".stamp-main").exists()
