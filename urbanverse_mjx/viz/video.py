@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from PIL import Image, ImageDraw
+from scipy.spatial.transform import Rotation
 
 from ..datatypes import RobotSpec, SceneBank
 from ..datatypes import validation as v
@@ -26,17 +27,7 @@ def _look_at(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
     right = np.cross(np.broadcast_to([0.0, 0.0, 1.0], back.shape), back)
     right /= np.linalg.norm(right, axis=-1, keepdims=True)
     up = np.cross(back, right)
-    matrix = np.stack([right, up, back], axis=-1)
-    # Rotation matrix to quaternion; the trace form is safe here: the camera never turns by 180 degrees in roll.
-    w = 0.5 * np.sqrt(np.maximum(1e-12, 1.0 + matrix[:, 0, 0] + matrix[:, 1, 1] + matrix[:, 2, 2]))
-    if (w < 1e-3).any():
-        from scipy.spatial.transform import Rotation
-
-        x, y, z, s = Rotation.from_matrix(matrix).as_quat().T
-        return np.stack([s, x, y, z], -1)
-    x = (matrix[:, 2, 1] - matrix[:, 1, 2]) / (4 * w)
-    y = (matrix[:, 0, 2] - matrix[:, 2, 0]) / (4 * w)
-    z = (matrix[:, 1, 0] - matrix[:, 0, 1]) / (4 * w)
+    x, y, z, w = Rotation.from_matrix(np.stack([right, up, back], axis=-1)).as_quat().T
     return np.stack([w, x, y, z], -1)
 
 

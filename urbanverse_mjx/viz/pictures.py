@@ -1,0 +1,130 @@
+"""Pictures of scenes for people: from eye level, from above, and of a robot on its way.
+
+Nine rays a pixel, sun shadows on. A `Studio` keeps the bank's meshes and textures for many pictures; `render_view`
+and `birdseye` are one picture each.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from ..datatypes import NounError, RobotSpec, SceneBank
+from ..simulation.renderer import Renderer
+
+EYE_HEIGHT = 1.6
+#: rad; a normal lens sees about this much from top to bottom on a wide picture.
+FOV = np.radians(55.0)
+
+
+def look_at(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.ndarray:
+    """(4,) wxyz rotation R_world_camera of a camera at `eye` that looks at `target` with `up` upwards (3,) each.
+
+    Raises:
+      NounError: eye and target coincide, or the camera would look along `up`.
+    """
+    back = np.asarray(eye, np.float64) - np.asarray(target, np.float64)
+    right = np.cross(np.asarray(up, np.float64), back)
+    if np.linalg.norm(back) < 1e-9 or np.linalg.norm(right) < 1e-9 * np.linalg.norm(back):
+        raise NounError(f"camera: found eye {eye}, target {target}; needed two points not above one another; move one")
+    back, right = back / np.linalg.norm(back), right / np.linalg.norm(right)
+    return _quaternion(np.column_stack([right, np.cross(back, right), back]))
+
+
+def _quaternion(m: np.ndarray) -> np.ndarray:
+    """wxyz of a rotation matrix: the eigenvector of Bar-Itzhack's symmetric matrix for its largest eigenvalue."""
+    k = np.array([
+        [m[0, 0] - m[1, 1] - m[2, 2], m[1, 0] + m[0, 1], m[2, 0] + m[0, 2], m[2, 1] - m[1, 2]],
+        [m[1, 0] + m[0, 1], m[1, 1] - m[0, 0] - m[2, 2], m[2, 1] + m[1, 2], m[0, 2] - m[2, 0]],
+        [m[2, 0] + m[0, 2], m[2, 1] + m[1, 2], m[2, 2] - m[0, 0] - m[1, 1], m[1, 0] - m[0, 1]],
+        [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], m[0, 0] + m[1, 1] + m[2, 2]],
+    ])  # fmt: skip
+    x, y, z, w = np.linalg.eigh(k)[1][:, -1]
+    return np.array([w, x, y, z]) * (1.0 if w >= 0 else -1.0)
+
+
+def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
+    """(2, 3) lower and upper corner, m, of everything that stands in a scene, from its slots' meshes."""
+    corners = []
+    for slot in np.flatnonzero(bank.slot_mesh[scene] >= 0):
+        mesh = bank.slot_mesh[scene, slot]
+        vertices = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]]
+        w, x, y, z = bank.slot_quaternion[scene, slot].astype(np.float64)
+        turn = np.array([
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ])  # fmt: skip
+        corners.append(vertices @ turn.T + bank.slot_position[scene, slot])
+    if not corners:
+        raise NounError(f"scene {scene}: found nothing to see; needed at least one slot; rebuild the bank")
+    points = np.concatenate(corners)
+    return np.stack([points.min(0), points.max(0)])
+
+
+class Studio:
+    """Takes pictures of one bank at one size.
+
+    Args:
+      bank: the scenes; robot: to be in the pictures, or None.
+      width, height: pixels; samples: rays per pixel along each side.
+    """
+
+    def __init__(
+        self, bank: SceneBank, width: int = 960, height: int = 540, robot: RobotSpec | None = None, samples: int = 3
+    ) -> None:
+        self.bank = bank
+        self.renderer = Renderer(bank, robot, height, width, ("rgb",), shadows=True, sky=True, samples=samples)
+
+    def view(
+        self, scene: int, eye: Any, target: Any, fov: float = FOV, up: Any = (0.0, 0.0, 1.0), xpos: Any = None,
+        xquat: Any = None,
+    ) -> np.ndarray:
+        """(H, W, 3) uint8 from `eye` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the robot's bodies."""
+        picture = self.renderer.view(scene, eye, look_at(eye, target, up), fov, xpos, xquat)
+        return np.asarray(picture["rgb"])
+
+    def birdseye(self, scene: int, elevation: float = np.radians(55.0), margin: float = 1.02) -> np.ndarray:
+        """(H, W, 3) uint8: the whole scene from above its longer side, through a long lens.
+
+        Args:
+          elevation: rad, of the camera over the ground; π/2 is straight down.
+          margin: how much more than the scene's ground is in the picture.
+        """
+        low, high = scene_extent(self.bank, scene)
+        middle, size = (low + high) / 2, high - low
+        along = np.array([1.0, 0.0, 0.0]) if size[0] >= size[1] else np.array([0.0, 1.0, 0.0])
+        side = np.array([along[1], -along[0], 0.0])
+        back = side * np.cos(elevation) + np.array([0.0, 0.0, np.sin(elevation)])
+        up = np.array([0.0, 0.0, np.cos(elevation)]) - side * np.sin(elevation)
+        fov = np.radians(14.0)
+        aspect = self.renderer.settings.width / self.renderer.settings.height
+        ground = np.sort(size[:2])
+        needed = max(ground[1] / aspect, ground[0] * np.sin(elevation) + size[2] * np.cos(elevation)) * margin
+        target = np.array([middle[0], middle[1], low[2] + size[2] * 0.25])
+        return self.view(scene, target + back * needed / 2 / np.tan(fov / 2), target, fov, up)
+
+    def eye_level(self, scene: int, row: int = 0, distance: float = 8.0) -> np.ndarray:
+        """(H, W, 3) uint8: what a person sees who stands where episode `row` starts, looking the way it goes."""
+        x, y, z, yaw = self.bank.episode_start[scene, row].astype(np.float64)
+        eye = np.array([x, y, z + EYE_HEIGHT])
+        return self.view(scene, eye, eye + np.array([np.cos(yaw) * distance, np.sin(yaw) * distance, -0.08 * distance]))
+
+    def chase(self, scene: int, xpos: Any, xquat: Any, distance: float = 2.6, height: float = 1.5) -> np.ndarray:
+        """(H, W, 3) uint8: the robot from behind and above; xpos (nbody, 3), xquat (nbody, 4) as in `SimState`."""
+        body, q = np.asarray(xpos, np.float64)[1], np.asarray(xquat, np.float64)[1]
+        yaw = np.arctan2(2 * (q[0] * q[3] + q[1] * q[2]), 1 - 2 * (q[2] ** 2 + q[3] ** 2))
+        ahead = np.array([np.cos(yaw), np.sin(yaw), 0.0])
+        eye = body - ahead * distance + np.array([0.0, 0.0, height])
+        return self.view(scene, eye, body + ahead * 2.5, xpos=xpos, xquat=xquat)
+
+
+def render_view(
+    bank: SceneBank, scene: int, eye: Any, target: Any, width: int = 960, height: int = 540, fov: float = FOV
+) -> np.ndarray:
+    """(height, width, 3) uint8: one picture of a scene from `eye` (3,) towards `target` (3,); fov: vertical, rad."""
+    return Studio(bank, width, height).view(scene, eye, target, fov)
+
+
+def birdseye(bank: SceneBank, scene: int, width: int = 1280, height: int = 480) -> np.ndarray:
+    """(height, width, 3) uint8: the whole scene from above."""
+    return Studio(bank, width, height).birdseye(scene)
