@@ -142,7 +142,8 @@ def _ground_floor(f: Facade, shop: Shop, height: float, rng: np.random.Generator
     for y in (-w / 2 + 0.22, w / 2 - 0.22):
         f.pilaster(y, 0, height - 0.75, 0.36, shade(shop.base, 0.9))
     f.builder.box((0.35, door_width + 0.3, 0.05), (f.front + 0.1, door_y, 0), "granite")
-    f.fascia(0, height - 0.78, w - 0.1, 0.62, pictures.sign(shop.name, shop.back, shop.ink, border=shop.ink), shop.back)
+    lettering = pictures.sign(shop.name, shop.back, shop.ink, (224, max(18, round(224 * 0.62 / w))), shop.ink)
+    f.fascia(0, height - 0.78, w - 0.1, 0.62, lettering, shop.back)
     f.course(height - 0.14, 0.14, 0.18)
 
 
