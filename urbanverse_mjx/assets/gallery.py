@@ -17,11 +17,12 @@ from .index import AssetIndex, build_mesh
 LABEL_HEIGHT = 22  # pixels
 
 
-def scene_of(meshes: Sequence[AssetMesh], gap: float = 0.35) -> tuple[mujoco.MjModel, np.ndarray]:
+def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -> tuple[mujoco.MjModel, np.ndarray]:
     """A model with meshes in a row along y on a grey floor.
 
     Args:
       meshes: at least one.
+      yaw: how far each mesh is turned about its own z, rad.
       gap: space between two, as a share of the widest.
 
     Returns:
@@ -37,19 +38,25 @@ def scene_of(meshes: Sequence[AssetMesh], gap: float = 0.35) -> tuple[mujoco.MjM
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, dir=[-0.5, 0.45, -1.0], diffuse=[0.62, 0.6, 0.56], castshadow=True
     )
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], rgba=[0.62, 0.64, 0.66, 1])
-    widths = [float(m.extent[1]) for m in meshes]
-    # The row runs from left to right as the camera, on the +x side, sees it: along +y.
-    step = gap * max(widths) + 0.05
+    # The row runs from left to right as the camera, on the +x side, sees it: along +y; every mesh is turned by itself.
+    turned = [_turned_box(m, yaw) for m in meshes]
+    step = gap * max(high[1] - low[1] for low, high in turned)
     y = 0.0
-    for k, (mesh, width) in enumerate(zip(meshes, widths, strict=True)):
-        _add_visual(spec, f"asset{k}", mesh, (0.0, y + width / 2, 0.0))
-        y += width + step
-    depth = max(float(m.extent[0]) for m in meshes)
-    height = max(float(m.extent[2]) for m in meshes)
-    return spec.compile(), np.array([(-depth / 2, 0.0, 0.0), (depth / 2, y - step, height)])
+    for k, (mesh, (low, high)) in enumerate(zip(meshes, turned, strict=True)):
+        _add_visual(spec, f"asset{k}", mesh, (0.0, y - low[1], 0.0), yaw)
+        y += high[1] - low[1] + step
+    corners = np.array([(min(b[0][0] for b in turned), 0, 0), (max(b[1][0] for b in turned), y - step, 0)])
+    corners[1, 2] = max(float(m.extent[2]) for m in meshes)
+    return spec.compile(), corners
 
 
-def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Sequence[float]) -> None:
+def _turned_box(mesh: AssetMesh, yaw: float) -> tuple[np.ndarray, np.ndarray]:
+    c, s = np.cos(yaw), np.sin(yaw)
+    points = mesh.vertices @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    return points.min(0), points.max(0)
+
+
+def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Sequence[float], yaw: float) -> None:
     height, width = mesh.texture.shape[:2]
     texture = spec.add_texture(
         name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
@@ -68,26 +75,32 @@ def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Seque
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
     )
     spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=name, pos=position, contype=0, conaffinity=0
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname=name,
+        material=name,
+        pos=position,
+        quat=[np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)],
+        contype=0,
+        conaffinity=0,
     )
 
 
-def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], azimuth_deg: float = 28.0) -> np.ndarray:
+def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float = -32.0) -> np.ndarray:
     """A picture of meshes side by side, seen from the front at a slant.
 
     Args:
       size: (width, height) pixels.
-      azimuth_deg: how far the camera stands to the side of the front.
+      yaw_deg: how far each mesh is turned away from the camera.
 
     Returns:
       (height, width, 3) uint8.
     """
-    model, bounds = scene_of(meshes)
+    model, bounds = scene_of(meshes, np.radians(yaw_deg))
     model.vis.global_.fovy = 20.0
     width, height = size
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     camera = mujoco.MjvCamera()
-    camera.azimuth, camera.elevation = 180.0 - azimuth_deg, -14.0
+    camera.azimuth, camera.elevation = 180.0, -14.0
     camera.lookat = bounds.mean(0)
     camera.distance = _distance(bounds, camera, np.radians(model.vis.global_.fovy), width / height)
     model.vis.map.znear = 0.02 / max(model.stat.extent, 1e-3)
