@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 ARGS ?=
 LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
-.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets gallery doctor lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets doctor lock wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -49,8 +49,15 @@ format: setup-dev ## format the code and mend what ruff can mend
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
+scenes: setup ## compile the shipped streets into a scene bank in the cache, where they changed
+	@$(BIN)/urbanverse scene bank $(ARGS)
+
 bench: setup ## measure throughput; prints one JSON line
 	@$(BIN)/python -m benchmarks.throughput --impl jax --num-envs 64 --pixels 36x64 --json $(ARGS)
+
+assets: setup-dev ## build the asset index and the missing hulls anew (CoACD: minutes to hours)
+	@$(BIN)/urbanverse assets build
+	@$(BIN)/urbanverse assets hulls $(ARGS)
 
 doctor: setup ## say what this machine has and how to mend what is missing
 	@$(BIN)/urbanverse doctor $(ARGS)

@@ -60,7 +60,13 @@ def load_env(arguments: argparse.Namespace) -> Any:
         "vision_config.height": arguments.height,
         "vision_config.width": arguments.width,
     }
-    bank = SceneBank.load(arguments.bank) if arguments.bank else None
+    # Scenes are compiled only where no bank is given: a GPU machine brings its own and has no CoACD or trimesh.
+    if arguments.bank:
+        bank = SceneBank.load(arguments.bank)
+    else:
+        from urbanverse_mjx.cli.scene import ensure_default_bank
+
+        bank = ensure_default_bank(quiet=True)
     return registry.load(arguments.env, config_overrides=overrides, bank=bank)
 
 

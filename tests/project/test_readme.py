@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from urbanverse_mjx.cli.main import COMMANDS
+from urbanverse_mjx.cli.scene import ensure_default_bank
 
 ROOT = pathlib.Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -18,6 +19,7 @@ def blocks(language: str) -> list[str]:
 
 
 def test_the_python_example_runs_and_sees_eight_pictures() -> None:
+    ensure_default_bank(quiet=True)
     (code,) = blocks("python")
     lines = [line for line in code.splitlines() if line.strip()]
     assert len(lines) <= 10
