@@ -19,6 +19,8 @@ from .mesh_builder import BuiltAsset
 from .recipe import Recipe, all_recipes, get_recipe
 
 GRAVITY = 9.81  # m/s^2
+# N, what one person pushes for a moment; ISO 11228-2 tabulates 200-300 N of initial force for 90 % of adults.
+ONE_PERSON_PUSH = 300.0
 LICENCE = "Apache-2.0"
 PROVENANCE = "urbanverse_mjx parametric recipe"
 REBUILD = "python -m urbanverse_mjx.assets build"
@@ -92,6 +94,7 @@ def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -
     physics = recipe.physics
     volume = built.volume if built.volume > 0 else 0.1 * float(np.prod(built.mesh.extent))
     mass = built.mass if built.mass is not None else float(np.clip(volume * physics.density, *physics.mass_range))
+    force = physics.friction * mass * GRAVITY
     slug = recipe.leaf.replace(" ", "-")
     family = recipe.name.replace("_", "-").replace(".", "-")
     return AssetRecord(
@@ -108,8 +111,8 @@ def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -
         mass=round(mass, 3),
         materials=physics.materials,
         friction_coefficient=physics.friction,
-        movable=physics.movable,
-        required_force=round(physics.friction * mass * GRAVITY, 1),
+        movable=physics.movable and force <= ONE_PERSON_PUSH,
+        required_force=round(force, 1),
         licence=LICENCE,
         provenance=PROVENANCE,
     )
