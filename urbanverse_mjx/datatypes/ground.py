@@ -4,6 +4,7 @@ The numbers index `SceneBank.map_kind` and `maps.npz`; the names are those of Cr
 (facts/reference_systems.md b.2), so that its routes and maps can be exchanged.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -15,12 +16,28 @@ KIND_INDEX = {name: i for i, name in enumerate(GROUND_KINDS)}
 PAINT_KINDS = ("road_marking",)
 #: Where a pavement robot may be. Leaving these ends an episode as "off the traversable area".
 TRAVERSABLE_KINDS = ("crosswalk", "sidewalk", "ground")
+#: m, farthest coordinate: beyond it single precision resolves less than a centimetre.
+LIMIT = 1e5
+#: Steepest top: 2 is 63°.
+MAX_SLOPE = 2.0
+
+
+def check_plane(value: object, where: str) -> tuple[float, ...]:
+    """(a, b, c) of a top z = a x + b y + c.
+
+    Raises:
+      NounError: not three finite numbers, or steeper than `MAX_SLOPE`.
+    """
+    plane = v.vector(value, where, 3, minimum=-LIMIT, maximum=LIMIT)
+    if max(abs(plane[0]), abs(plane[1])) > MAX_SLOPE:
+        raise v.fail(where, v.show(plane), f"slopes of at most {MAX_SLOPE:g} (63°)", "z = a x + b y + c")
+    return plane
 
 
 def polygon_area(polygon: Sequence[Sequence[float]]) -> float:
     """Signed area (m^2) of a closed ring of (x, y); positive when counter-clockwise."""
     ring = [*polygon, polygon[0]]
-    return 0.5 * sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(ring, ring[1:], strict=False))
+    return 0.5 * sum(a[0] * b[1] - b[0] * a[1] for a, b in itertools.pairwise(ring))
 
 
 def _cross(o: Sequence[float], a: Sequence[float], b: Sequence[float]) -> float:
@@ -45,11 +62,16 @@ def check_polygon(value: object, where: str, maximum: int = 512) -> tuple[tuple[
       NounError: fewer than three corners, a repeated corner, edges that cross, or no area.
     """
     raw = v.items(value, where, minimum=3, maximum=maximum)
-    ring = [tuple(v.vector(corner, f"{where}[{i}]", 2)) for i, corner in enumerate(raw)]
+    ring = [v.vector(corner, f"{where}[{i}]", 2, minimum=-LIMIT, maximum=LIMIT) for i, corner in enumerate(raw)]
     n = len(ring)
     for i in range(n):
         if math.dist(ring[i], ring[(i + 1) % n]) < 1e-6:
             raise v.fail(f"{where}[{i}]", "the same corner twice in a row", "distinct corners", "remove one")
+        a, b, c = ring[i - 1], ring[i], ring[(i + 1) % n]
+        if _cross(a, b, c) == 0.0 and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0.0:
+            raise v.fail(
+                f"{where}[{i}]", "an edge that runs back on the one before", "a ring with an inside", "remove it"
+            )
     for i in range(n):
         for j in range(i + 2, n):
             if i == 0 and j == n - 1:

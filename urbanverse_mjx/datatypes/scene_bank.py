@@ -59,7 +59,8 @@ class SceneBank:
       mesh_vertices (ΣV, 3) f32, mesh_uv (ΣV, 2) f32, mesh_faces (ΣF, 3) i32 (indices local to the mesh),
       mesh_vertex_start (M+1,) i32, mesh_face_start (M+1,) i32, mesh_material (M,) i32;
       material_texture (K,) i32 (-1 none), material_rgba (K, 4) f32, material_roughness (K,) f32,
-      material_metallic (K,) f32; texture_data (bytes,) u8, texture_start (number+1,) i64, texture_shape (number, 3) i32;
+      material_metallic (K,) f32; texture_data (bytes,) u8, texture_start (number+1,) i64,
+      texture_shape (number, 3) i32;
       slot_mesh (Z, N) i32 (-1 empty), slot_position (Z, N, 3) f32, slot_quaternion (Z, N, 4) f32 wxyz,
       slot_category (Z, N) i32: row of `meta["categories"]`. Slots keep one spatial order (along the street)
       in every scene; slots of ground regions come after the objects.
@@ -135,7 +136,8 @@ class SceneBank:
                 self.num_scenes,
             ):
                 raise v.fail(f"bank.{name}", f"shape {array.shape}", f"a leading axis of {self.num_scenes} scenes")
-        for name, limit in (("inst_hull", self.num_hulls), ("prism_hull", self.num_hulls), ("slot_mesh", self.num_meshes)):
+        limits = {"inst_hull": self.num_hulls, "prism_hull": self.num_hulls, "slot_mesh": self.num_meshes}
+        for name, limit in limits.items():
             array = getattr(self, name)
             if array.size and (array.max() >= limit or array.min() < -1):
                 raise v.fail(f"bank.{name}", "an index outside its table", f"-1 or [0, {limit})", "rebuild the bank")

@@ -12,6 +12,7 @@ SCHEMA = "urbanverse.scene_graph/1"
 MAX_OBJECTS = 5_000
 MAX_REGIONS = 1_000
 MAX_DESCRIPTOR = 64
+_WITHIN = {"minimum": -ground.LIMIT, "maximum": ground.LIMIT}
 
 
 def _descriptor(value: Any, where: str) -> tuple[int, ...] | None:
@@ -19,6 +20,12 @@ def _descriptor(value: Any, where: str) -> tuple[int, ...] | None:
         return None
     raw = v.items(value, where, minimum=1, maximum=MAX_DESCRIPTOR)
     return tuple(v.integer(x, f"{where}[{i}]", 0, 255) for i, x in enumerate(raw))
+
+
+def _optional(value: Any, where: str) -> None:
+    """An optional field is left out of the file when there is nothing to say, never null."""
+    if "descriptor" in value and value["descriptor"] is None:
+        raise v.fail(f"{where}.descriptor", "null", f"1 to {MAX_DESCRIPTOR} whole numbers", "remove the field")
 
 
 def _with_descriptor(body: dict[str, Any], descriptor: tuple[int, ...] | None) -> dict[str, Any]:
@@ -71,9 +78,10 @@ class GraphObject:
 
     @staticmethod
     def from_json(value: Any, where: str) -> "GraphObject":
-        name = value.get("id") if isinstance(value, dict) else None
-        where = f"object {name!r}" if isinstance(name, str) else where
+        where = v.named(value, where, "object")
         m = v.mapping(value, where, ("id", "label", "center", "size", "yaw"), ("score", "descriptor"))
+        v.text(m["id"], f"{where}.id")
+        _optional(m, where)
         return GraphObject(**m)
 
 
@@ -103,9 +111,7 @@ class GroundRegion:
         set_ = object.__setattr__
         v.choice(self.kind, f"{where}.kind", ground.GROUND_KINDS[1:])
         set_(self, "polygon", ground.check_polygon(self.polygon, f"{where}.polygon"))
-        set_(self, "plane", v.vector(self.plane, f"{where}.plane", 3, minimum=-1e4, maximum=1e4))
-        if max(abs(self.plane[0]), abs(self.plane[1])) > 2.0:
-            raise v.fail(f"{where}.plane", v.show(self.plane), "slopes of at most 2 (63°)", "z = a x + b y + c")
+        set_(self, "plane", ground.check_plane(self.plane, f"{where}.plane"))
         set_(self, "descriptor", _descriptor(self.descriptor, f"{where}.descriptor"))
 
     def to_json(self) -> dict[str, Any]:
@@ -119,9 +125,11 @@ class GroundRegion:
 
     @staticmethod
     def from_json(value: Any, where: str) -> "GroundRegion":
-        name = value.get("id") if isinstance(value, dict) else None
-        where = f"ground {name!r}" if isinstance(name, str) else where
-        return GroundRegion(**v.mapping(value, where, ("id", "kind", "polygon", "plane"), ("descriptor",)))
+        where = v.named(value, where, "ground")
+        m = v.mapping(value, where, ("id", "kind", "polygon", "plane"), ("descriptor",))
+        v.text(m["id"], f"{where}.id")
+        _optional(m, where)
+        return GroundRegion(**m)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -159,17 +167,17 @@ class SceneGraph:
     camera_path: tuple[tuple[float, float, float, float], ...] = ()
 
     def __post_init__(self) -> None:
-        v.text(self.id, "scene graph.id")
-        if not all(c.isalnum() or c in "_-" for c in self.id):
-            raise v.fail("scene graph.id", v.show(self.id), "letters, digits, '_' and '-' only")
+        v.identifier(self.id, "scene graph.id")
         set_ = object.__setattr__
-        set_(self, "objects", tuple(v.items(self.objects, "objects", maximum=MAX_OBJECTS)))
-        set_(self, "ground", tuple(v.items(self.ground, "ground", minimum=1, maximum=MAX_REGIONS)))
+        if not isinstance(self.source, Source):
+            raise v.fail("source", v.show(self.source), "a Source")
+        set_(self, "objects", v.instances(self.objects, "objects", GraphObject, maximum=MAX_OBJECTS))
+        set_(self, "ground", v.instances(self.ground, "ground", GroundRegion, minimum=1, maximum=MAX_REGIONS))
         v.unique((o.id for o in self.objects), "objects")
         v.unique((g.id for g in self.ground), "ground")
         set_(self, "sky_descriptor", _descriptor(self.sky_descriptor, "sky.descriptor"))
         path = v.items(self.camera_path, "camera_path", maximum=100_000)
-        set_(self, "camera_path", tuple(v.vector(p, f"camera_path[{i}]", 4) for i, p in enumerate(path)))
+        set_(self, "camera_path", tuple(v.vector(p, f"camera_path[{i}]", 4, **_WITHIN) for i, p in enumerate(path)))
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -188,6 +196,7 @@ class SceneGraph:
         v.choice(m["schema"], "scene graph.schema", (SCHEMA,))
         source = v.mapping(m["source"], "source", ("video", "licence", "city", "country"))
         sky = v.mapping(m["sky"], "sky", (), ("descriptor",))
+        _optional(sky, "sky")
         objects = v.items(m["objects"], "objects", maximum=MAX_OBJECTS)
         regions = v.items(m["ground"], "ground", minimum=1, maximum=MAX_REGIONS)
         return SceneGraph(

@@ -7,6 +7,7 @@ from typing import Any
 from . import ground
 from . import validation as v
 from .hashing import content_hash
+from .scene_graph import MAX_OBJECTS, MAX_REGIONS
 
 SCHEMA = "urbanverse.scene_layout/1"
 
@@ -58,7 +59,10 @@ class PlacedObject:
 
     @staticmethod
     def from_json(value: Any, where: str) -> "PlacedObject":
-        return PlacedObject(**v.mapping(value, where, [f.name for f in dataclasses.fields(PlacedObject)]))
+        where = v.named(value, where, "object")
+        m = v.mapping(value, where, [f.name for f in dataclasses.fields(PlacedObject)])
+        v.text(m["id"], f"{where}.id")
+        return PlacedObject(**m)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,7 +81,7 @@ class PlacedGround:
         set_ = object.__setattr__
         v.choice(self.kind, f"{where}.kind", ground.GROUND_KINDS[1:])
         set_(self, "polygon", ground.check_polygon(self.polygon, f"{where}.polygon"))
-        set_(self, "plane", v.vector(self.plane, f"{where}.plane", 3, minimum=-1e4, maximum=1e4))
+        set_(self, "plane", ground.check_plane(self.plane, f"{where}.plane"))
         v.text(self.material, f"{where}.material")
 
     def to_json(self) -> dict[str, Any]:
@@ -86,7 +90,10 @@ class PlacedGround:
 
     @staticmethod
     def from_json(value: Any, where: str) -> "PlacedGround":
-        return PlacedGround(**v.mapping(value, where, [f.name for f in dataclasses.fields(PlacedGround)]))
+        where = v.named(value, where, "ground")
+        m = v.mapping(value, where, [f.name for f in dataclasses.fields(PlacedGround)])
+        v.text(m["id"], f"{where}.id")
+        return PlacedGround(**m)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -114,19 +121,22 @@ class SceneLayout:
     hashes: dict[str, str]
 
     def __post_init__(self) -> None:
-        for name in ("id", "graph_id", "graph_hash", "sky"):
+        for name in ("id", "graph_id"):
+            v.identifier(getattr(self, name), f"layout.{name}")
+        for name in ("graph_hash", "sky"):
             v.text(getattr(self, name), f"layout.{name}")
         v.integer(self.seed, "layout.seed", 0)
         v.integer(self.cousin, "layout.cousin", 0)
         set_ = object.__setattr__
-        set_(self, "objects", tuple(v.items(self.objects, "objects")))
-        set_(self, "ground", tuple(v.items(self.ground, "ground", minimum=1)))
+        set_(self, "objects", v.instances(self.objects, "objects", PlacedObject, maximum=MAX_OBJECTS))
+        set_(self, "ground", v.instances(self.ground, "ground", PlacedGround, minimum=1, maximum=MAX_REGIONS))
         v.unique((o.id for o in self.objects), "objects")
         v.unique((g.id for g in self.ground), "ground")
         set_(self, "sky_yaw", v.number(self.sky_yaw, "layout.sky_yaw", minimum=-100.0, maximum=100.0))
         if not isinstance(self.hashes, dict):
             raise v.fail("layout.hashes", v.show(self.hashes), "a JSON object of texts")
         for key, value in self.hashes.items():
+            v.text(key, "layout.hashes")
             v.text(value, f"layout.hashes.{key}")
 
     def to_json(self) -> dict[str, Any]:
@@ -149,8 +159,8 @@ class SceneLayout:
         names = [f.name for f in dataclasses.fields(SceneLayout)]
         m = dict(v.mapping(value, "layout", ["schema", *names]))
         v.choice(m.pop("schema"), "layout.schema", (SCHEMA,))
-        objects = v.items(m.pop("objects"), "objects")
-        regions = v.items(m.pop("ground"), "ground", minimum=1)
+        objects = v.items(m.pop("objects"), "objects", maximum=MAX_OBJECTS)
+        regions = v.items(m.pop("ground"), "ground", minimum=1, maximum=MAX_REGIONS)
         return SceneLayout(
             objects=tuple(PlacedObject.from_json(o, f"objects[{i}]") for i, o in enumerate(objects)),
             ground=tuple(PlacedGround.from_json(g, f"ground[{i}]") for i, g in enumerate(regions)),

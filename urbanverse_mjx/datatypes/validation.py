@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 MAX_FILE_BYTES = 64 * 2**20
+MAX_TEXT = 2_000  # characters: the longest address a browser takes
 
 
 class NounError(ValueError):
@@ -36,6 +37,18 @@ def text(value: Any, where: str, allow_empty: bool = False) -> str:
         raise fail(where, show(value), "a text")
     if not value and not allow_empty:
         raise fail(where, "an empty text", "a text of at least one character")
+    if len(value) > MAX_TEXT:
+        raise fail(where, f"a text of {len(value)} characters", f"at most {MAX_TEXT}")
+    if any(ord(c) < 32 or 0xD7FF < ord(c) < 0xE000 for c in value):
+        raise fail(where, show(value), "a text without control characters", "XML and file names cannot hold them")
+    return value
+
+
+def identifier(value: Any, where: str) -> str:
+    """The name of a scene: it becomes a folder's name."""
+    text(value, where)
+    if not all((c.isascii() and c.isalnum()) or c in "_-" for c in value):
+        raise fail(where, show(value), "ASCII letters, digits, '_' and '-' only")
     return value
 
 
@@ -68,7 +81,11 @@ def number(
     """A finite number with minimum <= value <= maximum and value > above, as far as these are given."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise fail(where, show(value), "a finite number")
-    if not math.isfinite(value):
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
         raise fail(where, show(value), "a finite number", "remove the NaN or infinity where the file was written")
     return float(_bounded(value, where, minimum, maximum, above))
 
@@ -84,19 +101,34 @@ def _bounded(value: float, where: str, minimum: float | None, maximum: float | N
 
 
 def vector(value: Any, where: str, length: int, **bounds: Any) -> tuple[float, ...]:
-    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != length:
+    if not isinstance(value, Sequence) or isinstance(value, (str, bytes)) or len(value) != length:
         raise fail(where, show(value), f"a list of {length} numbers")
     return tuple(number(v, f"{where}[{i}]", **bounds) for i, v in enumerate(value))
 
 
 def items(value: Any, where: str, minimum: int = 0, maximum: int | None = None) -> Sequence[Any]:
-    if not isinstance(value, Sequence) or isinstance(value, str):
+    if not isinstance(value, Sequence) or isinstance(value, (str, bytes)):
         raise fail(where, show(value), "a list")
     if len(value) < minimum:
         raise fail(where, f"{len(value)} entries", f"at least {minimum}")
     if maximum is not None and len(value) > maximum:
         raise fail(where, f"{len(value)} entries", f"at most {maximum}", "split the scene or drop entries")
     return value
+
+
+def instances(value: Any, where: str, kind: type, minimum: int = 0, maximum: int | None = None) -> tuple[Any, ...]:
+    """A tuple of nouns of one kind."""
+    entries = tuple(items(value, where, minimum, maximum))
+    for i, entry in enumerate(entries):
+        if not isinstance(entry, kind):
+            raise fail(f"{where}[{i}]", show(entry), f"a {kind.__name__}")
+    return entries
+
+
+def named(value: Any, where: str, noun: str) -> str:
+    """How an entry is called in errors: by its id where it has one, else by its place in the list."""
+    name = value.get("id") if isinstance(value, Mapping) else None
+    return f"{noun} {name!r}" if isinstance(name, str) and 0 < len(name) <= 60 else where
 
 
 def unique(names: Iterable[str], where: str) -> None:
@@ -132,9 +164,23 @@ def read_json(path: str | os.PathLike[str], noun: str) -> Any:
     if path.stat().st_size > MAX_FILE_BYTES:
         raise fail(str(path), f"{path.stat().st_size} bytes", f"a {noun} file of at most {MAX_FILE_BYTES} bytes")
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        return json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_repeats)
+    except NounError as error:
+        raise NounError(f"{path}: {error}") from error
+    except OSError as error:
+        raise fail(str(path), f"a file that cannot be read ({error.strerror})", f"a {noun} file") from error
+    except (ValueError, RecursionError) as error:
         raise fail(str(path), f"something that is not JSON ({error})", f"a {noun} written as JSON") from error
+
+
+def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object; the same key twice would silently drop the first value."""
+    body = dict(pairs)
+    if len(body) != len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise fail(f"field {show(twice)}", "the same field twice in one object", "every field once", "remove one")
+    return body
 
 
 def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path], Any]) -> pathlib.Path:

@@ -1,0 +1,91 @@
+"""A noun written and read back is the same noun; a file is either whole or refused."""
+
+import json
+import os
+
+import pytest
+from hypothesis import given, settings
+
+from urbanverse_mjx.datatypes import NounError, SceneGraph, SceneLayout, ground
+from urbanverse_mjx.datatypes import validation as v
+
+from . import strategies
+
+
+@settings(max_examples=60, deadline=None)
+@given(strategies.graphs)
+def test_graph_round_trip(graph):
+    back = SceneGraph.from_json(json.loads(json.dumps(graph.to_json(), allow_nan=False)))
+    assert back == graph
+    assert back.content_hash() == graph.content_hash()
+
+
+@settings(max_examples=60, deadline=None)
+@given(strategies.layouts)
+def test_layout_round_trip(layout):
+    back = SceneLayout.from_json(json.loads(json.dumps(layout.to_json(), allow_nan=False)))
+    assert back == layout
+    assert back.content_hash() == layout.content_hash()
+
+
+@settings(max_examples=5, deadline=None)
+@given(strategies.graphs, strategies.layouts)
+def test_files_round_trip(tmp_path_factory, graph, layout):
+    folder = tmp_path_factory.mktemp("nouns")
+    graph.save(folder / "graph.json")
+    layout.save(folder / "deep" / "layout.json")
+    assert SceneGraph.load(folder / "graph.json") == graph
+    assert SceneLayout.load(folder / "deep" / "layout.json") == layout
+
+
+@settings(max_examples=60, deadline=None)
+@given(strategies.rings())
+def test_rings_are_stored_counter_clockwise(ring):
+    assert ground.polygon_area(ground.check_polygon(ring, "polygon")) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"not json at all", "not JSON"),
+        (b"", "not JSON"),
+        (b'{"schema": ', "not JSON"),
+        (b"\xff\xfe\x00", "not JSON"),
+        (b"[" * 200_000, "not JSON"),
+        (b'{"seed": ' + b"9" * 6000 + b"}", "not JSON"),
+        (b'{"id": "a", "id": "b"}', "the same field twice"),
+        (b"[]", "needed a JSON object"),
+        (b"null", "needed a JSON object"),
+    ],
+)
+@pytest.mark.parametrize("noun", [SceneGraph, SceneLayout])
+def test_what_is_no_noun_file_is_refused_in_one_sentence(tmp_path, noun, content, said):
+    path = tmp_path / "noun.json"
+    path.write_bytes(content)
+    with pytest.raises(NounError) as caught:
+        noun.load(path)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_file_and_folder_are_refused(tmp_path):
+    with pytest.raises(NounError, match="no such file"):
+        SceneGraph.load(tmp_path / "nothing.json")
+    with pytest.raises(NounError, match="no such file"):
+        SceneGraph.load(tmp_path)
+
+
+def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
+    path = tmp_path / "graph.json"
+    v.write_json(path, {"whole": True})
+    with pytest.raises(ValueError, match="JSON compliant"):
+        v.write_json(path, {"broken": float("nan")})
+
+    def fails(temporary):
+        temporary.write_text("half")
+        raise OSError("disk full")
+
+    with pytest.raises(OSError, match="disk full"):
+        v.write_atomically(path, fails)
+    assert os.listdir(tmp_path) == ["graph.json"]
+    assert json.loads(path.read_text()) == {"whole": True}
