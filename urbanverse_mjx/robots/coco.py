@@ -40,7 +40,7 @@ def _differential(command: Any) -> Any:
     # In a bend the mass, ahead of the rear axle, wants to go straight on: the rear wheels must hold this moment, and a
     # servo holds a torque only by a difference of speed, which is given in advance.
     moment = body.TOTAL_MASS * (body.CENTRE_X - body.REAR_AXLE_X) * speed * yaw_rate
-    lead = moment / body.TRACK * body.WHEEL_RADIUS**2 / body.make_servo().wheel
+    lead = moment / body.TRACK * body.WHEEL_RADIUS**2 / body.make_servo("differential").wheel
     half = 0.5 * body.TRACK * yaw_rate + lead
     return jnp.stack([speed - half, speed + half, speed - half, speed + half]) / body.WHEEL_RADIUS
 
@@ -110,7 +110,7 @@ def make_coco(drive: Drive = "differential") -> RobotSpec:
     convert = _differential if drive == "differential" else _ackermann
     return RobotSpec(
         name=f"coco_{drive}",
-        mjcf=body.make_mjcf(drive, body.make_servo()),
+        mjcf=body.make_mjcf(drive, body.make_servo(drive)),
         root_body="base_link",
         foot_geoms=tuple(f"{wheel}_wheel" for wheel in body.WHEELS),
         camera="front_cam",

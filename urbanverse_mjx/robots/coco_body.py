@@ -39,13 +39,17 @@ BODY_FRICTION = 0.6
 MAX_STEER = math.radians(20.053522)  # range_deg
 STEER_EFFORT = 64.0  # N m, effort_limit
 
+SPEED_LAG = 0.2  # s, coco2play_kinematics.speed_time_constant_s
+
 # --- Camera (coco.json, urbansim_camera) ---
 CAMERA_POSITION = (0.51, 0.0, 0.015)  # pos_in_base
 CAMERA_FOVY_DEG = 90.96  # static_env.vfov_deg; 122.1 across at 16:9
 
 # --- Choices without a public source ---
-#: Height of base_link above flat ground with the wheels touching it.
-SPAWN_HEIGHT = WHEEL_RADIUS - WHEEL_Z
+#: m, how far the tyres sink into flat ground at rest under MuJoCo's default contact (tests/robots/test_coco.py).
+TYRE_DENT = 0.0003
+#: Height of base_link above flat ground at rest.
+SPAWN_HEIGHT = WHEEL_RADIUS - WHEEL_Z - TYRE_DENT
 #: Half-way between the axles, so that all wheels carry the same load.
 CENTRE_X = 0.5 * (FRONT_AXLE_X + REAR_AXLE_X)
 #: Centre of the shell: its lower side is `GROUND_CLEARANCE` above the ground.
@@ -64,27 +68,25 @@ class Servo:
 
     Attributes:
       wheel: N m s/rad, torque of a wheel = wheel * (target speed - speed).
-      steer: N m/rad, steer_damping: N m s/rad of the front axle.
-      wheel_lag_s: time constant of the speed these gains give on flat ground.
+      steer: N m/rad, steer_damping: N m s/rad of the front axle (coco.json, urbansim_actuators.axle.damping).
     """
 
     wheel: float
     steer: float
     steer_damping: float
-    wheel_lag_s: float
 
 
-def make_servo() -> Servo:
-    """Gains for a speed lag of 0.05 s.
+def make_servo(drive: str) -> Servo:
+    """Gains that follow a speed command with the lag of the real robot's model, 0.2 s.
 
-    coco.json gives three wheel gains that exclude each other: 1e6 (USD), 0.3 (UrbanSim, with commands a hundred times
-    too fast) and, for the real thing, a lag of 0.2 s (coco2play_kinematics.speed_time_constant_s). The paper's
-    controller is ideal and acts every 0.2 s, so a quarter of that: gain = moving inertia seen by the wheels /
-    (4 wheels * lag). The steering gains are choices: stiff enough to turn the rolling front wheels in 0.1 s.
+    coco.json gives wheel gains that exclude each other, 1e6 (USD) and 0.3 (UrbanSim, with commands a hundred times too
+    fast), and one lag (coco2play_kinematics.speed_time_constant_s). So: gain = moving inertia seen by the wheels that
+    grip / (their number * lag). At a quarter of that lag the robot stands up on its rear wheels at every start. The
+    steering gain is a choice: with the front wheels' servos resisting, the axle turns with a lag of 0.15 s.
     """
-    lag = 0.05
-    inertia = TOTAL_MASS * WHEEL_RADIUS**2 + 4 * WHEEL_INERTIA
-    return Servo(wheel=inertia / (4 * lag), steer=400.0, steer_damping=2.0, wheel_lag_s=lag)
+    gripping = 2 if drive == "differential" else 4
+    inertia = TOTAL_MASS * WHEEL_RADIUS**2 + gripping * WHEEL_INERTIA
+    return Servo(wheel=inertia / (gripping * SPEED_LAG), steer=100.0, steer_damping=0.5)
 
 
 def rounded_box(half: tuple[float, float, float], radius: float, steps: int = 6) -> tuple[np.ndarray, np.ndarray]:
@@ -230,7 +232,7 @@ def make_mjcf(drive: str, servo: Servo) -> str:
     {_seen_meshes()}
   </asset>
   <worldbody>
-    <body name="base_link" pos="0 0 {SPAWN_HEIGHT:g}">
+    <body name="base_link" pos="0 0 {SPAWN_HEIGHT:.6g}">
       <freejoint name="root"/>
       <inertial pos="{CENTRE_X} 0 {AXLE_Z}" mass="{BASE_MASS:g}" diaginertia="{BASE_INERTIA} {BASE_INERTIA} {BASE_INERTIA}"/>
       <camera name="front_cam" pos="{_numbers(np.array(CAMERA_POSITION))}" xyaxes="0 -1 0 0 0 1" fovy="{CAMERA_FOVY_DEG}"/>

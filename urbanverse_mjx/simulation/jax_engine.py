@@ -71,8 +71,8 @@ class JaxEngine:
         num_slots: int = 16,
         num_prism_slots: int = 8,
         num_contacts: int = 16,
-        iterations: int = 4,
-        line_steps: int = 6,
+        iterations: int = 10,
+        line_steps: int = 8,
     ) -> None:
         self.robot = robot
         self.physics = make_physics_model(robot)
