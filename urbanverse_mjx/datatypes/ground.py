@@ -67,11 +67,6 @@ def check_polygon(value: object, where: str, maximum: int = 512) -> tuple[tuple[
     for i in range(n):
         if math.dist(ring[i], ring[(i + 1) % n]) < 1e-6:
             raise v.fail(f"{where}[{i}]", "the same corner twice in a row", "distinct corners", "remove one")
-        a, b, c = ring[i - 1], ring[i], ring[(i + 1) % n]
-        if _cross(a, b, c) == 0.0 and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0.0:
-            raise v.fail(
-                f"{where}[{i}]", "an edge that runs back on the one before", "a ring with an inside", "remove it"
-            )
     for i in range(n):
         for j in range(i + 2, n):
             if i == 0 and j == n - 1:
