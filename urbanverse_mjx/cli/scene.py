@@ -10,6 +10,7 @@ import tempfile
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import tyro
 
 from .. import settings
@@ -100,8 +101,14 @@ def make_driver() -> "Driver":
     from ..scene.drive import CONTROL_PERIOD, Driver
 
     robot = make_coco()
-    batch = jax.vmap(lambda w: robot.command(jnp.stack(robot.waypoint_to_velocity(w, CONTROL_PERIOD))))
-    return Driver(robot, jax.jit(batch, backend="cpu"))
+    batch = jax.jit(jax.vmap(lambda w: robot.command(jnp.stack(robot.waypoint_to_velocity(w, CONTROL_PERIOD)))))
+    cpu = jax.devices("cpu")[0]
+
+    def command(waypoints: np.ndarray) -> np.ndarray:
+        with jax.default_device(cpu):
+            return np.asarray(batch(waypoints))
+
+    return Driver(robot, command)
 
 
 def _bank(args: BankArgs) -> int:

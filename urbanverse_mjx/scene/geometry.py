@@ -142,7 +142,7 @@ class SceneGeometry:
         number = {key: i for i, key in enumerate(textures)}
         body |= _join("textures", textures.values())
         body["meshes.texture"] = np.array([number[m.texture.tobytes()] for m in self.meshes], np.int32)
-        body["meshes.surface"] = np.array([[m.roughness, m.metallic] for m in self.meshes], np.float32).reshape(-1, 2)
+        body["meshes.surface"] = np.array([[m.roughness, m.metallic] for m in self.meshes], np.float64).reshape(-1, 2)
         for noun in ("map", "episodes"):
             part = getattr(self, noun)
             body |= {f"{noun}.{f.name}": np.asarray(getattr(part, f.name)) for f in dataclasses.fields(part)}

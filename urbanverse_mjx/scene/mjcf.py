@@ -216,6 +216,7 @@ def _add_sky(
     visual = ET.SubElement(root, "visual")
     ET.SubElement(visual, "headlight", ambient=_numbers(ambient), diffuse="0 0 0", specular="0 0 0")
     ET.SubElement(visual, "global", offwidth="1920", offheight="1080")
+    ET.SubElement(visual, "quality", shadowsize="8192")
     return files
 
 

@@ -15,6 +15,8 @@ POOL = 4
 #: Cost per metre by kind; near things up to 1.0 more within 0.5 m (facts/reference_systems.md b.2).
 KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
 NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
+#: Further passes that shorten a path, an even number: each turns it round.
+_PULLS = 2
 
 
 @dataclasses.dataclass(frozen=True)
@@ -116,7 +118,12 @@ class GoalField:
     def path(self, start: np.ndarray) -> np.ndarray:
         """(n, 2) m, the taut way from a planning cell with finite cost to the goal."""
         cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
-        return _pull(self._space, self._space.coarse_center(cells))
+        path = _pull(self._space, self._space.coarse_center(cells))
+        # Corners lie on planning cells; cutting again between finer points, from either end, takes most of that back.
+        for _ in range(_PULLS):
+            fine = np.concatenate([path[:1], resample(path, POOL * self._space.map.resolution)])
+            path = _pull(self._space, fine[::-1])
+        return path
 
 
 def _pull(space: FreeSpace, path: np.ndarray) -> np.ndarray:

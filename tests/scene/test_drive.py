@@ -1,0 +1,112 @@
+"""C MuJoCo drives of COCO over the compiled ground."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
+from urbanverse_mjx import settings
+from urbanverse_mjx.cli.scene import make_driver
+from urbanverse_mjx.datatypes import GroundRegion, RobotSpec, SceneGraph, Source
+from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.scene.compiler import scene_geometry
+from urbanverse_mjx.scene.drive import drive_all, ground_model
+from urbanverse_mjx.scene.planner import FreeSpace, RobotSize, free_space
+
+GRAPHS = sorted(settings.scene_root().glob("*/graph.json"))
+
+
+def _ground(regions: tuple[GroundRegion, ...], robot: RobotSpec) -> tuple[mujoco.MjModel, FreeSpace]:
+    graph = SceneGraph("ground", Source("hand", "Apache-2.0", "none", "none"), (), regions)
+    scene = scene_geometry(toy_layout(graph), toy_index(), TOY_SOURCE)
+    return ground_model(scene, robot), free_space(scene.map, RobotSize())
+
+
+def _straight(model: mujoco.MjModel, robot: RobotSpec, start: np.ndarray, speed: float, seconds: float) -> np.ndarray:
+    """(n, 3) positions of the root, one per physics step, at constant speed from (x, y, z, yaw)."""
+    data = mujoco.MjData(model)
+    x, y, z, yaw = start
+    data.qpos[:7] = [x, y, z + robot.spawn_height, np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
+    command = np.asarray(robot.command(np.array([speed, 0.0])))
+    way = []
+    for _ in range(round(seconds / model.opt.timestep)):
+        data.ctrl[:] = command
+        mujoco.mj_step(model, data)
+        way.append(data.qpos[:3].copy())
+    return np.array(way)
+
+
+def _skewed_strips() -> tuple[GroundRegion, ...]:
+    """30 m of pavement cut every 0.7-1.3 m, each seam askew another way."""
+    rng = np.random.default_rng(0)
+    x = np.concatenate([[0.0], np.cumsum(rng.uniform(0.7, 1.3, 29))])
+    lean = np.concatenate([[0.0], rng.uniform(-0.3, 0.3, 28), [0.0]])
+    return tuple(
+        GroundRegion(
+            f"strip_{i}",
+            "sidewalk",
+            ((x[i] - lean[i], 0.0), (x[i + 1] - lean[i + 1], 0.0), (x[i + 1] + lean[i + 1], 3.0), (x[i] + lean[i], 3.0)),
+            (0.0, 0.0, 0.15),
+        )
+        for i in range(29)
+    )
+
+
+@pytest.mark.parametrize("drive", ["differential", "ackermann"])
+def test_seams_are_not_felt(drive: str) -> None:
+    """Issue 2, item 6: 20 m over prism seams at 1.5 m/s move the body less than 2 mm."""
+    robot = make_coco(drive)
+    model, _ = _ground(_skewed_strips(), robot)
+    way = _straight(model, robot, np.array([1.5, 1.5, 0.15, 0.0]), 1.5, 15.5)
+    rolling = way[way[:, 0] > 3.0]
+    assert rolling[-1, 0] - rolling[0, 0] > 20.0
+    assert np.ptp(rolling[:, 2]) < 0.002
+    assert np.ptp(rolling[:, 1]) < 0.02
+
+
+@pytest.mark.parametrize("drive", ["differential", "ackermann"])
+def test_kerb_stops_the_robot(drive: str) -> None:
+    robot = make_coco(drive)
+    road = GroundRegion("road", "road", ((0, 0), (6, 0), (6, 4), (0, 4)), (0.0, 0.0, 0.0))
+    walk = GroundRegion("walk", "sidewalk", ((6, 0), (10, 0), (10, 4), (6, 4)), (0.0, 0.0, 0.15))
+    model, _ = _ground((road, walk), robot)
+    way = _straight(model, robot, np.array([3.0, 2.0, 0.0, 0.0]), 0.5, 15.0)
+    assert way[-1, 0] < 6.0
+    assert way[:, 2].max() < robot.spawn_height + 0.05
+
+
+@pytest.mark.parametrize("path", GRAPHS, ids=lambda p: p.parent.name)
+def test_every_ramp_is_taken_up_and_down(path) -> None:
+    """From the crosswalk onto the pavement and back, through every region with a tilted top that is wide enough."""
+    driver = make_driver()
+    regions = SceneGraph.load(path).ground
+    model, space = _ground(regions, driver.robot)
+    starts, ways = [], []
+    for region in regions:
+        slope = np.array(region.plane[:2])
+        ring = np.array(region.polygon)
+        if region.kind != "sidewalk" or len(ring) < 4 or not slope.any():
+            continue
+        up = slope / np.linalg.norm(slope)
+        reach = np.ptp(ring @ up) / 2 + 1.0
+        middle = (ring.min(0) + ring.max(0)) / 2
+        for way in (np.array([middle - reach * up, middle + reach * up]), np.array([middle + reach * up, middle - reach * up])):
+            heading = way[1] - way[0]
+            starts.append([*way[0], space.map.height[space.cell(way[0])], np.arctan2(heading[1], heading[0])])
+            ways.append(way)
+    assert len(ways) >= 8
+    drives = drive_all(model, driver, space, np.array(starts), ways)
+    assert [d.reason for d in drives] == [""] * len(ways)
+
+
+def test_a_kerb_in_the_way_fails_the_drive() -> None:
+    driver = make_driver()
+    low = GroundRegion("low", "sidewalk", ((0, 0), (6, 0), (6, 4), (0, 4)), (0.0, 0.0, 0.0))
+    high = GroundRegion("high", "sidewalk", ((6, 0), (12, 0), (12, 4), (6, 4)), (0.0, 0.0, 0.15))
+    road = GroundRegion("road", "road", ((0, 4), (12, 4), (12, 8), (0, 8)), (0.0, 0.0, 0.0))
+    model, space = _ground((low, high, road), driver.robot)
+    starts = np.array([[3.0, 2.0, 0.0, 0.0], [3.0, 2.0, 0.0, 1.5], [1.0, 2.0, 0.0, 0.0]])
+    ways = [np.array([[3.0, 2.0], [9.0, 2.0]]), np.array([[3.0, 2.0], [3.0, 6.0]]), np.array([[1.0, 2.0], [4.5, 2.0]])]
+    drives = drive_all(model, driver, space, starts, ways)
+    assert [d.reason for d in drives] == ["stuck", "off the traversable area", ""]
+    assert drives[2].seconds == pytest.approx(3.0 / 2.0, abs=1.2)

@@ -1,0 +1,115 @@
+import mujoco
+import numpy as np
+import pytest
+
+from tests.support.box_bank import box_scene, box_skies
+from urbanverse_mjx.scene.bank import quaternion_matrix
+from urbanverse_mjx.scene.geometry import SceneGeometry
+from urbanverse_mjx.scene.mjcf import TIMESTEP, _sky_face, scene_mjcf, scene_spec
+
+
+@pytest.fixture(scope="module")
+def scene() -> SceneGeometry:
+    return box_scene(0)
+
+
+@pytest.fixture(scope="module")
+def loaded(scene: SceneGeometry) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    model = scene_spec(scene, box_skies()["clear"], visuals=True).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def _world_vertices(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> np.ndarray:
+    mesh = model.geom_dataid[geom]
+    start, number = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+    vertices = model.mesh_vert[start : start + number]
+    return vertices @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+
+
+def test_every_hull_and_prism_stands_where_the_scene_has_it(scene: SceneGeometry, loaded) -> None:
+    model, data = loaded
+    for o, name in enumerate(scene.object_ids):
+        rotation = quaternion_matrix(scene.object_quaternion[o])
+        for number, q in enumerate(np.flatnonzero(scene.inst_object == o)):
+            world = scene.hulls[scene.inst_hull[q]] @ rotation.T + scene.object_position[o]
+            mine = _world_vertices(model, data, model.geom(f"{name}/hull_{number}").id)
+            assert np.abs(mine[:, None] - world[None]).max(-1).min(1).max() < 1e-5
+        assert model.body(name).mass[0] == pytest.approx(scene.object_mass[o], rel=1e-4)
+        assert model.geom(f"{name}/hull_0").friction[0] == pytest.approx(scene.object_friction[o], rel=1e-6)
+    prisms = [g for g in range(model.ngeom) if model.geom_group[g] == 3 and model.geom_bodyid[g] == 0]
+    assert len(prisms) == len(scene.prism_hull)
+    for g, hull, position in zip(prisms, scene.prism_hull, scene.prism_position, strict=True):
+        world = scene.hulls[hull] + position
+        assert np.abs(_world_vertices(model, data, g)[:, None] - world[None]).max(-1).min(1).max() < 1e-5
+
+
+def test_what_is_seen_is_not_touched_and_lies_in_the_right_place(scene: SceneGeometry, loaded) -> None:
+    model, data = loaded
+    seen = model.geom_group == 2
+    assert seen.sum() == len(scene.object_ids) + len(scene.region_ids)
+    assert not model.geom_contype[seen].any() and not model.geom_conaffinity[seen].any()
+    for o in (0, 7, 23):
+        mesh = scene.meshes[scene.object_mesh[o]]
+        world = mesh.vertices @ quaternion_matrix(scene.object_quaternion[o]).T + scene.object_position[o]
+        mine = _world_vertices(model, data, model.geom(f"{scene.object_ids[o]}/visual").id)
+        assert np.abs(mine[:, None] - world[None]).max(-1).min(1).max() < 1e-5
+    assert model.opt.timestep == TIMESTEP and model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
+    assert model.light("sun").type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+
+
+def test_map_agrees_with_rays(scene: SceneGeometry, loaded) -> None:
+    model, data = loaded
+    groups, geom = np.array([0, 0, 0, 1, 0, 0], np.uint8), np.zeros(1, np.int32)
+    cells = np.random.default_rng(0).integers(0, scene.map.kind.shape, (3000, 2))
+    compared = 0
+    for i, j in cells:
+        x, y = scene.map.origin + (np.array([i, j]) + 0.5) * scene.map.resolution
+        distance = mujoco.mj_ray(model, data, np.array([x, y, 5.0]), np.array([0.0, 0, -1]), groups, 1, -1, geom)
+        height = scene.map.height[i, j]
+        if geom[0] >= 0 and model.geom_bodyid[geom[0]] > 0:
+            continue
+        if np.isnan(height):
+            assert distance < 0 and scene.map.kind[i, j] == 0
+        else:
+            assert 5.0 - distance == pytest.approx(height, abs=1e-5)
+            compared += 1
+    assert compared > 2000
+
+
+def test_texture_is_the_right_way_up(scene: SceneGeometry) -> None:
+    """A texture with one red corner, uv (0, 0), must come out at that corner in MuJoCo."""
+    _, files = scene_mjcf(scene, visuals=True)
+    mesh = scene.meshes[scene.object_mesh[0]]
+    body = files[f"meshes/visual_{scene.object_mesh[0]}.msh"]
+    n = len(mesh.vertices)
+    uv = np.frombuffer(body, "<f4", 2 * n, offset=16 + 12 * n).reshape(-1, 2)
+    spec = mujoco.MjSpec()
+    corners = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]
+    spec.add_mesh(name="m", file="m.obj", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
+    rows = [f"v {corners[i]} {corners[i + 1]} {corners[i + 2]}" for i in range(0, 12, 3)]
+    obj = "\n".join([*rows, "vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1", "f 1/1 2/2 3/3", "f 1/1 3/3 4/4"])
+    spec.assets = {"m.obj": obj.encode()}
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="m", contype=0, conaffinity=0)
+    stock = spec.compile().mesh_texcoord[0]  # how MuJoCo itself stores the lower left corner (0, 0) of an OBJ
+    np.testing.assert_allclose(stock, [0.0, 1.0])
+    np.testing.assert_allclose(uv[:, 1], 1.0 - mesh.uv[:, 1], atol=1e-6)
+
+
+def test_sky_faces_show_the_sky_where_it_is() -> None:
+    """A radiance that is bright in one direction alone must light the face that MuJoCo shows there."""
+    radiance = np.zeros((32, 64, 3), np.float32)
+    radiance[14:18, 46:50] = 1.0  # azimuth +pi/2 (column 48 of 64 from -pi), level: +y
+    front = _sky_face(radiance, 0.0, ((0, 1, 0), (1, 0, 0), (0, 0, -1)))
+    right = _sky_face(radiance, 0.0, ((1, 0, 0), (0, -1, 0), (0, 0, -1)))
+    turned = _sky_face(radiance, -np.pi / 2, ((1, 0, 0), (0, -1, 0), (0, 0, -1)))
+    assert front[32, 32].min() == 255 and right.max() == 0 and turned[32, 32].min() == 255
+
+
+def test_geometry_file_round_trip(tmp_path, scene: SceneGeometry) -> None:
+    scene.save(tmp_path / "geometry.npz")
+    loaded = SceneGeometry.load(tmp_path / "geometry.npz")
+    assert scene_mjcf(loaded, box_skies()["clear"]) == scene_mjcf(scene, box_skies()["clear"])
+    np.testing.assert_array_equal(loaded.map.height, scene.map.height)
+    np.testing.assert_array_equal(loaded.episodes.waypoints, scene.episodes.waypoints)

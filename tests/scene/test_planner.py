@@ -1,0 +1,106 @@
+import numpy as np
+import pytest
+
+from urbanverse_mjx.datatypes import GroundRegion
+from urbanverse_mjx.scene import maps
+from urbanverse_mjx.scene.geometry import SceneMap
+from urbanverse_mjx.scene.planner import GoalField, RobotSize, free_space, path_length, resample
+
+BOX = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (0.0, 1.0)])
+EYE = np.eye(3)
+
+
+def _region(name: str, kind: str, x0: float, y0: float, x1: float, y1: float, z: float = 0.0) -> GroundRegion:
+    return GroundRegion(name, kind, ((x0, y0), (x1, y0), (x1, y1), (x0, y1)), (0.0, 0.0, z))
+
+
+def _yard() -> SceneMap:
+    return maps.ground_map([_region("yard", "sidewalk", 0, 0, 12, 6)])
+
+
+def _blocked(scene_map: SceneMap, centre: tuple[float, float, float], size: tuple[float, float, float]) -> SceneMap:
+    return maps.with_clearance(scene_map, [BOX * size], EYE[None], np.array([centre]))
+
+
+def _cell(space, x: float, y: float) -> np.ndarray:
+    return np.floor((np.array([x, y]) - space.map.origin) / 0.2).astype(int)
+
+
+def test_map_of_two_levels_and_paint() -> None:
+    regions = [
+        _region("walk", "sidewalk", 0, 0, 4, 2, 0.15),
+        _region("road", "road", 0, 2, 4, 6),
+        _region("line", "road_marking", 1, 3.9, 3, 4.1, 0.0),
+    ]
+    m = maps.ground_map(regions)
+
+    def at(x: float, y: float) -> tuple[float, int]:
+        i, j = np.floor((np.array([x, y]) - m.origin) / m.resolution).astype(int)
+        return float(m.height[i, j]), int(m.kind[i, j])
+
+    assert at(2.01, 1.01) == (pytest.approx(0.15), 4)
+    assert at(2.01, 3.01) == (0.0, 1)
+    assert at(2.01, 4.01) == (0.0, 2)
+    assert np.isnan(at(-0.3, 1.01)[0]) and at(-0.3, 1.01)[1] == 0
+    assert (m.kind == 4).sum() * 0.05**2 == pytest.approx(8.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(("z", "height", "expected"), [(0.0, 1.0, 0.0), (2.2, 1.0, 2.2), (-0.3, 0.5, 0.0), (6.5, 1.0, 9.99)])
+def test_clearance_is_the_height_of_the_lower_side(z: float, height: float, expected: float) -> None:
+    m = _blocked(_yard(), (6.0, 3.0, z), (1.0, 1.0, height))
+    i, j = np.floor((np.array([6.01, 3.01]) - m.origin) / m.resolution).astype(int)
+    assert m.clearance[i, j] == pytest.approx(expected, abs=1e-6)
+    assert m.clearance[i + 30, j] == pytest.approx(9.99)
+    touched = (m.clearance < 9.0).sum() * 0.05**2
+    assert touched == 0 if expected > 9 else 1.0 <= touched <= 1.2**2
+
+
+def test_buried_things_do_not_block() -> None:
+    assert (_blocked(_yard(), (6.0, 3.0, -2.0), (1.0, 1.0, 1.9)).clearance == np.float32(9.99)).all()
+
+
+def test_nothing_is_nearer_than_the_radius_on_a_free_cell() -> None:
+    size = RobotSize()
+    m = _blocked(_yard(), (6.0, 3.0, 0.0), (0.5, 0.5, 1.0))
+    space = free_space(m, size)
+    i, j = np.nonzero(space.free)
+    centres = m.origin + (np.stack([i, j], -1) + 0.5) * m.resolution
+    to_box = np.linalg.norm(np.maximum(np.abs(centres - [6.0, 3.0]) - 0.25, 0), axis=1)
+    to_rim = np.min([centres[:, 0], 12 - centres[:, 0], centres[:, 1], 6 - centres[:, 1]], 0)
+    assert to_box.min() >= size.radius + size.margin - 0.02
+    assert to_rim.min() >= size.radius + size.margin - 0.02
+    assert space.free[tuple(np.floor((np.array([6.0, 4.0]) - m.origin) / 0.05).astype(int))]
+    coarse = np.argwhere(space.cost > 0)
+    for a, b in coarse:
+        assert space.free[a * 4 : a * 4 + 4, b * 4 : b * 4 + 4].all()
+
+
+def test_a_kerb_is_no_way_but_a_low_step_is() -> None:
+    for step, passable in ((0.15, False), (0.02, True)):
+        m = maps.ground_map([_region("a", "sidewalk", 0, 0, 4, 6), _region("b", "sidewalk", 4, 0, 8, 6, step)])
+        space = free_space(m, RobotSize())
+        assert space.line_free(np.array([1.0, 3.0]), np.array([7.0, 3.0])) is passable
+        field = GoalField(space, _cell(space, 7, 3))
+        assert np.isfinite(field.cost[tuple(_cell(space, 1, 3))]) == passable
+
+
+def test_way_around_a_wall_is_the_shortest() -> None:
+    """A wall from y = 0 to 4 leaves a gap at the top: the taut way touches its inflated end."""
+    m = _blocked(_yard(), (6.0, 2.0, 0.0), (0.2, 4.0, 2.0))
+    space = free_space(m, RobotSize())
+    start, goal = np.array([4.0, 1.0]), np.array([8.0, 1.0])
+    assert not space.line_free(start, goal)
+    field = GoalField(space, _cell(space, *goal))
+    path = field.path(_cell(space, *start))
+    least = 2 * np.hypot(2.0 - 0.1, 3.0 + 0.4)
+    assert least < path_length(path) < 1.16 * least
+    assert all(space.line_free(a, b) for a, b in zip(path, path[1:], strict=False))
+    straight = field.path(_cell(space, 8.0, 5.0))
+    assert len(straight) == 2
+
+
+def test_resample_keeps_distance_and_ends_at_the_goal() -> None:
+    path = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 9.0]])
+    np.testing.assert_allclose(resample(path, 5.0), [[3, 2], [3, 7], [3, 9]])
+    np.testing.assert_allclose(resample(path, 6.0), [[3, 3], [3, 9]])
+    np.testing.assert_allclose(resample(path, 50.0), [[3, 9]])
