@@ -105,7 +105,7 @@ class Figure:
 
     # Parts --------------------------------------------------------------------------------------------------------------
 
-    def ring(self, share: float, half_width: float, half_depth: float, forward: float = 0.0, points: int = 14) -> np.ndarray:
+    def ring(self, share: float, half_width: float, half_depth: float, forward: float = 0.0, points: int = 12) -> np.ndarray:
         """A cross section of the trunk (superellipse), sizes as shares of the stature."""
         h, g = self.look.height, self.look.girth
         a = np.arange(points) * 2 * np.pi / points
@@ -161,10 +161,10 @@ class Figure:
             if bare:
                 self.builder.tube(path, list(radii), look.skin, sides=8)
             else:
-                self.builder.tube(path, list(radii * np.array([1.04, 1.08, 1.16, 1.18, 1.5])), look.bottom_color, sides=10)
+                self.builder.tube(path, list(radii * np.array([1.04, 1.08, 1.16, 1.18, 1.5])), look.bottom_color, sides=8)
             if look.bottom == "shorts":
                 end = top + (knee - top) * 0.78
-                self.builder.tube([top, (top + end) / 2, end], list(radii[:3] * np.array([1.1, 1.18, 1.5])), look.bottom_color, sides=10)
+                self.builder.tube([top, (top + end) / 2, end], list(radii[:3] * np.array([1.1, 1.18, 1.5])), look.bottom_color, sides=8)
             self._shoe(ankle, self.pose.thigh[k] - self.pose.knee[k])
         # The seat joins the legs.
         seat = [self.ring(-0.055, 0.060, 0.050), self.ring(-0.025, 0.090, 0.066), self.ring(0.02, 0.093, 0.066), self.ring(0.045, 0.088, 0.061)]
@@ -219,17 +219,17 @@ class Figure:
         look, (rx, ry, rz) = self.look, self.head_radii
         with self.builder.frame(tuple(self.head_center), (0, 0, self.pose.turn)):
             # The face narrows towards the chin.
-            skull = shapes.ellipsoid((rx, ry, rz), 14, 10)
+            skull = shapes.ellipsoid((rx, ry, rz), 12, 8)
             points = skull.vertices.copy()
             low = np.clip(-points[:, 2] / rz, 0, 1)
             points[:, 1] *= 1 - 0.22 * low
             points[:, 0] = np.where(points[:, 0] < 0, points[:, 0] * (1 - 0.25 * low), points[:, 0])
             self.builder.add(Shape(points, skull.faces), look.skin, crease_deg=60)
             for side in (-1, 1):
-                self.builder.ball((rx * 0.08, ry * 0.17, rz * 0.065), (rx * 0.87, side * ry * 0.40, rz * 0.08), "white", segments=6, rings=4)
-                self.builder.ball((rx * 0.06, ry * 0.08, rz * 0.06), (rx * 0.93, side * ry * 0.40, rz * 0.08), "#2a1d14", segments=6, rings=4)
-                self.builder.ball((rx * 0.05, ry * 0.24, rz * 0.03), (rx * 0.87, side * ry * 0.40, rz * 0.24), look.hair_color, segments=6, rings=4)
-                self.builder.ball((rx * 0.16, ry * 0.10, rz * 0.17), (-rx * 0.05, side * ry * 0.98, 0.0), look.skin, segments=6, rings=4)
+                self.builder.ball((rx * 0.08, ry * 0.17, rz * 0.065), (rx * 0.87, side * ry * 0.40, rz * 0.08), "white", segments=5, rings=3)
+                self.builder.ball((rx * 0.06, ry * 0.08, rz * 0.06), (rx * 0.93, side * ry * 0.40, rz * 0.08), "#2a1d14", segments=5, rings=3)
+                self.builder.ball((rx * 0.05, ry * 0.24, rz * 0.03), (rx * 0.87, side * ry * 0.40, rz * 0.24), look.hair_color, segments=5, rings=3)
+                self.builder.ball((rx * 0.16, ry * 0.10, rz * 0.17), (-rx * 0.05, side * ry * 0.98, 0.0), look.skin, segments=5, rings=3)
             self.builder.convex([(rx * 0.92, 0, rz * 0.12), (rx * 1.16, 0, -rz * 0.16), (rx * 0.9, ry * 0.17, -rz * 0.22), (rx * 0.9, -ry * 0.17, -rz * 0.22)], shade(look.skin, 0.96))
             self.builder.ball((rx * 0.06, ry * 0.30, rz * 0.035), (rx * 0.82, 0, -rz * 0.46), mix(look.skin, "dark red", 0.45), segments=8, rings=4)
             self._hair()
@@ -239,7 +239,7 @@ class Figure:
         if look.hair == "bald":
             return
         grow = 1.16 if look.hair == "curly" else 1.09
-        cap = shapes.ellipsoid((rx * grow, ry * grow, rz * grow), 14, 10)
+        cap = shapes.ellipsoid((rx * grow, ry * grow, rz * grow), 12, 8)
         middle = cap.vertices[cap.faces].mean(1)
         # The hairline: high over the forehead, low at the neck.
         keep = middle[:, 2] > 0.42 * rz + 0.95 * (middle[:, 0] - 0.55 * rx) * rz / rx
