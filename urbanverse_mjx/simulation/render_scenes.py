@@ -152,7 +152,8 @@ def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> SceneT
     tables.category = wp.array(bank.slot_category, dtype=int)
     tables.sun_direction = wp.array(sun, dtype=wp.vec3)
     tables.sun_irradiance = wp.array(irradiance, dtype=wp.vec3)
-    tables.ambient = wp.array(sky_ambient(bank), dtype=wp.vec3)
+    # The even light stands in for the sky, and is not added to it.
+    tables.ambient = wp.array(sky_ambient(bank) * (not sky), dtype=wp.vec3)
     tables.sky = wp.array(bank.scene_sky if sky else np.zeros_like(bank.scene_sky), dtype=int)
     tables.sky_yaw = wp.array(bank.scene_sky_yaw, dtype=float)
     return tables

@@ -16,7 +16,7 @@ import warp as wp
 
 from .. import settings as process
 from ..datatypes import NounError, RobotSpec, SceneBank
-from .render_context import OUTPUTS, ROBOT_LABEL, Settings, SharedAssets, WorldBatch
+from .render_context import OUTPUTS, ROBOT_LABEL, SHADINGS, Settings, SharedAssets, WorldBatch
 from .render_model import build_render_model
 from .warp_bridge import batched_call, register, registered
 
@@ -64,6 +64,7 @@ class Renderer:
       threads: on the CPU worlds are split over this many threads; default: `settings.num_threads()`.
       camera: name of the robot's camera; default `robot.camera`.
       samples: rays per pixel along each side (2 = four rays).
+      shading: "pbr" or "matte" (no highlights, half as fast again on a CPU; the same light otherwise).
 
     Raises:
       NounError: an unknown output or camera, or a size below one.
@@ -81,17 +82,20 @@ class Renderer:
         threads: int | None = None,
         camera: str | None = None,
         samples: int = 1,
+        shading: str = "pbr",
     ) -> None:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
             if name not in OUTPUTS:
                 raise NounError(f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; mend its spelling")
+        if shading not in SHADINGS:
+            raise NounError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; mend its spelling")
         if not wanted or min(height, width, samples) < 1:
             raise NounError(
                 f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of each"
             )
         self.bank = bank
-        self.settings = Settings(height, width, wanted, shadows, sky, samples)
+        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading)
         self.threads = threads or process.num_threads()
         self._model = build_render_model(bank, robot)
         self.num_bodies = self._model.num_bodies

@@ -1,4 +1,4 @@
-"""Pictures of scenes for people: from eye level, from above, and of a robot on its way.
+"""Pictures of scenes for people: from eye level and from above.
 
 Nine rays a pixel, sun shadows on. A `Studio` keeps the bank's meshes and textures for many pictures; `render_view`
 and `birdseye` are one picture each.
@@ -7,6 +7,7 @@ and `birdseye` are one picture each.
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ..datatypes import NounError, RobotSpec, SceneBank
 from ..simulation.renderer import Renderer
@@ -27,19 +28,7 @@ def look_at(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.ndarray:
     if np.linalg.norm(back) < 1e-9 or np.linalg.norm(right) < 1e-9 * np.linalg.norm(back):
         raise NounError(f"camera: found eye {eye}, target {target}; needed two points not above one another; move one")
     back, right = back / np.linalg.norm(back), right / np.linalg.norm(right)
-    return _quaternion(np.column_stack([right, np.cross(back, right), back]))
-
-
-def _quaternion(m: np.ndarray) -> np.ndarray:
-    """wxyz of a rotation matrix: the eigenvector of Bar-Itzhack's symmetric matrix for its largest eigenvalue."""
-    k = np.array([
-        [m[0, 0] - m[1, 1] - m[2, 2], m[1, 0] + m[0, 1], m[2, 0] + m[0, 2], m[2, 1] - m[1, 2]],
-        [m[1, 0] + m[0, 1], m[1, 1] - m[0, 0] - m[2, 2], m[2, 1] + m[1, 2], m[0, 2] - m[2, 0]],
-        [m[2, 0] + m[0, 2], m[2, 1] + m[1, 2], m[2, 2] - m[0, 0] - m[1, 1], m[1, 0] - m[0, 1]],
-        [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], m[0, 0] + m[1, 1] + m[2, 2]],
-    ])  # fmt: skip
-    x, y, z, w = np.linalg.eigh(k)[1][:, -1]
-    return np.array([w, x, y, z]) * (1.0 if w >= 0 else -1.0)
+    return Rotation.from_matrix(np.column_stack([right, np.cross(back, right), back])).as_quat(scalar_first=True)
 
 
 def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
@@ -48,13 +37,8 @@ def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
     for slot in np.flatnonzero(bank.slot_mesh[scene] >= 0):
         mesh = bank.slot_mesh[scene, slot]
         vertices = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]]
-        w, x, y, z = bank.slot_quaternion[scene, slot].astype(np.float64)
-        turn = np.array([
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ])  # fmt: skip
-        corners.append(vertices @ turn.T + bank.slot_position[scene, slot])
+        turn = Rotation.from_quat(bank.slot_quaternion[scene, slot], scalar_first=True)
+        corners.append(turn.apply(vertices) + bank.slot_position[scene, slot])
     if not corners:
         raise NounError(f"scene {scene}: found nothing to see; needed at least one slot; rebuild the bank")
     points = np.concatenate(corners)
@@ -108,14 +92,6 @@ class Studio:
         x, y, z, yaw = self.bank.episode_start[scene, row].astype(np.float64)
         eye = np.array([x, y, z + EYE_HEIGHT])
         return self.view(scene, eye, eye + np.array([np.cos(yaw) * distance, np.sin(yaw) * distance, -0.08 * distance]))
-
-    def chase(self, scene: int, xpos: Any, xquat: Any, distance: float = 2.6, height: float = 1.5) -> np.ndarray:
-        """(H, W, 3) uint8: the robot from behind and above; xpos (nbody, 3), xquat (nbody, 4) as in `SimState`."""
-        body, q = np.asarray(xpos, np.float64)[1], np.asarray(xquat, np.float64)[1]
-        yaw = np.arctan2(2 * (q[0] * q[3] + q[1] * q[2]), 1 - 2 * (q[2] ** 2 + q[3] ** 2))
-        ahead = np.array([np.cos(yaw), np.sin(yaw), 0.0])
-        eye = body - ahead * distance + np.array([0.0, 0.0, height])
-        return self.view(scene, eye, body + ahead * 2.5, xpos=xpos, xquat=xquat)
 
 
 def render_view(
