@@ -48,7 +48,7 @@ def test_grid_lists_everything_within_reach(small_bank: SceneBank) -> None:
         points = np.column_stack([rng.uniform(-1, 61, 1500), rng.uniform(-9, 9, 1500), rng.uniform(0, 0.6, 1500)])
         cells = np.floor((points[:, :2] - small_bank.grid_origin[z]) / small_bank.grid_cell).astype(int)
         listed = small_bank.hull_grid[z, cells[:, 0], cells[:, 1]]
-        for q in np.flatnonzero(small_bank.inst_hull[z] >= 0):
+        for q in map(int, np.flatnonzero(small_bank.inst_hull[z] >= 0)):
             near = _box_distance(points, small_bank, z, q) <= small_bank.meta["grid_reach"]
             assert (listed[near] == q).any(1).all()
         assert (listed >= 0).any(1).mean() > 0.1
@@ -86,17 +86,20 @@ def test_slots_keep_one_order_and_ground_comes_last(small_bank: SceneBank) -> No
         used = small_bank.slot_mesh[z] >= 0
         ground = np.zeros(len(used), bool)
         ground[used] = kinds[small_bank.slot_category[z, used]]
-        assert not ground[:40].any() and ground[used][40:].all()
+        assert not ground[:40].any()
+        assert ground[used][40:].all()
         assert (np.diff(small_bank.slot_position[z, used & ~ground, 0]) >= 0).all()
 
 
 def test_scenes_of_different_size_share_a_bank() -> None:
     scenes = [*box_scenes(1, 0, 10), *box_scenes(2, 0, 25)[1:]]
     bank = pack(scenes, ["train", "test"], box_skies())
-    assert (bank.inst_hull[0] >= 0).sum() == 10 and (bank.inst_hull[1] >= 0).sum() == 25
+    assert (bank.inst_hull[0] >= 0).sum() == 10
+    assert (bank.inst_hull[1] >= 0).sum() == 25
     x = bank.slot_position[:, :25, 0]
     used = bank.slot_mesh[:, :25] >= 0
-    assert used[0].sum() == 10 and np.diff(np.flatnonzero(used[0])).max() <= 3
+    assert used[0].sum() == 10
+    assert np.diff(np.flatnonzero(used[0])).max() <= 3
     assert np.abs(x[0][used[0]] - x[1][used[0]]).max() < 25
 
 
@@ -104,7 +107,8 @@ def test_equal_things_are_stored_once() -> None:
     scene = box_scenes(1, 0, 12)[0]
     twin = dataclasses.replace(scene, scene_id="twin")
     one, two = pack([scene], ["train"], box_skies()), pack([scene, twin], ["train", "test"], box_skies())
-    assert one.num_hulls == two.num_hulls and one.num_meshes == two.num_meshes
+    assert one.num_hulls == two.num_hulls
+    assert one.num_meshes == two.num_meshes
     assert len(one.texture_start) == len(two.texture_start)
 
 

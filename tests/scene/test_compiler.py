@@ -42,8 +42,12 @@ def test_folder_is_whole_and_loads_in_stock_mujoco(compiled: CompiledScene) -> N
     names = {p.name for p in compiled.folder.iterdir()}
     files = {"scene.xml", "maps.npz", "routes.json", "episodes.npz", "layout.json", "metadata.json", "geometry.npz"}
     assert names == files | {"meshes", "textures"}
-    code = "import mujoco, sys; m = mujoco.MjModel.from_xml_path(sys.argv[1]); print(m.ngeom, 'urbanverse_mjx' in sys.modules)"
-    run = subprocess.run([sys.executable, "-c", code, compiled.folder / "scene.xml"], capture_output=True, text=True, check=True)
+    code = """import mujoco, sys
+model = mujoco.MjModel.from_xml_path(sys.argv[1])
+print(model.ngeom, 'urbanverse_mjx' in sys.modules)"""
+    run = subprocess.run(
+        [sys.executable, "-c", code, compiled.folder / "scene.xml"], capture_output=True, text=True, check=True
+    )
     counts = compiled.metadata["counts"]
     assert run.stdout.split() == [str(sum(counts[k] for k in ("objects", "hulls", "prisms", "regions"))), "False"]
     assert not list(compiled.folder.parent.glob(".toy-*"))
@@ -63,7 +67,9 @@ def test_objects_stand_at_the_layouts_poses(compiled: CompiledScene) -> None:
         assert model.body_mass[body] == pytest.approx(placed.mass, rel=1e-4)
         (q,) = np.flatnonzero(bank.inst_object[0] == slots[placed.id])
         corners = bank.hull_vertices[bank.inst_hull[0, q], :8]
-        np.testing.assert_allclose(sorted(map(tuple, corners)), sorted(map(tuple, UNIT_BOX * np.float32(placed.scale))))
+        np.testing.assert_allclose(
+            sorted(map(tuple, corners)), sorted(map(tuple, UNIT_BOX * np.array(placed.scale, np.float32)))
+        )
 
 
 def test_episodes_keep_every_rule(compiled: CompiledScene) -> None:
@@ -73,7 +79,8 @@ def test_episodes_keep_every_rule(compiled: CompiledScene) -> None:
     assert len(table) >= MIN_ROWS
     assert len(np.unique(table.goal, axis=0)) >= 32
     straight = np.linalg.norm(table.goal[:, :2] - table.start[:, :2], axis=1)
-    assert straight.min() >= 10.0 and straight.max() <= 30.0
+    assert straight.min() >= 10.0
+    assert straight.max() <= 30.0
     assert (table.length >= straight - 1e-6).all()
     for ends in (table.start[:, :2], table.goal[:, :2]):
         assert (space.distance[space.cell(ends)] >= size.radius + size.end_margin - 1e-6).all()
@@ -82,12 +89,17 @@ def test_episodes_keep_every_rule(compiled: CompiledScene) -> None:
     assert (table.drive_time > straight / 2.0 - 1.0).all()
     first = table.waypoints[:, 0, :2] - table.start[:, :2]
     off = np.angle(np.exp(1j * (np.arctan2(first[:, 1], first[:, 0]) - table.start[:, 3])))
-    assert np.abs(off).max() <= np.pi / 6 + 1e-6 and np.abs(off).max() > np.pi / 8
+    assert np.abs(off).max() <= np.pi / 6 + 1e-6
+    assert np.abs(off).max() > np.pi / 8
     for e in range(len(table)):
         number = table.num_waypoints[e]
         assert number == int(np.ceil(table.length[e] / 5.0 - 1e-6))
-        np.testing.assert_array_equal(table.waypoints[e, number - 1 :], np.broadcast_to(table.goal[e], (table.waypoints.shape[1] - number + 1, 3)))
-        gaps = np.linalg.norm(np.diff(np.concatenate([table.start[e : e + 1, :2], table.waypoints[e, :number, :2]]), axis=0), axis=1)
+        np.testing.assert_array_equal(
+            table.waypoints[e, number - 1 :], np.broadcast_to(table.goal[e], (table.waypoints.shape[1] - number + 1, 3))
+        )
+        gaps = np.linalg.norm(
+            np.diff(np.concatenate([table.start[e : e + 1, :2], table.waypoints[e, :number, :2]]), axis=0), axis=1
+        )
         assert gaps.max() <= 5.0 + 1e-6
         assert table.line_free[e] == space.line_free(table.start[e, :2], table.goal[e, :2])
     assert table.crosses_road.mean() >= 0.15
@@ -108,12 +120,14 @@ def test_same_layout_same_files(compiled: CompiledScene, tmp_path: pathlib.Path)
         else:
             assert path.read_bytes() == twin.read_bytes()
     loaded = CompiledScene.load(again.folder)
-    assert loaded.layout == compiled.layout and loaded.metadata == compiled.metadata
+    assert loaded.layout == compiled.layout
+    assert loaded.metadata == compiled.metadata
 
 
 def test_routes_are_in_the_exchange_format(compiled: CompiledScene) -> None:
     body = json.loads((compiled.folder / "routes.json").read_text())
-    assert body["format"] == 1 and len(body["routes"]) == compiled.metadata["counts"]["goals"]
+    assert body["format"] == 1
+    assert len(body["routes"]) == compiled.metadata["counts"]["goals"]
     for route in body["routes"]:
         points = np.array(route["waypoints"])
         facts = route["facts"]
@@ -121,7 +135,8 @@ def test_routes_are_in_the_exchange_format(compiled: CompiledScene) -> None:
         assert np.linalg.norm(np.diff(points[:, :2], axis=0), axis=1).max() <= 0.5 + 1e-3
         assert route["start"] == dict(zip(("x", "y", "z", "yaw"), points[0], strict=True))
         assert [route["goal"][k] for k in "xyz"] == points[-1, :3].tolist()
-        assert facts["curbs"] == 0 and facts["min_clearance_m"] >= 0.35
+        assert facts["curbs"] == 0
+        assert facts["min_clearance_m"] >= 0.35
         assert sum(facts["by_kind_m"].values()) == pytest.approx(facts["length_m"], abs=0.01)
         assert facts["detour"] >= 1.0
         assert ("crosswalk" in facts["by_kind_m"]) == (facts["road_crossings"] > 0)
@@ -160,8 +175,12 @@ def test_no_room_for_episodes_is_refused(tmp_path: pathlib.Path) -> None:
     layout = _layout()
     road = tuple(g for g in layout.ground if g.kind == "road")
     with pytest.raises(NounError, match="walkable ground"):
-        compile_scene(dataclasses.replace(layout, ground=road), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE)
+        compile_scene(
+            dataclasses.replace(layout, ground=road), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE
+        )
     small = tuple(g for g in layout.ground if g.id == "ramp_left")
     with pytest.raises(NounError, match="walkable ground"):
-        compile_scene(dataclasses.replace(layout, ground=small), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE)
+        compile_scene(
+            dataclasses.replace(layout, ground=small), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE
+        )
     assert not list(tmp_path.iterdir())

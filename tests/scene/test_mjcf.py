@@ -49,13 +49,15 @@ def test_what_is_seen_is_not_touched_and_lies_in_the_right_place(scene: SceneGeo
     model, data = loaded
     seen = model.geom_group == 2
     assert seen.sum() == len(scene.object_ids) + len(scene.region_ids)
-    assert not model.geom_contype[seen].any() and not model.geom_conaffinity[seen].any()
+    assert not model.geom_contype[seen].any()
+    assert not model.geom_conaffinity[seen].any()
     for o in (0, 7, 23):
         mesh = scene.meshes[scene.object_mesh[o]]
         world = mesh.vertices @ quaternion_matrix(scene.object_quaternion[o]).T + scene.object_position[o]
         mine = _world_vertices(model, data, model.geom(f"{scene.object_ids[o]}/visual").id)
         assert np.abs(mine[:, None] - world[None]).max(-1).min(1).max() < 1e-5
-    assert model.opt.timestep == TIMESTEP and model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
+    assert model.opt.timestep == TIMESTEP
+    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
     assert model.light("sun").type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
 
 
@@ -71,7 +73,8 @@ def test_map_agrees_with_rays(scene: SceneGeometry, loaded) -> None:
         if geom[0] >= 0 and model.geom_bodyid[geom[0]] > 0:
             continue
         if np.isnan(height):
-            assert distance < 0 and scene.map.kind[i, j] == 0
+            assert distance < 0
+            assert scene.map.kind[i, j] == 0
         else:
             assert 5.0 - distance == pytest.approx(height, abs=1e-5)
             compared += 1
@@ -104,7 +107,9 @@ def test_sky_faces_show_the_sky_where_it_is() -> None:
     front = _sky_face(radiance, 0.0, ((0, 1, 0), (1, 0, 0), (0, 0, -1)))
     right = _sky_face(radiance, 0.0, ((1, 0, 0), (0, -1, 0), (0, 0, -1)))
     turned = _sky_face(radiance, -np.pi / 2, ((1, 0, 0), (0, -1, 0), (0, 0, -1)))
-    assert front[32, 32].min() == 255 and right.max() == 0 and turned[32, 32].min() == 255
+    assert front[32, 32].min() == 255
+    assert right.max() == 0
+    assert turned[32, 32].min() == 255
 
 
 def test_geometry_file_round_trip(tmp_path, scene: SceneGeometry) -> None:

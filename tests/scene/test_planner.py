@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 
@@ -41,11 +43,14 @@ def test_map_of_two_levels_and_paint() -> None:
     assert at(2.01, 1.01) == (pytest.approx(0.15), 4)
     assert at(2.01, 3.01) == (0.0, 1)
     assert at(2.01, 4.01) == (0.0, 2)
-    assert np.isnan(at(-0.3, 1.01)[0]) and at(-0.3, 1.01)[1] == 0
+    assert np.isnan(at(-0.3, 1.01)[0])
+    assert at(-0.3, 1.01)[1] == 0
     assert (m.kind == 4).sum() * 0.05**2 == pytest.approx(8.0, rel=1e-3)
 
 
-@pytest.mark.parametrize(("z", "height", "expected"), [(0.0, 1.0, 0.0), (2.2, 1.0, 2.2), (-0.3, 0.5, 0.0), (6.5, 1.0, 9.99)])
+@pytest.mark.parametrize(
+    ("z", "height", "expected"), [(0.0, 1.0, 0.0), (2.2, 1.0, 2.2), (-0.3, 0.5, 0.0), (6.5, 1.0, 9.99)]
+)
 def test_clearance_is_the_height_of_the_lower_side(z: float, height: float, expected: float) -> None:
     m = _blocked(_yard(), (6.0, 3.0, z), (1.0, 1.0, height))
     i, j = np.floor((np.array([6.01, 3.01]) - m.origin) / m.resolution).astype(int)
@@ -94,7 +99,7 @@ def test_way_around_a_wall_is_the_shortest() -> None:
     path = field.path(_cell(space, *start))
     least = 2 * np.hypot(2.0 - 0.1, 3.0 + 0.4)
     assert least < path_length(path) < 1.16 * least
-    assert all(space.line_free(a, b) for a, b in zip(path, path[1:], strict=False))
+    assert all(space.line_free(a, b) for a, b in itertools.pairwise(path))
     straight = field.path(_cell(space, 8.0, 5.0))
     assert len(straight) == 2
 

@@ -136,7 +136,9 @@ def shipped_scenes() -> tuple[list[pathlib.Path], list[str]]:
     """
     root = settings.scene_root()
     table = v.mapping(v.read_json(root / "splits.json", "split table"), "splits.json", ("train", "test"))
-    rows = [(root / v.text(name, f"splits.json {split}") / "graph.json", split) for split in table for name in table[split]]
+    rows = [
+        (root / v.text(name, f"splits.json {split}") / "graph.json", split) for split in table for name in table[split]
+    ]
     return [path for path, _ in rows], [split for _, split in rows]
 
 
@@ -148,9 +150,7 @@ def ensure_default_bank(quiet: bool = False) -> SceneBank:
     return SceneBank.load(path)
 
 
-def build_bank(
-    graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int = 0, quiet: bool = False
-) -> SceneBank:
+def build_bank(graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int = 0, quiet: bool = False) -> SceneBank:
     """Compiles the graphs in parallel processes and packs them.
 
     Raises:

@@ -168,9 +168,7 @@ def _grid_arrays(scenes: Any, hull_rows: Any, parts: list[ConvexPart]) -> dict[s
         shape = tuple(np.ceil((high[:2] - origin) / grids.CELL).astype(int) + _GRID_MARGIN)
         eye = np.broadcast_to(np.eye(3), (len(prism), 3, 3))
         ceiling = float(high[2]) + grids.HEADROOM
-        tables["hull_grid"].append(
-            grids.build_grid(origin, shape, hull_centre, rotation, hull[:, 1], ceiling=ceiling)
-        )
+        tables["hull_grid"].append(grids.build_grid(origin, shape, hull_centre, rotation, hull[:, 1], ceiling=ceiling))
         tables["prism_grid"].append(grids.build_grid(origin, shape, prism_centre, eye, prism[:, 1]))
         origins.append(origin)
     packed = {name: _pack_grids(table) for name, table in tables.items()}
@@ -191,9 +189,9 @@ def _pack_grids(tables: list[list[list[list[int]]]]) -> np.ndarray:
 def _map_arrays(scenes: Any) -> dict[str, np.ndarray]:
     shape = np.array([s.map.kind.shape for s in scenes]).max(0)
     kind = np.zeros((len(scenes), *shape), np.uint8)
-    for line, scene in zip(kind, scenes, strict=True):
+    for z, scene in enumerate(scenes):
         x, y = scene.map.kind.shape
-        line[:x, :y] = scene.map.kind
+        kind[z, :x, :y] = scene.map.kind
     if len({s.map.resolution for s in scenes}) > 1:
         raise v.fail("bank maps", "different resolutions", "one for all scenes", "compile the scenes again")
     origin = np.array([s.map.origin for s in scenes], np.float32)
@@ -262,7 +260,7 @@ def _slots(scenes: Any, mesh_rows: Any, categories: _Library) -> Any:
     slots = {
         "slot_mesh": np.full(shape, -1, np.int32),
         "slot_position": np.zeros((*shape, 3), np.float32),
-        "slot_quaternion": np.broadcast_to(np.float32([1, 0, 0, 0]), (*shape, 4)).copy(),
+        "slot_quaternion": np.tile(np.array([1, 0, 0, 0], np.float32), (*shape, 1)),
         "slot_category": np.full(shape, -1, np.int32),
     }
     object_slots, object_ids = [], []

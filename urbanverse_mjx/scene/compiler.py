@@ -243,12 +243,16 @@ def _write(
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_bytes(body)
     m = geometry.map
-    grid = {"origin": m.origin, "resolution": np.array(m.resolution)}
-    np.savez_compressed(folder / "maps.npz", ground=m.height, kind=m.kind, clearance=m.clearance, **grid)
+    map_file = {
+        "ground": m.height,
+        "kind": m.kind,
+        "clearance": m.clearance,
+        "origin": m.origin,
+        "resolution": m.resolution,
+    }
+    np.savez_compressed(folder / "maps.npz", allow_pickle=False, **map_file)
     table = geometry.episodes
-    np.savez_compressed(
-        folder / "episodes.npz", **{f.name: getattr(table, f.name) for f in dataclasses.fields(table)}
-    )
+    np.savez_compressed(folder / "episodes.npz", allow_pickle=False, **vars(table))
     geometry.save(folder / "geometry.npz")
     layout.save(folder / "layout.json")
     v.write_json(folder / "routes.json", routes_json(layout.id, space, size, table))

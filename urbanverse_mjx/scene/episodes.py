@@ -107,9 +107,7 @@ def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
     return middle[roomy & (on_sidewalk if (roomy & on_sidewalk).any() else np.ones(len(middle), bool))]
 
 
-def _candidate_pool(
-    space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rng: np.random.Generator
-) -> list[_Row]:
+def _candidate_pool(space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rng: np.random.Generator) -> list[_Row]:
     """Ways to `rules.goals` goals that have enough of them and, while places last, keep their distance."""
     order = rng.permutation(len(cells))
     pool: list[_Row] = []
@@ -135,7 +133,9 @@ def _candidates(
     field = GoalField(space, goal)
     end = space.coarse_center(goal)
     away = np.linalg.norm(space.coarse_center(cells) - end, axis=1)
-    reach = np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
+    reach = (
+        np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
+    )
     rows = []
     for wanted in rng.uniform(*rules.distance, _STARTS_PER_GOAL):
         near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))
@@ -155,7 +155,7 @@ def _crosses(space: FreeSpace, path: np.ndarray) -> bool:
 def _mixed_order(pool: list[_Row], rules: EpisodeRules, rng: np.random.Generator) -> list[int]:
     """Numbers of the pool such that every stretch of it has the wanted mix and all goals take part."""
     order = rng.permutation(len(pool))
-    turn = {g: 0 for g in range(rules.goals)}
+    turn = dict.fromkeys(range(rules.goals), 0)
     rank = []
     for i in order:
         turn[pool[i].goal] += 1

@@ -147,7 +147,7 @@ class SceneGeometry:
             part = getattr(self, noun)
             body |= {f"{noun}.{f.name}": np.asarray(getattr(part, f.name)) for f in dataclasses.fields(part)}
         body["meta"] = np.frombuffer(json.dumps(meta).encode("utf-8"), np.uint8)
-        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, **body))
+        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, allow_pickle=False, **body))
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "SceneGeometry":

@@ -143,7 +143,7 @@ def _skirt(top: np.ndarray, bottom: float, tile: float, first: int) -> tuple[np.
     along = np.stack([way[:-1], way[:-1], way[1:], way[1:]], 1) / tile
     uv = np.stack([along, vertices[..., 2] / tile], -1)
     quad = first + 4 * np.arange(len(top))[:, None]
-    faces = np.concatenate([quad + [0, 1, 2], quad + [0, 2, 3]])
+    faces = np.concatenate([quad + np.array([0, 1, 2]), quad + np.array([0, 2, 3])])
     return vertices.reshape(-1, 3), uv.reshape(-1, 2), faces
 
 

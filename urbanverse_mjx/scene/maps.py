@@ -29,7 +29,8 @@ def ground_map(regions: Sequence[Region]) -> SceneMap:
     rings = [np.asarray(r.polygon) for r in regions]
     low, high = np.min([r.min(0) for r in rings], 0), np.max([r.max(0) for r in rings], 0)
     origin = np.floor((low - _MARGIN) / RESOLUTION) * RESOLUTION
-    shape = tuple(int(n) for n in np.ceil((high + _MARGIN - origin) / RESOLUTION))
+    width, depth = (int(n) for n in np.ceil((high + _MARGIN - origin) / RESOLUTION))
+    shape = (width, depth)
     height, kind = np.full(shape, np.nan, np.float32), np.zeros(shape, np.uint8)
     for paint in (False, True):
         for region, ring in zip(regions, rings, strict=True):

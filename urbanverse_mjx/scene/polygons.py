@@ -55,8 +55,8 @@ def _triangles(corners: np.ndarray) -> list[Ring]:
     """Constrained Delaunay triangles as counter-clockwise rings of corner numbers."""
     number = {tuple(c): i for i, c in enumerate(corners)}
     rings = []
-    for triangle in shapely.constrained_delaunay_triangles(shapely.Polygon(corners)).geoms:
-        ring = [number[xy] for xy in triangle.exterior.coords[:3]]
+    for triangle in shapely.get_parts(shapely.constrained_delaunay_triangles(shapely.Polygon(corners))):
+        ring = [number[tuple(xy)] for xy in shapely.get_coordinates(triangle)[:3]]
         rings.append(ring if _turns(corners, ring)[0] > 0 else ring[::-1])
     return rings
 
@@ -79,7 +79,7 @@ def _merge(corners: np.ndarray, triangles: list[Ring], generator: np.random.Gene
     owner: dict[tuple[int, int], int] = {}
     parts: dict[int, Ring] = dict(enumerate(triangles))
     for number, ring in parts.items():
-        owner |= {edge: number for edge in zip(ring, ring[1:] + ring[:1], strict=True)}
+        owner |= dict.fromkeys(zip(ring, ring[1:] + ring[:1], strict=True), number)
     diagonals = [edge for edge in owner if edge[0] < edge[1] and edge[::-1] in owner]
     if generator is None:
         diagonals.sort(key=lambda e: -float(np.linalg.norm(corners[e[0]] - corners[e[1]])))
@@ -91,7 +91,7 @@ def _merge(corners: np.ndarray, triangles: list[Ring], generator: np.random.Gene
         if left != right and (_turns(corners, merged) >= -_STRAIGHT).all():
             del parts[right]
             parts[left] = merged
-            owner |= {edge: left for edge in zip(merged, merged[1:] + merged[:1], strict=True)}
+            owner |= dict.fromkeys(zip(merged, merged[1:] + merged[:1], strict=True), left)
     return list(parts.values())
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from .geometry import EpisodeTable
-from .planner import FreeSpace, GoalField, POOL, RobotSize, path_length, resample
+from .planner import POOL, FreeSpace, GoalField, RobotSize, path_length, resample
 
 FORMAT = 1
 #: Distance (m) between waypoints of a route, and the rise (m) within one of them that counts as a kerb.
@@ -26,7 +26,12 @@ def routes_json(scene_id: str, space: FreeSpace, size: RobotSize, episodes: Epis
         field = GoalField(space, _coarse(space, goal[:2]))
         path = field.path(_coarse(space, episodes.start[row, :2]))
         routes.append(_route(f"{scene_id}_{g:02d}", space, size, path))
-    return {"format": FORMAT, "scene": scene_id, "robot": {"name": "delivery", **dataclasses.asdict(size)}, "routes": routes}
+    return {
+        "format": FORMAT,
+        "scene": scene_id,
+        "robot": {"name": "delivery", **dataclasses.asdict(size)},
+        "routes": routes,
+    }
 
 
 def _coarse(space: FreeSpace, xy: np.ndarray) -> np.ndarray:
