@@ -3,6 +3,7 @@
 import pytest
 
 from tests.support.box_bank import box_bank
+from urbanverse_mjx.cli.scene import ensure_default_bank
 from urbanverse_mjx.datatypes import SceneBank
 
 
@@ -10,3 +11,9 @@ from urbanverse_mjx.datatypes import SceneBank
 def small_bank() -> SceneBank:
     """Three box streets, built in memory."""
     return box_bank(3, seed=0)
+
+
+@pytest.fixture(scope="session")
+def bank() -> SceneBank:
+    """The six shipped streets: from the cache, or built into it by the first test that asks."""
+    return ensure_default_bank(quiet=True)
