@@ -53,7 +53,7 @@ class JaxEngine:
       bank: the scenes.
       robot: the robot; all its collision geoms are spheres.
       control_dt: s, a multiple of the robot's physics time step.
-      num_slots: hulls of objects looked at per control step.
+      num_slots: hulls of objects looked at per control step; 0 leaves the ground alone.
       num_prism_slots: ground prisms looked at per control step.
       num_contacts: pairs of a sphere and a hull that may touch at once.
       iterations, line_steps: of the constraint solver.
@@ -82,7 +82,7 @@ class JaxEngine:
             raise v.fail(
                 "engine.control_dt", f"{control_dt:g} s", f"a multiple of the physics step {robot.physics_timestep:g} s"
             )
-        self.num_slots = v.integer(num_slots, "engine.num_slots", 1)
+        self.num_slots = v.integer(num_slots, "engine.num_slots", 0)
         self.num_prism_slots = v.integer(num_prism_slots, "engine.num_prism_slots", 1)
         pairs = (num_slots + num_prism_slots) * len(self.physics.spheres.radius)
         self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, pairs)
