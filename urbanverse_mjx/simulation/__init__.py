@@ -1,1 +1,7 @@
 """The engines and the renderer: what happens in a scene, and what it looks like, one env at a time under `jax.vmap`."""
+
+import warp
+
+# Warp, which MJX starts too, tells standard output what it finds and loads. Standard output belongs to commands, whose
+# last line programs read. This must stand before whatever starts Warp.
+warp.config.quiet = True

@@ -13,10 +13,6 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import warp as wp
-
-# Warp tells standard output what it loads; that belongs to commands, whose last line may be read by programs.
-wp.config.quiet = True
 
 _numbers = itertools.count(1)
 _registry: "weakref.WeakValueDictionary[int, Any]" = weakref.WeakValueDictionary()
