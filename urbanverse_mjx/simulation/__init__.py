@@ -4,4 +4,4 @@ import warp
 
 # Warp, which MJX starts too, tells standard output what it finds and loads. Standard output belongs to commands, whose
 # last line programs read. This must stand before whatever starts Warp.
-warp.config.quiet = True
+warp.config.log_level = warp.LOG_WARNING
