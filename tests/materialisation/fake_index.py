@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from urbanverse_mjx.assets import AssetIndex, category_of
-from urbanverse_mjx.citygen.catalogue import SIZES
+from urbanverse_mjx.citygen.catalogue import SIZES, STEMS
 from urbanverse_mjx.datatypes import AssetRecord, HullSet
 
 MOVABLE = {"chair", "garbage bag", "traffic cone", "scooter", "storage box", "parcels", "advertising board"}
@@ -37,15 +37,23 @@ def record(leaf: str, variant: int, extent: tuple[float, float, float], movable:
 def fake_index() -> AssetIndex:
     """Three boxes per leaf: the catalogue's size, 5 % smaller all over, and 40 % longer."""
     records = []
-    for leaf, size in SIZES.items():
+    for leaf, (size, *_) in SIZES.items():
         for k, factors in enumerate(((1.0, 1.0, 1.0), (0.95, 0.95, 0.95), (1.4, 1.0, 1.0))):
             extent = tuple(round(s * f, 4) for s, f in zip(size, factors, strict=True))
             records.append(record(leaf, k, extent, leaf in MOVABLE))
     return AssetIndex(records)
 
 
+def box(x: float, y: float, low: float, high: float) -> np.ndarray:
+    """(8, 3) corners of a box around the asset's upright axis."""
+    return np.array(list(itertools.product((-x / 2, x / 2), (-y / 2, y / 2), (low, high))), np.float32)
+
+
 def box_hulls(asset: AssetRecord) -> HullSet:
-    """The asset's box as its one hull."""
+    """The asset's box as one hull; slender things are a stem and what hangs above 2.2 m."""
     x, y, z = asset.extent_xyz
-    corners = itertools.product((-x / 2, x / 2), (-y / 2, y / 2), (0.0, z))
-    return HullSet((np.array(list(corners), np.float32),))
+    stem = STEMS.get(asset.leaf)
+    if stem is None:
+        return HullSet((box(x, y, 0.0, z),))
+    pole = box(stem.side, stem.side, 0.0, z) + np.float32([stem.offset * x / 2, 0.0, 0.0])
+    return HullSet((pole, box(x, y, min(2.2, 0.9 * z), z)))

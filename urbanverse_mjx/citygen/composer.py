@@ -9,7 +9,7 @@ import shapely
 from ..datatypes import GraphObject, GroundRegion, SceneGraph, Source
 from ..datatypes.ground import PAINT_KINDS, height_at
 from . import catalogue, passage
-from .section import StreetSection, ground_regions
+from .section import LOT_DEPTH, StreetSection, ground_regions
 
 #: One authored placement: label, x (m), side (+1 left, -1 right), distance from the kerb (m), facing.
 #: Facing is "street", "wall", "+x", "-x", or degrees counter-clockwise from +x.
@@ -51,19 +51,28 @@ class StreetComposer:
             return {"street": -90.0 * side, "wall": 90.0 * side, "+x": 0.0, "-x": 180.0}[facing]
         return float(facing)
 
-    def make(
-        self, label: str, x: float, y: float, degrees: float, size: catalogue.Size | None = None, lift: float = 0.0
-    ) -> GraphObject:
-        """The object that `put` would add, standing on the ground at (x, y)."""
-        along, across, up = size or catalogue.SIZES[label]
-        z = self.ground_height(x, y) + lift + up / 2
-        number = self._counts.get(label, 0)
-        name = f"{label.replace(' ', '_')}_{number:02d}"
+    def _number(self, label: str) -> int:
+        return self._counts.get(label, 0)
+
+    def next_size(self, label: str) -> catalogue.Size:
+        """The size that the next thing of a label gets."""
+        sizes = catalogue.SIZES[label]
+        return sizes[self._number(label) % len(sizes)]
+
+    def make(self, label: str, x: float, y: float, degrees: float, size: catalogue.Size | None = None) -> GraphObject:
+        """The object that `put` would add: its stem, or else its middle, stands on the ground at (x, y)."""
+        along, across, up = size or self.next_size(label)
+        z = self.ground_height(x, y) + up / 2
+        stem = catalogue.STEMS.get(label)
+        if stem:
+            ahead, angle = stem.offset * along / 2, math.radians(degrees)
+            x, y = x - ahead * math.cos(angle), y - ahead * math.sin(angle)
+        name = f"{label.replace(' ', '_')}_{self._number(label):02d}"
         center = (round(x, 3), round(y, 3), round(z, 4))
         return GraphObject(name, label, center, (along, across, up), passage.heading(degrees))
 
     def add(self, thing: GraphObject) -> GraphObject:
-        self._counts[thing.label] = self._counts.get(thing.label, 0) + 1
+        self._counts[thing.label] = self._number(thing.label) + 1
         self.objects.append(thing)
         return thing
 
@@ -99,7 +108,7 @@ class StreetComposer:
 
     def trees(self, xs: Iterable[float], side: int, from_kerb: float) -> None:
         """A row of trees of one kind whose crowns differ by up to 15 %."""
-        along, _, up = catalogue.SIZES["tree"]
+        along, _, up = catalogue.SIZES["tree"][0]
         for x in xs:
             crown, height = along * self.uniform(0.85, 1.15), up * self.uniform(0.88, 1.15)
             self.put(
@@ -117,29 +126,35 @@ class StreetComposer:
         self._wall(labels, a if x0 is None else x0, b if x1 is None else x1, side)
 
     def _wall(self, labels: Sequence[str], x0: float, x1: float, side: int) -> None:
-        total = sum(catalogue.SIZES[name][1] for name in labels)
+        sizes = self._frontages(labels, x1 - x0)
         x = x0
-        for label in labels:
-            depth, frontage, height = catalogue.SIZES[label]
-            width = frontage * (x1 - x0) / total
+        for label, (depth, width, height) in zip(labels, sizes, strict=True):
             y = side * (self.section.front(side) + depth / 2)
-            storeys = round(height * self.uniform(0.94, 1.06), 2)
-            self.add(self.make(label, x + width / 2, y, -90.0 * side, (depth, round(width - JOINT, 3), storeys)))
+            self.add(self.make(label, x + width / 2, y, -90.0 * side, (depth, round(width - JOINT, 3), height)))
             x += width
 
     def close_view(self, labels: Sequence[str], at_end: bool) -> None:
         """House fronts across one end of the street, facing along it."""
         kind = self.section.end if at_end else self.section.start
-        margin = 0.0 if kind == "court" else 9.0
+        margin = 0.0 if kind == "court" else LOT_DEPTH
         y0, y1 = -self.section.front(-1) - margin, self.section.front(1) + margin
-        total = sum(catalogue.SIZES[name][1] for name in labels)
         edge, y = self.section.closing_x(at_end), y0
-        for label in labels:
-            depth, frontage, height = catalogue.SIZES[label]
-            width = frontage * (y1 - y0) / total
+        for label, (depth, width, height) in zip(labels, self._frontages(labels, y1 - y0), strict=True):
             x = edge + (depth / 2 if at_end else -depth / 2)
-            self.add(self.make(label, x, y + width / 2, 180.0 if at_end else 0.0, (depth, round(width - JOINT, 3), height)))
+            box = (depth, round(width - JOINT, 3), height)
+            self.add(self.make(label, x, y + width / 2, 180.0 if at_end else 0.0, box))
             y += width
+
+    def _frontages(self, labels: Sequence[str], length: float) -> list[catalogue.Size]:
+        """Depth, frontage and height (m) of each house, the frontages stretched to fill a length together."""
+        counts: dict[str, int] = {}
+        sizes = []
+        for label in labels:
+            options = catalogue.SIZES[label]
+            sizes.append(options[(self._number(label) + counts.get(label, 0)) % len(options)])
+            counts[label] = counts.get(label, 0) + 1
+        stretch = length / sum(size[1] for size in sizes)
+        return [(d, w * stretch, round(h * self.uniform(0.96, 1.04), 2)) for d, w, h in sizes]
 
     def scatter(
         self, labels: Sequence[str], count: int, side: int, x: tuple[float, float], from_kerb: tuple[float, float]

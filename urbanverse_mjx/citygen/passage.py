@@ -17,8 +17,9 @@ PASSAGE = 1.1
 def footprint(thing: GraphObject) -> shapely.Polygon:
     """The oriented rectangle (m, scene frame) that a thing takes at walking height."""
     stem = catalogue.STEMS.get(thing.label)
-    along, across = (stem, stem) if stem else thing.size[:2]
-    box = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
+    along, across = (stem.side, stem.side) if stem else thing.size[:2]
+    ahead = stem.offset * thing.size[0] / 2 if stem else 0.0
+    box = shapely.box(ahead - along / 2, -across / 2, ahead + along / 2, across / 2)
     turned = affinity.rotate(box, thing.yaw, origin=(0.0, 0.0), use_radians=True)
     return affinity.translate(turned, thing.center[0], thing.center[1])
 

@@ -16,13 +16,13 @@ def cafe_set(
     for dx, dd, facing in seats[:chairs]:
         street.put("chair", x + dx + street.uniform(-0.05, 0.05), side, from_kerb + dd, facing)
     if shade:
-        street.put("sunshade", x, side, from_kerb + 0.95)
+        street.put("sunshade", x, side, from_kerb - 0.85)
 
 
 def rubbish(street: StreetComposer, x: float, side: int, from_kerb: float, bags: int = 2) -> None:
     """A bin put out for collection with bags beside it."""
     street.put("trash bin", x, side, from_kerb, "street")
-    spots = ((0.66, 0.05), (-0.64, -0.1), (0.4, -0.62), (1.2, 0.1))
+    spots = ((0.74, 0.05), (-0.76, -0.1), (0.3, -0.75), (1.5, 0.1))
     for dx, dd in spots[:bags]:
         turn = street.uniform(-180.0, 180.0)
         street.put("garbage bag", x + dx, side, from_kerb + dd, turn)

@@ -74,7 +74,7 @@ def _place(thing: GraphObject, chosen: choice.Choice, support: overlap.Support) 
     record, scale = chosen.record, chosen.scale
     x, y, middle = thing.center
     foot = middle - thing.size[2] / 2
-    ground = min((height for height, _ in support.at(x, y)), key=lambda h: abs(h - foot), default=foot)
+    ground = min(support.under(thing), key=lambda height: abs(height - foot), default=foot)
     z = ground if abs(ground - foot) <= SNAP else foot
     return PlacedObject(
         id=thing.id,

@@ -10,8 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+import shapely.ops
+from shapely import affinity
 
-from ..datatypes import AssetRecord, HullSet, PlacedObject
+from ..datatypes import AssetRecord, GraphObject, HullSet, PlacedObject
 from ..datatypes import validation as v
 
 #: m that two things may share: collision hulls overstate curved shapes by about this much.
@@ -150,6 +152,22 @@ class Support:
             _, kind, (a, b, c) = self._regions[int(k)]
             surfaces.append((a * x + b * y + c, kind))
         return sorted(surfaces)
+
+    def under(self, thing: GraphObject) -> list[float]:
+        """Height (m) of every region under a box, each at its place nearest to the box's middle.
+
+        A lamp stands on the pavement while the middle of its box is over the road, so the middle alone will not do.
+        """
+        along, across = thing.size[:2]
+        flat = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
+        turned = affinity.rotate(flat, thing.yaw, origin=(0.0, 0.0), use_radians=True)
+        box = affinity.translate(turned, *thing.center[:2])
+        middle, heights = shapely.Point(thing.center[:2]), []
+        for k in sorted(int(k) for k in self._tree.query(box, predicate="intersects")):
+            ring, _, (a, b, c) = self._regions[k]
+            near = shapely.ops.nearest_points(ring.intersection(box), middle)[0]
+            heights.append(a * near.x + b * near.y + c)
+        return heights
 
     def same(self, x: float, y: float, dx: float, dy: float) -> bool:
         """Whether the ground (height within 1 cm and kind) is the same after a move."""

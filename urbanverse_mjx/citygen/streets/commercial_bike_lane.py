@@ -17,25 +17,25 @@ THINGS = (
     ("pedestrian adult", 36.0, RIGHT, 1.2, "street"),
     ("pedestrian adult", 37.3, RIGHT, 0.4, 100.0),
     ("pedestrian adult", 42.8, RIGHT, 1.7, "street"),
-    ("elderly person", 40.6, RIGHT, 0.35, "street"),
-    ("street food stall", 8.0, LEFT, 1.4, "wall"),
-    ("street food stall", 12.6, LEFT, 1.4, "wall"),
-    ("street food stall", 33.0, LEFT, 1.4, "wall"),
-    ("street food stall", 37.4, LEFT, 1.4, "wall"),
+    ("elderly person", 40.6, RIGHT, 0.35, "+x"),
+    ("street food stall", 8.0, LEFT, 1.25, "wall"),
+    ("street food stall", 12.6, LEFT, 1.25, "wall"),
+    ("street food stall", 33.0, LEFT, 1.25, "wall"),
+    ("street food stall", 37.4, LEFT, 1.25, "wall"),
     ("kiosk", 66.0, LEFT, 1.7, "wall"),
     ("storage box", 10.3, LEFT, 1.1, 10.0),
     ("storage box", 10.4, LEFT, 1.8, 70.0),
     ("storage box", 35.2, LEFT, 1.3, 30.0),
     ("parcels", 14.9, LEFT, 1.7, 15.0),
-    ("pedestrian adult", 8.3, LEFT, 3.0, "street"),
-    ("pedestrian adult", 13.0, LEFT, 2.9, "street"),
-    ("pedestrian child", 13.7, LEFT, 2.9, "street"),
-    ("pedestrian adult", 32.6, LEFT, 2.9, "street"),
-    ("pedestrian adult", 37.6, LEFT, 3.0, "street"),
+    ("pedestrian adult", 8.3, LEFT, 2.95, "street"),
+    ("pedestrian adult", 13.0, LEFT, 2.95, "street"),
+    ("pedestrian child", 13.9, LEFT, 2.8, "street"),
+    ("pedestrian adult", 32.6, LEFT, 2.95, "street"),
+    ("pedestrian adult", 37.6, LEFT, 2.95, "street"),
     ("pedestrian adult", 46.0, LEFT, 2.2, "+x"),
     ("pedestrian adult", 54.0, LEFT, 2.8, "-x"),
-    ("pedestrian adult", 54.2, LEFT, 3.5, "-x"),
-    ("jogger", 63.0, LEFT, 3.4, "-x"),
+    ("pedestrian adult", 53.0, LEFT, 3.3, "-x"),
+    ("jogger", 63.0, LEFT, 2.2, "-x"),
     ("pedestrian adult", 4.5, RIGHT, 1.8, "+x"),
     ("pedestrian adult", 16.5, RIGHT, 1.4, "-x"),
     ("pedestrian adult", 27.2, RIGHT, 1.9, "+x"),
@@ -47,8 +47,8 @@ THINGS = (
     ("cyclist", 49.4, LEFT, -0.95, "-x"),
     ("delivery worker", 27.8, LEFT, 2.0, "-x"),
     ("delivery robot", 51.4, LEFT, 1.7, "-x"),
-    ("bicycle parking", 45.2, LEFT, 0.9, "+x"),
-    ("bicycle parking", 48.2, LEFT, 0.9, "+x"),
+    ("bicycle parking", 45.2, LEFT, 0.9, "wall"),
+    ("bicycle parking", 48.2, LEFT, 0.9, "wall"),
     ("bicycle", 43.6, LEFT, 1.0, "wall"),
     ("bicycle", 46.7, LEFT, 1.0, "street"),
     ("bicycle", 49.9, LEFT, 1.0, "wall"),
@@ -56,7 +56,7 @@ THINGS = (
     ("scooter", 19.0, RIGHT, 2.4, 70.0),
     ("scooter", 68.6, LEFT, 3.0, 120.0),
     ("advertising board", 5.4, LEFT, 3.6, "+x"),
-    ("advertising board", 29.2, LEFT, 3.4, "-x"),
+    ("advertising board", 29.2, LEFT, 4.2, "-x"),
     ("advertising board", 42.0, LEFT, 3.5, "+x"),
     ("advertising board", 10.6, RIGHT, 2.3, "-x"),
     ("advertising board", 49.8, RIGHT, 2.0, "+x"),
@@ -100,9 +100,9 @@ def build() -> StreetComposer:
     )
     street.close_view(("school",), at_end=False)
     street.close_view(("office building", "hotel", "apartment building"), at_end=True)
-    street.trees((3.0, 15.9, 28.0, 41.0, 53.0, 63.2, 71.6), LEFT, 0.75)
-    street.trees((6.2, 14.0, 29.8, 50.6, 62.4, 68.6), RIGHT, 0.65)
-    street.row("street light", (5.8, 31.0, 51.2, 69.8), LEFT, 0.4)
+    street.trees((3.0, 15.9, 28.0, 41.0, 53.6, 62.8, 72.2), LEFT, 0.75)
+    street.trees((6.2, 14.0, 31.4, 50.6, 62.0, 69.4), RIGHT, 0.65)
+    street.row("street light", (5.8, 31.0, 51.2, 69.0), LEFT, 0.4)
     street.row("street light", (2.6, 26.6, 46.0, 73.6), RIGHT, 0.4)
     street.row(
         "bollard", (4.0, 8.0, 12.0, 16.0, 28.0, 33.0, 39.0, 44.0, 52.5, 64.0, 68.0, 72.0), LEFT, -BIKE_LANE - 0.25

@@ -14,11 +14,11 @@ THINGS = (
     ("advertising board", 9.5, RIGHT, 2.6, "+x"),
     ("advertising board", 34.0, RIGHT, 2.2, "-x"),
     ("advertising board", 59.0, RIGHT, 3.0, "+x"),
-    ("bicycle parking", 31.0, LEFT, 1.3, "+x"),
+    ("bicycle parking", 31.0, LEFT, 1.3, "wall"),
     ("bicycle", 29.3, LEFT, 1.4, "wall"),
     ("bicycle", 32.7, LEFT, 1.4, "street"),
     ("bicycle", 55.6, RIGHT, 1.1, "wall"),
-    ("bicycle parking", 53.8, RIGHT, 1.1, "+x"),
+    ("bicycle parking", 53.8, RIGHT, 1.1, "wall"),
     ("bench", 24.5, RIGHT, 0.75, "wall"),
     ("bench", 38.0, RIGHT, 0.75, "wall"),
     ("bench", 57.0, LEFT, 0.8, "wall"),
@@ -43,7 +43,7 @@ THINGS = (
     ("directional sign", 3.0, LEFT, 0.5, "-x"),
     ("pedestrian adult", 11.0, LEFT, 2.1, "+x"),
     ("pedestrian adult", 11.3, LEFT, 2.95, "+x"),
-    ("pedestrian adult", 27.6, LEFT, 2.9, "-x"),
+    ("pedestrian adult", 27.6, LEFT, 1.6, "-x"),
     ("pedestrian adult", 44.0, LEFT, 1.8, 230.0),
     ("pedestrian child", 43.2, LEFT, 1.8, 250.0),
     ("pedestrian adult", 60.4, LEFT, 2.5, "-x"),
@@ -76,7 +76,7 @@ def build() -> StreetComposer:
     )
     street.close_view(("office building", "bank", "apartment building"), at_end=False)
     street.close_view(("hotel", "cafe"), at_end=True)
-    street.trees((6.0, 22.5, 35.5, 54.0, 62.5, 70.0), LEFT, 0.75)
+    street.trees((6.0, 22.5, 35.5, 54.0, 62.9, 70.0), LEFT, 0.75)
     street.trees((3.0, 19.0, 29.0, 41.0, 51.2, 66.5), RIGHT, 0.7)
     street.row("lamppost", (9.6, 26.2, 42.4, 60.4), LEFT, 0.55)
     street.row("lamppost", (6.2, 32.0, 57.8, 70.5), RIGHT, 0.55)

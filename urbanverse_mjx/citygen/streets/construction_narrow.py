@@ -15,8 +15,8 @@ THINGS = (
     ("dumpster", 21.0, LEFT, -1.2, "street"),
     ("traffic barricade", 16.0, LEFT, -1.0, "-x"),
     ("traffic barricade", 16.0, LEFT, -2.7, "-x"),
-    ("traffic barricade", 43.5, LEFT, -1.0, "+x"),
-    ("traffic barricade", 43.5, LEFT, -2.7, "+x"),
+    ("traffic barricade", 43.9, LEFT, -1.0, "+x"),
+    ("traffic barricade", 43.9, LEFT, -2.7, "+x"),
     ("traffic barricade", 22.0, RIGHT, 0.75, "-x"),
     ("traffic barricade", 36.0, RIGHT, 0.75, "+x"),
     ("traffic barricade", 29.2, LEFT, 0.9, 80.0),
@@ -24,7 +24,7 @@ THINGS = (
     ("storage box", 25.2, LEFT, 0.8, 60.0),
     ("storage box", 38.6, LEFT, 0.6, 0.0),
     ("parcels", 31.0, RIGHT, 0.6, 30.0),
-    ("rock", 26.5, RIGHT, 0.7, 40.0),
+    ("rock", 26.5, RIGHT, 0.6, 40.0),
     ("rock", 28.0, RIGHT, 0.6, 110.0),
     ("handcart", 33.2, RIGHT, 0.75, "+x"),
     ("handcart", 41.0, LEFT, 0.7, 70.0),
@@ -40,12 +40,12 @@ THINGS = (
     ("pedestrian adult", 56.0, RIGHT, 1.5, "-x"),
     ("elderly person", 60.9, RIGHT, 2.55, "+x"),
     ("pedestrian adult", 53.5, LEFT, 2.6, "-x"),
-    ("delivery robot", 45.5, RIGHT, 1.8, "+x"),
+    ("delivery robot", 46.3, RIGHT, 1.8, "+x"),
     ("trash bin", 4.0, RIGHT, 0.6, "wall"),
     ("trash bin", 54.0, LEFT, 0.6, "wall"),
     ("garbage bag", 4.65, RIGHT, 0.6, 10.0),
-    ("garbage bag", 5.3, RIGHT, 1.0, 80.0),
-    ("dumpster", 45.0, LEFT, 2.95, "street"),
+    ("garbage bag", 5.6, RIGHT, 0.9, 80.0),
+    ("dumpster", 45.0, LEFT, 2.85, "street"),
     ("street cabinet", 17.5, RIGHT, 2.7, "street"),
     ("street cabinet", 55.0, RIGHT, 2.7, "street"),
     ("fire hydrant", 47.5, RIGHT, 0.45, "street"),
@@ -82,18 +82,18 @@ def build() -> StreetComposer:
         "street",
         2.0,
     )
-    street.row("fence", (19.2, 21.7, 24.2, 26.7, 31.8, 34.3, 36.8, 39.3), LEFT, 1.5, "wall")
+    street.row("fence", (19.2, 21.85, 24.5, 27.15, 31.8, 34.45, 37.1, 39.75), LEFT, 1.5, "wall")
     # the trench on the right: a fence that leaves 1.5 m
-    street.row("fence", (23.6, 26.1, 28.6, 31.1, 33.6), RIGHT, 1.35, "wall")
+    street.row("fence", (23.6, 26.25, 28.9, 31.55, 34.2), RIGHT, 1.35, "wall")
     street.row("traffic cone", (17.2, 18.4, 19.8), LEFT, 0.45, "street", 30.0)
     street.row("traffic cone", (44.4, 45.6, 46.6), LEFT, -2.2, "street", 30.0)
     street.row("traffic cone", (9.2, 14.4, 16.4, 38.0, 39.4, 41.5), RIGHT, 0.5, "street", 30.0)
     street.row("traffic cone", (42.8, 43.9), RIGHT, 1.0, "street", 30.0)
     street.row("traffic cone", (28.4, 30.3), LEFT, 1.75, "street", 30.0)
-    street.row("street light", (8.0, 45.8, 60.0), LEFT, 0.4)
+    street.row("street light", (8.0, 45.8, 59.6), LEFT, 0.4)
     street.row("street light", (2.5, 20.0, 37.2, 53.5), RIGHT, 0.4)
     street.trees((3.5, 55.8, 62.2), LEFT, 0.65)
-    street.trees((6.0, 59.0), RIGHT, 0.6)
+    street.trees((6.4, 58.9), RIGHT, 0.6)
     parked(street, (("van", 6.0), ("sedan", 56.8)), RIGHT)
     parked(street, (("hatchback car", 4.8), ("sedan", 58.6)), LEFT)
     street.put_all(THINGS)

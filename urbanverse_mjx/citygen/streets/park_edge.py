@@ -30,21 +30,21 @@ THINGS = (
     ("food truck", 27.0, LEFT, -1.3, "-x"),
     ("kiosk", 45.0, LEFT, 12.8, "street"),
     ("street food stall", 29.2, LEFT, 2.2, "wall"),
-    ("bicycle parking", 14.0, LEFT, 0.9, "+x"),
+    ("bicycle parking", 14.0, LEFT, 0.9, "wall"),
     ("bicycle", 12.4, LEFT, 1.0, "wall"),
-    ("bicycle", 15.6, LEFT, 1.0, "street"),
+    ("bicycle", 11.7, LEFT, 1.0, "street"),
     ("bicycle", 51.0, RIGHT, 3.3, "+x"),
     ("scooter", 42.0, LEFT, 1.5, 50.0),
     ("scooter", 43.0, LEFT, 2.0, 100.0),
     ("scooter", 27.4, RIGHT, 1.2, 80.0),
     ("stroller", 46.0, LEFT, 2.4, "+x"),
-    ("pedestrian adult", 45.1, LEFT, 2.4, "+x"),
+    ("pedestrian adult", 44.9, LEFT, 2.4, "+x"),
     ("pedestrian child", 34.0, LEFT, 6.6, 30.0),
     ("pedestrian child", 38.0, LEFT, 6.4, 200.0),
     ("pedestrian adult", 36.6, LEFT, 5.8, 100.0),
     ("jogger", 22.0, LEFT, 1.8, "+x"),
     ("jogger", 63.0, LEFT, 2.2, "-x"),
-    ("pedestrian adult", 30.3, LEFT, 3.6, "street"),
+    ("pedestrian adult", 29.6, LEFT, 4.0, "street"),
     ("elderly person", 11.0, LEFT, 3.5, 30.0),
     ("pedestrian adult", 58.0, LEFT, 7.0, 140.0),
     ("dog", 59.4, LEFT, 6.6, 200.0),
@@ -65,7 +65,7 @@ THINGS = (
     ("bird", 39.4, LEFT, 5.2, 170.0),
     ("cat", 66.4, RIGHT, 3.3, 110.0),
     ("garbage bag", 9.7, RIGHT, 0.7, 20.0),
-    ("garbage bag", 65.5, RIGHT, 1.0, 20.0),
+    ("garbage bag", 65.7, RIGHT, 1.3, 20.0),
     ("trash bin", 64.7, RIGHT, 1.0, "street"),
     ("advertising board", 30.8, RIGHT, 2.2, "+x"),
     ("advertising board", 58.4, RIGHT, 2.4, "-x"),
@@ -94,10 +94,10 @@ def build() -> StreetComposer:
     )
     street.close_view(("apartment building", "school", "office building", "house"), at_end=False)
     street.close_view(("hotel", "house", "restaurant"), at_end=True)
-    street.trees((7.0, 23.5, 32.5, 40.5, 49.0, 61.0, 68.5), LEFT, 0.7)
+    street.trees((7.0, 22.6, 32.5, 40.5, 49.0, 61.0, 68.5), LEFT, 0.7)
     street.trees((5.5, 14.5, 27.0, 45.5, 67.0), LEFT, 6.6)
-    street.trees((4.0, 12.0, 24.0, 49.5, 60.5, 69.0), LEFT, 13.4)
-    street.trees((7.0, 25.5, 37.0, 46.0, 64.0), RIGHT, 0.65)
+    street.trees((4.0, 12.0, 24.0, 49.5, 60.5, 69.0), LEFT, 12.9)
+    street.trees((7.0, 24.8, 37.0, 47.0, 63.6), RIGHT, 0.65)
     street.row("street light", (11.2, 27.6, 44.8, 66.0), RIGHT, 0.4)
     street.row("lamppost", (9.8, 26.4, 37.4, 58.2), LEFT, 0.55)
     street.row("bollard", (15.2, 20.8, 51.2, 56.8), LEFT, 0.35)

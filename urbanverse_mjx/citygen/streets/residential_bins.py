@@ -14,13 +14,13 @@ THINGS = (
     ("mailbox", 62.5, LEFT, 2.85, "street"),
     ("stop sign", 69.3, RIGHT, 0.45, "-x"),
     ("speed limit sign 30 km", 1.5, RIGHT, 0.45, "-x"),
-    ("no parking sign", 47.5, LEFT, 0.4, "+x"),
+    ("no parking sign", 40.6, LEFT, 0.4, "+x"),
     ("bench", 41.0, LEFT, 2.8, "street"),
     ("bench", -2.9, RIGHT, -3.0, "+x"),
-    ("storage box", 25.2, LEFT, 1.9, 20.0),
-    ("parcels", 25.9, LEFT, 2.55, 100.0),
+    ("storage box", 26.4, LEFT, 2.5, 20.0),
+    ("parcels", 25.6, LEFT, 2.85, 100.0),
     ("stroller", 44.5, RIGHT, 1.5, "+x"),
-    ("pedestrian adult", 43.6, RIGHT, 1.5, "+x"),
+    ("pedestrian adult", 43.3, RIGHT, 1.5, "+x"),
     ("pedestrian adult", 6.0, LEFT, 1.7, "+x"),
     ("pedestrian child", 6.2, LEFT, 2.4, "+x"),
     ("elderly person", 57.4, LEFT, 1.3, "-x"),
@@ -28,7 +28,7 @@ THINGS = (
     ("pedestrian adult", 31.9, LEFT, 1.5, 20.0),
     ("dog", 34.3, LEFT, 0.75, 160.0),
     ("jogger", 27.0, RIGHT, 1.8, "+x"),
-    ("delivery worker", 24.3, LEFT, 2.3, "wall"),
+    ("delivery worker", 24.6, LEFT, 2.6, "wall"),
     ("cat", 61.0, RIGHT, 2.9, 60.0),
     ("bicycle", 38.3, LEFT, 2.75, "+x"),
     ("bicycle", 9.2, RIGHT, 2.95, "-x"),
@@ -55,7 +55,7 @@ def build() -> StreetComposer:
     street.close_view(("house", "apartment building", "house", "house"), at_end=True)
     street.trees((4.0, 11.0, 23.5, 31.0, 38.5, 48.8, 59.5, 66.5), LEFT, 0.6)
     street.trees((7.5, 25.0, 33.0, 41.0, 58.0), RIGHT, 0.6)
-    street.row("street light", (8.0, 28.0, 44.0, 63.5), LEFT, 0.4, "street")
+    street.row("street light", (8.0, 28.0, 44.0, 63.5), LEFT, 0.45, "street")
     street.row("utility pole", (2.8, 37.5, 66.0), RIGHT, 0.4, "street")
     parked(street, (("hatchback car", 4.5), ("sedan", 10.5), ("suv", 22.5), ("minivan", 28.6), ("sedan", 36.0)), RIGHT)
     parked(street, (("hatchback car", 42.0), ("pickup truck", 47.0), ("sedan", 58.4), ("van", 65.5)), RIGHT)
@@ -68,7 +68,7 @@ def build() -> StreetComposer:
     rubbish(street, 23.2, RIGHT, 1.3, bags=3)
     rubbish(street, 38.2, RIGHT, 2.2, bags=2)
     rubbish(street, 61.5, RIGHT, 1.0, bags=3)
-    rubbish(street, 9.8, LEFT, 2.7, bags=2)
+    rubbish(street, 9.8, LEFT, 2.5, bags=2)
     rubbish(street, 36.0, LEFT, 1.0, bags=2)
     rubbish(street, 46.0, LEFT, 2.5, bags=3)
     rubbish(street, 61.5, LEFT, 0.9, bags=2)

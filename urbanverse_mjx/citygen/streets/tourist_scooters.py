@@ -39,7 +39,7 @@ THINGS = (
     ("taxi", 42.5, LEFT, -1.1, "-x"),
     ("police car", 38.0, RIGHT, -1.15, "+x"),
     ("tricycle", 56.5, LEFT, -1.0, "-x"),
-    ("food truck", 8.5, RIGHT, -1.3, "+x"),
+    ("food truck", 6.8, RIGHT, -1.3, "+x"),
     ("advertising board", 24.6, LEFT, 2.3, "+x"),
     ("advertising board", 46.2, LEFT, 2.0, "-x"),
     ("advertising board", 12.0, RIGHT, 2.8, "-x"),
@@ -60,12 +60,12 @@ THINGS = (
     ("pedestrian adult", 38.6, LEFT, 1.6, "+x"),
     ("pedestrian adult", 38.9, LEFT, 2.2, "+x"),
     ("pedestrian adult", 52.8, LEFT, 2.8, 300.0),
-    ("pedestrian adult", 53.5, LEFT, 2.4, 120.0),
+    ("pedestrian adult", 53.9, LEFT, 3.0, 120.0),
     ("pedestrian adult", 58.8, LEFT, 1.5, "-x"),
     ("pedestrian adult", 3.2, RIGHT, 1.8, "+x"),
-    ("pedestrian adult", 22.6, RIGHT, 2.4, "street"),
-    ("pedestrian child", 22.0, RIGHT, 2.5, "street"),
-    ("pedestrian adult", 33.0, RIGHT, 3.4, "-x"),
+    ("pedestrian adult", 22.5, RIGHT, 1.6, "+x"),
+    ("pedestrian child", 22.3, RIGHT, 0.9, "+x"),
+    ("pedestrian adult", 33.7, RIGHT, 1.0, "-x"),
     ("pedestrian adult", 40.6, RIGHT, 2.2, 330.0),
     ("pedestrian adult", 41.5, RIGHT, 2.0, 160.0),
     ("pedestrian adult", 48.0, RIGHT, 2.2, "-x"),
@@ -95,7 +95,7 @@ def build() -> StreetComposer:
     street.row("lamppost", (7.8, 16.2, 26.0, 44.6, 54.0, 66.0), LEFT, 0.5)
     street.row("lamppost", (5.6, 14.0, 26.6, 37.2, 46.2, 66.4), RIGHT, 0.5)
     street.trees((3.2, 40.2, 57.2), LEFT, 0.7)
-    street.trees((2.2, 12.2, 54.2), RIGHT, 0.7)
+    street.trees((2.2, 11.6, 54.2), RIGHT, 0.7)
     for x, side in ((5.0, RIGHT), (19.0, RIGHT), (43.4, RIGHT), (51.6, RIGHT)):
         cafe_set(street, x, side, 3.7, 2)
     for x in (7.0, 31.4, 42.6, 49.0):
