@@ -1,6 +1,6 @@
 """Collision hulls: stored by the content of the mesh, loaded without ever running CoACD.
 
-The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int16), hull after hull, and
+The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull after hull, and
 for every mesh key the range of its hulls. `assets.decompose` makes what is missing.
 """
 
@@ -38,7 +38,7 @@ def mesh_key(mesh: AssetMesh, budget: int) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class HullStore:
-    """Hulls by mesh key; every hull an (n, 3) int16 array of whole millimetres."""
+    """Hulls by mesh key; every hull an (n, 3) int32 array of whole millimetres."""
 
     hulls: Mapping[str, tuple[np.ndarray, ...]]
 
@@ -50,7 +50,7 @@ class HullStore:
             "keys": np.array([list(bytes.fromhex(k)) for k in keys], np.uint8).reshape(-1, 16),
             "hulls_per_key": np.array([len(self.hulls[k]) for k in keys], np.uint8),
             "corners_per_hull": np.array([len(h) for h in flat], np.uint8),
-            "corners_mm": np.concatenate(flat).astype(np.int16) if flat else np.zeros((0, 3), np.int16),
+            "corners_mm": np.concatenate(flat).astype(np.int32) if flat else np.zeros((0, 3), np.int32),
         }
 
         def write(temporary: pathlib.Path) -> None:

@@ -36,6 +36,7 @@ class BuiltAsset:
       params: what makes this variant itself, recorded in the index (JSON values).
       volume: m^3 enclosed by the closed parts (overlaps counted twice).
       mass: kg, or None to take volume times the recipe's bulk density.
+      part_faces: number of faces of each part, in the order of the mesh's faces.
     """
 
     mesh: AssetMesh
@@ -43,6 +44,7 @@ class BuiltAsset:
     params: dict[str, Any]
     volume: float
     mass: float | None = None
+    part_faces: tuple[int, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -353,7 +355,8 @@ class MeshBuilder:
             points, np.concatenate(faces), np.concatenate(uvs), packed.texture, self._roughness, self._metallic
         )
         volume = sum(shapes.volume(p.shape) for p in self._parts)
-        return BuiltAsset(mesh, description, dict(params or {}), volume, mass)
+        part_faces = tuple(len(f) for f in faces)
+        return BuiltAsset(mesh, description, dict(params or {}), volume, mass, part_faces)
 
 
 def _face_size(size: Point3, face: str) -> tuple[float, float]:

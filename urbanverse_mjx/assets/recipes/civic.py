@@ -21,18 +21,18 @@ def water_disc(b: MeshBuilder, radius: float, z: float, rng: np.random.Generator
         b.plate(outline, 0.004, (0, 0, 0), image, "water")
 
 
-@recipe("fountain", 3, MASONRY, hulls=10)
+@recipe("fountain", 3, MASONRY, hulls=6)
 def fountain(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two-bowl round basin, square modern pool with jets, wall-like drinking fountain trough."""
     b = MeshBuilder(roughness=0.6)
     style = ("tiered", "jets", "trough")[variant % 3]
     if style == "tiered":
         r = float(rng.uniform(1.5, 1.9))
-        basin = [(r, 0), (r + 0.08, 0.06), (r - 0.02, 0.12), (r, 0.42), (r + 0.08, 0.45), (r + 0.08, 0.52), (r - 0.16, 0.52), (r - 0.18, 0.3), (0, 0.3)]
+        basin = [(r, 0), (r + 0.08, 0.06), (r - 0.02, 0.12), (r, 0.42), (r + 0.08, 0.45), (r + 0.08, 0.52), (r - 0.16, 0.52), (r - 0.17, 0.41), (0, 0.41)]
         b.lathe(basin, color="sandstone", segments=32)
         water_disc(b, r - 0.165, 0.42, rng)
         b.lathe([(0.34, 0.3), (0.34, 0.5), (0.16, 0.58), (0.14, 1.05), (0.22, 1.12)], color="sandstone")
-        b.lathe([(0.1, 1.1), (0.5, 1.18), (0.78, 1.36), (0.82, 1.42), (0.74, 1.42), (0.4, 1.26), (0, 1.24)], color="sandstone", segments=24)
+        b.lathe([(0.1, 1.1), (0.5, 1.18), (0.78, 1.36), (0.82, 1.42), (0.74, 1.42), (0.73, 1.36), (0, 1.36)], color="sandstone", segments=24)
         water_disc(b, 0.72, 1.37, rng)
         b.lathe([(0.12, 1.3), (0.08, 1.75), (0.16, 1.8), (0.3, 1.92), (0.28, 1.94), (0, 1.88)], color="sandstone")
         b.lathe([(0.05, 1.9), (0.035, 2.25), (0.06, 2.35), (0, 2.42)], color="water", segments=8)

@@ -1,0 +1,270 @@
+"""Makes collision hulls: CoACD on what is not convex, then merging until the asset's budget of hulls is met.
+
+A street asset is mostly an assembly of convex parts, so the mesh is first cut where it is already in pieces. A piece that is convex
+enough is its own hull; CoACD cuts the others. Then the two hulls whose union adds the least empty space are joined, again and again.
+Against one CoACD run over the whole mesh this keeps thin posts exact (no voxel remeshing) and takes seconds instead of minutes.
+"""
+
+import concurrent.futures
+import dataclasses
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from rich.progress import Progress
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, QhullError, cKDTree
+
+from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh
+
+from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
+from .index import build_mesh, load_index
+from .recipe import get_recipe
+
+FLUSH_HEIGHT = 0.03  # m; what is lower (a manhole cover) is part of the ground: its hull is sunk so that no wheel touches it
+FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
+HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
+# A piece goes to CoACD when its hull holds this much more than the piece itself; below, the difference is a few litres of air.
+EXCESS_RATIO, EXCESS_VOLUME = 1.35, 0.008  # 1, m^3
+CHEAP_VOLUME = 2e-4  # m^3; unions that add less are always made
+HIGH = 1.7  # m; space above robots and most people counts little
+HIGH_WEIGHT = 0.1
+NEIGHBOURS = 10  # candidates for a union per piece
+COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 is the usual range
+
+
+@dataclasses.dataclass(frozen=True)
+class Piece:
+    """One convex piece: corners (n, 3) m, and its volume in m^3."""
+
+    corners: np.ndarray
+    volume: float
+
+
+def convex_piece(points: np.ndarray) -> Piece:
+    """The convex hull of points; flat or thin sets are thickened."""
+    centre = points.mean(0)
+    _, _, axes = np.linalg.svd(points - centre, full_matrices=True)
+    local = (points - centre) @ axes.T
+    for axis in range(3):
+        if np.ptp(local[:, axis]) < 2 * HALF_SHEET:
+            local = np.concatenate([local + s * HALF_SHEET * np.eye(3)[axis] for s in (-1, 1)])
+    points = local @ axes + centre
+    hull = ConvexHull(points)
+    return Piece(points[hull.vertices], float(hull.volume))
+
+
+def connected_pieces(mesh: AssetMesh, part_faces: Sequence[int] | None = None) -> list[tuple[np.ndarray, np.ndarray]]:
+    """(vertices, faces) of each piece that hangs together, vertices at one place shared.
+
+    Args:
+      part_faces: number of faces of each part the mesh was assembled from, so that parts which merely touch stay apart;
+        without it pieces are told apart by shared vertices alone.
+    """
+    counts = [len(mesh.faces)] if part_faces is None else list(part_faces)
+    pieces = []
+    for stop, count in zip(np.cumsum(counts), counts, strict=True):
+        pieces += _connected(mesh.vertices.astype(np.float64), mesh.faces[stop - count : stop])
+    return pieces
+
+
+def _connected(vertices: np.ndarray, faces: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    used, faces = np.unique(faces, return_inverse=True)
+    vertices, faces = vertices[used], faces.reshape(-1, 3)
+    keys = np.round(vertices / 1e-5).astype(np.int64)
+    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    vertices, faces = vertices[first], inverse.reshape(-1)[faces]
+    faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
+    rows, columns = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(vertices), len(vertices)))
+    _, label = connected_components(graph, directed=False)
+    pieces = []
+    for k in np.unique(label[faces[:, 0]]):
+        chosen = faces[label[faces[:, 0]] == k]
+        kept, local = np.unique(chosen, return_inverse=True)
+        pieces.append((vertices[kept], local.reshape(-1, 3)))
+    return pieces
+
+
+def enclosed_volume(vertices: np.ndarray, faces: np.ndarray) -> float | None:
+    """m^3 inside a closed surface, None for an open one."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1)
+    _, counts = np.unique(edges, axis=0, return_counts=True)
+    if (counts != 2).any():
+        return None
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6)
+
+
+def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int) -> list[Piece]:
+    """The convex pieces of one connected part: its hull where that is near enough, else CoACD's cut."""
+    whole = convex_piece(vertices)
+    volume = enclosed_volume(vertices, faces)
+    if volume is None:
+        # An open sheet encloses nothing; its own matter is its area times the thickness of a sheet.
+        a, b, c = (vertices[faces[:, i]] for i in range(3))
+        volume = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) * HALF_SHEET
+    if budget == 1 or whole.volume < volume * EXCESS_RATIO or whole.volume - volume < EXCESS_VOLUME:
+        return [whole]
+    import coacd
+
+    coacd.set_log_level("error")
+    parts = coacd.run_coacd(
+        coacd.Mesh(vertices, faces),
+        threshold=COACD_THRESHOLD,
+        max_convex_hull=min(budget, MAX_HULLS),
+        preprocess_mode="auto",
+        preprocess_resolution=40,
+        resolution=1000,
+        mcts_nodes=10,
+        mcts_iterations=60,
+        mcts_max_depth=2,
+        seed=0,
+    )
+    return [convex_piece(np.asarray(v, float)) for v, _ in parts if len(v) >= 4] or [whole]
+
+
+def merge_pieces(pieces: list[Piece], budget: int) -> list[Piece]:
+    """Joins pieces until at most `budget` are left and no cheap union remains."""
+    pieces = _without_contained(pieces)
+    costs: dict[tuple[int, int], tuple[float, Piece]] = {}
+    alive = dict(enumerate(pieces))
+    serial = len(pieces)
+
+    def consider(i: int) -> None:
+        centres = np.array([alive[k].corners.mean(0) for k in alive])
+        names = list(alive)
+        _, near = cKDTree(centres).query(alive[i].corners.mean(0), k=min(NEIGHBOURS + 1, len(names)))
+        for n in np.atleast_1d(near):
+            j = names[int(n)]
+            pair = (min(i, j), max(i, j))
+            if i != j and pair not in costs:
+                union = convex_piece(np.concatenate([alive[i].corners, alive[j].corners]))
+                added = max(union.volume - alive[i].volume - alive[j].volume, 0.0)
+                weight = HIGH_WEIGHT if union.corners[:, 2].min() > HIGH else 1.0
+                costs[pair] = (added * weight, union)
+
+    for i in list(alive):
+        consider(i)
+    while len(alive) > 1 and costs:
+        (i, j), (cost, union) = min(costs.items(), key=lambda item: (item[1][0], item[0]))
+        if len(alive) <= budget and cost > CHEAP_VOLUME:
+            break
+        del alive[i], alive[j]
+        costs = {pair: c for pair, c in costs.items() if i not in pair and j not in pair}
+        alive[serial] = union
+        consider(serial)
+        serial += 1
+        if not costs and len(alive) > budget:
+            for k in list(alive):
+                consider(k)
+    return _without_contained(list(alive.values()))
+
+
+def _without_contained(pieces: list[Piece], tolerance: float = 0.008) -> list[Piece]:
+    """Drops pieces that lie inside a larger one."""
+    order = sorted(range(len(pieces)), key=lambda k: (-pieces[k].volume, k))
+    kept: list[Piece] = []
+    planes: list[np.ndarray] = []
+    for k in order:
+        corners = pieces[k].corners
+        if any((corners @ p[:, :3].T + p[:, 3] <= tolerance).all() for p in planes):
+            continue
+        kept.append(pieces[k])
+        planes.append(ConvexHull(corners).equations)
+    return kept
+
+
+def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarray:
+    """At most `limit` of a hull's corners: greedily those that stick out most, then grown by half of what is still missed."""
+    if len(corners) <= limit:
+        return corners
+    directions = np.concatenate([np.eye(3), -np.eye(3), np.array([[1, 1, 1], [-1, -1, 1]]) / np.sqrt(3)])
+    chosen = list(dict.fromkeys(int(k) for k in (corners @ directions.T).argmax(0)))
+    missed = 0.0
+    while len(chosen) <= limit:
+        try:
+            planes = ConvexHull(corners[chosen]).equations
+        except QhullError:
+            chosen.append(next(k for k in range(len(corners)) if k not in chosen))
+            continue
+        outside = (corners @ planes[:, :3].T + planes[:, 3]).max(1)
+        missed = float(outside.max())
+        if missed < 1e-3 or len(chosen) == limit:
+            break
+        chosen.append(int(outside.argmax()))
+    kept = corners[chosen]
+    centre = kept.mean(0)
+    away = kept - centre
+    reach = np.linalg.norm(away, axis=1, keepdims=True)
+    grown = centre + away * (1 + 0.5 * missed / np.maximum(reach, 1e-6))
+    # Never below what the piece itself reaches: hulls do not dig into the pavement.
+    grown[:, 2] = np.clip(grown[:, 2], corners[:, 2].min(), corners[:, 2].max())
+    return grown
+
+
+def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = None) -> tuple[np.ndarray, ...]:
+    """At most `budget` convex hulls of a mesh, each (n, 3) int32 in whole millimetres with n <= 32.
+
+    Raises:
+      ImportError: the mesh needs CoACD, and the extra `hulls` is not installed.
+    """
+    if mesh.extent[2] <= FLUSH_HEIGHT:
+        flat = np.unique(np.round(mesh.vertices[:, :2], 3), axis=0)
+        layers = [np.column_stack([flat, np.full(len(flat), z)]) for z in (FLUSH_BOTTOM, FLUSH_TOP)]
+        pieces = [convex_piece(np.concatenate(layers))]
+    elif budget == 1:
+        pieces = [convex_piece(mesh.vertices.astype(np.float64))]
+    else:
+        parts = [p for v, f in connected_pieces(mesh, part_faces) for p in split_piece(v, f, budget)]
+        pieces = merge_pieces(parts, budget)
+    rounded = [np.round(simplified(p.corners) / MILLIMETRE).astype(np.int32) for p in pieces]
+    # Largest first, ties by place: the order is part of the content.
+    keyed = sorted(zip(pieces, rounded, strict=True), key=lambda x: (-round(x[0].volume, 6), x[1].min(0).tolist()))
+    return tuple(np.unique(r, axis=0) for _, r in keyed)
+
+
+def _work(key: str, recipe: str, leaf: str, variant: int, budget: int) -> tuple[str, tuple[np.ndarray, ...]]:
+    built = get_recipe(recipe, leaf).build(variant)
+    return key, decompose(built.mesh, budget, built.part_faces)
+
+
+def _quiet_start() -> None:
+    os.nice(5)
+
+
+def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], object] = print) -> HullStore:
+    """Decomposes every record's mesh that the store lacks, in worker processes, and writes the store; prunes unused keys.
+
+    CoACD is known to abort after some hundred meshes in one process, hence `max_tasks_per_child`.
+    """
+    store = HullStore.load(store_path())
+    found = dict(store.hulls)
+    tasks: dict[str, tuple[str, str, str, int, int]] = {}
+    needed: set[str] = set()
+    for record in load_index().records:
+        mesh = build_mesh(record)
+        budget = hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls)
+        key = mesh_key(mesh, budget)
+        needed.add(key)
+        if key not in found and leaf in (None, record.leaf):
+            tasks[key] = (key, record.recipe, record.leaf, int(record.params["variant"]), budget)
+    context = multiprocessing.get_context("spawn")
+    with (
+        Progress() as bar,
+        concurrent.futures.ProcessPoolExecutor(jobs, context, _quiet_start, max_tasks_per_child=40) as pool,
+    ):
+        line = bar.add_task("convex hulls", total=len(tasks))
+        for done in concurrent.futures.as_completed(pool.submit(_work, *t) for t in tasks.values()):
+            key, hulls = done.result()
+            found[key] = hulls
+            bar.advance(line)
+            if len(found) % 25 == 0:
+                HullStore(found).save(store_path())
+    kept = HullStore({k: h for k, h in found.items() if k in needed})
+    path = kept.save(store_path())
+    count = sum(len(h) for h in kept.hulls.values())
+    report(f"{path.name}: {len(kept.hulls)} meshes, {count} hulls, {path.stat().st_size} bytes; {len(tasks)} newly made")
+    return kept
