@@ -7,7 +7,7 @@ from ..palette import Color, shade
 from ..recipe import recipe
 from . import facade_pictures as pictures
 from .facade import Facade, finish
-from .plants_in_pots import leafy, potted_bush
+from .foliage import leaf_picture, leafy, potted_bush
 from .shops import BUILDING, BUILDING_DENSITY
 
 
@@ -28,7 +28,7 @@ def _stoop(f: Facade, y: float, width: float, steps: int, color: Color = "granit
     return 0.17 * steps
 
 
-@recipe("apartment building", 4, BUILDING, hulls=2)
+@recipe("apartment building", 4, BUILDING, hulls=6)
 def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, width, floors, style = (
         ("plaster", "#d8c08f", "off white", 11.0, 5, "casement"), ("brick", "#8f4a38", "sandstone", 12.0, 5, "sash"),
@@ -69,7 +69,7 @@ def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(f, names[variant], {"wall": kind, "floors": floors})
 
 
-@recipe("house", 4, BUILDING, hulls=2)
+@recipe("house", 4, BUILDING, hulls=6)
 def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, roof, width, along = (
         ("plaster", "#e6dcc4", "white", "#8e4431", 8.5, True), ("boards", "#7f9aa8", "white", "#50555c", 8.0, False),
@@ -106,13 +106,14 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
         f.builder.panel(pane, (f.front + 0.02, 0, height + 0.85), 0.95, 1.1)
         f.builder.box((0.1, 1.15, 0.07), (f.front + 0.04, 0, height + 0.24), trim)
     f.chimney(-1.2, width / 4, height + (2.6 if along else 2.4))
+    leaves = leaf_picture("leaf", rng)
     for side in (-1, 1):
-        leafy(f.builder, (f.front + 0.45, side * (width / 2 - 0.7), 0.35), (0.42, 0.6, 0.45), "leaf", rng, 8, 5)
+        leafy(f.builder, (f.front + 0.45, side * (width / 2 - 0.7), 0.35), (0.42, 0.6, 0.45), leaves, rng, 8, 5)
     names = ("A cream house with green shutters and a red roof", "A blue wooden house with a porch", "A brick terraced house", "A red plastered gabled house")
     return _done(f, names[variant], {"wall": kind, "roof": str(roof)})
 
 
-@recipe("office building", 3, BUILDING, hulls=1)
+@recipe("office building", 3, BUILDING, hulls=4)
 def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     wall, color, trim, width, floors = (
         ("panel", "#8f99a3", "aluminium", 14.0, 5), ("panel", "#4d5560", "charcoal", 12.0, 5), ("plaster", "#d6d2c8", "off white", 13.0, 4),
@@ -153,7 +154,7 @@ def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(f, names[variant], {"wall": wall, "floors": floors, "name": name})
 
 
-@recipe("hotel", 3, BUILDING, hulls=2)
+@recipe("hotel", 3, BUILDING, hulls=6)
 def hotel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, name, back, ink, width = (
         ("ashlar", "#d9ccb3", "GRAND HOTEL", "dark red", "gold", 13.0), ("brick", "#7e4335", "HOTEL PARK", "dark green", "cream", 11.0),
@@ -203,7 +204,7 @@ def _vertical(words: str, back: Color, ink: Color) -> pictures.Image.Image:
     return image
 
 
-@recipe("bank", 3, BUILDING, hulls=2)
+@recipe("bank", 3, BUILDING, hulls=6)
 def bank(variant: int, rng: np.random.Generator) -> BuiltAsset:
     name, color, width = (("FIRST BANK", "#d8d2c2", 11.0), ("SAVINGS BANK", "#c9b595", 12.0), ("BANCO CENTRAL", "#b9bcbd", 10.0))[variant]
     height, depth = (8.2, 7.4, 9.6)[variant], 7.5
@@ -243,7 +244,7 @@ def bank(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(f, names[variant], {"name": name})
 
 
-@recipe("school", 3, BUILDING, hulls=2)
+@recipe("school", 3, BUILDING, hulls=6)
 def school(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, width, name = (("brick", "#9a5843", 14.0, "PRIMARY SCHOOL"), ("plaster", "#e1c77a", 14.0, "SCHOOL"), ("panel", "#cdd3d6", 13.0, "CITY SCHOOL"))[variant]
     height, depth = 7.6, 7.5
@@ -292,7 +293,7 @@ def _clock() -> np.ndarray:
     return np.asarray(pictures.paint.shrunk(image, (32, 32)))
 
 
-@recipe("garage", 3, BUILDING, hulls=1)
+@recipe("garage", 3, BUILDING, hulls=4)
 def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, doors, width = (("plaster", "#cfc6b4", 1, 6.0), ("brick", "#94553f", 2, 7.2), ("panel", "#a9b0b3", 3, 9.6))[variant]
     height, depth = (3.0, 3.1, 3.4)[variant], 6.0

@@ -13,7 +13,7 @@ from .wheels import grille_picture, number_plate, rim_picture, wheel
 
 _CAR = Physics(
     ("steel", "glass", "rubber", "plastic"), 170.0, (950.0, 2600.0), 0.6, False,
-    "kerb weights of current cars are 1.0-2.5 t for 8-14 m^3 of outer volume; parked with the brake on nobody shifts one; "
+    "kerb weights of current cars are 1.0-2.5 t for 6-16 m^3 enclosed by the body; parked with the brake on nobody shifts one; "
     "painted steel sheet slides at about 0.6",
 )  # fmt: skip
 

@@ -9,7 +9,7 @@ from ..palette import Color, shade
 from ..recipe import Physics, recipe
 from . import facade_pictures as pictures
 from .facade import Facade, finish
-from .plants_in_pots import potted_bush
+from .foliage import potted_bush
 
 #: kg per m^3 of a town building's outer volume (masonry walls and floors: 200-350).
 BUILDING_DENSITY = 250.0
@@ -222,7 +222,7 @@ def build_shop(shop: Shop, leaf: str, variant: int, rng: np.random.Generator) ->
 
 
 def _register(leaf: str) -> None:
-    @recipe(leaf, 3, BUILDING, hulls=2)
+    @recipe(leaf, 3, BUILDING, hulls=6)
     def shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
         return build_shop(_SHOPS[leaf][variant], leaf, variant, rng)
 

@@ -14,7 +14,7 @@ import shapely
 
 from ..mesh_builder import MeshBuilder, Picture
 from ..palette import Color
-from ..shapes import Point2, Shape, loft, merged, sheet, welded
+from ..shapes import Point2, Shape, merged, sheet, welded
 
 SUBDIVISION = 2
 ARCH_SEGMENTS = 9
@@ -56,6 +56,12 @@ class BodyShape:
             axles=tuple(x * along for x in self.axles),
             belt=self.belt * up,
         )
+
+
+def _strip(rows: Sequence[np.ndarray]) -> Shape:
+    """The open skin between polylines of equal length (a `loft` would close each of them to a ring)."""
+    surface = sheet(np.stack(rows))
+    return Shape(surface.vertices, surface.faces)
 
 
 class Body:
@@ -130,36 +136,52 @@ class Body:
         points.append((end[0] + 0.12, shape.sill + 0.04))
         return np.array(points)
 
-    def _split_outline(self, s: np.ndarray) -> np.ndarray:
-        """s with the places added where the outline crosses the flank's grid, so that no seam gapes."""
-        table = self._spline
-        extra = []
-        for k, lines in ((1, self._columns), (2, self._levels)):
-            for line in lines:
-                above = table[:, k] > line
-                for i in np.flatnonzero(above[1:] != above[:-1]):
-                    f = (line - table[i, k]) / (table[i + 1, k] - table[i, k])
-                    extra.append(table[i, 0] + f * (table[i + 1, 0] - table[i, 0]))
-        return np.unique(np.round(np.concatenate([s, extra]), 6))
+    def _with_crossings(self, line: np.ndarray, *others: np.ndarray) -> list[np.ndarray]:
+        """Points added to a polyline (n, 2) where it crosses the flank's grid, and to others (n, k) in step with it.
+
+        The flank is cut along that grid; without these points its seams with the rest of the skin would gape.
+        """
+        together = np.hstack([line, *others])
+        for axis, levels in ((0, self._columns), (1, self._levels)):
+            for level in levels:
+                above = together[:, axis] > level
+                for i in np.flatnonzero(above[1:] != above[:-1])[::-1]:
+                    a, b = together[i], together[i + 1]
+                    point = a + (level - a[axis]) / (b[axis] - a[axis]) * (b - a)
+                    point[axis] = level
+                    if np.abs(point[:2] - a[:2]).max() > 1e-4 and np.abs(point[:2] - b[:2]).max() > 1e-4:
+                        together = np.insert(together, i + 1, point, axis=0)
+        widths = np.cumsum([line.shape[1]] + [o.shape[1] for o in others])[:-1]
+        return np.split(together, widths, axis=1)
 
     def shell(self, color: Color, under: Color = "charcoal") -> None:
-        """The skin: flanks, top with rounded edges, underside and inner wheel arches."""
-        s = self._split_outline(self._spline[:, 0])
+        """The skin, closed: flanks, top with rounded edges, underside and inner wheel arches."""
+        s = self._spline[:, 0]
         at, normal, _ = self._upper(s)
-        edge = at - normal * self.shape.rounding
-        y = self.half_width(edge[:, 0], edge[:, 1])
         inset = self.shape.rounding / (self.shape.width / 2)
-        rows = [np.stack([edge[:, 0], -y, edge[:, 1]], 1)]
-        rows += [self._across_points(s, t) for t in (-1 + inset, -0.6, 0.0, 0.6, 1 - inset)]
-        rows.append(np.stack([edge[:, 0], y, edge[:, 1]], 1))
-        self.builder.add(loft(rows, caps=False), color, crease_deg=52.0)
-        lower = self._lower
-        width = self.half_width(lower[:, 0], lower[:, 1])
-        closing = np.vstack([edge[-1], lower, edge[0]])
-        width = np.concatenate([[y[-1]], width, [y[0]]])
-        bottom = [np.stack([closing[:, 0], k * width, closing[:, 1]], 1) for k in (-1.0, 1.0)]
-        self.builder.add(loft(bottom, caps=False), under, crease_deg=30.0)
-        self.side(np.vstack([edge, lower]), color, 0.0)
+        middle = [self._across_points(s, t) for t in (-1 + inset, -0.6, 0.0, 0.6, 1 - inset)]
+        edge, *middle = self._with_crossings(at - normal * self.shape.rounding, *middle)
+        (lower,) = self._with_crossings(self._lower)
+        rim = np.vstack([edge, lower])
+        y = self.half_width(rim[:, 0], rim[:, 1])
+        sides = [np.stack([rim[:, 0], sign * y, rim[:, 1]], 1) for sign in (-1.0, 1.0)]
+        n = len(edge)
+        self.builder.add(_strip([sides[0][:n], *middle, sides[1][:n]]), color, crease_deg=52.0)
+        closing = [np.vstack([r[n - 1 :], r[:1]]) for r in sides]
+        # The ends of the two skins meet along the bumpers' lower edges, where the upper one has more points across.
+        ends = [[row[k] for row in middle] for k in (n - 1, 0)]
+        self._underside(closing, ends, under)
+        self.side(rim, color, 0.0)
+
+    def _underside(self, rows: list[np.ndarray], ends: list[list[np.ndarray]], color: Color) -> None:
+        faces = _strip(rows)
+        count = len(rows[0])
+        shapes = [faces]
+        for k, row in ((0, ends[0]), (count - 1, ends[1])):
+            chain = np.array([rows[0][k], *row, rows[1][k]])
+            fan = np.array([(0, i, i + 1) for i in range(1, len(chain) - 1)])
+            shapes.append(Shape(chain, fan if k == 0 else fan[:, ::-1]))
+        self.builder.add(merged(shapes), color, crease_deg=30.0)
 
     def _cells(self, polygon: shapely.Polygon) -> Shape:
         """Triangles of a polygon in (x, z), split along the flank's grid, as a flat shape (x, z, 0)."""
@@ -170,7 +192,7 @@ class Body:
             for z0, z1 in zip(zs, zs[1:], strict=False):
                 part = shapely.intersection(polygon, shapely.box(x0, z0, x1, z1))
                 for piece in shapely.get_parts(part):
-                    if piece.geom_type == "Polygon" and piece.area > 1e-6:
+                    if piece.geom_type == "Polygon" and piece.area > 1e-10:
                         triangles += list(shapely.constrained_delaunay_triangles(piece).geoms)
         corners = np.array([shapely.geometry.polygon.orient(t).exterior.coords[:3] for t in triangles])[..., :2]
         flat = corners.reshape(-1, 2)
