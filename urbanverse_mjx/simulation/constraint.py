@@ -19,6 +19,10 @@ from .hull_contact import SphereContacts
 from .physics_model import LimitTable, SphereTable
 
 
+#: A step whose length is within this of Newton's own ended where the quadratic has its minimum.
+_FULL_STEP = 1e-3
+
+
 class Rows(NamedTuple):
     """Constraint rows: jacobian (n, nv), stiffness D (n,), reference acceleration aref (n,)."""
 
@@ -118,33 +122,55 @@ def join(first: Rows, second: Rows) -> Rows:
     return Rows(*(jnp.concatenate([a, b]) for a, b in zip(first, second, strict=True)))
 
 
+class _Search(NamedTuple):
+    """Newton's state: acceleration (nv,), J a - aref (n,), rows that push (n,), whether it is the minimum, steps done."""
+
+    a: Any
+    gap: Any
+    pushing: Any
+    done: Any
+    steps: Any
+
+
 def solve(mass: Any, free: Any, start: Any, rows: Rows, iterations: int, line_steps: int) -> tuple[Any, Any]:
     """Newton's method with an exact line search for the constrained acceleration.
 
+    The cost is quadratic as long as the same rows push, so a step after which they do has found the minimum.
+
     Args:
       mass: (nv, nv), free: (nv,) unconstrained acceleration, start: (nv,) acceleration of the step before.
+      iterations: at most so many Newton steps; line_steps: each with so many in its line search.
 
     Returns:
       acceleration (nv,) and row forces (n,), not negative.
     """
     jacobian, stiffness, reference = rows
 
-    def cost(a: Any) -> Any:
-        short = jnp.minimum(jacobian @ a - reference, 0.0)
-        return 0.5 * (a - free) @ mass @ (a - free) + 0.5 * jnp.sum(stiffness * short * short)
-
-    def improve(_: int, a: Any) -> Any:
+    def begin(a: Any) -> tuple[Any, Any]:
         gap = jacobian @ a - reference
-        pull = jnp.where(gap < 0, stiffness, 0.0)
+        short = jnp.minimum(gap, 0.0)
+        return gap, 0.5 * (a - free) @ mass @ (a - free) + 0.5 * jnp.sum(stiffness * short * short)
+
+    def improve(state: _Search) -> _Search:
+        a, gap, pushing, _, steps = state
+        pull = jnp.where(pushing, stiffness, 0.0)
         smooth = mass @ (a - free)
         gradient = smooth + (pull * gap) @ jacobian
         hessian = mass + (jacobian * pull[:, None]).T @ jacobian
         step = -jax.scipy.linalg.cho_solve(jax.scipy.linalg.cho_factor(hessian, lower=True), gradient)
-        return a + _line_search(smooth @ step, step @ mass @ step, gap, jacobian @ step, stiffness, line_steps) * step
+        change = jacobian @ step
+        alpha = _line_search(smooth @ step, step @ mass @ step, gap, change, stiffness, line_steps)
+        a = a + alpha * step
+        gap = jacobian @ a - reference
+        done = jnp.all((gap < 0) == pushing) & (jnp.abs(alpha - 1.0) < _FULL_STEP)
+        return _Search(a, gap, gap < 0, done, steps + 1)
 
-    better = cost(start) < cost(free)
-    a = jax.lax.fori_loop(0, iterations, improve, jnp.where(better, start, free))
-    return a, stiffness * jnp.maximum(reference - jacobian @ a, 0.0)
+    (gap_start, cost_start), (gap_free, cost_free) = begin(start), begin(free)
+    better = cost_start < cost_free
+    gap = jnp.where(better, gap_start, gap_free)
+    state = _Search(jnp.where(better, start, free), gap, gap < 0, jnp.zeros((), bool), jnp.zeros((), jnp.int32))
+    state = jax.lax.while_loop(lambda s: ~s.done & (s.steps < iterations), improve, state)
+    return state.a, stiffness * jnp.maximum(-state.gap, 0.0)
 
 
 def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: Any, steps: int) -> Any:

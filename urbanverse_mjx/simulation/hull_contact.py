@@ -4,8 +4,12 @@ In:   sphere centres and radii, `Slots`, the hull table.
 Out:  `SphereContacts`, a fixed number of contacts.
 When: every physics step, per env, inside jit.
 
-The bound is the distance to the hull's outline along 13 fixed axes of its frame (faces, edges and corners of a cube):
-never more than the true distance, so no touching pair ranks behind one that is surely apart.
+Three passes, each for fewer pairs:
+1. All pairs: the distance to the hull's outline along 13 fixed axes of its frame (faces, edges and corners of a cube).
+   It is never more than the true distance, so no touching pair ranks behind one that is surely apart.
+2. The nearest `num_contacts`: the face plane farthest out. The distance to a convex body is at least that to each of
+   its planes, so a face can only hold the nearest point if it is this one, and the point's foot on it lies in the body.
+3. Those of them whose foot does not: the nearest point lies on an edge.
 """
 
 import itertools
@@ -21,11 +25,10 @@ from .slots import Slots
 _AXES = np.array([a for a in itertools.product((-1, 0, 1), repeat=3) if a > (0, 0, 0)], np.float64)
 #: (13, 3) unit axes, one of each opposite pair.
 AXES = _AXES / np.linalg.norm(_AXES, axis=1, keepdims=True)
-#: Barycentric coordinates must exceed this for the foot of the perpendicular to count as inside a triangle; on its
-#: edges the edge itself gives the same answer without trusting the coordinates of slivers.
-_INSIDE = 1e-6
-#: m; a centre nearer to the surface has no direction of its own, and the face's normal is taken.
-_ON_SURFACE = 1e-6
+#: m; how far a foot may stick out of the body and still count as on its face (float32 over tens of metres).
+_FOOT_TOLERANCE = 1e-5
+#: m; a centre nearer to an edge has no direction of its own, and the face's normal is taken.
+_ON_EDGE = 1e-6
 
 
 class HullTable(NamedTuple):
@@ -33,12 +36,14 @@ class HullTable(NamedTuple):
 
     Attributes:
       low, high: (T, 13) m, the hull's extent along `AXES`.
-      faces: (T, 13, F) f32 per triangle: corner a, edges b - a and c - a, unit normal, offset; padded by repetition.
+      planes: (T, 4, F) outward unit normal and offset of each distinct face plane, padded by repetition.
+      edges: (T, 6, E) start and direction of each edge between two planes, padded by repetition.
     """
 
     low: Any
     high: Any
-    faces: Any
+    planes: Any
+    edges: Any
 
 
 class SphereContacts(NamedTuple):
@@ -60,16 +65,36 @@ class SphereContacts(NamedTuple):
     missed: Any
 
 
+def _planes_and_edges(corners: np.ndarray, triangles: np.ndarray, planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distinct planes (f, 4) and the edges (e, 6) that are not inside a flat face."""
+    distinct, plane = np.unique(planes, axis=0, return_inverse=True)
+    edge = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    side = np.repeat(plane.ravel(), 3)
+    pairs, which = np.unique(edge, axis=0, return_inverse=True)
+    low, high = np.full(len(pairs), len(distinct)), np.full(len(pairs), -1)
+    np.minimum.at(low, which.ravel(), side)
+    np.maximum.at(high, which.ravel(), side)
+    number = np.bincount(which.ravel(), minlength=len(pairs))
+    sharp = pairs[(low != high) | (number == 1)]
+    start = corners[sharp[:, 0]]
+    return distinct, np.concatenate([start, corners[sharp[:, 1]] - start], axis=1)
+
+
+def _pad(rows: list[np.ndarray]) -> np.ndarray:
+    """Rows (n_t, k) as (T, k, max n), padded by repeating the first."""
+    width = max(len(r) for r in rows)
+    return np.stack([np.concatenate([r, np.repeat(r[:1], width - len(r), axis=0)]).T for r in rows])
+
+
 def hull_table(bank: SceneBank) -> HullTable:
     """The bank's hulls prepared for distances."""
     along = np.einsum("tvi,ki->tvk", bank.hull_vertices.astype(np.float64), AXES)
-    width = int(bank.hull_num_triangles.max())
-    a, b, c = (
-        np.take_along_axis(bank.hull_vertices, bank.hull_triangles[:, :width, i, None], axis=1) for i in range(3)
-    )
-    planes = bank.hull_planes[:, :width]
-    faces = np.concatenate([a, b - a, c - a, planes], axis=-1).transpose(0, 2, 1)
-    return HullTable(*(jnp.asarray(x, jnp.float32) for x in (along.min(1), along.max(1), faces)))
+    parts = [
+        _planes_and_edges(bank.hull_vertices[t], bank.hull_triangles[t, :n], bank.hull_planes[t, :n])
+        for t, n in enumerate(bank.hull_num_triangles)
+    ]
+    arrays = (along.min(1), along.max(1), _pad([p for p, _ in parts]), _pad([e for _, e in parts]))
+    return HullTable(*(jnp.asarray(a, jnp.float32) for a in arrays))
 
 
 def distance_bound(centres: Any, radii: Any, slots: Slots, table: HullTable) -> Any:
@@ -84,44 +109,54 @@ def distance_bound(centres: Any, radii: Any, slots: Slots, table: HullTable) -> 
     return jnp.where(slots.valid, bound - radii[:, None], jnp.inf)
 
 
-def closest_point(point: Any, faces: Any) -> tuple[Any, Any]:
-    """Signed distance () from a point (3,) to a hull and the outward direction (3,), in the hull's frame.
+def _dot(u: Any, w: Any) -> Any:
+    return u[0] * w[0] + u[1] * w[1] + u[2] * w[2]
 
-    Inside, the distance is that to the nearest face plane, negative: the least way out.
+
+def face_distance(point: Any, planes: Any) -> tuple[Any, Any, Any]:
+    """Distance () from a point (3,) to the plane farthest out, its normal (3,), and whether it holds the nearest point.
+
+    Inside the hull the distance is negative: that to the nearest way out.
     """
-    a, ab, ac, normal, offset = faces[0:3], faces[3:6], faces[6:9], faces[9:12], faces[12]
+    height = _dot(planes, point[:, None]) - planes[3]
+    face = jnp.argmax(height)
+    normal, distance = planes[:3, face], height[face]
+    foot = point - distance * normal
+    outside = jnp.max(_dot(planes, foot[:, None]) - planes[3])
+    return distance, normal, (distance <= 0) | (outside <= _FOOT_TOLERANCE)
 
-    def dot(u: Any, w: Any) -> Any:
-        return u[0] * w[0] + u[1] * w[1] + u[2] * w[2]
 
-    ap = point[:, None] - a
-    height = dot(normal, jnp.broadcast_to(point[:, None], normal.shape)) - offset
-    d1, d2 = dot(ab, ap), dot(ac, ap)
-    g11, g12, g22 = dot(ab, ab), dot(ab, ac), dot(ac, ac)
-    inverse = 1.0 / jnp.maximum(g11 * g22 - g12 * g12, 1e-20)
-    beta, gamma = (g22 * d1 - g12 * d2) * inverse, (g11 * d2 - g12 * d1) * inverse
-    inside = (beta > _INSIDE) & (gamma > _INSIDE) & (beta + gamma < 1.0 - _INSIDE) & (height > 0)
-    # Vectors from the nearest point to the sphere's centre, for the three edges; differences before squares, because
-    # ground prisms are tens of metres long.
-    best = height * normal
-    length = jnp.where(inside, height * height, jnp.inf)
-    bc = ac - ab
-    g33 = g11 - 2 * g12 + g22
-    for start, edge, along, square in ((ap, ab, d1, g11), (ap, ac, d2, g22), (ap - ab, bc, dot(bc, ap - ab), g33)):
-        way = start - jnp.clip(along / jnp.maximum(square, 1e-20), 0.0, 1.0) * edge
-        candidate = dot(way, way)
-        best = jnp.where(candidate < length, way, best)
-        length = jnp.minimum(length, candidate)
-    nearest, face = jnp.argmin(length), jnp.argmax(height)
-    deepest = height[face]
-    distance = jnp.sqrt(length[nearest])
-    outside = (deepest > 0) & (distance > _ON_SURFACE)
-    direction = jnp.where(outside, best[:, nearest] / jnp.maximum(distance, _ON_SURFACE), normal[:, face])
-    return jnp.where(outside, distance, jnp.minimum(deepest, distance)), direction
+def edge_distance(point: Any, edges: Any, normal: Any) -> tuple[Any, Any]:
+    """Distance () from a point (3,) to the nearest edge and the direction (3,) from there; `normal` if it is on it."""
+    # Differences before squares, because ground prisms are tens of metres long.
+    start, edge = point[:, None] - edges[:3], edges[3:]
+    share = jnp.clip(_dot(start, edge) / _dot(edge, edge), 0.0, 1.0)
+    way = start - share * edge
+    square = _dot(way, way)
+    nearest = jnp.argmin(square)
+    distance = jnp.sqrt(square[nearest])
+    return distance, jnp.where(distance > _ON_EDGE, way[:, nearest] / jnp.maximum(distance, _ON_EDGE), normal)
+
+
+def _with_edges(local: Any, hull: Any, gap: Any, normal: Any, open_: Any, edges: Any, number: int) -> tuple[Any, Any, Any]:
+    """Replaces gap (n,) and normal (n, 3) of the `number` smallest entries of open_ (n,) by those to the edges.
+
+    Returns both and () i32, how many entries with open_ < 0 were left.
+    """
+    negative, pick = jax.lax.top_k(-open_, number)
+    distance, direction = jax.vmap(edge_distance)(local[pick], edges[hull[pick]], normal[pick])
+    # A product with zeros and ones is faster than a scatter.
+    chosen = (pick[:, None] == jnp.arange(len(gap))) & (negative > 0)[:, None]
+    found = chosen.any(0)
+    gap = jnp.where(found, jnp.sum(jnp.where(chosen, distance[:, None], 0.0), 0), gap)
+    normal = jnp.where(found[:, None], jnp.sum(jnp.where(chosen[..., None], direction[:, None], 0.0), 0), normal)
+    return gap, normal, jnp.maximum(jnp.sum(open_ < 0) - number, 0)
 
 
 def find_contacts(centres: Any, radii: Any, slots: Slots, table: HullTable, num_contacts: int) -> SphereContacts:
     """The `num_contacts` pairs of a sphere and a hull that lie nearest to each other.
+
+    At most half of them may touch at an edge. Distances that are positive may be too small, never too large.
 
     Args:
       centres: (S, 3) m, world frame. radii: (S,) m.
@@ -129,12 +164,15 @@ def find_contacts(centres: Any, radii: Any, slots: Slots, table: HullTable, num_
     """
     bound = distance_bound(centres, radii, slots, table).ravel()
     negative, pair = jax.lax.top_k(-bound, num_contacts)
-    missed = jnp.maximum(jnp.sum(bound < 0) - num_contacts, 0).astype(jnp.int32)
     sphere, slot = pair // slots.hull.shape[0], pair % slots.hull.shape[0]
-    rotation, centre, radius = slots.rotation[slot], centres[sphere], radii[sphere]
+    rotation, centre, radius, hull = slots.rotation[slot], centres[sphere], radii[sphere], slots.hull[slot]
     local = jnp.einsum("nij,ni->nj", rotation, centre - slots.position[slot])
-    gap, direction = jax.vmap(closest_point)(local, table.faces[slots.hull[slot]])
-    distance = jnp.where(jnp.isfinite(negative), gap - radius, jnp.inf)
+    gap, direction, on_face = jax.vmap(face_distance)(local, table.planes[hull])
+    exists = jnp.isfinite(negative)
+    open_ = jnp.where(exists & ~on_face & (gap < radius), gap - radius, jnp.inf)
+    gap, direction, skipped = _with_edges(local, hull, gap, direction, open_, table.edges, (num_contacts + 1) // 2)
+    distance = jnp.where(exists, gap - radius, jnp.inf)
     normal = jnp.einsum("nij,nj->ni", rotation, direction)
-    touch = jnp.where(jnp.isfinite(distance), radius + 0.5 * distance, radius)
-    return SphereContacts(sphere, slot, distance, normal, centre - normal * touch[:, None], missed)
+    touch = jnp.where(exists, radius + 0.5 * distance, radius)
+    missed = jnp.maximum(jnp.sum(bound < 0) - num_contacts, 0) + skipped
+    return SphereContacts(sphere, slot, distance, normal, centre - normal * touch[:, None], missed.astype(jnp.int32))
