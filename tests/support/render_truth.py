@@ -31,12 +31,20 @@ def build_street(bank: SceneBank, scene: int, robot: RobotSpec) -> Street:
             corners = slice(bank.mesh_vertex_start[mesh], bank.mesh_vertex_start[mesh + 1])
             faces = bank.mesh_faces[bank.mesh_face_start[mesh] : bank.mesh_face_start[mesh + 1]]
             spec.add_mesh(
-                name=name, uservert=bank.mesh_vertices[corners].ravel(), userface=faces.ravel(),
+                name=name,
+                uservert=bank.mesh_vertices[corners].ravel(),
+                userface=faces.ravel(),
                 inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
             )
         spec.worldbody.add_geom(
-            name=f"slot/{slot}", type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, pos=bank.slot_position[scene, slot],
-            quat=bank.slot_quaternion[scene, slot], contype=0, conaffinity=0, group=0,
+            name=f"slot/{slot}",
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=name,
+            pos=bank.slot_position[scene, slot],
+            quat=bank.slot_quaternion[scene, slot],
+            contype=0,
+            conaffinity=0,
+            group=0,
         )
     model = spec.compile()
     names = [model.geom(i).name for i in range(model.ngeom)]
@@ -77,3 +85,9 @@ def cast(street: Street, camera: str, height: int, width: int) -> tuple[np.ndarr
             depth[i, j] = distance / np.linalg.norm(rays[i, j])
             slot[i, j] = street.slot[geom[0]]
     return depth, slot
+
+
+def is_free(street: Street, point: np.ndarray, direction: np.ndarray) -> bool:
+    """Whether nothing that is seen lies on the way from `point` along `direction`."""
+    geom = np.zeros(1, np.int32)
+    return mujoco.mj_ray(street.model, street.data, point, direction, _SEEN, 1, -1, geom, None) < 0

@@ -2,6 +2,10 @@
 
 import warp as wp
 
+#: Height (m) of what is not to be seen, deep under every street.
+NOWHERE = -1.0e4
+_NOWHERE = wp.constant(NOWHERE)
+
 wp.set_module_options({"enable_backward": False, "fast_math": False})
 
 
@@ -113,6 +117,10 @@ def place_robot(
     turn = _matrix(xquat[w, body])
     position = xpos[w, body] + turn @ tables.position[i]
     rotation = turn @ tables.rotation[i]
+    # A state that blew up must not reach the search tree: the robot goes where nobody looks.
+    if not (wp.isfinite(position) and wp.isfinite(xquat[w, body])):
+        position = wp.vec3(0.0, 0.0, _NOWHERE)
+        rotation = wp.identity(n=3, dtype=float)
     geom = first + i
     worlds.geom_xpos[w, geom] = position
     worlds.geom_xmat[w, geom] = rotation
@@ -132,8 +140,9 @@ def place_robot(
 def place_camera(position: wp.array[wp.vec3], quaternion: wp.array[wp.vec4], fovy: wp.array[float], worlds: Worlds):
     """T_world_camera and vertical field of view (rad) of each world's camera; dim worlds."""
     w = wp.tid()
-    worlds.cam_xpos[w, 0] = position[w]
-    worlds.cam_xmat[w, 0] = _matrix(quaternion[w])
+    sound = wp.isfinite(position[w]) and wp.isfinite(quaternion[w])
+    worlds.cam_xpos[w, 0] = wp.where(sound, position[w], wp.vec3(0.0, 0.0, _NOWHERE))
+    worlds.cam_xmat[w, 0] = wp.where(sound, _matrix(quaternion[w]), wp.identity(n=3, dtype=float))
     worlds.cam_fovy[w, 0] = fovy[w] * (180.0 / wp.pi)
 
 
@@ -162,8 +171,9 @@ def unpack_labels(
     """Geom numbers to object (slot) and category numbers, either output may be empty; dim (worlds, pixels)."""
     w, pixel = wp.tid()
     geom = seg[w, pixel][0]
-    number = int(-1)
-    kind = int(-1)
+    # Warp takes a bare number for a constant.
+    number = int(-1)  # noqa: RUF046, UP018
+    kind = int(-1)  # noqa: RUF046, UP018
     if geom >= num_slots:
         number = robot_label
         kind = robot_label

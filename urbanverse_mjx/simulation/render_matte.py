@@ -14,7 +14,11 @@ from mujoco_warp_pbr._src import camera, color, envmap, kernel_inputs, lights, m
 
 
 def build_matte_kernel(model: mjw.Model, context: pbr.PbrRenderContext) -> tuple[wp.Kernel, Any]:
-    """For contexts with one camera that renders RGB: the kernel, with the arguments of mujoco-warp-pbr's own, and the key under which a context keeps it."""
+    """For contexts with one camera that renders RGB.
+
+    Returns:
+      the kernel, with the arguments of mujoco-warp-pbr's own, and the key under which a context keeps it.
+    """
     base = context.base
     values = kernel_inputs.settings_values(context)
     resolve = kernel_inputs.make_resolve_settings(context, values)
@@ -44,7 +48,7 @@ def build_matte_kernel(model: mjw.Model, context: pbr.PbrRenderContext) -> tuple
         to_sun = -lit.light_xdir[worldid, 0]
         cosine = wp.dot(normal, to_sun)
         if cosine > 0.0:
-            visible = float(1.0)
+            visible = float(1.0)  # noqa: UP018 (Warp takes a bare number for a constant)
             if wp.static(shadows):
                 start = point + normal * wp.static(trace.RAY_OFFSET)
                 if trace_any(geo, worldid, start, to_sun, wp.static(trace.UNBOUNDED_SHADOW_DIST)):
@@ -52,7 +56,9 @@ def build_matte_kernel(model: mjw.Model, context: pbr.PbrRenderContext) -> tuple
             total += lit.light_diffuse[worldid, 0] * (cosine * visible * wp.static(1.0 / math.pi))
         return total
 
-    @wp.kernel(module="unique", enable_backward=False, grid_stride=False, module_options=kernel_inputs.module_options(context))
+    options = kernel_inputs.module_options(context)
+
+    @wp.kernel(module="unique", enable_backward=False, grid_stride=False, module_options=options)
     def render_matte(
         geo: trace.Geometry,
         mats: material.Materials,
@@ -73,7 +79,9 @@ def build_matte_kernel(model: mjw.Model, context: pbr.PbrRenderContext) -> tuple
         display = wp.vec3(0.0)
         adr = out.rgb_adr[pix.camid] + pix.pixelid
         for k in range(wp.static(rays * rays)):
-            origin, direction, max_dist, axis = primary_ray(cams, pix, wp.static(rays), k % wp.static(rays), k // wp.static(rays), s)
+            column = k % wp.static(rays)
+            row = k // wp.static(rays)
+            origin, direction, max_dist, axis = primary_ray(cams, pix, wp.static(rays), column, row, s)
             hit = trace_closest(geo, worldid, origin, direction, max_dist)
             radiance = env.background
             base_color = wp.vec3(0.0)
@@ -87,9 +95,12 @@ def build_matte_kernel(model: mjw.Model, context: pbr.PbrRenderContext) -> tuple
                 cone = (width + spread * hit.dist) * share
                 surface, normal = eval_surface(geo, mats, s, worldid, hit, point, direction, cone)
                 base_color = surface.base_color
-                radiance = wp.cw_mul(base_color, irradiance(geo, lit, env, s, worldid, point, normal)) + surface.emissive
+                light = irradiance(geo, lit, env, s, worldid, point, normal)
+                radiance = wp.cw_mul(base_color, light) + surface.emissive
             if k == 0:
-                kernel_inputs.write_geometry(out, worldid, pix.camid, pix.pixelid, hit, axis, pix.want_depth, pix.want_seg)
+                kernel_inputs.write_geometry(
+                    out, worldid, pix.camid, pix.pixelid, hit, axis, pix.want_depth, pix.want_seg
+                )
                 if wp.static(guides):
                     kernel_inputs.write_guides(out, worldid, adr, base_color, normal)
             display += color.display_transform(radiance, s.tone_mapper)

@@ -17,6 +17,7 @@ import warp as wp
 from .. import settings as process
 from ..datatypes import NounError, RobotSpec, SceneBank
 from .render_context import OUTPUTS, ROBOT_LABEL, SHADINGS, Settings, SharedAssets, WorldBatch
+from .render_kernels import NOWHERE
 from .render_model import build_render_model
 from .warp_bridge import batched_call, register, registered
 
@@ -92,7 +93,8 @@ class Renderer:
             raise NounError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; mend its spelling")
         if not wanted or min(height, width, samples) < 1:
             raise NounError(
-                f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of each"
+                f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of "
+                "each; mend the numbers"
             )
         self.bank = bank
         self.settings = Settings(height, width, wanted, shadows, sky, samples, shading)
@@ -143,13 +145,19 @@ class Renderer:
         """
         bodies = self.num_bodies
         if xpos is None:
-            xpos, xquat = np.tile([0.0, 0.0, -1e4], (bodies, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))
+            xpos, xquat = np.tile([0.0, 0.0, NOWHERE], (bodies, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))
         arrays = [jnp.asarray(x, jnp.float32) for x in (xpos, xquat, position, quaternion, fovy)]
         wanted = ((bodies, 3), (bodies, 4), (3,), (4,), ())
         for name, array, shape in zip(("xpos", "xquat", "position", "quaternion", "fovy"), arrays, wanted, strict=True):
             if array.shape != shape:
                 raise NounError(f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more")
-        return self._view(jnp.asarray(scene, jnp.int32), *arrays)
+        # Warp does not check indices; JAX's own gathers clamp them.
+        return self._view(jnp.clip(jnp.asarray(scene, jnp.int32), 0, self.bank.num_scenes - 1), *arrays)
+
+    @property
+    def num_contexts(self) -> int:
+        """Batches for which a render context is kept; made when a batch of a new size is first drawn."""
+        return len(self._batches)
 
     def _render(
         self, scene: wp.array, xpos: wp.array, xquat: wp.array, eye: wp.array, turn: wp.array, fovy: wp.array,
@@ -198,7 +206,7 @@ def _batch_function(number: int, settings: Settings) -> Any:
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> dict[str, jax.Array]:
         n = scene.shape[0]
-        shapes = {"rgb": (n, height, width, 3)} | {name: (n, height, width) for name in OUTPUTS[1:]}
+        shapes = {"rgb": (n, height, width, 3)} | dict.fromkeys(OUTPUTS[1:], (n, height, width))
         shapes = {k: s if k in settings.outputs else (n, *[0] * (len(s) - 1)) for k, s in shapes.items()}
         out = function(number, scene, *arrays, output_dims=shapes)
         return {name: x for name, x in zip(OUTPUTS, out, strict=True) if name in settings.outputs}

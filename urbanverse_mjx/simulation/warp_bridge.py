@@ -36,8 +36,8 @@ def registered(number: int) -> Any:
     owner = _registry.get(number)
     if owner is None:
         raise RuntimeError(
-            "found a call into a renderer that was deleted; needed one that is alive; keep a reference to it as long as "
-            "functions compiled with it are used"
+            "found a call into a renderer that was deleted; needed one that is alive; keep a reference to it as long "
+            "as functions compiled with it are used"
         )
     return owner
 

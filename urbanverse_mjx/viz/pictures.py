@@ -63,7 +63,7 @@ class Studio:
         self, scene: int, eye: Any, target: Any, fov: float = FOV, up: Any = (0.0, 0.0, 1.0), xpos: Any = None,
         xquat: Any = None,
     ) -> np.ndarray:
-        """(H, W, 3) uint8 from `eye` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the robot's bodies."""
+        """(H, W, 3) uint8 from `eye` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the robot."""
         picture = self.renderer.view(scene, eye, look_at(eye, target, up), fov, xpos, xquat)
         return np.asarray(picture["rgb"])
 

@@ -1,0 +1,93 @@
+"""Places and banks that the renderer's tests share."""
+
+import dataclasses
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from tests.support import render_truth
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.simulation.renderer import Renderer
+
+HEIGHT, WIDTH = 36, 64
+#: Slots of a box street that are objects; the ground follows.
+OBJECTS = 40
+#: Looks along +x with +z up.
+AHEAD = np.array([0.5, 0.5, -0.5, -0.5])
+#: Looks straight down, +y up in the picture.
+DOWN = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+@dataclasses.dataclass(frozen=True)
+class Places:
+    """Robots in scenes: scene (n,), xpos (n, nbody, 3), xquat (n, nbody, 4), and what `mj_ray` sees there."""
+
+    scene: np.ndarray
+    xpos: np.ndarray
+    xquat: np.ndarray
+    depth: np.ndarray
+    slot: np.ndarray
+
+    @property
+    def inputs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self.scene, self.xpos, self.xquat
+
+
+def make_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int = 0) -> Places:
+    """Robots at `number` starts of episodes, spread over all scenes, heading anywhere."""
+    rng = np.random.default_rng(seed)
+    rows: list[tuple[Any, ...]] = []
+    streets: dict[int, render_truth.Street] = {}
+    for i in range(number):
+        scene = i % bank.num_scenes
+        street = streets.setdefault(scene, render_truth.build_street(bank, scene, robot))
+        start = bank.episode_start[scene, rng.integers(bank.num_episodes[scene])].astype(float)
+        start[3] += rng.uniform(-np.pi, np.pi)
+        render_truth.place(street, robot, start)
+        seen = render_truth.cast(street, robot.camera, HEIGHT, WIDTH)
+        rows.append((scene, street.data.xpos.copy(), street.data.xquat.copy(), *seen))
+    return Places(*(np.array(column) for column in zip(*rows, strict=True)))
+
+
+def with_light(bank: SceneBank, radiance: np.ndarray, direction: Any, irradiance: Any, yaw: float = 0.0) -> SceneBank:
+    """The bank with one sky over all scenes: panorama (H, W, 3), sun direction (3,) and irradiance (3,)."""
+    direction = np.asarray(direction, np.float32)
+    return dataclasses.replace(
+        bank,
+        sky_radiance=np.asarray(radiance, np.float32)[None],
+        sky_sun_direction=(direction / np.linalg.norm(direction))[None],
+        sky_sun_irradiance=np.asarray(irradiance, np.float32)[None],
+        scene_sky=np.zeros_like(bank.scene_sky),
+        scene_sky_yaw=np.full_like(bank.scene_sky_yaw, yaw),
+        meta={**bank.meta, "skies": ["one"]},
+    )
+
+
+def plain_bank(bank: SceneBank, albedo: float) -> SceneBank:
+    """The bank with everything in one matte grey of linear reflectance `albedo`, without textures."""
+    return dataclasses.replace(
+        bank,
+        material_texture=np.full_like(bank.material_texture, -1),
+        material_rgba=np.tile(np.array([albedo, albedo, albedo, 1.0], np.float32), (len(bank.material_rgba), 1)),
+        material_roughness=np.ones_like(bank.material_roughness),
+        material_metallic=np.zeros_like(bank.material_metallic),
+    )
+
+
+def to_linear(rgb: np.ndarray) -> np.ndarray:
+    """sRGB bytes to linear light (IEC 61966-2-1)."""
+    x = np.asarray(rgb, np.float64) / 255
+    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+
+
+def bodies(robot: RobotSpec, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """xpos and xquat of a robot alone at (x, y, z of the ground, yaw)."""
+    model = mujoco.MjModel.from_xml_string(robot.mjcf)
+    street = render_truth.Street(model, mujoco.MjData(model), np.zeros(model.ngeom))
+    render_truth.place(street, robot, start)
+    return street.data.xpos.copy(), street.data.xquat.copy()
+
+
+def make_renderer(bank: SceneBank, robot: RobotSpec | None, **kwargs: Any) -> Renderer:
+    return Renderer(bank, robot, HEIGHT, WIDTH, **{"shading": "matte", "threads": 2, **kwargs})
