@@ -121,7 +121,7 @@ def test_nothing_stands_in_another_thing(graph):
 
 
 def test_things_are_in_the_way_but_a_robot_gets_by(graph):
-    """On each pavement a disc of 1.1 m passes from end to end, and at least five things stand between kerb and front zone."""
+    """A disc of 1.1 m passes each pavement from end to end, and at least five things stand in its middle half."""
     street = BUILDERS[graph.id]()
     space = passage.free_space(graph.ground, graph.objects)
     for side in (1, -1):

@@ -107,18 +107,9 @@ class StreetComposer:
             self.put(label, x, side, from_kerb, self._degrees(facing, side) + turn)
 
     def trees(self, xs: Iterable[float], side: int, from_kerb: float) -> None:
-        """A row of trees of one kind whose crowns differ by up to 15 %."""
-        along, _, up = catalogue.SIZES["tree"][0]
+        """A row of trees, turned at random so that they look grown."""
         for x in xs:
-            crown, height = along * self.uniform(0.85, 1.15), up * self.uniform(0.88, 1.15)
-            self.put(
-                "tree",
-                x,
-                side,
-                from_kerb,
-                self.uniform(-180, 180),
-                (round(crown, 2), round(crown, 2), round(height, 2)),
-            )
+            self.put("tree", x, side, from_kerb, self.uniform(-180, 180))
 
     def facades(self, side: int, labels: Sequence[str], x0: float | None = None, x1: float | None = None) -> None:
         """House fronts wall to wall along a side: frontages from the catalogue, stretched to fill it."""
@@ -144,6 +135,17 @@ class StreetComposer:
             box = (depth, round(width - JOINT, 3), height)
             self.add(self.make(label, x, y + width / 2, 180.0 if at_end else 0.0, box))
             y += width
+        if kind == "junction":
+            self._close_cross_road(labels, at_end)
+
+    def _close_cross_road(self, labels: Sequence[str], at_end: bool) -> None:
+        """A house across each end of the cross road, so that no ray leaves the scene level."""
+        edge = self.section.length if at_end else 0.0
+        far = self.section.closing_x(at_end)
+        for side, label in ((LEFT, labels[0]), (RIGHT, labels[-1])):
+            (depth, width, height), *_ = self._frontages((label,), abs(far - edge))
+            y = side * (self.section.front(side) + LOT_DEPTH + depth / 2)
+            self.add(self.make(label, (edge + far) / 2, y, -90.0 * side, (depth, round(width - JOINT, 3), height)))
 
     def _frontages(self, labels: Sequence[str], length: float) -> list[catalogue.Size]:
         """Depth, frontage and height (m) of each house, the frontages stretched to fill a length together."""
@@ -154,7 +156,7 @@ class StreetComposer:
             sizes.append(options[(self._number(label) + counts.get(label, 0)) % len(options)])
             counts[label] = counts.get(label, 0) + 1
         stretch = length / sum(size[1] for size in sizes)
-        return [(d, w * stretch, round(h * self.uniform(0.96, 1.04), 2)) for d, w, h in sizes]
+        return [(depth, width * stretch, height) for depth, width, height in sizes]
 
     def scatter(
         self, labels: Sequence[str], count: int, side: int, x: tuple[float, float], from_kerb: tuple[float, float]

@@ -158,6 +158,8 @@ def _end(section: StreetSection, at_end: bool) -> list[GroundRegion]:
     right, left = right - LOT_DEPTH, left + LOT_DEPTH
     far = CROSS_ROAD + FAR_PAVEMENT
     return [
+        strip("right_corner", "ground", 0.0, far, right - LOT_DEPTH, right, PAVEMENT_PLANE),
+        strip("left_corner", "ground", 0.0, far, left, left + LOT_DEPTH, PAVEMENT_PLANE),
         strip("cross_road", "road", 0.0, CROSS_ROAD, right, left, ROAD_PLANE),
         strip("far_pavement", "sidewalk", CROSS_ROAD, far, right, left, PAVEMENT_PLANE),
         strip("lot", "ground", far, far + LOT_DEPTH, right, left, PAVEMENT_PLANE),

@@ -22,7 +22,7 @@ THINGS = (
     ("street food stall", 12.6, LEFT, 1.25, "wall"),
     ("street food stall", 33.0, LEFT, 1.25, "wall"),
     ("street food stall", 37.4, LEFT, 1.25, "wall"),
-    ("kiosk", 66.0, LEFT, 1.7, "wall"),
+    ("kiosk", 66.8, LEFT, 1.7, "wall"),
     ("storage box", 10.3, LEFT, 1.1, 10.0),
     ("storage box", 10.4, LEFT, 1.8, 70.0),
     ("storage box", 35.2, LEFT, 1.3, 30.0),
@@ -100,7 +100,7 @@ def build() -> StreetComposer:
     )
     street.close_view(("school",), at_end=False)
     street.close_view(("office building", "hotel", "apartment building"), at_end=True)
-    street.trees((3.0, 15.9, 28.0, 41.0, 53.6, 62.8, 72.2), LEFT, 0.75)
+    street.trees((3.0, 15.9, 28.0, 41.0, 53.6, 63.0, 72.2), LEFT, 0.75)
     street.trees((6.2, 14.0, 31.4, 50.6, 62.0, 69.4), RIGHT, 0.65)
     street.row("street light", (5.8, 31.0, 51.2, 69.0), LEFT, 0.4)
     street.row("street light", (2.6, 26.6, 46.0, 73.6), RIGHT, 0.4)

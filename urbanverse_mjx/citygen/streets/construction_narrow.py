@@ -7,7 +7,7 @@ from ..section import StreetSection
 SECTION = StreetSection(length=64.0, carriageway=7.0, left=3.6, right=3.0, crosswalks=(12.0, 50.0), end="junction")
 
 THINGS = (
-    ("road work detour ahead sign", 8.0, RIGHT, 0.6, "-x"),
+    ("road work detour ahead sign", 9.2, RIGHT, 0.65, "-x"),
     ("road work detour ahead sign", 17.0, LEFT, -1.0, "-x"),
     ("road work detour ahead sign", 58.5, LEFT, 1.0, "+x"),
     ("truck", 27.0, LEFT, -1.7, "+x"),
@@ -51,7 +51,7 @@ THINGS = (
     ("fire hydrant", 47.5, RIGHT, 0.45, "street"),
     ("parking meter", 57.5, RIGHT, 0.4, "wall"),
     ("bench", 58.0, LEFT, 3.1, "street"),
-    ("bicycle", 9.6, RIGHT, 2.6, "+x"),
+    ("bicycle", 40.4, RIGHT, 2.6, "+x"),
     ("scooter", 48.3, LEFT, 0.7, 100.0),
     ("do not enter sign", 14.6, LEFT, 0.4, "-x"),
     ("no parking sign", 20.6, RIGHT, 0.35, "-x"),
@@ -87,7 +87,7 @@ def build() -> StreetComposer:
     street.row("fence", (23.6, 26.25, 28.9, 31.55, 34.2), RIGHT, 1.35, "wall")
     street.row("traffic cone", (17.2, 18.4, 19.8), LEFT, 0.45, "street", 30.0)
     street.row("traffic cone", (44.4, 45.6, 46.6), LEFT, -2.2, "street", 30.0)
-    street.row("traffic cone", (9.2, 14.4, 16.4, 38.0, 39.4, 41.5), RIGHT, 0.5, "street", 30.0)
+    street.row("traffic cone", (8.2, 14.4, 16.4, 38.0, 39.4, 41.5), RIGHT, 0.5, "street", 30.0)
     street.row("traffic cone", (42.8, 43.9), RIGHT, 1.0, "street", 30.0)
     street.row("traffic cone", (28.4, 30.3), LEFT, 1.75, "street", 30.0)
     street.row("street light", (8.0, 45.8, 59.6), LEFT, 0.4)
