@@ -40,6 +40,8 @@ class EpisodeRules:
 
 #: Starts tried for every goal; the mix is chosen among them.
 _STARTS_PER_GOAL = 28
+#: Places tried for a start in sight of the goal.
+_LOOKS = 24
 #: Fewest rows with which a scene can be used.
 MIN_ROWS = 256
 #: Goals keep this distance (m) from each other while places last.
@@ -129,7 +131,10 @@ def _candidate_pool(space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rn
 def _candidates(
     space: FreeSpace, cells: np.ndarray, goal: np.ndarray, number: int, rules: EpisodeRules, rng: np.random.Generator
 ) -> list[_Row]:
-    """Ways to one goal from starts whose straight distances fill the allowed range evenly."""
+    """Ways to one goal from starts whose straight distances fill the allowed range evenly.
+
+    Every other start is looked for in sight of the goal: in a full street such places are rare.
+    """
     field = GoalField(space, goal)
     end = space.coarse_center(goal)
     away = np.linalg.norm(space.coarse_center(cells) - end, axis=1)
@@ -137,11 +142,12 @@ def _candidates(
         np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
     )
     rows = []
-    for wanted in rng.uniform(*rules.distance, _STARTS_PER_GOAL):
-        near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))
+    for draw, wanted in enumerate(rng.uniform(*rules.distance, _STARTS_PER_GOAL)):
+        near = rng.permutation(np.flatnonzero(reach & (np.abs(away - wanted) < 0.5)))
         if not len(near):
             continue
-        path = field.path(cells[rng.choice(near)])
+        in_sight = (i for i in near[:_LOOKS] if space.line_free(space.coarse_center(cells[i]), end))
+        path = field.path(cells[near[0] if draw % 2 else next(in_sight, near[0])])
         if path_length(path) <= rules.detour * np.linalg.norm(path[0] - path[-1]):
             rows.append(_Row(number, path[0], path, space.line_free(path[0], path[-1]), _crosses(space, path)))
     return rows
