@@ -101,6 +101,8 @@ class JaxEngine:
         )
         self._grid_shape = (bank.hull_grid.shape[1], bank.hull_grid.shape[2])
         self._data = mjx.make_data(self.physics.model)
+        first = int(self.physics.model.jnt_qposadr[self.physics.model.body_jntadr[self.physics.root]])
+        self._root_qpos = slice(first, first + 3)
 
     def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
         """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,)."""
@@ -114,16 +116,22 @@ class JaxEngine:
 
     def step(self, state: SimState, ctrl: Any) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""
-        nearby, overflow = self.find_slots(state.scene, state.xpos[self.physics.root])
+        centre = state.xpos[self.physics.root]
+        nearby, overflow = self.find_slots(state.scene, centre)
         ctrl = jnp.asarray(ctrl, jnp.float32)
+        # Tens of metres from the origin float32 knows places to a few micrometres, too coarse for lever arms and for
+        # tyres that sink in by 0.2 mm: the physics runs about a whole-metre origin next to the robot.
+        origin = jnp.round(centre).at[2].set(0.0)
+        nearby = nearby._replace(position=nearby.position - origin)
 
         def substep(carry: Any, _: None) -> tuple[Any, None]:
             return self._physics_step(nearby, ctrl, *carry), None
 
         zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
         touch = _Touch(jnp.zeros(()), none, jnp.zeros((), bool), zero, zero)
-        start = (state.qpos, state.qvel, state.carry, touch)
+        start = (state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch)
         (qpos, qvel, warm, touch), _ = jax.lax.scan(substep, start, None, length=self.num_substeps)
+        qpos = qpos.at[self._root_qpos].add(origin)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
         contacts = Contacts(
             hit=touch.count > 0,
