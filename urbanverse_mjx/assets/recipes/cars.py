@@ -189,9 +189,9 @@ _SEDAN_GLASS = {"pillars": ((-0.32, 0.07), (-1.30, 0.05)), "span": (-1.72, 0.95)
 def sedan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     shape, style = _sedan_style(variant)
     style = dataclasses.replace(style, doors=(-1.02, -0.30, 0.84))
-    builder, _ = _car(shape, _SEDAN_PLACES, style, _SEDAN_GLASS)
+    builder, body = _car(shape, _SEDAN_PLACES, style, _SEDAN_GLASS)
     names = ("A silver saloon car", "A long dark blue saloon car", "A dark red saloon car", "A white saloon car with steel wheels")
-    return builder.build(names[variant], {"body": "sedan", "color": str(style.color), "plate": style.plate})
+    return body.finish(names[variant], {"body": "sedan", "color": str(style.color), "plate": style.plate})
 
 
 @recipe("hatchback car", 4, _CAR, hulls=5)
@@ -200,11 +200,11 @@ def hatchback(variant: int, rng: np.random.Generator) -> BuiltAsset:
     along, up = ((1.0, 1.0), (0.88, 1.04), (0.95, 1.0), (1.05, 0.99))[variant]
     style = _Style(color, ("spokes5", "cap", "spokes10", "spokes10")[variant], ("mesh", "bars", "mesh", "twin")[variant],
                    ("HX 51", "MN 7734", "E 902", "5KLM33")[variant], doors=(-0.98, -0.28, 0.76))  # fmt: skip
-    builder, _ = _car(
+    builder, body = _car(
         HATCHBACK.stretched(along, 1.0, up), _HATCH_PLACES, style, {"pillars": ((-0.30, 0.07), (-1.08, 0.09)), "span": (-1.72, 0.85)}
     )
     names = ("A red hatchback", "A small light blue city car", "A yellow hatchback", "A dark grey compact car")
-    return builder.build(names[variant], {"body": "hatchback", "color": str(color)})
+    return body.finish(names[variant], {"body": "hatchback", "color": str(color)})
 
 
 def _roof_rails(builder: MeshBuilder, body: Body, x0: float, x1: float, z: float, color: Color) -> None:
@@ -226,7 +226,7 @@ def suv(variant: int, rng: np.random.Generator) -> BuiltAsset:
         with builder.frame((shape.upper[4][0] - 0.13, 0, 1.0 * up), (0, 0, 90)):
             wheel(builder, (0, 0, 0), 0.33, 0.2, rim_picture("cap"), 1.0)
     names = ("A large black sport utility vehicle", "A white sport utility vehicle", "A green off-roader with a spare wheel", "A compact rust-red SUV")
-    return builder.build(names[variant], {"body": "suv", "color": str(color)})
+    return body.finish(names[variant], {"body": "suv", "color": str(color)})
 
 
 @recipe("van", 4, _CAR, hulls=4)
@@ -250,7 +250,7 @@ def van(variant: int, rng: np.random.Generator) -> BuiltAsset:
         paint.text(pen, letters, (8, 8, 376, 76), ink, 0.02)
         body.side_picture(-2.35 * along, -0.05, 1.02 * up, 1.62 * up, paint.shrunk(image, (192, 48)))
     names = ("A white delivery van", "A yellow greengrocer's van", "A tall blue craftsman's van", "A grey passenger van with side windows")
-    return builder.build(names[variant], {"body": "van", "letters": letters})
+    return body.finish(names[variant], {"body": "van", "letters": letters})
 
 
 @recipe("minivan", 3, _CAR, hulls=5)
@@ -266,7 +266,7 @@ def minivan(variant: int, rng: np.random.Generator) -> BuiltAsset:
         _roof_rails(builder, body, -1.8 * along, 0.2, 1.735 * up, "aluminium")
     body.line([(-2.0 * along, shape_z := MINIVAN.belt * up - 0.08), (-1.0, shape_z)], "dark grey", 0.015)
     names = ("A wine-red family minivan", "A silver minivan", "A long teal minivan")
-    return builder.build(names[variant], {"body": "minivan", "color": str(color)})
+    return body.finish(names[variant], {"body": "minivan", "color": str(color)})
 
 
 @recipe("pickup truck", 3, _CAR, hulls=6)
@@ -290,7 +290,7 @@ def pickup(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for side in (-1.0, 1.0):
             builder.tube([(x1 - 0.75, side * y, z + 0.05), (x1 - 0.1, side * 0.68, z + 0.6), (x1 - 0.1, 0, z + 0.62)], 0.035, "black", sides=6)
     names = ("A dark red pickup truck", "A white work pickup with crates", "A grey pickup with a roll bar")
-    return builder.build(names[variant], {"body": "pickup", "color": str(color)})
+    return body.finish(names[variant], {"body": "pickup", "color": str(color)})
 
 
 def _chequer(size: tuple[int, int], first: Color, second: Color, rows: int = 2) -> np.ndarray:
@@ -332,7 +332,7 @@ def taxi(variant: int, rng: np.random.Generator) -> BuiltAsset:
         paint.text(pen, "TAXI" if variant == 1 else "CAB 402", (8, 4, 248, 60), "black" if variant == 1 else "amber", 0.03)
         body.side_picture(-0.15, 0.75, middle - 0.20, middle + 0.02, np.asarray(paint.shrunk(image, (64, 16))))
     names = ("A yellow taxi with a chequered band", "An ivory taxi saloon", "A black minicab taxi")
-    return builder.build(names[variant], {"body": "taxi", "color": str(color)})
+    return body.finish(names[variant], {"body": "taxi", "color": str(color)})
 
 
 @recipe("police car", 3, _CAR, hulls=5)
@@ -366,4 +366,4 @@ def police_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
         builder.box((0.24, 0.46, 0.11), (-0.2, side * 0.31, z + 0.05), lamp, bevel=0.03)
     builder.box((0.22, 0.14, 0.09), (-0.2, 0, z + 0.05), "white", bevel=0.02)
     names = ("A white police car with a blue band", "A black and white police car", "A police SUV with a chequered band")
-    return builder.build(names[variant], {"body": "police", "color": str(color)})
+    return body.finish(names[variant], {"body": "police", "color": str(color)})

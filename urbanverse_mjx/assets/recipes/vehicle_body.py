@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..mesh_builder import MeshBuilder, Picture
+from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
 from ..palette import Color
 from ..shapes import Point2, Shape, merged, sheet, welded
 
@@ -64,11 +64,23 @@ def _strip(rows: Sequence[np.ndarray]) -> Shape:
     return Shape(surface.vertices, surface.faces)
 
 
+def _underside(rows: list[np.ndarray], ends: list[list[np.ndarray]]) -> Shape:
+    """The skin between the lower edges (right, left), and at both its ends the sliver under the rounded bumper."""
+    count = len(rows[0])
+    shapes = [_strip(rows)]
+    for k, row in ((0, ends[0]), (count - 1, ends[1])):
+        chain = np.array([rows[0][k], *row, rows[1][k]])
+        fan = np.array([(0, i, i + 1) for i in range(1, len(chain) - 1)])
+        shapes.append(Shape(chain, fan if k == 0 else fan[:, ::-1]))
+    return merged(shapes)
+
+
 class Body:
     """A body under construction in a builder."""
 
     def __init__(self, builder: MeshBuilder, shape: BodyShape) -> None:
         self.builder, self.shape = builder, shape
+        self.volume = 0.0
         self.length = max(p[0] for p in shape.upper) - min(p[0] for p in shape.upper)
         self._levels = [z for z, _ in shape.section][1:-1]
         ends = [p[0] for p in shape.upper]
@@ -155,33 +167,32 @@ class Body:
         return np.split(together, widths, axis=1)
 
     def shell(self, color: Color, under: Color = "charcoal") -> None:
-        """The skin, closed: flanks, top with rounded edges, underside and inner wheel arches."""
+        """The skin, closed: flanks, top with rounded edges, underside and inner wheel arches. Sets `volume` (m^3)."""
         s = self._spline[:, 0]
         at, normal, _ = self._upper(s)
+        # The largest rounding up to the wanted one that does not fold the outline over itself at a tight corner.
+        trials = [self.shape.rounding * f for f in (1.0, 0.7, 0.5, 0.3, 0.15)]
+        rounding = next((r for r in trials if shapely.Polygon(np.vstack([at - normal * r, self._lower])).is_valid), 0.0)
         inset = self.shape.rounding / (self.shape.width / 2)
         middle = [self._across_points(s, t) for t in (-1 + inset, -0.6, 0.0, 0.6, 1 - inset)]
-        edge, *middle = self._with_crossings(at - normal * self.shape.rounding, *middle)
+        edge, *middle = self._with_crossings(at - normal * rounding, *middle)
         (lower,) = self._with_crossings(self._lower)
         rim = np.vstack([edge, lower])
         y = self.half_width(rim[:, 0], rim[:, 1])
         sides = [np.stack([rim[:, 0], sign * y, rim[:, 1]], 1) for sign in (-1.0, 1.0)]
         n = len(edge)
-        self.builder.add(_strip([sides[0][:n], *middle, sides[1][:n]]), color, crease_deg=52.0)
+        skin = _strip([sides[0][:n], *middle, sides[1][:n]])
+        self.builder.add(skin, color, crease_deg=52.0)
         closing = [np.vstack([r[n - 1 :], r[:1]]) for r in sides]
         # The ends of the two skins meet along the bumpers' lower edges, where the upper one has more points across.
         ends = [[row[k] for row in middle] for k in (n - 1, 0)]
-        self._underside(closing, ends, under)
-        self.side(rim, color, 0.0)
-
-    def _underside(self, rows: list[np.ndarray], ends: list[list[np.ndarray]], color: Color) -> None:
-        faces = _strip(rows)
-        count = len(rows[0])
-        shapes = [faces]
-        for k, row in ((0, ends[0]), (count - 1, ends[1])):
-            chain = np.array([rows[0][k], *row, rows[1][k]])
-            fan = np.array([(0, i, i + 1) for i in range(1, len(chain) - 1)])
-            shapes.append(Shape(chain, fan if k == 0 else fan[:, ::-1]))
-        self.builder.add(merged(shapes), color, crease_deg=30.0)
+        flanks = self._flanks(shapely.Polygon(rim), 0.0, "lr")
+        self.builder.add(flanks, color, crease_deg=25.0)
+        belly = _underside(closing, ends)
+        self.builder.add(belly, under, crease_deg=30.0)
+        whole = merged([skin, flanks, belly])
+        a, b, c = (whole.vertices[whole.faces[:, i]] for i in range(3))
+        self.volume = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6
 
     def _cells(self, polygon: shapely.Polygon) -> Shape:
         """Triangles of a polygon in (x, z), split along the flank's grid, as a flat shape (x, z, 0)."""
@@ -204,6 +215,9 @@ class Body:
     ) -> None:
         """A piece of the flank drawn in (x, z), `lift` proud of it, on the left, the right or both."""
         polygon = outline if isinstance(outline, shapely.Polygon) else shapely.Polygon(outline)
+        self.builder.add(self._flanks(polygon, lift, sides), color, crease_deg=25.0)
+
+    def _flanks(self, polygon: shapely.Polygon, lift: float, sides: str) -> Shape:
         flat = self._cells(shapely.make_valid(polygon))
         x, z = flat.vertices[:, 0], flat.vertices[:, 1]
         y = self.half_width(x, z) + lift
@@ -212,7 +226,7 @@ class Body:
             shapes.append(Shape(np.stack([x, -y, z], 1), flat.faces))
         if "l" in sides:
             shapes.append(Shape(np.stack([x, y, z], 1), flat.faces[:, ::-1]))
-        self.builder.add(merged(shapes), color, crease_deg=25.0)
+        return merged(shapes)
 
     def side_picture(self, x0: float, x1: float, z0: float, z1: float, picture: Picture, lift: float = 0.012) -> None:
         """A picture on both flanks, readable on both."""
@@ -261,3 +275,7 @@ class Body:
     def line(self, points: Sequence[Point2], color: Color = "black", thickness: float = 0.012) -> None:
         """A thin line on both flanks: door gaps, mouldings."""
         self.side(shapely.LineString(points).buffer(thickness / 2, cap_style=2, join_style=2), color, 0.004)
+
+    def finish(self, description: str, params: dict) -> BuiltAsset:
+        """The asset, its volume that of the body (the builder counts closed parts alone, and a body has three)."""
+        return dataclasses.replace(self.builder.build(description, params), volume=self.volume)
