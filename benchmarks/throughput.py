@@ -24,7 +24,7 @@ import numpy as np
 from benchmarks import _placing, _timing
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import registry, wrap_for_training
-from urbanverse_mjx.simulation import make_engine
+from urbanverse_mjx.simulation.engines import IMPLS, make_engine
 
 PACKAGES = ("urbanverse_mjx", "jax", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "warp-lang")
 
@@ -32,7 +32,7 @@ PACKAGES = ("urbanverse_mjx", "jax", "mujoco", "mujoco-mjx", "mujoco-warp", "muj
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.throughput", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("--impl", choices=("jax", "warp", "auto"), default="auto")
+    parser.add_argument("--impl", choices=IMPLS, default="auto")
     parser.add_argument("--num-envs", type=int, default=64)
     parser.add_argument("--pixels", default="36x64", metavar="HxW", help="height and width of the frame")
     parser.add_argument("--env", default="CocoNav")
@@ -70,8 +70,22 @@ def load_env(arguments: argparse.Namespace) -> Any:
     return registry.load(arguments.env, config_overrides=overrides, bank=bank)
 
 
-def measure_step(env: Any, arguments: argparse.Namespace) -> dict[str, Any]:
-    """The whole step, and physics and rendering alone over states of the same kind."""
+def command(env: Any, waypoint: jax.Array) -> jax.Array:
+    """(nu,) actuator commands towards a waypoint (2,) m in the body frame."""
+    return env.robot.command(jnp.stack(env.robot.waypoint_to_velocity(waypoint, env.dt)))
+
+
+def drive_with(engine: Any) -> Any:
+    """A function (states, commands (T, n, nu)) -> (states, (T, n) bool hit) that runs the physics alone."""
+
+    def drive(sim: Any, ctrl: Any) -> tuple[Any, Any]:
+        return jax.lax.scan(lambda s, u: ((new := jax.vmap(engine.step)(s, u)), new.contacts.hit), sim, ctrl)
+
+    return drive
+
+
+def measure_step(env: Any, arguments: argparse.Namespace) -> tuple[dict[str, Any], _timing.Compiled]:
+    """The whole step, and physics and rendering alone over states of the same kind; also the compiled physics."""
     steps, num_envs = arguments.steps, arguments.num_envs
     wrapped = wrap_for_training(env, env.config.episode_length)
     keys = jax.random.split(jax.random.key(arguments.seed), num_envs)
@@ -80,13 +94,10 @@ def measure_step(env: Any, arguments: argparse.Namespace) -> dict[str, Any]:
     # Forward with a random turn: what an untrained policy does once it moves, so that episodes end by hits, too.
     actions = jax.random.uniform(jax.random.key(arguments.seed + 1), (steps, num_envs, 2), minval=-1.0, maxval=1.0)
     actions = actions.at[..., 0].set(0.5 + 0.5 * actions[..., 0])
-    ctrl = jax.vmap(jax.vmap(env._control))(actions)
+    ctrl = jax.vmap(jax.vmap(lambda waypoint: command(env, waypoint)))(actions)
 
     def whole(state: Any) -> tuple[Any, Any]:
         return jax.lax.scan(lambda s, a: (wrapped.step(s, a), (s.data.sim, s.metrics["slot_overflow"])), state, actions)
-
-    def physics(sim: Any) -> Any:
-        return jax.lax.scan(lambda s, u: (jax.vmap(env.engine.step)(s, u), None), sim, ctrl)[0]
 
     def render(sims: Any) -> Any:
         def frame(total: Any, sim: Any) -> tuple[Any, None]:
@@ -98,60 +109,52 @@ def measure_step(env: Any, arguments: argparse.Namespace) -> dict[str, Any]:
 
     step = _timing.compile_(whole, state)
     warm, (sims, _) = step.call(state)  # leaves the first, all at rest, behind
-    parts = {"physics": _timing.compile_(physics, warm.data.sim), "render": _timing.compile_(render, sims)}
+    physics = _timing.compile_(drive_with(env.engine), warm.data.sim, ctrl)
+    frames = _timing.compile_(render, sims)
     samples = _timing.time_in_turn(
         {
             "total": lambda: step.call(warm),
-            "physics": lambda: parts["physics"].call(warm.data.sim),
-            "render": lambda: parts["render"].call(sims),
+            "physics": lambda: physics.call(warm.data.sim, ctrl),
+            "render": lambda: frames.call(sims),
         },
         arguments.repeats,
     )
     overflow = float(step.call(warm)[1][1].max())
     seconds = {name: sample.median / steps for name, sample in samples.items()}
     seconds["rest"] = seconds["total"] - seconds["physics"] - seconds["render"]
+    compiled = {"reset": begin, "step": step, "physics": physics, "render": frames}
     return {
         "env_steps_per_s": samples["total"].rate(steps * num_envs),
         "env_steps_per_s_spread": samples["total"].spread,
         "seconds_per_step": seconds,
         "seconds_per_step_spread": {name: sample.spread for name, sample in samples.items()},
         "share": {name: seconds[name] / seconds["total"] for name in ("physics", "render", "rest")},
-        "compile_s": {"reset": begin.seconds, "step": step.seconds, **{k: c.seconds for k, c in parts.items()}},
+        "compile_s": {name: part.seconds for name, part in compiled.items()},
         "slot_overflow": overflow,
-    }
+    }, physics
 
 
-def measure_physics(env: Any, arguments: argparse.Namespace) -> dict[str, Any]:
+def measure_physics(env: Any, arguments: argparse.Namespace, physics: _timing.Compiled) -> dict[str, Any]:
     """Physics alone with robots driven into what stands nearest, and the same robot without hull slots."""
     steps, num_envs = arguments.steps, arguments.num_envs
     config, robot = env.config, env.robot
     poses = _placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
-    qpos = np.tile(np.asarray(env._qpos0), (num_envs, 1))
+    qpos = np.tile(env.mj_model.qpos0, (num_envs, 1))
     qpos[:, :3] = poses.position + np.array([0.0, 0.0, robot.spawn_height])
     qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(poses.yaw / 2), 0.0, np.sin(poses.yaw / 2)
-    ctrl = env._control(jnp.array([1.0, 0.0]))
+    ahead = command(env, jnp.array([1.0, 0.0]))
+    ctrl = jnp.broadcast_to(ahead, (steps, num_envs, *ahead.shape))
     bare = make_engine(
-        env.bank,
-        robot,
-        impl=config.impl,
-        control_dt=config.ctrl_dt,
-        physics_dt=config.sim_dt,
-        num_slots=0,
+        env.bank, robot, impl=config.impl, control_dt=config.ctrl_dt, physics_dt=config.sim_dt, num_slots=0
     )
-    compiled, started = {}, {}
-    for name, engine in (("active", env.engine), ("bare", bare)):
-
-        def drive(sim: Any, engine: Any = engine) -> tuple[Any, Any]:
-            step = jax.vmap(engine.step, (0, None))
-            return jax.lax.scan(lambda s, _: ((new := step(s, ctrl)), new.contacts.hit), sim, length=steps)
-
-        first = jax.jit(jax.vmap(engine.init))
-        sim = first(jnp.asarray(poses.scene), jnp.asarray(qpos), jnp.zeros((num_envs, env.mj_model.nv)))
-        compiled[name] = _timing.compile_(drive, sim)
-        # Drive up to the obstacle first: the timed part is spent pushing against it.
-        started[name] = compiled[name].call(sim)[0]
+    start = (jnp.asarray(poses.scene), jnp.asarray(qpos), jnp.zeros((num_envs, env.mj_model.nv)))
+    first = {name: jax.jit(jax.vmap(engine.init))(*start) for name, engine in (("active", env.engine), ("bare", bare))}
+    without = _timing.compile_(drive_with(bare), first["bare"], ctrl)
+    calls = {"active": physics.call, "bare": without.call}
+    # Drive up to the obstacle first: the timed part is spent pushing against it.
+    pushing = {name: call(first[name], ctrl)[0] for name, call in calls.items()}
     samples = _timing.time_in_turn(
-        {name: lambda name=name: compiled[name].call(started[name]) for name in compiled}, arguments.repeats
+        {name: lambda name=name: calls[name](pushing[name], ctrl) for name in calls}, arguments.repeats
     )
     count = steps * env.n_substeps * num_envs
     return {
@@ -161,8 +164,8 @@ def measure_physics(env: Any, arguments: argparse.Namespace) -> dict[str, Any]:
         "cost_ratio_to_no_slots": samples["active"].median / samples["bare"].median,
         "num_slots": int(config.num_slots),
         "hulls_in_reach_at_start": float(poses.in_reach.mean()),
-        "share_of_envs_in_contact": float(np.asarray(compiled["active"].call(started["active"])[1]).mean()),
-        "compile_s": {name: c.seconds for name, c in compiled.items()},
+        "share_of_envs_in_contact": float(np.asarray(calls["active"](pushing["active"], ctrl)[1]).mean()),
+        "compile_s": without.seconds,
     }
 
 
@@ -197,8 +200,8 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
         env = load_env(arguments)
-        result = measure_step(env, arguments)
-        result["physics_active"] = measure_physics(env, arguments)
+        result, physics = measure_step(env, arguments)
+        result["physics_active"] = measure_physics(env, arguments, physics)
     except NounError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
