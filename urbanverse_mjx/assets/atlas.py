@@ -31,13 +31,17 @@ def pack(colors: list[tuple[int, int, int]], pictures: list[np.ndarray]) -> Atla
       ValueError: the pictures do not fit.
     """
     sides = [2**k for k in range(4, 10)]
-    shapes = sorted((w * h, max(w, h), w, h) for w in sides for h in sides if max(w, h) <= 4 * min(w, h) and max(w, h) <= MAX_SIDE)
+    shapes = sorted(
+        (w * h, max(w, h), w, h) for w in sides for h in sides if max(w, h) <= 4 * min(w, h) and max(w, h) <= MAX_SIDE
+    )
     for _, _, width, height in shapes:
         places = _shelves(len(colors), [p.shape[:2] for p in pictures], width, height)
         if places is not None:
             return _paint(colors, pictures, places, width, height)
     sizes = ", ".join(f"{p.shape[1]}x{p.shape[0]}" for p in pictures)
-    raise ValueError(f"atlas: found {len(colors)} colours and pictures of {sizes}, needed room in 512x512; draw them smaller.")
+    raise ValueError(
+        f"atlas: found {len(colors)} colours and pictures of {sizes}, needed room in 512x512; draw them smaller."
+    )
 
 
 def _shelves(colors: int, sizes: list[tuple[int, ...]], width: int, height: int) -> list[tuple[int, int]] | None:
@@ -60,7 +64,11 @@ def _shelves(colors: int, sizes: list[tuple[int, ...]], width: int, height: int)
 
 
 def _paint(
-    colors: list[tuple[int, int, int]], pictures: list[np.ndarray], places: list[tuple[int, int]], width: int, height: int
+    colors: list[tuple[int, int, int]],
+    pictures: list[np.ndarray],
+    places: list[tuple[int, int]],
+    width: int,
+    height: int,
 ) -> Atlas:
     texture = np.full((height, width, 3), 128, np.uint8)
     per_row = width // CELL

@@ -1,8 +1,9 @@
 """Makes collision hulls: CoACD on what is not convex, then merging until the asset's budget of hulls is met.
 
-A street asset is mostly an assembly of convex parts, so the mesh is first cut where it is already in pieces. A piece that is convex
-enough is its own hull; CoACD cuts the others. Then the two hulls whose union adds the least empty space are joined, again and again.
-Against one CoACD run over the whole mesh this keeps thin posts exact (no voxel remeshing) and takes seconds instead of minutes.
+A street asset is mostly an assembly of convex parts, so the mesh is first cut where it is already in pieces. A piece
+that is convex enough is its own hull; CoACD cuts the others. Then the two hulls whose union adds the least empty space
+are joined, again and again. Against one CoACD run over the whole mesh this keeps thin posts exact (no voxel remeshing)
+and takes seconds instead of minutes.
 """
 
 import concurrent.futures
@@ -23,10 +24,13 @@ from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
 from .index import build_mesh, load_index
 from .recipe import get_recipe
 
-FLUSH_HEIGHT = 0.03  # m; what is lower (a manhole cover) is part of the ground: its hull is sunk so that no wheel touches it
+FLUSH_HEIGHT = (
+    0.03  # m; what is lower (a manhole cover) is part of the ground: its hull is sunk so that no wheel touches it
+)
 FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
 HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
-# A piece goes to CoACD when its hull holds this much more than the piece itself; below, the difference is a few litres of air.
+# A piece goes to CoACD when its hull holds this much more than the piece itself; below, the difference is a few litres
+# of air.
 EXCESS_RATIO, EXCESS_VOLUME = 1.35, 0.008  # 1, m^3
 CHEAP_VOLUME = 2e-4  # m^3; unions that add less are always made
 HIGH = 1.7  # m; space above robots and most people counts little
@@ -178,7 +182,7 @@ def _without_contained(pieces: list[Piece], tolerance: float = 0.008) -> list[Pi
 
 
 def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarray:
-    """At most `limit` of a hull's corners: greedily those that stick out most, then grown by half of what is still missed."""
+    """At most `limit` of a hull's corners, greedily those that stick out most, grown by half of what is missed."""
     if len(corners) <= limit:
         return corners
     directions = np.concatenate([np.eye(3), -np.eye(3), np.array([[1, 1, 1], [-1, -1, 1]]) / np.sqrt(3)])
@@ -236,7 +240,8 @@ def _quiet_start() -> None:
 
 
 def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], object] = print) -> HullStore:
-    """Decomposes every record's mesh that the store lacks, in worker processes, and writes the store; prunes unused keys.
+    """Decomposes every record's mesh that the store lacks, in worker processes, and writes the store; prunes unused
+    keys.
 
     CoACD is known to abort after some hundred meshes in one process, hence `max_tasks_per_child`.
     """
@@ -266,5 +271,7 @@ def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], ob
     kept = HullStore({k: h for k, h in found.items() if k in needed})
     path = kept.save(store_path())
     count = sum(len(h) for h in kept.hulls.values())
-    report(f"{path.name}: {len(kept.hulls)} meshes, {count} hulls, {path.stat().st_size} bytes; {len(tasks)} newly made")
+    report(
+        f"{path.name}: {len(kept.hulls)} meshes, {count} hulls, {path.stat().st_size} bytes; {len(tasks)} newly made"
+    )
     return kept

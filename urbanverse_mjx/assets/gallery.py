@@ -1,4 +1,4 @@
-"""Pictures of assets by MuJoCo's renderer: one tile per leaf with its variants side by side, and a contact sheet of all leaves."""
+"""Pictures of assets by MuJoCo's renderer: a tile per leaf with its variants, and a contact sheet of all."""
 
 import os
 import pathlib
@@ -58,9 +58,7 @@ def _turned_box(mesh: AssetMesh, yaw: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Sequence[float], yaw: float) -> None:
     height, width = mesh.texture.shape[:2]
-    texture = spec.add_texture(
-        name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
-    )
+    texture = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3)
     texture.data = mesh.texture.tobytes()
     material = spec.add_material(name=name, specular=0.5 * (1 - mesh.roughness), shininess=1 - mesh.roughness)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name

@@ -1,7 +1,7 @@
 """Collision hulls: stored by the content of the mesh, loaded without ever running CoACD.
 
-The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull after hull, and
-for every mesh key the range of its hulls. `assets.decompose` makes what is missing.
+The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull
+after hull, and for every mesh key the range of its hulls. `assets.decompose` makes what is missing.
 """
 
 import dataclasses
@@ -22,8 +22,8 @@ from .recipe import get_recipe
 
 BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
 MILLIMETRE = 1e-3
-# Rounding bins are shifted so that hand-chosen sizes (multiples of 0.5 mm) never lie on a bin's edge, where the last bit of a sine
-# that differs between machines would change the key.
+# Rounding bins are shifted so that hand-chosen sizes (multiples of 0.5 mm) never lie on a bin's edge, where the last
+# bit of a sine that differs between machines would change the key.
 _SHIFT = 0.317
 
 
@@ -69,7 +69,9 @@ class HullStore:
             hulls = np.split(data["corners_mm"], ends[:-1]) if len(ends) else []
             stops = np.cumsum(data["hulls_per_key"].astype(int))
             keys = [row.tobytes().hex() for row in data["keys"]]
-        return HullStore({k: tuple(hulls[b - n : b]) for k, b, n in zip(keys, stops, np.diff(stops, prepend=0), strict=True)})
+        return HullStore(
+            {k: tuple(hulls[b - n : b]) for k, b, n in zip(keys, stops, np.diff(stops, prepend=0), strict=True)}
+        )
 
 
 def store_path() -> pathlib.Path:

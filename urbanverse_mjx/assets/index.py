@@ -90,9 +90,9 @@ class AssetIndex:
 def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -> AssetRecord:
     """Builds one variant and measures it."""
     built = built or recipe.build(variant)
-    extent = [round(float(e), 4) for e in built.mesh.extent]
+    x, y, z = (round(float(e), 4) for e in built.mesh.extent)
     physics = recipe.physics
-    volume = built.volume if built.volume > 0 else 0.1 * float(np.prod(built.mesh.extent))
+    volume = max(built.volume, 0.02 * float(np.prod(built.mesh.extent)), 1e-6)
     mass = built.mass if built.mass is not None else float(np.clip(volume * physics.density, *physics.mass_range))
     force = physics.friction * mass * GRAVITY
     slug = recipe.leaf.replace(" ", "-")
@@ -103,10 +103,10 @@ def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -
         description=built.description,
         recipe=recipe.name,
         params={"variant": variant, **built.params},
-        extent_xyz=tuple(extent),
-        length=max(extent[:2]),
-        width=min(extent[:2]),
-        height=extent[2],
+        extent_xyz=(x, y, z),
+        length=max(x, y),
+        width=min(x, y),
+        height=z,
         volume=round(volume, 6),
         mass=round(mass, 3),
         materials=physics.materials,
@@ -132,7 +132,7 @@ def _build_cached(name: str, leaf: str, variant: int, extent: tuple[float, ...],
     mesh = get_recipe(name, leaf).build(variant).mesh
     if np.abs(mesh.extent - np.asarray(extent)).max() > 1e-3:
         raise NounError(
-            f"asset {uid!r}: found a mesh of {np.round(mesh.extent, 3).tolist()} m, needed the index's {list(extent)} m; "
+            f"asset {uid!r}: found a mesh of {np.round(mesh.extent, 3)} m, needed {list(extent)} m as indexed; "
             f"rebuild the index with `{REBUILD}`."
         )
     return mesh
@@ -168,5 +168,6 @@ def _load_cached(path: pathlib.Path) -> AssetIndex:
         raise NounError(f"{path}: found no such file, needed the asset index; build it with `{REBUILD}`.")
     rows = pq.read_table(path).to_pylist()
     return AssetIndex(
-        AssetRecord.from_json({**row, "params": json.loads(row["params"])}, f"{path.name}[{i}]") for i, row in enumerate(rows)
+        AssetRecord.from_json({**row, "params": json.loads(row["params"])}, f"{path.name}[{i}]")
+        for i, row in enumerate(rows)
     )

@@ -1,7 +1,8 @@
 """`MeshBuilder`: collects painted parts into one `AssetMesh` with one texture.
 
-Frame: +x front, +y left, z up, metres. Upright solids (box, cylinder, lathe, extrusion) stand on `at`, the centre of their base; round
-ones (ball, ring) are centred on it. `turn_deg` = (about x, about y, about z) in degrees, applied in that order about `at`.
+Frame: +x front, +y left, z up, metres. Upright solids (box, cylinder, lathe, extrusion) stand on `at`, the centre of
+their base; round ones (ball, ring) are centred on it. `turn_deg` = (about x, about y, about z) in degrees, applied in
+that order about `at`.
 """
 
 import contextlib
@@ -18,7 +19,7 @@ from urbanverse_mjx.datatypes import AssetMesh
 from . import palette, shapes
 from .atlas import pack
 from .palette import Color
-from .shapes import Point2, Point3, Shape
+from .shapes import Point2, Point3, Points3, Shape
 
 Picture = np.ndarray | Image.Image
 ZERO = (0.0, 0.0, 0.0)
@@ -148,7 +149,9 @@ class MeshBuilder:
         segments: int = 16,
     ) -> None:
         """An upright cylinder, cone (`top_radius=0`) or frustum standing on `at`."""
-        self.add(shapes.frustum(radius, radius if top_radius is None else top_radius, height, segments), color, at, turn_deg)
+        self.add(
+            shapes.frustum(radius, radius if top_radius is None else top_radius, height, segments), color, at, turn_deg
+        )
 
     def cone(self, radius: float, height: float, at: Point3 = ZERO, color: Color = "grey", segments: int = 16) -> None:
         self.add(shapes.frustum(radius, 0.0, height, segments), color, at)
@@ -166,7 +169,13 @@ class MeshBuilder:
         self.add(shapes.ellipsoid(radii, segments, rings), color, at, turn_deg)
 
     def capsule(
-        self, radius: float, length: float, at: Point3 = ZERO, color: Color = "grey", turn_deg: Point3 = ZERO, segments: int = 12
+        self,
+        radius: float,
+        length: float,
+        at: Point3 = ZERO,
+        color: Color = "grey",
+        turn_deg: Point3 = ZERO,
+        segments: int = 12,
     ) -> None:
         self.add(shapes.capsule(radius, length, segments), color, at, turn_deg)
 
@@ -216,7 +225,7 @@ class MeshBuilder:
 
     def tube(
         self,
-        path: Sequence[Point3],
+        path: Points3,
         radius: float | Sequence[float],
         color: Color = "grey",
         sides: int = 8,
@@ -252,7 +261,7 @@ class MeshBuilder:
         """A skin through cross sections (see `shapes.loft`), closed by caps."""
         self.add(shapes.loft(sections), color, at, crease_deg=crease_deg)
 
-    def convex(self, points: Sequence[Point3] | np.ndarray, color: Color = "grey", at: Point3 = ZERO) -> None:
+    def convex(self, points: Points3, color: Color = "grey", at: Point3 = ZERO) -> None:
         """The convex hull of points."""
         self.add(shapes.convex(points), color, at, crease_deg=25.0)
 
@@ -306,7 +315,11 @@ class MeshBuilder:
             self.add(face, at=at, turn_deg=(0, 0, 180), picture=picture)
 
     def quad(
-        self, corners: Sequence[Point3], color: Color | None = None, picture: Picture | None = None, both_sides: bool = False
+        self,
+        corners: Points3,
+        color: Color | None = None,
+        picture: Picture | None = None,
+        both_sides: bool = False,
     ) -> None:
         """Four corners: lower left, lower right, upper right, upper left, seen from the visible side."""
         self.sheet(np.asarray(corners, float)[[0, 1, 3, 2]].reshape(2, 2, 3), color, picture, both_sides)
@@ -329,7 +342,11 @@ class MeshBuilder:
         return np.stack([points.min(0), points.max(0)])
 
     def build(
-        self, description: str, params: Mapping[str, Any] | None = None, mass: float | None = None, recenter: bool = True
+        self,
+        description: str,
+        params: Mapping[str, Any] | None = None,
+        mass: float | None = None,
+        recenter: bool = True,
     ) -> BuiltAsset:
         """Packs the texture, splits vertices at creases, centres the footprint and puts the bottom on z = 0."""
         colors = sorted({p.color for p in self._parts if p.color is not None})
@@ -337,11 +354,10 @@ class MeshBuilder:
         vertices, faces, uvs, offset = [], [], [], 0
         for part in self._parts:
             shape = shapes.split_at_creases(part.shape, part.crease_deg)
-            if part.picture is None:
-                uv = np.broadcast_to(packed.cells[colors.index(part.color)], (len(shape.vertices), 2))  # type: ignore[arg-type]
-            else:
+            if part.color is not None:
+                uv = np.broadcast_to(packed.cells[colors.index(part.color)], (len(shape.vertices), 2))
+            elif part.picture is not None and shape.uv is not None:
                 u0, v0, u1, v1 = packed.rectangles[part.picture]
-                assert shape.uv is not None
                 uv = np.array([u0, v0]) + shape.uv * np.array([u1 - u0, v1 - v0])
             vertices.append(shape.vertices)
             faces.append(shape.faces + offset)
@@ -375,4 +391,6 @@ def _panel_corners(at: np.ndarray, width: float, height: float, facing: str | fl
     right = np.cross(up, normal)
     lean = np.radians(tilt_deg)
     up = np.cos(lean) * up - np.sin(lean) * normal
-    return np.stack([at + sx * right * width / 2 + sy * up * height / 2 for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+    return np.stack(
+        [at + sx * right * width / 2 + sy * up * height / 2 for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    )

@@ -1,6 +1,7 @@
 """The 8/59/659 category tree and the way from a free label to one of its leaves.
 
-The tree is data (`assets_index/ontology.json`); the synonyms are data too (`assets_index/synonyms.json`: leaf -> other names).
+The tree is data (`assets_index/ontology.json`); the synonyms are data too (`assets_index/synonyms.json`: leaf -> other
+names).
 """
 
 import difflib
@@ -68,7 +69,8 @@ def _names() -> dict[str, str]:
 
 
 def match_label(label: str) -> str:
-    """The leaf that a label names, by exact name or synonym; case, spaces and hyphens do not matter, a plural s is forgiven.
+    """The leaf that a label names, by exact name or synonym; case, spaces and hyphens do not matter, a plural s is
+    forgiven.
 
     Raises:
       UnknownLabelError: no leaf is called so; its `nearest` offers three.

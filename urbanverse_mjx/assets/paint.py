@@ -1,4 +1,4 @@
-"""Pictures for signs, screens, doors and posters, drawn with Pillow (its built-in typeface, so every machine draws the same)."""
+"""Pictures for signs, screens, doors and posters, drawn with Pillow in its built-in typeface, the same everywhere."""
 
 from collections.abc import Sequence
 
@@ -58,7 +58,7 @@ def shrunk(image: Image.Image, size: Size) -> Image.Image:
 
 
 def speckled(size: Size, color: Color, rng: np.random.Generator, amount: float = 10.0, grain: int = 2) -> Image.Image:
-    """Stone-like noise about a colour; `amount` is its standard deviation (0-255), `grain` the size of a fleck in pixels."""
+    """Stone-like noise about a colour: `amount` = standard deviation (0-255), `grain` = pixels a fleck."""
     width, height = size
     coarse = rng.normal(0.0, amount, (-(-height // grain), -(-width // grain), 1))
     noise = np.kron(coarse, np.ones((grain, grain, 1)))[:height, :width]

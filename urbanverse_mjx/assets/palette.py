@@ -1,4 +1,4 @@
-"""Named colours of street things (sRGB, 0-255), so that recipes of different hands agree on what painted steel looks like."""
+"""Named colours of street things (sRGB, 0-255), so that all recipes agree on what painted steel looks like."""
 
 from collections.abc import Sequence
 
@@ -85,7 +85,9 @@ def rgb(color: Color) -> tuple[int, int, int]:
         if color.startswith("#") and len(color) == 7:
             return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
         if color not in NAMED:
-            raise ValueError(f"colour: found {color!r}, needed a name of palette.NAMED or '#rrggbb'; add it to palette.NAMED.")
+            raise ValueError(
+                f"colour: found {color!r}, needed a name of palette.NAMED or '#rrggbb'; add it to palette.NAMED."
+            )
         return NAMED[color]
     red, green, blue = (round(min(max(float(c), 0.0), 255.0)) for c in color)
     return red, green, blue

@@ -1,7 +1,7 @@
 """The register of recipes: leaf category -> function that builds its variants, with the physical priors of the leaf.
 
-A recipe is `f(variant, rng) -> BuiltAsset`. `rng` is seeded from recipe, leaf and variant alone, so a record rebuilds the same mesh
-anywhere. Modules under `assets.recipes` are imported when the register is first asked.
+A recipe is `f(variant, rng) -> BuiltAsset`. `rng` is seeded from recipe, leaf and variant alone, so a record rebuilds
+the same mesh anywhere. Modules under `assets.recipes` are imported when the register is first asked.
 """
 
 import dataclasses
@@ -71,7 +71,8 @@ def recipe(
       leaf: exact leaf name of the ontology.
       variants: how many the index holds.
       physics: the leaf's priors.
-      hulls: most convex hulls of the decomposition, 1 to 16; None lets the asset's size decide; 1 means its convex hull.
+      hulls: most convex hulls of the decomposition, 1 to 16; None lets the asset's size decide; 1 means its convex
+      hull.
 
     Raises:
       NounError: no such leaf, or the recipe is already registered for it.
@@ -81,7 +82,9 @@ def recipe(
     def register(function: RecipeFunction) -> RecipeFunction:
         name = f"{function.__module__.rsplit('.', 1)[-1]}.{function.__name__}"
         if (name, leaf) in _REGISTER:
-            raise NounError(f"recipe {name!r}: found it registered twice for {leaf!r}, needed one; rename one function.")
+            raise NounError(
+                f"recipe {name!r}: found it registered twice for {leaf!r}, needed one; rename one function."
+            )
         _REGISTER[name, leaf] = Recipe(name, leaf, variants, physics, function, hulls)
         return function
 

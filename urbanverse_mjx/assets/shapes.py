@@ -1,7 +1,8 @@
-"""Plain solids as vertices and faces: every function returns a `Shape` whose faces are counter-clockwise seen from outside.
+"""Plain solids as vertices and faces: every function returns a `Shape` whose faces are counter-clockwise seen from
+outside.
 
-Upright solids (box, frustum, lathe, extrusion) stand on z = 0, centred on the z axis; round ones (ellipsoid, torus) are centred on the
-origin. Lengths in metres. Vertices are shared between faces; `MeshBuilder` splits them at creases.
+Upright solids (box, frustum, lathe, extrusion) stand on z = 0, centred on the z axis; round ones (ellipsoid, torus)
+are centred on the origin. Lengths in metres. Vertices are shared between faces; `MeshBuilder` splits them at creases.
 """
 
 import dataclasses
@@ -15,7 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 
 Point2 = tuple[float, float]
-Point3 = Sequence[float]
+Point3 = Sequence[float] | np.ndarray
+Points3 = Sequence[Point3] | np.ndarray
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +52,7 @@ def merged(shapes: Sequence[Shape]) -> Shape:
     return Shape(np.concatenate([s.vertices for s in shapes]), np.concatenate(faces))
 
 
-def convex(points: np.ndarray | Sequence[Point3]) -> Shape:
+def convex(points: Points3) -> Shape:
     """The convex hull of (n, 3) points."""
     points = np.asarray(points, float)
     hull = ConvexHull(points)
@@ -152,7 +154,9 @@ def extrusion(outline: Sequence[Point2], height: float, holes: Sequence[Sequence
     """A polygon in xy (either sense, may be concave, may have holes) raised from z = 0 to `height`."""
     polygon = shapely.geometry.polygon.orient(shapely.Polygon(outline, holes))
     if not polygon.is_valid:
-        raise ValueError("extrusion: found an outline that crosses itself, needed a simple polygon; reorder its points.")
+        raise ValueError(
+            "extrusion: found an outline that crosses itself, needed a simple polygon; reorder its points."
+        )
     points, caps = trimesh.creation.triangulate_polygon(polygon, engine="earcut")
     a, b, c = (points[caps[:, i]] for i in range(3))
     clockwise = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] < 0
@@ -167,7 +171,7 @@ def extrusion(outline: Sequence[Point2], height: float, holes: Sequence[Sequence
     return welded(merged([bottom, top, *sides]))
 
 
-def tube(path: Sequence[Point3], radius: float | Sequence[float], sides: int = 8, closed: bool = False) -> Shape:
+def tube(path: Points3, radius: float | Sequence[float], sides: int = 8, closed: bool = False) -> Shape:
     """A pipe along a polyline; `radius` may be one number or one per point. Frames are carried without twist."""
     points = np.asarray(path, float)
     radii = np.broadcast_to(np.asarray(radius, float), len(points))
@@ -191,8 +195,8 @@ def tube(path: Sequence[Point3], radius: float | Sequence[float], sides: int = 8
     return loft(sections, closed=closed)
 
 
-def quad(corners: Sequence[Point3]) -> Shape:
-    """A rectangle of an image: corners lower left, lower right, upper right, upper left, as seen from its visible side."""
+def quad(corners: Points3) -> Shape:
+    """A rectangle of an image: lower left, lower right, upper right, upper left corner, seen from its visible side."""
     uv = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     return Shape(np.asarray(corners, float), np.array([(0, 1, 2), (0, 2, 3)]), uv)
 
@@ -206,7 +210,7 @@ def fan(corners: np.ndarray) -> Shape:
 
 
 def sheet(grid: np.ndarray) -> Shape:
-    """A curved surface through (rows, columns, 3) points, UV over the grid: columns run right, rows run up, seen from its visible side."""
+    """A curved surface through (rows, columns, 3) points, UV over the grid (columns right, rows up)."""
     grid = np.asarray(grid, float)
     rows, columns, _ = grid.shape
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")

@@ -1,4 +1,4 @@
-"""What keeps wheels and feet away: cones, barricades, barriers, fences, rails; rocks, bicycle stands, manhole covers."""
+"""What keeps wheels and feet away: cones, barricades, barriers, fences, rails; rocks, bicycle stands, manholes."""
 
 import numpy as np
 
@@ -29,11 +29,20 @@ def traffic_cone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.cylinder(top * 0.7, 0.002, (0, 0, h), "black", segments=12)
     bands = {"one band": [(0.5, 0.75)], "two bands": [(0.42, 0.58), (0.68, 0.84)], "small": [(0.5, 0.78)]}
     for a, c in bands.get(style, [(0.35, 0.48), (0.58, 0.71), (0.8, 0.9)]):
-        b.cylinder(radius(a * h) + 0.003, (c - a) * h, (0, 0, a * h), "white", top_radius=radius(c * h) + 0.003, segments=20)
+        b.cylinder(
+            radius(a * h) + 0.003, (c - a) * h, (0, 0, a * h), "white", top_radius=radius(c * h) + 0.003, segments=20
+        )
     return b.build(f"a {h * 100:.0f} cm traffic cone, {style}", {"style": style})
 
 
-BARRICADE = Physics(("plastic", "steel"), 250.0, (10.0, 60.0), 0.6, True, "folding barricades weigh 10-20 kg, crowd barriers 15-25 kg, board on feet 40 kg")
+BARRICADE = Physics(
+    ("plastic", "steel"),
+    250.0,
+    (10.0, 60.0),
+    0.6,
+    True,
+    "folding barricades weigh 10-20 kg, crowd barriers 15-25 kg, board on feet 40 kg",
+)
 
 
 @recipe("traffic barricade", 4, BARRICADE, hulls=6)
@@ -49,11 +58,25 @@ def traffic_barricade(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.beam((side * 0.3, y, 0), (side * 0.03, y, 1.02), 0.05, 0.04, "white")
         for side, z in ((1, 0.88), (1, 0.5), (-1, 0.88)):
             x = side * (0.03 + 0.27 * (1.02 - z) / 1.02 + 0.02)
-            b.box((0.025, w, 0.2), (x, 0, z), "white", centered=True, turn_deg=(0, -side * 14, 0), skins={"+x" if side > 0 else "-x": striped})
+            b.box(
+                (0.025, w, 0.2),
+                (x, 0, z),
+                "white",
+                centered=True,
+                turn_deg=(0, -side * 14, 0),
+                skins={"+x" if side > 0 else "-x": striped},
+            )
         for y in (-w / 2 + 0.12, w / 2 - 0.12):
             b.cylinder(0.085, 0.05, (-0.025, y, 1.12), "amber", turn_deg=(0, 90, 0), segments=14)
     elif style == "crowd control":
-        frame = [(0, -w / 2, 0.15), (0, -w / 2, 1.0), (0, -w / 2 + 0.1, 1.08), (0, w / 2 - 0.1, 1.08), (0, w / 2, 1.0), (0, w / 2, 0.15)]
+        frame = [
+            (0, -w / 2, 0.15),
+            (0, -w / 2, 1.0),
+            (0, -w / 2 + 0.1, 1.08),
+            (0, w / 2 - 0.1, 1.08),
+            (0, w / 2, 1.0),
+            (0, w / 2, 0.15),
+        ]
         b.tube(frame, 0.02, "galvanised", sides=8)
         b.rod((0, -w / 2, 0.2), (0, w / 2, 0.2), 0.018, "galvanised", sides=6)
         for y in np.linspace(-w / 2 + 0.12, w / 2 - 0.12, 15):
@@ -66,7 +89,9 @@ def traffic_barricade(variant: int, rng: np.random.Generator) -> BuiltAsset:
     elif style == "board":
         striped = paint.stripes((128, 20), ("signal red", "white"), 8, slant=0.0)
         b.box((0.03, w, 0.25), (0, 0, 0.8), "white", skins={"+x": striped, "-x": striped})
-        b.box((0.025, w, 0.12), (0, 0, 0.2), "white", skins={"+x": paint.stripes((128, 10), ("signal red", "white"), 8)})
+        b.box(
+            (0.025, w, 0.12), (0, 0, 0.2), "white", skins={"+x": paint.stripes((128, 10), ("signal red", "white"), 8)}
+        )
         for y in (-w / 2 + 0.2, w / 2 - 0.2):
             b.box((0.05, 0.05, 1.1), (-0.04, y, 0.05), "signal red")
             b.box((0.75, 0.38, 0.11), (-0.03, y, 0), "rubber", bevel=0.03)
@@ -85,7 +110,14 @@ def traffic_barricade(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} barricade {w:.1f} m wide", {"style": style, "width": round(w, 3)})
 
 
-JERSEY = Physics(("concrete", "plastic"), 2350.0, (18.0, 2600.0), 0.7, False, "concrete of 2,350 kg/m3; a 2 m concrete element weighs over a tonne")
+JERSEY = Physics(
+    ("concrete", "plastic"),
+    2350.0,
+    (18.0, 2600.0),
+    0.7,
+    False,
+    "concrete of 2,350 kg/m3; a 2 m concrete element weighs over a tonne",
+)
 
 
 @recipe("jersey barrier", 3, JERSEY, hulls=2)
@@ -118,7 +150,9 @@ def jersey_barrier(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} jersey barrier {length:.1f} m long", {"style": style}, mass=round(24.0 * length, 1))
 
 
-FENCE = Physics(("steel", "wood"), 900.0, (15.0, 220.0), 0.5, False, "fence panels weigh 10-40 kg a metre with their footed posts")
+FENCE = Physics(
+    ("steel", "wood"), 900.0, (15.0, 220.0), 0.5, False, "fence panels weigh 10-40 kg a metre with their footed posts"
+)
 
 
 @recipe("fence", 4, FENCE, hulls=4)
@@ -150,7 +184,11 @@ def fence(variant: int, rng: np.random.Generator) -> BuiltAsset:
         n = round(w / 0.16)
         for k in range(n):
             y = -w / 2 + (k + 0.5) * w / n
-            b.box((0.022, w / n * 0.94, 1.7), (0.0 if k % 2 else 0.012, y, 0.05), shade("wood", float(rng.uniform(0.85, 1.1))))
+            b.box(
+                (0.022, w / n * 0.94, 1.7),
+                (0.0 if k % 2 else 0.012, y, 0.05),
+                shade("wood", float(rng.uniform(0.85, 1.1))),
+            )
         b.box((0.06, w, 0.04), (0, 0, 1.74), "dark wood")
     else:
         frame = [(0, -w / 2, 0.1), (0, -w / 2, 1.95), (0, w / 2, 1.95), (0, w / 2, 0.1)]
@@ -164,7 +202,14 @@ def fence(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} fence panel {w:.1f} m long", {"style": style, "width": round(w, 3)})
 
 
-RAIL = Physics(("steel",), 2600.0, (20.0, 260.0), 0.5, False, "a W-beam weighs 12 kg/m, its driven posts 20 kg each; tubular rails 8-15 kg/m")
+RAIL = Physics(
+    ("steel",),
+    2600.0,
+    (20.0, 260.0),
+    0.5,
+    False,
+    "a W-beam weighs 12 kg/m, its driven posts 20 kg each; tubular rails 8-15 kg/m",
+)
 
 
 @recipe("guard rail", 3, RAIL, hulls=5)
@@ -175,7 +220,18 @@ def guard_rail(variant: int, rng: np.random.Generator) -> BuiltAsset:
     w = float(rng.uniform(2.6, 3.2)) if style != "tubular" else float(rng.uniform(1.9, 2.2))
     ends = (-w / 2 + 0.35, w / 2 - 0.35)
     if style == "W-beam":
-        wave = [(0.0, 0.44), (0.02, 0.46), (0.085, 0.49), (0.085, 0.54), (0.02, 0.58), (0.02, 0.62), (0.085, 0.66), (0.085, 0.71), (0.02, 0.74), (0.0, 0.76)]
+        wave = [
+            (0.0, 0.44),
+            (0.02, 0.46),
+            (0.085, 0.49),
+            (0.085, 0.54),
+            (0.02, 0.58),
+            (0.02, 0.62),
+            (0.085, 0.66),
+            (0.085, 0.71),
+            (0.02, 0.74),
+            (0.0, 0.76),
+        ]
         back = [(x - 0.012, z) for x, z in reversed(wave)]
         b.profile(wave + back, w, color="galvanised")
         for y in (*ends, 0.0):
@@ -184,7 +240,14 @@ def guard_rail(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.01, 0.05, 0.08), (0.03, y, 0.56), "signal yellow")
     elif style == "tubular":
         color = ("galvanised", "dark green", "signal red")[int(rng.integers(3))]
-        hoop = [(0, -w / 2, 0), (0, -w / 2, 0.95), (0, -w / 2 + 0.08, 1.05), (0, w / 2 - 0.08, 1.05), (0, w / 2, 0.95), (0, w / 2, 0)]
+        hoop = [
+            (0, -w / 2, 0),
+            (0, -w / 2, 0.95),
+            (0, -w / 2 + 0.08, 1.05),
+            (0, w / 2 - 0.08, 1.05),
+            (0, w / 2, 0.95),
+            (0, w / 2, 0),
+        ]
         b.tube(hoop, 0.028, color)
         for z in (0.2, 0.62):
             b.rod((0, -w / 2, z), (0, w / 2, z), 0.022, color)
@@ -198,7 +261,9 @@ def guard_rail(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} guard rail {w:.1f} m long", {"style": style, "width": round(w, 3)})
 
 
-RACK = Physics(("steel",), 2500.0, (12.0, 90.0), 0.5, False, "a Sheffield stand of 50 mm tube weighs 12 kg; cast into the pavement")
+RACK = Physics(
+    ("steel",), 2500.0, (12.0, 90.0), 0.5, False, "a Sheffield stand of 50 mm tube weighs 12 kg; cast into the pavement"
+)
 
 
 @recipe("bicycle parking", 3, RACK, hulls=5)
@@ -210,7 +275,16 @@ def bicycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
         count = int(rng.integers(2, 4))
         for k in range(count):
             y = 0.8 * (k - (count - 1) / 2)
-            hoop = [(-0.38, y, 0), (-0.38, y, 0.62), (-0.3, y, 0.74), (-0.18, y, 0.78), (0.18, y, 0.78), (0.3, y, 0.74), (0.38, y, 0.62), (0.38, y, 0)]
+            hoop = [
+                (-0.38, y, 0),
+                (-0.38, y, 0.62),
+                (-0.3, y, 0.74),
+                (-0.18, y, 0.78),
+                (0.18, y, 0.78),
+                (0.3, y, 0.74),
+                (0.38, y, 0.62),
+                (0.38, y, 0),
+            ]
             b.tube(hoop, 0.025, "galvanised")
             for x in (-0.38, 0.38):
                 b.cylinder(0.07, 0.012, (x, y, 0), "grey", segments=12)
@@ -229,7 +303,14 @@ def bicycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(5):
             for side in (-0.04, 0.04):
                 y = -0.72 + 0.36 * k + side
-                loop = [(0.2, y, 0.04), (0.22, y, 0.3), (0.1, y, 0.48), (-0.1, y, 0.48), (-0.2, y, 0.3), (-0.2, y, 0.04)]
+                loop = [
+                    (0.2, y, 0.04),
+                    (0.22, y, 0.3),
+                    (0.1, y, 0.48),
+                    (-0.1, y, 0.48),
+                    (-0.2, y, 0.3),
+                    (-0.2, y, 0.04),
+                ]
                 b.tube(loop, 0.01, "galvanised", sides=6)
         text = "a bicycle rack of five wheel holders"
     return b.build(text, {"style": style})
@@ -250,7 +331,12 @@ def rock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {color} boulder", {"size": scale})
 
 
-@recipe("manhole cover", 3, Physics(("cast iron",), 5500.0, (40.0, 160.0), 0.6, False, "ductile iron covers weigh 40-120 kg with their frame"), hulls=1)
+@recipe(
+    "manhole cover",
+    3,
+    Physics(("cast iron",), 5500.0, (40.0, 160.0), 0.6, False, "ductile iron covers weigh 40-120 kg with their frame"),
+    hulls=1,
+)
 def manhole_cover(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat iron lid, 12 mm proud: round with ribs, round with squares, square telecom cover."""
     b = MeshBuilder(roughness=0.6, metallic=0.4)
@@ -263,7 +349,11 @@ def manhole_cover(variant: int, rng: np.random.Generator) -> BuiltAsset:
             draw.ellipse((n / 2 - r, n / 2 - r, n / 2 + r, n / 2 + r), outline=light, width=3)
         for k in range(24):
             a = 2 * np.pi * k / 24
-            draw.line((n / 2 + 30 * np.cos(a), n / 2 + 30 * np.sin(a), n / 2 + 42 * np.cos(a), n / 2 + 42 * np.sin(a)), fill=dark, width=3)
+            draw.line(
+                (n / 2 + 30 * np.cos(a), n / 2 + 30 * np.sin(a), n / 2 + 42 * np.cos(a), n / 2 + 42 * np.sin(a)),
+                fill=dark,
+                width=3,
+            )
         paint.text(draw, "SEWER", (n / 2 - 20, n / 2 - 8, n / 2 + 20, n / 2 + 8), light, bold=0.03)
     else:
         for i in range(8):
@@ -274,7 +364,11 @@ def manhole_cover(variant: int, rng: np.random.Generator) -> BuiltAsset:
             draw.rectangle((2, 2, n - 3, n - 3), outline=light, width=3)
     side = float(rng.uniform(0.6, 0.7))
     ring = [(side / 2 * np.cos(a), side / 2 * np.sin(a)) for a in np.linspace(0, 2 * np.pi, 32, endpoint=False)]
-    outline = ring if style != "square" else [(-side / 2, -side / 2), (side / 2, -side / 2), (side / 2, side / 2), (-side / 2, side / 2)]
+    outline = (
+        ring
+        if style != "square"
+        else [(-side / 2, -side / 2), (side / 2, -side / 2), (side / 2, side / 2), (-side / 2, side / 2)]
+    )
     b.extrude([(x * 1.1, y * 1.1) for x, y in outline], 0.008, color="dark grey")
     with b.frame((0, 0, 0.008), (0, -90, 0)):
         b.plate(outline, 0.004, (0.002, 0, 0), image, "cast iron")

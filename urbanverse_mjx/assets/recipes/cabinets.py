@@ -1,4 +1,4 @@
-"""Upright boxes of a street: cabinets, vending machines, letter boxes, newspaper stands, phone booths, advertising boards."""
+"""Upright boxes of a street: cabinets, vending machines, letter boxes, newspaper stands, advertising boards."""
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -8,7 +8,14 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, rgb, shade
 from ..recipe import Physics, recipe
 
-CABINET = Physics(("steel", "plastic"), 260.0, (45.0, 400.0), 0.5, False, "steel and polycarbonate cabinets weigh 60-250 kg on a concrete footing")
+CABINET = Physics(
+    ("steel", "plastic"),
+    260.0,
+    (45.0, 400.0),
+    0.5,
+    False,
+    "steel and polycarbonate cabinets weigh 60-250 kg on a concrete footing",
+)
 
 
 def door_picture(width: int, height: int, color: Color, doors: int = 1) -> Image.Image:
@@ -50,7 +57,14 @@ def street_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} street cabinet", {"style": style})
 
 
-VENDING = Physics(("steel", "glass"), 190.0, (180.0, 420.0), 0.5, False, "drinks machines weigh 200-400 kg and are anchored against tipping")
+VENDING = Physics(
+    ("steel", "glass"),
+    190.0,
+    (180.0, 420.0),
+    0.5,
+    False,
+    "drinks machines weigh 200-400 kg and are anchored against tipping",
+)
 
 
 def _bottles(rng: np.random.Generator, width: int, height: int, rows: int, columns: int) -> Image.Image:
@@ -82,14 +96,18 @@ def vending_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
         draw.polygon([(34, 62), (62, 62), (58, 88), (38, 88)], fill=rgb("brown"))
         draw.arc((58, 66, 72, 80), -90, 90, fill=rgb("brown"), width=3)
         for k in range(6):
-            draw.rectangle((22 + 20 * (k % 3), 104 + 12 * (k // 3), 34 + 20 * (k % 3), 112 + 12 * (k // 3)), fill=rgb("white"))
+            draw.rectangle(
+                (22 + 20 * (k % 3), 104 + 12 * (k // 3), 34 + 20 * (k % 3), 112 + 12 * (k // 3)), fill=rgb("white")
+            )
         draw.rectangle((24, 134, 72, 166), fill=(20, 20, 22))
     else:
         image.paste(_bottles(rng, 64, 120, 5 if style == "drinks" else 6, 6), (6, 22))
         paint.text(draw, "COLD DRINKS" if style == "drinks" else "SNACKS", (6, 4, 90, 19), "white", bold=0.04)
         draw.rectangle((74, 50, 91, 62), fill=rgb("light green"))
         for k in range(12):
-            draw.rectangle((74 + 6 * (k % 3), 68 + 6 * (k // 3), 78 + 6 * (k % 3), 72 + 6 * (k // 3)), fill=rgb("light grey"))
+            draw.rectangle(
+                (74 + 6 * (k % 3), 68 + 6 * (k // 3), 78 + 6 * (k % 3), 72 + 6 * (k // 3)), fill=rgb("light grey")
+            )
         draw.rectangle((78, 100, 88, 104), fill=(10, 10, 10))
         draw.rectangle((10, 150, 66, 168), fill=(20, 20, 22))
         draw.rectangle((10, 150, 66, 153), fill=rgb("grey"))
@@ -98,7 +116,14 @@ def vending_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} vending machine", {"style": style})
 
 
-LETTERS = Physics(("steel", "cast iron"), 500.0, (8.0, 130.0), 0.5, False, "house mailboxes weigh 5-25 kg with their post, collection boxes 60-130 kg; footed")
+LETTERS = Physics(
+    ("steel", "cast iron"),
+    500.0,
+    (8.0, 130.0),
+    0.5,
+    False,
+    "house mailboxes weigh 5-25 kg with their post, collection boxes 60-130 kg; footed",
+)
 
 
 @recipe("mailbox", 3, LETTERS, hulls=2)
@@ -110,7 +135,13 @@ def mailbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
         color = ("white", "black", "dark red")[int(rng.integers(3))]
         b.box((0.1, 0.1, 1.05), (-0.1, 0, 0), "wood")
         b.beam((-0.1, 0, 0.7), (0.12, 0, 1.0), 0.06, 0.06, "wood")
-        arch = [(-0.09, 0), (0.09, 0), (0.09, 0.13), *[(0.09 * np.cos(a), 0.13 + 0.09 * np.sin(a)) for a in np.linspace(0, np.pi, 9)[1:-1]], (-0.09, 0.13)]
+        arch = [
+            (-0.09, 0),
+            (0.09, 0),
+            (0.09, 0.13),
+            *[(0.09 * np.cos(a), 0.13 + 0.09 * np.sin(a)) for a in np.linspace(0, np.pi, 9)[1:-1]],
+            (-0.09, 0.13),
+        ]
         with b.frame((-0.25, 0, 1.05)):
             b.extrude(arch, 0.5, color=color, turn_deg=(90, 0, 90))
             b.box((0.015, 0.06, 0.025), (0.505, 0, 0.17), "aluminium")
@@ -118,7 +149,13 @@ def mailbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.08, 0.012, 0.06), (0.35, 0.096, 0.24), "signal red")
     elif style == "collection":
         color = "signal blue"
-        profile = [(-0.27, 0.2), (0.27, 0.2), (0.27, 0.95), *[(0.27 * np.cos(a), 0.95 + 0.32 * np.sin(a)) for a in np.linspace(0, np.pi, 9)[1:-1]], (-0.27, 0.95)]
+        profile = [
+            (-0.27, 0.2),
+            (0.27, 0.2),
+            (0.27, 0.95),
+            *[(0.27 * np.cos(a), 0.95 + 0.32 * np.sin(a)) for a in np.linspace(0, np.pi, 9)[1:-1]],
+            (-0.27, 0.95),
+        ]
         b.profile(profile, 0.5, color=color)
         for x in (-0.23, 0.23):
             for y in (-0.21, 0.21):
@@ -179,7 +216,14 @@ def postbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} postbox", {"style": style})
 
 
-STAND = Physics(("steel", "plastic"), 190.0, (15.0, 70.0), 0.5, True, "newspaper boxes weigh 25-45 kg with ballast, wire racks 15 kg")
+STAND = Physics(
+    ("steel", "plastic"),
+    190.0,
+    (15.0, 70.0),
+    0.5,
+    True,
+    "newspaper boxes weigh 25-45 kg with ballast, wire racks 15 kg",
+)
 
 
 def front_page(width: int, height: int, rng: np.random.Generator, title: str = "DAILY") -> Image.Image:
@@ -216,16 +260,34 @@ def newspaper_stand(variant: int, rng: np.random.Generator) -> BuiltAsset:
             z, x = 0.35 + 0.36 * row, 0.13 - 0.125 * row
             b.box((0.1, 0.94, 0.02), (x + 0.04, 0, z - 0.02), "charcoal")
             for k in range(4):
-                b.panel(pages[(row + k) % 5], (x - 0.02, -0.34 + 0.227 * k, z + 0.14), 0.2, 0.27, back="off white", tilt_deg=19.0)
+                b.panel(
+                    pages[(row + k) % 5],
+                    (x - 0.02, -0.34 + 0.227 * k, z + 0.14),
+                    0.2,
+                    0.27,
+                    back="off white",
+                    tilt_deg=19.0,
+                )
     return b.build(f"a newspaper {style}", {"style": style})
 
 
-BOARD = Physics(("wood", "aluminium"), 200.0, (6.0, 180.0), 0.5, True, "pavement A-boards weigh 6-20 kg; a poster totem is bolted down but light to model")
+BOARD = Physics(
+    ("wood", "aluminium"),
+    200.0,
+    (6.0, 180.0),
+    0.5,
+    True,
+    "pavement A-boards weigh 6-20 kg; a poster totem is bolted down but light to model",
+)
 
 
 def poster(width: int, height: int, rng: np.random.Generator, style: int) -> Image.Image:
     """An invented advertisement."""
-    back, ink, spot = (("teal", "white", "signal yellow"), ("signal yellow", "black", "red"), ("dark blue", "cream", "orange"))[style % 3]
+    back, ink, spot = (
+        ("teal", "white", "signal yellow"),
+        ("signal yellow", "black", "red"),
+        ("dark blue", "cream", "orange"),
+    )[style % 3]
     image, draw = paint.canvas((width, height), back)
     c, r = (width * float(rng.uniform(0.35, 0.65)), height * 0.45), width * 0.3
     draw.ellipse((c[0] - r, c[1] - r, c[0] + r, c[1] + r), fill=rgb(spot))
@@ -247,7 +309,9 @@ def advertising_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
             image, draw = paint.canvas((72, 120), (38, 42, 40))
             paint.text(draw, "TODAY", (10, 6, 62, 28), "white", bold=0.03)
             for k, words in enumerate(("Soup 5", "Pasta 9", "Pie 4", "Coffee 3")):
-                paint.text(draw, words, (10, 34 + 20 * k, 62, 50 + 20 * k), ("signal yellow", "pink", "light blue", "lime")[k])
+                paint.text(
+                    draw, words, (10, 34 + 20 * k, 62, 50 + 20 * k), ("signal yellow", "pink", "light blue", "lime")[k]
+                )
         else:
             image = poster(72, 120, rng, variant)
         frame_color = "wood" if style.startswith("chalk") else "white"
@@ -262,7 +326,11 @@ def advertising_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
         r, h = 0.6, float(rng.uniform(2.7, 3.1))
         b.cylinder(r + 0.06, 0.3, color="dark concrete", segments=24)
         b.cylinder(r, h - 0.5, (0, 0, 0.28), "off white", segments=24)
-        b.lathe([(r + 0.12, h - 0.25), (r + 0.12, h - 0.15), (r * 0.6, h + 0.1), (0, h + 0.25)], color="dark green", segments=24)
+        b.lathe(
+            [(r + 0.12, h - 0.25), (r + 0.12, h - 0.15), (r * 0.6, h + 0.1), (0, h + 0.25)],
+            color="dark green",
+            segments=24,
+        )
         for k in range(4):
             angles = np.radians(90 * k + np.linspace(-36, 36, 7))
             rows = [[((r + 0.008) * np.cos(a), (r + 0.008) * np.sin(a), z) for a in angles] for z in (0.7, 2.1)]

@@ -8,7 +8,12 @@ from ..palette import rgb
 from ..recipe import Physics, recipe
 
 POLE = Physics(
-    ("steel", "aluminium"), 1400.0, (40.0, 260.0), 0.5, False, "a 6-9 m tapered steel column weighs 60-200 kg; footed a metre deep"
+    ("steel", "aluminium"),
+    1400.0,
+    (40.0, 260.0),
+    0.5,
+    False,
+    "a 6-9 m tapered steel column weighs 60-200 kg; footed a metre deep",
 )
 
 
@@ -23,7 +28,12 @@ def column(b: MeshBuilder, height: float, bottom: float, top: float, color: str)
 def cobra_head(b: MeshBuilder, color: str) -> None:
     """A flat LED head reaching along +x from the origin."""
     sections = []
-    for x, w, low, high in ((0.0, 0.05, -0.03, 0.03), (0.12, 0.12, -0.04, 0.05), (0.5, 0.15, -0.045, 0.05), (0.68, 0.1, -0.03, 0.01)):
+    for x, w, low, high in (
+        (0.0, 0.05, -0.03, 0.03),
+        (0.12, 0.12, -0.04, 0.05),
+        (0.5, 0.15, -0.045, 0.05),
+        (0.68, 0.1, -0.03, 0.01),
+    ):
         sections.append(np.array([(x, -w, low), (x, w, low), (x, w * 0.7, high), (x, -w * 0.7, high)]))
     b.loft(sections, color)
     b.box((0.42, 0.22, 0.02), (0.37, 0, -0.058), "lamp")
@@ -42,7 +52,9 @@ def street_light(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for side in (1,) if style == "curved arm" else (1, -1):
             with b.frame(scale=(side, 1, 1)):
                 t = np.linspace(0, 1, 7)
-                arc = [(reach * (1 - np.cos(a * np.pi / 2)) ** 0.8, 0, h + 0.9 * np.sin(a * np.pi / 2) - 0.05) for a in t]
+                arc = [
+                    (reach * (1 - np.cos(a * np.pi / 2)) ** 0.8, 0, h + 0.9 * np.sin(a * np.pi / 2) - 0.05) for a in t
+                ]
                 b.tube(arc, [0.045 - 0.015 * a for a in t], color)
                 with b.frame(arc[-1], (0, -4, 0)):
                     cobra_head(b, color)
@@ -80,7 +92,11 @@ def lamppost(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("black", "dark green", "black", "charcoal")[variant % 4]
     h = float(rng.uniform(2.9, 3.5))
     if style != "modern column":
-        b.lathe([(0.2, 0), (0.2, 0.1), (0.16, 0.14), (0.14, 0.5), (0.09, 0.6), (0.1, 0.66), (0.065, 0.7)], color=color, segments=12)
+        b.lathe(
+            [(0.2, 0), (0.2, 0.1), (0.16, 0.14), (0.14, 0.5), (0.09, 0.6), (0.1, 0.66), (0.065, 0.7)],
+            color=color,
+            segments=12,
+        )
         b.cylinder(0.06, h - 0.65, (0, 0, 0.65), color, top_radius=0.042, segments=12)
         b.ring(0.06, 0.02, (0, 0, h * 0.55), color, segments=14, sides=6)
     if style == "lantern":
@@ -114,7 +130,9 @@ def signal_head(b: MeshBuilder, lit: int, body: str, lights: tuple[str, ...] = (
     b.box((0.01, 0.5, pitch * n + 0.2), (-0.05, 0, -(pitch * n + 0.2) / 2), "black")
     for k, name in enumerate(lights):
         z = pitch * ((n - 1) / 2 - k)
-        b.cylinder(0.105, 0.03, (0.075, 0, z), bright[name] if k == lit else dim[name], turn_deg=(0, 90, 0), segments=18)
+        b.cylinder(
+            0.105, 0.03, (0.075, 0, z), bright[name] if k == lit else dim[name], turn_deg=(0, 90, 0), segments=18
+        )
         visor = [(0.13 * np.cos(a), 0.13 * np.sin(a)) for a in np.linspace(-0.5, np.pi + 0.5, 11)]
         grid = np.array([[(x, y, z + v) for y, v in visor] for x in (0.08, 0.26)])
         b.sheet(grid, "black", both_sides=True)
@@ -171,7 +189,12 @@ def traffic_light(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 TIMBER = Physics(
-    ("wood", "concrete"), 700.0, (180.0, 900.0), 0.6, False, "pine poles of 8-10 m weigh 200-400 kg, concrete ones twice that; set 1.5 m deep"
+    ("wood", "concrete"),
+    700.0,
+    (180.0, 900.0),
+    0.6,
+    False,
+    "pine poles of 8-10 m weigh 200-400 kg, concrete ones twice that; set 1.5 m deep",
 )
 
 
@@ -187,7 +210,12 @@ def utility_pole(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for z in arms:
         b.box((0.1, 2.2, 0.12), (0.14, 0, z), "grey wood" if style != "concrete" else "dark grey")
         for y in (-1.0, -0.55, 0.55, 1.0):
-            b.lathe([(0.03, 0), (0.055, 0.05), (0.035, 0.08), (0.05, 0.13), (0, 0.17)], (0.14, y, z + 0.12), "brown", segments=8)
+            b.lathe(
+                [(0.03, 0), (0.055, 0.05), (0.035, 0.08), (0.05, 0.13), (0, 0.17)],
+                (0.14, y, z + 0.12),
+                "brown",
+                segments=8,
+            )
         for y in (-0.7, 0.7):
             b.beam((0.12, 0, z - 0.6), (0.12, y, z), 0.04, 0.02, "galvanised")
     if style == "transformer":

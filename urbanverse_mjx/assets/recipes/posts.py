@@ -64,7 +64,12 @@ def guard_stone(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 HYDRANT = Physics(
-    ("cast iron",), 2500.0, (45.0, 150.0), 0.6, False, "a cast-iron pillar hydrant weighs 60-150 kg and is bolted to the main"
+    ("cast iron",),
+    2500.0,
+    (45.0, 150.0),
+    0.6,
+    False,
+    "a cast-iron pillar hydrant weighs 60-150 kg and is bolted to the main",
 )
 
 
@@ -84,7 +89,9 @@ def fire_hydrant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant % 4 != 2:
         b.cylinder(0.17, 0.04, color=color, segments=20)
         for k in range(6):
-            b.cylinder(0.014, 0.06, (0.145 * np.cos(k * 1.047), 0.145 * np.sin(k * 1.047), 0.01), "dark grey", segments=6)
+            b.cylinder(
+                0.014, 0.06, (0.145 * np.cos(k * 1.047), 0.145 * np.sin(k * 1.047), 0.01), "dark grey", segments=6
+            )
         b.lathe([(0.12, 0.03), (0.105, 0.06), (0.1, h * 0.68)], color=color, segments=20)
         b.cylinder(0.145, 0.04, (0, 0, h * 0.66), color, segments=20)
         dome = [(0.13, h * 0.7), (0.12, h * 0.8), (0.085, h * 0.88), (0.04, h * 0.92), (0.03, h * 0.92), (0.03, h)]
@@ -106,7 +113,12 @@ def fire_hydrant(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 METER = Physics(
-    ("steel", "plastic"), 900.0, (8.0, 120.0), 0.5, False, "single-space meter head 5-8 kg on a footed pipe; pay stations 60-120 kg"
+    ("steel", "plastic"),
+    900.0,
+    (8.0, 120.0),
+    0.5,
+    False,
+    "single-space meter head 5-8 kg on a footed pipe; pay stations 60-120 kg",
 )
 
 
@@ -147,7 +159,12 @@ def parking_meter(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 CHARGER = Physics(
-    ("steel", "plastic"), 220.0, (30.0, 250.0), 0.5, False, "a public AC charger weighs 30-60 kg, a fast charger 150-300 kg; both bolted down"
+    ("steel", "plastic"),
+    220.0,
+    (30.0, 250.0),
+    0.5,
+    False,
+    "a public AC charger weighs 30-60 kg, a fast charger 150-300 kg; both bolted down",
 )
 
 

@@ -6,10 +6,26 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color
 from ..recipe import Physics, recipe
 
-BENCH = Physics(("wood", "cast iron"), 800.0, (35.0, 420.0), 0.6, False, "park benches weigh 40-90 kg, concrete ones 300-400 kg; bolted")
+BENCH = Physics(
+    ("wood", "cast iron"),
+    800.0,
+    (35.0, 420.0),
+    0.6,
+    False,
+    "park benches weigh 40-90 kg, concrete ones 300-400 kg; bolted",
+)
 
 
-def slats(b: MeshBuilder, count: int, start: tuple[float, float], end: tuple[float, float], size: tuple[float, float], length: float, color: Color, tilt: float) -> None:
+def slats(
+    b: MeshBuilder,
+    count: int,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    size: tuple[float, float],
+    length: float,
+    color: Color,
+    tilt: float,
+) -> None:
     """Boards along y from (x, z) start to end; size = (width, thickness), tilt about y in degrees."""
     for k in range(count):
         s = k / max(count - 1, 1)
@@ -19,7 +35,7 @@ def slats(b: MeshBuilder, count: int, start: tuple[float, float], end: tuple[flo
 
 @recipe("bench", 4, BENCH, hulls=6)
 def bench(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Slatted with iron arms, backless timber on steel, steel mesh with back, concrete slab with timber top. Sitters face +x."""
+    """Slatted with iron arms, backless timber, bent steel bars, concrete with timber top. Sitters face +x."""
     b = MeshBuilder(roughness=0.7)
     style = ("slatted iron", "backless timber", "steel", "concrete and timber")[variant % 4]
     length = float(rng.uniform(1.5, 2.0))
@@ -53,10 +69,14 @@ def bench(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} bench {length:.1f} m long", {"style": style, "length": round(length, 3)})
 
 
-CHAIR = Physics(("metal", "wood"), 600.0, (2.5, 9.0), 0.5, True, "terrace chairs weigh 2.5-8 kg and are meant to be carried")
+CHAIR = Physics(
+    ("metal", "wood"), 600.0, (2.5, 9.0), 0.5, True, "terrace chairs weigh 2.5-8 kg and are meant to be carried"
+)
 
 
-def _legs(b: MeshBuilder, half_x: float, half_y: float, height: float, radius: float, color: Color, splay: float = 0.03) -> None:
+def _legs(
+    b: MeshBuilder, half_x: float, half_y: float, height: float, radius: float, color: Color, splay: float = 0.03
+) -> None:
     for x in (-half_x, half_x):
         for y in (-half_y, half_y):
             foot = (x + np.sign(x) * splay, y + np.sign(y) * splay, 0.0)
@@ -91,7 +111,13 @@ def chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.beam((0.22, y, 0), (-0.26, y, 0.85), 0.03, 0.03, color)
             b.beam((-0.24, y, 0), (0.2, y, seat), 0.03, 0.03, color)
         for z in (0.66, 0.79):
-            b.beam((-0.33 + 0.56 * (0.85 - z) + 0.05, -0.2, z), (-0.33 + 0.56 * (0.85 - z) + 0.05, 0.2, z), 0.018, 0.08, color)
+            b.beam(
+                (-0.33 + 0.56 * (0.85 - z) + 0.05, -0.2, z),
+                (-0.33 + 0.56 * (0.85 - z) + 0.05, 0.2, z),
+                0.018,
+                0.08,
+                color,
+            )
     else:
         b.lathe([(0.25, seat - 0.06), (0.27, seat), (0, seat + 0.01)], color=color, segments=16)
         angles = np.linspace(np.pi * 0.45, np.pi * 1.55, 11)
@@ -104,7 +130,14 @@ def chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} {color} chair", {"style": style, "color": color})
 
 
-TABLE = Physics(("wood", "metal"), 500.0, (8.0, 45.0), 0.5, True, "cafe tables weigh 8-20 kg, dining tables 25-45 kg; one person shifts them")
+TABLE = Physics(
+    ("wood", "metal"),
+    500.0,
+    (8.0, 45.0),
+    0.5,
+    True,
+    "cafe tables weigh 8-20 kg, dining tables 25-45 kg; one person shifts them",
+)
 
 
 @recipe("table", 4, TABLE, hulls=4)
@@ -138,7 +171,9 @@ def table(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} table", {"style": style})
 
 
-PICNIC = Physics(("wood",), 550.0, (55.0, 120.0), 0.6, False, "timber picnic tables weigh 60-110 kg; two people carry one")
+PICNIC = Physics(
+    ("wood",), 550.0, (55.0, 120.0), 0.6, False, "timber picnic tables weigh 60-110 kg; two people carry one"
+)
 
 
 @recipe("picnic table", 3, PICNIC, hulls=6)
@@ -197,6 +232,12 @@ def sunshade(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.sheet(np.array([[p, q], [apex, apex]]), fabric, both_sides=True)
             drop = np.array([0, 0, -0.16])
             b.quad([p + drop, q + drop, q, p], fabric, both_sides=True)
-            b.rod((0.02 * np.cos(a), 0.02 * np.sin(a), h - 0.03), (p[0] * 0.98, p[1] * 0.98, p[2] - 0.01), 0.008, "aluminium", sides=4)
+            b.rod(
+                (0.02 * np.cos(a), 0.02 * np.sin(a), h - 0.03),
+                (p[0] * 0.98, p[1] * 0.98, p[2] - 0.01),
+                0.008,
+                "aluminium",
+                sides=4,
+            )
     b.ball(0.035, (0, 0, h + 0.02), "aluminium", segments=8, rings=5)
     return b.build(f"a {style} {color} sunshade", {"style": style, "color": color})

@@ -17,7 +17,12 @@ SIGN = Physics(
     "2-3 mm aluminium plate on a 60 mm steel tube of 2-4 kg/m, footed in the pavement",
 )
 PORTABLE = Physics(
-    ("steel", "plastic"), 900.0, (8.0, 25.0), 0.6, True, "portable roadworks sign: folding steel frame, weighed with a sandbag"
+    ("steel", "plastic"),
+    900.0,
+    (8.0, 25.0),
+    0.6,
+    True,
+    "portable roadworks sign: folding steel frame, weighed with a sandbag",
 )
 PX = 96  # pixels across a sign face
 SCALE = 4  # drawn larger, then shrunk, for clean edges
@@ -89,7 +94,9 @@ def stop_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a stop sign on a {kind} post", {"post": kind, "side": round(side, 3)})
 
 
-def round_sign(variant: int, rng: np.random.Generator, image: Image.Image, name: str, side: float | None = None) -> BuiltAsset:
+def round_sign(
+    variant: int, rng: np.random.Generator, image: Image.Image, name: str, side: float | None = None
+) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45)
     kind = ("round", "square", "round", "wooden")[variant % 4]
     side = side or float(rng.uniform(0.5, 0.65))

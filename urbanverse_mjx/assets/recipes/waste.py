@@ -1,16 +1,24 @@
 """Bins, bags, boxes and parcels."""
 
 import numpy as np
+from PIL import Image
 
 from .. import paint
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, rgb, shade
 from ..recipe import Physics, recipe
 
-BIN = Physics(("plastic", "steel"), 130.0, (8.0, 60.0), 0.5, True, "a 120-240 l wheelie bin weighs 10-15 kg empty, a steel litter bin 25-50 kg")
+BIN = Physics(
+    ("plastic", "steel"),
+    130.0,
+    (8.0, 60.0),
+    0.5,
+    True,
+    "a 120-240 l wheelie bin weighs 10-15 kg empty, a steel litter bin 25-50 kg",
+)
 
 
-def recycle_mark(size: int, color: Color, ink: Color) -> object:
+def recycle_mark(size: int, color: Color, ink: Color) -> Image.Image:
     image, draw = paint.canvas((size, size), color)
     c, r = size / 2, size * 0.32
     for k in range(3):
@@ -25,7 +33,7 @@ def recycle_mark(size: int, color: Color, ink: Color) -> object:
     return image
 
 
-def _wheelie(b: MeshBuilder, color: str, lid: str, height: float) -> None:
+def _wheelie(b: MeshBuilder, color: Color, lid: Color, height: float) -> None:
     b.box((0.42, 0.44, height - 0.12), (0, 0, 0.06), color, taper=(1.22, 1.2), bevel=0.02)
     b.box((0.56, 0.56, 0.05), (0.0, 0, height - 0.08), color, bevel=0.015)
     b.box((0.6, 0.56, 0.06), (0.01, 0, height - 0.045), lid, bevel=0.025, taper=(0.92, 0.92))
@@ -69,7 +77,14 @@ def trash_bin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} trash bin", {"style": style})
 
 
-DUMPSTER = Physics(("steel",), 95.0, (60.0, 480.0), 0.6, False, "a 1,100 l four-wheel container weighs 60-130 kg, a front-load dumpster 300-450 kg")
+DUMPSTER = Physics(
+    ("steel",),
+    95.0,
+    (60.0, 480.0),
+    0.6,
+    False,
+    "a 1,100 l four-wheel container weighs 60-130 kg, a front-load dumpster 300-450 kg",
+)
 
 
 @recipe("dumpster", 3, DUMPSTER, hulls=3)
@@ -109,7 +124,17 @@ def dumpster(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.beam((-1.72, y, 1.2), (1.72, y, 1.2), 0.1, 0.08, shade("orange", 0.85))
             for x in (-0.7, 0.0, 0.7):
                 b.beam((x, y * 1.03, 0.1), (x * 1.15, y * 1.03, 1.15), 0.05, 0.07, shade("orange", 0.85))
-        b.convex([(-1.2, -0.75, 0.5), (1.2, 0.75, 0.5), (1.2, -0.75, 0.5), (-1.2, 0.75, 0.5), (-0.4, 0.2, 1.15), (0.5, -0.3, 1.05)], "dark concrete")
+        b.convex(
+            [
+                (-1.2, -0.75, 0.5),
+                (1.2, 0.75, 0.5),
+                (1.2, -0.75, 0.5),
+                (-1.2, 0.75, 0.5),
+                (-0.4, 0.2, 1.15),
+                (0.5, -0.3, 1.05),
+            ],
+            "dark concrete",
+        )
         b.convex([(0.1, -0.6, 0.6), (0.9, 0.5, 0.8), (0.5, 0.1, 1.25), (0.2, 0.5, 0.7), (1.1, -0.4, 0.7)], "brick")
     return b.build(f"a {style} dumpster", {"style": style})
 
@@ -126,16 +151,31 @@ def garbage_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for x, y in places:
         r, h = rng.uniform(0.23, 0.29), rng.uniform(0.42, 0.55)
         rows = []
-        for z, s in ((0.0, 0.7), (0.05, 0.95), (0.4, 1.0), (0.65, 0.85), (0.82, 0.5), (0.9, 0.16), (0.94, 0.1), (1.0, 0.2)):
+        for z, s in (
+            (0.0, 0.7),
+            (0.05, 0.95),
+            (0.4, 1.0),
+            (0.65, 0.85),
+            (0.82, 0.5),
+            (0.9, 0.16),
+            (0.94, 0.1),
+            (1.0, 0.2),
+        ):
             angle = np.arange(12) * np.pi / 6
             wobble = 1 + rng.uniform(-0.09, 0.09, 12) * (s > 0.3)
-            rows.append(np.column_stack([x + r * s * wobble * np.cos(angle), y + r * s * wobble * np.sin(angle), np.full(12, h * z)]))
+            rows.append(
+                np.column_stack(
+                    [x + r * s * wobble * np.cos(angle), y + r * s * wobble * np.sin(angle), np.full(12, h * z)]
+                )
+            )
         b.loft(rows, shade(color, float(rng.uniform(0.9, 1.15))), crease_deg=28.0)
         b.cylinder(0.03, 0.03, (x, y, h * 0.9), "red" if color == "light grey" else shade(color, 1.5), segments=8)
     return b.build(f"{count} {color} garbage bag{'s' if count > 1 else ''}", {"count": count, "color": color})
 
 
-CRATE = Physics(("wood", "plastic"), 160.0, (1.5, 40.0), 0.5, True, "empty crates weigh 1.5-12 kg; grit boxes are heavier")
+CRATE = Physics(
+    ("wood", "plastic"), 160.0, (1.5, 40.0), 0.5, True, "empty crates weigh 1.5-12 kg; grit boxes are heavier"
+)
 
 
 @recipe("storage box", 4, CRATE, hulls=2)
