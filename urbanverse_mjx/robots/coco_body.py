@@ -234,7 +234,7 @@ def make_mjcf(drive: str, servo: Servo) -> str:
   <worldbody>
     <body name="base_link" pos="0 0 {SPAWN_HEIGHT:.6g}">
       <freejoint name="root"/>
-      <inertial pos="{CENTRE_X} 0 {AXLE_Z}" mass="{BASE_MASS:g}" diaginertia="{BASE_INERTIA} {BASE_INERTIA} {BASE_INERTIA}"/>
+      <inertial pos="{CENTRE_X} 0 {WHEEL_Z}" mass="{BASE_MASS:g}" diaginertia="{BASE_INERTIA} {BASE_INERTIA} {BASE_INERTIA}"/>
       <camera name="front_cam" pos="{_numbers(np.array(CAMERA_POSITION))}" xyaxes="0 -1 0 0 0 1" fovy="{CAMERA_FOVY_DEG}"/>
       <body name="body_link">
         <inertial pos="{CENTRE_X} 0 {SHELL_Z:g}" mass="{BODY_MASS:g}" diaginertia="{BODY_INERTIA} {BODY_INERTIA} {BODY_INERTIA}"/>
