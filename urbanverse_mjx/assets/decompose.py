@@ -29,12 +29,14 @@ FLUSH_HEIGHT = (
 )
 FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
 HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
+FLAT = 0.005  # m; a piece whose points lie this near one plane (root mean square) is flat
 # A piece goes to CoACD when its hull holds this much more than the piece itself; below, the difference is a few litres
 # of air.
 EXCESS_RATIO, EXCESS_VOLUME = 1.35, 0.008  # 1, m^3
 CHEAP_VOLUME = 2e-4  # m^3; unions that add less are always made
 HIGH = 1.7  # m; space above robots and most people counts little
 HIGH_WEIGHT = 0.1
+BATCH = 40  # meshes to a set of worker processes
 NEIGHBOURS = 10  # candidates for a union per piece
 COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 is the usual range
 
@@ -112,6 +114,8 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int) -> list[Pi
         volume = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) * HALF_SHEET
     if budget == 1 or whole.volume < volume * EXCESS_RATIO or whole.volume - volume < EXCESS_VOLUME:
         return [whole]
+    if np.linalg.svd(vertices - vertices.mean(0), compute_uv=False)[-1] < FLAT * np.sqrt(len(vertices)):
+        return [whole]  # a cloth or a pane: CoACD would only shred it
     import coacd
 
     coacd.set_log_level("error")
@@ -243,7 +247,7 @@ def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], ob
     """Decomposes every record's mesh that the store lacks, in worker processes, and writes the store; prunes unused
     keys.
 
-    CoACD is known to abort after some hundred meshes in one process, hence `max_tasks_per_child`.
+    CoACD is known to abort after some hundred meshes in one process (its issue 23), hence new processes for every batch.
     """
     store = HullStore.load(store_path())
     found = dict(store.hulls)
@@ -257,17 +261,17 @@ def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], ob
         if key not in found and leaf in (None, record.leaf):
             tasks[key] = (key, record.recipe, record.leaf, int(record.params["variant"]), budget)
     context = multiprocessing.get_context("spawn")
-    with (
-        Progress() as bar,
-        concurrent.futures.ProcessPoolExecutor(jobs, context, _quiet_start, max_tasks_per_child=40) as pool,
-    ):
-        line = bar.add_task("convex hulls", total=len(tasks))
-        for done in concurrent.futures.as_completed(pool.submit(_work, *t) for t in tasks.values()):
-            key, hulls = done.result()
-            found[key] = hulls
-            bar.advance(line)
-            if len(found) % 25 == 0:
-                HullStore(found).save(store_path())
+    waiting = list(tasks.values())
+    with Progress() as bar:
+        line = bar.add_task("convex hulls", total=len(waiting))
+        for first in range(0, len(waiting), BATCH):
+            with concurrent.futures.ProcessPoolExecutor(jobs, context, _quiet_start) as pool:
+                futures = [pool.submit(_work, *task) for task in waiting[first : first + BATCH]]
+                for done in concurrent.futures.as_completed(futures):
+                    key, hulls = done.result()
+                    found[key] = hulls
+                    bar.advance(line)
+            HullStore(found).save(store_path())
     kept = HullStore({k: h for k, h in found.items() if k in needed})
     path = kept.save(store_path())
     count = sum(len(h) for h in kept.hulls.values())

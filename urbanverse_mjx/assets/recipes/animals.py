@@ -128,7 +128,7 @@ def cat(variant: int, rng: np.random.Generator) -> BuiltAsset:
         _quadruped(b, 0.26, 0.50, 1.25, 0.20, 0.05, coat, 16 if variant == 0 else 8, cat=True)
         if variant == 0:  # tabby stripes over the back
             for x in np.linspace(-0.13, 0.11, 6):
-                b.ring(0.0535 if abs(x) < 0.1 else 0.049, 0.004, (float(x), 0, 0.205), "#8a4f1e", (0, 90, 0), 12, 4)
+                b.ring(0.0445 if abs(x) < 0.08 else 0.040, 0.006, (float(x), 0, 0.201), "#8a4f1e", (0, 90, 0), 12, 4)
     names = ("A ginger tabby cat, walking", "A black cat with a red collar", "A grey and white cat, sitting")
     built = b.build(names[variant], {"pose": "sitting" if variant == 2 else "walking"}, mass=mass)
     return dataclasses.replace(built, volume=mass / 1000.0)
@@ -144,7 +144,8 @@ def _sitting_cat(b: MeshBuilder, coat: _Coat) -> None:
         b.tube([(0.06, side * 0.035, 0.18), (0.085, side * 0.035, 0.08), (0.09, side * 0.035, 0.015)], [0.028, 0.02, 0.018], coat.back, sides=7)
         b.ball((0.028, 0.02, 0.015), (0.10, side * 0.035, 0.015), coat.belly, segments=8, rings=5)
         b.ball((0.085, 0.04, 0.06), (-0.02, side * 0.075, 0.06), coat.back, segments=9, rings=6)
-    _head(b, 0.28, np.array([0.06, 0, 0.33]), 0.05, coat, True)
+    b.tube([(0.045, 0, 0.26), (0.075, 0, 0.335)], [0.048, 0.04], coat.back, sides=9)
+    _head(b, 0.28, np.array([0.062, 0, 0.325]), 0.05, coat, True)
     b.tube([(-0.14, 0, 0.03), (-0.17, 0.08, 0.025), (-0.08, 0.14, 0.022), (0.04, 0.13, 0.02)], [0.022, 0.02, 0.018, 0.012], coat.back, sides=7)
 
 

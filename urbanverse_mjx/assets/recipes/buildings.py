@@ -28,7 +28,7 @@ def _stoop(f: Facade, y: float, width: float, steps: int, color: Color = "granit
     return 0.17 * steps
 
 
-@recipe("apartment building", 4, BUILDING, hulls=6)
+@recipe("apartment building", 4, BUILDING, hulls=8)
 def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, width, floors, style = (
         ("plaster", "#d8c08f", "off white", 11.0, 5, "casement"), ("brick", "#8f4a38", "sandstone", 12.0, 5, "sash"),
@@ -69,7 +69,7 @@ def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(f, names[variant], {"wall": kind, "floors": floors})
 
 
-@recipe("house", 4, BUILDING, hulls=6)
+@recipe("house", 4, BUILDING, hulls=8)
 def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, roof, width, along = (
         ("plaster", "#e6dcc4", "white", "#8e4431", 8.5, True), ("boards", "#7f9aa8", "white", "#50555c", 8.0, False),
@@ -92,10 +92,10 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     threshold = _stoop(f, y, 1.5, 2)
     f.opening(y, threshold, 1.0, 2.15, pictures.door(("dark green", "red", "dark blue", "dark wood")[variant]), 0.15, sill=False)
     if variant == 1:  # a porch over the whole front
-        f.builder.box((1.5, width, 0.14), (f.front + 0.75, 0, 2.75), shade(roof, 0.9))
+        f.builder.box((1.5, width - 0.04, 0.14), (f.front + 0.76, 0, 2.75), shade(roof, 0.9))
         for py in np.linspace(-width / 2 + 0.15, width / 2 - 0.15, 4):
             f.builder.box((0.14, 0.14, 2.75), (f.front + 1.35, py, 0), "white")
-        f.builder.box((1.5, width, 0.16), (f.front + 0.75, 0, 0), "grey wood")
+        f.builder.box((1.5, width - 0.04, 0.16), (f.front + 0.76, 0, 0), "grey wood")
     else:
         with f.builder.frame((f.front + 0.45, y, threshold + 2.35)):
             f.builder.profile([(-0.5, 0), (0.5, 0), (-0.5, 0.45)], 1.7, color=roof)
@@ -113,7 +113,7 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(f, names[variant], {"wall": kind, "roof": str(roof)})
 
 
-@recipe("office building", 3, BUILDING, hulls=4)
+@recipe("office building", 3, BUILDING, hulls=6)
 def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     wall, color, trim, width, floors = (
         ("panel", "#8f99a3", "aluminium", 14.0, 5), ("panel", "#4d5560", "charcoal", 12.0, 5), ("plaster", "#d6d2c8", "off white", 13.0, 4),
@@ -149,12 +149,12 @@ def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k, y in enumerate((-width / 4, 0.3, width / 4)):
         f.builder.box((1.6, 1.8, 1.0 + 0.2 * k), (-1.5, y, height), "galvanised", bevel=0.05)
     for side in (-1, 1):
-        potted_bush(f.builder, (f.front + 0.5, y * 0 + bays[len(bays) // 2] + side * 1.6, 0), 0.5, "charcoal", rng)
+        potted_bush(f.builder, (f.front + 0.5, bays[len(bays) // 2] + side * 1.6, 0), 0.5, "charcoal", rng)
     names = ("A glass-fronted office building", "A dark office building with fins", "A rendered office building")
     return _done(f, names[variant], {"wall": wall, "floors": floors, "name": name})
 
 
-@recipe("hotel", 3, BUILDING, hulls=6)
+@recipe("hotel", 3, BUILDING, hulls=8)
 def hotel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, name, back, ink, width = (
         ("ashlar", "#d9ccb3", "GRAND HOTEL", "dark red", "gold", 13.0), ("brick", "#7e4335", "HOTEL PARK", "dark green", "cream", 11.0),
@@ -175,13 +175,12 @@ def hotel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in (0, 1, 3, 4):
         f.opening(bays[k], 0.7, 1.75, 2.1, lobby, 0.18)
     f.opening(0, 0.05, 2.0, 2.6, pictures.door(back, "double", (48, 60)), 0.5, sill=False)
-    # The canopy over the entrance on two posts, with a red carpet.
-    reach = 2.0
+    # The canopy over the entrance on two posts.
+    reach = 1.5
     f.builder.box((reach, 3.0, 0.3), (f.front + reach / 2, 0, 2.9), back, skins={"+x": pictures.sign(name, back, ink, (128, 14))})
     for side in (-1, 1):
         f.builder.cylinder(0.05, 2.9, (f.front + reach - 0.15, side * 1.35, 0), "brass", segments=8)
         potted_bush(f.builder, (f.front + 0.5, side * 1.7, 0), 0.5, "black", rng, "dark leaf")
-    f.builder.box((reach, 1.6, 0.02), (f.front + reach / 2, 0, 0), "dark red")
     f.course(3.35, 0.2, 0.12)
     tall = np.asarray(pictures.paint.shrunk(_vertical("HOTEL", back, ink), (24, 96)))
     y = width / 2 - 0.7
@@ -204,7 +203,7 @@ def _vertical(words: str, back: Color, ink: Color) -> pictures.Image.Image:
     return image
 
 
-@recipe("bank", 3, BUILDING, hulls=6)
+@recipe("bank", 3, BUILDING, hulls=8)
 def bank(variant: int, rng: np.random.Generator) -> BuiltAsset:
     name, color, width = (("FIRST BANK", "#d8d2c2", 11.0), ("SAVINGS BANK", "#c9b595", 12.0), ("BANCO CENTRAL", "#b9bcbd", 10.0))[variant]
     height, depth = (8.2, 7.4, 9.6)[variant], 7.5
@@ -244,7 +243,7 @@ def bank(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(f, names[variant], {"name": name})
 
 
-@recipe("school", 3, BUILDING, hulls=6)
+@recipe("school", 3, BUILDING, hulls=8)
 def school(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, width, name = (("brick", "#9a5843", 14.0, "PRIMARY SCHOOL"), ("plaster", "#e1c77a", 14.0, "SCHOOL"), ("panel", "#cdd3d6", 13.0, "CITY SCHOOL"))[variant]
     height, depth = 7.6, 7.5
@@ -293,7 +292,7 @@ def _clock() -> np.ndarray:
     return np.asarray(pictures.paint.shrunk(image, (32, 32)))
 
 
-@recipe("garage", 3, BUILDING, hulls=4)
+@recipe("garage", 3, BUILDING, hulls=6)
 def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, doors, width = (("plaster", "#cfc6b4", 1, 6.0), ("brick", "#94553f", 2, 7.2), ("panel", "#a9b0b3", 3, 9.6))[variant]
     height, depth = (3.0, 3.1, 3.4)[variant], 6.0
@@ -313,7 +312,7 @@ def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
             f.builder.panel(number, (f.front + 0.02, y, 2.62), 0.3, 0.3)
     if doors == 1:
         f.opening(2.1, 0.02, 0.9, 2.05, pictures.door("grey", "panel", (24, 52)), 0.12, sill=False)
-    f.builder.box((0.6, width, 0.03), (f.front + 0.3, 0, 0), "dark concrete")
+    f.builder.box((0.62, width - 0.02, 0.03), (f.front + 0.3, 0, 0), "dark concrete")
     f.walls(pictures.wall(kind, (width, height), color, rng))
     if variant == 0:
         f.gable_roof(1.5, "#6b4038", along=False, wall=color)

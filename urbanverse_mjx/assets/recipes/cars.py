@@ -185,7 +185,7 @@ def _sedan_style(variant: int) -> tuple[BodyShape, _Style]:
 _SEDAN_GLASS = {"pillars": ((-0.32, 0.07), (-1.30, 0.05)), "span": (-1.72, 0.95)}
 
 
-@recipe("sedan", 4, _CAR, hulls=5)
+@recipe("sedan", 4, _CAR, hulls=6)
 def sedan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     shape, style = _sedan_style(variant)
     style = dataclasses.replace(style, doors=(-1.02, -0.30, 0.84))
@@ -194,7 +194,7 @@ def sedan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "sedan", "color": str(style.color), "plate": style.plate})
 
 
-@recipe("hatchback car", 4, _CAR, hulls=5)
+@recipe("hatchback car", 4, _CAR, hulls=6)
 def hatchback(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("red", "#6fb3d2", "signal yellow", "charcoal")[variant]
     along, up = ((1.0, 1.0), (0.88, 1.04), (0.95, 1.0), (1.05, 0.99))[variant]
@@ -213,7 +213,7 @@ def _roof_rails(builder: MeshBuilder, body: Body, x0: float, x1: float, z: float
         builder.tube([(x0, y, z - 0.02), (x0 + 0.12, y, z + 0.05), (x1 - 0.12, y, z + 0.05), (x1, y, z - 0.04)], 0.018, color, sides=6)
 
 
-@recipe("suv", 4, _CAR, hulls=5)
+@recipe("suv", 4, _CAR, hulls=6)
 def suv(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("black", "white", "#4c5d46", "#9b3f2b")[variant]
     along, up = ((1.05, 1.02), (1.0, 1.0), (0.92, 1.06), (0.94, 0.96))[variant]
@@ -253,7 +253,7 @@ def van(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "van", "letters": letters})
 
 
-@recipe("minivan", 3, _CAR, hulls=5)
+@recipe("minivan", 3, _CAR, hulls=6)
 def minivan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("#7a2f3a", "#b9c0c4", "#2f5d62")[variant]
     style = _Style(color, ("spokes10", "cap", "spokes5")[variant], ("bars", "mesh", "twin")[variant],
@@ -307,7 +307,7 @@ def _roof_sign(words: str, back: Color, ink: Color) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (64, 20)))
 
 
-@recipe("taxi", 3, _CAR, hulls=5)
+@recipe("taxi", 3, _CAR, hulls=6)
 def taxi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("signal yellow", "#e8e2c8", "black")[variant]
     base, places, glass = (
@@ -335,7 +335,7 @@ def taxi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "taxi", "color": str(color)})
 
 
-@recipe("police car", 3, _CAR, hulls=5)
+@recipe("police car", 3, _CAR, hulls=6)
 def police_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("white", "black", "white")[variant]
     base, places, glass = (

@@ -98,7 +98,7 @@ def stroller(variant: int, rng: np.random.Generator) -> BuiltAsset:
     hood = np.array([[(centre[0] + radius * np.cos(a) * (1 - 0.10 * (y / 0.23) ** 4), y, centre[1] + radius * np.sin(a) * (1 - 0.25 * (y / 0.23) ** 2)) for y in np.linspace(-0.23, 0.23, 7)] for a in angles])
     b.sheet(hood, shade(cloth, 0.9), both_sides=True)
     if variant == 0:
-        b.ball((0.075, 0.07, 0.08), (0.0, 0, 0.93), "skin light", segments=10, rings=7)
+        b.ball((0.075, 0.07, 0.08), (0.04, 0, 0.88), "skin light", segments=10, rings=7)
         b.box((0.20, 0.20, 0.26), (0.04, 0, 0.58), "signal yellow", bevel=0.06)
     names = ("A teal pushchair with a child", "A black pram with a carrycot", "A red three-wheeled jogging stroller")
     built = b.build(names[variant], {"wheels": 3 if variant == 2 else 4}, mass=(18.0, 14.0, 11.0)[variant])
@@ -138,7 +138,7 @@ def handcart(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.1, 0.6, 0.25), (0.05, 0, 0.38), "wood")
         for k, color in enumerate(("red", "orange", "lime", "yellow")):
             for j in range(6):
-                x, y = -0.45 + 0.30 * k + 0.12 * (j % 2), -0.22 + 0.20 * (j // 2)
+                x, y = -0.50 + 0.28 * k + 0.13 * (j % 2), -0.22 + 0.20 * (j // 2)
                 b.ball(0.075, (x, y, 0.74), color, segments=7, rings=4)
     else:  # blue two-wheeled hand trolley with a box and mesh
         b.box((0.95, 0.60, 0.04), (0, 0, 0.22), "signal blue", bevel=0.01)

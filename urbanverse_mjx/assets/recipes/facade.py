@@ -24,46 +24,66 @@ class Facade:
     def __init__(self, builder: MeshBuilder, width: float, depth: float, height: float, trim: Color) -> None:
         self.builder, self.width, self.depth, self.height, self.trim = builder, width, depth, height, trim
         self.front = depth / 2
-        self._holes: list[shapely.Polygon] = []
+        self._openings: list[tuple[shapely.Polygon, float, Picture]] = []
 
     def opening(
         self, y: float, z: float, width: float, height: float, picture: Picture, recess: float = 0.14,
         sill: bool = True, lintel: Color | None = None,
     ) -> None:
-        """A hole whose lower middle is at (y, z), with reveals and a picture at its back."""
-        y0, y1, z1, x = y - width / 2, y + width / 2, z + height, self.front
-        self._holes.append(shapely.box(y0, z, y1, z1))
-        back = x - recess
-        self.builder.panel(picture, (back, y, z + height / 2), width, height)
-        reveal = shade(self.trim, 0.8)
-        rim = np.array([(y0, z), (y1, z), (y1, z1), (y0, z1)])
-        for (ya, za), (yb, zb) in zip(rim, np.roll(rim, -1, 0), strict=True):
-            self.builder.quad([(x, ya, za), (x, yb, zb), (back, yb, zb), (back, ya, za)], reveal)
+        """A hole whose lower middle is at (y, z), with reveals and a picture at its back (cut by `walls`)."""
+        z1, x = z + height, self.front
+        self._openings.append((shapely.box(y - width / 2, z, y + width / 2, z1), recess, picture))
         if sill:
             self.builder.box((recess + 0.10, width + 0.16, 0.07), (x - recess / 2 + 0.05, y, z - 0.07), self.trim)
         if lintel is not None:
             self.builder.box((0.05, width + 0.24, 0.16), (x + 0.02, y, z1 + 0.02), lintel)
 
     def walls(self, picture: Picture, ground: Color | None = None, ground_height: float = 0.0) -> None:
-        """Front with its holes, both sides and the back; below `ground_height` the front is plain."""
+        """Front with its holes, sides, back, floor and ceiling: one closed skin, so that its hull is plainly the block.
+
+        Below `ground_height` the front is plain. Every seam has the same corners on both its sides.
+        """
         width, height, depth = self.width, self.height, self.depth
-        holes = shapely.union_all(self._holes)
+        holes = shapely.union_all([hole for hole, _, _ in self._openings])
         upper = shapely.box(-width / 2, ground_height, width / 2, height).difference(holes)
         self._front(upper, picture=picture)
         if ground_height > 0:
             self._front(shapely.box(-width / 2, 0, width / 2, ground_height).difference(holes), color=ground)
+        for hole, recess, pane in self._openings:
+            self._recess(hole.bounds, recess, pane, ground_height)
         u = min(1.0, depth / width)
+        levels = [0.0, ground_height, height] if ground_height > 0 else [0.0, height]
         for sign in (1.0, -1.0):
-            corners = [(sign * self.front, 0), (-sign * self.front, 0), (-sign * self.front, height), (sign * self.front, height)]
+            # The far edge is straight, the one at the front has a corner where the plain part ends.
+            near = [(self.front, z) for z in levels]
+            corners = [(-self.front, 0.0), (-self.front, height), *reversed(near)]
             vertices = np.array([(x, sign * width / 2, z) for x, z in corners])
-            uv = np.array([(0, 0), (u, 0), (u, 1), (0, 1)], float)
-            self.builder.add(Shape(vertices, np.array([(0, 1, 2), (0, 2, 3)]), uv), picture=picture)
+            uv = np.array([((self.front - sign * x) / depth * u, z / height) for x, z in corners])
+            fan = np.array([(1, k, k + 1) for k in range(2, len(corners) - 1)] + [(1, len(corners) - 1, 0)])
+            self.builder.add(Shape(vertices, fan if sign > 0 else fan[:, ::-1], uv), picture=picture)
         self.builder.panel(picture, (-self.front, 0, height / 2), width, height, "-x")
+        ring = np.array([(1, -1), (1, 1), (-1, 1), (-1, -1)]) * [depth / 2, width / 2]
+        self.builder.quad(np.column_stack([ring, np.full(4, height)]), "dark concrete")
+        self.builder.quad(np.column_stack([ring, np.zeros(4)])[::-1], "dark concrete")
+
+    def _recess(self, bounds: tuple[float, ...], recess: float, picture: Picture, ground_height: float) -> None:
+        """Reveals and pane of one opening; its sides have a corner where the plain part of the front ends."""
+        y0, z0, y1, z1 = bounds
+        x, back = self.front, self.front - recess
+        middle = [ground_height] if z0 < ground_height < z1 else []
+        rim = [(y0, z0), (y1, z0), *((y1, z) for z in middle), (y1, z1), (y0, z1), *((y0, z) for z in middle)]
+        for (ya, za), (yb, zb) in zip(rim, rim[1:] + rim[:1], strict=True):
+            corners = [(x, ya, za), (x, yb, zb), (back, yb, zb), (back, ya, za)]
+            self.builder.quad(corners, shade(self.trim, 0.8))
+        shape = Shape(np.array([(back, y, z) for y, z in rim]), np.array([(0, k, k + 1) for k in range(1, len(rim) - 1)]))
+        uv = np.array([((y - y0) / (y1 - y0), (z - z0) / (z1 - z0)) for y, z in rim])
+        self.builder.add(dataclasses.replace(shape, uv=uv), picture=picture)
 
     def _front(self, area: shapely.Geometry, color: Color | None = None, picture: Picture | None = None) -> None:
         triangles = [t for part in shapely.get_parts(area) for t in shapely.constrained_delaunay_triangles(part).geoms]
         flat = np.array([shapely.geometry.polygon.orient(t).exterior.coords[:3] for t in triangles])[..., :2].reshape(-1, 2)
-        points, inverse = np.unique(np.round(flat, 5), axis=0, return_inverse=True)
+        _, first, inverse = np.unique(np.round(flat, 5), axis=0, return_index=True, return_inverse=True)
+        points = flat[first]
         vertices = np.column_stack([np.full(len(points), self.front), points])
         uv = np.clip(np.column_stack([points[:, 0] / self.width + 0.5, points[:, 1] / self.height]), 0.0, 1.0)
         self.builder.add(Shape(vertices, inverse.reshape(-1, 3), uv), color, picture=picture)
@@ -123,14 +143,13 @@ class Facade:
 
     # Roofs --------------------------------------------------------------------------------------------------------------
 
-    def flat_roof(self, parapet: float = 0.5, color: Color = "dark concrete") -> None:
+    def flat_roof(self, parapet: float = 0.5) -> None:
         w, d, h = self.width, self.depth, self.height
-        self.builder.quad([(d / 2, -w / 2, h), (d / 2, w / 2, h), (-d / 2, w / 2, h), (-d / 2, -w / 2, h)], color)
-        t = 0.22
-        for x in (-d / 2 + t / 2, d / 2 - t / 2):
-            self.builder.box((t, w, parapet), (x, 0, h), self.trim)
-        for y in (-w / 2 + t / 2, w / 2 - t / 2):
-            self.builder.box((d - 2 * t, t, parapet), (0, y, h), self.trim)
+        t, sunk = 0.22, 0.01  # sunk a little, so that no edge coincides with one of the walls
+        for x in (-d / 2 + t / 2 + sunk, d / 2 - t / 2 - sunk):
+            self.builder.box((t, w - 4 * sunk, parapet + sunk), (x, 0, h - sunk), self.trim)
+        for y in (-w / 2 + t / 2 + sunk, w / 2 - t / 2 - sunk):
+            self.builder.box((d - 2 * t - 4 * sunk, t, parapet), (0, y, h - sunk), self.trim)
 
     def gable_roof(self, rise: float, color: Color, overhang: float = 0.35, along: bool = True, wall: Color | None = None) -> None:
         """A pitched roof; its ridge runs `along` the street, or towards it with the gable in front."""
@@ -144,13 +163,13 @@ class Facade:
         with self.builder.frame((0, 0, 0), (0, 0, turn)):
             self.builder.profile(section, 2 * (run + e * 0.5), color=color)
             for sign in (1.0, -1.0):
-                corners = [(sign * half, sign * run * 1.0, h), (-sign * half, sign * run, h), (0.0, sign * run, h + rise)]
-                self.builder.add(Shape(np.array(corners), np.array([(0, 1, 2)])), wall or self.trim)
+                triangle = [(-half, h + 0.002), (half, h + 0.002), (0.0, h + rise)]
+                self.builder.profile(triangle, 0.1, (0, sign * (run - 0.05), 0), wall or self.trim)
 
     def mansard(self, rise: float, color: Color, dormers: Sequence[float], picture: Picture, inset: float = 0.8) -> None:
         """A steep roof with dormers (y of their middles) and a flat top."""
         w, d, h = self.width, self.depth, self.height
-        self.builder.box((d, w, rise), (0, 0, h), color, taper=((d - 2 * inset) / d, (w - 0.4) / w))
+        self.builder.box((d + 0.02, w + 0.02, rise), (0, 0, h - 0.01), color, taper=((d - 2 * inset) / d, (w - 0.4) / w))
         for y in dormers:
             x = d / 2 - 0.12
             self.builder.box((inset, 1.15, rise * 0.72), (x - inset / 2, y, h + 0.1), self.trim, skins={"+x": picture})

@@ -16,7 +16,7 @@ from ..shapes import Shape
 
 THIGH, SHANK, ANKLE_HEIGHT = 0.245, 0.246, 0.039
 UPPER_ARM, FOREARM, HAND = 0.186, 0.146, 0.108
-HIP_HALF, SHOULDER_HALF = 0.052, 0.116
+HIP_HALF, SHOULDER_HALF = 0.052, 0.106
 SHOULDER_ABOVE_HIP, CHIN_ABOVE_HIP = 0.276, 0.342
 
 
@@ -118,7 +118,8 @@ class Figure:
     def hem(self, share: float, half_width: float) -> np.ndarray:
         """The lower edge of a skirt or coat, wide enough for both thighs as they are posed."""
         reach = [-share * np.tan(np.radians(np.clip(a, -50, 50))) for a in self.pose.thigh]
-        front, back = max(0.06, max(reach) + 0.055), max(0.06, 0.055 - min(reach))
+        # 6 % of the stature is half a clothed thigh's thickness, with room for the cloth's flat facets.
+        front, back = max(0.066, max(reach) + 0.068), max(0.066, 0.066 - min(reach))
         return self.ring(share, half_width, (front + back) / 2, (front - back) / 2)
 
     def _torso(self) -> None:
@@ -126,19 +127,21 @@ class Figure:
         thick = {"shirt": 1.0, "dress": 1.0, "jacket": 1.10, "coat": 1.15}[look.top]
         rows = [
             (0.015, 0.094, 0.066, 0.0), (0.055, 0.088, 0.062, 0.002), (0.105, 0.079, 0.056, 0.004), (0.16, 0.086, 0.061, 0.004),
-            (0.215, 0.097, 0.066, 0.003), (0.255, 0.108, 0.063, -0.001), (0.283, 0.094, 0.053, -0.005), (0.303, 0.062, 0.041, -0.006),
+            (0.215, 0.097, 0.066, 0.003), (0.250, 0.108, 0.064, -0.001), (0.280, 0.096, 0.054, -0.005), (0.300, 0.066, 0.044, -0.006),
             (0.316, 0.036, 0.034, -0.004),
         ]  # fmt: skip
         if look.top in ("jacket", "coat"):
             rows[2] = (0.105, 0.090, 0.064, 0.004)  # cloth hangs straight over the waist
         sections = [self.ring(z, w * thick, d * thick, f) for z, w, d, f in rows]
         if look.top == "coat":
-            sections.insert(0, self.hem(-0.17, 0.112))
+            sections[0] = self.hem(-0.04, 0.108)
+            sections.insert(0, self.hem(-0.17, 0.118))
         elif look.top == "jacket":
             sections.insert(0, self.ring(-0.03, 0.108, 0.078))
         elif look.top == "dress":
-            sections.insert(0, self.ring(-0.05, 0.106, 0.076))
-            sections.insert(0, self.hem(-0.235, 0.128))
+            sections[0] = self.hem(-0.05, 0.108)
+            sections.insert(0, self.hem(-0.14, 0.120))
+            sections.insert(0, self.hem(-0.235, 0.130))
         self.builder.loft(sections, look.top_color, crease_deg=60)
         neck = [self.trunk(0.295), self.trunk(CHIN_ABOVE_HIP + 0.012) + [0.006 * look.height, 0, 0]]
         self.builder.tube(neck, [0.031 * look.height * look.girth**0.5] * 2, look.skin, sides=10)
@@ -153,11 +156,15 @@ class Figure:
     def _legs(self) -> None:
         look, h, g = self.look, self.look.height, self.look.girth
         bare = look.bottom != "trousers"
+        # What a coat or skirt hides is left away, so that no thigh shows through its cloth.
+        hidden = max({"coat": 0.17, "dress": 0.235}.get(look.top, 0.0), 0.23 if look.bottom == "skirt" else 0.0)
+        start = max(0.0, hidden - 0.05) / THIGH
         for k, side in ((0, 1.0), (1, -1.0)):
             top = self.hip + [0, side * HIP_HALF * h * 0.92, 0.01 * h]
             knee, ankle = self.knees[k], self.ankles[k]
+            top = top + (knee - top) * start
             path = [top, top + (knee - top) * 0.5, knee, knee + (ankle - knee) * 0.35, ankle]
-            radii = np.array([0.054, 0.046, 0.033, 0.034, 0.023]) * h * g**0.6
+            radii = np.array([0.054 - 0.014 * start, 0.046 - 0.006 * start, 0.033, 0.034, 0.023]) * h * g**0.6
             if bare:
                 self.builder.tube(path, list(radii), look.skin, sides=8)
             else:
@@ -166,11 +173,13 @@ class Figure:
                 end = top + (knee - top) * 0.78
                 self.builder.tube([top, (top + end) / 2, end], list(radii[:3] * np.array([1.1, 1.18, 1.5])), look.bottom_color, sides=8)
             self._shoe(ankle, self.pose.thigh[k] - self.pose.knee[k])
+        if look.top == "dress":
+            return
         # The seat joins the legs.
         seat = [self.ring(-0.055, 0.060, 0.050), self.ring(-0.025, 0.090, 0.066), self.ring(0.02, 0.093, 0.066), self.ring(0.045, 0.088, 0.061)]
         self.builder.loft(seat, look.bottom_color, crease_deg=60)
         if look.bottom == "skirt":
-            self.builder.loft([self.hem(-0.22, 0.118), self.ring(-0.05, 0.104, 0.076), self.ring(0.06, 0.088, 0.062)], look.bottom_color, crease_deg=60)
+            self.builder.loft([self.hem(-0.23, 0.122), self.hem(-0.14, 0.114), self.hem(-0.05, 0.104), self.ring(0.06, 0.088, 0.062)], look.bottom_color, crease_deg=60)
 
     def _shoe(self, ankle: np.ndarray, shin: float) -> None:
         """A shoe whose sole follows the shin half way (a lifted heel when the leg is behind)."""
@@ -190,17 +199,17 @@ class Figure:
 
     def _arms(self) -> None:
         look, h, g = self.look, self.look.height, self.look.girth
-        cloth = {"shirt": 1.15, "dress": 1.1, "jacket": 1.35, "coat": 1.4}[look.top]
+        cloth = {"shirt": 1.12, "dress": 1.08, "jacket": 1.25, "coat": 1.3}[look.top]
         for k in (0, 1):
             shoulder, elbow, wrist = self.shoulders[k], self.elbows[k], self.wrists[k]
-            radii = np.array([0.030, 0.026, 0.0235, 0.0225, 0.0165]) * h * g**0.6
-            path = [shoulder, (shoulder + elbow) / 2, elbow, elbow + (wrist - elbow) * 0.4, wrist]
+            radii = np.array([0.0285, 0.0265, 0.0235, 0.0225, 0.0165]) * h * g**0.6
+            path = [shoulder - [0, 0, 0.006 * h], (shoulder + elbow) / 2, elbow, elbow + (wrist - elbow) * 0.4, wrist]
             if look.sleeves == "long":
                 self.builder.tube(path, list(radii * cloth), look.top_color, sides=8)
             else:
                 self.builder.tube(path[1:], list(radii[1:]), look.skin, sides=8)
                 self.builder.tube(path[:2] + [path[1] + (elbow - shoulder) * 0.12], list(radii[[0, 1, 1]] * cloth * 1.08), look.top_color, sides=8)
-            self.builder.ball(tuple(np.full(3, 0.0305 * h * cloth**0.5)), tuple(shoulder - [0, 0, 0.004 * h]), look.top_color, segments=8, rings=6)
+            self.builder.ball((0.027 * h * cloth, 0.029 * h * cloth, 0.026 * h * cloth), tuple(shoulder - [0, 0, 0.004 * h]), look.top_color, segments=8, rings=6)
             lower = (wrist - elbow) / np.linalg.norm(wrist - elbow)
             path = [wrist - lower * 0.01, wrist + lower * 0.035 * h, wrist + lower * 0.075 * h, wrist + lower * 0.10 * h]
             self.builder.tube(path, [0.0155 * h, 0.024 * h, 0.021 * h, 0.009 * h], look.skin, sides=7)

@@ -222,7 +222,7 @@ def build_shop(shop: Shop, leaf: str, variant: int, rng: np.random.Generator) ->
 
 
 def _register(leaf: str) -> None:
-    @recipe(leaf, 3, BUILDING, hulls=6)
+    @recipe(leaf, 3, BUILDING, hulls=8)
     def shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
         return build_shop(_SHOPS[leaf][variant], leaf, variant, rng)
 
