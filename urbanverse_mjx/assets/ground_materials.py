@@ -36,7 +36,6 @@ class GroundMaterial:
     roughness: float
 
 
-
 _Recipe = Callable[[np.random.Generator], np.ndarray]
 #: id: (kind, tile size in m, roughness, description, recipe)
 _MATERIALS: dict[str, tuple[str, float, float, str, _Recipe]] = {}

@@ -103,8 +103,15 @@ def asphalt(
 
 
 def slabs(
-    rng: np.random.Generator, rows: int, columns: int, colour: Colour, spread: float = 0.06, joint: Colour = (0.3,) * 3,
-    joint_px: float = 1.6, shift: float = 0.5, dirt: float = 0.05,
+    rng: np.random.Generator,
+    rows: int,
+    columns: int,
+    colour: Colour,
+    spread: float = 0.06,
+    joint: Colour = (0.3,) * 3,
+    joint_px: float = 1.6,
+    shift: float = 0.5,
+    dirt: float = 0.05,
 ) -> np.ndarray:
     gaps, value = bricks(rng, rows, columns, joint_px, shift)
     image = tone(colour, value * spread, noise.periodic_noise(rng, SIZE, 0.6) * 0.035,

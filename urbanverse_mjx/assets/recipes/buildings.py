@@ -1,44 +1,28 @@
-"""Buildings that are not shops: flats, houses, offices, hotels, banks, schools, garages."""
+"""Buildings that are not shops: flats, houses, offices, garages."""
 
 import numpy as np
 
 from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
+from ..palette import shade
 from ..recipe import recipe
 from . import facade_pictures as pictures
-from .facade import Facade, finish
+from .facade import BUILDING, Facade, bays_over, finish_block, stoop
 from .foliage import leaf_picture, leafy, potted_bush
-from .shops import BUILDING, BUILDING_DENSITY
-
-
-def _done(f: Facade, description: str, params: dict, density: float = BUILDING_DENSITY) -> BuiltAsset:
-    return finish(f.builder, description, params, f.width * f.depth * f.height * density, 0.9)
-
-
-def _rows(count: int, width: float) -> list[float]:
-    """Middles of `count` equal bays over a width, m."""
-    return [(k - (count - 1) / 2) * width / count for k in range(count)]
-
-
-def _stoop(f: Facade, y: float, width: float, steps: int, color: Color = "granite") -> float:
-    """Steps up to a door; returns the height of its threshold."""
-    for k in range(steps):
-        reach = 0.3 * (steps - k)
-        f.builder.box((reach, width, 0.17), (f.front + reach / 2, y, 0.17 * k), color)
-    return 0.17 * steps
 
 
 @recipe("apartment building", 4, BUILDING, hulls=8)
 def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, width, floors, style = (
-        ("plaster", "#d8c08f", "off white", 11.0, 5, "casement"), ("brick", "#8f4a38", "sandstone", 12.0, 5, "sash"),
-        ("panel", "#c3c8c6", "light grey", 14.0, 5, "single"), ("ashlar", "#cfc4ae", "off white", 10.0, 4, "grid"),
-    )[variant]  # fmt: skip
+        ("plaster", "#d8c08f", "off white", 11.0, 5, "casement"),
+        ("brick", "#8f4a38", "sandstone", 12.0, 5, "sash"),
+        ("panel", "#c3c8c6", "light grey", 14.0, 5, "single"),
+        ("ashlar", "#cfc4ae", "off white", 10.0, 4, "grid"),
+    )[variant]
     storey, depth = 3.0, 7.5
     height = 0.9 + floors * storey + 0.3
     f = Facade(MeshBuilder(roughness=0.88), width, depth, height, trim)
     panes = [pictures.window(style, "white" if variant != 1 else "off white", rng) for _ in range(3)]
-    bays = _rows(4 if width < 13 else 5, width - 0.8)
+    bays = bays_over(4 if width < 13 else 5, width - 0.8)
     entrance = bays[1] if variant % 2 else bays[2]
     for level in range(floors):
         z = 0.9 + level * storey
@@ -46,51 +30,88 @@ def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
             pane = panes[int(rng.integers(3))]
             if level == 0 and y == entrance:
                 continue
-            balcony = variant in (0, 2) and level > 0 and (y in (bays[0], bays[-1]) if variant == 0 else y in bays[1:-1:2])
+            balcony = (
+                variant in (0, 2) and level > 0 and (y in (bays[0], bays[-1]) if variant == 0 else y in bays[1:-1:2])
+            )
             if balcony:
                 f.opening(y, z + 0.05, 1.3, 2.2, pictures.window("casement", "white", rng), sill=False)
                 f.balcony(y, z, 2.1, 0.85, "black" if variant == 0 else "dark grey")
             else:
                 f.opening(y, z + 0.75, 1.2, 1.6, pane, lintel=trim if variant == 1 else None)
-    threshold = _stoop(f, entrance, 1.7, 3)
-    f.opening(entrance, threshold, 1.15, 2.35, pictures.door("#5d3a24" if variant != 2 else "charcoal", "panel"), 0.3, sill=False)
+    threshold = stoop(f, entrance, 1.7, 3)
+    f.opening(
+        entrance,
+        threshold,
+        1.15,
+        2.35,
+        pictures.door("#5d3a24" if variant != 2 else "charcoal", "panel"),
+        0.3,
+        sill=False,
+    )
     f.builder.box((0.9, 1.9, 0.12), (f.front + 0.45, entrance, threshold + 2.5), trim)
     f.course(0.62, 0.14, 0.06, shade(trim, 0.85))
     f.walls(pictures.wall(kind, (width, height), color, rng), shade(color, 0.72), 0.65)
     if variant == 3:
         f.cornice(height - 0.36)
-        f.mansard(2.2, "#4d5560", _rows(3, width - 1), panes[0])
+        f.mansard(2.2, "#4d5560", bays_over(3, width - 1), panes[0])
         f.chimney(-1.5, width / 3, height + 2.8)
     else:
         f.cornice(height - 0.36, 0.25 if variant != 2 else 0.08)
         f.flat_roof(0.6)
         f.builder.box((2.4, 2.6, 2.0), (-1.2, -width / 5, height), shade(color, 0.8))
-    names = ("A five-storey block of flats with balconies", "A brick apartment building with a stoop", "A concrete-panel apartment block", "A stone apartment house with a mansard roof")
-    return _done(f, names[variant], {"wall": kind, "floors": floors})
+    names = (
+        "A five-storey block of flats with balconies",
+        "A brick apartment building with a stoop",
+        "A concrete-panel apartment block",
+        "A stone apartment house with a mansard roof",
+    )
+    return finish_block(f, names[variant], {"wall": kind, "floors": floors})
 
 
 @recipe("house", 4, BUILDING, hulls=8)
 def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, roof, width, along = (
-        ("plaster", "#e6dcc4", "white", "#8e4431", 8.5, True), ("boards", "#7f9aa8", "white", "#50555c", 8.0, False),
-        ("brick", "#93523f", "white", "#4a4440", 6.6, True), ("plaster", "#b5553c", "off white", "#5d5550", 7.5, False),
-    )[variant]  # fmt: skip
+        ("plaster", "#e6dcc4", "white", "#8e4431", 8.5, True),
+        ("boards", "#7f9aa8", "white", "#50555c", 8.0, False),
+        ("brick", "#93523f", "white", "#4a4440", 6.6, True),
+        ("plaster", "#b5553c", "off white", "#5d5550", 7.5, False),
+    )[variant]
     height, depth = (5.4, 5.3, 5.8, 5.2)[variant], 7.0
     f = Facade(MeshBuilder(roughness=0.88), width, depth, height, trim)
     panes = [pictures.window(("grid", "sash", "sash", "casement")[variant], trim, rng) for _ in range(2)]
-    bays = _rows(3, width - 0.6)
+    bays = bays_over(3, width - 0.6)
     door_bay = (1, 0, 2, 1)[variant]
     for level in range(2):
         for k, y in enumerate(bays):
             if level == 0 and k == door_bay:
                 continue
-            f.opening(y, 0.95 + 2.75 * level, 1.15, 1.35, panes[int(rng.integers(2))], 0.1, lintel=trim if variant == 2 else None)
+            f.opening(
+                y,
+                0.95 + 2.75 * level,
+                1.15,
+                1.35,
+                panes[int(rng.integers(2))],
+                0.1,
+                lintel=trim if variant == 2 else None,
+            )
             if variant in (0, 3):  # shutters
                 for side in (-1, 1):
-                    f.builder.box((0.05, 0.42, 1.35), (f.front + 0.03, y + side * 0.82, 0.95 + 2.75 * level), ("dark green", "off white")[variant == 3])
+                    f.builder.box(
+                        (0.05, 0.42, 1.35),
+                        (f.front + 0.03, y + side * 0.82, 0.95 + 2.75 * level),
+                        ("dark green", "off white")[variant == 3],
+                    )
     y = bays[door_bay]
-    threshold = _stoop(f, y, 1.5, 2)
-    f.opening(y, threshold, 1.0, 2.15, pictures.door(("dark green", "red", "dark blue", "dark wood")[variant]), 0.15, sill=False)
+    threshold = stoop(f, y, 1.5, 2)
+    f.opening(
+        y,
+        threshold,
+        1.0,
+        2.15,
+        pictures.door(("dark green", "red", "dark blue", "dark wood")[variant]),
+        0.15,
+        sill=False,
+    )
     if variant == 1:  # a porch over the whole front
         f.builder.box((1.5, width - 0.04, 0.14), (f.front + 0.76, 0, 2.75), shade(roof, 0.9))
         for py in np.linspace(-width / 2 + 0.15, width / 2 - 0.15, 4):
@@ -109,26 +130,41 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     leaves = leaf_picture("leaf", rng)
     for side in (-1, 1):
         leafy(f.builder, (f.front + 0.45, side * (width / 2 - 0.7), 0.35), (0.42, 0.6, 0.45), leaves, rng, 8, 5)
-    names = ("A cream house with green shutters and a red roof", "A blue wooden house with a porch", "A brick terraced house", "A red plastered gabled house")
-    return _done(f, names[variant], {"wall": kind, "roof": str(roof)})
+    names = (
+        "A cream house with green shutters and a red roof",
+        "A blue wooden house with a porch",
+        "A brick terraced house",
+        "A red plastered gabled house",
+    )
+    return finish_block(f, names[variant], {"wall": kind, "roof": str(roof)})
 
 
 @recipe("office building", 3, BUILDING, hulls=6)
 def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     wall, color, trim, width, floors = (
-        ("panel", "#8f99a3", "aluminium", 14.0, 5), ("panel", "#4d5560", "charcoal", 12.0, 5), ("plaster", "#d6d2c8", "off white", 13.0, 4),
-    )[variant]  # fmt: skip
+        ("panel", "#8f99a3", "aluminium", 14.0, 5),
+        ("panel", "#4d5560", "charcoal", 12.0, 5),
+        ("plaster", "#d6d2c8", "off white", 13.0, 4),
+    )[variant]
     storey, depth = 3.1, 8.0
     height = 4.2 + (floors - 1) * storey - 0.3
     f = Facade(MeshBuilder(roughness=0.5), width, depth, height, trim)
     glass = [pictures.window("office", trim, rng, (48, 40), lit=k == 2) for k in range(4)]
-    bays = _rows((7, 5, 6)[variant], width - 0.5)
+    bays = bays_over((7, 5, 6)[variant], width - 0.5)
     step = bays[1] - bays[0]
     for level in range(1, floors):
         for y in bays:
             share = (0.92, 0.80, 0.66)[variant]
             tall = (2.2, 2.0, 1.7)[variant]
-            f.opening(y, 4.2 + (level - 1) * storey, step * share, tall, glass[int(rng.integers(4))], (0.08, 0.30, 0.2)[variant], sill=variant == 2)
+            f.opening(
+                y,
+                4.2 + (level - 1) * storey,
+                step * share,
+                tall,
+                glass[int(rng.integers(4))],
+                (0.08, 0.30, 0.2)[variant],
+                sill=variant == 2,
+            )
         if variant != 2:
             f.course(4.2 + (level - 1) * storey - 0.5, 0.22, 0.06)
     if variant == 1:
@@ -151,154 +187,20 @@ def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for side in (-1, 1):
         potted_bush(f.builder, (f.front + 0.5, bays[len(bays) // 2] + side * 1.6, 0), 0.5, "charcoal", rng)
     names = ("A glass-fronted office building", "A dark office building with fins", "A rendered office building")
-    return _done(f, names[variant], {"wall": wall, "floors": floors, "name": name})
-
-
-@recipe("hotel", 3, BUILDING, hulls=8)
-def hotel(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    kind, color, name, back, ink, width = (
-        ("ashlar", "#d9ccb3", "GRAND HOTEL", "dark red", "gold", 13.0), ("brick", "#7e4335", "HOTEL PARK", "dark green", "cream", 11.0),
-        ("plaster", "#e5e2da", "CITY HOTEL", "signal blue", "white", 12.0),
-    )[variant]  # fmt: skip
-    floors, storey, depth = 4, 3.0, 8.0
-    height = 4.0 + (floors - 1) * storey + 0.4
-    f = Facade(MeshBuilder(roughness=0.85), width, depth, height, "off white")
-    panes = [pictures.window("sash", "white", rng, lit=k == 1) for k in range(3)]
-    bays = _rows(5, width - 0.8)
-    for level in range(floors - 1):
-        z = 4.0 + level * storey
-        for k, y in enumerate(bays):
-            f.opening(y, z + 0.55, 1.15, 1.8, panes[int(rng.integers(3))], lintel="off white" if variant != 2 else None)
-            if variant == 0 and level == 0 and k != 2:
-                f.balcony(y, z + 0.42, 1.7, 0.5)
-    lobby = pictures.shop_window("tables", shade(back, 0.8), rng, (96, 72))
-    for k in (0, 1, 3, 4):
-        f.opening(bays[k], 0.7, 1.75, 2.1, lobby, 0.18)
-    f.opening(0, 0.05, 2.0, 2.6, pictures.door(back, "double", (48, 60)), 0.5, sill=False)
-    # The canopy over the entrance on two posts.
-    reach = 1.5
-    f.builder.box((reach, 3.0, 0.3), (f.front + reach / 2, 0, 2.9), back, skins={"+x": pictures.sign(name, back, ink, (128, 14))})
-    for side in (-1, 1):
-        f.builder.cylinder(0.05, 2.9, (f.front + reach - 0.15, side * 1.35, 0), "brass", segments=8)
-        potted_bush(f.builder, (f.front + 0.5, side * 1.7, 0), 0.5, "black", rng, "dark leaf")
-    f.course(3.35, 0.2, 0.12)
-    tall = np.asarray(pictures.paint.shrunk(_vertical("HOTEL", back, ink), (24, 96)))
-    y = width / 2 - 0.7
-    f.builder.box((0.7, 0.14, 2.8), (f.front + 0.55, y, 5.2), back, skins={"+y": tall, "-y": tall})
-    f.walls(pictures.wall(kind, (width, height), color, rng), "granite", 0.6)
-    f.cornice(height - 0.36, 0.35)
-    if variant == 0:
-        f.mansard(2.2, "#46525c", _rows(4, width - 1), panes[0])
-    else:
-        f.flat_roof(0.6)
-        f.builder.box((0.2, 5.0, 0.9), (f.front - 0.3, 0, height + 0.6), back, skins={"+x": pictures.sign(name, back, ink, (160, 28))})
-    names = ("A grand hotel with a canopy and balconies", "A brick hotel with a green canopy", "A white city hotel with a roof sign")
-    return _done(f, names[variant], {"name": name, "wall": kind})
-
-
-def _vertical(words: str, back: Color, ink: Color) -> pictures.Image.Image:
-    image, pen = pictures.paint.canvas((96, 384), back)
-    for k, letter in enumerate(words):
-        pictures.paint.text(pen, letter, (16, 12 + 72 * k, 80, 72 + 72 * k), ink, 0.03)
-    return image
-
-
-@recipe("bank", 3, BUILDING, hulls=8)
-def bank(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    name, color, width = (("FIRST BANK", "#d8d2c2", 11.0), ("SAVINGS BANK", "#c9b595", 12.0), ("BANCO CENTRAL", "#b9bcbd", 10.0))[variant]
-    height, depth = (8.2, 7.4, 9.6)[variant], 7.5
-    f = Facade(MeshBuilder(roughness=0.7), width, depth, height, shade(color, 1.05))
-    bays = _rows(5, width - 1.2)
-    pane = pictures.window("grid", "#5d4a2a", rng, (32, 80))
-    for k, y in enumerate(bays):
-        if k == 2:
-            f.opening(y, 0.68, 1.5, 3.0, pictures.door("#4a3a22", "double", (40, 72)), 0.5, sill=False)
-        else:
-            f.opening(y, 1.4, 1.0, 3.0, pane, 0.3)
-        if variant == 2:
-            f.opening(y, 6.0, 1.0, 1.7, pane, 0.3)
-    steps = 4
-    for k in range(steps):
-        reach = 0.35 * (steps - k) + 0.55
-        f.builder.box((reach, width * 0.62 if variant != 2 else 3.0, 0.17), (f.front + reach / 2, 0, 0.17 * k), "granite")
-    top = 5.3
-    if variant != 2:
-        for k in range(6):
-            y = (k - 2.5) * (width * 0.62 - 0.5) / 5
-            if abs(y) < 0.3:
-                continue
-            f.builder.lathe([(0.36, 0), (0.36, 0.14), (0.29, 0.24), (0.25, top - 1.2), (0.34, top - 1.02), (0.36, top - 0.9)], (f.front + 0.42, y, 0.68), color, segments=12)
-        f.builder.box((0.95, width * 0.66, 0.75), (f.front + 0.47, 0, top - 0.24), color, skins={"+x": pictures.sign(name, color, "#3a3226", (192, 24))})
-        with f.builder.frame((f.front + 0.55, 0, top + 0.51), (0, 0, 90)):
-            f.builder.profile([(-width * 0.35, 0), (width * 0.35, 0), (0, 1.3)], 1.1, color=shade(color, 0.96))
-    else:
-        for y in (-width / 2 + 0.3, -width / 4, width / 4, width / 2 - 0.3):
-            f.pilaster(y, 0.5, height - 0.5, 0.5)
-        f.fascia(0, 4.85, width - 1.2, 0.6, pictures.sign(name, "#2d3a4a", "gold", (192, 14)), "#2d3a4a")
-    f.course(0.5, 0.15, 0.08)
-    f.walls(pictures.wall("ashlar", (width, height), color, rng), shade(color, 0.8), 0.5)
-    f.cornice(height - 0.4, 0.4)
-    f.flat_roof(0.7)
-    names = ("A bank with columns and a pediment", "A sandstone savings bank with columns", "A stone bank with pilasters")
-    return _done(f, names[variant], {"name": name})
-
-
-@recipe("school", 3, BUILDING, hulls=8)
-def school(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    kind, color, width, name = (("brick", "#9a5843", 14.0, "PRIMARY SCHOOL"), ("plaster", "#e1c77a", 14.0, "SCHOOL"), ("panel", "#cdd3d6", 13.0, "CITY SCHOOL"))[variant]
-    height, depth = 7.6, 7.5
-    f = Facade(MeshBuilder(roughness=0.88), width, depth, height, "white")
-    panes = [pictures.window("grid", ("white", "signal blue", "signal red")[variant], rng, (64, 48)) for _ in range(2)]
-    # Children's paintings in one of the windows.
-    pixels = np.asarray(panes[1]).copy()
-    for k in range(6):
-        pixels[26:38, 6 + 9 * k : 13 + 9 * k] = pictures.rgb(("red", "yellow", "blue", "green", "orange", "pink")[k])
-    bays = _rows(5, width - 0.8)
-    for level in range(2):
-        for k, y in enumerate(bays):
-            if level == 0 and k == 2:
-                continue
-            f.opening(y, 0.95 + 3.4 * level, 2.0, 1.7, pixels if (k + level) % 3 == 0 else panes[0], 0.12, lintel="white" if variant == 0 else None)
-    f.opening(0, 0.36, 2.0, 2.5, pictures.door(("dark green", "signal blue", "signal red")[variant], "double", (48, 60)), 0.5, sill=False)
-    _stoop(f, 0, 3.2, 2)
-    f.builder.box((1.6, 3.4, 0.18), (f.front + 0.8, 0, 3.05), "white")
-    for side in (-1, 1):
-        f.builder.cylinder(0.08, 3.05, (f.front + 1.4, side * 1.5, 0), "white", segments=8)
-    f.fascia(0, 3.25, 5.4, 0.62, pictures.sign(name, "white", "dark blue", (176, 20)), "white")
-    f.course(0.6, 0.1, 0.05)
-    f.walls(pictures.wall(kind, (width, height), color, rng), shade(color, 0.7), 0.6)
-    if variant == 0:
-        f.gable_roof(2.2, "#7b3f33", wall=color)
-        f.builder.box((1.2, 1.2, 1.6), (0, 0, height + 1.6), "white", skins={"+x": _clock()})
-        f.builder.box((1.5, 1.5, 1.3), (0, 0, height + 3.2), "#7b3f33", taper=(0.02, 0.02))
-    else:
-        f.flat_roof(0.5)
-        if variant == 1:
-            f.builder.panel(_clock(), (f.front + 0.03, 0, height - 0.9), 1.1, 1.1)
-    f.builder.cylinder(0.03, 5.0, (f.front + 0.9, width / 2 - 0.7, 0), "aluminium", segments=6)
-    f.builder.quad([(f.front + 0.93, width / 2 - 0.7 - k, z) for k, z in ((1.2, 4.2), (0, 4.2), (0, 4.95), (1.2, 4.95))], "signal blue", both_sides=True)
-    names = ("A brick primary school with a clock turret", "A yellow school with a clock", "A modern school with a red door")
-    return _done(f, names[variant], {"name": name, "wall": kind})
-
-
-def _clock() -> np.ndarray:
-    image, pen = pictures.paint.canvas((128, 128), "white")
-    pen.ellipse((6, 6, 122, 122), outline=pictures.rgb("black"), width=8)
-    for k in range(12):
-        a = np.pi * k / 6
-        pen.line((64 + 44 * np.cos(a), 64 + 44 * np.sin(a), 64 + 54 * np.cos(a), 64 + 54 * np.sin(a)), fill=pictures.rgb("black"), width=5)
-    pen.line((64, 64, 64, 22), fill=pictures.rgb("black"), width=6)
-    pen.line((64, 64, 92, 76), fill=pictures.rgb("black"), width=8)
-    return np.asarray(pictures.paint.shrunk(image, (32, 32)))
+    return finish_block(f, names[variant], {"wall": wall, "floors": floors, "name": name})
 
 
 @recipe("garage", 3, BUILDING, hulls=6)
 def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    kind, color, doors, width = (("plaster", "#cfc6b4", 1, 6.0), ("brick", "#94553f", 2, 7.2), ("panel", "#a9b0b3", 3, 9.6))[variant]
+    kind, color, doors, width = (
+        ("plaster", "#cfc6b4", 1, 6.0),
+        ("brick", "#94553f", 2, 7.2),
+        ("panel", "#a9b0b3", 3, 9.6),
+    )[variant]
     height, depth = (3.0, 3.1, 3.4)[variant], 6.0
     f = Facade(MeshBuilder(roughness=0.85), width, depth, height, "light grey")
     paint = ("white", "dark green", "signal blue")[variant]
-    for k, y in enumerate(_rows(doors, width - (0.6 if doors > 1 else 1.8))):
+    for k, y in enumerate(bays_over(doors, width - (0.6 if doors > 1 else 1.8))):
         image, pen = pictures.paint.canvas((192, 160), paint)
         for row in range(8):
             pen.rectangle((0, 20 * row, 192, 20 * row + 3), fill=shade(paint, 0.72))
@@ -306,7 +208,9 @@ def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for x in range(4):
                 pen.rectangle((12 + 46 * x, 26, 42 + 46 * x, 38), fill=pictures.rgb("dark glass"))
         pen.rectangle((86, 134, 106, 140), fill=pictures.rgb("black"))
-        f.opening(y - (0.7 if doors == 1 else 0), 0.02, 2.6, 2.3, pictures.paint.shrunk(image, (72, 60)), 0.2, sill=False)
+        f.opening(
+            y - (0.7 if doors == 1 else 0), 0.02, 2.6, 2.3, pictures.paint.shrunk(image, (72, 60)), 0.2, sill=False
+        )
         if doors > 1:
             number = pictures.sign(str(k + 1), "white", "black", (16, 16))
             f.builder.panel(number, (f.front + 0.02, y, 2.62), 0.3, 0.3)
@@ -320,6 +224,13 @@ def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
         f.course(height - 0.2, 0.2, 0.12, around=True)
         f.flat_roof(0.18)
     if variant == 2:
-        f.fascia(0, height - 0.1, 5.0, 0.6, pictures.sign("GARAGE & PARKING", "signal blue", "white", (176, 22)), "signal blue")
+        f.fascia(
+            0,
+            height - 0.1,
+            5.0,
+            0.6,
+            pictures.sign("GARAGE & PARKING", "signal blue", "white", (176, 22)),
+            "signal blue",
+        )
     names = ("A garage with one door and a gable", "A double brick garage", "A row of three garages")
-    return _done(f, names[variant], {"doors": doors})
+    return finish_block(f, names[variant], {"doors": doors})

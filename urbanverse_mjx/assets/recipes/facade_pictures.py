@@ -11,7 +11,9 @@ from ..palette import Color, mix, rgb, shade
 Pen = ImageDraw.ImageDraw
 
 
-def wall(kind: str, size_m: tuple[float, float], color: Color, rng: np.random.Generator, pixels: int = 224) -> Image.Image:
+def wall(
+    kind: str, size_m: tuple[float, float], color: Color, rng: np.random.Generator, pixels: int = 224
+) -> Image.Image:
     """A wall of size_m = (width, height) metres: "brick", "plaster", "ashlar", "panel" or "boards"."""
     width_m, height_m = size_m
     scale = min(pixels / max(width_m, 1e-3), 256 / max(height_m, 1e-3))
@@ -46,7 +48,9 @@ def wall(kind: str, size_m: tuple[float, float], color: Color, rng: np.random.Ge
     return Image.fromarray(np.clip(image, 0, 255).astype(np.uint8))
 
 
-def window(style: str, frame: Color, rng: np.random.Generator, size: tuple[int, int] = (36, 54), lit: bool = False) -> Image.Image:
+def window(
+    style: str, frame: Color, rng: np.random.Generator, size: tuple[int, int] = (36, 54), lit: bool = False
+) -> Image.Image:
     """A window: "casement", "sash", "grid", "single" or "office"; curtains, blinds and a reflection at random."""
     scale = 4
     w, h = size[0] * scale, size[1] * scale
@@ -65,7 +69,9 @@ def window(style: str, frame: Color, rng: np.random.Generator, size: tuple[int, 
     elif choice == 1:
         bottom = edge + (h - 2 * edge) * float(rng.uniform(0.25, 0.6))
         pen.rectangle((edge, edge, w - edge, bottom), fill=rgb("cream"))
-    pen.polygon([(w * 0.55, edge), (w * 0.75, edge), (w * 0.3, h - edge), (w * 0.1, h - edge)], fill=mix(glass, "white", 0.22))
+    pen.polygon(
+        [(w * 0.55, edge), (w * 0.75, edge), (w * 0.3, h - edge), (w * 0.1, h - edge)], fill=mix(glass, "white", 0.22)
+    )
     bar = max(4, int(0.05 * w))
     if style in ("casement", "grid", "sash"):
         if style != "sash":
@@ -94,13 +100,17 @@ def door(color: Color, style: str = "panel", size: tuple[int, int] = (32, 64)) -
         for k in range(wings):
             x0, x1 = w * (k / wings) + 0.10 * w / wings, w * ((k + 1) / wings) - 0.10 * w / wings
             pen.rectangle((x0, h * 0.06, x1, h * 0.90), fill=rgb("dark glass"))
-            pen.polygon([(x0, h * 0.5), (x1, h * 0.2), (x1, h * 0.4), (x0, h * 0.7)], fill=mix("dark glass", "white", 0.25))
+            pen.polygon(
+                [(x0, h * 0.5), (x1, h * 0.2), (x1, h * 0.4), (x0, h * 0.7)], fill=mix("dark glass", "white", 0.25)
+            )
     handle = w * 0.86 if style != "double" else w * 0.45
     pen.rectangle((handle - 4, h * 0.45, handle + 4, h * 0.58), fill=rgb("brass" if style == "panel" else "aluminium"))
     return paint.shrunk(image, size)
 
 
-def sign(words: str, back: Color, ink: Color, size: tuple[int, int] = (224, 32), border: Color | None = None) -> Image.Image:
+def sign(
+    words: str, back: Color, ink: Color, size: tuple[int, int] = (224, 32), border: Color | None = None
+) -> Image.Image:
     """A shop's fascia with its name."""
     big = paint.smooth(size, 3)
     image, pen = paint.canvas(big, back)
@@ -118,7 +128,9 @@ def awning(first: Color, second: Color | None, size: tuple[int, int] = (96, 24),
 # Shop windows: what stands behind the glass ---------------------------------------------------------------------------
 
 
-def _shelves(pen: Pen, w: int, h: int, rng: np.random.Generator, rows: int, draw: Callable[[float, float, float], float]) -> None:
+def _shelves(
+    pen: Pen, w: int, h: int, rng: np.random.Generator, rows: int, draw: Callable[[float, float, float], float]
+) -> None:
     """Rows of shelves; `draw(x, y, height)` puts one thing on a shelf and returns its width."""
     for k in range(rows):
         y = h * (0.30 + 0.62 * (k + 1) / rows)
@@ -142,7 +154,9 @@ def _boxes(pen: Pen, w: int, h: int, rng: np.random.Generator, rows: int = 3, ta
 def _breads(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
     def one(x: float, y: float, height: float) -> float:
         width = height * float(rng.uniform(1.0, 2.2))
-        pen.ellipse((x, y - height * 0.8, x + width, y + height * 0.1), fill=mix("#c98a3c", "#7a4a1e", float(rng.random())))
+        pen.ellipse(
+            (x, y - height * 0.8, x + width, y + height * 0.1), fill=mix("#c98a3c", "#7a4a1e", float(rng.random()))
+        )
         pen.line((x + width * 0.3, y - height * 0.6, x + width * 0.5, y - height * 0.2), fill=rgb("cream"), width=4)
         return width
 
@@ -152,7 +166,10 @@ def _breads(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
 def _books(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
     def one(x: float, y: float, height: float) -> float:
         width = w * float(rng.uniform(0.008, 0.02))
-        pen.rectangle((x, y - height, x + width, y), fill=mix(("red", "blue", "green", "cream", "brown")[int(rng.integers(5))], "black", 0.2))
+        pen.rectangle(
+            (x, y - height, x + width, y),
+            fill=mix(("red", "blue", "green", "cream", "brown")[int(rng.integers(5))], "black", 0.2),
+        )
         return width
 
     _shelves(pen, w, h, rng, 4, one)
@@ -163,8 +180,17 @@ def _clothes(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
         x, color = w * (0.14 + 0.24 * k), ("red", "teal", "charcoal", "pink", "cream", "blue")[int(rng.integers(6))]
         s = h * 0.085
         pen.ellipse((x - s * 0.6, h * 0.24, x + s * 0.6, h * 0.24 + s * 1.4), fill=rgb("skin light"))
-        pen.polygon([(x - s * 1.4, h * 0.38), (x + s * 1.4, h * 0.38), (x + s * 0.9, h * 0.60), (x + s * 1.6, h * 0.78),
-                     (x - s * 1.6, h * 0.78), (x - s * 0.9, h * 0.60)], fill=rgb(color))  # fmt: skip
+        pen.polygon(
+            [
+                (x - s * 1.4, h * 0.38),
+                (x + s * 1.4, h * 0.38),
+                (x + s * 0.9, h * 0.60),
+                (x + s * 1.6, h * 0.78),
+                (x - s * 1.6, h * 0.78),
+                (x - s * 0.9, h * 0.60),
+            ],
+            fill=rgb(color),
+        )
         for dx in (-0.6, 0.6):
             pen.rectangle((x + dx * s - 5, h * 0.78, x + dx * s + 5, h * 0.95), fill=rgb("skin light"))
 
@@ -173,7 +199,10 @@ def _flowers(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
     for k in range(9):
         x = w * (0.06 + 0.11 * k)
         top = h * float(rng.uniform(0.35, 0.6))
-        pen.polygon([(x - w * 0.03, h * 0.95), (x + w * 0.03, h * 0.95), (x + w * 0.04, h * 0.78), (x - w * 0.04, h * 0.78)], fill=rgb("galvanised"))
+        pen.polygon(
+            [(x - w * 0.03, h * 0.95), (x + w * 0.03, h * 0.95), (x + w * 0.04, h * 0.78), (x - w * 0.04, h * 0.78)],
+            fill=rgb("galvanised"),
+        )
         color = ("red", "pink", "yellow", "white", "purple", "orange")[int(rng.integers(6))]
         for _ in range(16):
             px, py = x + rng.normal(0, w * 0.025), top + abs(rng.normal(0, h * 0.11))
@@ -189,8 +218,14 @@ def _tables(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
         pen.ellipse((x - w * 0.07, h * 0.66, x + w * 0.07, h * 0.71), fill=rgb("light wood"))
         pen.rectangle((x - 5, h * 0.7, x + 5, h * 0.95), fill=rgb("black"))
         for dx in (-0.085, 0.085):
-            pen.ellipse((x + w * dx - 22, h * 0.44, x + w * dx + 22, h * 0.54), fill=rgb(("skin light", "skin dark")[int(rng.integers(2))]))
-            pen.rectangle((x + w * dx - 34, h * 0.54, x + w * dx + 34, h * 0.85), fill=rgb(("red", "blue", "teal", "charcoal")[int(rng.integers(4))]))
+            pen.ellipse(
+                (x + w * dx - 22, h * 0.44, x + w * dx + 22, h * 0.54),
+                fill=rgb(("skin light", "skin dark")[int(rng.integers(2))]),
+            )
+            pen.rectangle(
+                (x + w * dx - 34, h * 0.54, x + w * dx + 34, h * 0.85),
+                fill=rgb(("red", "blue", "teal", "charcoal")[int(rng.integers(4))]),
+            )
 
 
 def _bottles(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
@@ -215,19 +250,36 @@ def _salon(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
 def _posters(pen: Pen, w: int, h: int, rng: np.random.Generator) -> None:
     for k in range(4):
         x0, x1 = w * (0.05 + 0.24 * k), w * (0.24 + 0.24 * k)
-        back, ink = (("signal yellow", "red"), ("red", "white"), ("white", "blue"), ("green", "white"))[int(rng.integers(4))]
+        back, ink = (("signal yellow", "red"), ("red", "white"), ("white", "blue"), ("green", "white"))[
+            int(rng.integers(4))
+        ]
         pen.rectangle((x0, h * 0.2, x1, h * 0.9), fill=rgb(back))
-        paint.text(pen, f"{int(rng.integers(1, 9))}.{int(rng.integers(10, 99))}", (x0 + 12, h * 0.35, x1 - 12, h * 0.6), ink, 0.03)
+        paint.text(
+            pen,
+            f"{int(rng.integers(1, 9))}.{int(rng.integers(10, 99))}",
+            (x0 + 12, h * 0.35, x1 - 12, h * 0.6),
+            ink,
+            0.03,
+        )
         pen.rectangle((x0 + 20, h * 0.68, x1 - 20, h * 0.74), fill=rgb(ink))
 
 
 _GOODS: dict[str, Callable[[Pen, int, int, np.random.Generator], None]] = {
-    "boxes": _boxes, "breads": _breads, "books": _books, "clothes": _clothes, "flowers": _flowers, "tables": _tables,
-    "bottles": _bottles, "salon": _salon, "posters": _posters,
-}  # fmt: skip
+    "boxes": _boxes,
+    "breads": _breads,
+    "books": _books,
+    "clothes": _clothes,
+    "flowers": _flowers,
+    "tables": _tables,
+    "bottles": _bottles,
+    "salon": _salon,
+    "posters": _posters,
+}
 
 
-def shop_window(goods: str, frame: Color, rng: np.random.Generator, size: tuple[int, int] = (144, 88), warm: bool = True) -> Image.Image:
+def shop_window(
+    goods: str, frame: Color, rng: np.random.Generator, size: tuple[int, int] = (144, 88), warm: bool = True
+) -> Image.Image:
     """A lit shop window with what the shop sells, framed."""
     scale = 3
     w, h = size[0] * scale, size[1] * scale

@@ -67,11 +67,14 @@ class Look:
 class Figure:
     """A figure under construction in a builder; joints are computed first, so that things can be put into its hands."""
 
-    def __init__(self, builder: MeshBuilder, look: Look, pose: Pose, hip: tuple[float, float, float] | None = None) -> None:
+    def __init__(
+        self, builder: MeshBuilder, look: Look, pose: Pose, hip: tuple[float, float, float] | None = None
+    ) -> None:
         self.builder, self.look, self.pose = builder, look, pose
         h = look.height
         drop = [
-            THIGH * np.cos(np.radians(a)) + SHANK * np.cos(np.radians(a - k)) for a, k in zip(pose.thigh, pose.knee, strict=True)
+            THIGH * np.cos(np.radians(a)) + SHANK * np.cos(np.radians(a - k))
+            for a, k in zip(pose.thigh, pose.knee, strict=True)
         ]
         self.hip = np.array(hip if hip is not None else (0.0, 0.0, (max(drop) + ANKLE_HEIGHT) * h))
         self.knees, self.ankles, self.elbows, self.wrists, self.hands, self.shoulders = [], [], [], [], [], []
@@ -103,9 +106,11 @@ class Figure:
         self._arms()
         self._head()
 
-    # Parts --------------------------------------------------------------------------------------------------------------
+    # Parts ----------------------------------------------------------------------------------------------------
 
-    def ring(self, share: float, half_width: float, half_depth: float, forward: float = 0.0, points: int = 12) -> np.ndarray:
+    def ring(
+        self, share: float, half_width: float, half_depth: float, forward: float = 0.0, points: int = 12
+    ) -> np.ndarray:
         """A cross section of the trunk (superellipse), sizes as shares of the stature."""
         h, g = self.look.height, self.look.girth
         a = np.arange(points) * 2 * np.pi / points
@@ -126,10 +131,16 @@ class Figure:
         look = self.look
         thick = {"shirt": 1.0, "dress": 1.0, "jacket": 1.10, "coat": 1.15}[look.top]
         rows = [
-            (0.015, 0.094, 0.066, 0.0), (0.055, 0.088, 0.062, 0.002), (0.105, 0.079, 0.056, 0.004), (0.16, 0.086, 0.061, 0.004),
-            (0.215, 0.097, 0.066, 0.003), (0.250, 0.108, 0.064, -0.001), (0.280, 0.096, 0.054, -0.005), (0.300, 0.066, 0.044, -0.006),
+            (0.015, 0.094, 0.066, 0.0),
+            (0.055, 0.088, 0.062, 0.002),
+            (0.105, 0.079, 0.056, 0.004),
+            (0.16, 0.086, 0.061, 0.004),
+            (0.215, 0.097, 0.066, 0.003),
+            (0.250, 0.108, 0.064, -0.001),
+            (0.280, 0.096, 0.054, -0.005),
+            (0.300, 0.066, 0.044, -0.006),
             (0.316, 0.036, 0.034, -0.004),
-        ]  # fmt: skip
+        ]
         if look.top in ("jacket", "coat"):
             rows[2] = (0.105, 0.090, 0.064, 0.004)  # cloth hangs straight over the waist
         sections = [self.ring(z, w * thick, d * thick, f) for z, w, d, f in rows]
@@ -146,11 +157,20 @@ class Figure:
         neck = [self.trunk(0.295), self.trunk(CHIN_ABOVE_HIP + 0.012) + [0.006 * look.height, 0, 0]]
         self.builder.tube(neck, [0.031 * look.height * look.girth**0.5] * 2, look.skin, sides=10)
         if look.top in ("jacket", "coat"):  # the collar, and the shirt that shows in its opening
-            self.builder.loft([self.ring(0.290, 0.052, 0.050), self.ring(0.322, 0.040, 0.042)], shade(look.top_color, 0.85))
+            self.builder.loft(
+                [self.ring(0.290, 0.052, 0.050), self.ring(0.322, 0.040, 0.042)], shade(look.top_color, 0.85)
+            )
             h = look.height
             front = [self.trunk(z) + [d * h * look.girth, 0, 0] for z, d in ((0.300, 0.050), (0.20, 0.084))]
             self.builder.quad(
-                [front[1] - [0, 0.004, 0], front[1] + [0, 0.004, 0], front[0] + [0, 0.026, 0], front[0] - [0, 0.026, 0]], "white", both_sides=True
+                [
+                    front[1] - [0, 0.004, 0],
+                    front[1] + [0, 0.004, 0],
+                    front[0] + [0, 0.026, 0],
+                    front[0] - [0, 0.026, 0],
+                ],
+                "white",
+                both_sides=True,
             )
 
     def _legs(self) -> None:
@@ -168,18 +188,34 @@ class Figure:
             if bare:
                 self.builder.tube(path, list(radii), look.skin, sides=8)
             else:
-                self.builder.tube(path, list(radii * np.array([1.04, 1.08, 1.16, 1.18, 1.5])), look.bottom_color, sides=8)
+                self.builder.tube(
+                    path, list(radii * np.array([1.04, 1.08, 1.16, 1.18, 1.5])), look.bottom_color, sides=8
+                )
             if look.bottom == "shorts":
                 end = top + (knee - top) * 0.78
-                self.builder.tube([top, (top + end) / 2, end], list(radii[:3] * np.array([1.1, 1.18, 1.5])), look.bottom_color, sides=8)
+                self.builder.tube(
+                    [top, (top + end) / 2, end],
+                    list(radii[:3] * np.array([1.1, 1.18, 1.5])),
+                    look.bottom_color,
+                    sides=8,
+                )
             self._shoe(ankle, self.pose.thigh[k] - self.pose.knee[k])
         if look.top == "dress":
             return
         # The seat joins the legs.
-        seat = [self.ring(-0.055, 0.060, 0.050), self.ring(-0.025, 0.090, 0.066), self.ring(0.02, 0.093, 0.066), self.ring(0.045, 0.088, 0.061)]
+        seat = [
+            self.ring(-0.055, 0.060, 0.050),
+            self.ring(-0.025, 0.090, 0.066),
+            self.ring(0.02, 0.093, 0.066),
+            self.ring(0.045, 0.088, 0.061),
+        ]
         self.builder.loft(seat, look.bottom_color, crease_deg=60)
         if look.bottom == "skirt":
-            self.builder.loft([self.hem(-0.23, 0.122), self.hem(-0.14, 0.114), self.hem(-0.05, 0.104), self.ring(0.06, 0.088, 0.062)], look.bottom_color, crease_deg=60)
+            self.builder.loft(
+                [self.hem(-0.23, 0.122), self.hem(-0.14, 0.114), self.hem(-0.05, 0.104), self.ring(0.06, 0.088, 0.062)],
+                look.bottom_color,
+                crease_deg=60,
+            )
 
     def _shoe(self, ankle: np.ndarray, shin: float) -> None:
         """A shoe whose sole follows the shin half way (a lifted heel when the leg is behind)."""
@@ -188,7 +224,15 @@ class Figure:
         with self.builder.frame(tuple(ankle), (0, float(np.degrees(pitch)), 0)):
             length, width = 0.150 * h, 0.029 * h
             low = -ANKLE_HEIGHT * h
-            profile = [(-0.27, 0.030, 0.030), (-0.24, 0.050, 0.85), (0.0, 0.056, 0.95), (0.25, 0.042, 1.0), (0.55, 0.034, 1.05), (0.68, 0.028, 0.85), (0.73, 0.014, 0.4)]
+            profile = [
+                (-0.27, 0.030, 0.030),
+                (-0.24, 0.050, 0.85),
+                (0.0, 0.056, 0.95),
+                (0.25, 0.042, 1.0),
+                (0.55, 0.034, 1.05),
+                (0.68, 0.028, 0.85),
+                (0.73, 0.014, 0.4),
+            ]
             sections = []
             for x, top, wide in profile:
                 a = np.arange(8) * 2 * np.pi / 8 + np.pi / 8
@@ -208,10 +252,26 @@ class Figure:
                 self.builder.tube(path, list(radii * cloth), look.top_color, sides=8)
             else:
                 self.builder.tube(path[1:], list(radii[1:]), look.skin, sides=8)
-                self.builder.tube(path[:2] + [path[1] + (elbow - shoulder) * 0.12], list(radii[[0, 1, 1]] * cloth * 1.08), look.top_color, sides=8)
-            self.builder.ball((0.027 * h * cloth, 0.029 * h * cloth, 0.026 * h * cloth), tuple(shoulder - [0, 0, 0.004 * h]), look.top_color, segments=8, rings=6)
+                self.builder.tube(
+                    path[:2] + [path[1] + (elbow - shoulder) * 0.12],
+                    list(radii[[0, 1, 1]] * cloth * 1.08),
+                    look.top_color,
+                    sides=8,
+                )
+            self.builder.ball(
+                (0.027 * h * cloth, 0.029 * h * cloth, 0.026 * h * cloth),
+                tuple(shoulder - [0, 0, 0.004 * h]),
+                look.top_color,
+                segments=8,
+                rings=6,
+            )
             lower = (wrist - elbow) / np.linalg.norm(wrist - elbow)
-            path = [wrist - lower * 0.01, wrist + lower * 0.035 * h, wrist + lower * 0.075 * h, wrist + lower * 0.10 * h]
+            path = [
+                wrist - lower * 0.01,
+                wrist + lower * 0.035 * h,
+                wrist + lower * 0.075 * h,
+                wrist + lower * 0.10 * h,
+            ]
             self.builder.tube(path, [0.0155 * h, 0.024 * h, 0.021 * h, 0.009 * h], look.skin, sides=7)
 
     @functools.cached_property
@@ -235,12 +295,50 @@ class Figure:
             points[:, 0] = np.where(points[:, 0] < 0, points[:, 0] * (1 - 0.25 * low), points[:, 0])
             self.builder.add(Shape(points, skull.faces), look.skin, crease_deg=60)
             for side in (-1, 1):
-                self.builder.ball((rx * 0.08, ry * 0.17, rz * 0.065), (rx * 0.87, side * ry * 0.40, rz * 0.08), "white", segments=5, rings=3)
-                self.builder.ball((rx * 0.06, ry * 0.08, rz * 0.06), (rx * 0.93, side * ry * 0.40, rz * 0.08), "#2a1d14", segments=5, rings=3)
-                self.builder.ball((rx * 0.05, ry * 0.24, rz * 0.03), (rx * 0.87, side * ry * 0.40, rz * 0.24), look.hair_color, segments=5, rings=3)
-                self.builder.ball((rx * 0.16, ry * 0.10, rz * 0.17), (-rx * 0.05, side * ry * 0.98, 0.0), look.skin, segments=5, rings=3)
-            self.builder.convex([(rx * 0.92, 0, rz * 0.12), (rx * 1.16, 0, -rz * 0.16), (rx * 0.9, ry * 0.17, -rz * 0.22), (rx * 0.9, -ry * 0.17, -rz * 0.22)], shade(look.skin, 0.96))
-            self.builder.ball((rx * 0.06, ry * 0.30, rz * 0.035), (rx * 0.82, 0, -rz * 0.46), mix(look.skin, "dark red", 0.45), segments=8, rings=4)
+                self.builder.ball(
+                    (rx * 0.08, ry * 0.17, rz * 0.065),
+                    (rx * 0.87, side * ry * 0.40, rz * 0.08),
+                    "white",
+                    segments=5,
+                    rings=3,
+                )
+                self.builder.ball(
+                    (rx * 0.06, ry * 0.08, rz * 0.06),
+                    (rx * 0.93, side * ry * 0.40, rz * 0.08),
+                    "#2a1d14",
+                    segments=5,
+                    rings=3,
+                )
+                self.builder.ball(
+                    (rx * 0.05, ry * 0.24, rz * 0.03),
+                    (rx * 0.87, side * ry * 0.40, rz * 0.24),
+                    look.hair_color,
+                    segments=5,
+                    rings=3,
+                )
+                self.builder.ball(
+                    (rx * 0.16, ry * 0.10, rz * 0.17),
+                    (-rx * 0.05, side * ry * 0.98, 0.0),
+                    look.skin,
+                    segments=5,
+                    rings=3,
+                )
+            self.builder.convex(
+                [
+                    (rx * 0.92, 0, rz * 0.12),
+                    (rx * 1.16, 0, -rz * 0.16),
+                    (rx * 0.9, ry * 0.17, -rz * 0.22),
+                    (rx * 0.9, -ry * 0.17, -rz * 0.22),
+                ],
+                shade(look.skin, 0.96),
+            )
+            self.builder.ball(
+                (rx * 0.06, ry * 0.30, rz * 0.035),
+                (rx * 0.82, 0, -rz * 0.46),
+                mix(look.skin, "dark red", 0.45),
+                segments=8,
+                rings=4,
+            )
             self._hair()
 
     def _hair(self) -> None:
@@ -255,14 +353,23 @@ class Figure:
         used, faces = np.unique(cap.faces[keep], return_inverse=True)
         points = cap.vertices[used] + [-0.05 * rx, 0, 0.03 * rz]
         if look.hair == "curly":
-            points = points * (1 + 0.06 * np.sin(37 * points[:, :1] / rx + 23 * points[:, 1:2] / ry + 31 * points[:, 2:] / rz))
+            points = points * (
+                1 + 0.06 * np.sin(37 * points[:, :1] / rx + 23 * points[:, 1:2] / ry + 31 * points[:, 2:] / rz)
+            )
         both = Shape(points, faces.reshape(-1, 3))
         self.builder.add(both, look.hair_color, crease_deg=60)
         self.builder.add(both.flipped(), shade(look.hair_color, 0.8), crease_deg=60)
         if look.hair == "long":
             self.builder.loft(
-                [_oval(-0.62 * rx, -1.75 * rz, 0.30 * rx, 0.85 * ry), _oval(-0.60 * rx, -0.9 * rz, 0.42 * rx, 0.98 * ry),
-                 _oval(-0.50 * rx, 0.1 * rz, 0.55 * rx, 1.04 * ry), _oval(-0.35 * rx, 0.6 * rz, 0.4 * rx, 0.8 * ry)], look.hair_color, crease_deg=60)  # fmt: skip
+                [
+                    _oval(-0.62 * rx, -1.75 * rz, 0.30 * rx, 0.85 * ry),
+                    _oval(-0.60 * rx, -0.9 * rz, 0.42 * rx, 0.98 * ry),
+                    _oval(-0.50 * rx, 0.1 * rz, 0.55 * rx, 1.04 * ry),
+                    _oval(-0.35 * rx, 0.6 * rz, 0.4 * rx, 0.8 * ry),
+                ],
+                look.hair_color,
+                crease_deg=60,
+            )
         if look.hair == "bun":
             self.builder.ball(0.42 * rx, (-1.15 * rx, 0, 0.45 * rz), look.hair_color, segments=9, rings=6)
 

@@ -13,22 +13,28 @@ from ..shapes import Shape
 PICTURE = 64
 
 
-def leaf_picture(color: Color, rng: np.random.Generator, flowers: Color | None = None, grain: float = 1.0) -> np.ndarray:
+def leaf_picture(
+    color: Color, rng: np.random.Generator, flowers: Color | None = None, grain: float = 1.0
+) -> np.ndarray:
     """(64, 64, 3): leaves, in shade at the bottom of the picture and in the sun at its top."""
     image = Image.new("RGB", (PICTURE * 4, PICTURE * 4), mix(color, "black", 0.5))
-
 
     pen = ImageDraw.Draw(image)
     side = PICTURE * 4
     for _ in range(1500):
         x, y = rng.random(2) * side
         light = 1 - y / side
-        tone = mix(mix(color, "black", 0.36), mix(color, "#f4f6b8", 0.36), float(np.clip(light + rng.normal(0, 0.22), 0, 1)))
+        tone = mix(
+            mix(color, "black", 0.36), mix(color, "#f4f6b8", 0.36), float(np.clip(light + rng.normal(0, 0.22), 0, 1))
+        )
         if flowers is not None and rng.random() < 0.22:
             tone = mix(flowers, "black", 0.35 * (1 - light))
         r, a = grain * float(rng.uniform(5, 10)), float(rng.random() * np.pi)
         dx, dy = r * np.cos(a), r * np.sin(a)
-        pen.polygon([(x - dx, y - dy), (x + dy * 0.45, y - dx * 0.45), (x + dx, y + dy), (x - dy * 0.45, y + dx * 0.45)], fill=rgb(tone))
+        pen.polygon(
+            [(x - dx, y - dy), (x + dy * 0.45, y - dx * 0.45), (x + dx, y + dy), (x - dy * 0.45, y + dx * 0.45)],
+            fill=rgb(tone),
+        )
     return np.asarray(image.resize((PICTURE, PICTURE), Image.Resampling.LANCZOS))
 
 
@@ -43,8 +49,15 @@ def lump(
 
 
 def leafy(
-    builder: MeshBuilder, at: Sequence[float], radii: tuple[float, float, float], picture: np.ndarray, rng: np.random.Generator,
-    segments: int = 8, rings: int = 5, rough: float = 0.15, light: float = 0.5,
+    builder: MeshBuilder,
+    at: Sequence[float],
+    radii: tuple[float, float, float],
+    picture: np.ndarray,
+    rng: np.random.Generator,
+    segments: int = 8,
+    rings: int = 5,
+    rough: float = 0.15,
+    light: float = 0.5,
 ) -> None:
     """A lump of leaves centred on `at`; `light` in [0, 1] is how sunny the place is within its plant."""
     shape = lump(radii, rng, segments, rings, rough)
@@ -60,11 +73,21 @@ def leafy(
 
 
 def potted_bush(
-    builder: MeshBuilder, at: tuple[float, float, float], size: float, pot: Color, rng: np.random.Generator, color: Color = "leaf"
+    builder: MeshBuilder,
+    at: tuple[float, float, float],
+    size: float,
+    pot: Color,
+    rng: np.random.Generator,
+    color: Color = "leaf",
 ) -> None:
     """A pot `size` wide with a bush in it."""
     r = size / 2
-    builder.lathe([(r * 0.68, 0), (r * 0.95, size * 0.75), (r, size * 0.75), (r, size * 0.85), (r * 0.8, size * 0.85)], at, pot, segments=12)
+    builder.lathe(
+        [(r * 0.68, 0), (r * 0.95, size * 0.75), (r, size * 0.75), (r, size * 0.85), (r * 0.8, size * 0.85)],
+        at,
+        pot,
+        segments=12,
+    )
     picture = _small(leaf_picture(color, rng))
     leafy(builder, (at[0], at[1], at[2] + size * 1.35), (r * 1.2, r * 1.2, size * 0.62), picture, rng, 8, 5)
 

@@ -1,114 +1,14 @@
 """Shops, cafes and the like: a narrow town building with a shop front below and flats above."""
 
-import dataclasses
-
 import numpy as np
 
 from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import Physics, recipe
+from ..palette import shade
+from ..recipe import recipe
 from . import facade_pictures as pictures
-from .facade import Facade, finish
+from .facade import BUILDING, BUILDING_DENSITY, Facade, finish
 from .foliage import potted_bush
-
-#: kg per m^3 of a town building's outer volume (masonry walls and floors: 200-350).
-BUILDING_DENSITY = 250.0
-BUILDING = Physics(
-    ("brick", "concrete", "glass"), BUILDING_DENSITY, (10_000.0, 10_000_000.0), 0.8, False,
-    "masonry with floors weighs 0.2-0.35 t per m^3 enclosed and stands on foundations; rough walls rub at about 0.8",
-)  # fmt: skip
-
-
-@dataclasses.dataclass(frozen=True)
-class Shop:
-    """One variant of a shop.
-
-    Attributes:
-      name: on the sign; back, ink: the sign's colours.
-      wall: kind and colour of the upper floors' wall; trim: of sills and cornices; base: of the shop front.
-      floors: above the shop; width: m; goods: in the window; window: style.
-      awning: its one or two colours, or none; roof: "flat", "mansard", "gable"; blade: words of a projecting sign.
-    """
-
-    name: str
-    back: Color
-    ink: Color
-    wall: tuple[str, Color]
-    base: Color
-    goods: str
-    floors: int = 2
-    width: float = 8.0
-    trim: Color = "off white"
-    window: str = "casement"
-    awning: tuple[Color, Color | None] | None = None
-    roof: str = "flat"
-    blade: str | None = None
-    outside: str | None = None
-
-
-_SHOPS: dict[str, tuple[Shop, Shop, Shop]] = {
-    "cafe": (
-        Shop("CAFE LUNA", "dark green", "cream", ("plaster", "#d9c7a3"), "dark green", "tables", 2, 7.5,
-             awning=("dark green", "cream"), outside="tables"),
-        Shop("Coffee Corner", "#5a3a26", "white", ("brick", "brick"), "#5a3a26", "tables", 3, 8.5, window="sash",
-             awning=("#8a2b2b", None), outside="plants"),
-        Shop("KAFFEE", "white", "black", ("plaster", "#9fb6bd"), "white", "tables", 1, 6.5, blade="KAFFEE", outside="tables"),
-    ),
-    "restaurant": (
-        Shop("TRATTORIA ROMA", "dark red", "gold", ("plaster", "#c98f5e"), "dark red", "tables", 2, 9.5,
-             awning=("red", "white"), outside="tables"),
-        Shop("Golden Dragon", "red", "signal yellow", ("brick", "#8d5a48"), "black", "tables", 3, 9.0, window="sash", blade="FOOD"),
-        Shop("BISTRO 24", "dark blue", "white", ("ashlar", "sandstone"), "dark blue", "tables", 2, 10.0,
-             awning=("dark blue", None), roof="mansard", outside="plants"),
-    ),
-    "bakery": (
-        Shop("BAKERY", "#7a4a26", "cream", ("plaster", "#e3cfa0"), "#7a4a26", "breads", 2, 7.0, awning=("orange", "cream")),
-        Shop("Boulangerie", "light blue", "white", ("ashlar", "#d8cfbd"), "light blue", "breads", 3, 7.5, roof="mansard"),
-        Shop("DAILY BREAD", "cream", "#7a4a26", ("brick", "#a5634a"), "cream", "breads", 1, 8.0, awning=("#7a4a26", None), roof="gable"),
-    ),
-    "convenience store": (
-        Shop("MINI MARKET", "green", "white", ("plaster", "#cfcfc8"), "green", "boxes", 2, 9.0, window="single", awning=("green", "white")),
-        Shop("24/7 SHOP", "signal red", "white", ("panel", "#b7bcc0"), "signal red", "boxes", 1, 9.5, window="single"),
-        Shop("CORNER STORE", "signal yellow", "black", ("brick", "#7f4a3a"), "charcoal", "boxes", 3, 8.0, window="sash",
-             awning=("signal yellow", "black"), outside="crates"),
-    ),
-    "pharmacy": (
-        Shop("PHARMACY", "white", "green", ("plaster", "#dfe3dc"), "white", "boxes", 2, 8.0, blade="cross"),
-        Shop("APOTHEKE", "dark red", "white", ("ashlar", "#cdbfa8"), "dark red", "boxes", 3, 8.5, blade="cross", roof="mansard"),
-        Shop("CITY DRUGS", "green", "white", ("panel", "#c9d3d6"), "aluminium", "boxes", 1, 9.0, window="single", blade="cross"),
-    ),
-    "bookstore": (
-        Shop("BOOKS", "dark blue", "gold", ("brick", "#94503c"), "dark blue", "books", 2, 7.5, window="sash", blade="BOOKS"),
-        Shop("The Book Nook", "dark green", "gold", ("plaster", "#d6c9b0"), "dark green", "books", 3, 7.0, roof="mansard", outside="crates"),
-        Shop("LIBRERIA", "#a8322a", "white", ("plaster", "#c9a26e"), "#5b2b22", "books", 2, 8.0, awning=("#a8322a", None)),
-    ),
-    "clothing store": (
-        Shop("MODA", "black", "white", ("ashlar", "#d9d6cf"), "black", "clothes", 3, 9.0, window="single"),
-        Shop("Denim & Co", "#2d4a6b", "white", ("brick", "#9c5b45"), "#2d4a6b", "clothes", 2, 9.5, window="grid"),
-        Shop("BELLE", "pink", "white", ("plaster", "#efe3df"), "white", "clothes", 2, 7.5, awning=("pink", "white"), roof="mansard"),
-    ),
-    "supermarket": (
-        Shop("SUPERMARKET", "signal red", "white", ("panel", "#c4c7c9"), "#d8dadb", "posters", 0, 14.0, window="single"),
-        Shop("FRESH MARKET", "green", "signal yellow", ("brick", "#a8654e"), "charcoal", "posters", 0, 13.0, roof="gable", outside="crates"),
-        Shop("DISCOUNT", "signal blue", "signal yellow", ("panel", "#e3e3de"), "signal blue", "posters", 1, 12.0, window="office"),
-    ),
-    "flower shop": (
-        Shop("FLOWERS", "purple", "white", ("plaster", "#e0d5c4"), "#4f3a63", "flowers", 2, 6.5, awning=("pink", "white"), outside="plants"),
-        Shop("Fleur", "#5f8f5a", "white", ("brick", "#93543f"), "#5f8f5a", "flowers", 1, 7.0, roof="gable", outside="plants"),
-        Shop("BLUMEN", "white", "#c03a6b", ("plaster", "#b9c9b5"), "white", "flowers", 3, 7.0, awning=("#5f8f5a", None), outside="plants"),
-    ),
-    "bar": (
-        Shop("BAR", "black", "amber", ("brick", "#6e3d32"), "black", "bottles", 2, 7.0, window="sash", blade="BAR", trim="dark grey"),
-        Shop("The Old Oak", "dark wood", "gold", ("plaster", "#e2dccb"), "dark wood", "bottles", 2, 9.0, window="grid", roof="gable", blade="PUB",
-             trim="dark wood", outside="plants"),
-        Shop("NEON", "#221a38", "pink", ("panel", "#4b4d57"), "#221a38", "bottles", 1, 8.0, window="single", trim="charcoal", blade="BAR"),
-    ),
-    "hair salon": (
-        Shop("HAIR STUDIO", "charcoal", "pink", ("plaster", "#d5d0ca"), "charcoal", "salon", 2, 7.0),
-        Shop("BARBER", "white", "signal red", ("brick", "#99563f"), "dark blue", "salon", 2, 6.5, window="sash", blade="pole"),
-        Shop("Coiffeur", "gold", "black", ("ashlar", "#dccdb2"), "black", "salon", 3, 7.0, roof="mansard", awning=("black", None)),
-    ),
-}  # fmt: skip
+from .shop_styles import SHOPS, Shop
 
 
 def _blade(words: str, shop: Shop) -> np.ndarray:
@@ -119,7 +19,9 @@ def _blade(words: str, shop: Shop) -> np.ndarray:
     elif words == "pole":
         for k in range(-2, 6):
             color = ("signal red", "signal blue")[k % 2]
-            pen.polygon([(0, 32 * k), (128, 32 * k - 70), (128, 32 * k - 54), (0, 32 * k + 16)], fill=pictures.rgb(color))
+            pen.polygon(
+                [(0, 32 * k), (128, 32 * k - 70), (128, 32 * k - 54), (0, 32 * k + 16)], fill=pictures.rgb(color)
+            )
     else:
         pictures.paint.text(pen, words, (10, 34, 118, 94), shop.ink, 0.03)
     return np.asarray(pictures.paint.shrunk(image, (32, 32)))
@@ -131,7 +33,15 @@ def _ground_floor(f: Facade, shop: Shop, height: float, rng: np.random.Generator
     double = w >= 9.0
     door_width = 1.9 if double else 1.05
     door_y = mirror * (w / 2 - 0.75 - door_width / 2)
-    f.opening(door_y, 0.04, door_width, 2.45, pictures.door(shop.base, "double" if double else "glass", (48 if double else 28, 60)), 0.45, sill=False)
+    f.opening(
+        door_y,
+        0.04,
+        door_width,
+        2.45,
+        pictures.door(shop.base, "double" if double else "glass", (48 if double else 28, 60)),
+        0.45,
+        sill=False,
+    )
     span = w - 1.5 - door_width - 0.35
     middle = -mirror * (w / 2 - 0.55 - span / 2)
     count = 1 if span < 6.5 else 2
@@ -152,7 +62,9 @@ def _outside(f: Facade, shop: Shop, mirror: float, rng: np.random.Generator) -> 
     x, side = f.front + 0.32, -mirror
     if shop.outside == "plants":
         for k in range(3):
-            potted_bush(f.builder, (x, side * (f.width / 2 - 0.6 - 1.1 * k), 0), 0.42, ("terracotta", "charcoal")[k % 2], rng)
+            potted_bush(
+                f.builder, (x, side * (f.width / 2 - 0.6 - 1.1 * k), 0), 0.42, ("terracotta", "charcoal")[k % 2], rng
+            )
     elif shop.outside == "tables":
         for k in range(2):
             y = side * (f.width / 2 - 1.0 - 1.7 * k)
@@ -171,7 +83,13 @@ def _outside(f: Facade, shop: Shop, mirror: float, rng: np.random.Generator) -> 
             f.builder.box((0.5, 0.56, 0.55), (x, y, 0), "wood")
             for j in range(6):
                 color = ("red", "orange", "lime", "yellow")[k]
-                f.builder.ball((0.09, 0.09, 0.08), (x - 0.14 + 0.14 * (j % 3), y + (-0.13 if j < 3 else 0.13), 0.57), color, segments=6, rings=4)
+                f.builder.ball(
+                    (0.09, 0.09, 0.08),
+                    (x - 0.14 + 0.14 * (j % 3), y + (-0.13 if j < 3 else 0.13), 0.57),
+                    color,
+                    segments=6,
+                    rings=4,
+                )
 
 
 def _upper_floors(f: Facade, shop: Shop, base: float, storey: float, rng: np.random.Generator) -> None:
@@ -224,8 +142,8 @@ def build_shop(shop: Shop, leaf: str, variant: int, rng: np.random.Generator) ->
 def _register(leaf: str) -> None:
     @recipe(leaf, 3, BUILDING, hulls=8)
     def shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
-        return build_shop(_SHOPS[leaf][variant], leaf, variant, rng)
+        return build_shop(SHOPS[leaf][variant], leaf, variant, rng)
 
 
-for _leaf in _SHOPS:
+for _leaf in SHOPS:
     _register(_leaf)

@@ -12,26 +12,54 @@ from .facade_pictures import awning
 from .vehicle_body import Body, BodyShape
 from .wheels import number_plate, rim_picture, wheel
 
-_BUS = Physics(("steel", "glass", "rubber"), 130.0, (6000.0, 18000.0), 0.6, False, "a 10 m city bus weighs 8-12 t empty")
-_TRUCK = Physics(("steel", "aluminium", "rubber"), 150.0, (3000.0, 16000.0), 0.6, False, "two-axle box trucks weigh 4-8 t empty")
-_FOOD_TRUCK = Physics(("steel", "glass", "rubber"), 170.0, (2200.0, 5000.0), 0.6, False, "step vans with a kitchen weigh 2.5-4.5 t")
+_BUS = Physics(
+    ("steel", "glass", "rubber"), 130.0, (6000.0, 18000.0), 0.6, False, "a 10 m city bus weighs 8-12 t empty"
+)
+_TRUCK = Physics(
+    ("steel", "aluminium", "rubber"), 150.0, (3000.0, 16000.0), 0.6, False, "two-axle box trucks weigh 4-8 t empty"
+)
+_FOOD_TRUCK = Physics(
+    ("steel", "glass", "rubber"), 170.0, (2200.0, 5000.0), 0.6, False, "step vans with a kitchen weigh 2.5-4.5 t"
+)
 
 _BOX_SECTION = ((0.25, 0.965), (0.55, 0.99), (1.0, 1.0), (1.35, 0.995), (2.75, 0.965), (3.3, 0.94))
 
 
-def _box_shape(length: float, height: float, nose: float, wheel_radius: float, axles: tuple[float, ...], belt: float) -> BodyShape:
+def _box_shape(
+    length: float, height: float, nose: float, wheel_radius: float, axles: tuple[float, ...], belt: float
+) -> BodyShape:
     """A bus-like outline: upright back, flat roof, a windscreen that leans back by `nose` metres."""
     r, f = -length / 2, length / 2
     return BodyShape(
         upper=(
-            (r + 0.10, 0.34, 0.02), (r, 0.50, 0.04), (r, 1.10, 0.04), (r + 0.02, 1.75, 0.03), (r + 0.04, height - 0.32, 0.03),
-            (r + 0.14, height - 0.08, 0.03), (r + 0.55, height, 0.03), (0.0, height + 0.02, 0.03), (f - nose - 0.55, height, 0.03),
-            (f - nose - 0.12, height - 0.10, 0.05), (f - nose, height - 0.36, 0.08), (f - 0.10, 1.22, 0.10), (f - 0.03, 1.02, 0.10),
-            (f, 0.75, 0.10), (f, 0.50, 0.10), (f - 0.08, 0.32, 0.07),
+            (r + 0.10, 0.34, 0.02),
+            (r, 0.50, 0.04),
+            (r, 1.10, 0.04),
+            (r + 0.02, 1.75, 0.03),
+            (r + 0.04, height - 0.32, 0.03),
+            (r + 0.14, height - 0.08, 0.03),
+            (r + 0.55, height, 0.03),
+            (0.0, height + 0.02, 0.03),
+            (f - nose - 0.55, height, 0.03),
+            (f - nose - 0.12, height - 0.10, 0.05),
+            (f - nose, height - 0.36, 0.08),
+            (f - 0.10, 1.22, 0.10),
+            (f - 0.03, 1.02, 0.10),
+            (f, 0.75, 0.10),
+            (f, 0.50, 0.10),
+            (f - 0.08, 0.32, 0.07),
         ),
-        width=2.5, section=_BOX_SECTION, axles=axles, wheel_radius=wheel_radius, sill=0.30, belt=belt,
-        taper=(0.01, 0.03), taper_length=0.8, arch=0.07, rounding=0.07,
-    )  # fmt: skip
+        width=2.5,
+        section=_BOX_SECTION,
+        axles=axles,
+        wheel_radius=wheel_radius,
+        sill=0.30,
+        belt=belt,
+        taper=(0.01, 0.03),
+        taper_length=0.8,
+        arch=0.07,
+        rounding=0.07,
+    )
 
 
 def _words(text: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16)) -> np.ndarray:
@@ -52,8 +80,10 @@ def _big_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_wi
 def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4, metallic=0.05)
     color, band, line, length = (
-        ("signal red", "white", "12 CENTRAL STATION", 10.5), ("#3f7fae", "white", "7 HARBOUR", 9.2), ("#e8e4d6", "dark green", "104 UNIVERSITY", 10.5),
-    )[variant]  # fmt: skip
+        ("signal red", "white", "12 CENTRAL STATION", 10.5),
+        ("#3f7fae", "white", "7 HARBOUR", 9.2),
+        ("#e8e4d6", "dark green", "104 UNIVERSITY", 10.5),
+    )[variant]
     axles = (-length * 0.25, length * 0.29)
     shape = _box_shape(length, 3.0, 0.22, 0.47, axles, 1.42)
     body = Body(b, shape)
@@ -66,7 +96,17 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for x in (f - 1.05, -0.35):
         body.side([(x - 0.62, 0.36), (x + 0.62, 0.36), (x + 0.62, 2.50), (x - 0.62, 2.50)], "charcoal", 0.014, "r")
         for k in (-1, 1):
-            body.side([(x + k * 0.31 - 0.25, 0.50), (x + k * 0.31 + 0.25, 0.50), (x + k * 0.31 + 0.25, 2.40), (x + k * 0.31 - 0.25, 2.40)], "glass", 0.022, "r")
+            body.side(
+                [
+                    (x + k * 0.31 - 0.25, 0.50),
+                    (x + k * 0.31 + 0.25, 0.50),
+                    (x + k * 0.31 + 0.25, 2.40),
+                    (x + k * 0.31 - 0.25, 2.40),
+                ],
+                "glass",
+                0.022,
+                "r",
+            )
     body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
     body.across(9.35, 9.95, -0.80, 0.80, picture=_words(line, "black", "amber", (128, 16)), lift=0.02)
     body.across(3.1, 4.2, -0.85, 0.85, "dark glass", lift=0.01)
@@ -77,7 +117,12 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body.across(1.35, 2.0, t0 if side < 0 else t0 + 0.12, t1 if side > 0 else t1 - 0.12, "red", lift=0.014)
         # Mirrors on arms like ears.
         y = side * 1.25
-        b.tube([(f - 0.40, y * 0.85, 2.72), (f + 0.12, y * 1.02, 2.66), (f + 0.14, y * 1.04, 2.30)], 0.025, "black", sides=6)
+        b.tube(
+            [(f - 0.40, y * 0.85, 2.72), (f + 0.12, y * 1.02, 2.66), (f + 0.14, y * 1.04, 2.30)],
+            0.025,
+            "black",
+            sides=6,
+        )
         b.box((0.12, 0.20, 0.36), (f + 0.14, y * 1.04, 2.00), "black", bevel=0.03)
     plate = number_plate("BUS 204")
     body.across(14.1, 14.6, -0.12, 0.12, picture=plate, lift=0.02)
@@ -93,13 +138,32 @@ def _cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) -> None
     """A forward-control truck cab whose back is at x - 0.95 and whose front is at x + 0.95."""
     shape = BodyShape(
         upper=(
-            (x - 0.94, low + 0.10, 0.0), (x - 0.95, low + 0.3, 0.0), (x - 0.95, 1.2, 0.0), (x - 0.95, 1.8, 0.0), (x - 0.93, 2.45, 0.0),
-            (x - 0.80, 2.62, 0.03), (x - 0.2, 2.70, 0.03), (x + 0.35, 2.66, 0.04), (x + 0.55, 2.52, 0.06), (x + 0.80, 1.58, 0.10),
-            (x + 0.88, 1.40, 0.10), (x + 0.95, 1.05, 0.10), (x + 0.96, 0.75, 0.10), (x + 0.92, low, 0.08),
+            (x - 0.94, low + 0.10, 0.0),
+            (x - 0.95, low + 0.3, 0.0),
+            (x - 0.95, 1.2, 0.0),
+            (x - 0.95, 1.8, 0.0),
+            (x - 0.93, 2.45, 0.0),
+            (x - 0.80, 2.62, 0.03),
+            (x - 0.2, 2.70, 0.03),
+            (x + 0.35, 2.66, 0.04),
+            (x + 0.55, 2.52, 0.06),
+            (x + 0.80, 1.58, 0.10),
+            (x + 0.88, 1.40, 0.10),
+            (x + 0.95, 1.05, 0.10),
+            (x + 0.96, 0.75, 0.10),
+            (x + 0.92, low, 0.08),
         ),
-        width=2.2, section=((0.3, 0.97), (0.8, 1.0), (1.3, 1.0), (1.5, 0.985), (2.7, 0.88), (3.0, 0.85)), axles=(x + 0.05,), wheel_radius=0.43,
-        sill=low + 0.02, belt=1.52, taper=(0.0, 0.05), taper_length=0.6, arch=0.07, rounding=0.05,
-    )  # fmt: skip
+        width=2.2,
+        section=((0.3, 0.97), (0.8, 1.0), (1.3, 1.0), (1.5, 0.985), (2.7, 0.88), (3.0, 0.85)),
+        axles=(x + 0.05,),
+        wheel_radius=0.43,
+        sill=low + 0.02,
+        belt=1.52,
+        taper=(0.0, 0.05),
+        taper_length=0.6,
+        arch=0.07,
+        rounding=0.05,
+    )
     body = Body(b, shape)
     body.shell(color)
     body.glasshouse([(x - 0.42, 0.10)], (x - 0.85, x + 0.75), frame=0.10)
@@ -119,7 +183,11 @@ def _cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) -> None
 @recipe("truck", 3, _TRUCK, hulls=5)
 def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5, metallic=0.1)
-    color, plate, front = (("white", "LKW 55", 2.35), ("safety orange", "TP 810", 2.05), ("dark blue", "MV 7002", 2.55))[variant]
+    color, plate, front = (
+        ("white", "LKW 55", 2.35),
+        ("safety orange", "TP 810", 2.05),
+        ("dark blue", "MV 7002", 2.55),
+    )[variant]
     _cab(b, front, color, 0.45, plate)
     back = -front - 0.55
     deck = front - 1.05
@@ -136,12 +204,27 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for k in range(5):
                 b.box((0.10, 0.06, 0.72), (back + 0.2 + k * (length - 0.4) / 4, side * 1.17, 1.05), shade(color, 0.75))
             b.box((0.08, 2.14, 0.75 if side < 0 else 1.1), (middle + side * (length / 2 - 0.04), 0, 1.05), color)
-        heap = np.array([[(back + 0.1 + (length - 0.2) * u, (v - 0.5) * 2.1, 1.55 + 0.45 * np.sin(np.pi * u) * np.sin(np.pi * v) + 0.04 * rng.normal()) for u in np.linspace(0, 1, 9)] for v in np.linspace(0, 1, 6)])
+        heap = np.array(
+            [
+                [
+                    (
+                        back + 0.1 + (length - 0.2) * u,
+                        (v - 0.5) * 2.1,
+                        1.55 + 0.45 * np.sin(np.pi * u) * np.sin(np.pi * v) + 0.04 * rng.normal(),
+                    )
+                    for u in np.linspace(0, 1, 9)
+                ]
+                for v in np.linspace(0, 1, 6)
+            ]
+        )
         b.sheet(heap, picture=np.asarray(paint.speckled((48, 32), "#8d8375", rng, 18)))
     else:
         box_color = ("off white", "#d9dde0")[variant // 2]
         b.box((length, 2.4, 2.3), (middle, 0, 0.90), box_color, bevel=0.03)
-        back_color, ink, name = (("signal blue", "white", "NORDIC LOGISTICS"), ("dark blue", "signal yellow", "MOVE & STORE"))[variant // 2]
+        back_color, ink, name = (
+            ("signal blue", "white", "NORDIC LOGISTICS"),
+            ("dark blue", "signal yellow", "MOVE & STORE"),
+        )[variant // 2]
         picture = _words(name, back_color, ink, (192, 32))
         for side, facing in ((1, "+y"), (-1, "-y")):
             b.panel(picture, (middle, side * 1.205, 2.15), length * 0.82, length * 0.82 / 6, facing)
@@ -159,7 +242,9 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for side in (-1, 1):
         b.box((1.05, 0.36, 0.04), (rear, side * 0.95, 0.90), "black")
     names = ("A white box truck", "An orange tipper with gravel", "A dark blue removal truck")
-    built = b.build(names[variant], {"kind": ("box", "tipper", "removal")[variant]}, mass=(5200.0, 7800.0, 6100.0)[variant])
+    built = b.build(
+        names[variant], {"kind": ("box", "tipper", "removal")[variant]}, mass=(5200.0, 7800.0, 6100.0)[variant]
+    )
     return dataclasses.replace(built, volume=float(np.prod(built.mesh.extent)) * 0.7)
 
 
@@ -167,9 +252,10 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, accent, name, menu = (
-        ("#d8423a", "cream", "TACOS", "TACO 3.50\nBURRITO 6\nNACHOS 4"), ("#4fa79b", "white", "ICE CREAM", "SCOOP 2\nCONE 3\nSHAKE 5"),
+        ("#d8423a", "cream", "TACOS", "TACO 3.50\nBURRITO 6\nNACHOS 4"),
+        ("#4fa79b", "white", "ICE CREAM", "SCOOP 2\nCONE 3\nSHAKE 5"),
         ("#e8c24a", "charcoal", "BURGERS", "BURGER 7\nFRIES 3\nCOLA 2"),
-    )[variant]  # fmt: skip
+    )[variant]
     length = 6.2
     shape = _box_shape(length, 2.75, 0.55, 0.37, (-1.75, 1.95), 1.45)
     body = Body(b, dataclasses.replace(shape, width=2.1, sill=0.32))
@@ -201,9 +287,19 @@ def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for x in (x0, x1):
         b.box((0.06, 0.05, high - low + 0.06), (x, y - 0.01, low - 0.03), "aluminium")
     cloth = awning(accent, color, (96, 16), 14)
-    flap = np.array([[(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)], [(x0 - 0.1, y, high + 0.35), (x1 + 0.1, y, high + 0.35)]])
+    flap = np.array(
+        [
+            [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)],
+            [(x0 - 0.1, y, high + 0.35), (x1 + 0.1, y, high + 0.35)],
+        ]
+    )
     b.sheet(flap, picture=cloth, both_sides=True)
-    hang = np.array([[(x0 - 0.1, y - 0.95, high - 0.06), (x1 + 0.1, y - 0.95, high - 0.06)], [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)]])
+    hang = np.array(
+        [
+            [(x0 - 0.1, y - 0.95, high - 0.06), (x1 + 0.1, y - 0.95, high - 0.06)],
+            [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)],
+        ]
+    )
     b.sheet(hang, picture=cloth, both_sides=True)
     for x in (x0, x1):
         b.rod((x, y, low + 0.6), (x, y - 0.92, high + 0.1), 0.012, "aluminium", sides=5)

@@ -10,9 +10,20 @@ from ..recipe import Physics, recipe
 from ..shapes import Shape
 from .foliage import leaf_picture, leafy
 
-_TREE = Physics(("wood", "leaves"), 700.0, (80.0, 4000.0), 0.8, False, "green wood weighs 0.7-1 t per m^3 and is rooted; bark is rough")
-_SHRUB = Physics(("leaves", "wood"), 20.0, (3.0, 60.0), 0.8, False, "leaves and twigs are mostly air, 10-30 kg per m^3, rooted")
-_FLOWER = Physics(("leaves", "soil"), 300.0, (2.0, 60.0), 0.7, False, "planted in the ground or in a heavy bowl of wet soil")
+_TREE = Physics(
+    ("wood", "leaves"),
+    700.0,
+    (80.0, 4000.0),
+    0.8,
+    False,
+    "green wood weighs 0.7-1 t per m^3 and is rooted; bark is rough",
+)
+_SHRUB = Physics(
+    ("leaves", "wood"), 20.0, (3.0, 60.0), 0.8, False, "leaves and twigs are mostly air, 10-30 kg per m^3, rooted"
+)
+_FLOWER = Physics(
+    ("leaves", "soil"), 300.0, (2.0, 60.0), 0.7, False, "planted in the ground or in a heavy bowl of wet soil"
+)
 _GRASS = Physics(("grass", "soil"), 900.0, (10.0, 2000.0), 0.8, False, "turf on soil, part of the ground")
 
 
@@ -40,7 +51,7 @@ _SPECIES = (
     _Species("cherry tree in blossom", (1.9, 1.9, 4.8), 0.13, "#e3a3b8", "#5b3f38", 24, 0.62, 0.9, "#fbe6ee", 5),
     _Species("birch with a light crown", (1.6, 2.4, 7.4), 0.11, "#93ad4c", "#e0ded6", 22, 0.62, 1.3, None, 4, 0.8),
     _Species("maple in autumn colours", (2.2, 2.1, 6.2), 0.16, "#cc7a2a", clusters=26, flowers="#b23a22"),
-)  # fmt: skip
+)
 
 
 def _trunk(b: MeshBuilder, s: _Species, rng: np.random.Generator) -> list[np.ndarray]:
@@ -48,7 +59,13 @@ def _trunk(b: MeshBuilder, s: _Species, rng: np.random.Generator) -> list[np.nda
     radius, low, high = s.crown
     lean = rng.normal(0, 0.06, 2)
     fork = low + 0.12 * (high - low)
-    spine = [(0.0, 0.0, -0.02), (0.0, 0.0, 0.15), (lean[0] * 0.4, lean[1] * 0.4, low * 0.6), (lean[0], lean[1], fork), (lean[0], lean[1], high * 0.78)]
+    spine = [
+        (0.0, 0.0, -0.02),
+        (0.0, 0.0, 0.15),
+        (lean[0] * 0.4, lean[1] * 0.4, low * 0.6),
+        (lean[0], lean[1], fork),
+        (lean[0], lean[1], high * 0.78),
+    ]
     t = s.trunk
     b.tube(spine, [t * 1.7, t * 1.15, t * 0.95, t * 0.8, t * 0.18], s.bark, sides=9)
     ends = []
@@ -101,7 +118,10 @@ def _conifer(b: MeshBuilder, height: float, radius: float, color: Color, rng: np
         rim = np.stack([edge * np.cos(a), edge * np.sin(a), z + drop], 1)
         tip = np.array([0.0, 0.0, z + 0.62 * r + 0.42])
         low = np.array([0.0, 0.0, z + 0.12 * r])
-        corners = np.array([[rim[i], rim[(i + 1) % points], tip] for i in range(points)] + [[rim[(i + 1) % points], rim[i], low] for i in range(points)])
+        corners = np.array(
+            [[rim[i], rim[(i + 1) % points], tip] for i in range(points)]
+            + [[rim[(i + 1) % points], rim[i], low] for i in range(points)]
+        )
         n = len(corners)
         shade_v = np.concatenate([np.full(points, 0.62), np.full(points, 0.2)])
         u = rng.uniform(0.15, 0.85, n)
@@ -126,13 +146,19 @@ def _palm(b: MeshBuilder, height: float, rng: np.random.Generator) -> None:
         out = np.array([np.cos(a), np.sin(a), 0.0])
         side = np.array([-np.sin(a), np.cos(a), 0.0])
         steps = np.linspace(0, 1, 6)
-        rib = [top + out * length * f + np.array([0, 0, length * (rise * f - (0.55 + 0.3 * rise) * f**2)]) for f in steps]
+        rib = [
+            top + out * length * f + np.array([0, 0, length * (rise * f - (0.55 + 0.3 * rise) * f**2)]) for f in steps
+        ]
         wide = [0.05, 0.30, 0.36, 0.30, 0.18, 0.02]
         for sign in (1.0, -1.0):
-            grid = np.array([[p, p + sign * side * w + np.array([0, 0, -0.45 * w])] for p, w in zip(rib, wide, strict=True)])
+            grid = np.array(
+                [[p, p + sign * side * w + np.array([0, 0, -0.45 * w])] for p, w in zip(rib, wide, strict=True)]
+            )
             b.sheet(grid if sign < 0 else grid[:, ::-1], picture=picture, both_sides=True)
     for k in range(5):
-        b.ball(0.10, tuple(top + [0.18 * np.cos(1.26 * k), 0.18 * np.sin(1.26 * k), -0.18]), "#7a5a30", segments=7, rings=5)
+        b.ball(
+            0.10, tuple(top + [0.18 * np.cos(1.26 * k), 0.18 * np.sin(1.26 * k), -0.18]), "#7a5a30", segments=7, rings=5
+        )
 
 
 @recipe("tree", 8, _TREE, hulls=5)
@@ -163,7 +189,17 @@ def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(12):
             a, f = k * 2.4, k / 12
             out = 0.36 * np.sqrt(1 - f)
-            leafy(b, (out * np.cos(a), out * np.sin(a), 0.25 + 0.62 * f), (0.27, 0.27, 0.23), picture, rng, 8, 5, 0.13, 0.3 + 0.6 * f)
+            leafy(
+                b,
+                (out * np.cos(a), out * np.sin(a), 0.25 + 0.62 * f),
+                (0.27, 0.27, 0.23),
+                picture,
+                rng,
+                8,
+                5,
+                0.13,
+                0.3 + 0.6 * f,
+            )
     elif variant == 1:  # a clipped hedge
         picture = leaf_picture("#3f6f35", rng, None, 0.7)
         for y in np.linspace(-0.85, 0.85, 6):
@@ -173,7 +209,17 @@ def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
         picture = leaf_picture("#4f7f3f", rng, "#d65a8a")
         for k in range(10):
             a, f = k * 2.4, k / 10
-            leafy(b, (0.38 * (1 - f * 0.7) * np.cos(a), 0.38 * (1 - f * 0.7) * np.sin(a), 0.25 + 0.75 * f), (0.32, 0.32, 0.28), picture, rng, 8, 5, 0.17, 0.3 + 0.6 * f)
+            leafy(
+                b,
+                (0.38 * (1 - f * 0.7) * np.cos(a), 0.38 * (1 - f * 0.7) * np.sin(a), 0.25 + 0.75 * f),
+                (0.32, 0.32, 0.28),
+                picture,
+                rng,
+                8,
+                5,
+                0.17,
+                0.3 + 0.6 * f,
+            )
     else:  # a clipped ball on a low cone
         picture = leaf_picture("#35633a", rng, None, 0.6)
         leafy(b, (0, 0, 0.42), (0.42, 0.42, 0.42), picture, rng, 14, 9, 0.03, 0.5)
@@ -186,7 +232,18 @@ def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 def _blossom(b: MeshBuilder, at: np.ndarray, radius: float, color: Color, kind: str, rng: np.random.Generator) -> None:
     if kind == "tulip":
-        b.lathe([(radius * 0.3, 0), (radius * 0.75, radius * 0.6), (radius * 0.7, radius * 1.4), (radius * 0.45, radius * 1.9), (radius * 0.2, radius * 1.5)], at, color, segments=6)
+        b.lathe(
+            [
+                (radius * 0.3, 0),
+                (radius * 0.75, radius * 0.6),
+                (radius * 0.7, radius * 1.4),
+                (radius * 0.45, radius * 1.9),
+                (radius * 0.2, radius * 1.5),
+            ],
+            at,
+            color,
+            segments=6,
+        )
         return
     tilt = rng.normal(0, 14, 2)
     with b.frame(tuple(at), (float(tilt[0]), float(tilt[1]), float(rng.uniform(0, 60)))):
@@ -194,7 +251,10 @@ def _blossom(b: MeshBuilder, at: np.ndarray, radius: float, color: Color, kind: 
             a = np.pi * k / 3
             c, s = np.cos(a), np.sin(a)
             tip = (radius * c, radius * s, radius * 0.25)
-            left, right = (radius * 0.6 * np.cos(a - 0.45), radius * 0.6 * np.sin(a - 0.45), radius * 0.16), (radius * 0.6 * np.cos(a + 0.45), radius * 0.6 * np.sin(a + 0.45), radius * 0.16)
+            left, right = (
+                (radius * 0.6 * np.cos(a - 0.45), radius * 0.6 * np.sin(a - 0.45), radius * 0.16),
+                (radius * 0.6 * np.cos(a + 0.45), radius * 0.6 * np.sin(a + 0.45), radius * 0.16),
+            )
             b.quad([(0, 0, 0), left, tip, right], color, both_sides=True)
         b.ball((radius * 0.3, radius * 0.3, radius * 0.2), (0, 0, radius * 0.08), "amber", segments=6, rings=4)
 
@@ -209,20 +269,51 @@ def flower(variant: int, rng: np.random.Generator) -> BuiltAsset:
         base = 0.10
     else:
         pot = ("terracotta", "concrete")[variant // 2]
-        b.lathe([(radius * 0.7, 0), (radius * 1.05, 0.36), (radius * 1.12, 0.36), (radius * 1.12, 0.42), (radius * 0.95, 0.42), (radius * 0.92, 0.38)], color=pot, segments=16)
+        b.lathe(
+            [
+                (radius * 0.7, 0),
+                (radius * 1.05, 0.36),
+                (radius * 1.12, 0.36),
+                (radius * 1.12, 0.42),
+                (radius * 0.95, 0.42),
+                (radius * 0.92, 0.38),
+            ],
+            color=pot,
+            segments=16,
+        )
         b.cylinder(radius * 0.93, 0.02, (0, 0, 0.37), "soil", segments=14)
         base = 0.37
     picture = leaf_picture("leaf", rng)
     for k in range(5):
         a = 2 * np.pi * k / 5
-        leafy(b, (radius * 0.5 * np.cos(a), radius * 0.5 * np.sin(a), base + 0.07), (radius * 0.45, radius * 0.45, 0.10), picture, rng, 7, 4, 0.2, 0.5)
+        leafy(
+            b,
+            (radius * 0.5 * np.cos(a), radius * 0.5 * np.sin(a), base + 0.07),
+            (radius * 0.45, radius * 0.45, 0.10),
+            picture,
+            rng,
+            7,
+            4,
+            0.2,
+            0.5,
+        )
     for k in range(15):
         r, a = radius * np.sqrt((k + 0.5) / 15) * 0.85, k * 2.39996
         tall = base + rng.uniform(0.24, 0.38)
-        foot, top = np.array([r * 0.7 * np.cos(a), r * 0.7 * np.sin(a), base]), np.array([r * np.cos(a), r * np.sin(a), tall])
+        foot, top = (
+            np.array([r * 0.7 * np.cos(a), r * 0.7 * np.sin(a), base]),
+            np.array([r * np.cos(a), r * np.sin(a), tall]),
+        )
         b.rod(foot, top, 0.006, "leaf", sides=3)
-        _blossom(b, top, 0.062 if kind == "daisy" else 0.042, mix(color, "white", float(rng.uniform(0, 0.3))), kind, rng)
-    names = ("A bed of red tulips", "A terracotta bowl of yellow flowers", "A bed of purple flowers", "A concrete planter of pink tulips")
+        _blossom(
+            b, top, 0.062 if kind == "daisy" else 0.042, mix(color, "white", float(rng.uniform(0, 0.3))), kind, rng
+        )
+    names = (
+        "A bed of red tulips",
+        "A terracotta bowl of yellow flowers",
+        "A bed of purple flowers",
+        "A concrete planter of pink tulips",
+    )
     return b.build(names[variant], {"kind": kind, "color": color})
 
 
@@ -236,7 +327,10 @@ def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     a = np.arange(22) * 2 * np.pi / 22
     edge = radius * (1 + 0.10 * np.sin(3 * a + rng.random() * 6) + 0.05 * np.sin(7 * a + rng.random() * 6))
     squash = (1.0, 0.62, 0.9)[variant]
-    rings = [np.stack([edge * f * np.cos(a), edge * f * squash * np.sin(a), np.full(22, z)], 1) for f, z in ((1.0, 0.0), (0.96, 0.016), (0.6, 0.022), (0.25, 0.025))]
+    rings = [
+        np.stack([edge * f * np.cos(a), edge * f * squash * np.sin(a), np.full(22, z)], 1)
+        for f, z in ((1.0, 0.0), (0.96, 0.016), (0.6, 0.022), (0.25, 0.025))
+    ]
     points = np.concatenate([*rings, [[0, 0, 0.025]]])
     faces = [(22 * i + j, 22 * i + (j + 1) % 22, 22 * (i + 1) + (j + 1) % 22) for i in range(3) for j in range(22)]
     faces += [(22 * i + j, 22 * (i + 1) + (j + 1) % 22, 22 * (i + 1) + j) for i in range(3) for j in range(22)]
@@ -248,7 +342,10 @@ def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
         at = np.array([r * np.cos(t), r * squash * np.sin(t), 0.016])
         w = rng.normal(0, 0.014, 2)
         tips = at + [w[0] * 1.5, w[1] * 1.5, 0.0135]
-        b.add(Shape(np.array([at - [w[1], -w[0], 0], at + [w[1], -w[0], 0], tips]), np.array([(0, 1, 2), (0, 2, 1)])), shade(color, float(rng.uniform(0.8, 1.25))))
+        b.add(
+            Shape(np.array([at - [w[1], -w[0], 0], at + [w[1], -w[0], 0], tips]), np.array([(0, 1, 2), (0, 2, 1)])),
+            shade(color, float(rng.uniform(0.8, 1.25))),
+        )
     names = ("A round patch of grass", "A patch of grass with daisies", "A patch of dry grass")
     return b.build(names[variant], {"color": str(color)})
 
@@ -263,11 +360,14 @@ def christmas_tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
         f = (k + 0.5) / 34
         a, z = k * 2.39996, 0.55 + (height - 1.0) * f
         r = (radius * (1 - f) ** 0.85 + 0.12) * 0.93
-        b.ball(0.055, (r * np.cos(a), r * np.sin(a), z), ("red", "gold", "lamp", "signal blue")[k % 4], segments=7, rings=5)
-    star = [((0.16 if k % 2 == 0 else 0.07) * np.sin(np.pi * k / 5), (0.16 if k % 2 == 0 else 0.07) * np.cos(np.pi * k / 5)) for k in range(10)]
+        b.ball(
+            0.055, (r * np.cos(a), r * np.sin(a), z), ("red", "gold", "lamp", "signal blue")[k % 4], segments=7, rings=5
+        )
+    star = [
+        ((0.16 if k % 2 == 0 else 0.07) * np.sin(np.pi * k / 5), (0.16 if k % 2 == 0 else 0.07) * np.cos(np.pi * k / 5))
+        for k in range(10)
+    ]
     with b.frame((0, 0, b.bounds[1][2] + 0.06), (90, 0, 90)):
         b.extrude(star, 0.04, (0, 0, -0.02), "gold")
     names = ("A tall decorated Christmas tree in a red pot", "A small decorated Christmas tree")
     return b.build(names[variant], {"height": height}, mass=(60.0, 30.0)[variant])
-
-

@@ -1,12 +1,13 @@
-"""Bodies of cars, vans and buses: a side outline with wheel arches, a width that varies with place and height, rounded edges.
+"""Bodies of cars, vans and buses: a side outline with wheel arches, a width that varies, rounded edges.
 
-`Body` places everything else on that surface: patches across the car (windscreen, grille, lights, plates) are addressed by
-s (position along the upper outline, 0 = rear bottom, whole numbers = its points) and t (-1 right, 1 left);
+`Body` places everything else on that surface: patches across the car (windscreen, grille, lights, plates) are
+addressed by s (position along the upper outline, 0 = rear bottom, whole numbers = its points) and t (-1 right, 1 left);
 patches on the flanks (windows, doors, writing) by (x, z).
 """
 
 import dataclasses
 import functools
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -87,8 +88,11 @@ class Body:
         self._rear, self._front = min(ends), max(ends)
         inner = shape.taper_length
         self._columns = [
-            self._rear + inner / 2, self._rear + inner, self._front - inner, self._front - inner / 2,
-        ]  # fmt: skip
+            self._rear + inner / 2,
+            self._rear + inner,
+            self._front - inner,
+            self._front - inner / 2,
+        ]
 
     def half_width(self, x: np.ndarray | float, z: np.ndarray | float) -> np.ndarray:
         """Half the width of the body at a place of the side view."""
@@ -199,8 +203,8 @@ class Body:
         xs = [-99.0, *self._columns, 99.0]
         zs = [-99.0, *self._levels, 99.0]
         triangles = []
-        for x0, x1 in zip(xs, xs[1:], strict=False):
-            for z0, z1 in zip(zs, zs[1:], strict=False):
+        for x0, x1 in itertools.pairwise(xs):
+            for z0, z1 in itertools.pairwise(zs):
                 part = shapely.intersection(polygon, shapely.box(x0, z0, x1, z1))
                 for piece in shapely.get_parts(part):
                     if piece.geom_type == "Polygon" and piece.area > 1e-10:
@@ -211,7 +215,11 @@ class Body:
         return welded(shape, 1e-4)
 
     def side(
-        self, outline: np.ndarray | Sequence[Point2] | shapely.Polygon, color: Color, lift: float = 0.008, sides: str = "lr"
+        self,
+        outline: np.ndarray | Sequence[Point2] | shapely.Polygon,
+        color: Color,
+        lift: float = 0.008,
+        sides: str = "lr",
     ) -> None:
         """A piece of the flank drawn in (x, z), `lift` proud of it, on the left, the right or both."""
         polygon = outline if isinstance(outline, shapely.Polygon) else shapely.Polygon(outline)
@@ -242,8 +250,15 @@ class Body:
             self.builder.add(Shape(surface.vertices, surface.faces, uv), picture=picture)
 
     def across(
-        self, s0: float, s1: float, t0: float, t1: float, color: Color | None = None, picture: Picture | None = None,
-        lift: float = 0.008, narrow: float = 0.0,
+        self,
+        s0: float,
+        s1: float,
+        t0: float,
+        t1: float,
+        color: Color | None = None,
+        picture: Picture | None = None,
+        lift: float = 0.008,
+        narrow: float = 0.0,
     ) -> None:
         """A patch of the upper skin between s0 < s1 and t0 < t1; `narrow` draws its upper end in (share of t)."""
         s = np.unique(np.concatenate([[s0, s1], np.arange(np.ceil(s0 * 2) / 2, s1, 0.5)]))
@@ -254,18 +269,28 @@ class Body:
         columns = ts if front else ts[::-1]
         up = np.linspace(0.0, 1.0, len(rows))
         grid = np.stack(
-            [self._across_points(np.full(len(columns), r), columns * (1 - narrow * u), lift) for r, u in zip(rows, up, strict=True)]
+            [
+                self._across_points(np.full(len(columns), r), columns * (1 - narrow * u), lift)
+                for r, u in zip(rows, up, strict=True)
+            ]
         )
         self.builder.sheet(grid, color, picture)
 
     def glasshouse(
-        self, pillars: Sequence[Point2], span: Point2, glass: Color = "dark glass", frame: float = 0.075, top: float | None = None
+        self,
+        pillars: Sequence[Point2],
+        span: Point2,
+        glass: Color = "dark glass",
+        frame: float = 0.075,
+        top: float | None = None,
     ) -> None:
-        """Side windows: the outline above the belt, drawn in by `frame`, cut by pillars (x, width), within span (x0, x1)."""
+        """Side windows: the outline above the belt in span (x0, x1), drawn in by `frame`, cut by pillars (x, width)."""
         table = self._spline
         body = shapely.make_valid(shapely.Polygon(np.vstack([table[:, 1:3], self._lower])))
         high = 9.0 if top is None else top
-        area = body.intersection(shapely.box(span[0], self.shape.belt - frame, span[1], high + frame)).buffer(-frame, join_style=2)
+        area = body.intersection(shapely.box(span[0], self.shape.belt - frame, span[1], high + frame)).buffer(
+            -frame, join_style=2
+        )
         for x, width in pillars:
             area = area.difference(shapely.box(x - width / 2, 0, x + width / 2, 9))
         for piece in shapely.get_parts(area):

@@ -32,7 +32,10 @@ def rim_picture(style: str, color: Color = "aluminium", size: int = 48) -> Image
         wide = 0.32 if count == 5 else 0.13
         for k in range(count):
             a = 2 * np.pi * k / count - np.pi / 2
-            pen.polygon([at(0.95, a - wide * 0.6), at(0.95, a + wide * 0.6), at(0.2, a + wide * 2), at(0.2, a - wide * 2)], fill=rgb(color))
+            pen.polygon(
+                [at(0.95, a - wide * 0.6), at(0.95, a + wide * 0.6), at(0.2, a + wide * 2), at(0.2, a - wide * 2)],
+                fill=rgb(color),
+            )
         disc(0.24, color)
         disc(0.13, (70, 72, 76))
     else:
@@ -48,15 +51,26 @@ def rim_picture(style: str, color: Color = "aluminium", size: int = 48) -> Image
 
 
 def wheel(
-    builder: MeshBuilder, at: tuple[float, float, float], radius: float, width: float, rim: Image.Image, outside: float,
-    rim_share: float = 0.66, segments: int = 18,
+    builder: MeshBuilder,
+    at: tuple[float, float, float],
+    radius: float,
+    width: float,
+    rim: Image.Image,
+    outside: float,
+    rim_share: float = 0.66,
+    segments: int = 18,
 ) -> None:
     """A tyre with its axle along y, centred on `at`; the rim's picture faces `outside` (+1 left, -1 right)."""
     half, shoulder = width / 2, min(0.3 * width, 0.18 * radius)
     profile = [
-        (radius * 0.3, -half * 0.5), (radius * 0.9, -half), (radius, -half + shoulder), (radius, half - shoulder),
-        (radius * 0.93, half), (radius * rim_share, half), (radius * rim_share, half - 0.03),
-    ]  # fmt: skip
+        (radius * 0.3, -half * 0.5),
+        (radius * 0.9, -half),
+        (radius, -half + shoulder),
+        (radius, half - shoulder),
+        (radius * 0.93, half),
+        (radius * rim_share, half),
+        (radius * rim_share, half - 0.03),
+    ]
     with builder.frame(at, (-90.0 * outside, 0, 0)):
         builder.lathe(profile, (0, 0, 0), "rubber", segments=segments)
     side = radius * rim_share * 2.02
@@ -64,7 +78,9 @@ def wheel(
 
 
 @functools.cache
-def number_plate(text: str, back: Color = "white", ink: Color = "black", size: tuple[int, int] = (64, 16)) -> Image.Image:
+def number_plate(
+    text: str, back: Color = "white", ink: Color = "black", size: tuple[int, int] = (64, 16)
+) -> Image.Image:
     """A number plate."""
     big = paint.smooth(size)
     image, pen = paint.canvas(big, back)
