@@ -46,6 +46,17 @@ class _Touch(NamedTuple):
     missed: Any
 
 
+class Substeps(NamedTuple):
+    """What happened in each of the S physics steps of one control step.
+
+    Attributes:
+      qpos: (S, nq) after the step. hit: (S,) bool, see `Contacts`.
+    """
+
+    qpos: Any
+    hit: Any
+
+
 class JaxEngine:
     """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
 
@@ -116,6 +127,10 @@ class JaxEngine:
 
     def step(self, state: SimState, ctrl: Any) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""
+        return self.step_and_record(state, ctrl)[0]
+
+    def step_and_record(self, state: SimState, ctrl: Any) -> tuple[SimState, Substeps]:
+        """`step`, and what happened on the way."""
         centre = state.xpos[self.physics.root]
         nearby, overflow = self.find_slots(state.scene, centre)
         ctrl = jnp.asarray(ctrl, jnp.float32)
@@ -124,13 +139,14 @@ class JaxEngine:
         origin = jnp.round(centre).at[2].set(0.0)
         nearby = nearby._replace(position=nearby.position - origin)
 
-        def substep(carry: Any, _: None) -> tuple[Any, None]:
-            return self._physics_step(nearby, ctrl, *carry), None
+        def substep(carry: Any, _: None) -> tuple[Any, Substeps]:
+            after = self._physics_step(nearby, ctrl, *carry)
+            return after, Substeps(after[0].at[self._root_qpos].add(origin), after[3].count > carry[3].count)
 
         zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
         touch = _Touch(jnp.zeros(()), none, jnp.zeros((), bool), zero, zero)
         start = (state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch)
-        (qpos, qvel, warm, touch), _ = jax.lax.scan(substep, start, None, length=self.num_substeps)
+        (qpos, qvel, warm, touch), record = jax.lax.scan(substep, start, None, length=self.num_substeps)
         qpos = qpos.at[self._root_qpos].add(origin)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
         contacts = Contacts(
@@ -140,9 +156,8 @@ class JaxEngine:
             hit_force=touch.force,
             hit_fraction=touch.count / self.num_substeps,
         )
-        return SimState(
-            state.scene, qpos, qvel, data.xpos, data.xquat, contacts, overflow + touch.missed, warm
-        )
+        missed = overflow + touch.missed
+        return SimState(state.scene, qpos, qvel, data.xpos, data.xquat, contacts, missed, warm), record
 
     def find_slots(self, scene: Any, centre: Any) -> tuple[slots.Slots, Any]:
         """The hulls near `centre` (3,) in a scene, objects first, and () i32, how many within reach found no slot."""
