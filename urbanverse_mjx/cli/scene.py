@@ -173,6 +173,8 @@ def build_bank(graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int 
         folders = [pathlib.Path(work) / str(i) for i in range(len(graphs))]
         jobs = [pool.submit(_compile_job, g, f, seed) for g, f in zip(graphs, folders, strict=True)]
         for job in concurrent.futures.as_completed(jobs):
+            if job.exception() is not None:
+                pool.shutdown(wait=False, cancel_futures=True)
             job.result()
             progress.advance(task)
         return pack_bank(folders, splits)
