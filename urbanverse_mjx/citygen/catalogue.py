@@ -76,11 +76,11 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "motorcycle": ((2.0, 0.75, 1.25),),
     "bicycle": ((1.76, 0.61, 1.06),),
     "scooter": ((1.14, 0.54, 1.18),),
-    "wheelchair": ((1.1, 0.66, 0.95),),
-    "stroller": ((0.95, 0.55, 1.02),),
-    "handcart": ((1.3, 0.7, 1.0),),
-    "tricycle": ((1.6, 0.75, 1.05),),
-    "delivery robot": ((0.7, 0.55, 0.65),),
+    "wheelchair": ((1.01, 0.69, 0.98),),
+    "stroller": ((1.05, 0.6, 1.15),),
+    "handcart": ((1.01, 0.6, 0.96), (1.7, 1.0, 0.86)),
+    "tricycle": ((2.25, 0.96, 1.02),),
+    "delivery robot": ((0.82, 0.55, 1.14),),
     # street users: striding, standing
     "pedestrian adult": ((0.95, 0.58, 1.68), (0.4, 0.62, 1.8), (1.02, 0.63, 1.72), (0.72, 0.6, 1.78)),
     "pedestrian child": ((0.66, 0.41, 1.22), (0.25, 0.46, 1.4)),
@@ -90,14 +90,14 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "jogger": ((1.28, 0.6, 1.65),),
     "cyclist": ((1.76, 0.66, 1.85),),
     "delivery worker": ((0.95, 0.6, 1.76),),
-    "dog": ((0.85, 0.3, 0.65),),
-    "cat": ((0.5, 0.18, 0.32),),
-    "bird": ((0.3, 0.16, 0.25),),
+    "dog": ((1.08, 0.26, 0.75), (0.68, 0.16, 0.46)),
+    "cat": ((0.63, 0.12, 0.41), (0.33, 0.27, 0.42)),
+    "bird": ((0.39, 0.14, 0.27),),
     # plants
-    "tree": ((3.3, 3.3, 6.2), (3.0, 3.0, 5.6), (3.6, 3.6, 6.8)),
-    "shrub": ((0.9, 0.9, 0.9),),
-    "flower": ((0.4, 0.4, 0.45),),
-    "grass patch": ((1.6, 1.6, 0.12),),
+    "tree": ((3.95, 3.76, 7.38),),
+    "shrub": ((1.17, 1.14, 1.09), (0.83, 0.82, 1.25)),
+    "flower": ((0.82, 0.8, 0.54), (0.67, 0.67, 0.83)),
+    "grass patch": ((2.0, 1.98, 0.03), (1.63, 1.45, 0.03)),
     # building fronts: depth, frontage, height
     "apartment building": ((8.4, 11.5, 18.2), (8.4, 12.5, 16.4), (8.4, 10.6, 16.4)),
     "house": ((8.3, 8.8, 8.5), (8.3, 7.0, 8.9), (8.2, 8.2, 8.2)),
@@ -121,6 +121,18 @@ SIZES: dict[str, tuple[Size, ...]] = {
 
 #: A scooter or bicycle that has fallen over.
 FALLEN: dict[str, Size] = {"scooter": (1.14, 1.18, 0.54)}
+
+
+#: Growths of trees: for rows along a kerb, for narrow places, for the south, for parks.
+TREES: dict[str, Size] = {
+    "street": SIZES["tree"][0],
+    "slim": (2.74, 2.75, 8.39),
+    "palm": (3.91, 4.04, 5.93),
+    "broad": (5.3, 5.3, 6.8),
+}
+
+#: A clipped hedge, one piece of a row.
+HEDGE: Size = (0.75, 2.28, 1.18)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -100,16 +100,17 @@ class StreetComposer:
         from_kerb: float,
         facing: str | float = "street",
         jitter: float = 0.0,
+        size: catalogue.Size | None = None,
     ) -> None:
         """The same thing at several x; `jitter` (degrees) turns each a little."""
         for x in xs:
             turn = self.uniform(-jitter, jitter) if jitter else 0.0
-            self.put(label, x, side, from_kerb, self._degrees(facing, side) + turn)
+            self.put(label, x, side, from_kerb, self._degrees(facing, side) + turn, size)
 
-    def trees(self, xs: Iterable[float], side: int, from_kerb: float) -> None:
+    def trees(self, xs: Iterable[float], side: int, from_kerb: float, growth: str = "street") -> None:
         """A row of trees, turned at random so that they look grown."""
         for x in xs:
-            self.put("tree", x, side, from_kerb, self.uniform(-180, 180))
+            self.put("tree", x, side, from_kerb, self.uniform(-180, 180), catalogue.TREES[growth])
 
     def facades(self, side: int, labels: Sequence[str], x0: float | None = None, x1: float | None = None) -> None:
         """House fronts wall to wall along a side: frontages from the catalogue, stretched to fill it."""

@@ -54,7 +54,7 @@ THINGS = (
     ("bicycle", 49.9, LEFT, 1.0, "wall"),
     ("bicycle", 30.3, RIGHT, 3.2, "+x"),
     ("scooter", 19.0, RIGHT, 2.4, 70.0),
-    ("scooter", 68.6, LEFT, 3.0, 120.0),
+    ("scooter", 69.3, LEFT, 3.0, 120.0),
     ("advertising board", 5.4, LEFT, 3.6, "+x"),
     ("advertising board", 29.2, LEFT, 4.2, "-x"),
     ("advertising board", 42.0, LEFT, 3.5, "+x"),
@@ -101,7 +101,7 @@ def build() -> StreetComposer:
     street.close_view(("school",), at_end=False)
     street.close_view(("office building", "hotel", "apartment building"), at_end=True)
     street.trees((3.0, 15.9, 28.0, 41.0, 53.6, 63.0, 72.2), LEFT, 0.75)
-    street.trees((6.2, 14.0, 31.4, 50.6, 62.0, 69.4), RIGHT, 0.65)
+    street.trees((6.2, 14.0, 31.4, 50.6, 61.4, 69.4), RIGHT, 0.65, "slim")
     street.row("street light", (5.8, 31.0, 51.2, 69.0), LEFT, 0.4)
     street.row("street light", (2.6, 26.6, 46.0, 73.6), RIGHT, 0.4)
     street.row(

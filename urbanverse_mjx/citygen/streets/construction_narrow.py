@@ -27,12 +27,12 @@ THINGS = (
     ("rock", 26.5, RIGHT, 0.6, 40.0),
     ("rock", 28.0, RIGHT, 0.6, 110.0),
     ("handcart", 33.2, RIGHT, 0.75, "+x"),
-    ("handcart", 41.0, LEFT, 0.7, 70.0),
+    ("handcart", 41.9, LEFT, 0.7, 70.0),
     ("construction worker", 24.0, RIGHT, 0.7, 60.0),
     ("construction worker", 31.6, LEFT, -0.6, "street"),
     ("construction worker", 32.0, LEFT, -1.5, 200.0),
     ("construction worker", 34.7, RIGHT, 0.6, 120.0),
-    ("construction worker", 42.0, LEFT, 1.0, 250.0),
+    ("construction worker", 43.3, LEFT, 0.5, 250.0),
     ("police officer", 15.0, RIGHT, 0.6, "street"),
     ("pedestrian adult", 5.5, LEFT, 1.8, "+x"),
     ("pedestrian adult", 19.5, RIGHT, 2.2, "-x"),
@@ -48,7 +48,7 @@ THINGS = (
     ("dumpster", 45.0, LEFT, 2.85, "street"),
     ("street cabinet", 17.5, RIGHT, 2.7, "street"),
     ("street cabinet", 55.0, RIGHT, 2.7, "street"),
-    ("fire hydrant", 47.5, RIGHT, 0.45, "street"),
+    ("fire hydrant", 40.4, RIGHT, 0.45, "street"),
     ("parking meter", 57.5, RIGHT, 0.4, "wall"),
     ("bench", 58.0, LEFT, 3.1, "street"),
     ("bicycle", 40.4, RIGHT, 2.6, "+x"),
@@ -93,7 +93,7 @@ def build() -> StreetComposer:
     street.row("street light", (8.0, 45.8, 59.6), LEFT, 0.4)
     street.row("street light", (2.5, 20.0, 37.2, 53.5), RIGHT, 0.4)
     street.trees((3.5, 55.8, 62.2), LEFT, 0.65)
-    street.trees((6.4, 58.9), RIGHT, 0.6)
+    street.trees((6.4, 58.9), RIGHT, 0.6, "slim")
     parked(street, (("van", 6.0), ("sedan", 56.8)), RIGHT)
     parked(street, (("hatchback car", 4.8), ("sedan", 58.6)), LEFT)
     street.put_all(THINGS)

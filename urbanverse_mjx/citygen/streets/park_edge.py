@@ -1,5 +1,6 @@
 """Houses on one side, a small park with a fountain on the other (never trained on)."""
 
+from .. import catalogue
 from ..composer import LEFT, RIGHT, StreetComposer
 from ..pieces import cafe_set, lane_paint, parked
 from ..section import StreetSection
@@ -71,7 +72,7 @@ THINGS = (
     ("advertising board", 58.4, RIGHT, 2.4, "-x"),
     ("mailbox", 69.4, RIGHT, 3.4, "street"),
     ("postbox", 14.6, RIGHT, 0.6, "wall"),
-    ("fire hydrant", 47.6, RIGHT, 0.5, "street"),
+    ("fire hydrant", 49.9, RIGHT, 0.5, "street"),
     ("parking meter", 29.0, RIGHT, 0.4, "wall"),
     ("parking meter", 42.0, RIGHT, 0.4, "wall"),
     ("speed limit sign 30 km", 2.0, RIGHT, 0.45, "-x"),
@@ -82,7 +83,7 @@ THINGS = (
     ("manhole cover", 33.0, RIGHT, -2.6, "+x"),
 )
 
-SHRUBS = (3.4, 5.0, 6.6, 8.2, 63.2, 64.8, 66.4, 68.0)
+HEDGE = (4.1, 6.4, 8.7, 62.8, 65.1, 67.4)
 FLOWERS = ((33.0, 7.9), (33.2, 10.6), (39.0, 7.9), (38.8, 10.6), (8.4, 7.2), (10.6, 7.2), (62.8, 9.6), (65.2, 9.6))
 
 
@@ -94,16 +95,16 @@ def build() -> StreetComposer:
     )
     street.close_view(("apartment building", "school", "office building", "house"), at_end=False)
     street.close_view(("hotel", "house", "restaurant"), at_end=True)
-    street.trees((7.0, 22.6, 32.5, 40.5, 49.0, 61.0, 68.5), LEFT, 0.7)
-    street.trees((5.5, 14.5, 27.0, 45.5, 67.0), LEFT, 6.6)
-    street.trees((4.0, 12.0, 24.0, 49.5, 60.5, 69.0), LEFT, 12.9)
-    street.trees((7.0, 24.8, 37.0, 47.0, 63.6), RIGHT, 0.65)
-    street.row("street light", (11.2, 27.6, 44.8, 66.0), RIGHT, 0.4)
+    street.trees((7.0, 21.4, 32.5, 40.5, 49.0, 61.0, 68.5), LEFT, 0.7)
+    street.trees((5.5, 14.5, 27.0, 45.5, 67.0), LEFT, 6.6, "broad")
+    street.trees((4.0, 12.0, 24.0, 49.5, 60.5, 69.0), LEFT, 12.3, "broad")
+    street.trees((7.0, 24.8, 37.0, 47.9, 63.6), RIGHT, 0.65)
+    street.row("street light", (11.2, 27.6, 44.8, 66.8), RIGHT, 0.4)
     street.row("lamppost", (9.8, 26.4, 37.4, 58.2), LEFT, 0.55)
     street.row("bollard", (15.2, 20.8, 51.2, 56.8), LEFT, 0.35)
     street.row("bollard", (15.2, 20.8, 51.2, 56.8), RIGHT, 0.35)
     street.row("fence", (1.6, 70.4), LEFT, 3.6, "street")
-    street.row("shrub", SHRUBS, LEFT, 4.0, "street", 40.0)
+    street.row("shrub", HEDGE, LEFT, 4.0, "street", size=catalogue.HEDGE)
     for x, from_kerb in FLOWERS:
         street.put("flower", x, LEFT, from_kerb, street.uniform(-180.0, 180.0))
     for x in (30.6, 33.2):

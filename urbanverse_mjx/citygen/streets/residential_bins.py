@@ -54,7 +54,7 @@ def build() -> StreetComposer:
     street.close_view(("house", "apartment building"), at_end=False)
     street.close_view(("house", "apartment building", "house", "house"), at_end=True)
     street.trees((4.0, 11.0, 23.5, 31.0, 38.5, 48.8, 59.5, 66.5), LEFT, 0.6)
-    street.trees((7.5, 25.0, 33.0, 41.0, 58.0), RIGHT, 0.6)
+    street.trees((7.5, 25.0, 33.0, 41.0, 58.0), RIGHT, 0.6, "slim")
     street.row("street light", (8.0, 28.0, 44.0, 63.5), LEFT, 0.45, "street")
     street.row("utility pole", (2.8, 37.5, 66.0), RIGHT, 0.4, "street")
     parked(street, (("hatchback car", 4.5), ("sedan", 10.5), ("suv", 22.5), ("minivan", 28.6), ("sedan", 36.0)), RIGHT)

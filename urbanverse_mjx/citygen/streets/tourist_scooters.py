@@ -93,9 +93,9 @@ def build() -> StreetComposer:
     street.close_view(("hotel",), at_end=False)
     street.close_view(("restaurant", "bar"), at_end=True)
     street.row("lamppost", (7.8, 16.2, 26.0, 44.6, 54.0, 66.0), LEFT, 0.5)
-    street.row("lamppost", (5.6, 14.0, 26.6, 37.2, 46.2, 66.4), RIGHT, 0.5)
-    street.trees((3.2, 40.2, 57.2), LEFT, 0.7)
-    street.trees((2.2, 11.6, 54.2), RIGHT, 0.7)
+    street.row("lamppost", (5.6, 15.6, 26.6, 37.2, 46.2, 66.4), RIGHT, 0.5)
+    street.trees((3.2, 40.2, 57.2), LEFT, 0.7, "palm")
+    street.trees((2.2, 12.3, 54.2), RIGHT, 0.7, "palm")
     for x, side in ((5.0, RIGHT), (19.0, RIGHT), (43.4, RIGHT), (51.6, RIGHT)):
         cafe_set(street, x, side, 3.7, 2)
     for x in (7.0, 31.4, 42.6, 49.0):
