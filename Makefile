@@ -31,13 +31,13 @@ train: setup ## train the small policy, evaluate it on unseen streets; the last 
 	@$(BIN)/urbanverse train $(ARGS)
 
 test: setup-dev ## run the tests
-	@$(BIN)/python -m pytest $(ARGS)
+	@$(BIN)/python -m pytest -q $(ARGS)
 
 test-slow: setup-dev ## run the tests that take minutes
-	@$(BIN)/python -m pytest -m "slow and not gpu" $(ARGS)
+	@$(BIN)/python -m pytest -q -m "slow and not gpu" $(ARGS)
 
 test-gpu: setup-dev ## run the tests that need a CUDA device
-	@$(BIN)/python -m pytest -m gpu $(ARGS)
+	@$(BIN)/python -m pytest -q -m gpu $(ARGS)
 
 check: setup-dev ## formatting, lint, types and who may import whom
 	@$(BIN)/ruff format --check .
