@@ -24,15 +24,13 @@ from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
 from .index import build_mesh, load_index
 from .recipe import get_recipe
 
-FLUSH_HEIGHT = (
-    0.03  # m; what is lower (a manhole cover) is part of the ground: its hull is sunk so that no wheel touches it
-)
+FLUSH_HEIGHT = 0.03  # m; what is lower (a manhole cover) belongs to the ground: its hull is sunk, no wheel touches it
 FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
 HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
 FLAT = 0.005  # m; a piece whose points lie this near one plane (root mean square) is flat
-# A piece goes to CoACD when its hull holds this much more than the piece itself; below, the difference is a few litres
-# of air.
-EXCESS_RATIO, EXCESS_VOLUME = 1.35, 0.008  # 1, m^3
+# A piece goes to CoACD when air is more than this share of its hull, and more than a few litres or a thousandth of the
+# asset's box.
+EXCESS_SHARE, EXCESS_VOLUME, EXCESS_OF_BOX = 0.26, 0.008, 1e-3  # 1, m^3, 1
 CHEAP_VOLUME = 2e-4  # m^3; unions that add less are always made
 HIGH = 1.7  # m; space above robots and most people counts little
 HIGH_WEIGHT = 0.1
@@ -94,28 +92,48 @@ def _connected(vertices: np.ndarray, faces: np.ndarray) -> list[tuple[np.ndarray
     return pieces
 
 
-def enclosed_volume(vertices: np.ndarray, faces: np.ndarray) -> float | None:
-    """m^3 inside a closed surface, None for an open one."""
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1)
-    _, counts = np.unique(edges, axis=0, return_counts=True)
-    if (counts != 2).any():
-        return None
+def closed_surface(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The piece with every hole of its rim filled by a fan, so that a shell counts as the solid it pretends to be."""
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    known = set(map(tuple, edges.tolist()))
+    onward = {b: a for a, b in known if (b, a) not in known}  # along the rim, against the faces' own sense
+    points, fans = [vertices], []
+    while onward:
+        first, then = onward.popitem()
+        loop = [first]
+        while then != first and then in onward:
+            loop.append(then)
+            then = onward.pop(then)
+        middle = sum(len(p) for p in points)
+        points.append(vertices[loop].mean(0, keepdims=True))
+        fans += [(a, b, middle) for a, b in zip(loop, [*loop[1:], first], strict=True)]
+    if fans:
+        faces = np.concatenate([faces, np.array(fans)])
+    return np.concatenate(points), faces
+
+
+def signed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """m^3 inside a closed surface."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     return abs(float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6)
 
 
-def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int) -> list[Piece]:
-    """The convex pieces of one connected part: its hull where that is near enough, else CoACD's cut."""
+def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance: float) -> list[Piece]:
+    """The convex pieces of one connected part: its hull where that is near enough, else CoACD's cut.
+
+    Args:
+      budget: most pieces.
+      allowance: m^3 of air that the hull may add.
+    """
     whole = convex_piece(vertices)
-    volume = enclosed_volume(vertices, faces)
-    if volume is None:
-        # An open sheet encloses nothing; its own matter is its area times the thickness of a sheet.
-        a, b, c = (vertices[faces[:, i]] for i in range(3))
-        volume = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) * HALF_SHEET
-    if budget == 1 or whole.volume < volume * EXCESS_RATIO or whole.volume - volume < EXCESS_VOLUME:
+    if budget == 1 or vertices[:, 2].min() > HIGH:
         return [whole]
     if np.linalg.svd(vertices - vertices.mean(0), compute_uv=False)[-1] < FLAT * np.sqrt(len(vertices)):
         return [whole]  # a cloth or a pane: CoACD would only shred it
+    vertices, faces = closed_surface(vertices, faces)
+    air = whole.volume - signed_volume(vertices, faces)
+    if air < max(EXCESS_SHARE * whole.volume, allowance):
+        return [whole]
     import coacd
 
     coacd.set_log_level("error")
@@ -226,7 +244,8 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
     elif budget == 1:
         pieces = [convex_piece(mesh.vertices.astype(np.float64))]
     else:
-        parts = [p for v, f in connected_pieces(mesh, part_faces) for p in split_piece(v, f, budget)]
+        allowance = max(EXCESS_VOLUME, EXCESS_OF_BOX * float(np.prod(mesh.extent)))
+        parts = [p for v, f in connected_pieces(mesh, part_faces) for p in split_piece(v, f, budget, allowance)]
         pieces = merge_pieces(parts, budget)
     rounded = [np.round(simplified(p.corners) / MILLIMETRE).astype(np.int32) for p in pieces]
     # Largest first, ties by place: the order is part of the content.
@@ -247,7 +266,7 @@ def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], ob
     """Decomposes every record's mesh that the store lacks, in worker processes, and writes the store; prunes unused
     keys.
 
-    CoACD is known to abort after some hundred meshes in one process (its issue 23), hence new processes for every batch.
+    CoACD is known to abort after some hundred meshes in one process (its issue 23): every batch has new ones.
     """
     store = HullStore.load(store_path())
     found = dict(store.hulls)

@@ -1,0 +1,121 @@
+"""The committed index against what the recipes build today."""
+
+import numpy as np
+import pytest
+
+from urbanverse_mjx.assets import build_mesh, load_index
+from urbanverse_mjx.assets.export import export_glb, read_glb
+from urbanverse_mjx.assets.index import AssetIndex, build_index, save_index
+from urbanverse_mjx.assets.ontology import categories
+from urbanverse_mjx.datatypes import NounError
+
+INDEX = load_index()
+
+
+@pytest.fixture(scope="module")
+def rebuilt() -> AssetIndex:
+    return build_index()
+
+
+def test_the_committed_index_is_what_the_recipes_build(rebuilt: AssetIndex) -> None:
+    """On failure: `python -m urbanverse_mjx.assets build`, then `hulls`."""
+    stale = [r.uid for r in INDEX.records if r.uid not in {x.uid for x in rebuilt.records}]
+    changed = [r.uid for r in rebuilt.records if r.uid in {x.uid for x in INDEX.records} and r != INDEX.get(r.uid)]
+    assert (stale, changed) == ([], [])
+    assert INDEX.content_hash() == rebuilt.content_hash()
+
+
+def test_at_least_sixty_leaves_with_three_variants() -> None:
+    assert len(INDEX.leaves) >= 60
+    assert [leaf for leaf in INDEX.leaves if len(INDEX.by_leaf(leaf)) < 3] == []
+
+
+@pytest.mark.parametrize("leaf", INDEX.leaves)
+def test_meshes_of_a_leaf(leaf: str) -> None:
+    """Extent, frame, budget of triangles, texture, and outward faces, for every record of the leaf."""
+    for record in INDEX.by_leaf(leaf):
+        mesh = build_mesh(record)
+        assert np.abs(mesh.extent - record.extent_xyz).max() <= 1e-3, record.uid
+        assert mesh.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-4), record.uid
+        centre = (mesh.vertices.max(0) + mesh.vertices.min(0)) / 2
+        assert np.abs(centre[:2]).max() < 1e-4, record.uid
+        assert record.length == max(record.extent_xyz[:2])
+        assert record.width == min(record.extent_xyz[:2])
+        assert record.category == categories()[leaf]
+        assert 12 <= len(mesh.faces) <= 8000, record.uid
+        assert max(mesh.texture.shape[:2]) <= 512
+        assert 0 <= mesh.uv.min() <= mesh.uv.max() <= 1
+
+
+def test_variants_differ_visibly() -> None:
+    """No two records of a leaf share both their mesh and their texture."""
+    for leaf in INDEX.leaves:
+        seen = set()
+        for record in INDEX.by_leaf(leaf):
+            mesh = build_mesh(record)
+            seen.add((mesh.vertices.tobytes(), mesh.texture.tobytes()))
+        assert len(seen) == len(INDEX.by_leaf(leaf)), leaf
+
+
+# Front, sides and scale, by hand: a bench sits facing +x with its back at -x, a car drives along +x, a shop front looks along +x.
+def test_a_bench_is_long_across_and_its_back_is_behind() -> None:
+    record = next(r for r in INDEX.by_leaf("bench") if r.params.get("style") == "slatted iron")
+    x, y, z = record.extent_xyz
+    assert 1.4 < y < 2.1
+    assert x < 0.8
+    mesh = build_mesh(record)
+    assert mesh.vertices[mesh.vertices[:, 2] > 0.7, 0].max() < 0.0
+    assert 0.75 < z < 1.0
+
+
+@pytest.mark.parametrize(
+    ("leaf", "low", "high"),
+    [
+        ("traffic cone", 0.4, 1.2),
+        ("fire hydrant", 0.6, 1.2),
+        ("stop sign", 2.2, 3.2),
+        ("street light", 4.0, 10.0),
+        ("bollard", 0.6, 1.3),
+        ("bus shelter", 2.3, 3.2),
+        ("picnic table", 0.65, 0.9),
+        ("manhole cover", 0.005, 0.03),
+        ("telephone booth", 1.8, 2.9),
+    ],
+)
+def test_heights_are_those_of_the_street(leaf: str, low: float, high: float) -> None:
+    assert all(low <= r.height <= high for r in INDEX.by_leaf(leaf))
+
+
+def test_masses_are_plausible() -> None:
+    cone, barrier = INDEX.by_leaf("traffic cone"), INDEX.by_leaf("jersey barrier")
+    assert all(1 <= r.mass <= 7 and r.movable for r in cone)
+    assert max(r.mass for r in barrier) > 1000
+    assert not any(r.movable for r in barrier)
+    for record in INDEX.records:
+        assert record.required_force == pytest.approx(record.friction_coefficient * record.mass * 9.81, abs=0.1)
+
+
+@pytest.mark.parametrize("leaf", INDEX.leaves)
+def test_every_asset_exports_and_reloads(leaf: str, tmp_path) -> None:
+    for record in INDEX.by_leaf(leaf):
+        mesh = build_mesh(record)
+        again = read_glb(export_glb(record, tmp_path / "asset.glb"))
+        assert again.vertices.min(0) == pytest.approx(mesh.vertices.min(0), abs=1e-5)
+        assert again.vertices.max(0) == pytest.approx(mesh.vertices.max(0), abs=1e-5)
+        assert np.array_equal(again.texture, mesh.texture)
+        assert np.abs(again.uv - mesh.uv).max() < 1e-5
+        assert (again.roughness, again.metallic) == pytest.approx((mesh.roughness, mesh.metallic))
+
+
+def test_the_index_survives_its_file(tmp_path) -> None:
+    path = save_index(INDEX, tmp_path / "index.parquet")
+    again = load_index(path)
+    assert again.records == INDEX.records
+    assert again.content_hash() == INDEX.content_hash()
+
+
+def test_unknown_uid_and_leaf_are_refused() -> None:
+    with pytest.raises(NounError, match="no-such-thing"):
+        INDEX.get("no-such-thing")
+    with pytest.raises(NounError, match="bensh"):
+        INDEX.by_leaf("bensh")
