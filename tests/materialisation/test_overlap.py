@@ -61,7 +61,7 @@ def test_the_light_movable_thing_gives_way_and_the_house_never():
 
 def test_the_least_move_that_is_free_is_taken():
     done, _ = run(at("bin", "trash bin", 0, 4, (0.6, 0.6, 1.05)), at("bag", "garbage bag", 0.47, 4, (0.5, 0.5, 0.5)))
-    # 8 cm deep at scale 1: two steps of 5 cm straight away from the bin, or one if the bag was drawn 5 % smaller
+    # 8 cm deep at scale 1: two steps of 5 cm straight away from the bin, or one if the bag was drawn 3 % smaller
     assert done.moved[0][0] == "bag"
     assert done.moved[0][1] <= 0.1
 

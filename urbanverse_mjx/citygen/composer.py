@@ -5,11 +5,12 @@ import random
 from collections.abc import Iterable, Sequence
 
 import shapely
+import shapely.ops
 
 from ..datatypes import GraphObject, GroundRegion, SceneGraph, Source
 from ..datatypes.ground import PAINT_KINDS, height_at
 from . import catalogue, passage
-from .section import LOT_DEPTH, StreetSection, ground_regions
+from .section import CROSS_ARM, StreetSection, ground_regions
 
 #: One authored placement: label, x (m), side (+1 left, -1 right), distance from the kerb (m), facing.
 #: Facing is "street", "wall", "+x", "-x", or degrees counter-clockwise from +x.
@@ -38,10 +39,14 @@ class StreetComposer:
         return low + (high - low) * self._random.random()
 
     def ground_height(self, x: float, y: float) -> float:
-        """z (m) of the ground's top at a place; the highest where regions meet."""
+        """z (m) of the ground's top at a place; the highest where regions meet, the nearest beyond the edge."""
         point = shapely.Point(x, y)
         heights = [height_at(plane, x, y) for ring, plane in self._planes if ring.intersects(point)]
-        return max(heights, default=0.0)
+        if heights:
+            return max(heights)
+        ring, plane = min(self._planes, key=lambda entry: entry[0].distance(point))
+        near = shapely.ops.nearest_points(ring, point)[0]
+        return height_at(plane, near.x, near.y)
 
     def y_at(self, side: int, from_kerb: float) -> float:
         return side * (self.section.half + from_kerb)
@@ -128,7 +133,7 @@ class StreetComposer:
     def close_view(self, labels: Sequence[str], at_end: bool) -> None:
         """House fronts across one end of the street, facing along it."""
         kind = self.section.end if at_end else self.section.start
-        margin = 0.0 if kind == "court" else LOT_DEPTH
+        margin = 0.0 if kind == "court" else CROSS_ARM
         y0, y1 = -self.section.front(-1) - margin, self.section.front(1) + margin
         edge, y = self.section.closing_x(at_end), y0
         for label, (depth, width, height) in zip(labels, self._frontages(labels, y1 - y0), strict=True):
@@ -145,7 +150,7 @@ class StreetComposer:
         far = self.section.closing_x(at_end)
         for side, label in ((LEFT, labels[0]), (RIGHT, labels[-1])):
             (depth, width, height), *_ = self._frontages((label,), abs(far - edge))
-            y = side * (self.section.front(side) + LOT_DEPTH + depth / 2)
+            y = side * (self.section.front(side) + CROSS_ARM + depth / 2)
             self.add(self.make(label, (edge + far) / 2, y, -90.0 * side, (depth, round(width - JOINT, 3), height)))
 
     def _frontages(self, labels: Sequence[str], length: float) -> list[catalogue.Size]:

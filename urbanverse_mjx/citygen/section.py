@@ -14,7 +14,8 @@ RAMP_RUN = 1.5  # m: 1:10, gentler than the 1:8 that a dropped kerb may have
 RAMP_HALF_WIDTH = 1.0  # m
 FLARE = 1.0  # m, length of the tapered kerb on each side of a ramp
 CROSSWALK_HALF_WIDTH = RAMP_HALF_WIDTH + FLARE
-LOT_DEPTH = 10.5  # m of ground under the buildings
+LOT_DEPTH = 3.0  # m of ground under the houses: less than any is deep, so that nobody walks behind them
+CROSS_ARM = 10.5  # m that a cross road goes on beyond the house fronts
 COURT_DEPTH = 4.0  # m of pavement across the end of a closed street
 CROSS_ROAD = 6.0  # m, width of the road that a street meets at a junction
 FAR_PAVEMENT = 2.5  # m, pavement on the other side of that road
@@ -37,7 +38,8 @@ class StreetSection:
       left, right: m, widths of the pavements at y > 0 and y < 0.
       crosswalks: x of the crosswalks' middles, ascending.
       start, end: what the street meets at x = 0 and x = length: a paved court closed by houses, or a cross road.
-      left_park, right_park: m of open ground behind a pavement instead of house fronts; 0 = house fronts.
+      left_park, right_park: m of open ground between a pavement and the house fronts.
+      yards: whether the strip that the house fronts stand on is open ground (front yards) or paved.
     """
 
     length: float
@@ -49,10 +51,15 @@ class StreetSection:
     end: End = "court"
     left_park: float = 0.0
     right_park: float = 0.0
+    yards: bool = False
 
     @property
     def half(self) -> float:
         return self.carriageway / 2.0
+
+    @property
+    def lot_kind(self) -> str:
+        return "ground" if self.yards else "sidewalk"
 
     def width(self, side: int) -> float:
         """Pavement width (m) on side +1 (left, y > 0) or -1 (right)."""
@@ -153,16 +160,16 @@ def _end(section: StreetSection, at_end: bool) -> list[GroundRegion]:
     if kind == "court":
         return [
             strip("court", "sidewalk", 0.0, COURT_DEPTH, right, left, PAVEMENT_PLANE),
-            strip("lot", "ground", COURT_DEPTH, COURT_DEPTH + LOT_DEPTH, right, left, PAVEMENT_PLANE),
+            strip("lot", section.lot_kind, COURT_DEPTH, COURT_DEPTH + LOT_DEPTH, right, left, PAVEMENT_PLANE),
         ]
-    right, left = right - LOT_DEPTH, left + LOT_DEPTH
+    right, left = right - CROSS_ARM, left + CROSS_ARM
     far = CROSS_ROAD + FAR_PAVEMENT
     return [
-        strip("right_corner", "ground", 0.0, far, right - LOT_DEPTH, right, PAVEMENT_PLANE),
-        strip("left_corner", "ground", 0.0, far, left, left + LOT_DEPTH, PAVEMENT_PLANE),
+        strip("right_corner", section.lot_kind, 0.0, far, right - LOT_DEPTH, right, PAVEMENT_PLANE),
+        strip("left_corner", section.lot_kind, 0.0, far, left, left + LOT_DEPTH, PAVEMENT_PLANE),
         strip("cross_road", "road", 0.0, CROSS_ROAD, right, left, ROAD_PLANE),
         strip("far_pavement", "sidewalk", CROSS_ROAD, far, right, left, PAVEMENT_PLANE),
-        strip("lot", "ground", far, far + LOT_DEPTH, right, left, PAVEMENT_PLANE),
+        strip("lot", section.lot_kind, far, far + LOT_DEPTH, right, left, PAVEMENT_PLANE),
     ]
 
 
@@ -176,8 +183,7 @@ def ground_regions(section: StreetSection) -> list[GroundRegion]:
         if park > 0.0:
             regions.append(_box(f"{name}_park", "ground", 0.0, section.length, back, front, PAVEMENT_PLANE))
         lot = front + side * LOT_DEPTH
-        ends = (x0 - LOT_DEPTH if section.start == "court" else x0, x1 + LOT_DEPTH if section.end == "court" else x1)
-        regions.append(_box(f"{name}_lot", "ground", *ends, front, lot, PAVEMENT_PLANE))
+        regions.append(_box(f"{name}_lot", section.lot_kind, x0, x1, front, lot, PAVEMENT_PLANE))
     return regions
 
 

@@ -90,9 +90,9 @@ def _place(thing: GraphObject, chosen: choice.Choice, support: overlap.Support) 
     )
 
 
-def _materials(ground: Sequence[GroundRegion], seed: int, cousin: int) -> tuple[PlacedGround, ...]:
+def _materials(graph: SceneGraph, seed: int, cousin: int) -> tuple[PlacedGround, ...]:
     """One material per kind; pavements that do not touch each other may differ."""
-    pavements = [r for r in ground if r.kind == "sidewalk"]
+    pavements = [r for r in graph.ground if r.kind == "sidewalk"]
     joined = shapely.union_all([shapely.Polygon(r.polygon) for r in pavements])
     parts = sorted(shapely.get_parts(joined), key=lambda p: p.bounds) if pavements else []
 
@@ -101,10 +101,10 @@ def _materials(ground: Sequence[GroundRegion], seed: int, cousin: int) -> tuple[
         return next((i for i, part in enumerate(parts) if part.covers(inside)), 0)
 
     placed = []
-    for region in ground:
+    for region in graph.ground:
         options = material_ids(region.kind)
         part = piece(region) if region.kind == "sidewalk" else 0
-        material = options[choice.pick(len(options), "ground", seed, cousin, region.kind, part)]
+        material = options[choice.pick(len(options), "ground", seed, cousin, graph.id, region.kind, part)]
         placed.append(PlacedGround(region.id, region.kind, region.polygon, region.plane, material))
     return tuple(placed)
 
@@ -161,7 +161,7 @@ def materialise(
         seed=seed,
         cousin=cousin,
         objects=tuple(_moved(b) for b in bodies),
-        ground=_materials(graph.ground, seed, cousin),
+        ground=_materials(graph, seed, cousin),
         sky=skies[choice.pick(len(skies), "sky", seed, cousin, graph.id)],
         sky_yaw=round(choice.pick(6283, "sky yaw", seed, cousin, graph.id) / 1000.0 - math.pi, 3),
         hashes={"assets": index.content_hash(), "materialiser": VERSION},

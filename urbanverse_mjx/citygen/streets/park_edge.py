@@ -6,7 +6,14 @@ from ..pieces import cafe_set, lane_paint, parked
 from ..section import StreetSection
 
 SECTION = StreetSection(
-    length=72.0, carriageway=7.0, left=3.4, right=3.8, crosswalks=(18.0, 54.0), start="junction", left_park=12.0
+    length=72.0,
+    carriageway=7.0,
+    left=3.4,
+    right=3.8,
+    crosswalks=(18.0, 54.0),
+    start="junction",
+    left_park=12.0,
+    yards=True,
 )
 
 THINGS = (
@@ -97,7 +104,7 @@ def build() -> StreetComposer:
     street.close_view(("hotel", "house", "restaurant"), at_end=True)
     street.trees((7.0, 21.4, 32.5, 40.5, 49.0, 61.0, 68.5), LEFT, 0.7)
     street.trees((5.5, 14.5, 27.0, 45.5, 67.0), LEFT, 6.6, "broad")
-    street.trees((4.0, 12.0, 24.0, 49.5, 60.5, 69.0), LEFT, 12.3, "broad")
+    street.trees((4.0, 12.0, 24.0, 49.5, 60.5, 69.0), LEFT, 11.9, "broad")
     street.trees((7.0, 24.8, 37.0, 47.9, 63.6), RIGHT, 0.65)
     street.row("street light", (11.2, 27.6, 44.8, 66.8), RIGHT, 0.4)
     street.row("lamppost", (9.8, 26.4, 37.4, 58.2), LEFT, 0.55)

@@ -4,7 +4,9 @@ from ..composer import LEFT, RIGHT, StreetComposer
 from ..pieces import bay_lines, lane_paint, parked, rubbish
 from ..section import StreetSection
 
-SECTION = StreetSection(length=70.0, carriageway=8.4, left=3.2, right=3.4, crosswalks=(16.0, 52.0), end="junction")
+SECTION = StreetSection(
+    length=70.0, carriageway=8.4, left=3.2, right=3.4, crosswalks=(16.0, 52.0), end="junction", yards=True
+)
 
 THINGS = (
     ("fire hydrant", 21.0, RIGHT, 0.5, "street"),
