@@ -7,6 +7,7 @@ that order about `at`.
 
 import contextlib
 import dataclasses
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -37,7 +38,7 @@ class BuiltAsset:
       params: what makes this variant itself, recorded in the index (JSON values).
       volume: m^3 enclosed by the closed parts (overlaps counted twice).
       mass: kg, or None to take volume times the recipe's bulk density.
-      part_faces: number of faces of each part, in the order of the mesh's faces.
+      part_faces: number of faces of each part (or solid), in the order of the mesh's faces.
     """
 
     mesh: AssetMesh
@@ -54,6 +55,7 @@ class _Part:
     color: tuple[int, int, int] | None
     picture: int | None
     crease_deg: float
+    solid: int
 
 
 def affine(at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1.0) -> np.ndarray:
@@ -73,6 +75,17 @@ class MeshBuilder:
         self._parts: list[_Part] = []
         self._pictures: list[np.ndarray] = []
         self._frame = np.eye(4)
+        self._solid, self._in_solid = 0, False
+
+    @contextlib.contextmanager
+    def solid(self) -> Iterator["MeshBuilder"]:
+        """Parts added inside are one skin in several colours: the convex decomposition takes them as one solid."""
+        self._in_solid = True
+        try:
+            yield self
+        finally:
+            self._in_solid = False
+            self._solid += 1
 
     @contextlib.contextmanager
     def frame(self, at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1.0) -> Iterator["MeshBuilder"]:
@@ -104,7 +117,9 @@ class MeshBuilder:
             raise ValueError("part: found a picture on a shape without UV, needed a panel, quad, sheet or box skin.")
         placed = shape.transformed(self._frame @ affine(at, turn_deg, scale))
         paint = None if color is None else palette.rgb(color)
-        self._parts.append(_Part(placed, paint, None if picture is None else self._picture(picture), crease_deg))
+        number = None if picture is None else self._picture(picture)
+        self._parts.append(_Part(placed, paint, number, crease_deg, self._solid))
+        self._solid += 0 if self._in_solid else 1
 
     def _picture(self, picture: Picture) -> int:
         pixels = np.asarray(picture.convert("RGB") if isinstance(picture, Image.Image) else picture, np.uint8)
@@ -371,7 +386,8 @@ class MeshBuilder:
             points, np.concatenate(faces), np.concatenate(uvs), packed.texture, self._roughness, self._metallic
         )
         volume = sum(shapes.volume(p.shape) for p in self._parts)
-        part_faces = tuple(len(f) for f in faces)
+        solids = itertools.groupby(zip(self._parts, faces, strict=True), key=lambda pair: pair[0].solid)
+        part_faces = tuple(sum(len(f) for _, f in group) for _, group in solids)
         return BuiltAsset(mesh, description, dict(params or {}), volume, mass, part_faces)
 
 

@@ -66,6 +66,10 @@ class Facade:
 
         Below `ground_height` the front is plain. Every seam has the same corners on both its sides.
         """
+        with self.builder.solid():
+            self._skin(picture, ground, ground_height)
+
+    def _skin(self, picture: Picture, ground: Color | None, ground_height: float) -> None:
         width, height, depth = self.width, self.height, self.depth
         holes = shapely.union_all([hole for hole, _, _ in self._openings])
         upper = shapely.box(-width / 2, ground_height, width / 2, height).difference(holes)

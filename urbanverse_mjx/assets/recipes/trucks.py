@@ -76,7 +76,7 @@ def _big_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_wi
             wheel(b, (x, side * (half_width - 0.17), radius), radius, 0.32, rim, side, segments=18)
 
 
-@recipe("bus", 3, _BUS, hulls=4)
+@recipe("bus", 3, _BUS, hulls=6)
 def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4, metallic=0.05)
     color, band, line, length = (
@@ -248,7 +248,7 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return dataclasses.replace(built, volume=float(np.prod(built.mesh.extent)) * 0.7)
 
 
-@recipe("food truck", 3, _FOOD_TRUCK, hulls=5)
+@recipe("food truck", 3, _FOOD_TRUCK, hulls=6)
 def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, accent, name, menu = (

@@ -350,12 +350,12 @@ def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(names[variant], {"color": str(color)})
 
 
-@recipe("christmas tree", 2, _TREE, hulls=3)
+@recipe("christmas tree", 3, _TREE, hulls=3)
 def christmas_tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
-    height, radius = ((3.2, 1.05), (2.2, 0.75))[variant]
+    height, radius = ((3.2, 1.05), (2.2, 0.75), (5.2, 1.6))[variant]
     _conifer(b, height, radius, "#2f5f3a", rng)
-    b.lathe([(0.32, 0), (0.36, 0.35), (0.30, 0.35)], color=("red", "dark wood")[variant], segments=14)
+    b.lathe([(0.32, 0), (0.36, 0.35), (0.30, 0.35)], color=("red", "dark wood", "concrete")[variant], segments=14)
     for k in range(34):
         f = (k + 0.5) / 34
         a, z = k * 2.39996, 0.55 + (height - 1.0) * f
@@ -369,5 +369,9 @@ def christmas_tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
     ]
     with b.frame((0, 0, b.bounds[1][2] + 0.06), (90, 0, 90)):
         b.extrude(star, 0.04, (0, 0, -0.02), "gold")
-    names = ("A tall decorated Christmas tree in a red pot", "A small decorated Christmas tree")
-    return b.build(names[variant], {"height": height}, mass=(60.0, 30.0)[variant])
+    names = (
+        "A tall decorated Christmas tree in a red pot",
+        "A small decorated Christmas tree",
+        "A large public Christmas tree",
+    )
+    return b.build(names[variant], {"height": height}, mass=(60.0, 30.0, 220.0)[variant])

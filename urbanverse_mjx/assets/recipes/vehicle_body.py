@@ -72,7 +72,7 @@ def _underside(rows: list[np.ndarray], ends: list[list[np.ndarray]]) -> Shape:
     for k, row in ((0, ends[0]), (count - 1, ends[1])):
         chain = np.array([rows[0][k], *row, rows[1][k]])
         fan = np.array([(0, i, i + 1) for i in range(1, len(chain) - 1)])
-        shapes.append(Shape(chain, fan if k == 0 else fan[:, ::-1]))
+        shapes.append(Shape(chain, fan[:, ::-1] if k == 0 else fan))
     return merged(shapes)
 
 
@@ -186,14 +186,15 @@ class Body:
         sides = [np.stack([rim[:, 0], sign * y, rim[:, 1]], 1) for sign in (-1.0, 1.0)]
         n = len(edge)
         skin = _strip([sides[0][:n], *middle, sides[1][:n]])
-        self.builder.add(skin, color, crease_deg=52.0)
         closing = [np.vstack([r[n - 1 :], r[:1]]) for r in sides]
         # The ends of the two skins meet along the bumpers' lower edges, where the upper one has more points across.
         ends = [[row[k] for row in middle] for k in (n - 1, 0)]
         flanks = self._flanks(shapely.Polygon(rim), 0.0, "lr")
-        self.builder.add(flanks, color, crease_deg=25.0)
         belly = _underside(closing, ends)
-        self.builder.add(belly, under, crease_deg=30.0)
+        with self.builder.solid():
+            self.builder.add(skin, color, crease_deg=52.0)
+            self.builder.add(flanks, color, crease_deg=25.0)
+            self.builder.add(belly, under, crease_deg=30.0)
         whole = merged([skin, flanks, belly])
         a, b, c = (whole.vertices[whole.faces[:, i]] for i in range(3))
         self.volume = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6
