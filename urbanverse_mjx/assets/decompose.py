@@ -18,6 +18,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
+from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh
 
 from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
@@ -134,7 +135,13 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
     air = whole.volume - signed_volume(vertices, faces)
     if air < max(EXCESS_SHARE * whole.volume, allowance):
         return [whole]
-    import coacd
+    try:
+        import coacd
+    except ImportError as error:
+        raise NounError(
+            "CoACD: found no module named coacd, needed it to cut a mesh that is not convex; "
+            "install the extra with `pip install urbanverse_mjx[hulls]`."
+        ) from error
 
     coacd.set_log_level("error")
     parts = coacd.run_coacd(
@@ -235,7 +242,7 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
     """At most `budget` convex hulls of a mesh, each (n, 3) int32 in whole millimetres with n <= 32.
 
     Raises:
-      ImportError: the mesh needs CoACD, and the extra `hulls` is not installed.
+      NounError: the mesh needs CoACD, and the extra `hulls` is not installed.
     """
     if mesh.extent[2] <= FLUSH_HEIGHT:
         flat = np.unique(np.round(mesh.vertices[:, :2], 3), axis=0)
