@@ -1,6 +1,7 @@
 """Importing the package is quick and light, and one module alone reads the environment."""
 
 import ast
+import functools
 import pathlib
 import subprocess
 import sys
@@ -26,6 +27,12 @@ def loaded_after(statement: str) -> tuple[set[str], float]:
     return set(names), float(seconds)
 
 
+@functools.cache
+def loaded_by(room: str) -> set[str]:
+    """Top-level modules that importing a room loads."""
+    return loaded_after(f"import urbanverse_mjx.{room}")[0]
+
+
 @pytest.mark.parametrize("module", ["urbanverse_mjx", "urbanverse_mjx.settings", "urbanverse_mjx.cli.main"])
 def test_package_imports_nothing_heavy_within_a_second(module: str) -> None:
     # The best of three: a busy machine may delay one of them.
@@ -36,7 +43,7 @@ def test_package_imports_nothing_heavy_within_a_second(module: str) -> None:
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_no_room_loads_warp_or_brax_when_imported(room: str) -> None:
-    names, _ = loaded_after(f"import urbanverse_mjx.{room}")
+    names = loaded_by(room)
     # Warp is simulation's own library: the room must set its log level before MJX starts it.
     allowed = {"warp"} if room == "simulation" else set()
     assert not names & ({"warp", "brax", "mujoco_warp", "mujoco_warp_pbr"} - allowed)
@@ -44,7 +51,7 @@ def test_no_room_loads_warp_or_brax_when_imported(room: str) -> None:
 
 @pytest.mark.parametrize("room", ["datatypes", "assets", "citygen", "materialisation", "scene"])
 def test_what_makes_scenes_loads_no_jax(room: str) -> None:
-    names, _ = loaded_after(f"import urbanverse_mjx.{room}")
+    names = loaded_by(room)
     assert "jax" not in names
 
 
