@@ -37,12 +37,13 @@ STANDSTILL = 1e-3
 
 def _differential(command: Any) -> Any:
     speed, yaw_rate = command[0], command[1]
-    # In a bend the mass, ahead of the rear axle, wants to go straight on: the rear wheels must hold this moment, and a
-    # servo holds a torque only by a difference of speed, which is given in advance.
-    moment = body.TOTAL_MASS * (body.CENTRE_X - body.REAR_AXLE_X) * speed * yaw_rate
-    lead = moment / body.TRACK * body.WHEEL_RADIUS**2 / body.make_servo("differential").wheel
-    half = 0.5 * body.TRACK * yaw_rate + lead
-    return jnp.stack([speed - half, speed + half, speed - half, speed + half]) / body.WHEEL_RADIUS
+    # In a bend the mass, ahead of the rear axle, wants to go straight on: it pulls the axle sideways round and forward.
+    # A servo holds a torque only by a difference of speed, which is given in advance: (m/s) per N on one rear wheel.
+    give = body.WHEEL_RADIUS**2 / body.make_servo("differential").wheel
+    arm = body.TOTAL_MASS * (body.CENTRE_X - body.REAR_AXLE_X)
+    half = 0.5 * body.TRACK * yaw_rate + give * arm * speed * yaw_rate / body.TRACK
+    mean = speed - give * 0.5 * arm * yaw_rate * yaw_rate
+    return jnp.stack([mean - half, mean + half, mean - half, mean + half]) / body.WHEEL_RADIUS
 
 
 def _ackermann(command: Any) -> Any:

@@ -39,7 +39,9 @@ BODY_FRICTION = 0.6
 MAX_STEER = math.radians(20.053522)  # range_deg
 STEER_EFFORT = 64.0  # N m, effort_limit
 
-SPEED_LAG = 0.2  # s, coco2play_kinematics.speed_time_constant_s
+#: s. coco2play_kinematics.speed_time_constant_s is 0.2: 10 m/s² at a full start, more than tyres can pass on, so they
+#: would spin at every start and the rear wheels hop at the physics rate. At 0.3 s they hardly do.
+SPEED_LAG = 0.3
 
 # --- Camera (coco.json, urbansim_camera) ---
 CAMERA_POSITION = (0.51, 0.0, 0.015)  # pos_in_base
@@ -77,12 +79,12 @@ class Servo:
 
 
 def make_servo(drive: str) -> Servo:
-    """Gains that follow a speed command with the lag of the real robot's model, 0.2 s.
+    """Gains that follow a speed command with the lag `SPEED_LAG`.
 
     coco.json gives wheel gains that exclude each other, 1e6 (USD) and 0.3 (UrbanSim, with commands a hundred times too
-    fast), and one lag (coco2play_kinematics.speed_time_constant_s). So: gain = moving inertia seen by the wheels that
-    grip / (their number * lag). At a quarter of that lag the robot stands up on its rear wheels at every start. The
-    steering gain is a choice: with the front wheels' servos resisting, the axle turns with a lag of 0.15 s.
+    fast), so the gain follows from the lag: moving inertia seen by the wheels that grip / (their number * lag). The
+    price is that a slope of 1:8 takes 0.3 m/s off the speed. The steering gain is a choice: with the front wheels'
+    servos resisting, the axle turns with a lag of 0.1 s.
     """
     gripping = 2 if drive == "differential" else 4
     inertia = TOTAL_MASS * WHEEL_RADIUS**2 + gripping * WHEEL_INERTIA
