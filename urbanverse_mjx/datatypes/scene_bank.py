@@ -173,7 +173,8 @@ class SceneBank:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         meta = np.frombuffer(json.dumps({**self.meta, "schema": SCHEMA}).encode("utf-8"), np.uint8)
-        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, meta=meta, **self.arrays()))
+        arrays: dict[str, Any] = {"meta": meta, **self.arrays()}
+        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, **arrays))
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "SceneBank":
