@@ -65,17 +65,17 @@ def _(rng: np.random.Generator) -> np.ndarray:
     return p.mix(image, (0.22, 0.22, 0.22), p.crack(rng, 5, 0.7) * 0.8)
 
 
-@_material("asphalt_patched", "road", 5.0, 0.9, "worn asphalt with darker repair patches and tar joints")
+@_material("asphalt_patched", "road", 10.0, 0.9, "worn asphalt with darker repair patches and tar joints")
 def _(rng: np.random.Generator) -> np.ndarray:
-    image = p.asphalt(rng, 0.40, 0.08, 0.06)
-    patch = p.asphalt(rng, 0.27, 0.05, 0.04)
+    image = p.asphalt(rng, 0.38, 0.08, 0.05)
+    patch = p.asphalt(rng, 0.31, 0.06, 0.04)
     y, x = np.mgrid[0:SIZE, 0:SIZE]
     edge = noise.periodic_noise(rng, SIZE, 2.0, 4.0) * 1.5
-    for left, top, width, height in ((30, 40, 90, 60), (160, 150, 60, 80)):
+    for left, top, width, height in ((30, 40, 70, 34), (160, 150, 30, 62)):
         inside = np.minimum.reduce([x - left, left + width - x, y - top, top + height - y]) + edge
         image = p.mix(image, patch, np.clip(inside, 0, 1))
-        image = p.mix(image, (0.12, 0.12, 0.12), np.clip(2.2 - np.abs(inside), 0, 1) * 0.8)
-    return p.mix(image, (0.14, 0.14, 0.14), p.crack(rng, 3, 0.9))
+        image = p.mix(image, (0.12, 0.12, 0.12), np.clip(1.2 - np.abs(inside), 0, 1) * 0.6)
+    return p.mix(image, (0.22, 0.22, 0.22), p.crack(rng, 3, 0.6) * 0.7)
 
 
 @_material("asphalt_light", "road", 3.5, 0.9, "light coarse asphalt with pale chippings")

@@ -10,18 +10,18 @@ from ..mesh_builder import MeshBuilder
 from ..palette import Color, mix, rgb
 from ..shapes import Shape
 
-PICTURE = 64
+PICTURE = 96
 
 
 def leaf_picture(
     color: Color, rng: np.random.Generator, flowers: Color | None = None, grain: float = 1.0
 ) -> np.ndarray:
-    """(64, 64, 3): leaves, in shade at the bottom of the picture and in the sun at its top."""
+    """(96, 96, 3): leaves, in shade at the bottom of the picture and in the sun at its top."""
     image = Image.new("RGB", (PICTURE * 4, PICTURE * 4), mix(color, "black", 0.5))
 
     pen = ImageDraw.Draw(image)
     side = PICTURE * 4
-    for _ in range(1500):
+    for _ in range(2600):
         x, y = rng.random(2) * side
         light = 1 - y / side
         tone = mix(
@@ -29,7 +29,7 @@ def leaf_picture(
         )
         if flowers is not None and rng.random() < 0.22:
             tone = mix(flowers, "black", 0.35 * (1 - light))
-        r, a = grain * float(rng.uniform(5, 10)), float(rng.random() * np.pi)
+        r, a = grain * float(rng.uniform(6, 12)), float(rng.random() * np.pi)
         dx, dy = r * np.cos(a), r * np.sin(a)
         pen.polygon(
             [(x - dx, y - dy), (x + dy * 0.45, y - dx * 0.45), (x + dx, y + dy), (x - dy * 0.45, y + dx * 0.45)],
@@ -67,7 +67,7 @@ def leafy(
     u = rng.uniform(0.12, 0.88, len(level))
     turn = rng.random(len(level)) * 2 * np.pi
     angle = turn[:, None] + np.array([0.0, 2.1, 4.2])
-    uv = np.stack([u[:, None] + 0.11 * np.cos(angle), v[:, None] + 0.11 * np.sin(angle)], -1).reshape(-1, 2)
+    uv = np.stack([u[:, None] + 0.19 * np.cos(angle), v[:, None] + 0.13 * np.sin(angle)], -1).reshape(-1, 2)
     faces = np.arange(len(corners) * 3).reshape(-1, 3)
     builder.add(Shape(corners.reshape(-1, 3), faces, np.clip(uv, 0, 1)), at=at, picture=picture)
 
@@ -93,5 +93,5 @@ def potted_bush(
 
 
 def _small(picture: np.ndarray) -> np.ndarray:
-    """A quarter of the picture's area, for assets whose texture is full."""
-    return np.asarray(Image.fromarray(picture).resize((PICTURE // 2, PICTURE // 2), Image.Resampling.LANCZOS))
+    """The picture at 32 x 32, for assets whose texture is full."""
+    return np.asarray(Image.fromarray(picture).resize((32, 32), Image.Resampling.LANCZOS))

@@ -84,6 +84,11 @@ def _trunk(b: MeshBuilder, s: _Species, rng: np.random.Generator) -> list[np.nda
 def _broadleaf(b: MeshBuilder, s: _Species, rng: np.random.Generator) -> None:
     radius, low, high = s.crown
     ends = _trunk(b, s, rng)
+    if s.bark == "#e0ded6":
+        for k in range(9):  # the dark lenticels of birch bark
+            a, z = 2.4 * k, 0.25 + 0.24 * k
+            r = s.trunk * (1.12 - 0.05 * k)
+            b.box((0.012, 0.10, 0.03), (r * np.cos(a), r * np.sin(a), z), "#3a3632", (0, 0, np.degrees(a)))
     picture = leaf_picture(s.leaves, rng, s.flowers, s.grain)
     middle, half = (low + high) / 2, (high - low) / 2
     # Clusters on a crown-shaped surface, golden-angle spread, some inside; one on every branch's end.

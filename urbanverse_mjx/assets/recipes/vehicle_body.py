@@ -103,6 +103,12 @@ class Body:
         front = np.clip((np.asarray(x) - self._front + length) / length, 0.0, 1.0) ** 2 * self.shape.taper[1]
         return self.shape.width / 2 * section * (1 - rear - front)
 
+    @property
+    def _rows(self) -> np.ndarray:
+        """(5,) t of the skin's rows of vertices, between the rounded edges."""
+        inset = self.shape.rounding / (self.shape.width / 2)
+        return np.array([-1 + inset, -0.6, 0.0, 0.6, 1 - inset])
+
     @functools.cached_property
     def _spline(self) -> np.ndarray:
         """(n, 4) s, x, z, bulge along the upper outline: Catmull-Rom through its points."""
@@ -177,8 +183,7 @@ class Body:
         # The largest rounding up to the wanted one that does not fold the outline over itself at a tight corner.
         trials = [self.shape.rounding * f for f in (1.0, 0.7, 0.5, 0.3, 0.15)]
         rounding = next((r for r in trials if shapely.Polygon(np.vstack([at - normal * r, self._lower])).is_valid), 0.0)
-        inset = self.shape.rounding / (self.shape.width / 2)
-        middle = [self._across_points(s, t) for t in (-1 + inset, -0.6, 0.0, 0.6, 1 - inset)]
+        middle = [self._across_points(s, t) for t in self._rows]
         edge, *middle = self._with_crossings(at - normal * rounding, *middle)
         (lower,) = self._with_crossings(self._lower)
         rim = np.vstack([edge, lower])
@@ -259,23 +264,27 @@ class Body:
         color: Color | None = None,
         picture: Picture | None = None,
         lift: float = 0.008,
-        narrow: float = 0.0,
     ) -> None:
-        """A patch of the upper skin between s0 < s1 and t0 < t1; `narrow` draws its upper end in (share of t)."""
-        s = np.unique(np.concatenate([[s0, s1], np.arange(np.ceil(s0 * 2) / 2, s1, 0.5)]))
-        ts = np.linspace(t0, t1, 5 if t1 - t0 > 0.6 else 2)
+        """A patch of the upper skin between s0 < s1 and t0 < t1, `lift` above it."""
+        samples, lines = self._spline[:, 0], self._rows
+        t0, t1 = max(t0, lines[0]), min(t1, lines[-1])
+        # The patch bends where the skin does, so that it stays `lift` above it everywhere.
+        s = np.unique([s0, s1, *samples[(samples > s0) & (samples < s1)]])
+        t = np.unique([t0, t1, *lines[(lines > t0) & (lines < t1)]])
+        skin = np.stack([self._across_points(samples, line, lift) for line in lines], 1)
+        along = np.array([[np.interp(s, samples, skin[:, j, k]) for k in range(3)] for j in range(len(lines))])
+        grid = np.array([[[np.interp(b, lines, along[:, k, a]) for k in range(3)] for b in t] for a in range(len(s))])
+        u, v = np.meshgrid((t - t0) / (t1 - t0), (s - s0) / (s1 - s0))
         at, _, _ = self._upper(np.array([(s0 + s1) / 2]))
-        front = at[0, 0] > 0
-        rows = s[::-1] if front else s
-        columns = ts if front else ts[::-1]
-        up = np.linspace(0.0, 1.0, len(rows))
-        grid = np.stack(
-            [
-                self._across_points(np.full(len(columns), r), columns * (1 - narrow * u), lift)
-                for r, u in zip(rows, up, strict=True)
-            ]
+        # In front s runs down and t to the right as one looks at it, at the back the other way round.
+        if at[0, 0] > 0:
+            grid, u, v = grid[::-1], u[::-1], 1 - v[::-1]
+        else:
+            grid, u, v = grid[:, ::-1], 1 - u[:, ::-1], v[:, ::-1]
+        surface = sheet(grid)
+        self.builder.add(
+            Shape(surface.vertices, surface.faces, np.stack([u, v], -1).reshape(-1, 2)), color, picture=picture
         )
-        self.builder.sheet(grid, color, picture)
 
     def glasshouse(
         self,
