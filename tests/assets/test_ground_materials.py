@@ -24,7 +24,7 @@ def test_it_tiles(material_id: str) -> None:
     material = materials.build_material(material_id)
     assert material.texture.shape == (256, 256, 3)
     assert material.texture.dtype == np.uint8
-    assert 0.5 <= material.tile_size_m <= 6
+    assert 0.5 <= material.tile_size_m <= 10
     assert 0 < material.roughness <= 1
     image = material.texture.astype(float)
     for axis in (0, 1):
