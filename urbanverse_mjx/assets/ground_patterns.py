@@ -99,7 +99,7 @@ def asphalt(
     fine = noise.periodic_noise(rng, SIZE, 0.3) * 0.09
     stain = noise.periodic_noise(rng, SIZE, 2.6, 2.0) * wear
     image = tone(base, fine, stain)
-    return mix(image, (grey * 1.9,) * 3, speckle(rng, chips) * 0.6)
+    return mix(image, (grey * 1.9, grey * 1.9, grey * 1.9), speckle(rng, chips) * 0.6)
 
 
 def slabs(
@@ -108,7 +108,7 @@ def slabs(
     columns: int,
     colour: Colour,
     spread: float = 0.06,
-    joint: Colour = (0.3,) * 3,
+    joint: Colour = (0.3, 0.3, 0.3),
     joint_px: float = 1.6,
     shift: float = 0.5,
     dirt: float = 0.05,

@@ -50,7 +50,7 @@ def lump(
 
 def leafy(
     builder: MeshBuilder,
-    at: Sequence[float],
+    at: Sequence[float] | np.ndarray,
     radii: tuple[float, float, float],
     picture: np.ndarray,
     rng: np.random.Generator,
@@ -69,7 +69,7 @@ def leafy(
     angle = turn[:, None] + np.array([0.0, 2.1, 4.2])
     uv = np.stack([u[:, None] + 0.19 * np.cos(angle), v[:, None] + 0.13 * np.sin(angle)], -1).reshape(-1, 2)
     faces = np.arange(len(corners) * 3).reshape(-1, 3)
-    builder.add(Shape(corners.reshape(-1, 3), faces, np.clip(uv, 0, 1)), at=at, picture=picture)
+    builder.add(Shape(corners.reshape(-1, 3), faces, np.clip(uv, 0, 1)), at=tuple(at), picture=picture)
 
 
 def potted_bush(

@@ -204,7 +204,7 @@ class Body:
         a, b, c = (whole.vertices[whole.faces[:, i]] for i in range(3))
         self.volume = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6
 
-    def _cells(self, polygon: shapely.Polygon) -> Shape:
+    def _cells(self, polygon: shapely.Geometry) -> Shape:
         """Triangles of a polygon in (x, z), split along the flank's grid, as a flat shape (x, z, 0)."""
         xs = [-99.0, *self._columns, 99.0]
         zs = [-99.0, *self._levels, 99.0]
@@ -299,17 +299,17 @@ class Body:
         body = shapely.make_valid(shapely.Polygon(np.vstack([table[:, 1:3], self._lower])))
         high = 9.0 if top is None else top
         area = body.intersection(shapely.box(span[0], self.shape.belt - frame, span[1], high + frame)).buffer(
-            -frame, join_style=2
+            -frame, join_style="mitre"
         )
         for x, width in pillars:
             area = area.difference(shapely.box(x - width / 2, 0, x + width / 2, 9))
         for piece in shapely.get_parts(area):
             if piece.area > 0.02:
-                self.side(piece.buffer(-0.02, join_style=2).buffer(0.02), glass)
+                self.side(piece.buffer(-0.02, join_style="mitre").buffer(0.02), glass)
 
     def line(self, points: Sequence[Point2], color: Color = "black", thickness: float = 0.012) -> None:
         """A thin line on both flanks: door gaps, mouldings."""
-        self.side(shapely.LineString(points).buffer(thickness / 2, cap_style=2, join_style=2), color, 0.004)
+        self.side(shapely.LineString(points).buffer(thickness / 2, cap_style="flat", join_style="mitre"), color, 0.004)
 
     def finish(self, description: str, params: dict) -> BuiltAsset:
         """The asset, its volume that of the body (the builder counts closed parts alone, and a body has three)."""
