@@ -56,7 +56,14 @@ def test_paper_rewards() -> None:
 
 
 def test_result_precedence() -> None:
-    flags = {"finite": True, "fallen": False, "hit": False, "off_traversable": False, "at_goal": False, "out_of_time": False}
+    flags = {
+        "finite": True,
+        "fallen": False,
+        "hit": False,
+        "off_traversable": False,
+        "at_goal": False,
+        "out_of_time": False,
+    }
 
     def code(**changed: bool) -> int:
         return int(terms.result_of(**{k: jnp.bool_(x) for k, x in {**flags, **changed}.items()}))

@@ -9,7 +9,15 @@ import pytest
 
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
-from urbanverse_mjx.evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, summarise, to_markdown
+from urbanverse_mjx.evaluation import (
+    Rollout,
+    blank_image,
+    fixed_episodes,
+    go_to_goal,
+    make_report,
+    summarise,
+    to_markdown,
+)
 from urbanverse_mjx.evaluation.agents import zero
 from urbanverse_mjx.evaluation.metrics import bootstrap_interval, wilson_interval
 from urbanverse_mjx.evaluation.report import write_report
@@ -79,7 +87,9 @@ def test_rollouts_tell_agents_apart_and_repeat(small_bank: SceneBank) -> None:
     assert [r.agent for r in results] == ["zero"] * 9 + ["go_to_goal"] * 9
     assert all(r.result == "timeout" and r.path_length < 1e-3 and r.steps == 120 for r in results[:9])
     for r in results[9:]:
-        assert r.success and r.distance_to_goal < 1.0 and r.route_completion == 1.0
+        assert r.success
+        assert r.distance_to_goal < 1.0
+        assert r.route_completion == 1.0
         # The kinematic robot drives at 2 m/s; it turns first, so it is never faster than that.
         assert r.path_length <= 2.0 * r.duration + 1e-3
     assert poses.xpos.shape[1] == 18
@@ -105,7 +115,8 @@ def test_report_round_trip_and_files(tmp_path: pathlib.Path) -> None:
     assert BenchmarkReport.load(tmp_path / "report.json") == report
     text = (tmp_path / "report.md").read_text()
     assert text == to_markdown(report)
-    assert "| a | 100 [" in text and "| b | 0 [" in text
+    assert "| a | 100 [" in text
+    assert "| b | 0 [" in text
     assert len((tmp_path / "episodes.csv").read_text().splitlines()) == 3
     broken = json.loads((tmp_path / "report.json").read_text())
     broken["episodes"][0]["route_completion"] = 1.5

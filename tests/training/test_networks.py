@@ -1,5 +1,7 @@
 """Networks: the matrix-product convolution is flax's convolution, and the factory fits Brax."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -17,9 +19,9 @@ LAYERS = ((16, 4, 4), (32, 2, 2), (64, 2, 1))
 def test_conv_by_matmul_equals_flax(kernel: int, stride: int, shape: tuple[int, int]) -> None:
     x = jax.random.normal(jax.random.key(0), (2, *shape, 3))
     conv = nn.Conv(5, (kernel, kernel), (stride, stride), padding="VALID")
-    params = conv.init(jax.random.key(1), x)
+    params: Any = conv.init(jax.random.key(1), x)
     w, b = params["params"]["kernel"], params["params"]["bias"] + 0.3
-    wanted = conv.apply({"params": {"kernel": w, "bias": b}}, x)
+    wanted: Any = conv.apply({"params": {"kernel": w, "bias": b}}, x)
     got = conv_by_matmul(x, w, b, stride)
     assert got.shape == wanted.shape
     np.testing.assert_allclose(got, wanted, atol=2e-5)
@@ -52,7 +54,11 @@ def test_factory_takes_any_leading_axes(critic_sees: str, lead: tuple[int, ...])
 def test_policy_sees_pixels_and_where_they_are() -> None:
     nets = make_networks(SIZES, 2, layers=LAYERS)
     params = nets.policy_network.init(jax.random.key(0))
-    obs = {"pixels/front": jnp.zeros((27, 48, 3), jnp.uint8), "goal": jnp.array([10.0, 0.0]), "privileged": jnp.zeros(13)}
+    obs = {
+        "pixels/front": jnp.zeros((27, 48, 3), jnp.uint8),
+        "goal": jnp.array([10.0, 0.0]),
+        "privileged": jnp.zeros(13),
+    }
     left = obs["pixels/front"].at[8:16, 4:12].set(255)
     right = obs["pixels/front"].at[8:16, 36:44].set(255)
     outs = [nets.policy_network.apply(None, params, {**obs, "pixels/front": p}) for p in (left, right)]
@@ -62,9 +68,15 @@ def test_policy_sees_pixels_and_where_they_are() -> None:
 
 def test_asymmetric_critic_has_no_cnn_and_the_policy_no_privileges() -> None:
     nets = make_networks(SIZES, 2, layers=LAYERS, critic_sees="privileged")
-    names = {jax.tree_util.keystr(path) for path, _ in jax.tree_util.tree_leaves_with_path(nets.value_network.init(jax.random.key(0)))}
+    names = {
+        jax.tree_util.keystr(path)
+        for path, _ in jax.tree_util.tree_leaves_with_path(nets.value_network.init(jax.random.key(0)))
+    }
     assert not any("encoder" in name for name in names)
-    names = {jax.tree_util.keystr(path) for path, _ in jax.tree_util.tree_leaves_with_path(nets.policy_network.init(jax.random.key(0)))}
+    names = {
+        jax.tree_util.keystr(path)
+        for path, _ in jax.tree_util.tree_leaves_with_path(nets.policy_network.init(jax.random.key(0)))
+    }
     assert not any("privileged" in name for name in names)
 
 

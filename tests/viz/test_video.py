@@ -1,6 +1,7 @@
 """Rollout videos: cameras that look where they should, files that play."""
 
 import pathlib
+from typing import Any
 
 import imageio.v2 as imageio
 import numpy as np
@@ -16,7 +17,9 @@ def test_cameras_look_at_their_target_with_the_horizon_level() -> None:
     eye, target = rng.normal(size=(50, 3)) * 5, rng.normal(size=(50, 3)) * 5
     rotation = Rotation.from_quat(np.roll(_look_at(eye, target), -1, axis=-1))
     forward = rotation.apply([0.0, 0.0, -1.0])
-    np.testing.assert_allclose(forward, (target - eye) / np.linalg.norm(target - eye, axis=-1, keepdims=True), atol=1e-6)
+    np.testing.assert_allclose(
+        forward, (target - eye) / np.linalg.norm(target - eye, axis=-1, keepdims=True), atol=1e-6
+    )
     np.testing.assert_allclose(rotation.apply([1.0, 0.0, 0.0])[:, 2], 0.0, atol=1e-6)
     assert (rotation.apply([0.0, 1.0, 0.0])[:, 2] > 0).all()
 
@@ -37,10 +40,13 @@ def test_mp4_round_trip(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "a.mp4"
     shades = [20, 90, 160, 230]
     write_video(path, [np.full((64, 96, 3), s, np.uint8) for s in shades], 5)
+    reader: Any
     with imageio.get_reader(path) as reader:
         meta = reader.get_meta_data()
         frames = [np.asarray(f) for f in reader]
-    assert meta["codec"] == "h264" and meta["size"] == (96, 64) and meta["fps"] == 5
+    assert meta["codec"] == "h264"
+    assert meta["size"] == (96, 64)
+    assert meta["fps"] == 5
     assert [abs(float(f.mean()) - s) < 6 for f, s in zip(frames, shades, strict=True)] == [True] * 4
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import jax.numpy as jnp
 from ml_collections import ConfigDict
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 
 from ..datatypes import SceneBank
 from ..envs import NavEnv, registry
@@ -58,7 +58,11 @@ def evaluate_policy(
     ):
         with Progress(console=Console(stderr=True), disable=quiet) as bar:
             task = bar.add_task(f"evaluating {', '.join(agents)}", total=num_episodes * len(agents))
-            part, poses = Rollout(env).run(agents, episodes, lambda ended, _: bar.update(task, completed=ended))
+
+            def show(ended: int, _: int, bar: Progress = bar, task: TaskID = task) -> None:
+                bar.update(task, completed=ended)
+
+            part, poses = Rollout(env).run(agents, episodes, show)
         results += part
         trajectories.update(dict.fromkeys(agents, poses))
     record = {

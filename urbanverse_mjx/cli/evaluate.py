@@ -11,7 +11,7 @@ import tyro
 
 @dataclasses.dataclass(frozen=True)
 class EvaluateArgs:
-    """Evaluate a policy folder on fixed episodes; prints one JSON line and writes report.md, report.json, episodes.csv."""
+    """Evaluate a policy on fixed episodes: one JSON line, and report.md, report.json and episodes.csv in a folder."""
 
     policy: Annotated[pathlib.Path, tyro.conf.Positional]
     """A policy folder, or a run folder (its most trained policy is taken)."""
@@ -28,9 +28,9 @@ class EvaluateArgs:
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
     args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
-    from .scene import ensure_default_bank
     from ..training.policy import latest_policy
     from ._evaluation import evaluate_policy
+    from .scene import ensure_default_bank
 
     policy = latest_policy(args.policy)
     scenes = args.scenes if args.scenes in ("test", "train", "all") else args.scenes.split(",")

@@ -31,8 +31,8 @@ def main(argv: Sequence[str]) -> int:
     args = tyro.cli(PlayArgs, args=list(argv), prog="urbanverse play")
     from ..envs import registry
     from ..evaluation import BASELINES, Rollout, fixed_episodes
-    from .scene import ensure_default_bank
     from ..viz.video import write_rollout_video
+    from .scene import ensure_default_bank
 
     overrides = {"preset": args.preset, "scenes": args.scenes}
     if args.agent == "trained":

@@ -67,10 +67,10 @@ def _json_object(text: str, option: str) -> dict[str, Any]:
 def run(args: TrainArgs) -> dict[str, Any]:
     """Trains and evaluates; returns what is printed."""
     from ..envs import registry
-    from .scene import ensure_default_bank
     from ..training.config import default_ppo_config
     from ..training.run import train
     from . import _evaluation
+    from .scene import ensure_default_bank
 
     begin = time.monotonic()
     env_overrides = _json_object(args.env_overrides, "--playground-config-overrides")

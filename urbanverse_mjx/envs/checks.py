@@ -92,7 +92,7 @@ def _check_spec(env: Any, state: Any) -> None:
     for name, x in state.obs.items():
         _require(x.shape[1:] == tuple(size[name]), f"observation {name} has its shape {size[name]}", x.shape)
         wanted = jnp.uint8 if name.startswith("pixels/") else jnp.float32
-        _require(x.dtype == wanted, f"observation {name} is {wanted.__name__}", x.dtype)
+        _require(x.dtype == wanted, f"observation {name} is {jnp.dtype(wanted).name}", x.dtype)
         _require(np.isfinite(np.asarray(x, np.float32)).all(), f"observation {name} is finite")
     for name in ("reward", "done"):
         x = getattr(state, name)
@@ -140,7 +140,9 @@ def _check_auto_reset(env: Any, keys: Any, num_steps: int) -> None:
     wanted = jax.jit(jax.vmap(env.observe))(fresh)
     for i in np.flatnonzero(done):
         got = jax.tree.map(lambda x, i=i: x[i], after)
-        _require(_same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh)), "auto-reset equals begin in all carried state")
+        _require(
+            _same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh)), "auto-reset equals begin in all carried state"
+        )
         for name in wanted:
             close = (
                 _frames_close(got.obs[name], wanted[name][i])

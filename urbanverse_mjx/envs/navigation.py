@@ -146,7 +146,15 @@ class NavEnv:
         waypoints = self._episodes["episode_waypoints"][scene, row]
         half = 0.5 * start[3]
         pose = jnp.stack(
-            [start[0], start[1], start[2] + self.robot.spawn_height, jnp.cos(half), 0.0 * half, 0.0 * half, jnp.sin(half)]
+            [
+                start[0],
+                start[1],
+                start[2] + self.robot.spawn_height,
+                jnp.cos(half),
+                0.0 * half,
+                0.0 * half,
+                jnp.sin(half),
+            ]
         )
         sim = self.engine.init(scene, self._qpos0.at[:7].set(pose), jnp.zeros(self._nv))
         zero = jnp.float32(0.0)
@@ -167,10 +175,8 @@ class NavEnv:
             result=jnp.int32(Result.RUNNING),
         )
 
-    def advance(
-        self, nav: NavState, action: jax.Array
-    ) -> tuple[NavState, jax.Array, jax.Array, dict[str, jax.Array]]:
-        """One control step: (next state, reward () f32, done () f32, metrics). Values are finite even if physics is not."""
+    def advance(self, nav: NavState, action: jax.Array) -> tuple[NavState, jax.Array, jax.Array, dict[str, jax.Array]]:
+        """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
         sim = self.engine.step(nav.sim, self._control(action))
         finite = jnp.isfinite(sim.qpos).all() & jnp.isfinite(sim.qvel).all()
@@ -307,7 +313,10 @@ class NavEnv:
             "progress": terms.reward_progress(old.goal_distance, new.goal_distance),
         }
         factor = self.dt if self._config.reward_config.multiply_by_dt else 1.0
-        return {name: jnp.float32(factor * scale) * values[name] for name, scale in self._config.reward_config.scales.items()}
+        return {
+            name: jnp.float32(factor * scale) * values[name]
+            for name, scale in self._config.reward_config.scales.items()
+        }
 
     def _metrics(self, nav: NavState, done: jax.Array, rewards: dict[str, jax.Array]) -> dict[str, jax.Array]:
         def ended(code: Result) -> jax.Array:

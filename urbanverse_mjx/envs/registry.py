@@ -94,7 +94,9 @@ def load_default_bank() -> SceneBank:
     """
     path = settings.default_bank_path()
     if not path.is_file():
-        raise NounError(f"scene bank: found none at {path}, needed one; run `urbanverse scene bank` (or `make scenes`).")
+        raise NounError(
+            f"scene bank: found none at {path}, needed one; run `urbanverse scene bank` (or `make scenes`)."
+        )
     return SceneBank.load(path)
 
 
@@ -109,7 +111,7 @@ def make_robot(config: ConfigDict) -> RobotSpec:
 
 def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     """A `NavEnv` with the engine and the renderer its config asks for."""
-    from ..simulation import make_engine
+    from ..simulation.engines import make_engine
 
     robot = make_robot(config)
     if abs(config.ctrl_dt / config.sim_dt - round(config.ctrl_dt / config.sim_dt)) > 1e-6:

@@ -4,6 +4,7 @@ Brax's own AutoResetWrapper would restore the first state of each env for ever (
 it is not supported; `wrap_for_training` is handed to `brax.training.agents.ppo.train` as `wrap_env_fn`.
 """
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -75,7 +76,7 @@ class AutoResetEnv:
             return State(nav, state.obs, reward, done, metrics, info)
 
         state = jax.vmap(advance)(state, action)
-        return state.replace(obs=jax.vmap(self.env.observe)(state.data))
+        return dataclasses.replace(state, obs=jax.vmap(self.env.observe)(state.data))
 
 
 def wrap_for_training(

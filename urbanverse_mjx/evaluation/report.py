@@ -29,11 +29,23 @@ def to_markdown(report: BenchmarkReport) -> str:
     for agent, values in report.summary.items():
         cells = " | ".join(_cell(values[m]) for m in metrics)
         lines.append(f"| {agent} | {cells} | {values['n']} |")
-    lines += ["", "How the episodes ended:", "", "| agent | " + " | ".join(RESULTS) + " |", "|---" * (len(RESULTS) + 1) + "|"]
+    lines += [
+        "",
+        "How the episodes ended:",
+        "",
+        "| agent | " + " | ".join(RESULTS) + " |",
+        "|---" * (len(RESULTS) + 1) + "|",
+    ]
     for agent in report.summary:
         counts = result_counts([e for e in report.episodes if e.agent == agent])
         lines.append(f"| {agent} | " + " | ".join(str(counts[r]) for r in RESULTS) + " |")
-    lines += ["", "By scene (SR / RC in %):", "", "| scene | " + " | ".join(report.summary) + " |", "|---" * (len(report.summary) + 1) + "|"]
+    lines += [
+        "",
+        "By scene (SR / RC in %):",
+        "",
+        "| scene | " + " | ".join(report.summary) + " |",
+        "|---" * (len(report.summary) + 1) + "|",
+    ]
     for scene in dict.fromkeys(e.scene for e in report.episodes):
         cells = []
         for agent in report.summary:

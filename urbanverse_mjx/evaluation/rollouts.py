@@ -118,7 +118,8 @@ class Rollout:
         results = []
         for i, name in enumerate(agents):
             part = slice(i * n, (i + 1) * n)
-            results += self._results(name, *jax.tree.map(lambda x, part=part: x[part], (nav, tally)), episodes)
+            own_nav, own_tally = jax.tree.map(lambda x, part=part: x[part], (nav, tally))
+            results += self._results(name, own_nav, own_tally, episodes)
         return results, trajectory
 
     def _chunk_of(self, agents: Sequence[Agent]) -> Callable[..., Any]:

@@ -101,7 +101,9 @@ class Actor(nn.Module):
     @nn.compact
     def __call__(self, pixels: jax.Array | None, goal: jax.Array) -> jax.Array:
         x = self.trunk(pixels, goal)
-        mean = nn.Dense(self.action_size, name="mean", kernel_init=nn.initializers.variance_scaling(0.01, "fan_in", "normal"))(x)
+        mean = nn.Dense(
+            self.action_size, name="mean", kernel_init=nn.initializers.variance_scaling(0.01, "fan_in", "normal")
+        )(x)
         std = self.param("std", nn.initializers.zeros_init(), (self.action_size,))
         return jnp.concatenate([mean, jnp.broadcast_to(std, mean.shape)], axis=-1)
 
@@ -149,7 +151,7 @@ def make_networks(
     def pixels_of(obs: Any) -> Any:
         return obs[PIXELS] if has_pixels else None
 
-    trunk = functools.partial(Trunk, layers=tuple(tuple(x) for x in layers), dtype=dtype)
+    trunk = functools.partial(Trunk, layers=tuple(layers), dtype=dtype)
     actor = Actor(trunk(), action_size)
     critic = Critic(trunk(), critic_sees == "privileged")
     critic_pixels = pixels_of if critic_sees == "pixels" else (lambda obs: None)

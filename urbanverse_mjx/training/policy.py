@@ -1,4 +1,4 @@
-"""`Policy`: a trained controller as a folder: parameters (orbax, through Brax) and `policy.json`, which says what it is."""
+"""`Policy`: a trained controller as a folder: parameters (orbax, through Brax) and what they are, `policy.json`."""
 
 import dataclasses
 import functools
@@ -113,10 +113,8 @@ def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
     from .networks import make_networks
 
     network = ppo_config.network
-    layers = tuple(tuple(int(n) for n in layer) for layer in network.layers)
-    return functools.partial(
-        make_networks, layers=layers, critic_sees=network.critic_sees, bfloat16=network.bfloat16
-    )
+    layers = [(int(depth), int(kernel), int(stride)) for depth, kernel, stride in network.layers]
+    return functools.partial(make_networks, layers=layers, critic_sees=network.critic_sees, bfloat16=network.bfloat16)
 
 
 def make_policy_function(

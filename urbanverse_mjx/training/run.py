@@ -44,6 +44,39 @@ def _start_of(folder: pathlib.Path, resume: bool) -> tuple[int, Any]:
     return PolicySpec.load(path).steps, load_params(path)
 
 
+def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
+    """Our hyper-parameters under the names of `ppo.train`."""
+    batch_size, num_minibatches = batch_shape(config)
+    same = (
+        "num_envs",
+        "unroll_length",
+        "num_updates_per_batch",
+        "learning_rate",
+        "learning_rate_schedule",
+        "desired_kl",
+        "discounting",
+        "gae_lambda",
+        "clipping_epsilon",
+        "entropy_cost",
+        "vf_loss_coefficient",
+        "max_grad_norm",
+        "reward_scaling",
+        "normalize_advantage",
+    )
+    return {
+        **{name: config[name] for name in same},
+        "batch_size": batch_size,
+        "num_minibatches": num_minibatches,
+        "normalize_observations": False,
+        "num_evals": config.num_checkpoints + 1,
+        # Brax builds an evaluator even when it never runs it; the same size shares the render context.
+        "num_eval_envs": config.num_envs // jax.local_device_count(),
+        "run_evals": False,
+        "log_training_metrics": True,
+        "training_metrics_steps": batch_size * num_minibatches * config.unroll_length,
+    }
+
+
 def train(
     environment: str,
     env: Any,
@@ -72,9 +105,9 @@ def train(
     total = int(ppo_config.num_timesteps)
     if start >= total:
         raise NounError(f"ppo.num_timesteps: found {total}, but {start} are done already; ask for more.")
-    batch_size, num_minibatches = batch_shape(ppo_config)
-    rollout = batch_size * num_minibatches * ppo_config.unroll_length
-    v.write_json(folder / "config.json", {"environment": environment, "env": env.config.to_dict(), "ppo": ppo_config.to_dict()})
+    v.write_json(
+        folder / "config.json", {"environment": environment, "env": env.config.to_dict(), "ppo": ppo_config.to_dict()}
+    )
     log = TrainingLog(folder, total, start, quiet)
     last: list[pathlib.Path] = []
 
@@ -88,37 +121,15 @@ def train(
         ppo.train(
             environment=env,
             wrap_env_fn=wrap_for_training,
-            num_timesteps=total - start,
-            num_envs=ppo_config.num_envs,
             episode_length=env.config.episode_length,
-            unroll_length=ppo_config.unroll_length,
-            batch_size=batch_size,
-            num_minibatches=num_minibatches,
-            num_updates_per_batch=ppo_config.num_updates_per_batch,
-            learning_rate=ppo_config.learning_rate,
-            learning_rate_schedule=ppo_config.learning_rate_schedule,
-            desired_kl=ppo_config.desired_kl,
-            discounting=ppo_config.discounting,
-            gae_lambda=ppo_config.gae_lambda,
-            clipping_epsilon=ppo_config.clipping_epsilon,
-            entropy_cost=ppo_config.entropy_cost,
-            vf_loss_coefficient=ppo_config.vf_loss_coefficient,
-            max_grad_norm=ppo_config.max_grad_norm,
-            reward_scaling=ppo_config.reward_scaling,
-            normalize_advantage=ppo_config.normalize_advantage,
-            normalize_observations=False,
-            network_factory=network_factory(ppo_config),
+            num_timesteps=total - start,
             # Another seed after a resume: the same one would replay the first segment's episodes.
             seed=ppo_config.seed + start,
-            num_evals=ppo_config.num_checkpoints + 1,
-            # Brax builds an evaluator even when it never runs it; the same size shares the render context.
-            num_eval_envs=ppo_config.num_envs // jax.local_device_count(),
-            run_evals=False,
-            log_training_metrics=True,
-            training_metrics_steps=rollout,
+            network_factory=network_factory(ppo_config),
             progress_fn=log,
             policy_params_fn=keep,
             restore_params=params,
+            **_ppo_arguments(ppo_config),
         )
         jax.effects_barrier()
     finally:

@@ -36,7 +36,10 @@ def _chase_cameras(xpos: np.ndarray, xquat: np.ndarray) -> tuple[np.ndarray, np.
     w, x, y, z = xquat[:, 1].T
     heading = np.stack([1 - 2 * (y * y + z * z), 2 * (w * z + x * y)], -1)
     window = min(9, len(heading))
-    smooth = np.stack([np.convolve(np.pad(h, window // 2, "edge"), np.ones(window) / window, "valid")[: len(h)] for h in heading.T], -1)
+    smooth = np.stack(
+        [np.convolve(np.pad(h, window // 2, "edge"), np.ones(window) / window, "valid")[: len(h)] for h in heading.T],
+        -1,
+    )
     smooth /= np.maximum(np.linalg.norm(smooth, axis=-1, keepdims=True), 1e-6)
     root = xpos[:, 1]
     eye = root - _CHASE_BACK * np.pad(smooth, ((0, 0), (0, 1))) + [0.0, 0.0, _CHASE_UP]
@@ -73,6 +76,8 @@ def write_video(path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_sec
         raise v.fail("video", f"frames of shapes {sorted(shapes)}", "at least one frame, all of one even size")
 
     def write(temporary: pathlib.Path) -> None:
+        # imageio's annotations do not know the methods of its ffmpeg plugin.
+        writer: Any
         with imageio.get_writer(
             temporary, fps=frames_per_second, codec="libx264", pixelformat="yuv420p", quality=7, macro_block_size=2
         ) as writer:
@@ -115,5 +120,7 @@ def write_rollout_video(
         for t in range(length):
             away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)
-            frames.append(_caption(both, f"{bank.scene_ids[scene]}   {t / frames_per_second:4.1f} s   goal {away:4.1f} m"))
+            frames.append(
+                _caption(both, f"{bank.scene_ids[scene]}   {t / frames_per_second:4.1f} s   goal {away:4.1f} m")
+            )
     write_video(path, frames, frames_per_second)
