@@ -91,3 +91,24 @@ def bodies(robot: RobotSpec, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def make_renderer(bank: SceneBank, robot: RobotSpec | None, **kwargs: Any) -> Renderer:
     return Renderer(bank, robot, HEIGHT, WIDTH, **{"shading": "matte", "threads": 2, **kwargs})
+
+
+def uv_at(bank: SceneBank, scene: int, slot: int, point: np.ndarray) -> np.ndarray:
+    """(2,) texture coordinates of a slot's mesh where a point in the world lies on it, triangle by triangle."""
+    mesh = bank.slot_mesh[scene, slot]
+    first = bank.mesh_vertex_start[mesh]
+    faces = bank.mesh_faces[bank.mesh_face_start[mesh] : bank.mesh_face_start[mesh + 1]] + first
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, bank.slot_quaternion[scene, slot].astype(float))
+    local = turn.reshape(3, 3).T @ (point - bank.slot_position[scene, slot])
+    corners = bank.mesh_vertices[faces].astype(float)
+    e1, e2, p = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], local - corners[:, 0]
+    normal = np.cross(e1, e2)
+    area = (normal**2).sum(1)
+    a = (np.cross(p, e2) * normal).sum(1) / area
+    b = (np.cross(e1, p) * normal).sum(1) / area
+    inside = np.minimum(np.minimum(a, b), 1 - a - b)
+    distance = np.abs((p * normal).sum(1)) / np.sqrt(area) - np.minimum(inside, 0.0)
+    best = distance.argmin()
+    uv = bank.mesh_uv[faces[best]].astype(float)
+    return uv[0] + a[best] * (uv[1] - uv[0]) + b[best] * (uv[2] - uv[0])

@@ -103,7 +103,7 @@ def build_matte_kernel(model: mjw.Model, context: pbr.PbrRenderContext) -> tuple
                 )
                 if wp.static(guides):
                     kernel_inputs.write_guides(out, worldid, adr, base_color, normal)
-            display += color.display_transform(radiance, s.tone_mapper)
+            display += color.display_transform(radiance * env.exposure[0], s.tone_mapper)
         out.rgb[worldid, adr] = color.encode_display(display * (share * share))
 
     return render_matte, kernel_inputs.kernel_key(model, context, values)

@@ -96,10 +96,12 @@ def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
     for i in range(bank.num_meshes):
         corners = slice(bank.mesh_vertex_start[i], bank.mesh_vertex_start[i + 1])
         faces = bank.mesh_faces[bank.mesh_face_start[i] : bank.mesh_face_start[i + 1]]
+        # The bank's UV start at the lower left corner of a texture, MuJoCo's at the upper left.
+        uv = bank.mesh_uv[corners] * [1.0, -1.0] + [0.0, 1.0]
         # Inertia of the surface: flat ground has no volume.
         spec.add_mesh(
             name=f"bank/{i}", uservert=bank.mesh_vertices[corners].ravel(), userface=faces.ravel(),
-            usertexcoord=bank.mesh_uv[corners].ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            usertexcoord=uv.ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
         )
     for _ in range(bank.slot_mesh.shape[1]):
         spec.worldbody.add_geom(
