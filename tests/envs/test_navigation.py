@@ -1,5 +1,7 @@
 """The navigation task on a kinematic engine: its arithmetic, its ends, its wrapper."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -79,7 +81,7 @@ def test_non_finite_physics_is_a_result_and_never_reaches_reward_or_neighbours(s
     clean = jax.vmap(env.step)(state, jnp.zeros((3, 2)))
     sim = state.data.sim
     broken = sim._replace(qpos=sim.qpos.at[1].set(jnp.nan))
-    after = jax.vmap(env.step)(state.replace(data=state.data._replace(sim=broken)), jnp.zeros((3, 2)))
+    after = jax.vmap(env.step)(dataclasses.replace(state, data=state.data._replace(sim=broken)), jnp.zeros((3, 2)))
     assert int(after.info["result"][1]) == Result.NON_FINITE
     assert np.isfinite(np.asarray(after.reward)).all()
     assert all(np.isfinite(np.asarray(m)).all() for m in after.metrics.values())

@@ -32,7 +32,7 @@ def test_next_waypoint_moves_on_within_two_metres_and_stops_at_the_goal() -> Non
 
 def test_body_frame_turns_the_world_back() -> None:
     # Heading north, a goal to the north is straight ahead, one to the east is to the right.
-    yaw = jnp.pi / 2
+    yaw = jnp.asarray(jnp.pi / 2)
     np.testing.assert_allclose(terms.to_body(jnp.array([0.0, 3.0]), yaw), [3.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(terms.to_body(jnp.array([2.0, 0.0]), yaw), [0.0, -2.0], atol=1e-6)
 

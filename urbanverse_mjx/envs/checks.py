@@ -1,5 +1,6 @@
 """`check_env`: what every environment of this package promises, as a program that users can run on theirs."""
 
+import dataclasses
 from typing import Any
 
 import jax
@@ -132,7 +133,7 @@ def _check_auto_reset(env: Any, keys: Any, num_steps: int) -> None:
     # One step before time runs out for the first half of the batch: they must end now and begin anew.
     half = np.arange(len(keys)) < len(keys) // 2
     steps = jnp.where(half, env.config.episode_length - 1, 0).astype(jnp.int32)
-    state = state.replace(data=state.data._replace(steps=steps))
+    state = dataclasses.replace(state, data=state.data._replace(steps=steps))
     after = jax.jit(wrapped.step)(state, jnp.zeros((len(keys), env.action_size)))
     done = np.asarray(after.done) > 0
     _require(done[half].all(), "an episode ends when its time is over", done)
