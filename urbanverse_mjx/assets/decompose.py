@@ -35,6 +35,7 @@ EXCESS_SHARE, EXCESS_VOLUME, EXCESS_OF_BOX = 0.26, 0.008, 1e-3  # 1, m^3, 1
 CHEAP_VOLUME = 2e-4  # m^3; unions that add less are always made
 HIGH = 1.7  # m; space above robots and most people counts little
 HIGH_WEIGHT = 0.1
+SHADOW_HEIGHT = 0.15  # m; ground newly covered counts as space of this height: two thin plates do not become a slab
 BATCH = 40  # meshes to a set of worker processes
 NEIGHBOURS = 10  # candidates for a union per piece
 COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 is the usual range
@@ -42,10 +43,11 @@ COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 i
 
 @dataclasses.dataclass(frozen=True)
 class Piece:
-    """One convex piece: corners (n, 3) m, and its volume in m^3."""
+    """One convex piece: corners (n, 3) m, volume in m^3, and area of its shadow on the ground in m^2."""
 
     corners: np.ndarray
     volume: float
+    shadow: float
 
 
 def convex_piece(points: np.ndarray) -> Piece:
@@ -58,7 +60,8 @@ def convex_piece(points: np.ndarray) -> Piece:
             local = np.concatenate([local + s * HALF_SHEET * np.eye(3)[axis] for s in (-1, 1)])
     points = local @ axes + centre
     hull = ConvexHull(points)
-    return Piece(points[hull.vertices], float(hull.volume))
+    corners = points[hull.vertices]
+    return Piece(corners, float(hull.volume), float(ConvexHull(corners[:, :2]).volume))
 
 
 def connected_pieces(mesh: AssetMesh, part_faces: Sequence[int] | None = None) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -159,6 +162,14 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
     return [convex_piece(np.asarray(v, float)) for v, _ in parts if len(v) >= 4] or [whole]
 
 
+def _cost(a: Piece, b: Piece, union: Piece) -> float:
+    """What a union takes away from who moves along the ground: m^3 of space, and ground that it newly covers."""
+    space = max(union.volume - a.volume - b.volume, 0.0)
+    if union.corners[:, 2].min() > HIGH:
+        return HIGH_WEIGHT * space
+    return space + SHADOW_HEIGHT * max(union.shadow - a.shadow - b.shadow, 0.0)
+
+
 def merge_pieces(pieces: list[Piece], budget: int) -> list[Piece]:
     """Joins pieces until at most `budget` are left and no cheap union remains."""
     pieces = _without_contained(pieces)
@@ -175,9 +186,7 @@ def merge_pieces(pieces: list[Piece], budget: int) -> list[Piece]:
             pair = (min(i, j), max(i, j))
             if i != j and pair not in costs:
                 union = convex_piece(np.concatenate([alive[i].corners, alive[j].corners]))
-                added = max(union.volume - alive[i].volume - alive[j].volume, 0.0)
-                weight = HIGH_WEIGHT if union.corners[:, 2].min() > HIGH else 1.0
-                costs[pair] = (added * weight, union)
+                costs[pair] = (_cost(alive[i], alive[j], union), union)
 
     for i in list(alive):
         consider(i)
@@ -211,7 +220,7 @@ def _without_contained(pieces: list[Piece], tolerance: float = 0.008) -> list[Pi
 
 
 def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarray:
-    """At most `limit` of a hull's corners, greedily those that stick out most, grown by half of what is missed."""
+    """At most `limit` of a hull's corners, greedily those that stick out most, grown by most of what is missed."""
     if len(corners) <= limit:
         return corners
     directions = np.concatenate([np.eye(3), -np.eye(3), np.array([[1, 1, 1], [-1, -1, 1]]) / np.sqrt(3)])
@@ -232,7 +241,7 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
     centre = kept.mean(0)
     away = kept - centre
     reach = np.linalg.norm(away, axis=1, keepdims=True)
-    grown = centre + away * (1 + 0.5 * missed / np.maximum(reach, 1e-6))
+    grown = centre + away * (1 + 0.7 * missed / np.maximum(reach, 1e-6))
     # Never below what the piece itself reaches: hulls do not dig into the pavement.
     grown[:, 2] = np.clip(grown[:, 2], corners[:, 2].min(), corners[:, 2].max())
     return grown
@@ -252,7 +261,8 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
         pieces = [convex_piece(mesh.vertices.astype(np.float64))]
     else:
         allowance = max(EXCESS_VOLUME, EXCESS_OF_BOX * float(np.prod(mesh.extent)))
-        parts = [p for v, f in connected_pieces(mesh, part_faces) for p in split_piece(v, f, budget, allowance)]
+        solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > FLUSH_HEIGHT]
+        parts = [p for v, f in solids for p in split_piece(v, f, budget, allowance)]
         pieces = merge_pieces(parts, budget)
     rounded = [np.round(simplified(p.corners) / MILLIMETRE).astype(np.int32) for p in pieces]
     # Largest first, ties by place: the order is part of the content.
