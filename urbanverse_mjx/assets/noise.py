@@ -4,6 +4,7 @@ import zlib
 
 import numpy as np
 from scipy import ndimage
+from scipy.spatial import KDTree
 
 
 def generator(name: str) -> np.random.Generator:
@@ -44,15 +45,12 @@ def periodic_cells(
       (distance to the nearest seed, distance to the second nearest, number of the nearest), each (size, size); px.
     """
     seeds = rng.random((count, 2)) * size
+    # Nine copies of the seeds make the pattern wrap around.
+    shifts = np.array([(x, y) for x in (-size, 0, size) for y in (-size, 0, size)])
+    tiled = (seeds[None] + shifts[:, None]).reshape(-1, 2)
     rows, columns = np.mgrid[0:size, 0:size] + 0.5
-    all_distances = np.empty((count, size, size))
-    for i, (x, y) in enumerate(seeds):
-        dx = (columns - x + size / 2) % size - size / 2
-        dy = (rows - y + size / 2) % size - size / 2
-        all_distances[i] = np.hypot(dx / aspect, dy)
-    nearest = all_distances.argmin(0)
-    two = np.partition(all_distances, 1, axis=0)[:2]
-    return two[0], two[1], nearest
+    distances, numbers = KDTree(tiled / [aspect, 1.0]).query(np.stack([columns / aspect, rows], -1), k=2)
+    return distances[..., 0], distances[..., 1], numbers[..., 0] % count
 
 
 def blur(image: np.ndarray, sigma: float) -> np.ndarray:
