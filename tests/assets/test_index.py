@@ -57,7 +57,7 @@ def test_variants_differ_visibly() -> None:
         assert len(seen) == len(INDEX.by_leaf(leaf)), leaf
 
 
-# Front, sides and scale, by hand: a bench sits facing +x with its back at -x, a car drives along +x, a shop front looks along +x.
+# Front and sides by hand: who sits on a bench looks along +x and has its back behind, at -x.
 def test_a_bench_is_long_across_and_its_back_is_behind() -> None:
     record = next(r for r in INDEX.by_leaf("bench") if r.params.get("style") == "slatted iron")
     x, y, z = record.extent_xyz

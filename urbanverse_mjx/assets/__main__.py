@@ -17,16 +17,17 @@ def build() -> None:
     Console().print(f"{path.name}: {len(index.records)} records of {len(index.leaves)} leaves, content {content}")
 
 
-def hulls(jobs: int = 2, leaf: str | None = None) -> None:
+def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
     """Makes the collision hulls of every record whose mesh has none yet, and drops hulls nobody needs.
 
     Args:
       jobs: processes at once.
       leaf: only this leaf.
+      again: also where there are hulls already (after a change of the decomposition itself).
     """
     from .decompose import build_missing
 
-    build_missing(jobs, leaf, Console().print)
+    build_missing(jobs, leaf, again, Console().print)
 
 
 def gallery(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), columns: int = 8) -> None:

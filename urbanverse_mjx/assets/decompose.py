@@ -27,6 +27,7 @@ from .recipe import get_recipe
 
 FLUSH_HEIGHT = 0.03  # m; what is lower (a manhole cover) belongs to the ground: its hull is sunk, no wheel touches it
 FLUSH_TOP, FLUSH_BOTTOM = -0.02, -0.06  # m
+FOOT_PLATE = 0.02  # m; a piece that ends below (a pole's foot plate) is left out: wheels roll over it
 HALF_SHEET = 0.004  # m, half the thickness given to flat pieces
 FLAT = 0.005  # m; a piece whose points lie this near one plane (root mean square) is flat
 # A piece goes to CoACD when air is more than this share of its hull, and more than a few litres or a thousandth of the
@@ -261,7 +262,7 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
         pieces = [convex_piece(mesh.vertices.astype(np.float64))]
     else:
         allowance = max(EXCESS_VOLUME, EXCESS_OF_BOX * float(np.prod(mesh.extent)))
-        solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > FLUSH_HEIGHT]
+        solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > FOOT_PLATE + 1e-4]
         parts = [p for v, f in solids for p in split_piece(v, f, budget, allowance)]
         pieces = merge_pieces(parts, budget)
     rounded = [np.round(simplified(p.corners) / MILLIMETRE).astype(np.int32) for p in pieces]
@@ -279,7 +280,9 @@ def _quiet_start() -> None:
     os.nice(5)
 
 
-def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], object] = print) -> HullStore:
+def build_missing(
+    jobs: int, leaf: str | None = None, again: bool = False, report: Callable[[str], object] = print
+) -> HullStore:
     """Decomposes every record's mesh that the store lacks, in worker processes, and writes the store; prunes unused
     keys.
 
@@ -294,7 +297,7 @@ def build_missing(jobs: int, leaf: str | None = None, report: Callable[[str], ob
         budget = hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls)
         key = mesh_key(mesh, budget)
         needed.add(key)
-        if key not in found and leaf in (None, record.leaf):
+        if (again or key not in found) and leaf in (None, record.leaf):
             tasks[key] = (key, record.recipe, record.leaf, int(record.params["variant"]), budget)
     context = multiprocessing.get_context("spawn")
     waiting = list(tasks.values())
