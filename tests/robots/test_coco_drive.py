@@ -1,5 +1,6 @@
 """COCO driven in C MuJoCo: it follows its commands, takes ramps and small steps, and no kerb."""
 
+import itertools
 import math
 
 import mujoco
@@ -19,16 +20,18 @@ def robot(request: pytest.FixtureRequest) -> RobotSpec:
     return make_coco(request.param)
 
 
-def ground(pieces: list[tuple[float, float, float, float]], skew: float = 0.0, half_width: float = 4.0) -> mujoco.MjSpec:
+Piece = tuple[float, float, float, float]
+
+
+def ground(pieces: list[Piece], skew: float = 0.0, half_width: float = 4.0) -> mujoco.MjSpec:
     """A road along x: per piece (from x, to x, height there, height here) one convex prism, 0.5 m deep.
 
     `skew` turns the seams: the piece's ends lie so much (m) farther on at the left edge than in the middle.
     """
     spec = mujoco.MjSpec()
     for i, (x0, x1, z0, z1) in enumerate(pieces):
-        corners = [
-            (x + side * skew, half_width * side, z) for side in (-1, 1) for x, top in ((x0, z0), (x1, z1)) for z in (top, -0.5)
-        ]
+        ends = [(x, z) for x, top in ((x0, z0), (x1, z1)) for z in (top, -0.5)]
+        corners = [(x + side * skew, half_width * side, z) for side in (-1, 1) for x, z in ends]
         spec.add_mesh(name=f"prism_{i}", uservert=np.array(corners).ravel())
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH, meshname=f"prism_{i}", name=f"ground/{i}", friction=[1.0, 0.005, 0.0001]
@@ -133,7 +136,7 @@ def test_it_takes_a_step_of_the_stated_height_and_not_of_thrice_that(robot: Robo
 def test_seams_between_prisms_are_not_felt(robot: RobotSpec, skew: float) -> None:
     """20 m at 1.5 m/s over a seam every 70 cm; at rest the body settles first."""
     edges = np.arange(-3.0, 25.0, 0.7)
-    pieces = [(a, b, 0.0, 0.0) for a, b in zip(edges, edges[1:], strict=False)]
+    pieces = [(a, b, 0.0, 0.0) for a, b in itertools.pairwise(edges)]
     driver = Driver(robot, ground(pieces, skew))
     driver.drive(1.5, 0.0, 2.0)
     driver.heights.clear()

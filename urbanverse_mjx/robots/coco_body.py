@@ -109,12 +109,14 @@ def rounded_box(half: tuple[float, float, float], radius: float, steps: int = 6)
     p, a = np.meshgrid(polar, azimuth, indexing="ij")
     unit = np.stack([np.sin(p) * np.cos(a), np.sin(p) * np.sin(a), np.cos(p)], axis=-1)
     # The first and last ring stand for the flat lid and floor: all azimuths, slightly apart, so that signs are known.
-    side = np.stack([np.sign(np.cos(a)), np.sign(np.sin(a)), np.where(np.arange(rows) < rows // 2, 1.0, -1.0)[:, None] + 0 * p], -1)
+    upper = np.where(np.arange(rows) < rows // 2, 1.0, -1.0)
+    side = np.stack([np.sign(np.cos(a)), np.sign(np.sin(a)), np.broadcast_to(upper[:, None], a.shape)], -1)
     vertices = (unit * radius + side * inner).reshape(-1, 3)
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(cols), indexing="ij")
     k = (j + 1) % cols
     quads = np.stack([i * cols + j, (i + 1) * cols + j, (i + 1) * cols + k, i * cols + k], -1).reshape(-1, 4)
-    faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], _fan(0, cols), _fan((rows - 1) * cols, cols)[:, ::-1]])
+    flat = [_fan(0, cols), _fan((rows - 1) * cols, cols)[:, ::-1]]
+    faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], *flat])
     corners = vertices[faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     return vertices, faces[area > 1e-10].astype(np.int32)
@@ -155,7 +157,8 @@ def _wheel(name: str, position: tuple[float, float, float], gain: float, omni: b
 
 
 def _axle(end: str, x: float, z: float, gain: float, omni: bool = False) -> str:
-    return "".join(_wheel(f"{end}_{side}", (x, y, z), gain, omni) for side, y in (("left", WHEEL_Y), ("right", -WHEEL_Y)))
+    sides = (("left", WHEEL_Y), ("right", -WHEEL_Y))
+    return "".join(_wheel(f"{end}_{side}", (x, y, z), gain, omni) for side, y in sides)
 
 
 def _steered_axle(servo: Servo) -> tuple[str, str]:
@@ -164,7 +167,8 @@ def _steered_axle(servo: Servo) -> tuple[str, str]:
     axle = f"""
       <body name="front_axle_link" pos="{FRONT_AXLE_X} 0 {AXLE_Z}">
         <inertial pos="0 0 0" mass="1e-6" diaginertia="1e-5 1e-5 1e-5"/>
-        <joint name="base_to_front_axle_joint" type="hinge" axis="0 0 1" range="{limit}" damping="{servo.steer_damping:g}"/>
+        <joint name="base_to_front_axle_joint" type="hinge" axis="0 0 1" range="{limit}"
+               damping="{servo.steer_damping:g}"/>
         {_axle("front", 0.0, WHEEL_Z - AXLE_Z, servo.wheel)}
       </body>"""
     gain, effort = f"{servo.steer:g}", f"{STEER_EFFORT:g}"
@@ -175,18 +179,17 @@ def _steered_axle(servo: Servo) -> tuple[str, str]:
 
 def _body_geoms() -> str:
     lines = [
-        f'<geom name="body_{i}" class="collision" type="sphere" size="{BODY_SPHERE_RADIUS}" pos="{_numbers(np.array(c))}"'
-        f' friction="{BODY_FRICTION} 0.005 0.0001"/>'
-        for i, c in enumerate(BODY_SPHERES)
+        f'<geom name="body_{i}" class="collision" type="sphere" size="{BODY_SPHERE_RADIUS}"'
+        f' pos="{_numbers(np.array(centre))}" friction="{BODY_FRICTION} 0.005 0.0001"/>'
+        for i, centre in enumerate(BODY_SPHERES)
     ]
     top = SHELL_Z + 0.5 * BODY_HEIGHT
+    box, pole = f"{CENTRE_X} 0 {AXLE_Z - 0.05}", f"-0.27 0.12 {top - 0.08} -0.27 0.12 {top + 0.72}"
+    parts = {"shell": "paint", "lid": "lid", "band": "chassis", "visor": "chassis"}
+    lines += [f'<geom class="visual" type="mesh" mesh="{m}" material="{material}"/>' for m, material in parts.items()]
     lines += [
-        '<geom class="visual" type="mesh" mesh="shell" material="paint"/>',
-        '<geom class="visual" type="mesh" mesh="lid" material="lid"/>',
-        '<geom class="visual" type="mesh" mesh="band" material="chassis"/>',
-        f'<geom class="visual" type="box" size="0.26 0.17 0.045" pos="{CENTRE_X} 0 {AXLE_Z - 0.05}" material="chassis"/>',
-        '<geom class="visual" type="mesh" mesh="visor" material="chassis"/>',
-        f'<geom class="visual" type="capsule" size="0.006" fromto="-0.27 0.12 {top - 0.08} -0.27 0.12 {top + 0.72}" material="chassis"/>',
+        f'<geom class="visual" type="box" size="0.26 0.17 0.045" pos="{box}" material="chassis"/>',
+        f'<geom class="visual" type="capsule" size="0.006" fromto="{pole}" material="chassis"/>',
         f'<geom class="visual" type="box" size="0.09 0.002 0.06" pos="-0.365 0.12 {top + 0.66}" material="flag"/>',
     ]
     return "\n      ".join(lines)
@@ -216,7 +219,9 @@ def make_mjcf(drive: str, servo: Servo) -> str:
     else:
         front, steer = _steered_axle(servo)
     rear = _axle("rear", REAR_AXLE_X, WHEEL_Z, servo.wheel)
-    motors = "\n    ".join(f'<general name="{w}_wheel" joint="{w}_wheel_joint" gainprm="{servo.wheel:.9g}"/>' for w in WHEELS)
+    gain = f'gainprm="{servo.wheel:.9g}"'
+    motors = "\n    ".join(f'<general name="{w}_wheel" joint="{w}_wheel_joint" {gain}/>' for w in WHEELS)
+    base, shell = (" ".join([f"{inertia}"] * 3) for inertia in (BASE_INERTIA, BODY_INERTIA))
     return f"""<mujoco model="coco_{drive}">
   <compiler angle="radian" autolimits="true"/>
   <option timestep="0.010" integrator="Euler" cone="pyramidal"/>
@@ -236,10 +241,11 @@ def make_mjcf(drive: str, servo: Servo) -> str:
   <worldbody>
     <body name="base_link" pos="0 0 {SPAWN_HEIGHT:.6g}">
       <freejoint name="root"/>
-      <inertial pos="{CENTRE_X} 0 {WHEEL_Z}" mass="{BASE_MASS:g}" diaginertia="{BASE_INERTIA} {BASE_INERTIA} {BASE_INERTIA}"/>
-      <camera name="front_cam" pos="{_numbers(np.array(CAMERA_POSITION))}" xyaxes="0 -1 0 0 0 1" fovy="{CAMERA_FOVY_DEG}"/>
+      <inertial pos="{CENTRE_X} 0 {WHEEL_Z}" mass="{BASE_MASS:g}" diaginertia="{base}"/>
+      <camera name="front_cam" pos="{_numbers(np.array(CAMERA_POSITION))}" xyaxes="0 -1 0 0 0 1"
+              fovy="{CAMERA_FOVY_DEG}"/>
       <body name="body_link">
-        <inertial pos="{CENTRE_X} 0 {SHELL_Z:g}" mass="{BODY_MASS:g}" diaginertia="{BODY_INERTIA} {BODY_INERTIA} {BODY_INERTIA}"/>
+        <inertial pos="{CENTRE_X} 0 {SHELL_Z:g}" mass="{BODY_MASS:g}" diaginertia="{shell}"/>
       {_body_geoms()}
       </body>{front}{rear}
     </body>

@@ -18,7 +18,6 @@ import mujoco
 from .hull_contact import SphereContacts
 from .physics_model import LimitTable, SphereTable
 
-
 #: A step whose length is within this of Newton's own ended where the quadratic has its minimum.
 _FULL_STEP = 1e-3
 
@@ -61,7 +60,13 @@ def tangents(normal: Any) -> tuple[Any, Any]:
 
 
 def contact_rows(
-    contacts: SphereContacts, spheres: SphereTable, slot_friction: Any, motion: Any, centre: Any, qvel: Any, timestep: float
+    contacts: SphereContacts,
+    spheres: SphereTable,
+    slot_friction: Any,
+    motion: Any,
+    centre: Any,
+    qvel: Any,
+    timestep: float,
 ) -> Rows:
     """Four rows per contact.
 
@@ -84,7 +89,9 @@ def contact_rows(
     friction = jnp.asarray(spheres.friction, jnp.float32)[sphere]
     friction = jnp.where(own, friction, jnp.maximum(friction, slot_friction[contacts.slot]))
     friction = jnp.where(slippery, 0.0, friction)[:, None]
-    jacobian = jnp.stack([along + friction * side, along - friction * side, along + friction * up, along - friction * up], 1)
+    jacobian = jnp.stack(
+        [along + friction * side, along - friction * side, along + friction * up, along - friction * up], 1
+    )
 
     solref = jnp.asarray(spheres.solref, jnp.float32)[sphere]
     solimp = jnp.asarray(spheres.solimp, jnp.float32)[sphere]
@@ -113,7 +120,9 @@ def limit_rows(limits: LimitTable, qpos: Any, qvel: Any, timestep: float) -> Row
     jacobian = jnp.zeros((len(limits.dof), qvel.shape[0])).at[jnp.arange(len(limits.dof)), limits.dof].set(sign)
     solref, solimp = jnp.asarray(limits.solref, jnp.float32), jnp.asarray(limits.solimp, jnp.float32)
     stiffness, damping, impedance = _spring(solref, solimp, depth, timestep)
-    resistance = jnp.maximum(jnp.asarray(limits.invweight, jnp.float32) * (1.0 - impedance) / impedance, mujoco.mjMINVAL)
+    resistance = jnp.maximum(
+        jnp.asarray(limits.invweight, jnp.float32) * (1.0 - impedance) / impedance, mujoco.mjMINVAL
+    )
     reference = -damping * (jacobian @ qvel) - stiffness * impedance * depth
     return Rows(jacobian, jnp.where(acts, 1.0 / resistance, 0.0), reference)
 
@@ -186,7 +195,9 @@ def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: A
         value, second = derivative(alpha)
         low, high = jnp.where(value < 0, alpha, low), jnp.where(value < 0, high, alpha)
         guess = alpha - value / jnp.maximum(second, mujoco.mjMINVAL)
-        guess = jnp.where((guess > low) & (guess < high), guess, jnp.where(jnp.isfinite(high), 0.5 * (low + high), 2 * low))
+        guess = jnp.where(
+            (guess > low) & (guess < high), guess, jnp.where(jnp.isfinite(high), 0.5 * (low + high), 2 * low)
+        )
         return jnp.where(value == 0, alpha, guess), low, high
 
     return jax.lax.fori_loop(0, steps, narrow, (jnp.ones(()), jnp.zeros(()), jnp.full((), jnp.inf)))[0]

@@ -138,7 +138,9 @@ def edge_distance(point: Any, edges: Any, normal: Any) -> tuple[Any, Any]:
     return distance, jnp.where(distance > _ON_EDGE, way[:, nearest] / jnp.maximum(distance, _ON_EDGE), normal)
 
 
-def _with_edges(local: Any, hull: Any, gap: Any, normal: Any, open_: Any, edges: Any, number: int) -> tuple[Any, Any, Any]:
+def _with_edges(
+    local: Any, hull: Any, gap: Any, normal: Any, open_: Any, edges: Any, number: int
+) -> tuple[Any, Any, Any]:
     """Replaces gap (n,) and normal (n, 3) of the `number` smallest entries of open_ (n,) by those to the edges.
 
     Returns both and () i32, how many entries with open_ < 0 were left.

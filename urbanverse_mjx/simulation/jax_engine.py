@@ -104,7 +104,10 @@ class JaxEngine:
         grid_reach = float(bank.meta["grid_reach"])
         if self.reach > grid_reach + 1e-6:
             raise v.fail(
-                "bank.meta.grid_reach", f"{grid_reach:g} m", f"{self.reach:g} m for {robot.name!r}", "pack the bank again"
+                "bank.meta.grid_reach",
+                f"{grid_reach:g} m",
+                f"{self.reach:g} m for {robot.name!r}",
+                "pack the bank again",
             )
         objects, prisms = slots.instance_tables(bank)
         self.tables = EngineTables(
@@ -174,7 +177,9 @@ class JaxEngine:
             data = stage(model, data)
         data = mjx.fwd_acceleration(model, mjx.fwd_actuation(model, data))
         radii = jnp.asarray(spheres.radius, jnp.float32)
-        found = hull_contact.find_contacts(data.geom_xpos[spheres.geom], radii, nearby, self.tables.hulls, self.num_contacts)
+        found = hull_contact.find_contacts(
+            data.geom_xpos[spheres.geom], radii, nearby, self.tables.hulls, self.num_contacts
+        )
         centre = data.subtree_com[self.physics.root]
         rows = constraint.contact_rows(found, spheres, nearby.friction, data.cdof, centre, qvel, dt)
         if len(self.physics.limits.dof):

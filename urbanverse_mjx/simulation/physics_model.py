@@ -55,7 +55,13 @@ class SphereTable:
 
 @dataclasses.dataclass(frozen=True)
 class LimitTable:
-    """Limited hinge and slide joints: qpos and dof address (n,), range (n, 2), solref (n, 2), solimp (n, 5), invweight (n,)."""
+    """Limited hinge and slide joints, n of them.
+
+    Attributes:
+      qpos, dof: (n,) addresses.
+      range: (n, 2) rad or m.
+      solref: (n, 2), solimp: (n, 5), invweight: (n,).
+    """
 
     qpos: np.ndarray
     dof: np.ndarray

@@ -61,7 +61,9 @@ def instance_tables(bank: SceneBank) -> tuple[InstanceTable, InstanceTable]:
     eye = np.broadcast_to(np.eye(3, dtype=np.float32), (*bank.prism_hull.shape, 3, 3))
     ground = np.full_like(bank.prism_hull, -1)
     return (
-        table(bank.inst_hull, bank.inst_object, bank.inst_position, bank.inst_rotation, bank.inst_friction, bank.hull_grid),
+        table(
+            bank.inst_hull, bank.inst_object, bank.inst_position, bank.inst_rotation, bank.inst_friction, bank.hull_grid
+        ),
         table(bank.prism_hull, ground, bank.prism_position, eye, bank.prism_friction, bank.prism_grid),
     )
 
@@ -87,7 +89,9 @@ def nearest(table: InstanceTable, cell: Any, scene: Any, centre: Any, reach: flo
     if listed.shape[0] < number:
         listed = jnp.pad(listed, (0, number - listed.shape[0]), constant_values=-1)
     row = jnp.maximum(listed, 0)
-    distance = box_distance(centre, table.box_centre[scene, row], table.rotation[scene, row], table.box_half[scene, row])
+    distance = box_distance(
+        centre, table.box_centre[scene, row], table.rotation[scene, row], table.box_half[scene, row]
+    )
     distance = jnp.where(listed >= 0, distance, jnp.inf)
     found = jnp.sum(distance <= reach)
     negative, order = jax.lax.top_k(-distance, number)

@@ -114,7 +114,9 @@ def aimed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, cont
         qpos[i, :3] = start + (0.0, 0.0, robot.spawn_height)
         qpos[i, 3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
         command[:, i, 0] = rng.uniform(0.4, 1.0) * robot.max_speed
-        command[:, i, 1] = rng.uniform(0, 0.5) * robot.max_yaw_rate * np.sin(rng.uniform(1, 3) * time + rng.uniform(0, 6))
+        command[:, i, 1] = (
+            rng.uniform(0, 0.5) * robot.max_yaw_rate * np.sin(rng.uniform(1, 3) * time + rng.uniform(0, 6))
+        )
     return Drives(scene, qpos, np.array(jax.vmap(jax.vmap(robot.command))(command)))
 
 
@@ -163,7 +165,9 @@ def drive_engine(engine: JaxEngine, bank: SceneBank, drives: Drives) -> Trace:
     """The drives in the engine, all in one batch."""
     step = jax.jit(jax.vmap(engine.step_and_record))
     model = engine.physics.model
-    state = jax.jit(jax.vmap(engine.init))(drives.scene, drives.qpos, np.zeros((len(drives.scene), model.nv), np.float32))
+    state = jax.jit(jax.vmap(engine.init))(
+        drives.scene, drives.qpos, np.zeros((len(drives.scene), model.nv), np.float32)
+    )
     qpos, hit, seen, ground = [], [], [set() for _ in drives.scene], np.zeros(len(drives.scene), bool)
     for ctrl in drives.ctrl:
         state, record = step(state, ctrl)
@@ -186,5 +190,7 @@ def compare(truth: Trace, engine: Trace, robot: RobotSpec) -> ParityReport:
     late = either + second
     after = np.where(late < steps, apart[np.arange(count), np.minimum(late, steps - 1)], np.nan)
     onset = np.where((both == steps) & (either < steps), -1, both - either)
-    agree = np.array([e <= t for t, e in zip(truth.objects, engine.objects, strict=True)]) & (truth.ground == engine.ground)
+    agree = np.array([e <= t for t, e in zip(truth.objects, engine.objects, strict=True)]) & (
+        truth.ground == engine.ground
+    )
     return ParityReport(before, onset.astype(np.int32), after, truth.hit.any(1), agree)

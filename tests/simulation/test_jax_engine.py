@@ -1,0 +1,197 @@
+"""The MJX engine: pure, one compilation for all scenes, envs that do not know each other, slots that are counted."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.box_bank import box_bank
+from urbanverse_mjx.datatypes import NounError, SceneBank, SimState
+from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.simulation import truth
+from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
+NUM_ENVS = 6
+CONTROL_DT = 0.1
+
+
+@pytest.fixture(scope="module")
+def engine(small_bank: SceneBank) -> JaxEngine:
+    return JaxEngine(small_bank, make_coco("differential"), control_dt=CONTROL_DT)
+
+
+@pytest.fixture(scope="module")
+def traces() -> list[int]:
+    """One entry per trace of `batched`."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def batched(engine: JaxEngine, traces: list[int]) -> Any:
+    def step(state: SimState, ctrl: Any) -> SimState:
+        traces.append(1)
+        return jax.vmap(engine.step)(state, ctrl)
+
+    return jax.jit(step)
+
+
+def starts(engine: JaxEngine, bank: SceneBank, seed: int = 0) -> tuple[SimState, np.ndarray]:
+    """Some robots near objects and a command for each."""
+    drives = truth.aimed_drives(bank, engine.robot, NUM_ENVS, 1, CONTROL_DT, seed)
+    velocity = np.zeros((NUM_ENVS, engine.physics.model.nv), np.float32)
+    return jax.jit(jax.vmap(engine.init))(drives.scene, drives.qpos, velocity), drives.ctrl[0]
+
+
+def roll(step: Any, state: SimState, ctrl: Any, steps: int) -> SimState:
+    for _ in range(steps):
+        state = step(state, ctrl)
+    return state
+
+
+def assert_equal(a: Any, b: Any) -> None:
+    jax.tree.map(lambda x, y: np.testing.assert_array_equal(np.array(x), np.array(y)), a, b)
+
+
+def test_changing_scenes_compiles_nothing(
+    engine: JaxEngine, small_bank: SceneBank, batched: Any, traces: list[int]
+) -> None:
+    state, ctrl = starts(engine, small_bank)
+    batched(state, ctrl)
+    for shift in range(small_bank.num_scenes):
+        batched(state._replace(scene=(state.scene + shift) % small_bank.num_scenes), ctrl)
+    assert len(traces) == 1
+
+
+def test_the_scene_decides_what_is_hit(engine: JaxEngine, small_bank: SceneBank, batched: Any) -> None:
+    """Robots stand where an object of the first scene stands: there they hit that object, elsewhere not that one."""
+    clear = [
+        k
+        for k in range(40)
+        if np.linalg.norm(small_bank.inst_position[1:, :, :2] - small_bank.inst_position[0, k, :2], axis=-1).min() > 2.5
+    ]
+    place = small_bank.inst_position[0, clear[0]] + (0.0, 0.0, engine.robot.spawn_height + 0.05)
+    qpos = np.zeros((NUM_ENVS, engine.physics.model.nq), np.float32)
+    qpos[:, :3], qpos[:, 3] = place, 1.0
+    scenes = np.arange(NUM_ENVS) % small_bank.num_scenes
+    state = jax.jit(jax.vmap(engine.init))(scenes, qpos, np.zeros((NUM_ENVS, engine.physics.model.nv)))
+    state = batched(state, np.zeros((NUM_ENVS, engine.physics.model.nu), np.float32))
+    np.testing.assert_array_equal(state.contacts.hit, scenes == 0)
+    owner = small_bank.inst_object[0, clear[0]]
+    np.testing.assert_array_equal(state.contacts.hit_object, np.where(scenes == 0, owner, -1))
+    assert (np.array(state.contacts.hit_fraction)[scenes == 0] > 0.5).all()
+    assert (np.array(state.contacts.hit_force)[scenes == 0] > 100).all()
+
+
+def test_vmap_equals_a_loop(engine: JaxEngine, small_bank: SceneBank, batched: Any) -> None:
+    state, ctrl = starts(engine, small_bank)
+    together = roll(batched, state, ctrl, 8)
+    alone = jax.jit(engine.step)
+    for i in range(NUM_ENVS):
+        one = roll(alone, jax.tree.map(lambda x, i=i: x[i], state), ctrl[i], 8)
+        # Batched matrix products add up in another order.
+        np.testing.assert_allclose(one.qpos, together.qpos[i], atol=2e-4)
+        assert bool(one.contacts.hit) == bool(together.contacts.hit[i])
+        assert int(one.contacts.hit_object) == int(together.contacts.hit_object[i])
+
+
+def test_step_is_pure_and_envs_are_independent(engine: JaxEngine, small_bank: SceneBank, batched: Any) -> None:
+    state, ctrl = starts(engine, small_bank)
+    copy = jax.tree.map(lambda x: np.array(x), state)
+    first = roll(batched, state, ctrl, 5)
+    assert_equal(copy, state)
+    roll(batched, *starts(engine, small_bank, seed=1), 3)  # another batch in between
+    assert_equal(first, roll(batched, state, ctrl, 5))
+    # Shuffled envs give the shuffled result.
+    order = np.array([3, 5, 0, 1, 4, 2])
+    shuffled = roll(batched, jax.tree.map(lambda x: x[order], state), ctrl[order], 5)
+    assert_equal(jax.tree.map(lambda x: x[order], first), shuffled)
+    # A neighbour that is all NaN changes nothing.
+    nan = {name: jnp.asarray(getattr(state, name)).at[2].set(jnp.nan) for name in ("qpos", "qvel", "xpos")}
+    spoilt = roll(batched, state._replace(**nan), ctrl, 5)
+    well = np.array([0, 1, 3, 4, 5])
+    assert_equal(jax.tree.map(lambda x: x[well], first), jax.tree.map(lambda x: x[well], spoilt))
+    assert np.isnan(np.array(spoilt.qpos[2])).any()  # and the ill one stays ill, so that the env sees it
+
+
+def test_init_reports_kinematics_and_no_contact(engine: JaxEngine, small_bank: SceneBank) -> None:
+    state, _ = starts(engine, small_bank)
+    root = engine.physics.root
+    np.testing.assert_allclose(state.xpos[:, root], state.qpos[:, :3])
+    np.testing.assert_allclose(state.xquat[:, root], state.qpos[:, 3:7], atol=1e-6)
+    assert not np.array(state.contacts.hit).any()
+    assert (np.array(state.contacts.hit_object) == -1).all()
+    assert (np.array(state.slot_overflow) == 0).all()
+
+
+def test_far_from_everything_nothing_is_hit_and_the_robot_falls(engine: JaxEngine, batched: Any) -> None:
+    qpos = np.zeros((NUM_ENVS, engine.physics.model.nq), np.float32)
+    qpos[:, :4] = 500.0, -300.0, 5.0, 1.0
+    state = jax.jit(jax.vmap(engine.init))(np.zeros(NUM_ENVS, int), qpos, np.zeros((NUM_ENVS, engine.physics.model.nv)))
+    state = batched(state, np.zeros((NUM_ENVS, engine.physics.model.nu), np.float32))
+    # Ten Euler steps of 10 ms: v = -g t, z = sum of v dt.
+    np.testing.assert_allclose(state.qvel[:, 2], -9.81 * 0.1, rtol=1e-4)
+    np.testing.assert_allclose(state.qpos[:, 2], 5.0 - 9.81 * 0.01**2 * 55, rtol=1e-5)
+    assert not np.array(state.contacts.hit).any()
+
+
+def crowd(number: int) -> SceneBank:
+    """One street with all its objects at one place."""
+    bank = box_bank(1, num_objects=number)
+    position = np.tile(np.array([20.0, 6.5, 0.15], np.float32), (1, number, 1))
+    hulls = np.broadcast_to(np.arange(number, dtype=np.int32), (*bank.hull_grid.shape[:3], number)).copy()
+    return dataclasses.replace(bank, inst_position=position, hull_grid=hulls)
+
+
+@pytest.mark.parametrize("slots", [8, 20, 24])
+def test_hulls_without_a_slot_are_counted(slots: int) -> None:
+    engine = JaxEngine(crowd(20), make_coco(), control_dt=CONTROL_DT, num_slots=slots)
+    place = jnp.array([20.0, 6.5, 0.4])
+    nearby, missing = jax.jit(engine.find_slots)(0, place)
+    assert int(missing) == max(20 - slots, 0)
+    objects = np.array(nearby.owner)[: engine.num_slots]
+    valid = np.array(nearby.valid)[: engine.num_slots]
+    assert valid.sum() == min(slots, 20)
+    assert len(set(objects[valid])) == min(slots, 20)
+    # Ten metres on nothing is within reach.
+    assert int(jax.jit(engine.find_slots)(0, place + jnp.array([10.0, 0, 0]))[1]) == 0
+
+
+def test_every_hull_within_reach_has_a_slot(engine: JaxEngine, small_bank: SceneBank) -> None:
+    """10,000 poses, against brute force over all hulls of the scene."""
+    rng = np.random.default_rng(0)
+    count = 10_000
+    scene = rng.integers(small_bank.num_scenes, size=count)
+    place = rng.uniform([0, -8, 0.2], [60, 8, 0.6], (count, 3)).astype(np.float32)
+    nearby, missing = jax.jit(jax.vmap(engine.find_slots))(scene, place)
+    assert int(missing.max()) == 0
+    valid, owner = np.array(nearby.valid), np.array(nearby.owner)
+    for z in range(small_bank.num_scenes):
+        here = np.flatnonzero(scene == z)
+        hull = small_bank.inst_hull[z]
+        box = small_bank.hull_box[hull]
+        offset = place[here, None] - small_bank.inst_position[z]
+        local = np.einsum("qij,nqi->nqj", small_bank.inst_rotation[z], offset) - box[:, 0]
+        reachable = np.linalg.norm(np.maximum(np.abs(local) - box[:, 1], 0), axis=-1) < engine.reach - 1e-4
+        for row, objects in zip(here, reachable & (hull >= 0), strict=True):
+            wanted = set(small_bank.inst_object[z][objects])
+            assert wanted <= set(owner[row][valid[row]])
+
+
+def test_callers_mistakes_are_one_sentence(small_bank: SceneBank) -> None:
+    robot = make_coco()
+    with pytest.raises(NounError, match="multiple of the physics step"):
+        JaxEngine(small_bank, robot, control_dt=0.125)
+    with pytest.raises(NounError, match="grid_reach"):
+        JaxEngine(small_bank, robot, control_dt=0.5)
+    with pytest.raises(NounError, match="num_contacts"):
+        JaxEngine(small_bank, robot, num_contacts=100_000)
+    sphere = 'name="body_0" class="collision" type="sphere"'
+    box = robot.mjcf.replace(sphere, sphere.replace("sphere", "box"))
+    box = box.replace(f'size="{0.2}" pos', 'size="0.2 0.2 0.2" pos', 1)
+    with pytest.raises(NounError, match="another shape than a sphere"):
+        JaxEngine(small_bank, dataclasses.replace(robot, mjcf=box))
+    with pytest.raises(NounError, match="foot_geoms"):
+        JaxEngine(small_bank, dataclasses.replace(robot, foot_geoms=("paw",)))
