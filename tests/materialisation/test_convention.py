@@ -33,8 +33,8 @@ def test_the_asset_fills_the_box(label, yaw):
     c, s = math.cos(yaw), math.sin(yaw)
     in_box = (world - box.center) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     low, high = in_box.min(0), in_box.max(0)
-    # another variant of nearly the same size may be chosen: 8 % is what a near tie allows
-    np.testing.assert_allclose(high - low, box.size, rtol=0.09)
+    # another variant of nearly the same size may be chosen: 5 % is what a near tie allows
+    np.testing.assert_allclose(high - low, box.size, rtol=0.055)
     np.testing.assert_allclose((high + low)[:2] / 2, 0.0, atol=0.01)
     assert world[:, 2].min() == pytest.approx(0.15, abs=0.005)
 

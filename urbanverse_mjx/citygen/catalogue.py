@@ -35,7 +35,7 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "picnic table": ((1.65, 1.88, 0.77), (1.56, 1.56, 0.75)),
     "potted plant": ((0.58, 0.57, 0.91), (0.55, 0.54, 1.7)),
     "plant pot": ((0.59, 0.59, 0.6), (0.42, 0.42, 0.37)),
-    "garbage bag": ((0.53, 0.55, 0.48), (0.85, 0.85, 0.5), (0.51, 0.53, 0.48)),
+    "garbage bag": ((0.53, 0.55, 0.48), (0.91, 0.77, 0.53), (0.51, 0.53, 0.48)),
     "storage box": ((0.47, 0.63, 0.38), (0.45, 0.57, 0.9), (0.54, 0.93, 0.5)),
     "parcels": ((0.44, 0.58, 0.33), (0.45, 0.53, 0.66)),
     "newspaper stand": ((0.42, 0.42, 1.12),),
@@ -44,20 +44,20 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "sculpture": ((1.2, 1.2, 2.8), (0.6, 0.6, 2.03)),
     "manhole cover": ((0.7, 0.7, 0.012),),
     "guard stone": ((0.34, 0.34, 0.62), (0.48, 0.48, 0.75)),
-    "rock": ((1.0, 0.95, 0.55), (0.8, 0.64, 0.4)),
+    "rock": ((1.0, 0.95, 0.55), (0.92, 0.65, 0.45)),
     "sunshade": ((2.46, 2.46, 2.5),),
     "charging station": ((0.5, 0.67, 1.5),),
     "utility pole": ((0.36, 2.2, 8.5),),
     # signs
     "stop sign": ((0.1, 0.72, 2.7),),
     "no parking sign": ((0.15, 0.55, 2.7),),
-    "do not enter sign": ((0.1, 0.65, 2.7),),
+    "do not enter sign": ((0.15, 0.58, 2.8),),
     "speed limit sign 30 km": ((0.15, 0.6, 2.72),),
     "directional sign": ((0.52, 1.7, 2.98), (0.8, 0.8, 3.06)),
     "road work detour ahead sign": ((0.74, 1.1, 1.75),),
     # barriers
     "traffic cone": ((0.34, 0.34, 0.7), (0.44, 0.44, 0.92)),
-    "traffic barricade": ((0.61, 1.5, 1.1),),
+    "traffic barricade": ((0.64, 1.4, 1.2),),
     "jersey barrier": ((0.62, 2.0, 0.82),),
     "fence": ((0.1, 2.6, 1.15),),
     "guard rail": ((0.3, 3.0, 0.78),),
@@ -70,9 +70,9 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "pickup truck": ((5.3, 2.24, 1.8),),
     "taxi": ((4.85, 2.14, 1.7),),
     "police car": ((4.95, 2.16, 1.64),),
-    "truck": ((7.0, 2.5, 3.0),),
-    "bus": ((10.5, 2.7, 3.1),),
-    "food truck": ((5.6, 2.3, 2.8),),
+    "truck": ((6.77, 2.62, 3.19),),
+    "bus": ((10.76, 2.8, 3.2),),
+    "food truck": ((6.35, 3.2, 3.25),),
     "motorcycle": ((2.0, 0.75, 1.25),),
     "bicycle": ((1.76, 0.61, 1.06),),
     "scooter": ((1.14, 0.54, 1.18),),
@@ -86,7 +86,7 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "pedestrian child": ((0.66, 0.41, 1.22), (0.25, 0.46, 1.4)),
     "elderly person": ((0.98, 0.59, 1.68), (0.66, 0.58, 1.6)),
     "construction worker": ((0.7, 0.6, 1.79), (1.02, 0.66, 1.82)),
-    "police officer": ((0.4, 0.64, 1.86),),
+    "police officer": ((0.35, 0.6, 1.87),),
     "jogger": ((1.28, 0.6, 1.65),),
     "cyclist": ((1.76, 0.66, 1.85),),
     "delivery worker": ((0.95, 0.6, 1.76),),
@@ -94,7 +94,7 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "cat": ((0.63, 0.12, 0.41), (0.33, 0.27, 0.42)),
     "bird": ((0.39, 0.14, 0.27),),
     # plants
-    "tree": ((3.95, 3.76, 7.38),),
+    "tree": ((3.7, 3.4, 7.4),),
     "shrub": ((1.17, 1.14, 1.09), (0.83, 0.82, 1.25)),
     "flower": ((0.82, 0.8, 0.54), (0.67, 0.67, 0.83)),
     "grass patch": ((2.0, 1.98, 0.03), (1.63, 1.45, 0.03)),
@@ -123,12 +123,13 @@ SIZES: dict[str, tuple[Size, ...]] = {
 FALLEN: dict[str, Size] = {"scooter": (1.14, 1.18, 0.54)}
 
 
-#: Growths of trees: for rows along a kerb, for narrow places, for the south, for parks.
+#: Growths of trees: for rows along a kerb, for narrow places, for the south, for spring, for parks.
 TREES: dict[str, Size] = {
     "street": SIZES["tree"][0],
     "slim": (2.74, 2.75, 8.39),
     "palm": (3.91, 4.04, 5.93),
-    "broad": (5.3, 5.3, 6.8),
+    "blossom": (4.36, 4.04, 4.89),
+    "broad": (5.3, 5.5, 6.6),
 }
 
 #: A clipped hedge, one piece of a row.

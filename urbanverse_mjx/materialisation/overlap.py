@@ -177,14 +177,16 @@ class Support:
         return any(abs(h - k) < 0.01 and a == b for h, a in before for k, b in after)
 
 
+def _within_reach(body: Body, bounds: tuple[float, float, float, float]) -> bool:
+    """Whether a thing could come to touch a rectangle (x, y from and to) by any allowed move."""
+    x0, y0, x1, y1 = body.box[[0, 1, 3, 4]]
+    bx0, by0, bx1, by1 = bounds
+    return bool(bx0 < x1 + LIMIT and x0 - LIMIT < bx1 and by0 < y1 + LIMIT and y0 - LIMIT < by1)
+
+
 def _free_offset(body: Body, bodies: Sequence[Body], support: Support) -> tuple[float, float] | None:
     """The least offset from the graph's place at which the thing touches nothing, or None within `LIMIT`."""
-    x0, y0, x1, y1 = body.box[[0, 1, 3, 4]]
-    others = []
-    for o in bodies:
-        bx0, by0, bx1, by1 = o.bounds
-        if o is not body and bx0 < x1 + LIMIT and x0 - LIMIT < bx1 and by0 < y1 + LIMIT and y0 - LIMIT < by1:
-            others.append(o)
+    others = [o for o in bodies if o is not body and _within_reach(body, o.bounds)]
     for ring in range(1, round(LIMIT / STEP) + 1):
         for k in range(DIRECTIONS):
             angle = math.tau * k / DIRECTIONS
@@ -202,19 +204,20 @@ def resolve(bodies: Sequence[Body], support: Support) -> list[tuple[int, int]]:
     Of a pair the movable and lighter thing gives way first, rooted things never. A move is taken only to a place
     where the thing touches nothing at all, so every move lowers the number of penetrations.
     """
-    stuck: set[int] = set()
+    pairs, stuck = penetrating_pairs(bodies), set[int]()
     while True:
-        pairs = penetrating_pairs(bodies)
         candidates = {i for pair in pairs for i in pair if not bodies[i].rooted and i not in stuck}
         if not candidates:
             return pairs
         _, _, _, mover = min(
             (not bodies[i].record.movable, bodies[i].placed.mass, bodies[i].placed.id, i) for i in candidates
         )
+        left_behind = bodies[mover].bounds
         shift = _free_offset(bodies[mover], bodies, support)
         if shift is None:
             stuck.add(mover)
-        else:
-            bodies[mover].offset = shift
-            # a place may have become free for those that found none
-            stuck.clear()
+            continue
+        bodies[mover].offset = shift
+        pairs = [pair for pair in pairs if mover not in pair]
+        # the place it left may be what another thing was looking for
+        stuck = {i for i in stuck if not _within_reach(bodies[i], left_behind)}

@@ -10,14 +10,14 @@ THINGS = (
     ("road work detour ahead sign", 9.2, RIGHT, 0.65, "-x"),
     ("road work detour ahead sign", 17.0, LEFT, -1.0, "-x"),
     ("road work detour ahead sign", 58.5, LEFT, 1.0, "+x"),
-    ("truck", 27.0, LEFT, -1.7, "+x"),
+    ("truck", 27.0, LEFT, -1.6, "+x"),
     ("pickup truck", 36.5, LEFT, -1.5, "-x"),
     ("dumpster", 21.0, LEFT, -1.2, "street"),
     ("traffic barricade", 16.0, LEFT, -1.0, "-x"),
     ("traffic barricade", 16.0, LEFT, -2.7, "-x"),
-    ("traffic barricade", 43.9, LEFT, -1.0, "+x"),
+    ("traffic barricade", 43.8, LEFT, -1.0, "+x"),
     ("traffic barricade", 43.9, LEFT, -2.7, "+x"),
-    ("traffic barricade", 22.0, RIGHT, 0.75, "-x"),
+    ("traffic barricade", 21.6, RIGHT, 0.75, "-x"),
     ("traffic barricade", 36.0, RIGHT, 0.75, "+x"),
     ("traffic barricade", 29.2, LEFT, 0.9, 80.0),
     ("storage box", 24.5, LEFT, 0.7, 10.0),
@@ -86,7 +86,7 @@ def build() -> StreetComposer:
     # the trench on the right: a fence that leaves 1.5 m
     street.row("fence", (23.6, 26.25, 28.9, 31.55, 34.2), RIGHT, 1.35, "wall")
     street.row("traffic cone", (17.2, 18.4, 19.8), LEFT, 0.45, "street", 30.0)
-    street.row("traffic cone", (44.4, 45.6, 46.6), LEFT, -2.2, "street", 30.0)
+    street.row("traffic cone", (44.9, 45.8, 46.7), LEFT, -2.2, "street", 30.0)
     street.row("traffic cone", (8.2, 14.4, 16.4, 38.0, 39.4, 41.5), RIGHT, 0.5, "street", 30.0)
     street.row("traffic cone", (42.8, 43.9), RIGHT, 1.0, "street", 30.0)
     street.row("traffic cone", (28.4, 30.3), LEFT, 1.75, "street", 30.0)
@@ -94,7 +94,7 @@ def build() -> StreetComposer:
     street.row("street light", (2.5, 20.0, 37.2, 53.5), RIGHT, 0.4)
     street.trees((3.5, 55.8, 62.2), LEFT, 0.65)
     street.trees((6.4, 58.9), RIGHT, 0.6, "slim")
-    parked(street, (("van", 6.0), ("sedan", 56.8)), RIGHT)
+    parked(street, (("hatchback car", 6.0), ("sedan", 56.8)), RIGHT)
     parked(street, (("hatchback car", 4.8), ("sedan", 58.6)), LEFT)
     street.put_all(THINGS)
     street.scatter(("traffic cone", "garbage bag", "storage box"), 5, LEFT, (2.0, 62.0), (0.4, 3.2))

@@ -35,7 +35,7 @@ THINGS = (
     ("picnic table", 20.0, LEFT, 10.0, 20.0),
     ("picnic table", 52.0, LEFT, 9.4, -15.0),
     ("picnic table", 56.6, LEFT, 12.2, 40.0),
-    ("food truck", 27.0, LEFT, -1.3, "-x"),
+    ("food truck", 27.0, LEFT, -1.55, "+x"),
     ("kiosk", 45.0, LEFT, 12.8, "street"),
     ("street food stall", 29.2, LEFT, 2.2, "wall"),
     ("bicycle parking", 14.0, LEFT, 0.9, "wall"),
@@ -102,7 +102,7 @@ def build() -> StreetComposer:
     )
     street.close_view(("apartment building", "school", "office building", "house"), at_end=False)
     street.close_view(("hotel", "house", "restaurant"), at_end=True)
-    street.trees((7.0, 21.4, 32.5, 40.5, 49.0, 61.0, 68.5), LEFT, 0.7)
+    street.trees((7.0, 21.4, 32.5, 40.5, 49.0, 61.0, 68.5), LEFT, 0.7, "blossom")
     street.trees((5.5, 14.5, 27.0, 45.5, 67.0), LEFT, 6.6, "broad")
     street.trees((4.0, 12.0, 24.0, 49.5, 60.5, 69.0), LEFT, 11.9, "broad")
     street.trees((7.0, 24.8, 37.0, 47.9, 63.6), RIGHT, 0.65)

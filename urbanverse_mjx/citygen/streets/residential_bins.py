@@ -16,7 +16,7 @@ THINGS = (
     ("mailbox", 62.5, LEFT, 2.85, "street"),
     ("stop sign", 69.3, RIGHT, 0.45, "-x"),
     ("speed limit sign 30 km", 1.5, RIGHT, 0.45, "-x"),
-    ("no parking sign", 40.6, LEFT, 0.4, "+x"),
+    ("no parking sign", 41.6, LEFT, 0.4, "+x"),
     ("bench", 41.0, LEFT, 2.8, "street"),
     ("bench", -2.9, RIGHT, -3.0, "+x"),
     ("storage box", 26.4, LEFT, 2.5, 20.0),
@@ -55,7 +55,7 @@ def build() -> StreetComposer:
     )
     street.close_view(("house", "apartment building"), at_end=False)
     street.close_view(("house", "apartment building", "house", "house"), at_end=True)
-    street.trees((4.0, 11.0, 23.5, 31.0, 38.5, 48.8, 59.5, 66.5), LEFT, 0.6)
+    street.trees((4.0, 11.0, 23.5, 30.0, 38.5, 48.8, 59.5, 66.5), LEFT, 0.6, "blossom")
     street.trees((7.5, 25.0, 33.0, 41.0, 58.0), RIGHT, 0.6, "slim")
     street.row("street light", (8.0, 28.0, 44.0, 63.5), LEFT, 0.45, "street")
     street.row("utility pole", (2.8, 37.5, 66.0), RIGHT, 0.4, "street")

@@ -39,7 +39,7 @@ THINGS = (
     ("taxi", 42.5, LEFT, -1.1, "-x"),
     ("police car", 38.0, RIGHT, -1.15, "+x"),
     ("tricycle", 56.5, LEFT, -1.0, "-x"),
-    ("food truck", 6.8, RIGHT, -1.3, "+x"),
+    ("food truck", 6.8, RIGHT, -1.55, "-x"),
     ("advertising board", 24.6, LEFT, 2.3, "+x"),
     ("advertising board", 46.2, LEFT, 2.0, "-x"),
     ("advertising board", 12.0, RIGHT, 2.8, "-x"),
