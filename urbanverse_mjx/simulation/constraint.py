@@ -132,7 +132,12 @@ def join(first: Rows, second: Rows) -> Rows:
 
 
 class _Search(NamedTuple):
-    """Newton's state: acceleration (nv,), J a - aref (n,), rows that push (n,), whether it is the minimum, steps done."""
+    """Newton's state.
+
+    Attributes:
+      a: (nv,) acceleration; gap: (n,) J a - aref; pushing: (n,) bool, gap < 0.
+      done: () bool, a is the minimum; steps: () i32.
+    """
 
     a: Any
     gap: Any
