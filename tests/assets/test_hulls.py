@@ -33,7 +33,7 @@ def test_hulls_of_a_leaf(leaf: str) -> None:
     for record in INDEX.by_leaf(leaf):
         mesh, hulls = build_mesh(record), load_hulls(record).hulls
         surface = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-        points, _ = trimesh.sample.sample_surface(surface, 1500, seed=0)
+        points = np.asarray(trimesh.sample.sample_surface(surface, 1500, seed=0)[0])
         missed = outside(points, hulls)
         missed[points[:, 2] <= FOOT_PLATE + 1e-3] = 0.0
         low = points[:, 2] < 2.0
