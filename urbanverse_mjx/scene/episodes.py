@@ -40,8 +40,8 @@ class EpisodeRules:
 
 #: Starts tried for every goal; the mix is chosen among them.
 _STARTS_PER_GOAL = 28
-#: Places tried for a start in sight of the goal.
-_LOOKS = 24
+#: Places tried for starts in sight of a goal.
+_LOOKS = 400
 #: Fewest rows with which a scene can be used.
 MIN_ROWS = 256
 #: Goals keep this distance (m) from each other while places last.
@@ -141,13 +141,18 @@ def _candidates(
     reach = (
         np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
     )
+    looks = rng.permutation(np.flatnonzero(reach))[:_LOOKS]
+    in_sight = [i for i in looks if space.line_free(space.coarse_center(cells[i]), end)]
     rows = []
     for draw, wanted in enumerate(rng.uniform(*rules.distance, _STARTS_PER_GOAL)):
-        near = rng.permutation(np.flatnonzero(reach & (np.abs(away - wanted) < 0.5)))
-        if not len(near):
+        near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))
+        if in_sight and draw % 2 == 0:
+            chosen = in_sight.pop(int(np.abs(away[in_sight] - wanted).argmin()))
+        elif len(near):
+            chosen = rng.choice(near)
+        else:
             continue
-        in_sight = (i for i in near[:_LOOKS] if space.line_free(space.coarse_center(cells[i]), end))
-        path = field.path(cells[near[0] if draw % 2 else next(in_sight, near[0])])
+        path = field.path(cells[chosen])
         if path_length(path) <= rules.detour * np.linalg.norm(path[0] - path[-1]):
             rows.append(_Row(number, path[0], path, space.line_free(path[0], path[-1]), _crosses(space, path)))
     return rows
