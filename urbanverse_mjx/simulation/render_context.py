@@ -2,6 +2,8 @@
 
 import copy
 import dataclasses
+import functools
+from collections.abc import Callable, Sequence
 
 import mujoco_warp as mjw
 import mujoco_warp_pbr as pbr
@@ -11,7 +13,6 @@ from mujoco_warp_pbr._src import envmap, kernel_inputs
 
 from ..datatypes import SceneBank
 from . import render_kernels as kernels
-from .render_matte import build_matte_kernel
 from .render_model import RenderModel
 from .render_scenes import build_robot_tables, build_scene_tables, build_skies, upload_textures
 
@@ -22,7 +23,8 @@ SHADINGS = ("pbr", "matte")
 OUTPUTS = ("rgb", "depth", "category", "object", "normal")
 #: Display colour of the sky where none is drawn (sky=False).
 PLAIN_SKY = (0.62, 0.74, 0.88, 1.0)
-#: Lifts what the tone mapper of the glossy shading darkens; chosen by eye on the shipped streets.
+#: The tone mapper takes off what gloss adds to every surface, and darkens shade by it; this lifts it again. Chosen by
+#: eye on the shipped streets.
 PBR_EXPOSURE = 1.3
 
 
@@ -92,12 +94,11 @@ class SharedAssets:
         context.features.specular_aa = False
         # Settings as constants of the kernel: 3 % (pbr) to 15 % (matte) more frames on a CPU.
         context.baked = frozenset(kernel_inputs.BAKE_GROUPS)
-        # The bank's radiance is relative to the display: 1 is white. Neutral takes the few per cent that gloss adds
-        # to every surface off again, and darkens shade with them; without gloss there is nothing to take off.
-        matte = self.settings.shading == "matte"
-        context.exposure = wp.array([1.0 if matte else PBR_EXPOSURE], dtype=float)
-        context.tone_mapper = int(pbr.ToneMapper.CLAMP if matte else pbr.ToneMapper.PBR_NEUTRAL)
+        # The bank's radiance is relative to the display: 1 is white.
+        context.exposure = wp.array([PBR_EXPOSURE], dtype=float)
         context.light_intensity = wp.ones((1, 1), dtype=float)
+        # Settings as constants of the kernel: 3 % more frames on a CPU.
+        context.baked = frozenset(kernel_inputs.BAKE_GROUPS)
         if self.settings.sky:
             skies = build_skies(bank.sky_radiance)
             context.env_maps = list(skies.owners)
@@ -187,8 +188,6 @@ class WorldBatch:
         self._update_tree(scene)
         # The kernel is the same for all batches: the first to draw builds it.
         shared = assets.context
-        if shared._megakernel is None and assets.settings.shaded and assets.settings.shading == "matte":
-            shared._megakernel, shared._megakernel_key = build_matte_kernel(self.model, self.context)
         self.context._megakernel, self.context._megakernel_key = shared._megakernel, shared._megakernel_key
         pbr.render(self.model, self.data, self.context)
         shared._megakernel, shared._megakernel_key = self.context._megakernel, self.context._megakernel_key
@@ -231,3 +230,23 @@ class WorldBatch:
                     outputs.get("category", nothing), outputs.get("object", nothing),
                 ],
             )
+
+
+class WorldBatches:
+    """A batch of worlds in as many pieces as there are threads, each piece a context of its own."""
+
+    def __init__(self, assets: SharedAssets, num_worlds: int, threads: int) -> None:
+        count = min(threads, num_worlds)
+        sizes = [num_worlds // count + (i < num_worlds % count) for i in range(count)]
+        self.pieces = [WorldBatch(assets, size) for size in sizes]
+
+    def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
+        """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
+        jobs: list[Callable[[], None]] = []
+        start = 0
+        for piece in self.pieces:
+            part = slice(start, start + piece.num_worlds)
+            wanted = {name: x[part] for name, x in outputs.items() if x.shape[1] > 0}
+            jobs.append(functools.partial(piece.render, *(x[part] for x in inputs), wanted))
+            start += piece.num_worlds
+        return jobs

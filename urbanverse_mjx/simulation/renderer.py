@@ -16,9 +16,10 @@ import warp as wp
 
 from .. import settings as process
 from ..datatypes import NounError, RobotSpec, SceneBank
-from .render_context import OUTPUTS, ROBOT_LABEL, SHADINGS, Settings, SharedAssets, WorldBatch
+from .render_context import OUTPUTS, ROBOT_LABEL, SHADINGS, Settings, SharedAssets, WorldBatches
 from .render_kernels import NOWHERE
 from .render_model import build_render_model
+from .street_batch import StreetBatch, Streets
 from .warp_bridge import batched_call, register, registered
 
 __all__ = ["OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
@@ -44,7 +45,7 @@ def _draw(
 ) -> None:
     """What JAX calls; outputs that were not asked for have no pixel."""
     out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}
-    registered(owner)._render(scene, xpos, xquat, eye, turn, fovy, {k: v for k, v in out.items() if v.shape[1] > 0})
+    registered(owner)._render((scene, xpos, xquat, eye, turn, fovy), out)
 
 
 class Renderer:
@@ -102,8 +103,8 @@ class Renderer:
         self._model = build_render_model(bank, robot)
         self.num_bodies = self._model.num_bodies
         self.camera = None if robot is None else self._find_camera(camera or robot.camera)
-        self._assets: dict[str, SharedAssets] = {}
-        self._batches: collections.OrderedDict[tuple[str, int], list[WorldBatch]] = collections.OrderedDict()
+        self._assets: dict[str, Any] = {}
+        self._batches: collections.OrderedDict[tuple[str, int], Any] = collections.OrderedDict()
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
         self._number = register(self)
         self._view = batched_call(_batch_function(self._number, self.settings))
@@ -159,43 +160,40 @@ class Renderer:
         """Batches for which a render context is kept; made when a batch of a new size is first drawn."""
         return len(self._batches)
 
-    def _render(
-        self, scene: wp.array, xpos: wp.array, xquat: wp.array, eye: wp.array, turn: wp.array, fovy: wp.array,
-        outputs: dict[str, wp.array],
-    ) -> None:
-        """Draws a batch of worlds, on the CPU in one thread per part; called by Warp with its device set."""
-        total = scene.shape[0]
-        if total == 0:
-            return
-        inputs = (scene, xpos, xquat, eye, turn, fovy)
-        start, jobs = 0, []
-        for part in self._parts(scene.device, total):
-            stop = start + part.num_worlds
-            jobs.append(
-                (part, [x[start:stop] for x in inputs], {name: x[start:stop] for name, x in outputs.items()})
-            )
-            start = stop
-        while jobs and (len(jobs) == 1 or not jobs[0][0].assets.ready):
-            part, arrays, out = jobs.pop(0)
-            part.render(*arrays, out)
-        if self._pool is None:
-            self._pool = concurrent.futures.ThreadPoolExecutor(self.threads, "render")
-        waiting = [self._pool.submit(part.render, *arrays, out) for part, arrays, out in jobs]
-        for job in waiting:
-            job.result()
+    def _render(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
+        """Draws a batch of worlds, on the CPU in several threads; called by Warp with its device set.
 
-    def _parts(self, device: Any, total: int) -> list[WorldBatch]:
-        key = (str(device), total)
+        Args:
+          inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
+            quaternions (n,) vec4 and vertical fields of view (n,) float.
+          outputs: by name, with a leading axis of n; without a pixel where not asked for.
+        """
+        scene = inputs[0]
+        if scene.shape[0] == 0:
+            return
+        assets, batch = self._batch(scene.device, scene.shape[0])
+        jobs = batch.jobs(inputs, outputs)
+        # The first launch compiles the kernel, which threads must not do at the same time.
+        while jobs and (len(jobs) == 1 or not assets.ready):
+            jobs.pop(0)()
+        if jobs:
+            if self._pool is None:
+                self._pool = concurrent.futures.ThreadPoolExecutor(self.threads, "render")
+            for waiting in [self._pool.submit(job) for job in jobs]:
+                waiting.result()
+
+    def _batch(self, device: Any, total: int) -> tuple[Any, Any]:
+        name, key = str(device), (str(device), total)
+        matte = self.settings.shading == "matte"
+        if name not in self._assets:
+            self._assets[name] = (Streets if matte else SharedAssets)(self.bank, self._model, self.settings)
         if key not in self._batches:
-            if key[0] not in self._assets:
-                self._assets[key[0]] = SharedAssets(self.bank, self._model, self.settings)
-            count = min(self.threads, total) if device.is_cpu else 1
-            sizes = [total // count + (i < total % count) for i in range(count)]
-            self._batches[key] = [WorldBatch(self._assets[key[0]], size) for size in sizes]
+            threads = self.threads if device.is_cpu else 1
+            self._batches[key] = (StreetBatch if matte else WorldBatches)(self._assets[name], total, threads)
             while len(self._batches) > KEPT_BATCHES:
                 self._batches.popitem(last=False)
         self._batches.move_to_end(key)
-        return self._batches[key]
+        return self._assets[name], self._batches[key]
 
 
 def _batch_function(number: int, settings: Settings) -> Any:
