@@ -29,7 +29,8 @@ class SimState(NamedTuple):
       qpos: (nq,) f32; qvel: (nv,) f32.
       xpos: (nbody, 3) f32 m, xquat: (nbody, 4) f32 wxyz: T_world_body of the robot's bodies, row 0 is the world.
       contacts: see `Contacts`.
-      slot_overflow: () i32, hulls within reach that found no slot in the last step.
+      slot_overflow: () i32, hulls within reach that found no slot in the last step, and pairs of a robot's sphere and
+        a hull that may have touched and found no place among the contacts.
       carry: whatever else the engine needs to go on, such as the solver's warm start.
     """
 

@@ -7,9 +7,10 @@ When: every physics step, per env, inside jit.
 Three passes, each for fewer pairs:
 1. All pairs: the distance to the hull's outline along 13 fixed axes of its frame (faces, edges and corners of a cube).
    It is never more than the true distance, so no touching pair ranks behind one that is surely apart.
-2. The nearest `num_contacts`: the face plane farthest out. The distance to a convex body is at least that to each of
-   its planes, so a face can only hold the nearest point if it is this one, and the point's foot on it lies in the body.
-3. Those of them whose foot does not: the nearest point lies on an edge.
+2. The nearest of them, twice as many as there are contacts: the face plane farthest out. The distance to a convex body
+   is at least that to each of its planes, so a face can only hold the nearest point if it is this one, and the point's
+   foot on it lies in the body.
+3. The nearest of these become contacts; where the foot lies outside, the nearest point is on an edge.
 """
 
 import itertools
@@ -155,26 +156,38 @@ def _with_edges(
     return gap, normal, jnp.maximum(jnp.sum(open_ < 0) - number, 0)
 
 
+def _to_local(centre: Any, slots: Slots, slot: Any) -> Any:
+    """Points (n, 3) in the frames of the hulls in slot (n,)."""
+    return jnp.einsum("nij,ni->nj", slots.rotation[slot], centre - slots.position[slot])
+
+
 def find_contacts(centres: Any, radii: Any, slots: Slots, table: HullTable, num_contacts: int) -> SphereContacts:
     """The `num_contacts` pairs of a sphere and a hull that lie nearest to each other.
 
-    At most half of them may touch at an edge. Distances that are positive may be too small, never too large.
+    At most two thirds of them may touch at an edge. Distances that are positive may be too small, never too large.
 
     Args:
       centres: (S, 3) m, world frame. radii: (S,) m.
       slots: C hulls; S * C must be at least `num_contacts`.
     """
     bound = distance_bound(centres, radii, slots, table).ravel()
-    negative, pair = jax.lax.top_k(-bound, num_contacts)
+    candidates = min(2 * num_contacts, bound.size)
+    negative, pair = jax.lax.top_k(-bound, candidates)
     sphere, slot = pair // slots.hull.shape[0], pair % slots.hull.shape[0]
-    rotation, centre, radius, hull = slots.rotation[slot], centres[sphere], radii[sphere], slots.hull[slot]
-    local = jnp.einsum("nij,ni->nj", rotation, centre - slots.position[slot])
-    gap, direction, on_face = jax.vmap(face_distance)(local, table.planes[hull])
-    exists = jnp.isfinite(negative)
-    open_ = jnp.where(exists & ~on_face & (gap < radius), gap - radius, jnp.inf)
-    gap, direction, skipped = _with_edges(local, hull, gap, direction, open_, table.edges, (num_contacts + 1) // 2)
-    distance = jnp.where(exists, gap - radius, jnp.inf)
-    normal = jnp.einsum("nij,nj->ni", rotation, direction)
-    touch = jnp.where(exists, radius + 0.5 * distance, radius)
-    missed = jnp.maximum(jnp.sum(bound < 0) - num_contacts, 0) + skipped
-    return SphereContacts(sphere, slot, distance, normal, centre - normal * touch[:, None], missed.astype(jnp.int32))
+    planes = table.planes[slots.hull[slot]]
+    plane, direction, on_face = jax.vmap(face_distance)(_to_local(centres[sphere], slots, slot), planes)
+    distance = jnp.where(jnp.isfinite(negative), plane - radii[sphere], jnp.inf)
+    missed = jnp.maximum(jnp.sum(bound < 0) - candidates, 0) + jnp.maximum(jnp.sum(distance < 0) - num_contacts, 0)
+
+    negative, pick = jax.lax.top_k(-distance, num_contacts)
+    sphere, slot, gap, direction, on_face = (x[pick] for x in (sphere, slot, plane, direction, on_face))
+    centre, radius, distance = centres[sphere], radii[sphere], -negative
+    open_ = jnp.where((distance < 0) & ~on_face, distance, jnp.inf)
+    local, hull = _to_local(centre, slots, slot), slots.hull[slot]
+    number = -(-2 * num_contacts // 3)
+    gap, direction, skipped = _with_edges(local, hull, gap, direction, open_, table.edges, number)
+    distance = jnp.where(jnp.isfinite(distance), gap - radius, jnp.inf)
+    normal = jnp.einsum("nij,nj->ni", slots.rotation[slot], direction)
+    touch = jnp.where(jnp.isfinite(distance), radius + 0.5 * distance, radius)
+    position = centre - normal * touch[:, None]
+    return SphereContacts(sphere, slot, distance, normal, position, (missed + skipped).astype(jnp.int32))

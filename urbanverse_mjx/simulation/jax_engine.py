@@ -81,7 +81,7 @@ class JaxEngine:
         control_dt: float = 0.2,
         num_slots: int = 16,
         num_prism_slots: int = 8,
-        num_contacts: int = 16,
+        num_contacts: int = 12,
         iterations: int = 10,
         line_steps: int = 8,
     ) -> None:
