@@ -75,7 +75,7 @@ def plain_bank(bank: SceneBank, albedo: float) -> SceneBank:
     )
 
 
-def to_linear(rgb: np.ndarray) -> np.ndarray:
+def to_linear(rgb: Any) -> np.ndarray:
     """sRGB bytes to linear light (IEC 61966-2-1)."""
     x = np.asarray(rgb, np.float64) / 255
     return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)

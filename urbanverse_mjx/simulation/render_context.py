@@ -4,11 +4,13 @@ import copy
 import dataclasses
 import functools
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import mujoco_warp as mjw
 import mujoco_warp_pbr as pbr
 import numpy as np
 import warp as wp
+from mujoco_warp._src.bvh import compute_bvh_group_roots
 from mujoco_warp_pbr._src import envmap, kernel_inputs
 
 from ..datatypes import SceneBank
@@ -160,7 +162,7 @@ class WorldBatch:
         self.scene = wp.full(num_worlds, -1, dtype=int)
         self.worlds = self._worlds()
 
-    def _worlds(self) -> kernels.Worlds:
+    def _worlds(self) -> Any:
         worlds, data, context = kernels.Worlds(), self.data, self.context
         worlds.geom_xpos, worlds.geom_xmat = data.geom_xpos, data.geom_xmat
         worlds.geom_dataid, worlds.geom_matid = self.model.geom_dataid, self.model.geom_matid
@@ -209,7 +211,7 @@ class WorldBatch:
         else:
             base.bvh.refit()
             return
-        wp.launch(mjw._src.bvh.compute_bvh_group_roots, dim=self.num_worlds, inputs=[base.bvh.id, base.group_root])
+        wp.launch(compute_bvh_group_roots, dim=self.num_worlds, inputs=[base.bvh.id, base.group_root])
 
     def _unpack(self, scene, outputs: dict[str, wp.array]) -> None:
         base, settings = self.context.base, self.assets.settings

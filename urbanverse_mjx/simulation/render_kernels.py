@@ -1,5 +1,9 @@
 """Warp kernels that fill a render context from the scene tables and unpack what it drew."""
 
+# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
+# pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
+
 import warp as wp
 
 #: Height (m) of what is not to be seen, deep under every street.

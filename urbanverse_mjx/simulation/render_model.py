@@ -222,18 +222,20 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None) -> RenderModel:
     spec.worldbody.add_light(name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=True, dir=(0, 0, -1))
     model = spec.compile()
     vertices, normals = _authored(model)
-    boxes = [_geom_box(robot_model, g) for g in geoms] if robot_model is not None else []
+    body, position, quaternion, boxes = np.zeros(0, np.int32), np.zeros((0, 3)), np.zeros((0, 4)), []
+    if robot_model is not None:
+        body = robot_model.geom_bodyid[geoms].astype(np.int32)
+        position, quaternion = robot_model.geom_pos[geoms], robot_model.geom_quat[geoms]
+        boxes = [_geom_box(robot_model, g) for g in geoms]
     return RenderModel(
         model=model,
         vertices=vertices,
         normals=normals,
         num_slots=bank.slot_mesh.shape[1],
         absent_material=len(bank.material_rgba),
-        robot_body=np.array([robot_model.geom_bodyid[g] for g in geoms], np.int32) if geoms else np.zeros(0, np.int32),
-        robot_position=np.array([robot_model.geom_pos[g] for g in geoms], np.float32).reshape(-1, 3),
-        robot_rotation=rotation_matrices(robot_model.geom_quat[geoms]).astype(np.float32)
-        if geoms
-        else np.zeros((0, 3, 3), np.float32),
+        robot_body=body,
+        robot_position=position.astype(np.float32).reshape(-1, 3),
+        robot_rotation=rotation_matrices(quaternion.reshape(-1, 4)).astype(np.float32),
         robot_half=np.array(boxes, np.float32).reshape(-1, 2, 3),
         num_bodies=1 if robot_model is None else robot_model.nbody,
         cameras={} if robot_model is None else _cameras(robot_model),

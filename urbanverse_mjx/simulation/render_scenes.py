@@ -1,6 +1,7 @@
 """The bank's scenes as tables on the Warp device, and its skies as textures."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -133,8 +134,12 @@ def sky_ambient(bank: SceneBank) -> np.ndarray:
     return mean[bank.scene_sky]
 
 
-def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> SceneTables:
-    """Moves what the renderer needs of every scene to the current Warp device; sky: whether skies are drawn."""
+def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
+    """Moves what the renderer needs of every scene to the current Warp device, as `SceneTables`.
+
+    Args:
+      sky: whether skies are drawn.
+    """
     mesh = np.maximum(bank.slot_mesh, 0)
     material = bank.mesh_material[mesh]
     empty = bank.slot_mesh < 0
@@ -159,7 +164,8 @@ def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> SceneT
     return tables
 
 
-def build_robot_tables(model: RenderModel) -> RobotTables:
+def build_robot_tables(model: RenderModel) -> Any:
+    """`RobotTables` of the model on the current Warp device."""
     tables = RobotTables()
     tables.body = wp.array(model.robot_body, dtype=int)
     tables.position = wp.array(model.robot_position, dtype=wp.vec3)

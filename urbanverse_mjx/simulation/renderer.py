@@ -31,17 +31,17 @@ KEPT_BATCHES = 8
 
 def _draw(
     owner: int,
-    scene: wp.array(dtype=wp.int32, ndim=1),
-    xpos: wp.array(dtype=wp.vec3, ndim=2),
-    xquat: wp.array(dtype=wp.vec4, ndim=2),
-    eye: wp.array(dtype=wp.vec3, ndim=1),
-    turn: wp.array(dtype=wp.vec4, ndim=1),
-    fovy: wp.array(dtype=wp.float32, ndim=1),
-    rgb: wp.array(dtype=wp.uint8, ndim=4),
-    depth: wp.array(dtype=wp.float32, ndim=3),
-    category: wp.array(dtype=wp.int32, ndim=3),
-    object: wp.array(dtype=wp.int32, ndim=3),
-    normal: wp.array(dtype=wp.vec3, ndim=3),
+    scene: wp.array[wp.int32],
+    xpos: wp.array2d[wp.vec3],
+    xquat: wp.array2d[wp.vec4],
+    eye: wp.array[wp.vec3],
+    turn: wp.array[wp.vec4],
+    fovy: wp.array[wp.float32],
+    rgb: wp.array4d[wp.uint8],
+    depth: wp.array3d[wp.float32],
+    category: wp.array3d[wp.int32],
+    object: wp.array3d[wp.int32],
+    normal: wp.array3d[wp.vec3],
 ) -> None:
     """What JAX calls; outputs that were not asked for have no pixel."""
     out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}

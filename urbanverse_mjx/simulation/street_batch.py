@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import warp as wp
+from mujoco_warp._src.bvh import compute_bvh_group_roots
 from mujoco_warp_pbr._src.material import effective_geom_rgba
 
 from ..datatypes import SceneBank
@@ -19,7 +20,7 @@ from .street_kernels import Face, Light, Look, Part, Slot, place_parts
 
 def records(struct: Any, rows: int, **columns: np.ndarray) -> wp.array:
     """A Warp array of structs from one numpy array per field."""
-    table = np.zeros(rows, struct.numpy_dtype())
+    table: Any = np.zeros(rows, struct.numpy_dtype())
     for name, column in columns.items():
         table[name] = column
     return wp.array(table, dtype=struct)
@@ -94,7 +95,7 @@ class Streets:
         groups = wp.array(scene.astype(np.int32), dtype=int)
         self.tree = wp.Bvh(*self.boxes, groups=groups, constructor="sah")
         self.roots = wp.zeros(bank.num_scenes, dtype=int)
-        wp.launch(_roots, dim=bank.num_scenes, inputs=[self.tree.id, self.roots])
+        wp.launch(compute_bvh_group_roots, dim=bank.num_scenes, inputs=[self.tree.id, self.roots])
 
     def _add_looks(self, bank: SceneBank, model: RenderModel, sizes: np.ndarray) -> None:
         mjm, num_slots = model.model, model.num_slots
@@ -121,12 +122,6 @@ class Streets:
             yaw=bank.scene_sky_yaw,
         )
         self.skies = build_skies(bank.sky_radiance)
-
-
-@wp.kernel
-def _roots(tree: wp.uint64, out: wp.array[int]):
-    scene = wp.tid()
-    out[scene] = wp.bvh_get_group_root(tree, scene)
 
 
 class StreetBatch:

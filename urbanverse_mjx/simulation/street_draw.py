@@ -1,5 +1,9 @@
 """The kernel that draws still streets, specialised on what is asked for."""
 
+# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
+# pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
+
 from typing import Any
 
 import warp as wp

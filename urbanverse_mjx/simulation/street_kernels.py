@@ -4,6 +4,10 @@ mujoco-warp-pbr hands some 80 arrays by value from function to function, for eve
 than finding what the ray hits. Here a ray reads two records, of the slot and of the face it hit.
 """
 
+# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
+# pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
+
 import warp as wp
 from mujoco_warp._src.ray import RAY_TOL_ABS, RAY_TOL_REL, ray_geom
 from mujoco_warp_pbr._src import texture, traverse
