@@ -102,7 +102,7 @@ class SharedAssets:
         # Settings as constants of the kernel: 3 % more frames on a CPU.
         context.baked = frozenset(kernel_inputs.BAKE_GROUPS)
         if self.settings.sky:
-            skies = build_skies(bank.sky_radiance)
+            skies = build_skies(bank.sky_radiance, glossy=True)
             context.env_maps = list(skies.owners)
             context.env_radiance, context.env_prefiltered, context.env_sh = skies.radiance, skies.prefiltered, skies.sh
             context.env_texel_angle = envmap.texel_angle(skies.width)

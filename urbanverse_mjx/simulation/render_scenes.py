@@ -25,12 +25,13 @@ BLUR_WIDTH, BLUR_LEVELS, BLUR_SAMPLES = 64, 8, 128
 class Skies:
     """Sky textures of a bank, in the form in which a pbr context takes them.
 
-    radiance, prefiltered: (S,) Warp texture arrays; sh: (S, 9) diffuse light as spherical harmonics;
+    radiance, prefiltered: (S,) Warp texture arrays, the latter None where nothing glossy is drawn; sh: (S, 9) diffuse
+      light as spherical harmonics;
     width: texels around; owners: the texture objects, which live as long as this does.
     """
 
     radiance: wp.array
-    prefiltered: wp.array
+    prefiltered: wp.array | None
     sh: wp.array
     width: int
     owners: tuple[object, ...]
@@ -71,7 +72,7 @@ def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:
     )
 
 
-def build_skies(radiance: np.ndarray) -> Skies:
+def build_skies(radiance: np.ndarray, glossy: bool) -> Skies:
     """Uploads (S, H, W, 3) panoramas in the bank's layout (which is also that of mujoco-warp-pbr)."""
     maps, stacks, harmonics = [], [], []
     height, width = radiance.shape[1:3]
@@ -84,11 +85,12 @@ def build_skies(radiance: np.ndarray) -> Skies:
             mip_filter_mode=_NEAREST if on_host else _LINEAR,
         )
         maps.append(texture)
-        stacks.append(_blurred(texture, width, height))
+        if glossy:
+            stacks.append(_blurred(texture, width, height))
         harmonics.append(envmap._sh9_irradiance(image))
     return Skies(
         radiance=wp.array(maps, dtype=wp.Texture2D),
-        prefiltered=wp.array(stacks, dtype=wp.Texture3D),
+        prefiltered=wp.array(stacks, dtype=wp.Texture3D) if glossy else None,
         sh=wp.array(np.stack(harmonics), dtype=wp.vec3),
         width=width,
         owners=(*maps, *stacks),

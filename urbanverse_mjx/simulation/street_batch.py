@@ -121,7 +121,7 @@ class Streets:
             Light, bank.num_scenes, sun=sun, sunlight=irradiance / np.pi, even=sky_ambient(bank), sky=bank.scene_sky,
             yaw=bank.scene_sky_yaw,
         )
-        self.skies = build_skies(bank.sky_radiance)
+        self.skies = build_skies(bank.sky_radiance, glossy=False)
 
 
 class StreetBatch:
