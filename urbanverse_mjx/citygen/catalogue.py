@@ -119,10 +119,6 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "hair salon": ((6.7, 7.4, 11.0), (7.5, 6.9, 11.0)),
 }
 
-#: A scooter or bicycle that has fallen over.
-FALLEN: dict[str, Size] = {"scooter": (1.14, 1.18, 0.54)}
-
-
 #: Growths of trees: for rows along a kerb, for narrow places, for the south, for spring, for parks.
 TREES: dict[str, Size] = {
     "street": SIZES["tree"][0],
