@@ -20,6 +20,11 @@ from .physics_model import LimitTable, SphereTable
 
 #: A step whose length is within this of Newton's own ended where the quadratic has its minimum.
 _FULL_STEP = 1e-3
+#: A step shorter than this share of the acceleration changes nothing that float32 shows; rows whose force is as good as
+#: zero would otherwise be taken in and out for ever.
+_NO_STEP = 1e-6
+#: The line search ends where the slope is this share of that at its start.
+_FLAT = 1e-4
 
 
 class Rows(NamedTuple):
@@ -177,6 +182,7 @@ def solve(mass: Any, free: Any, start: Any, rows: Rows, iterations: int, line_st
         a = a + alpha * step
         gap = jacobian @ a - reference
         done = jnp.all((gap < 0) == pushing) & (jnp.abs(alpha - 1.0) < _FULL_STEP)
+        done |= jnp.max(jnp.abs(alpha * step)) <= _NO_STEP * jnp.max(jnp.abs(a))
         return _Search(a, gap, gap < 0, done, steps + 1)
 
     (gap_start, cost_start), (gap_free, cost_free) = begin(start), begin(free)
@@ -187,22 +193,41 @@ def solve(mass: Any, free: Any, start: Any, rows: Rows, iterations: int, line_st
     return state.a, stiffness * jnp.maximum(-state.gap, 0.0)
 
 
-def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: Any, steps: int) -> Any:
-    """Where along the step the cost is least: the root of its derivative, which rises piecewise linearly."""
+class _Bracket(NamedTuple):
+    """Line search: alpha (), the interval around the root (low, high), slope () at alpha, steps done."""
 
-    def derivative(alpha: Any) -> tuple[Any, Any]:
+    alpha: Any
+    low: Any
+    high: Any
+    slope: Any
+    steps: Any
+
+
+def _line_search(slope: Any, curvature: Any, gap: Any, change: Any, stiffness: Any, steps: int) -> Any:
+    """Where along the step the cost is least: the root of its slope, which rises piecewise linearly.
+
+    Args:
+      slope, curvature: () of the smooth part at 0. gap, change, stiffness: (n,) of the rows.
+      steps: at most so many evaluations.
+    """
+
+    def at(alpha: Any) -> tuple[Any, Any]:
         left = gap + alpha * change
         pull = jnp.where(left < 0, stiffness, 0.0) * change
         return slope + alpha * curvature + jnp.sum(pull * left), curvature + jnp.sum(pull * change)
 
-    def narrow(_: int, carry: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
-        alpha, low, high = carry
-        value, second = derivative(alpha)
+    limit = _FLAT * jnp.abs(at(jnp.zeros(()))[0])
+
+    def narrow(bracket: _Bracket) -> _Bracket:
+        alpha, low, high, _, count = bracket
+        value, second = at(alpha)
         low, high = jnp.where(value < 0, alpha, low), jnp.where(value < 0, high, alpha)
         guess = alpha - value / jnp.maximum(second, mujoco.mjMINVAL)
-        guess = jnp.where(
-            (guess > low) & (guess < high), guess, jnp.where(jnp.isfinite(high), 0.5 * (low + high), 2 * low)
-        )
-        return jnp.where(value == 0, alpha, guess), low, high
+        inside = (guess > low) & (guess < high)
+        fallback = jnp.where(jnp.isfinite(high), 0.5 * (low + high), 2.0 * low)
+        near = jnp.abs(value) <= limit
+        return _Bracket(jnp.where(near, alpha, jnp.where(inside, guess, fallback)), low, high, value, count + 1)
 
-    return jax.lax.fori_loop(0, steps, narrow, (jnp.ones(()), jnp.zeros(()), jnp.full((), jnp.inf)))[0]
+    zero, infinite = jnp.zeros(()), jnp.full((), jnp.inf)
+    start = _Bracket(jnp.ones(()), zero, infinite, infinite, jnp.zeros((), jnp.int32))
+    return jax.lax.while_loop(lambda b: (jnp.abs(b.slope) > limit) & (b.steps < steps), narrow, start).alpha
