@@ -67,7 +67,8 @@ def test_seams_are_not_felt(drive: Drive) -> None:
     rolling = way[way[:, 0] > 3.0]
     assert rolling[-1, 0] - rolling[0, 0] > 20.0
     assert np.ptp(rolling[:, 2]) < 0.002
-    assert np.ptp(rolling[:, 1]) < 0.1
+    # Nobody steers: at a skewed seam a wheel touches two prisms and is nudged aside, a hundredth of the way in all.
+    assert np.ptp(rolling[:, 1]) < 0.01 * np.ptp(rolling[:, 0])
 
 
 @pytest.mark.parametrize("drive", ["differential", "ackermann"])

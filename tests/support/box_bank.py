@@ -82,7 +82,9 @@ def _mesh(corners: np.ndarray, rng: np.random.Generator) -> AssetMesh:
     vertices = part.corners[part.triangles].reshape(-1, 3)
     normals = np.repeat(part.planes[:, :3], 3, 0)
     axis = np.abs(normals).argmax(1)
-    uv = np.stack([np.where(axis == 0, vertices[:, 1], vertices[:, 0]), np.where(axis == 2, vertices[:, 1], vertices[:, 2])])
+    uv = np.stack(
+        [np.where(axis == 0, vertices[:, 1], vertices[:, 0]), np.where(axis == 2, vertices[:, 1], vertices[:, 2])]
+    )
     texture = _checks(rng.uniform(40, 250, 3))
     return AssetMesh(vertices, np.arange(len(vertices)).reshape(-1, 3), uv.T / 0.25 / 4, texture, 0.8, 0.0)
 

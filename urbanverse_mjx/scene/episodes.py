@@ -28,7 +28,7 @@ class EpisodeRules:
       line_share, crossing_share: wanted shares of rows with a free straight line, and of rows over a crosswalk.
     """
 
-    rows: int = 288
+    rows: int = 256
     goals: int = 40
     distance: tuple[float, float] = (10.0, 30.0)
     detour: float = 1.8
