@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -23,7 +24,7 @@ def robot(request: pytest.FixtureRequest) -> RobotSpec:
 Piece = tuple[float, float, float, float]
 
 
-def ground(pieces: list[Piece], skew: float = 0.0, half_width: float = 4.0) -> mujoco.MjSpec:
+def ground(pieces: Sequence[Piece], skew: float = 0.0, half_width: float = 4.0) -> mujoco.MjSpec:
     """A road along x: per piece (from x, to x, height there, height here) one convex prism, 0.5 m deep.
 
     `skew` turns the seams: the piece's ends lie so much (m) farther on at the left edge than in the middle.
@@ -136,7 +137,7 @@ def test_it_takes_a_step_of_the_stated_height_and_not_of_thrice_that(robot: Robo
 def test_seams_between_prisms_are_not_felt(robot: RobotSpec, skew: float) -> None:
     """20 m at 1.5 m/s over a seam every 70 cm; at rest the body settles first."""
     edges = np.arange(-3.0, 25.0, 0.7)
-    pieces = [(a, b, 0.0, 0.0) for a, b in itertools.pairwise(edges)]
+    pieces = [(float(a), float(b), 0.0, 0.0) for a, b in itertools.pairwise(edges)]
     driver = Driver(robot, ground(pieces, skew))
     driver.drive(1.5, 0.0, 2.0)
     driver.heights.clear()

@@ -68,8 +68,8 @@ class Case:
     @functools.cached_property
     def ours(self) -> tuple[np.ndarray, ...]:
         """Distance (h, s), normal (h, s, 3), bound (h, s), position (h, s, 3)."""
-        # As much of a bank as is read.
-        table = hull_contact.hull_table(type("Hulls", (), self.table)())
+        hulls: Any = type("Hulls", (), self.table)()  # as much of a bank as is read
+        table = hull_contact.hull_table(hulls)
 
         def one(hull: Any, rotation: Any, position: Any, centre: Any, radius: Any) -> Any:
             none, yes = jnp.full(1, -1, jnp.int32), jnp.ones(1, bool)
@@ -160,7 +160,7 @@ def test_touching_spheres_outside_have_exact_normals(case: Case) -> None:
 def two_plates(gap: float) -> tuple[Slots, hull_contact.HullTable]:
     """Two cubes of 2 m side by side with flat tops at z = 0, the seam at x = 0."""
     cube = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T.astype(np.float32)
-    bank = type("Hulls", (), hull_table([convex_part(cube)]))()
+    bank: Any = type("Hulls", (), hull_table([convex_part(cube)]))()
     position = jnp.array([[-1.0 - gap, 0.0, -1.0], [1.0 + gap, 0.0, -1.0]])
     eye = jnp.broadcast_to(jnp.eye(3), (2, 3, 3))
     none = jnp.full(2, -1, jnp.int32)
