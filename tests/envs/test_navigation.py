@@ -134,7 +134,7 @@ def test_brax_autoreset_does_not_fit() -> None:
     state = theirs.reset(jax.random.split(jax.random.key(0), 2))
     # It keeps the first state of each env to restore it at every end: one scene, start and goal for the whole run.
     assert "first_pipeline_state" in state.info
-    with pytest.raises(TypeError, match="pipeline_state"):
+    with pytest.raises(KeyError, match="first_pipeline_state"):
         theirs.step(state, jnp.zeros((2, 2)))
 
 
