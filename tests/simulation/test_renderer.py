@@ -113,6 +113,21 @@ def test_empty_slots_are_not_seen(bank: SceneBank, robot: RobotSpec, places: cas
 
 
 @pytest.mark.parametrize("shading", ["matte", "pbr"])
+def test_two_faces_in_one_place_are_seen_from_both_sides(
+    bank: SceneBank, robot: RobotSpec, places: cases.Places, shading: str
+) -> None:
+    """Leaves and paint have a back: whichever face a ray meets, nothing behind it shines through."""
+    cut = zip(bank.mesh_face_start[:-1], bank.mesh_face_start[1:], strict=True)
+    faces = [half for a, b in cut for half in (bank.mesh_faces[a:b], bank.mesh_faces[a:b, ::-1])]
+    doubled = dataclasses.replace(bank, mesh_faces=np.concatenate(faces), mesh_face_start=2 * bank.mesh_face_start)
+    renderer = cases.make_renderer(doubled, robot, outputs=("rgb", "depth", "object"), shading=shading)
+    image = jax.vmap(renderer)(*(x[:8] for x in places.inputs))
+    same = np.asarray(image["object"]) == places.slot[:8]
+    assert same.mean() > 0.9998
+    np.testing.assert_allclose(np.asarray(image["depth"])[same], places.depth[:8][same], rtol=1e-4, atol=1e-4)
+
+
+@pytest.mark.parametrize("shading", ["matte", "pbr"])
 def test_brightness_of_grey_ground_under_the_sun_alone(bank: SceneBank, shading: str) -> None:
     """Radiance = albedo / pi · irradiance · cosine. Roughness 1 reflects a few per cent more (pbr)."""
     sun = np.array([0.0, 0.6, 0.8])

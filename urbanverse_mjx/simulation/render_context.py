@@ -74,6 +74,8 @@ class SharedAssets:
             use_shadows=settings.shadows,
             shadow_light_fraction=0.0,
             use_skybox=False,
+            # Leaves and paint have two faces in one place, of which a ray meets either.
+            enable_backface_culling=False,
             background_color=PLAIN_SKY,
             samples_per_pixel=settings.samples,
             mesh_bvh_frame="mujoco",

@@ -14,7 +14,7 @@ from .render_model import RenderModel, rotation_matrices
 
 #: Warp reads textures in software on the CPU, one channel and one mip level after the other: numbers of 32 bits, the
 #: nearest mip level and the nearest texel of the blurred skies draw the same street 24 % faster (368 instead of 302
-#: frames/s a core, 36x64, 110 slots, benchmarks in tests/simulation).
+#: frames/s a core, 36x64, 110 slots, shading pbr).
 _LINEAR, _NEAREST = wp.TextureFilterMode.LINEAR, wp.TextureFilterMode.CLOSEST
 #: The blurred copies of a sky that rough surfaces mirror: width, roughness levels, samples a texel. Streets are
 #: rough, so that at 64 texels around (5.6 degrees) nothing is lost; sharper mirrors read the sky itself.

@@ -9,7 +9,7 @@ than finding what the ray hits. Here a ray reads two records, of the slot and of
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
 import warp as wp
-from mujoco_warp._src.ray import RAY_TOL_ABS, RAY_TOL_REL, ray_geom
+from mujoco_warp._src.ray import ray_geom
 from mujoco_warp_pbr._src import texture, traverse
 
 wp.set_module_options({"enable_backward": False})
@@ -21,8 +21,6 @@ OFFSET = 1.0e-4
 _DEPTH = 32
 _Nodes = wp.types.vector(length=_DEPTH, dtype=int)
 _Entries = wp.types.vector(length=_DEPTH, dtype=float)
-#: Backs of surfaces that a ray may pass in one mesh before it is given up (as in MuJoCo Warp).
-_BACKS = 8
 
 
 @wp.struct
@@ -114,23 +112,17 @@ def _entry(origin: wp.vec3, inverse: wp.vec3, lower: wp.vec3, upper: wp.vec3, li
 
 @wp.func
 def _meet_mesh(mesh: wp.uint64, origin: wp.vec3, direction: wp.vec3, limit: float) -> Hit:
-    """Nearest front of a mesh in the mesh's frame; backs are looked through, as MuJoCo's renderer does."""
+    """Nearest surface of a mesh in the mesh's frame, from either side: leaves and paint have two faces in one place."""
     hit = Hit()
     hit.distance = limit
     hit.face = -1
-    start = float(0.0)  # noqa: UP018 (Warp takes a bare number for a constant)
-    for _ in range(_BACKS):
-        query = wp.mesh_query_ray(mesh, origin + direction * start, direction, limit - start)
-        if not query.result:
-            return hit
-        if wp.dot(direction, query.normal) < 0.0:
-            hit.distance = start + query.t
-            hit.normal = query.normal
-            hit.face = query.face
-            hit.u = query.u
-            hit.v = query.v
-            return hit
-        start += query.t * wp.static(1.0 + RAY_TOL_REL) + wp.static(RAY_TOL_ABS)
+    query = wp.mesh_query_ray(mesh, origin, direction, limit)
+    if query.result:
+        hit.distance = query.t
+        hit.normal = query.normal
+        hit.face = query.face
+        hit.u = query.u
+        hit.v = query.v
     return hit
 
 

@@ -50,14 +50,15 @@ class Studio:
 
     Args:
       bank: the scenes; robot: to be in the pictures, or None.
-      width, height: pixels; samples: rays per pixel along each side.
+      width, height: pixels; samples: rays per pixel along each side; shading: see `Renderer`.
     """
 
     def __init__(
-        self, bank: SceneBank, width: int = 960, height: int = 540, robot: RobotSpec | None = None, samples: int = 3
+        self, bank: SceneBank, width: int = 960, height: int = 540, robot: RobotSpec | None = None, samples: int = 3,
+        shading: str = "matte",
     ) -> None:
         self.bank = bank
-        self.renderer = Renderer(bank, robot, height, width, ("rgb",), shadows=True, sky=True, samples=samples)
+        self.renderer = Renderer(bank, robot, height, width, shadows=True, samples=samples, shading=shading)
 
     def view(
         self, scene: int, eye: Any, target: Any, fov: float = FOV, up: Any = (0.0, 0.0, 1.0), xpos: Any = None,
