@@ -136,12 +136,8 @@ def test_things_are_in_the_way_but_a_robot_gets_by(graph):
         near, far = side * street.section.half, side * street.section.front(side)
         assert passage.reach_along(space, near, far) >= street.section.length - 2 * passage.PASSAGE
         width = street.section.width(side)
-        middle = shapely.box(
-            2.0,
-            *sorted((near + side * 0.25 * width, near + side * 0.75 * width))[:1],
-            street.section.length - 2.0,
-            sorted((near + side * 0.25 * width, near + side * 0.75 * width))[1],
-        )
+        right, left = sorted((near + side * 0.25 * width, near + side * 0.75 * width))
+        middle = shapely.box(2.0, right, street.section.length - 2.0, left)
         blocking = [
             o for o in graph.objects if passage.is_obstacle(o) and middle.contains(passage.footprint(o).centroid)
         ]

@@ -68,8 +68,8 @@ def test_leaving_the_pavement_ends_the_episode(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
     state = env.reset(jax.random.key(1))
     qpos = state.data.sim.qpos.at[:2].set(jnp.array([-50.0, 0.0]))
-    state = state.replace(
-        data=state.data._replace(sim=env.engine.init(state.data.sim.scene, qpos, state.data.sim.qvel))
+    state = dataclasses.replace(
+        state, data=state.data._replace(sim=env.engine.init(state.data.sim.scene, qpos, state.data.sim.qvel))
     )
     state = env.step(state, jnp.zeros(2))
     assert int(state.info["result"]) == Result.OFF_TRAVERSABLE
@@ -91,8 +91,8 @@ def test_non_finite_physics_is_a_result_and_never_reaches_reward_or_neighbours(s
     batch = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3))
     del batch
     first = wrapped.reset(jax.random.split(jax.random.key(0), 3))
-    first = first.replace(
-        data=first.data._replace(sim=first.data.sim._replace(qpos=first.data.sim.qpos.at[1].set(jnp.nan)))
+    first = dataclasses.replace(
+        first, data=first.data._replace(sim=first.data.sim._replace(qpos=first.data.sim.qpos.at[1].set(jnp.nan)))
     )
     after = wrapped.step(first, jnp.zeros((3, 2)))
     assert all(np.isfinite(np.asarray(x)).all() for x in after.obs.values())

@@ -41,8 +41,8 @@ def fake_index() -> AssetIndex:
         for k, factors in enumerate(((1.0, 1.0, 1.0), (0.98, 0.98, 0.98), (1.4, 1.0, 1.0))):
             if leaf in STEMS and k == 2:
                 continue  # a longer crown or arm would need streets planned for it
-            extent = tuple(round(s * f, 4) for s, f in zip(size, factors, strict=True))
-            records.append(record(leaf, k, extent, leaf in MOVABLE))
+            x, y, z = (round(s * f, 4) for s, f in zip(size, factors, strict=True))
+            records.append(record(leaf, k, (x, y, z), leaf in MOVABLE))
     return AssetIndex(records)
 
 
@@ -64,7 +64,7 @@ def box_hulls(asset: AssetRecord) -> HullSet:
     stem = STEMS.get(asset.leaf)
     if stem is None:
         return HullSet((box(x, y, 0.0, z),))
-    pole = box(stem.side, stem.side, 0.0, z) + np.float32([stem.offset * x / 2, 0.0, 0.0])
+    pole = box(stem.side, stem.side, 0.0, z) + np.array([stem.offset * x / 2, 0.0, 0.0], np.float32)
     over_heads = min(2.2, 0.9 * z)
     crown = round_prism(x, y, over_heads, z) if asset.leaf == "tree" else box(x, y, over_heads, z)
     return HullSet((pole, crown))

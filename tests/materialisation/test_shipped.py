@@ -23,7 +23,7 @@ def street(request):
     return graph, materialise(graph, load_index(), 0)
 
 
-def outline(placed, corners: np.ndarray) -> shapely.Polygon:
+def outline(placed, corners: np.ndarray) -> shapely.Geometry:
     """A hull from above in the scene frame, from the documented pose convention alone."""
     c, s = math.cos(placed.yaw), math.sin(placed.yaw)
     flat = (corners * np.array(placed.scale))[:, :2] @ np.array([[c, s], [-s, c]]) + placed.position[:2]

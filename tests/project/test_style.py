@@ -13,6 +13,10 @@ MAX_FUNCTION_LINES = 75
 SOURCES = sorted(p for room in ("urbanverse_mjx", "benchmarks") for p in (ROOT / room).rglob("*.py"))
 
 
+def _functions(tree: ast.AST) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
+    return [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+
+
 def _is_kernel(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     # Warp compiles one Python function into one kernel; its inner loop cannot be cut without costing registers.
     return any(ast.unparse(d).startswith("wp.kernel") for d in function.decorator_list)
@@ -20,10 +24,9 @@ def _is_kernel(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
 
 def long_functions(tree: ast.Module) -> dict[str, int]:
     """Names and lengths of functions longer than the limit; nested ones count for themselves, Warp kernels not."""
-    kinds = ast.FunctionDef | ast.AsyncFunctionDef
     found = {}
-    for function in (n for n in ast.walk(tree) if isinstance(n, kinds)):
-        inner = [n for child in function.body for n in ast.walk(child) if isinstance(n, kinds)]
+    for function in _functions(tree):
+        inner = [n for child in function.body for n in _functions(child)]
         lines = set(range(function.lineno, (function.end_lineno or function.lineno) + 1))
         for nested in inner:
             lines -= set(range(nested.lineno, (nested.end_lineno or nested.lineno) + 1))

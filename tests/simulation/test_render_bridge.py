@@ -91,9 +91,7 @@ def test_one_scene_for_all(renderer: Renderer, inputs: tuple[np.ndarray, ...], a
     assert not np.array_equal(np.asarray(frames[1]), alone[1])
 
 
-def test_a_world_does_not_see_the_others(
-    renderer: Renderer, inputs: tuple[np.ndarray, ...], alone: np.ndarray
-) -> None:
+def test_a_world_does_not_see_the_others(renderer: Renderer, inputs: tuple[np.ndarray, ...], alone: np.ndarray) -> None:
     """Permuted, next to other scenes, and beside a robot whose state is not a number."""
     call = jax.jit(jax.vmap(renderer))
     order = np.random.default_rng(1).permutation(NUMBER)

@@ -106,6 +106,7 @@ class SharedAssets:
         if self.settings.sky:
             skies = build_skies(bank.sky_radiance, glossy=True)
             context.env_maps = list(skies.owners)
+            assert skies.prefiltered is not None, "glossy skies are prefiltered"
             context.env_radiance, context.env_prefiltered, context.env_sh = skies.radiance, skies.prefiltered, skies.sh
             context.env_texel_angle = envmap.texel_angle(skies.width)
             context.env_intensity = wp.ones(1, dtype=float)
@@ -186,7 +187,9 @@ class WorldBatch:
         num_slots, robots = assets.render_model.num_slots, len(assets.render_model.robot_body)
         if robots:
             wp.launch(
-                kernels.place_robot, dim=(n, robots), inputs=[assets.robot, xpos, xquat, num_slots, worlds],
+                kernels.place_robot,
+                dim=(n, robots),
+                inputs=[assets.robot, xpos, xquat, num_slots, worlds],
             )
         wp.launch(kernels.place_camera, dim=n, inputs=[eye, turn, fovy, worlds])
         self._update_tree(scene)
@@ -230,8 +233,13 @@ class WorldBatch:
                 kernels.unpack_labels,
                 dim=dim,
                 inputs=[
-                    self.assets.tables, scene, base.seg_data, self.assets.render_model.num_slots, ROBOT_LABEL,
-                    outputs.get("category", nothing), outputs.get("object", nothing),
+                    self.assets.tables,
+                    scene,
+                    base.seg_data,
+                    self.assets.render_model.num_slots,
+                    ROBOT_LABEL,
+                    outputs.get("category", nothing),
+                    outputs.get("object", nothing),
                 ],
             )
 

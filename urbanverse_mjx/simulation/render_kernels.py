@@ -112,9 +112,7 @@ def _matrix(q: wp.vec4) -> wp.mat33:
 
 
 @wp.kernel
-def place_robot(
-    tables: RobotTables, xpos: wp.array2d[wp.vec3], xquat: wp.array2d[wp.vec4], first: int, worlds: Worlds
-):
+def place_robot(tables: RobotTables, xpos: wp.array2d[wp.vec3], xquat: wp.array2d[wp.vec4], first: int, worlds: Worlds):
     """Puts the robot's visual geoms at its bodies' poses; `first` is their first geom; dim (worlds, R)."""
     w, i = wp.tid()
     body = tables.body[i]

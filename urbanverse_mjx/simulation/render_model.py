@@ -81,13 +81,19 @@ def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
     """Adds the bank's textures, materials, meshes and one geom per slot; numbers stay those of the bank."""
     for i, (height, width, channels) in enumerate(bank.texture_shape):
         texture = spec.add_texture(
-            name=f"bank/{i}", type=mujoco.mjtTexture.mjTEXTURE_2D, width=int(width), height=int(height),
-            nchannel=int(channels), colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
+            name=f"bank/{i}",
+            type=mujoco.mjtTexture.mjTEXTURE_2D,
+            width=int(width),
+            height=int(height),
+            nchannel=int(channels),
+            colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
         )
         texture.data = bank.texture(i).tobytes()
     for i, rgba in enumerate(bank.material_rgba):
         material = spec.add_material(
-            name=f"bank/{i}", rgba=rgba, roughness=float(bank.material_roughness[i]),
+            name=f"bank/{i}",
+            rgba=rgba,
+            roughness=float(bank.material_roughness[i]),
             metallic=float(bank.material_metallic[i]),
         )
         if bank.material_texture[i] >= 0:
@@ -100,13 +106,21 @@ def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
         uv = bank.mesh_uv[corners] * [1.0, -1.0] + [0.0, 1.0]
         # Inertia of the surface: flat ground has no volume.
         spec.add_mesh(
-            name=f"bank/{i}", uservert=bank.mesh_vertices[corners].ravel(), userface=faces.ravel(),
-            usertexcoord=uv.ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            name=f"bank/{i}",
+            uservert=bank.mesh_vertices[corners].ravel(),
+            userface=faces.ravel(),
+            usertexcoord=uv.ravel(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
         )
     for _ in range(bank.slot_mesh.shape[1]):
         spec.worldbody.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_MESH, meshname="bank/0", material="absent", contype=0, conaffinity=0,
-            group=SLOT_GROUP, rgba=_INHERIT,
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname="bank/0",
+            material="absent",
+            contype=0,
+            conaffinity=0,
+            group=SLOT_GROUP,
+            rgba=_INHERIT,
         )
 
 
@@ -140,9 +154,13 @@ def _add_robot(spec: mujoco.MjSpec, robot: mujoco.MjModel) -> list[int]:
 
 def _add_robot_material(spec: mujoco.MjSpec, robot: mujoco.MjModel, material: int, name: str) -> None:
     added = spec.add_material(
-        name=name, rgba=robot.mat_rgba[material], roughness=float(robot.mat_roughness[material]),
-        metallic=float(robot.mat_metallic[material]), shininess=float(robot.mat_shininess[material]),
-        specular=float(robot.mat_specular[material]), emission=float(robot.mat_emission[material]),
+        name=name,
+        rgba=robot.mat_rgba[material],
+        roughness=float(robot.mat_roughness[material]),
+        metallic=float(robot.mat_metallic[material]),
+        shininess=float(robot.mat_shininess[material]),
+        specular=float(robot.mat_specular[material]),
+        emission=float(robot.mat_emission[material]),
     )
     role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
     texture = int(robot.mat_texid[material, role])
@@ -153,7 +171,11 @@ def _add_robot_material(spec: mujoco.MjSpec, robot: mujoco.MjModel, material: in
         shape = (int(robot.tex_height[texture]), int(robot.tex_width[texture]), int(robot.tex_nchannel[texture]))
         start = int(robot.tex_adr[texture])
         image = spec.add_texture(
-            name=label, type=mujoco.mjtTexture.mjTEXTURE_2D, height=shape[0], width=shape[1], nchannel=shape[2],
+            name=label,
+            type=mujoco.mjtTexture.mjTEXTURE_2D,
+            height=shape[0],
+            width=shape[1],
+            nchannel=shape[2],
             colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
         )
         image.data = robot.tex_data[start : start + int(np.prod(shape))].tobytes()
@@ -173,8 +195,11 @@ def _add_robot_mesh(spec: mujoco.MjSpec, robot: mujoco.MjModel, mesh: int, name:
             "userfacetexcoord": robot.mesh_facetexcoord[faces].ravel(),
         }
     spec.add_mesh(
-        name=name, uservert=robot.mesh_vert[corners].ravel(), userface=robot.mesh_face[faces].ravel(),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL, **extra,
+        name=name,
+        uservert=robot.mesh_vert[corners].ravel(),
+        userface=robot.mesh_face[faces].ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        **extra,
     )
 
 

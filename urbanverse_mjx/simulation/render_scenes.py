@@ -48,7 +48,9 @@ def upload_textures(model: RenderModel) -> tuple[list[wp.Texture2D], np.ndarray]
         texels = to_linear[mjm.tex_data[start : start + int(np.prod(shape))].reshape(shape)[..., :3]]
         texture = wp.Texture2D(
             np.concatenate([texels, np.ones((*shape[:2], 1), texels.dtype)], -1),
-            filter_mode=_LINEAR, address_mode=wp.TextureAddressMode.WRAP, num_mip_levels=0,
+            filter_mode=_LINEAR,
+            address_mode=wp.TextureAddressMode.WRAP,
+            num_mip_levels=0,
             mip_filter_mode=_NEAREST if on_host else _LINEAR,
         )
         textures.append(texture)
@@ -67,8 +69,11 @@ def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:
     )
     clamp, on_host = wp.TextureAddressMode.CLAMP, wp.get_device().is_cpu
     return wp.Texture3D(
-        stack.numpy().astype(np.float32) if on_host else stack, filter_mode=_NEAREST if on_host else _LINEAR,
-        address_mode_u=wp.TextureAddressMode.WRAP, address_mode_v=clamp, address_mode_w=clamp,
+        stack.numpy().astype(np.float32) if on_host else stack,
+        filter_mode=_NEAREST if on_host else _LINEAR,
+        address_mode_u=wp.TextureAddressMode.WRAP,
+        address_mode_v=clamp,
+        address_mode_w=clamp,
     )
 
 
@@ -80,8 +85,11 @@ def build_skies(radiance: np.ndarray, glossy: bool) -> Skies:
     for image in radiance:
         rgba = np.concatenate([image, np.ones((height, width, 1), np.float32)], -1)
         texture = wp.Texture2D(
-            rgba.astype(np.float32 if on_host else np.float16), filter_mode=_LINEAR,
-            address_mode_u=wp.TextureAddressMode.WRAP, address_mode_v=wp.TextureAddressMode.CLAMP, num_mip_levels=0,
+            rgba.astype(np.float32 if on_host else np.float16),
+            filter_mode=_LINEAR,
+            address_mode_u=wp.TextureAddressMode.WRAP,
+            address_mode_v=wp.TextureAddressMode.CLAMP,
+            num_mip_levels=0,
             mip_filter_mode=_NEAREST if on_host else _LINEAR,
         )
         maps.append(texture)

@@ -46,8 +46,15 @@ def _face_table(model: RenderModel) -> wp.array:
     d1, d2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     density = np.sqrt(np.abs(d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]) / np.maximum(area, 1e-20))
     return records(
-        Face, count, normal0=normals[:, 0], normal1=normals[:, 1], normal2=normals[:, 2],
-        uv0=uv[:, 0], uv1=uv[:, 1], uv2=uv[:, 2], density=density,
+        Face,
+        count,
+        normal0=normals[:, 0],
+        normal1=normals[:, 1],
+        normal2=normals[:, 2],
+        uv0=uv[:, 0],
+        uv1=uv[:, 1],
+        uv2=uv[:, 2],
+        density=density,
     )
 
 
@@ -64,9 +71,7 @@ class Streets:
                 bvh_constructor="sah",
                 bvh_leaf_size=2,
             )
-            for v, nv, f, nf in zip(
-                mjm.mesh_vertadr, mjm.mesh_vertnum, mjm.mesh_faceadr, mjm.mesh_facenum, strict=True
-            )
+            for v, nv, f, nf in zip(mjm.mesh_vertadr, mjm.mesh_vertnum, mjm.mesh_faceadr, mjm.mesh_facenum, strict=True)
         ]
         self.mesh_ids = np.array([mesh.id for mesh in self.meshes], np.uint64)
         self.faces = _face_table(model)
@@ -76,7 +81,13 @@ class Streets:
         self._add_light(bank)
         self.num_parts = len(model.robot_body)
         self.draw = build_draw_kernel(
-            settings.height, settings.width, settings.outputs, settings.shadows, settings.sky, settings.samples, FAR,
+            settings.height,
+            settings.width,
+            settings.outputs,
+            settings.shadows,
+            settings.sky,
+            settings.samples,
+            FAR,
             self.num_parts > 0,
         )
         self.ready = False
@@ -86,9 +97,14 @@ class Streets:
         mesh = bank.slot_mesh[scene, number]
         lower, upper = slot_boxes(bank)
         self.slots = records(
-            Slot, len(scene), position=bank.slot_position[scene, number],
-            rotation=rotation_matrices(bank.slot_quaternion[scene, number]), mesh=self.mesh_ids[mesh],
-            face=model.model.mesh_faceadr[mesh], look=bank.mesh_material[mesh], number=number,
+            Slot,
+            len(scene),
+            position=bank.slot_position[scene, number],
+            rotation=rotation_matrices(bank.slot_quaternion[scene, number]),
+            mesh=self.mesh_ids[mesh],
+            face=model.model.mesh_faceadr[mesh],
+            look=bank.mesh_material[mesh],
+            number=number,
             category=bank.slot_category[scene, number],
         )
         self.boxes = [wp.array(x[scene, number], dtype=wp.vec3) for x in (lower, upper)]
@@ -109,16 +125,29 @@ class Streets:
         self.textures = wp.array(self.textures_kept, dtype=wp.Texture2D)
         mesh = np.where(mjm.geom_dataid[geoms] >= 0, mjm.geom_dataid[geoms], 0)
         self.parts = records(
-            Part, len(geoms), position=model.robot_position, rotation=model.robot_rotation,
-            centre=model.robot_half[:, 0], radius=np.linalg.norm(model.robot_half[:, 1], axis=1),
-            size=mjm.geom_size[geoms], mesh=self.mesh_ids[mesh], kind=mjm.geom_type[geoms], body=model.robot_body,
-            face=mjm.mesh_faceadr[mesh], look=len(mjm.mat_rgba) + np.arange(len(geoms)),
+            Part,
+            len(geoms),
+            position=model.robot_position,
+            rotation=model.robot_rotation,
+            centre=model.robot_half[:, 0],
+            radius=np.linalg.norm(model.robot_half[:, 1], axis=1),
+            size=mjm.geom_size[geoms],
+            mesh=self.mesh_ids[mesh],
+            kind=mjm.geom_type[geoms],
+            body=model.robot_body,
+            face=mjm.mesh_faceadr[mesh],
+            look=len(mjm.mat_rgba) + np.arange(len(geoms)),
         )
 
     def _add_light(self, bank: SceneBank) -> None:
         sun, irradiance = scene_sun(bank)
         self.lights = records(
-            Light, bank.num_scenes, sun=sun, sunlight=irradiance / np.pi, even=sky_ambient(bank), sky=bank.scene_sky,
+            Light,
+            bank.num_scenes,
+            sun=sun,
+            sunlight=irradiance / np.pi,
+            even=sky_ambient(bank),
+            sky=bank.scene_sky,
             yaw=bank.scene_sky_yaw,
         )
         self.skies = build_skies(bank.sky_radiance, glossy=False)
@@ -145,12 +174,29 @@ class StreetBatch:
         s, settings = self.streets, self.streets.settings
         if s.num_parts:
             wp.launch(
-                place_parts, dim=self.num_worlds,
+                place_parts,
+                dim=self.num_worlds,
                 inputs=[s.parts, xpos, xquat, NOWHERE, self.position, self.rotation, self.balls],
             )
         kept = [
-            s.tree.id, s.roots, s.slots, s.faces, s.looks, s.textures, s.lights, s.skies.radiance, s.skies.sh, s.parts,
-            self.position, self.rotation, self.balls, scene, eye, turn, fovy, ROBOT_LABEL,
+            s.tree.id,
+            s.roots,
+            s.slots,
+            s.faces,
+            s.looks,
+            s.textures,
+            s.lights,
+            s.skies.radiance,
+            s.skies.sh,
+            s.parts,
+            self.position,
+            self.rotation,
+            self.balls,
+            scene,
+            eye,
+            turn,
+            fovy,
+            ROBOT_LABEL,
         ]
         pixels = settings.height * settings.width
 

@@ -87,9 +87,7 @@ def build_draw_kernel(
             hit = k.nearest_slot(tree, roots[z], slots, origin, direction, limit)
             if wp.static(robot):
                 if not k.misses_ball(origin, direction, balls[w, parts.shape[0]]):
-                    hit = k.nearest_part(
-                        parts, balls, position, rotation, w, slots.shape[0], origin, direction, hit
-                    )
+                    hit = k.nearest_part(parts, balls, position, rotation, w, slots.shape[0], origin, direction, hit)
             number = int(-1)  # noqa: RUF046, UP018 (Warp takes a bare number for a constant)
             kind = int(-1)  # noqa: RUF046, UP018
             normal = wp.vec3(0.0)

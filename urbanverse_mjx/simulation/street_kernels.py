@@ -326,5 +326,3 @@ def place_parts(
 def module_options() -> dict[str, object]:
     """What a kernel that inlines these functions must be built with."""
     return {"enable_backward": False, "fast_math": True, "extra_build_options": traverse.BUILD_OPTIONS}
-
-

@@ -54,14 +54,25 @@ class Studio:
     """
 
     def __init__(
-        self, bank: SceneBank, width: int = 960, height: int = 540, robot: RobotSpec | None = None, samples: int = 3,
+        self,
+        bank: SceneBank,
+        width: int = 960,
+        height: int = 540,
+        robot: RobotSpec | None = None,
+        samples: int = 3,
         shading: str = "matte",
     ) -> None:
         self.bank = bank
         self.renderer = Renderer(bank, robot, height, width, shadows=True, samples=samples, shading=shading)
 
     def view(
-        self, scene: int, eye: Any, target: Any, fov: float = FOV, up: Any = (0.0, 0.0, 1.0), xpos: Any = None,
+        self,
+        scene: int,
+        eye: Any,
+        target: Any,
+        fov: float = FOV,
+        up: Any = (0.0, 0.0, 1.0),
+        xpos: Any = None,
         xquat: Any = None,
     ) -> np.ndarray:
         """(H, W, 3) uint8 from `eye` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the robot."""
