@@ -9,13 +9,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.datatypes import NounError
-from urbanverse_mjx.viz.video import _chase_cameras, _look_at, write_video
+from urbanverse_mjx.viz.pictures import look_at
+from urbanverse_mjx.viz.video import _chase_cameras, write_video
 
 
 def test_cameras_look_at_their_target_with_the_horizon_level() -> None:
     rng = np.random.default_rng(0)
     eye, target = rng.normal(size=(50, 3)) * 5, rng.normal(size=(50, 3)) * 5
-    rotation = Rotation.from_quat(np.roll(_look_at(eye, target), -1, axis=-1))
+    rotation = Rotation.from_quat(np.roll([look_at(e, t) for e, t in zip(eye, target, strict=True)], -1, axis=-1))
     forward = rotation.apply([0.0, 0.0, -1.0])
     np.testing.assert_allclose(
         forward, (target - eye) / np.linalg.norm(target - eye, axis=-1, keepdims=True), atol=1e-6

@@ -20,12 +20,12 @@ from urbanverse_mjx.datatypes import AssetMesh
 from . import palette, shapes
 from .atlas import pack
 from .palette import Color
+from .panels import NORMALS, face_size, panel_corners
 from .shapes import Point2, Point3, Points3, Shape
 
 Picture = np.ndarray | Image.Image
 ZERO = (0.0, 0.0, 0.0)
 CREASE_DEG = 40.0
-_NORMALS = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1), "-z": (0, 0, -1)}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -148,8 +148,8 @@ class MeshBuilder:
             self.add(shapes.box(size, bevel, taper).transformed(lift), color, crease_deg=20.0)
             centre = np.array([0.0, 0.0, 0.0 if centered else size[2] / 2])
             for face, picture in (skins or {}).items():
-                normal = np.array(_NORMALS[face], float)
-                across, up = _face_size(size, face)
+                normal = np.array(NORMALS[face], float)
+                across, up = face_size(size, face)
                 # 2 mm proud of the face, so that the picture never fights the box for a pixel.
                 self.panel(picture, centre + normal * (np.abs(normal) @ np.asarray(size) / 2 + 0.002), across, up, face)
 
@@ -299,7 +299,7 @@ class MeshBuilder:
           back: colour of the other side (else it cannot be seen from behind).
           tilt_deg: leans the top backwards.
         """
-        corners = _panel_corners(np.asarray(at, float), width, height, facing, tilt_deg)
+        corners = panel_corners(np.asarray(at, float), width, height, facing, tilt_deg)
         self.add(shapes.quad(corners), picture=picture)
         if back is not None:
             normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
@@ -389,24 +389,3 @@ class MeshBuilder:
         solids = itertools.groupby(zip(self._parts, faces, strict=True), key=lambda pair: pair[0].solid)
         part_faces = tuple(sum(len(f) for _, f in group) for _, group in solids)
         return BuiltAsset(mesh, description, dict(params or {}), volume, mass, part_faces)
-
-
-def _face_size(size: Point3, face: str) -> tuple[float, float]:
-    """(across, up) of a box face as `panel` sees it."""
-    x, y, z = (float(s) for s in size)
-    return {"x": (y, z), "y": (x, z), "z": (y, x)}[face[1]]
-
-
-def _panel_corners(at: np.ndarray, width: float, height: float, facing: str | float, tilt_deg: float) -> np.ndarray:
-    if isinstance(facing, str):
-        normal = np.array(_NORMALS[facing], float)
-    else:
-        normal = np.array([np.cos(np.radians(facing)), np.sin(np.radians(facing)), 0.0])
-    # Lying panels read with their top towards +x when seen from above, as text on the road does for who walks along +x.
-    up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.5 else np.array([1.0, 0.0, 0.0])
-    right = np.cross(up, normal)
-    lean = np.radians(tilt_deg)
-    up = np.cos(lean) * up - np.sin(lean) * normal
-    return np.stack(
-        [at + sx * right * width / 2 + sy * up * height / 2 for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    )

@@ -9,26 +9,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from PIL import Image, ImageDraw
-from scipy.spatial.transform import Rotation
 
 from ..datatypes import RobotSpec, SceneBank
 from ..datatypes import validation as v
 from ..simulation.renderer import Renderer
+from .pictures import look_at
 
 HEIGHT, WIDTH = 180, 320
 _BATCH = 16
 _CHASE_BACK, _CHASE_UP, _CHASE_FOV = 3.2, 1.9, 1.05  # m, m, rad
-
-
-def _look_at(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """(n, 4) wxyz quaternions of cameras (looking along -z, y up) at `eye` (n, 3) towards `target` (n, 3)."""
-    back = eye - target
-    back /= np.linalg.norm(back, axis=-1, keepdims=True)
-    right = np.cross(np.broadcast_to([0.0, 0.0, 1.0], back.shape), back)
-    right /= np.linalg.norm(right, axis=-1, keepdims=True)
-    up = np.cross(back, right)
-    x, y, z, w = Rotation.from_matrix(np.stack([right, up, back], axis=-1)).as_quat().T
-    return np.stack([w, x, y, z], -1)
 
 
 def _chase_cameras(xpos: np.ndarray, xquat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -44,7 +33,7 @@ def _chase_cameras(xpos: np.ndarray, xquat: np.ndarray) -> tuple[np.ndarray, np.
     root = xpos[:, 1]
     eye = root - _CHASE_BACK * np.pad(smooth, ((0, 0), (0, 1))) + [0.0, 0.0, _CHASE_UP]
     target = root + 1.5 * np.pad(smooth, ((0, 0), (0, 1)))
-    return eye, _look_at(eye, target)
+    return eye, np.stack([look_at(e, t) for e, t in zip(eye, target, strict=True)])
 
 
 def _batched(function: Any, *columns: np.ndarray) -> np.ndarray:
