@@ -32,7 +32,14 @@ def _paper() -> ConfigDict:
             "terminate_on_hit": True,
             "terminate_off_traversable": True,
             "vision": True,
-            "vision_config": {"height": 135, "width": 240, "depth": False, "sky": True, "shadows": False},
+            "vision_config": {
+                "height": 135,
+                "width": 240,
+                "depth": False,
+                "sky": True,
+                "shadows": False,
+                "shading": "pbr",
+            },
             "reward_config": {
                 "multiply_by_dt": False,
                 "scales": {
@@ -72,6 +79,7 @@ def _cpu() -> ConfigDict:
     config = _paper()
     config.preset = "cpu"
     config.vision_config.height, config.vision_config.width = 27, 48
+    config.vision_config.shading = "matte"  # no highlights; drawn half as fast again on a CPU
     config.reward_config.scales = ConfigDict(
         {
             "arrived": 10.0,

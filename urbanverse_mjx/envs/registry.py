@@ -132,7 +132,16 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
 
         view = config.vision_config
         outputs = ("rgb", "depth") if view.depth else ("rgb",)
-        renderer = Renderer(bank, robot, view.height, view.width, outputs=outputs, sky=view.sky, shadows=view.shadows)
+        renderer = Renderer(
+            bank,
+            robot,
+            view.height,
+            view.width,
+            outputs=outputs,
+            sky=view.sky,
+            shadows=view.shadows,
+            shading=view.shading,
+        )
     return NavEnv(config, bank, robot, engine, renderer)
 
 
