@@ -17,6 +17,30 @@ def test_check_env_accepts_the_task(small_bank: SceneBank) -> None:
     check_env(unicycle_env(small_bank, {"episode_length": 40}, vision=True))
 
 
+def test_check_env_accepts_the_registered_task(small_bank: SceneBank) -> None:
+    """The real engine and renderer, as `registry.load` makes them."""
+    overrides = {"preset": "cpu", "scenes": "all", "vision_config.height": 12, "vision_config.width": 20}
+    check_env(registry.load("CocoNav", config_overrides=overrides, bank=small_bank), num_envs=4, num_steps=6)
+
+
+def test_joint_actions_are_shares_of_the_control_range(small_bank: SceneBank) -> None:
+    """Wheels: full speed straight ahead is 1; the axle of the Ackermann drive: its stops."""
+    overrides = {"vision": False, "scenes": "all", "action_mode": "joint", "drive": "ackermann"}
+    env = registry.load("CocoNav", config_overrides=overrides, bank=small_bank)
+    wheels = np.abs(np.asarray(env.robot.command(jnp.array([env.robot.max_speed, 0.0]))))[:4]
+    assert env.action_size == 5
+    assert env.observation_size["privileged"] == (16,)
+    stop = env.mj_model.actuator("steer").ctrlrange
+    for action, steer in ((1.0, stop[1]), (-1.0, stop[0]), (0.0, 0.0)):
+        ctrl = np.asarray(env._control(jnp.full(5, action)))
+        np.testing.assert_allclose(ctrl, [*(action * wheels), steer], atol=1e-6)
+    by_velocity = registry.load("CocoNav", config_overrides={**overrides, "action_mode": "velocity"}, bank=small_bank)
+    key = jax.random.key(3)
+    straight = jax.jit(by_velocity.step)(by_velocity.reset(key), jnp.array([1.0, 0.0]))
+    joints = jax.jit(env.step)(env.reset(key), jnp.array([1.0, 1.0, 1.0, 1.0, 0.0]))
+    np.testing.assert_array_equal(np.asarray(straight.data.sim.qpos), np.asarray(joints.data.sim.qpos))
+
+
 def test_check_env_finds_a_constant_observation(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
     whole = env.observe

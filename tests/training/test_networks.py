@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from flax import linen as nn
 
+from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.training.networks import conv_by_matmul, goal_features, make_networks
 
 SIZES = {"pixels/front": (27, 48, 3), "goal": (2,), "privileged": (13,)}
@@ -84,3 +85,19 @@ def test_goal_features_are_finite_at_the_goal_with_finite_gradients() -> None:
     grad = jax.grad(lambda g: goal_features(g).sum())(jnp.zeros(2))
     assert np.isfinite(np.asarray(goal_features(jnp.zeros(2)))).all()
     del grad  # the goal is an observation: nothing is differentiated with respect to it
+
+
+def test_both_convolutions_give_the_same_network() -> None:
+    """A policy trained on a GPU acts the same on a CPU."""
+    obs = {
+        "pixels/front": jax.random.randint(jax.random.key(2), (3, 27, 48, 3), 0, 256).astype(jnp.uint8),
+        "goal": jnp.array([[10.0, 0.0], [3.0, -2.0], [0.1, 0.2]]),
+    }
+    params = make_networks(SIZES, 2, layers=LAYERS).policy_network.init(jax.random.key(0))
+    outputs = [
+        make_networks(SIZES, 2, layers=LAYERS, convolution=name).policy_network.apply(None, params, obs)
+        for name in ("matmul", "xla")
+    ]
+    np.testing.assert_allclose(*outputs, atol=1e-5)
+    with pytest.raises(NounError, match="convolution"):
+        make_networks(SIZES, 2, convolution="winograd").policy_network.init(jax.random.key(0))

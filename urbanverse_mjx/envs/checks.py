@@ -51,7 +51,7 @@ class _Counted:
 
 
 def check_env(env: Any, num_envs: int = 6, num_steps: int = 12, tolerance: float = 1e-4) -> None:
-    """Checks an environment with `begin`, `advance`, `observe`, `reset`, `step` (see `NavEnv`).
+    """Checks an environment with `begin`, `renew`, `advance`, `observe`, `reset`, `step` (see `NavEnv`).
 
     Args:
       env: not wrapped.
@@ -134,15 +134,16 @@ def _check_auto_reset(env: Any, keys: Any, num_steps: int) -> None:
     half = np.arange(len(keys)) < len(keys) // 2
     steps = jnp.where(half, env.config.episode_length - 1, 0).astype(jnp.int32)
     state = dataclasses.replace(state, data=state.data._replace(steps=steps))
-    after = jax.jit(wrapped.step)(state, jnp.zeros((len(keys), env.action_size)))
+    actions = jnp.zeros((len(keys), env.action_size))
+    after = jax.jit(wrapped.step)(state, actions)
     done = np.asarray(after.done) > 0
     _require(done[half].all(), "an episode ends when its time is over", done)
-    fresh = jax.jit(jax.vmap(env.begin))(state.data.key)
+    fresh = jax.jit(jax.vmap(lambda nav, action: env.renew(env.advance(nav, action)[0])))(state.data, actions)
     wanted = jax.jit(jax.vmap(env.observe))(fresh)
     for i in np.flatnonzero(done):
         got = jax.tree.map(lambda x, i=i: x[i], after)
         _require(
-            _same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh)), "auto-reset equals begin in all carried state"
+            _same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh)), "auto-reset equals renew in all carried state"
         )
         for name in wanted:
             close = (

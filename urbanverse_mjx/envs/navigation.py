@@ -10,11 +10,12 @@ from ml_collections import ConfigDict
 
 from ..datatypes import KIND_INDEX, TRAVERSABLE_KINDS, NounError, RobotSpec, SceneBank
 from . import terms
+from .schedule import EpisodeSchedule
 from .types import NavState, Result, State
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _UPRIGHT = 0.5
-_PRIVILEGED_SIZE = 13
+ACTION_MODES = ("waypoint", "velocity", "joint")
 
 
 def typed_key(key: jax.Array) -> jax.Array:
@@ -39,6 +40,20 @@ def _select_scenes(bank: SceneBank, which: Any) -> np.ndarray:
     return rows
 
 
+def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
+    """(nu, 2) commands that the actions -1 and 1 stand for in the mode "joint"."""
+    straight = np.abs(np.asarray(robot.command(jnp.array([robot.max_speed, 0.0]))))
+    limited = np.asarray(model.actuator_ctrllimited, bool)[:, None]
+    # Not the command of a turn: both wheels at the outer wheel's speed would drive faster than `max_speed`.
+    ends = np.where(limited, model.actuator_ctrlrange, np.stack([-straight, straight], axis=1))
+    for i in np.flatnonzero(ends[:, 0] >= ends[:, 1]):
+        raise NounError(
+            f"robot {robot.name!r}: actuator {model.actuator(i).name!r}: found no control range, needed one for "
+            "action_mode 'joint'; give it a ctrlrange."
+        )
+    return jnp.asarray(ends, jnp.float32)
+
+
 class NavEnv:
     """Point-goal navigation of one robot, each env in its own scene of a bank.
 
@@ -46,11 +61,13 @@ class NavEnv:
       pixels/front: (H, W, 3) uint8; with vision_config.depth (H, W, 4), the fourth in 10 cm up to 25.5 m;
         present when `config.vision`.
       goal: (2,) f32 m, the final goal (or the next 5 m waypoint with goal_mode="waypoint") in the heading frame.
-      privileged: (13,) f32 for critics and tests only: goal, next waypoint, the one after (heading frame, m),
-        forward and lateral speed (m/s), yaw rate (rad/s), share of time and of route left, last action.
-    Action: (2,) in [-1, 1]; by `config.action_mode`:
-      waypoint: (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega);
-      velocity: ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate).
+      privileged: (11 + action_size,) f32 for critics and tests only: goal, next waypoint, the one after (heading
+        frame, m), forward and lateral speed (m/s), yaw rate (rad/s), share of time and of route left, last action.
+    Action: in [-1, 1]; by `config.action_mode`:
+      waypoint: (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega);
+      velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate);
+      joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it has none (wheels), they are
+        its command at full speed straight ahead, backwards and forwards.
     Reward: sum of `reward_config.scales` times the terms of `terms`.
     Ends: see `Result`; TIMEOUT is a truncation. With terminate_on_hit=False hits are only measured.
 
@@ -60,8 +77,8 @@ class NavEnv:
     """
 
     def __init__(self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Any, renderer: Any | None):
-        if config.action_mode not in ("waypoint", "velocity"):
-            raise NounError(f"config.action_mode: found {config.action_mode!r}, needed 'waypoint' or 'velocity'.")
+        if config.action_mode not in ACTION_MODES:
+            raise NounError(f"config.action_mode: found {config.action_mode!r}, needed one of {ACTION_MODES}.")
         if config.goal_mode not in ("final", "waypoint"):
             raise NounError(f"config.goal_mode: found {config.goal_mode!r}, needed 'final' or 'waypoint'.")
         self._config = config
@@ -74,11 +91,12 @@ class NavEnv:
         self._root = model.body(robot.root_body).id
         self._qpos0 = jnp.asarray(model.qpos0, jnp.float32)
         self._nv = model.nv
+        self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
         self.scenes = _select_scenes(bank, config.scenes)
-        self._scenes = jnp.asarray(self.scenes)
+        self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
         self._episodes = {
             name: jnp.asarray(getattr(bank, name))
-            for name in ("num_episodes", "episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
+            for name in ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
         }
         self._map_kind = jnp.asarray(bank.map_kind)
         self._map_origin = jnp.asarray(bank.map_origin)
@@ -95,7 +113,7 @@ class NavEnv:
 
     @property
     def action_size(self) -> int:
-        return 2
+        return 2 if self._joint_range is None else len(self._joint_range)
 
     @property
     def observation_size(self) -> dict[str, tuple[int, ...]]:
@@ -132,12 +150,16 @@ class NavEnv:
     # The three stages.
 
     def begin(self, key: jax.Array) -> NavState:
-        """A new episode in a random scene of `config.scenes` with a random row of its episode table."""
-        key, key_scene, key_row = jax.random.split(typed_key(key), 3)
-        # scene ~ U over the selected scenes, row ~ U over the scene's episodes
-        scene = self._scenes[jax.random.randint(key_scene, (), 0, len(self.scenes))]
-        row = jax.random.randint(key_row, (), 0, self._episodes["num_episodes"][scene])
-        return self.begin_at(key, scene, row)
+        """The first episode of an env: a scene of `config.scenes` and a row of its table, see `EpisodeSchedule`."""
+        key, draw = jax.random.split(typed_key(key))
+        return self.begin_at(key, *self._schedule.draw(draw, jnp.int32(0), jnp.int32(0)))
+
+    def renew(self, nav: NavState) -> NavState:
+        """The episode after that of `nav`: all is new but the counts of steps and episodes behind the env."""
+        key, draw = jax.random.split(nav.key)
+        episodes = nav.episodes + 1
+        new = self.begin_at(key, *self._schedule.draw(draw, nav.age, episodes))
+        return new._replace(age=nav.age, episodes=episodes)
 
     def begin_at(self, key: jax.Array, scene: jax.Array, row: jax.Array) -> NavState:
         """A new episode from a given row of a given scene's episode table."""
@@ -171,7 +193,9 @@ class NavEnv:
             route_done=zero,
             goal_distance=jnp.linalg.norm(goal[:2] - start[:2]),
             steps=jnp.int32(0),
-            last_action=jnp.zeros(2),
+            age=jnp.int32(0),
+            episodes=jnp.int32(0),
+            last_action=jnp.zeros(self.action_size),
             result=jnp.int32(Result.RUNNING),
         )
 
@@ -206,6 +230,7 @@ class NavEnv:
             route_done=route_done,
             goal_distance=distance,
             steps=steps,
+            age=nav.age + 1,
             last_action=action,
             result=result,
         )
@@ -292,6 +317,9 @@ class NavEnv:
 
     def _control(self, action: jax.Array) -> jax.Array:
         robot = self.robot
+        if self._joint_range is not None:
+            low, high = self._joint_range[:, 0], self._joint_range[:, 1]
+            return low + 0.5 * (action + 1.0) * (high - low)
         if self._config.action_mode == "waypoint":
             v, omega = robot.waypoint_to_velocity(action, self.dt)
         else:

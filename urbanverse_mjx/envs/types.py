@@ -20,7 +20,7 @@ class Result(enum.IntEnum):
 
 
 class NavState(NamedTuple):
-    """Everything one navigation env carries from step to step; replaced as a whole when an episode begins.
+    """Everything one navigation env carries from step to step; replaced when an episode begins.
 
     Attributes:
       key: typed PRNG key for the next episode.
@@ -33,7 +33,8 @@ class NavState(NamedTuple):
       route_done: () f32 m, farthest point of the route reached so far.
       goal_distance: () f32 m, ground distance robot to goal.
       steps: () i32 control steps done.
-      last_action: (2,) f32.
+      age, episodes: () i32, control steps and ended episodes behind this env; they alone outlive an episode.
+      last_action: (action_size,) f32.
       result: () i32, see `Result`.
     """
 
@@ -49,6 +50,8 @@ class NavState(NamedTuple):
     route_done: Any
     goal_distance: Any
     steps: Any
+    age: Any
+    episodes: Any
     last_action: Any
     result: Any
 

@@ -31,6 +31,7 @@ def _paper() -> ConfigDict:
                 "layers": ((16, 8, 4), (32, 4, 2), (64, 4, 2)),
                 "critic_sees": "pixels",
                 "bfloat16": False,
+                "convolution": "auto",
             },
         }
     )

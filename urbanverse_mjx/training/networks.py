@@ -6,7 +6,7 @@ SGD (facts/brax_over_warp.md, Q2). They are exact: tested against `flax.linen.Co
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -15,7 +15,11 @@ from brax.training import distribution, networks, types
 from brax.training.agents.ppo import networks as ppo_networks
 from flax import linen as nn
 
+from ..datatypes import NounError
+
 PIXELS = "pixels/front"
+CONVOLUTIONS = ("auto", "matmul", "xla")
+Convolution = Callable[[jax.Array, jax.Array, jax.Array, int], jax.Array]
 
 
 def _space_to_depth(x: jax.Array, block: int) -> jax.Array:
@@ -42,27 +46,46 @@ def conv_by_matmul(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int
     return stacked @ w.reshape(-1, depth) + bias
 
 
+def conv_by_xla(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int) -> jax.Array:
+    """The same by XLA's own convolution, which is cuDNN's on a GPU."""
+    # conv_by_matmul cuts what is no whole block; a VALID convolution never reads it.
+    numbers = ("NHWC", "HWIO", "NHWC")
+    return jax.lax.conv_general_dilated(x, kernel, (stride, stride), "VALID", dimension_numbers=numbers) + bias
+
+
+def convolution_of(name: str) -> Convolution:
+    """ "matmul", "xla", or "auto": matmul on the CPU, XLA's own elsewhere."""
+    if name not in CONVOLUTIONS:
+        raise NounError(f"ppo.network.convolution: found {name!r}, needed one of {CONVOLUTIONS}.")
+    if name == "auto":
+        name = "matmul" if jax.default_backend() == "cpu" else "xla"
+    return conv_by_matmul if name == "matmul" else conv_by_xla
+
+
 class Encoder(nn.Module):
     """Conv layers with ReLU, flattened (never pooled: where a thing stands matters).
 
     Attributes:
       layers: (depth, kernel, stride) of each layer; kernel is a multiple of stride.
       dtype: of the arithmetic; parameters are float32.
+      convolution: see `convolution_of`; both compute the same.
     """
 
     layers: Sequence[tuple[int, int, int]]
     dtype: Any = jnp.float32
+    convolution: str = "auto"
 
     @nn.compact
     def __call__(self, pixels: jax.Array) -> jax.Array:
         """(..., H, W, C) uint8 -> (..., n) float32."""
         lead = pixels.shape[:-3]
         x = pixels.reshape((-1, *pixels.shape[-3:])).astype(self.dtype) / 255.0 - 0.5
+        convolve = convolution_of(self.convolution)
         for i, (depth, k, stride) in enumerate(self.layers):
             init = nn.initializers.lecun_uniform()
             kernel = self.param(f"kernel_{i}", init, (k, k, x.shape[-1], depth))
             bias = self.param(f"bias_{i}", nn.initializers.zeros_init(), (depth,))
-            x = nn.relu(conv_by_matmul(x, kernel.astype(self.dtype), bias.astype(self.dtype), stride))
+            x = nn.relu(convolve(x, kernel.astype(self.dtype), bias.astype(self.dtype), stride))
         return x.reshape((*lead, -1)).astype(jnp.float32)
 
 
@@ -80,12 +103,13 @@ class Trunk(nn.Module):
     hidden: Sequence[int] = (128, 128, 128)
     goal_hidden: int = 32
     dtype: Any = jnp.float32
+    convolution: str = "auto"
 
     @nn.compact
     def __call__(self, pixels: jax.Array | None, goal: jax.Array) -> jax.Array:
         x = nn.elu(nn.Dense(self.goal_hidden, name="goal")(goal_features(goal)))
         if pixels is not None:
-            seen = Encoder(self.layers, self.dtype, name="encoder")(pixels)
+            seen = Encoder(self.layers, self.dtype, self.convolution, name="encoder")(pixels)
             x = jnp.concatenate([nn.Dense(self.hidden[0], name="seen")(seen), x], axis=-1)
         for i, size in enumerate(self.hidden):
             x = nn.elu(nn.Dense(size, name=f"hidden_{i}")(x))
@@ -132,16 +156,18 @@ def make_networks(
     layers: Sequence[tuple[int, int, int]] = ((16, 8, 4), (32, 4, 2), (64, 4, 2)),
     critic_sees: str = "pixels",
     bfloat16: bool = False,
+    convolution: str = "auto",
 ) -> ppo_networks.PPONetworks:
     """Brax's network factory for `NavEnv`.
 
     Args:
       observation_size: shapes by name, as Brax hands them over.
-      action_size: 2.
+      action_size: 2, or the number of actuators with action_mode="joint".
       preprocess_observations_fn: unused; goals and pixels have fixed scales here, so statistics cannot drift.
       layers: (depth, kernel, stride) of the conv layers.
       critic_sees: "pixels" (the paper: the same as the actor) or "privileged" (no second CNN).
       bfloat16: convolutions in bfloat16, heads stay float32.
+      convolution: see `convolution_of`.
     """
     del preprocess_observations_fn
     sizes = dict(observation_size)  # type: ignore[arg-type]
@@ -151,7 +177,7 @@ def make_networks(
     def pixels_of(obs: Any) -> Any:
         return obs[PIXELS] if has_pixels else None
 
-    trunk = functools.partial(Trunk, layers=tuple(layers), dtype=dtype)
+    trunk = functools.partial(Trunk, layers=tuple(layers), dtype=dtype, convolution=convolution)
     actor = Actor(trunk(), action_size)
     critic = Critic(trunk(), critic_sees == "privileged")
     critic_pixels = pixels_of if critic_sees == "pixels" else (lambda obs: None)

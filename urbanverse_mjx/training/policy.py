@@ -114,7 +114,14 @@ def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
 
     network = ppo_config.network
     layers = [(int(depth), int(kernel), int(stride)) for depth, kernel, stride in network.layers]
-    return functools.partial(make_networks, layers=layers, critic_sees=network.critic_sees, bfloat16=network.bfloat16)
+    return functools.partial(
+        make_networks,
+        layers=layers,
+        critic_sees=network.critic_sees,
+        bfloat16=network.bfloat16,
+        # Policies saved before this could be chosen do not have it.
+        convolution=network.get("convolution", "auto"),
+    )
 
 
 def make_policy_function(

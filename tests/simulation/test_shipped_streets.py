@@ -1,0 +1,66 @@
+"""The engine in the six shipped streets: no hull and no contact is ever left out for want of a place."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urbanverse_mjx.datatypes import KIND_INDEX, TRAVERSABLE_KINDS, SceneBank
+from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
+POSES = 10_000
+BATCH = 500
+
+
+@pytest.fixture(scope="module")
+def engine(bank: SceneBank) -> JaxEngine:
+    return JaxEngine(bank, make_coco("differential"), control_dt=0.2)
+
+
+@pytest.fixture(scope="module")
+def poses(bank: SceneBank, engine: JaxEngine) -> tuple[np.ndarray, np.ndarray]:
+    """(POSES,) scenes and (POSES, nq) random places and headings on walkable ground, also inside of objects."""
+    rng = np.random.default_rng(7)
+    scene = rng.integers(0, bank.num_scenes, POSES).astype(np.int32)
+    walkable = np.isin(bank.map_kind, [KIND_INDEX[k] for k in TRAVERSABLE_KINDS])
+    xy, z = np.zeros((POSES, 2)), np.zeros(POSES)
+    for s in range(bank.num_scenes):
+        cells = np.argwhere(walkable[s])
+        mine = np.flatnonzero(scene == s)
+        chosen = cells[rng.integers(0, len(cells), len(mine))]
+        xy[mine] = bank.map_origin[s] + (chosen + rng.random(chosen.shape)) * float(bank.map_resolution)
+        z[mine] = bank.map_height[s][tuple(chosen.T)]
+    half = rng.uniform(-np.pi, np.pi, POSES) / 2
+    qpos = np.tile(engine.physics.model.qpos0, (POSES, 1)).astype(np.float32)
+    qpos[:, :2], qpos[:, 2] = xy, z + engine.robot.spawn_height
+    qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(half), 0.0, np.sin(half)
+    return scene, qpos
+
+
+def test_every_hull_in_reach_finds_a_slot(
+    bank: SceneBank, engine: JaxEngine, poses: tuple[np.ndarray, np.ndarray]
+) -> None:
+    scene, qpos = poses
+    nearby, missing = jax.jit(jax.vmap(engine.find_slots))(scene, jnp.asarray(qpos[:, :3]))
+    assert int(missing.max()) == 0
+    # Streets in which slots stay empty would prove nothing.
+    assert np.asarray(nearby.valid)[:, : engine.num_slots].sum(1).max() >= engine.num_slots // 2
+
+
+def test_every_contact_of_a_control_step_finds_a_place(
+    bank: SceneBank, engine: JaxEngine, poses: tuple[np.ndarray, np.ndarray]
+) -> None:
+    """Full speed ahead for one control step from each pose; robots that stand in an object are pushed out of it."""
+    scene, qpos = poses
+    still = jnp.zeros((BATCH, engine.physics.model.nv))
+    ahead = jnp.broadcast_to(engine.robot.command(jnp.array([engine.robot.max_speed, 0.0])), (BATCH, 4))
+    begin, step = jax.jit(jax.vmap(engine.init)), jax.jit(jax.vmap(engine.step))
+    hits, missed = 0, 0
+    for first in range(0, POSES, BATCH):
+        rows = slice(first, first + BATCH)
+        after = step(begin(scene[rows], jnp.asarray(qpos[rows]), still), ahead)
+        missed += int((np.asarray(after.slot_overflow) > 0).sum())
+        hits += int(np.asarray(after.contacts.hit).sum())
+    assert missed == 0
+    assert hits > POSES // 50
