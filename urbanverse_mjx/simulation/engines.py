@@ -3,9 +3,11 @@
 import dataclasses
 from typing import Any
 
+import jax
+
 from ..datatypes import NounError, RobotSpec, SceneBank
 
-IMPLS = ("auto", "jax")
+IMPLS = ("auto", "jax", "warp")
 
 
 def make_engine(
@@ -20,7 +22,7 @@ def make_engine(
 
     Args:
       bank, robot: what to simulate.
-      impl: "jax" (MJX, any device) or "auto", which is "jax" as long as there is no other engine.
+      impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), or "auto": "warp" on CUDA, else "jax".
       control_dt: s, one control step; physics_dt: s, one physics step, default the robot's.
       num_slots: object hulls streamed per control step.
 
@@ -29,8 +31,20 @@ def make_engine(
     """
     if impl not in IMPLS:
         raise NounError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
-    from .jax_engine import JaxEngine
-
     if physics_dt is not None:
         robot = dataclasses.replace(robot, physics_timestep=physics_dt)
+    if choose_impl(impl) == "warp":
+        # Warp takes a second to import, and says so: only those who use it pay.
+        from .warp_engine import WarpEngine
+
+        return WarpEngine(bank, robot, control_dt=control_dt, num_slots=num_slots)
+    from .jax_engine import JaxEngine
+
     return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots)
+
+
+def choose_impl(impl: str) -> str:
+    """The engine that a name stands for on this machine: "jax" or "warp"."""
+    if impl != "auto":
+        return impl
+    return "warp" if jax.default_backend() in ("gpu", "cuda") else "jax"

@@ -1,0 +1,356 @@
+"""Warp kernels around MuJoCo Warp's physics step: slots found and placed, states read and written, touches summed."""
+
+# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them. There a number
+# that changes in a loop is declared by its type's name.
+# ruff: noqa: RUF046, UP018
+# pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
+# pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
+
+import warp as wp
+from mujoco_warp._src.types import ConstraintType, OverflowType
+
+_FRICTIONLESS = wp.constant(int(ConstraintType.CONTACT_FRICTIONLESS))
+_PYRAMIDAL = wp.constant(int(ConstraintType.CONTACT_PYRAMIDAL))
+#: Overflows by which MuJoCo Warp drops a contact without counting it in `nefc`.
+_DROPPED = wp.constant(int(OverflowType.BROADPHASE | OverflowType.NARROWPHASE | OverflowType.CCD))
+_EMPTY = wp.constant(-1)
+
+wp.set_module_options({"enable_backward": False, "fast_math": False})
+
+
+@wp.struct
+class Instances:
+    """Hulls or ground prisms of all scenes; (Z, Q) each, grid (Z, X, Y, L). See `slots.InstanceTable`."""
+
+    hull: wp.array2d[int]
+    owner: wp.array2d[int]
+    position: wp.array2d[wp.vec3]
+    rotation: wp.array2d[wp.mat33]
+    friction: wp.array2d[float]
+    box_centre: wp.array2d[wp.vec3]
+    box_half: wp.array2d[wp.vec3]
+    grid: wp.array4d[int]
+
+
+@wp.struct
+class Tables:
+    """The bank on the device.
+
+    origin (Z,) m and cell m of the grids; reach m; per hull its frame as MuJoCo's compiler chose it (offset, turn) and
+    its bounds in that frame (centre, half, radius).
+    """
+
+    objects: Instances
+    prisms: Instances
+    origin: wp.array[wp.vec2]
+    cell: float
+    reach: float
+    offset: wp.array[wp.vec3]
+    turn: wp.array[wp.mat33]
+    centre: wp.array[wp.vec3]
+    half: wp.array[wp.vec3]
+    radius: wp.array[float]
+
+
+@wp.struct
+class Nearby:
+    """Slots of n worlds, objects first.
+
+    row (n, C): instance, -1 = empty; distance (n, C) m to its box; missing (n, 2): hulls and prisms within reach that
+    found no slot; owner (n, C): object, -1 = ground.
+    """
+
+    row: wp.array2d[int]
+    distance: wp.array2d[float]
+    missing: wp.array2d[int]
+    owner: wp.array2d[int]
+
+
+@wp.struct
+class Touch:
+    """Touches of n worlds summed over the physics steps of a control step; see `Contacts`. missed: contacts dropped."""
+
+    force: wp.array[float]
+    owner: wp.array[int]
+    ground: wp.array[int]
+    count: wp.array[int]
+    missed: wp.array[int]
+
+
+@wp.func
+def whole_metres(centre: wp.vec3) -> wp.vec3:
+    """The place next to the robot about which the physics runs."""
+    return wp.vec3(wp.rint(centre[0]), wp.rint(centre[1]), 0.0)
+
+
+@wp.func
+def _cell_number(place: float, origin: float, cell: float, count: int) -> int:
+    number = wp.floor((place - origin) / cell)
+    if not wp.isfinite(number):
+        number = 0.0
+    return int(wp.clamp(number, 0.0, float(count - 1)))
+
+
+@wp.func
+def _box_distance(point: wp.vec3, centre: wp.vec3, rotation: wp.mat33, half: wp.vec3) -> float:
+    local = wp.transpose(rotation) @ (point - centre)
+    out = wp.vec3(
+        wp.max(wp.abs(local[0]) - half[0], 0.0),
+        wp.max(wp.abs(local[1]) - half[1], 0.0),
+        wp.max(wp.abs(local[2]) - half[2], 0.0),
+    )
+    return wp.length(out)
+
+
+@wp.func
+def _nearest(
+    table: Instances,
+    tables: Tables,
+    z: int,
+    place: wp.vec3,
+    w: int,
+    first: int,
+    number: int,
+    row: wp.array2d[int],
+    distance: wp.array2d[float],
+) -> int:
+    """Fills slots first..first+number of world w, nearest first; returns how many within reach found none."""
+    i = _cell_number(place[0], tables.origin[z][0], tables.cell, table.grid.shape[1])
+    j = _cell_number(place[1], tables.origin[z][1], tables.cell, table.grid.shape[2])
+    found = int(0)
+    for entry in range(table.grid.shape[3]):
+        q = table.grid[z, i, j, entry]
+        if q >= 0:
+            d = _box_distance(place, table.box_centre[z, q], table.rotation[z, q], table.box_half[z, q])
+            if d <= tables.reach:
+                # Insertion from behind; of equals the one listed first stays first.
+                k = wp.min(found, number)
+                while k > 0 and distance[w, first + k - 1] > d:
+                    if k < number:
+                        row[w, first + k] = row[w, first + k - 1]
+                        distance[w, first + k] = distance[w, first + k - 1]
+                    k -= 1
+                if k < number:
+                    row[w, first + k] = q
+                    distance[w, first + k] = d
+                found += 1
+    for k in range(wp.min(found, number), number):
+        row[w, first + k] = _EMPTY
+    return wp.max(found - number, 0)
+
+
+@wp.kernel
+def find_slots(
+    tables: Tables, scene: wp.array[int], centre: wp.array[wp.vec3], num_objects: int, num_prisms: int, nearby: Nearby
+):
+    """The hulls (second index 0) and ground prisms (1) nearest to each robot; dim (n, 2)."""
+    w, group = wp.tid()
+    if group == 0:
+        nearby.missing[w, 0] = _nearest(
+            tables.objects, tables, scene[w], centre[w], w, 0, num_objects, nearby.row, nearby.distance
+        )
+    else:
+        nearby.missing[w, 1] = _nearest(
+            tables.prisms, tables, scene[w], centre[w], w, num_objects, num_prisms, nearby.row, nearby.distance
+        )
+
+
+@wp.kernel
+def place_slots(
+    tables: Tables,
+    scene: wp.array[int],
+    centre: wp.array[wp.vec3],
+    num_objects: int,
+    nearby: Nearby,
+    xpos: wp.array2d[wp.vec3],
+    xmat: wp.array2d[wp.mat33],
+    mesh: wp.array2d[int],
+    size: wp.array2d[wp.vec3],
+    aabb: wp.array3d[wp.vec3],
+    rbound: wp.array2d[float],
+    friction: wp.array2d[wp.vec3],
+):
+    """Moves the slots' geoms, which are the first of the model, to their hulls; dim (n, C)."""
+    w, slot = wp.tid()
+    z, q = scene[w], nearby.row[w, slot]
+    if q < 0:
+        mesh[w, slot] = _EMPTY
+        nearby.owner[w, slot] = _EMPTY
+        return
+    table = tables.prisms
+    if slot < num_objects:
+        table = tables.objects
+    hull = table.hull[z, q]
+    rotation = table.rotation[z, q]
+    position = table.position[z, q] - whole_metres(centre[w])
+    nearby.owner[w, slot] = table.owner[z, q]
+    mesh[w, slot] = hull
+    xpos[w, slot] = position + rotation @ tables.offset[hull]
+    xmat[w, slot] = rotation @ tables.turn[hull]
+    size[w, slot] = tables.half[hull]
+    aabb[w, slot, 0] = tables.centre[hull]
+    aabb[w, slot, 1] = tables.half[hull]
+    rbound[w, slot] = tables.radius[hull]
+    usual = friction[w, slot]
+    friction[w, slot] = wp.vec3(table.friction[z, q], usual[1], usual[2])
+
+
+@wp.kernel
+def begin(
+    centre: wp.array[wp.vec3],
+    qpos_in: wp.array2d[float],
+    qvel_in: wp.array2d[float],
+    warm_in: wp.array2d[float],
+    ctrl_in: wp.array2d[float],
+    root: int,
+    qpos: wp.array2d[float],
+    qvel: wp.array2d[float],
+    warm: wp.array2d[float],
+    ctrl: wp.array2d[float],
+    overflow: wp.array[int],
+    origin: wp.array[wp.vec3],
+    touch: Touch,
+    step: wp.array[int],
+):
+    """Reads the states; qpos[root:root+3] is the robot's place; dim n."""
+    w = wp.tid()
+    here = whole_metres(centre[w])
+    origin[w] = here
+    for i in range(qpos.shape[1]):
+        qpos[w, i] = qpos_in[w, i]
+    for k in range(3):
+        qpos[w, root + k] = qpos_in[w, root + k] - here[k]
+    for i in range(qvel.shape[1]):
+        qvel[w, i] = qvel_in[w, i]
+        warm[w, i] = warm_in[w, i]
+    for i in range(ctrl.shape[1]):
+        ctrl[w, i] = ctrl_in[w, i]
+    overflow[w] = 0
+    touch.force[w] = 0.0
+    touch.owner[w] = _EMPTY
+    touch.ground[w] = 0
+    touch.count[w] = 0
+    touch.missed[w] = 0
+    step[w] = 0
+
+
+@wp.kernel
+def note(
+    njmax: int,
+    is_foot: wp.array[int],
+    nefc: wp.array[int],
+    row_type: wp.array2d[int],
+    row_id: wp.array2d[int],
+    row_force: wp.array2d[float],
+    address: wp.array2d[int],
+    dim: wp.array[int],
+    geom: wp.array[wp.vec2i],
+    owner: wp.array2d[int],
+    touch: Touch,
+):
+    """Adds the touches of one physics step: robot against object, and no foot against the ground; dim n."""
+    w = wp.tid()
+    count = nefc[w]
+    touched = int(0)
+    strength = float(-1.0)
+    strongest = int(_EMPTY)
+    for r in range(wp.min(count, njmax)):
+        if row_type[w, r] == _FRICTIONLESS or row_type[w, r] == _PYRAMIDAL:
+            contact = row_id[w, r]
+            if address[contact, 0] == r:
+                slot = wp.min(geom[contact][0], geom[contact][1])
+                thing = owner[w, slot]
+                if thing >= 0 or is_foot[wp.max(geom[contact][0], geom[contact][1])] == 0:
+                    rows = wp.max(2 * (dim[contact] - 1), 1)
+                    force = float(0.0)
+                    for k in range(rows):
+                        if r + k < njmax:
+                            force += row_force[w, r + k]
+                    touched = 1
+                    if thing < 0:
+                        touch.ground[w] = 1
+                    if force > strength:
+                        strength = force
+                        strongest = thing
+    if touched == 1:
+        if strength > touch.force[w] or touch.count[w] == 0:
+            touch.owner[w] = strongest
+        touch.force[w] = wp.max(touch.force[w], strength)
+        touch.count[w] += 1
+    # A contact is four rows, or one.
+    touch.missed[w] = wp.max(touch.missed[w], (wp.max(count - njmax, 0) + 3) / 4)
+
+
+@wp.kernel
+def record(
+    qpos: wp.array2d[float],
+    origin: wp.array[wp.vec3],
+    root: int,
+    touch: Touch,
+    step: wp.array[int],
+    seen: wp.array[int],
+    path: wp.array3d[float],
+    hit: wp.array2d[int],
+):
+    """Writes where the robot is after a physics step, and whether it touched in it; dim n."""
+    w = wp.tid()
+    s = step[w]
+    if s >= path.shape[1]:
+        return
+    for i in range(qpos.shape[1]):
+        path[w, s, i] = qpos[w, i]
+    for k in range(3):
+        path[w, s, root + k] = qpos[w, root + k] + origin[w][k]
+    before = int(0)
+    if s > 0:
+        before = seen[w]
+    hit[w, s] = touch.count[w] - before
+    seen[w] = touch.count[w]
+    step[w] = s + 1
+
+
+@wp.kernel
+def finish(
+    qpos: wp.array2d[float],
+    qvel: wp.array2d[float],
+    warm: wp.array2d[float],
+    xpos: wp.array2d[wp.vec3],
+    xquat: wp.array2d[wp.quat],
+    overflow: wp.array[int],
+    origin: wp.array[wp.vec3],
+    root: int,
+    touch: Touch,
+    nearby: Nearby,
+    qpos_out: wp.array2d[float],
+    qvel_out: wp.array2d[float],
+    warm_out: wp.array2d[float],
+    xpos_out: wp.array2d[wp.vec3],
+    xquat_out: wp.array2d[wp.vec4],
+    force_out: wp.array[float],
+    touch_out: wp.array2d[int],
+):
+    """Writes the new states; touch_out (n, 4): object, ground, physics steps with a touch, overflow; dim n."""
+    w = wp.tid()
+    here = origin[w]
+    for i in range(qpos.shape[1]):
+        qpos_out[w, i] = qpos[w, i]
+    for k in range(3):
+        qpos_out[w, root + k] = qpos[w, root + k] + here[k]
+    for i in range(qvel.shape[1]):
+        qvel_out[w, i] = qvel[w, i]
+        warm_out[w, i] = warm[w, i]
+    for b in range(xpos.shape[1]):
+        q = xquat[w, b]
+        xquat_out[w, b] = wp.vec4(q[0], q[1], q[2], q[3])
+        if b == 0:
+            xpos_out[w, b] = xpos[w, b]
+        else:
+            xpos_out[w, b] = xpos[w, b] + here
+    dropped = int(0)
+    if (overflow[w] & _DROPPED) != 0:
+        dropped = 1
+    force_out[w] = touch.force[w]
+    touch_out[w, 0] = touch.owner[w]
+    touch_out[w, 1] = touch.ground[w]
+    touch_out[w, 2] = touch.count[w]
+    touch_out[w, 3] = nearby.missing[w, 0] + nearby.missing[w, 1] + touch.missed[w] + dropped
