@@ -1,9 +1,7 @@
 """Timing of compiled functions: medians over repeats with their spread, compilation apart."""
 
 import dataclasses
-import resource
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -50,6 +48,13 @@ def compile_(function: Callable[..., Any], *arguments: Any) -> Compiled:
     return Compiled(call, time.perf_counter() - start)
 
 
+def first_call(call: Callable[..., Any], *arguments: Any) -> tuple[Any, float]:
+    """What a call returns, and the seconds of it: the first one may still load or compile Warp's kernels."""
+    start = time.perf_counter()
+    out = jax.block_until_ready(call(*arguments))
+    return out, time.perf_counter() - start
+
+
 def time_(call: Callable[..., Any], *arguments: Any, repeats: int) -> Sample:
     """Times a call, results awaited, after one call that does not count (it may load kernels)."""
     jax.block_until_ready(call(*arguments))
@@ -72,15 +77,3 @@ def time_in_turn(calls: dict[str, Callable[[], Any]], repeats: int) -> dict[str,
             jax.block_until_ready(call())
             seconds[name].append(time.perf_counter() - start)
     return {name: Sample(tuple(values)) for name, values in seconds.items()}
-
-
-def peak_rss_mib() -> float:
-    """Largest resident memory of this process so far, MiB."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (2**20 if sys.platform == "darwin" else 2**10)  # bytes on macOS, KiB elsewhere
-
-
-def peak_device_mib() -> float | None:
-    """Largest memory JAX held on the first device, MiB; None where the device does not count (CPU)."""
-    stats = jax.devices()[0].memory_stats()
-    return stats["peak_bytes_in_use"] / 2**20 if stats and "peak_bytes_in_use" in stats else None

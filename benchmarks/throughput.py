@@ -1,218 +1,298 @@
-"""Throughput of the whole environment step and of its parts.
+"""The speedometer: throughput of the whole environment step, of its parts, of training, and of what else one could use.
 
     python -m benchmarks.throughput --impl jax --num-envs 64 --pixels 36x64 --json
 
 prints one JSON line: env-steps/s with auto-reset and one frame a step, as PPO sees it; the seconds of a step that
-physics and render take when run alone over the same states, and the rest; compile seconds; peak memory; and the
-physics alone in the dearest places of the bank (robots driven into what stands nearest), with its cost as a ratio to
-the same robot on the same ground without hull slots. Every figure is the median over the repeats; `*_spread` is
-(slowest - fastest) / median. Without --json the same is printed one figure a line.
+physics, refit and render, and resets take when run alone over the same states, and the rest; compile seconds; peak
+memory; and the physics alone in the dearest places of the bank (robots driven into what stands nearest), with its cost
+as a ratio to the same robot on the same ground without hull slots. Every figure is the median over the repeats;
+`*_spread` is (slowest - fastest) / median. Without --json the same is printed one figure a line.
+
+Options that take a comma list are measured in every combination, and --grid FILE names the combinations one by one (a
+JSON list of objects with fields of `benchmarks._cases.Case`):
+
+    python -m benchmarks.throughput --bank bank160.npz --preset paper --num-envs 1024,4096 --pixels 135x240,36x64 \\
+        --scenes 16,160 --measure step,parts,learn --rivals mjx,warp,c --append rows.jsonl --isolate --json
+
+Each row is appended to --append's file as soon as it is known. A configuration that fails (out of memory, say) becomes
+a row with "error", and the next one goes on; with --isolate each runs in a process of its own, so that peaks of memory
+are its own and a crash ends nothing else. --compare BASELINE exits with 1 where a rate is slower than the baseline by
+more than --tolerance, or a row failed. Measures: step, parts, active, policy (inference and rollouts), learn (the whole
+PPO training of the preset).
 """
 
 import argparse
-import importlib.metadata
+import functools
+import gc
 import json
-import os
 import pathlib
+import subprocess
 import sys
+import time
+import traceback
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
+import psutil
 
-from benchmarks import _placing, _timing
+from benchmarks import _banks, _cases, _measure, _memory, _report, _rivals
+from benchmarks._cases import Case
 from urbanverse_mjx.datatypes import NounError, SceneBank
-from urbanverse_mjx.envs import registry, wrap_for_training
-from urbanverse_mjx.simulation.engines import IMPLS, make_engine
+from urbanverse_mjx.datatypes.validation import write_atomically
+from urbanverse_mjx.envs import registry
+from urbanverse_mjx.simulation.engines import IMPLS
 
-PACKAGES = ("urbanverse_mjx", "jax", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "warp-lang")
+#: Options that take a comma list, and what each value of it is; their names are fields of `Case`.
+AXES = {"impl": str, "num_envs": int, "pixels": str, "scenes": int, "hulls": int, "substeps": int, "preset": str}
+#: s: one configuration in a process of its own may take so long.
+CASE_TIMEOUT = 540.0
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.throughput", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("--impl", choices=IMPLS, default="auto")
-    parser.add_argument("--num-envs", type=int, default=64)
-    parser.add_argument("--pixels", default="36x64", metavar="HxW", help="height and width of the frame")
-    parser.add_argument("--env", default="CocoNav")
-    parser.add_argument("--preset", default="cpu")
-    parser.add_argument("--steps", type=int, default=20, help="control steps in one timed run")
-    parser.add_argument("--repeats", type=int, default=5, help="timed runs")
-    parser.add_argument("--bank", type=pathlib.Path, help="a bank file (default: the shipped streets)")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--json", action="store_true", help="print one JSON line")
-    arguments = parser.parse_args(argv)
-    for name in ("num_envs", "steps", "repeats"):
-        if getattr(arguments, name) < 1:
-            parser.error(f"--{name.replace('_', '-')} must be at least 1")
+    add = parser.add_argument
+    add("--env", default="CocoNav")
+    add("--preset", default="cpu", help="comma list")
+    add("--impl", default="auto", help=f"comma list of {', '.join(IMPLS)}")
+    add("--num-envs", default="64", help="comma list")
+    add("--pixels", default="36x64", metavar="HxW", help="comma list of height and width of the frame, or none")
+    add("--bank", type=pathlib.Path, help="a bank file (default: the shipped streets)")
+    add("--scenes", help="comma list: keep the bank's first so many scenes")
+    add("--hulls", help="comma list: keep at most so many hulls a scene")
+    add("--substeps", help="comma list: physics steps a control step")
+    add("--num-slots", type=int, help="hulls streamed to a robot")
+    add("--shading", help="of the renderer")
+    add("--shadows", action=argparse.BooleanOptionalAction)
+    add("--sky", action=argparse.BooleanOptionalAction)
+    add("--set", action="append", default=[], metavar="KEY=JSON", help="an env config override, again and again")
+    add("--ppo-set", action="append", default=[], metavar="KEY=JSON", help="a training config override")
+    add("--measure", default="step,parts,active", help=f"comma list of {', '.join(_cases.MEASURES)}")
+    add("--learn", action="store_true", help="the same as adding learn to --measure")
+    add("--rivals", default="", help=f"comma list of {', '.join(_rivals.RIVALS)}, measured beside each configuration")
+    add("--steps", type=int, default=20, help="control steps in one timed run")
+    add("--repeats", type=int, default=5, help="timed runs")
+    add("--iterations", type=int, default=4, help="PPO iterations of the measure learn")
+    add("--seed", type=int, default=0)
+    add("--grid", type=pathlib.Path, help="JSON file of configurations; fields left out are as the options say")
+    add("--isolate", action="store_true", help="each configuration in a process of its own")
+    add("--append", type=pathlib.Path, help="JSON Lines file that each row is added to at once")
+    add("--markdown", type=pathlib.Path, help="file for a table of all rows")
+    add("--proof", type=pathlib.Path, help="PNG with a frame of each of the first 64 envs")
+    add("--compare", type=pathlib.Path, help="baseline to compare with (benchmarks/baselines/<device>.json)")
+    add("--tolerance", type=float, default=_report.TOLERANCE, help="share by which a rate may be below the baseline's")
+    add("--save-baseline", type=pathlib.Path, help="keep the rates as a baseline")
+    add("--json", action="store_true", help="print one JSON line a row")
+    return parser.parse_args(argv)
+
+
+def _list(text: str, kind: Any, option: str) -> list[Any]:
     try:
-        arguments.height, arguments.width = (int(part) for part in arguments.pixels.split("x"))
+        return [kind(part) for part in text.split(",") if part]
     except ValueError:
-        parser.error(f"--pixels: found {arguments.pixels!r}, needed HEIGHTxWIDTH such as 36x64")
-    return arguments
+        raise NounError(f"--{option.replace('_', '-')}: found {text!r}, needed a comma list of numbers.") from None
 
 
-def load_env(arguments: argparse.Namespace) -> Any:
-    overrides = {
-        "preset": arguments.preset,
-        "impl": arguments.impl,
-        "vision_config.height": arguments.height,
-        "vision_config.width": arguments.width,
-    }
+def _settings(pairs: Sequence[str], option: str) -> dict[str, Any]:
+    found = {}
+    for pair in pairs:
+        key, separator, value = pair.partition("=")
+        try:
+            found[key] = json.loads(value) if separator else None
+        except json.JSONDecodeError:
+            found[key] = value
+        if not separator or not key:
+            raise NounError(f"--{option}: found {pair!r}, needed KEY=JSON such as vision_config.samples=2.")
+    return found
+
+
+def cases_of(arguments: argparse.Namespace) -> list[Case]:
+    """All configurations that the options name.
+
+    Raises:
+      NounError: a value that does not fit.
+    """
+    measure = _list(arguments.measure, str, "measure") + ["learn"] * arguments.learn
+    same = ("env", "num_slots", "shading", "shadows", "sky", "steps", "repeats", "iterations", "seed")
+    base = Case(
+        **{name: getattr(arguments, name) for name in same},
+        bank=str(arguments.bank) if arguments.bank else None,
+        overrides=_settings(arguments.set, "set"),
+        ppo=_settings(arguments.ppo_set, "ppo-set"),
+        measure=tuple(dict.fromkeys(measure)),
+        rivals=tuple(_list(arguments.rivals, str, "rivals")),
+    )
+    axes = {n: _list(t, kind, n) for n, kind in AXES.items() if (t := getattr(arguments, n)) is not None}
+    cases = _cases.product(base, axes)
+    if arguments.grid:
+        cases = [case for one in cases for case in _cases.read_grid(arguments.grid, one)]
+    for case in cases:
+        for name, known in ((case.impl, IMPLS), *((r, tuple(_rivals.RIVALS)) for r in case.rivals)):
+            if name not in known:
+                raise NounError(f"configuration: found {name!r}, needed one of {', '.join(known)}.")
+    return cases
+
+
+@functools.lru_cache(maxsize=2)
+def _load_bank(path: str | None) -> SceneBank:
     # Scenes are compiled only where no bank is given: a GPU machine brings its own and has no CoACD or trimesh.
-    if arguments.bank:
-        bank = SceneBank.load(arguments.bank)
-    else:
-        from urbanverse_mjx.cli.scene import ensure_default_bank
+    if path:
+        return SceneBank.load(path)
+    from urbanverse_mjx.cli.scene import ensure_default_bank
 
-        bank = ensure_default_bank(quiet=True)
-    return registry.load(arguments.env, config_overrides=overrides, bank=bank)
+    return ensure_default_bank(quiet=True)
 
 
-def command(env: Any, waypoint: jax.Array) -> jax.Array:
-    """(nu,) actuator commands towards a waypoint (2,) m in the body frame."""
-    return env.robot.command(jnp.stack(env.robot.waypoint_to_velocity(waypoint, env.dt)))
+def load_env(case: Case) -> Any:
+    """The environment of a case over its bank, cut to what the case asks for."""
+    bank = _load_bank(case.bank)
+    if case.scenes is not None:
+        bank = _banks.first_scenes(bank, case.scenes)
+    if case.hulls is not None:
+        bank = _banks.with_hulls(bank, case.hulls)
+    control = registry.get_default_config(case.env, case.preset).ctrl_dt
+    return registry.load(case.env, config_overrides=case.config_overrides(control), bank=bank)
 
 
-def drive_with(engine: Any) -> Any:
-    """A function (states, commands (T, n, nu)) -> (states, (T, n) bool hit) that runs the physics alone."""
-
-    def drive(sim: Any, ctrl: Any) -> tuple[Any, Any]:
-        return jax.lax.scan(lambda s, u: ((new := jax.vmap(engine.step)(s, u)), new.contacts.hit), sim, ctrl)
-
-    return drive
-
-
-def measure_step(env: Any, arguments: argparse.Namespace) -> tuple[dict[str, Any], _timing.Compiled]:
-    """The whole step, and physics and rendering alone over states of the same kind; also the compiled physics."""
-    steps, num_envs = arguments.steps, arguments.num_envs
-    wrapped = wrap_for_training(env, env.config.episode_length)
-    keys = jax.random.split(jax.random.key(arguments.seed), num_envs)
-    begin = _timing.compile_(wrapped.reset, keys)
-    state = begin.call(keys)
-    # Forward with a random turn: what an untrained policy does once it moves, so that episodes end by hits, too.
-    actions = jax.random.uniform(jax.random.key(arguments.seed + 1), (steps, num_envs, 2), minval=-1.0, maxval=1.0)
-    actions = actions.at[..., 0].set(0.5 + 0.5 * actions[..., 0])
-    ctrl = jax.vmap(jax.vmap(lambda waypoint: command(env, waypoint)))(actions)
-
-    def whole(state: Any) -> tuple[Any, Any]:
-        return jax.lax.scan(lambda s, a: (wrapped.step(s, a), (s.data.sim, s.metrics["slot_overflow"])), state, actions)
-
-    def render(sims: Any) -> Any:
-        def frame(total: Any, sim: Any) -> tuple[Any, None]:
-            pixels = jax.vmap(env.renderer)(sim.scene, sim.xpos, sim.xquat)["rgb"]
-            # A sum over a few pixels keeps the frame alive at no cost.
-            return total + pixels[:, 0, 0].astype(jnp.float32).sum(), None
-
-        return jax.lax.scan(frame, jnp.float32(0.0), sims)[0]
-
-    step = _timing.compile_(whole, state)
-    warm, (sims, _) = step.call(state)  # leaves the first, all at rest, behind
-    physics = _timing.compile_(drive_with(env.engine), warm.data.sim, ctrl)
-    frames = _timing.compile_(render, sims)
-    samples = _timing.time_in_turn(
-        {
-            "total": lambda: step.call(warm),
-            "physics": lambda: physics.call(warm.data.sim, ctrl),
-            "render": lambda: frames.call(sims),
-        },
-        arguments.repeats,
-    )
-    overflow = float(step.call(warm)[1][1].max())
-    seconds = {name: sample.median / steps for name, sample in samples.items()}
-    seconds["rest"] = seconds["total"] - seconds["physics"] - seconds["render"]
-    compiled = {"reset": begin, "step": step, "physics": physics, "render": frames}
-    return {
-        "env_steps_per_s": samples["total"].rate(steps * num_envs),
-        "env_steps_per_s_spread": samples["total"].spread,
-        "seconds_per_step": seconds,
-        "seconds_per_step_spread": {name: sample.spread for name, sample in samples.items()},
-        "share": {name: seconds[name] / seconds["total"] for name in ("physics", "render", "rest")},
-        "compile_s": {name: part.seconds for name, part in compiled.items()},
-        "slot_overflow": overflow,
-    }, physics
+def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str, Any]]:
+    """Measures a case and then its rivals, one row after the other; what fails becomes a row with "error"."""
+    row = {"benchmark": "throughput", **case.to_json(), "machine": _report.machine()}
+    env = None
+    try:
+        begin = time.perf_counter()
+        env = load_env(case)
+        row = {**_report.describe(env, case), "load_s": time.perf_counter() - begin, "machine": row["machine"]}
+        for found in _figures(env, case, proof):
+            row |= found
+    except NounError as error:
+        row["error"] = str(error)
+    except Exception as error:  # out of memory, a driver's failure: the next configuration may still work
+        row["error"] = f"{type(error).__name__}: {error}".strip()[:500]
+        traceback.print_exc()
+    yield _report.rounded({**row, "memory": _memory.report()})
+    for name in case.rivals if env is not None else ():
+        same = {k: row[k] for k in ("num_envs", "pixels", "physics_steps_per_env_step", "bank", "machine", "steps")}
+        yield _report.rounded({"scenes": 1, **same, **_rival(name, env, case), "memory": _memory.report()})
 
 
-def measure_physics(env: Any, arguments: argparse.Namespace, physics: _timing.Compiled) -> dict[str, Any]:
-    """Physics alone with robots driven into what stands nearest, and the same robot without hull slots."""
-    steps, num_envs = arguments.steps, arguments.num_envs
-    config, robot = env.config, env.robot
-    poses = _placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
-    qpos = np.tile(env.mj_model.qpos0, (num_envs, 1))
-    qpos[:, :3] = poses.position + np.array([0.0, 0.0, robot.spawn_height])
-    qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(poses.yaw / 2), 0.0, np.sin(poses.yaw / 2)
-    ahead = command(env, jnp.array([1.0, 0.0]))
-    ctrl = jnp.broadcast_to(ahead, (steps, num_envs, *ahead.shape))
-    bare = make_engine(
-        env.bank, robot, impl=config.impl, control_dt=config.ctrl_dt, physics_dt=config.sim_dt, num_slots=0
-    )
-    start = (jnp.asarray(poses.scene), jnp.asarray(qpos), jnp.zeros((num_envs, env.mj_model.nv)))
-    first = {name: jax.jit(jax.vmap(engine.init))(*start) for name, engine in (("active", env.engine), ("bare", bare))}
-    without = _timing.compile_(drive_with(bare), first["bare"], ctrl)
-    calls = {"active": physics.call, "bare": without.call}
-    # Drive up to the obstacle first: the timed part is spent pushing against it.
-    pushing = {name: call(first[name], ctrl)[0] for name, call in calls.items()}
-    samples = _timing.time_in_turn(
-        {name: lambda name=name: calls[name](pushing[name], ctrl) for name in calls}, arguments.repeats
-    )
-    count = steps * env.n_substeps * num_envs
-    return {
-        "physics_steps_per_s": samples["active"].rate(count),
-        "physics_steps_per_s_spread": samples["active"].spread,
-        "no_slots_physics_steps_per_s": samples["bare"].rate(count),
-        "cost_ratio_to_no_slots": samples["active"].median / samples["bare"].median,
-        "num_slots": int(config.num_slots),
-        "hulls_in_reach_at_start": float(poses.in_reach.mean()),
-        "share_of_envs_in_contact": float(np.asarray(calls["active"](pushing["active"], ctrl)[1]).mean()),
-        "compile_s": without.seconds,
-    }
+def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
+    """What the case asks for, in pieces, so that what was measured before a failure is kept."""
+    wanted = set(case.measure)
+    if wanted & {"step", "parts", "active", "policy"}:
+        run = _measure.start(env, case)
+        yield {"compile_s": run.compile_s}
+        if wanted & {"step", "parts"}:
+            figures, whole = _measure.step(run)
+            since = time.time() - psutil.Process().create_time()
+            yield {**figures, "seconds_since_start": since}
+            if proof is not None and "pixels/front" in run.state.obs:
+                _report.proof_sheet(np.asarray(run.state.obs["pixels/front"][: _report.PROOF]), proof)
+            if "parts" in wanted:
+                split = _measure.parts(run, whole)
+                # The split of a step stands at the top level, where it always stood.
+                top = ("seconds_per_step", "seconds_per_step_spread", "share")
+                yield {name: split.pop(name) for name in top} | {"parts": split}
+        if "active" in wanted:
+            yield {"physics_active": _measure.active(run)}
+        if "policy" in wanted:
+            yield {"policy": _measure.policy(run)}
+    if "learn" in wanted:
+        yield {"learn": _measure.learn(case, env)}
 
 
-def describe(env: Any, arguments: argparse.Namespace) -> dict[str, Any]:
-    """What was measured, on what."""
-    return {
-        "benchmark": "throughput",
-        "env": arguments.env,
-        "preset": arguments.preset,
-        "impl": arguments.impl,
-        "num_envs": arguments.num_envs,
-        "pixels": [arguments.height, arguments.width],
-        "physics_steps_per_env_step": env.n_substeps,
-        "steps": arguments.steps,
-        "repeats": arguments.repeats,
-        "scenes": [env.bank.scene_ids[i] for i in env.scenes],
-        "device": jax.devices()[0].device_kind if jax.default_backend() != "cpu" else "cpu",
-        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
-        "python": ".".join(map(str, sys.version_info[:3])),
-        "versions": {name: importlib.metadata.version(name) for name in PACKAGES},
-    }
+def _rival(name: str, env: Any, case: Case) -> dict[str, Any]:
+    try:
+        return _rivals.measure(name, env, case)
+    except Exception as error:
+        traceback.print_exc()
+        return {"rival": name, "error": f"{type(error).__name__}: {error}".strip()[:500]}
 
 
-def rounded(value: Any) -> Any:
-    """Four significant digits: no timing holds more."""
-    if isinstance(value, dict):
-        return {name: rounded(part) for name, part in value.items()}
-    return float(f"{value:.4g}") if isinstance(value, float) else value
+def isolated(case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
+    """The rows of a case, measured by a process of its own."""
+    command = [sys.executable, "-m", "benchmarks.throughput", "--grid", "/dev/stdin", "--json"]
+    command += ["--proof", str(proof)] if proof else []
+    try:
+        done = subprocess.run(
+            command,
+            input=json.dumps([case.to_json()]),
+            stdout=subprocess.PIPE,
+            text=True,
+            timeout=CASE_TIMEOUT,
+            check=False,
+        )
+        text, status = done.stdout, done.returncode
+        # A configuration that failed in good order has told so in its row.
+        how = "" if status in (0, 1, 2) else f"the process ended with status {status}; see its messages above"
+    except subprocess.TimeoutExpired as error:
+        text = error.stdout.decode() if isinstance(error.stdout, bytes) else error.stdout or ""
+        how = f"no end within {CASE_TIMEOUT:g} s"
+    lines = [line for line in text.splitlines() if line.startswith("{")]
+    yield from (json.loads(line) for line in lines)
+    if how or not lines:
+        # Nothing here may touch the device: it belongs to the next process.
+        yield {"benchmark": "throughput", **case.to_json(), "error": how or "no row"}
+
+
+def measure_all(arguments: argparse.Namespace, cases: Sequence[Case]) -> list[dict[str, Any]]:
+    """Rows of all cases, each written down as soon as it is known."""
+    rows = []
+    for number, case in enumerate(cases):
+        proof = arguments.proof
+        if proof is not None and len(cases) > 1:
+            proof = proof.with_name(f"{proof.stem}-{number}{proof.suffix}")
+        for row in (isolated if arguments.isolate else rows_of)(case, proof):
+            rows.append(row)
+            if arguments.append:
+                with arguments.append.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+            _show(row, arguments.json)
+        # The next one shall find an empty device.
+        gc.collect()
+        jax.clear_caches()
+    return rows
+
+
+def _show(row: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(row), flush=True)
+        return
+    for name, value in row.items():
+        print(f"{name}: {json.dumps(value)}", flush=True)
+
+
+def _judge(arguments: argparse.Namespace, rows: Sequence[dict[str, Any]]) -> int:
+    """Table, baseline and comparison; the exit status."""
+    if arguments.markdown:
+        table = _report.markdown(rows)
+        write_atomically(arguments.markdown, lambda temporary: temporary.write_text(table, encoding="utf-8"))
+    if arguments.save_baseline:
+        _report.save_baseline(rows, arguments.save_baseline)
+    failed = [row["error"] for row in rows if row.get("error")]
+    for error in failed:
+        print(f"error: {error}", file=sys.stderr)
+    if len(failed) == len(rows):
+        return 2
+    slower = []
+    if arguments.compare:
+        found = _report.compare(rows, arguments.compare, arguments.tolerance)
+        slower = [one for one in found if one["slower"]]
+        for one in found:
+            verdict = "SLOWER" if one["slower"] else "ok"
+            print(f"{verdict} {one['ratio']:.3f} of the baseline: {one['rate']} of {one['what']}", file=sys.stderr)
+    return 1 if slower or failed else 0
 
 
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
-        env = load_env(arguments)
-        result, physics = measure_step(env, arguments)
-        result["physics_active"] = measure_physics(env, arguments, physics)
+        cases = cases_of(arguments)
+        return _judge(arguments, measure_all(arguments, cases))
     except NounError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    result["memory"] = {"peak_rss_mib": _timing.peak_rss_mib(), "peak_device_mib": _timing.peak_device_mib()}
-    result = {**describe(env, arguments), **rounded(result)}
-    if arguments.json:
-        print(json.dumps(result))
-    else:
-        for name, value in result.items():
-            print(f"{name}: {json.dumps(value)}")
-    return 0
 
 
 if __name__ == "__main__":

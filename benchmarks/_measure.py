@@ -1,0 +1,217 @@
+"""The measurements of one configuration: the whole step, its parts, the dearest physics, the policy, the training."""
+
+import dataclasses
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks import _placing, _timing
+from benchmarks._cases import Case
+from urbanverse_mjx.envs import registry, wrap_for_training
+from urbanverse_mjx.simulation.engines import make_engine
+
+
+@dataclasses.dataclass
+class Run:
+    """An environment under measurement and what was compiled for it so far.
+
+    Attributes:
+      env, case: what is measured; batch: the auto-resetting batch of it.
+      first: states after a reset; actions: (T, n, action) of an untrained policy that drives forward.
+      state: states in the middle of episodes; sims: the engine's states on the way there, (T, n, ...).
+    """
+
+    env: Any
+    case: Case
+    batch: Any = None
+    first: Any = None
+    actions: Any = None
+    state: Any = None
+    sims: Any = None
+    compile_s: dict[str, float] = dataclasses.field(default_factory=dict)
+
+    def compile_(self, name: str, function: Callable[..., Any], *arguments: Any) -> Callable[..., Any]:
+        done = _timing.compile_(function, *arguments)
+        self.compile_s[name] = done.seconds
+        return done.call
+
+
+def start(env: Any, case: Case) -> Run:
+    """Resets the environments; compiles that and nothing else."""
+    run = Run(env, case, wrap_for_training(env, env.config.episode_length))
+    keys = jax.random.split(jax.random.key(case.seed), case.num_envs)
+    run.first = run.compile_("reset", run.batch.reset, keys)(keys)
+    # Forward with a random turn: what an untrained policy does once it moves, so that episodes end by hits, too.
+    shape = (case.steps, case.num_envs, env.action_size)
+    actions = jax.random.uniform(jax.random.key(case.seed + 1), shape, minval=-1.0, maxval=1.0)
+    run.actions = actions.at[..., 0].set(0.5 + 0.5 * actions[..., 0])
+    return run
+
+
+def command(env: Any, waypoint: jax.Array) -> jax.Array:
+    """(nu,) actuator commands towards a waypoint (2,) m in the body frame."""
+    return env.robot.command(jnp.stack(env.robot.waypoint_to_velocity(waypoint, env.dt)))
+
+
+def drive_with(engine: Any) -> Callable[..., Any]:
+    """A function (states, commands (T, n, nu)) -> (states, (T, n) bool hit) that runs the physics alone."""
+
+    def drive(sim: Any, ctrl: Any) -> tuple[Any, Any]:
+        return jax.lax.scan(lambda s, u: ((new := jax.vmap(engine.step)(s, u)), new.contacts.hit), sim, ctrl)
+
+    return drive
+
+
+def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
+    """Env-steps/s with auto-reset as PPO sees them, and what has to be called to time them again."""
+
+    def whole(state: Any, actions: Any) -> tuple[Any, Any]:
+        def one(s: Any, a: Any) -> tuple[Any, Any]:
+            new = run.batch.step(s, a)
+            return new, (new.data.sim, new.done, new.metrics["slot_overflow"])
+
+        return jax.lax.scan(one, state, actions)
+
+    call = run.compile_("step", whole, run.first, run.actions)
+    # The first call leaves the states behind in which all robots stand at their starts.
+    (run.state, (run.sims, _, _)), first = _timing.first_call(call, run.first, run.actions)
+    sample = _timing.time_(call, run.state, run.actions, repeats=run.case.repeats)
+    _, (_, done, overflow) = call(run.state, run.actions)
+    count = run.case.steps * run.case.num_envs
+    figures = {
+        "env_steps_per_s": sample.rate(count),
+        "env_steps_per_s_spread": sample.spread,
+        "first_call_s": first,
+        "ended_share": float(done.mean()),
+        "slot_overflow": float(overflow.max()),
+        "slot_overflow_share": float((overflow > 0).mean()),
+    }
+    return figures, lambda: call(run.state, run.actions)
+
+
+def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
+    """Seconds of a step and of what it is made of, each run alone over the same states, by turns."""
+    env, steps = run.env, run.case.steps
+    ctrl = jax.vmap(jax.vmap(lambda waypoint: command(env, waypoint)))(run.actions[..., :2])
+    keys = jax.random.split(jax.random.key(run.case.seed + 2), (steps, run.case.num_envs))
+
+    def begin(keys: Any) -> Any:
+        return jax.lax.scan(lambda _, k: (jax.vmap(env.begin)(k), None), jax.vmap(env.begin)(keys[0]), keys)[0]
+
+    def render(sims: Any) -> Any:
+        def frame(total: Any, sim: Any) -> tuple[Any, None]:
+            pixels = jax.vmap(env.renderer)(sim.scene, sim.xpos, sim.xquat)["rgb"]
+            # A sum over a few pixels keeps the frame alive at no cost.
+            return total + pixels[:, 0, 0].astype(jnp.float32).sum(), None
+
+        return jax.lax.scan(frame, jnp.float32(0.0), sims)[0]
+
+    sim = run.state.data.sim
+    physics = run.compile_("physics", drive_with(env.engine), sim, ctrl)
+    reset = run.compile_("begin", begin, keys)
+    calls = {"total": whole, "physics": lambda: physics(sim, ctrl), "reset": lambda: reset(keys)}
+    if env.renderer is not None:
+        frames = run.compile_("render", render, run.sims)
+        calls["render"] = lambda: frames(run.sims)
+    samples = _timing.time_in_turn(calls, run.case.repeats)
+    seconds = {name: sample.median / steps for name, sample in samples.items()}
+    seconds["rest"] = 2 * seconds["total"] - sum(seconds.values())
+    return {
+        "seconds_per_step": seconds,
+        "seconds_per_step_spread": {name: sample.spread for name, sample in samples.items()},
+        "share": {name: s / seconds["total"] for name, s in seconds.items() if name != "total"},
+        "physics_steps_per_s": samples["physics"].rate(steps * env.n_substeps * run.case.num_envs),
+        **({"frames_per_s": samples["render"].rate(steps * run.case.num_envs)} if "render" in samples else {}),
+    }
+
+
+def active(run: Run) -> dict[str, Any]:
+    """Physics alone with robots driven into what stands nearest, and the same robot without hull slots."""
+    env, steps, num_envs = run.env, run.case.steps, run.case.num_envs
+    config, robot = env.config, env.robot
+    poses = _placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
+    qpos = np.tile(env.mj_model.qpos0, (num_envs, 1))
+    qpos[:, :3] = poses.position + np.array([0.0, 0.0, robot.spawn_height])
+    qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(poses.yaw / 2), 0.0, np.sin(poses.yaw / 2)
+    ahead = command(env, jnp.array([1.0, 0.0]))
+    ctrl = jnp.broadcast_to(ahead, (steps, num_envs, *ahead.shape))
+    bare = make_engine(
+        env.bank, robot, impl=config.impl, control_dt=config.ctrl_dt, physics_dt=config.sim_dt, num_slots=0
+    )
+    place = (jnp.asarray(poses.scene), jnp.asarray(qpos), jnp.zeros((num_envs, env.mj_model.nv)))
+    engines = {"active": env.engine, "bare": bare}
+    first = {name: jax.jit(jax.vmap(engine.init))(*place) for name, engine in engines.items()}
+    calls = {n: run.compile_(f"physics_{n}", drive_with(e), first[n], ctrl) for n, e in engines.items()}
+    # Drive up to the obstacle first: the timed part is spent pushing against it.
+    pushing = {name: call(first[name], ctrl)[0] for name, call in calls.items()}
+    samples = _timing.time_in_turn(
+        {name: lambda name=name: calls[name](pushing[name], ctrl) for name in calls}, run.case.repeats
+    )
+    count = steps * env.n_substeps * num_envs
+    return {
+        "physics_steps_per_s": samples["active"].rate(count),
+        "physics_steps_per_s_spread": samples["active"].spread,
+        "no_slots_physics_steps_per_s": samples["bare"].rate(count),
+        "cost_ratio_to_no_slots": samples["active"].median / samples["bare"].median,
+        "num_slots": int(config.num_slots),
+        "hulls_in_reach_at_start": float(poses.in_reach.mean()),
+        "share_of_envs_in_contact": float(np.asarray(calls["active"](pushing["active"], ctrl)[1]).mean()),
+    }
+
+
+def ppo_config(case: Case) -> Any:
+    """The preset's training with the case's envs and as many steps as `iterations` take, one checkpoint at the end."""
+    from urbanverse_mjx.training.config import default_ppo_config
+
+    sizes = {"num_envs": case.num_envs, "num_checkpoints": 1, "seed": case.seed, **case.ppo}
+    config = registry.with_overrides(default_ppo_config(case.preset), sizes)
+    total = case.iterations * config.unroll_length * case.num_envs
+    return registry.with_overrides(config, {"num_timesteps": total})
+
+
+def policy(run: Run) -> dict[str, Any]:
+    """The policy's network over a batch of observations, and env-steps/s with it in the loop."""
+    from urbanverse_mjx.training.policy import initial_params, make_policy_function
+
+    env, config = run.env, ppo_config(run.case)
+    sizes = {name: tuple(x.shape[1:]) for name, x in run.first.obs.items()}
+    params = initial_params(sizes, env.action_size, config, run.case.seed)
+
+    def act(params: Any, obs: Any, key: Any) -> Any:
+        return make_policy_function(sizes, env.action_size, config, params, deterministic=False)(obs, key)
+
+    def rollout(params: Any, state: Any, keys: Any) -> Any:
+        return jax.lax.scan(lambda s, k: (run.batch.step(s, act(params, s.obs, k)), None), state, keys)[0]
+
+    state = run.state if run.state is not None else run.first
+    keys = jax.random.split(jax.random.key(run.case.seed + 3), run.case.steps)
+    alone = run.compile_("inference", act, params, state.obs, keys[0])
+    together = run.compile_("rollout", rollout, params, state, keys)
+    seconds = _timing.time_(alone, params, state.obs, keys[0], repeats=run.case.repeats)
+    sample = _timing.time_(together, params, state, keys, repeats=run.case.repeats)
+    return {
+        "inference_s": seconds.median,
+        "env_steps_per_s_with_policy": sample.rate(run.case.steps * run.case.num_envs),
+        "env_steps_per_s_with_policy_spread": sample.spread,
+    }
+
+
+def learn(case: Case, env: Any) -> dict[str, Any]:
+    """Env-steps/s of the product's own training: rollout, PPO updates, logging; compilation apart."""
+    from urbanverse_mjx.training.run import train
+
+    config = ppo_config(case)
+    with tempfile.TemporaryDirectory(prefix="urbanverse-throughput-") as folder:
+        result = train(case.env, env, config, Path(folder) / "run", quiet=True)
+    return {
+        "env_steps_per_s": result.steps_per_second,
+        "steps": result.steps,
+        "seconds": result.seconds,
+        "compile_s": result.seconds - result.steps / result.steps_per_second if result.steps_per_second else None,
+        **{name: config[name] for name in ("unroll_length", "num_updates_per_batch", "minibatch")},
+    }

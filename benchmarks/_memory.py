@@ -1,0 +1,54 @@
+"""How much memory this process and its device hold."""
+
+import resource
+import subprocess
+import sys
+
+import jax
+
+
+def peak_rss_mib() -> float:
+    """Largest resident memory of this process so far, MiB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (2**20 if sys.platform == "darwin" else 2**10)  # bytes on macOS, KiB elsewhere
+
+
+def jax_mib() -> tuple[float | None, float | None]:
+    """Memory that JAX holds on the first device now, and at most so far; None where the device does not count (CPU)."""
+    stats = jax.devices()[0].memory_stats() or {}
+    now, most = (stats.get(name) for name in ("bytes_in_use", "peak_bytes_in_use"))
+    return now and now / 2**20, most and most / 2**20
+
+
+def warp_mib() -> tuple[float | None, float | None]:
+    """Memory that Warp's pool holds on its first CUDA device now, and at most so far; None without CUDA."""
+    wp = sys.modules.get("warp")
+    if wp is None or not wp.is_cuda_available() or not wp.is_mempool_enabled("cuda:0"):
+        return None, None
+    return tuple(f("cuda:0") / 2**20 for f in (wp.get_mempool_used_mem_current, wp.get_mempool_used_mem_high))
+
+
+def device_mib() -> float | None:
+    """Memory in use on the first GPU by all programs, as nvidia-smi says; None without it.
+
+    JAX takes most of a GPU at its start unless XLA_PYTHON_CLIENT_PREALLOCATE=false.
+    """
+    command = ["nvidia-smi", "--query-gpu=memory.used", "--format=csv,noheader,nounits"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20)
+        return float(done.stdout.split()[0])
+    except (OSError, subprocess.SubprocessError, ValueError, IndexError):
+        return None
+
+
+def report() -> dict[str, float | None]:
+    """All of it. Peaks are of the process so far: measure one configuration per process to know its own."""
+    (jax_now, jax_peak), (warp_now, warp_peak) = jax_mib(), warp_mib()
+    return {
+        "peak_rss_mib": peak_rss_mib(),
+        "jax_mib": jax_now,
+        "peak_device_mib": jax_peak,
+        "warp_pool_mib": warp_now,
+        "peak_warp_pool_mib": warp_peak,
+        "gpu_used_mib": device_mib(),
+    }
