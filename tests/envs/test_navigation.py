@@ -29,7 +29,7 @@ def test_joint_actions_are_shares_of_the_control_range(small_bank: SceneBank) ->
     env = registry.load("CocoNav", config_overrides=overrides, bank=small_bank)
     wheels = np.abs(np.asarray(env.robot.command(jnp.array([env.robot.max_speed, 0.0]))))[:4]
     assert env.action_size == 5
-    assert env.observation_size["privileged"] == (16,)
+    assert env.observation_size["privileged"] == (46,)
     stop = env.mj_model.actuator("steer").ctrlrange
     for action, steer in ((1.0, stop[1]), (-1.0, stop[0]), (0.0, 0.0)):
         ctrl = np.asarray(env._control(jnp.full(5, action)))

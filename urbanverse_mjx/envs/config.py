@@ -59,6 +59,7 @@ def _paper() -> ConfigDict:
                     "velocity_cosine": 10.0,
                     "velocity_dot": 0.0,
                     "progress": 0.0,
+                    "near_object": 0.0,
                 },
             },
         }
@@ -98,6 +99,7 @@ def _cpu() -> ConfigDict:
             "velocity_cosine": 0.0,
             "velocity_dot": 0.0,
             "progress": 1.0,
+            "near_object": -0.15,
         }
     )
     return config

@@ -8,13 +8,16 @@ import mujoco
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import KIND_INDEX, TRAVERSABLE_KINDS, NounError, RobotSpec, SceneBank
+from ..datatypes import NounError, RobotSpec, SceneBank
 from . import terms
 from .schedule import EpisodeSchedule
+from .surroundings import Surroundings, traversable_kinds
 from .types import NavState, Result, State
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _UPRIGHT = 0.5
+#: (15, 2) m in the heading frame, where critics are told the distance to hulls and edges.
+PROBES = np.array([(x, y) for x in (0.0, 0.6, 1.2, 1.8, 2.4) for y in (-0.6, 0.0, 0.6)], np.float32)
 ACTION_MODES = ("waypoint", "velocity", "joint")
 
 
@@ -61,8 +64,9 @@ class NavEnv:
       pixels/front: (H, W, 3) uint8; with vision_config.depth (H, W, 4), the fourth in 10 cm up to 25.5 m;
         present when `config.vision`.
       goal: (2,) f32 m, the final goal (or the next 5 m waypoint with goal_mode="waypoint") in the heading frame.
-      privileged: (11 + action_size,) f32 for critics and tests only: goal, next waypoint, the one after (heading
-        frame, m), forward and lateral speed (m/s), yaw rate (rad/s), share of time and of route left, last action.
+      privileged: (41 + action_size,) f32 for critics and tests only: goal, next waypoint, the one after (heading
+        frame, m), forward and lateral speed (m/s), yaw rate (rad/s), share of time and of route left, distances (m) to
+        the next hull and to the edge of the walkable ground at the 15 `PROBES` around the robot, last action.
     Action: in [-1, 1]; by `config.action_mode`:
       waypoint: (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega);
       velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate);
@@ -101,9 +105,8 @@ class NavEnv:
         self._map_kind = jnp.asarray(bank.map_kind)
         self._map_origin = jnp.asarray(bank.map_origin)
         self._map_resolution = float(bank.map_resolution)
-        allowed = np.zeros(256, bool)
-        allowed[[KIND_INDEX[k] for k in TRAVERSABLE_KINDS]] = True
-        self._traversable = jnp.asarray(allowed)
+        self._traversable = jnp.asarray(traversable_kinds())
+        self._surroundings = Surroundings(bank, robot.planner_height)
 
     # What users of Playground and Brax ask an environment.
 
@@ -259,7 +262,9 @@ class NavEnv:
                 1.0 - nav.route_done / jnp.maximum(nav.route_length, 1e-6),
             ]
         )
-        privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, nav.last_action])
+        probes = position[:2] + terms.to_world(jnp.asarray(PROBES), yaw)
+        around = self._surroundings.distances(nav.sim.scene, probes).reshape(-1)
+        privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
         if self.renderer is not None:
             obs["pixels/front"] = self._pixels(nav)
@@ -327,9 +332,9 @@ class NavEnv:
         return robot.command(jnp.stack([v, omega]))
 
     def _rewards(self, old: NavState, new: NavState, velocity: jax.Array, hit: jax.Array) -> dict[str, jax.Array]:
-        to_goal = new.goal[:2] - jnp.where(
-            jnp.isfinite(new.sim.xpos[self._root, :2]), new.sim.xpos[self._root, :2], new.goal[:2]
-        )
+        position = new.sim.xpos[self._root]
+        position = jnp.where(jnp.isfinite(position), position, new.goal)
+        to_goal = new.goal[:2] - position[:2]
         values = {
             "arrived": terms.reward_arrived(new.result),
             "hit": terms.reward_hit(hit),
@@ -339,6 +344,7 @@ class NavEnv:
             "velocity_cosine": terms.reward_velocity_cosine(velocity, to_goal),
             "velocity_dot": terms.reward_velocity_dot(velocity, to_goal),
             "progress": terms.reward_progress(old.goal_distance, new.goal_distance),
+            "near_object": terms.reward_near_object(self._surroundings.distances(new.sim.scene, position[:2])[0]),
         }
         factor = self.dt if self._config.reward_config.multiply_by_dt else 1.0
         return {

@@ -29,6 +29,13 @@ def to_body(vector_world: jax.Array, yaw: jax.Array) -> jax.Array:
     return jnp.stack([c * x + s * y, -s * x + c * y])
 
 
+def to_world(vectors_body: jax.Array, yaw: jax.Array) -> jax.Array:
+    """(..., 2) vectors of the heading frame seen in the world."""
+    c, s = jnp.cos(yaw), jnp.sin(yaw)
+    x, y = vectors_body[..., 0], vectors_body[..., 1]
+    return jnp.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
 def limit_norm(vector: jax.Array, limit: float) -> jax.Array:
     """Shortens a vector to at most `limit`."""
     norm = jnp.linalg.norm(vector)
@@ -98,6 +105,11 @@ def reward_velocity_dot(velocity_xy: jax.Array, to_goal_xy: jax.Array) -> jax.Ar
 def reward_progress(previous_distance: jax.Array, distance: jax.Array) -> jax.Array:
     """Metres by which the goal came nearer in this step (released code's moving-towards-goal idea)."""
     return previous_distance - distance
+
+
+def reward_near_object(distance: jax.Array) -> jax.Array:
+    """1 with a hull 0.4 m from the robot's origin on the ground (COCO about touches it), falling to 0 at 1 m; ours."""
+    return jnp.clip((1.0 - distance) / 0.6, 0.0, 1.0)
 
 
 def result_of(

@@ -49,7 +49,7 @@ def _urbansim_v0_1() -> ConfigDict:
 
 def _cpu() -> ConfigDict:
     config = _paper()
-    config.num_timesteps = 163_840
+    config.num_timesteps = 196_608
     config.num_envs = 64
     config.num_updates_per_batch = 4
     config.learning_rate = 5e-4

@@ -1,0 +1,68 @@
+"""Distance fields against distances worked out point by point."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.envs import terms
+from urbanverse_mjx.envs.surroundings import CELL, FAR, Surroundings, traversable_kinds
+
+HEIGHT = 0.7
+
+
+@pytest.fixture(scope="module")
+def surroundings(small_bank: SceneBank) -> Surroundings:
+    return Surroundings(small_bank, HEIGHT)
+
+
+def places(bank: SceneBank, scene: int, count: int) -> np.ndarray:
+    size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
+    return bank.map_origin[scene] + np.random.default_rng(scene).random((count, 2)) * size
+
+
+def test_distance_to_hulls(small_bank: SceneBank, surroundings: Surroundings) -> None:
+    """Boxes of `box_bank` stand upright, so the ground distance to their footprints is what counts."""
+    for scene in range(small_bank.num_scenes):
+        points = places(small_bank, scene, 300)
+        wanted = np.full(len(points), FAR)
+        for q in np.flatnonzero(small_bank.inst_hull[scene] >= 0):
+            centre, half = small_bank.hull_box[small_bank.inst_hull[scene, q]]
+            rotation = small_bank.inst_rotation[scene, q]
+            assert abs(rotation[2, 2]) == pytest.approx(1.0)
+            local = (points - small_bank.inst_position[scene, q, :2]) @ rotation[:2, :2] - centre[:2]
+            wanted = np.minimum(wanted, np.linalg.norm(np.maximum(np.abs(local) - half[:2], 0.0), axis=1))
+        got = np.asarray(surroundings.distances(scene, jnp.asarray(points)))[:, 0]
+        # A distance changes by no more than the way to the cell's middle, and is kept in whole centimetres.
+        assert np.abs(got - wanted).max() <= CELL * np.sqrt(0.5) + 0.006
+        assert (wanted < FAR).mean() > 0.1
+
+
+def test_distance_to_the_edge(small_bank: SceneBank, surroundings: Surroundings) -> None:
+    walkable = traversable_kinds()[small_bank.map_kind]
+    for scene in range(small_bank.num_scenes):
+        away = small_bank.map_origin[scene] + (np.argwhere(~walkable[scene]) + 0.5) * float(small_bank.map_resolution)
+        points = places(small_bank, scene, 200)
+        wanted = np.array([np.linalg.norm(away - p, axis=1).min() for p in points])
+        got = np.asarray(surroundings.distances(scene, jnp.asarray(points)))[:, 1]
+        inside = wanted < FAR - 0.5
+        # Cells of 20 cm count as walkable only as a whole: up to two of them are lost at an edge.
+        assert np.abs(got - wanted)[inside].max() <= 2 * CELL * np.sqrt(2.0)
+        assert (got[wanted > 1.0] > 0.4).all()
+
+
+def test_outside_of_the_map_nothing_is_free(small_bank: SceneBank, surroundings: Surroundings) -> None:
+    far = small_bank.map_origin[0] - 5.0
+    assert (np.asarray(surroundings.distances(0, jnp.asarray(far))) == 0.0).all()
+
+
+def test_to_world_undoes_to_body() -> None:
+    rng = np.random.default_rng(0)
+    for yaw in rng.uniform(-np.pi, np.pi, 20):
+        vector = jnp.asarray(rng.normal(size=2), jnp.float32)
+        np.testing.assert_allclose(terms.to_body(terms.to_world(vector, jnp.float32(yaw)), yaw), vector, atol=1e-6)
+
+
+def test_reward_near_object_is_zero_from_a_metre_on() -> None:
+    distance = jnp.array([0.0, 0.4, 0.7, 1.0, 2.0])
+    np.testing.assert_allclose(terms.reward_near_object(distance), [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-6)

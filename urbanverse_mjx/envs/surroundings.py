@@ -1,0 +1,97 @@
+"""How far it is to the next thing and to the edge of the walkable ground, anywhere in a scene.
+
+Critics and rewards may know it; a policy may not. Distances are looked up in a grid made once per bank.
+"""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from scipy import ndimage
+
+from ..datatypes import KIND_INDEX, TRAVERSABLE_KINDS, SceneBank
+
+#: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
+CELL = 0.2
+#: m, distances are not told beyond this: one unsigned byte holds them in centimetres.
+FAR = 2.55
+
+
+def traversable_kinds() -> np.ndarray:
+    """(256,) bool by ground kind: whether a pavement robot may be there."""
+    allowed = np.zeros(256, bool)
+    allowed[[KIND_INDEX[k] for k in TRAVERSABLE_KINDS]] = True
+    return allowed
+
+
+def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
+    """(X, Y) m from each cell to the nearest one that is not wholly walkable; 0 there."""
+    walkable = traversable_kinds()[bank.map_kind[scene]]
+    factor = round(CELL / float(bank.map_resolution))
+    padded = np.zeros((shape[0] * factor, shape[1] * factor), bool)
+    padded[: walkable.shape[0], : walkable.shape[1]] = walkable
+    whole = padded.reshape(shape[0], factor, shape[1], factor).all((1, 3))
+    return ndimage.distance_transform_edt(np.pad(whole, 1))[1:-1, 1:-1] * CELL
+
+
+def _to_hulls(bank: SceneBank, scene: int, shape: tuple[int, int], low: float, high: float) -> np.ndarray:
+    """(X, Y) m on the ground from each cell's centre to the nearest hull's box between two heights above ground."""
+    distance = np.full(shape, FAR, np.float32)
+    origin = bank.map_origin[scene]
+    ground = _ground_height(bank, scene)
+    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
+        rotation, position = bank.inst_rotation[scene, q], bank.inst_position[scene, q]
+        centre, half = bank.hull_box[bank.inst_hull[scene, q]]
+        middle, reach = position + rotation @ centre, np.abs(rotation) @ half
+        if middle[2] - reach[2] > ground + high or middle[2] + reach[2] < ground + low:
+            continue
+        first = np.floor((middle[:2] - reach[:2] - FAR - origin) / CELL).astype(int).clip(0, shape)
+        last = np.ceil((middle[:2] + reach[:2] + FAR - origin) / CELL).astype(int).clip(0, shape)
+        i, j = np.meshgrid(*(np.arange(a, b) for a, b in zip(first, last, strict=True)), indexing="ij")
+        # At the height where the robot comes nearest to the box's middle.
+        z = np.full(i.shape, np.clip(middle[2], ground + low, ground + high))
+        points = np.stack([origin[0] + (i + 0.5) * CELL, origin[1] + (j + 0.5) * CELL, z], -1)
+        outside = np.maximum(np.abs((points - position) @ rotation - centre) - half, 0.0)
+        patch = distance[first[0] : last[0], first[1] : last[1]]
+        np.minimum(patch, np.linalg.norm(outside, axis=-1), out=patch)
+    return distance
+
+
+def _ground_height(bank: SceneBank, scene: int) -> float:
+    """m, the ground where the scene's episodes start, which is the pavement nearly everywhere."""
+    return float(np.median(bank.episode_start[scene, : int(bank.num_episodes[scene]), 2]))
+
+
+class Surroundings:
+    """Distance fields of all scenes of a bank.
+
+    Args:
+      bank: the scenes.
+      height: m, of the robot: what hangs above it is no obstacle.
+    """
+
+    #: m, nothing below this height above the pavement counts: a wheel passes over it.
+    LOW = 0.05
+
+    def __init__(self, bank: SceneBank, height: float) -> None:
+        size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
+        x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
+        self.fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
+        for scene in range(bank.num_scenes):
+            hulls = _to_hulls(bank, scene, (x, y), self.LOW, height)
+            metres = np.stack([hulls, _to_edge(bank, scene, (x, y))], -1)
+            self.fields[scene] = np.rint(np.minimum(metres, FAR) * 100.0)
+        self._fields = jnp.asarray(self.fields)
+        self._origin = jnp.asarray(bank.map_origin, jnp.float32)
+
+    def distances(self, scene: Any, p_xy: Any) -> Any:
+        """(..., 2) m to the next hull and to the edge of the walkable ground, at most `FAR`.
+
+        Args:
+          scene: () i32; p_xy: (..., 2) m in the world's frame. Outside the map both are 0.
+        """
+        cell = jnp.floor((p_xy - self._origin[scene]) / CELL).astype(jnp.int32)
+        size = jnp.array(self._fields.shape[1:3])
+        inside = ((cell >= 0) & (cell < size)).all(-1, keepdims=True)
+        cell = jnp.clip(cell, 0, size - 1)
+        return jnp.where(inside, self._fields[scene, cell[..., 0], cell[..., 1]] / 100.0, 0.0)
