@@ -1,12 +1,12 @@
-"""Still streets on the Warp device, and the robot's parts of a batch of worlds."""
+"""Still streets on the Warp device, and the views of a batch of worlds."""
 
 import functools
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import mujoco
 import numpy as np
 import warp as wp
-from mujoco_warp._src.bvh import compute_bvh_group_roots
 from mujoco_warp_pbr._src.material import effective_geom_rgba
 
 from ..datatypes import SceneBank
@@ -14,24 +14,32 @@ from .render_context import ROBOT_LABEL, Settings
 from .render_kernels import NOWHERE
 from .render_model import FAR, RenderModel, rotation_matrices
 from .render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
-from .street_draw import build_draw_kernel
-from .street_kernels import Face, Light, Look, Part, Slot, place_parts
+from .street_draw import BLOCK, build_draw_kernel
+from .street_kernels import Street, Views, place
+from .street_tree import EMPTY, Trees, as_floats, build_trees, joined
+
+#: Triangles in a leaf at most.
+_LEAF_SIZE = 4
 
 
-def records(struct: Any, rows: int, **columns: np.ndarray) -> wp.array:
-    """A Warp array of structs from one numpy array per field."""
-    table: Any = np.zeros(rows, struct.numpy_dtype())
-    for name, column in columns.items():
-        table[name] = column
-    return wp.array(table, dtype=struct)
+def _rows(*columns: np.ndarray) -> np.ndarray:
+    """(n, 4) f32: columns of one or more numbers side by side."""
+    return np.concatenate([np.asarray(c, np.float32).reshape(len(columns[0]), -1) for c in columns], axis=1)
 
 
-def _face_table(model: RenderModel) -> wp.array:
-    """One record per triangle of every mesh, in the order of `model.mesh_face`."""
+def _table(rows: np.ndarray) -> wp.array:
+    return wp.array(np.ascontiguousarray(rows, np.float32).reshape(-1, 4), dtype=wp.vec4)
+
+
+def inverse_rows(rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """(n, 3, 4) rows of T_frame_world from (n, 3, 3) and (n, 3) T_world_frame."""
+    turned = np.swapaxes(np.asarray(rotation, np.float64), 1, 2)
+    return np.concatenate([turned, -turned @ np.asarray(position, np.float64)[..., None]], -1)
+
+
+def _face_rows(model: RenderModel, corners: np.ndarray, mesh: np.ndarray) -> np.ndarray:
+    """(faces, 4, 4) normals and UV of every triangle, in the order of `model.mesh_face`; see `street_kernels.FACE`."""
     mjm = model.model
-    faces, count = mjm.mesh_face, len(mjm.mesh_face)
-    mesh = np.repeat(np.arange(mjm.nmesh), mjm.mesh_facenum)
-    corners = model.vertices[faces + mjm.mesh_vertadr[mesh, None]].astype(np.float64)
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(flat, axis=1)
     flat /= np.maximum(area, 1e-20)[:, None]
@@ -39,122 +47,148 @@ def _face_table(model: RenderModel) -> wp.array:
     # As in MuJoCo's renderer a corner's normal far off its face is not used.
     usable = (normals * flat[:, None]).sum(-1) >= 0.8
     normals = np.where(usable[..., None], normals, flat[:, None])
-    uv, density = np.zeros((count, 3, 2)), np.zeros(count)
+    uv = np.zeros((len(mesh), 3, 2))
     textured = mjm.mesh_texcoordadr[mesh] >= 0
     start = mjm.mesh_texcoordadr[mesh[textured], None]
     uv[textured] = mjm.mesh_texcoord[mjm.mesh_facetexcoord[textured] + start]
     d1, d2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    # Texture lengths per metre.
     density = np.sqrt(np.abs(d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]) / np.maximum(area, 1e-20))
-    return records(
-        Face,
-        count,
-        normal0=normals[:, 0],
-        normal1=normals[:, 1],
-        normal2=normals[:, 2],
-        uv0=uv[:, 0],
-        uv1=uv[:, 1],
-        uv2=uv[:, 2],
-        density=density,
-    )
+    columns = (normals[:, 0], density, normals[:, 1], uv[:, 0, 0], normals[:, 2], uv[:, 0, 1], uv[:, 1], uv[:, 2])
+    return _rows(*columns).reshape(-1, 4, 4)
 
 
 class Streets:
-    """Everything that does not move: meshes, search trees of all scenes, materials, skies, the kernel."""
+    """Everything that does not move: triangles, search trees, materials, skies, the kernel."""
 
     def __init__(self, bank: SceneBank, model: RenderModel, settings: Settings) -> None:
         self.settings = settings
         mjm = model.model
-        self.meshes = [
-            wp.Mesh(
-                points=wp.array(model.vertices[v : v + nv], dtype=wp.vec3),
-                indices=wp.array(mjm.mesh_face[f : f + nf].ravel(), dtype=wp.int32),
-                bvh_constructor="sah",
-                bvh_leaf_size=2,
-            )
-            for v, nv, f, nf in zip(mjm.mesh_vertadr, mjm.mesh_vertnum, mjm.mesh_faceadr, mjm.mesh_facenum, strict=True)
-        ]
-        self.mesh_ids = np.array([mesh.id for mesh in self.meshes], np.uint64)
-        self.faces = _face_table(model)
-        self._place_slots(bank, model)
-        self.textures_kept, sizes = upload_textures(model)
-        self._add_looks(bank, model, sizes)
+        # The robot's parts: meshes first.
+        geoms = model.num_slots + np.arange(mjm.ngeom - model.num_slots)
+        is_mesh = mjm.geom_type[geoms] == mujoco.mjtGeom.mjGEOM_MESH
+        self.part_order = np.argsort(~is_mesh, kind="stable")
+        self.num_parts, self.num_meshes = len(geoms), int(is_mesh.sum())
+        self.street, self._tables = Street(), []
+        self.street.num_parts = len(geoms)
+        self._add_things(bank, model, self._add_meshes(model), geoms[self.part_order])
+        self._add_parts(model, geoms[self.part_order])
         self._add_light(bank)
-        self.num_parts = len(model.robot_body)
-        self.draw = build_draw_kernel(
-            settings.height,
-            settings.width,
-            settings.outputs,
-            settings.shadows,
-            settings.sky,
-            settings.samples,
-            FAR,
-            self.num_parts > 0,
-        )
+        kinds = tuple(int(x) for x in mjm.geom_type[geoms[self.part_order][self.num_meshes :]])
+        self.draw = build_draw_kernel(settings, self.num_meshes, kinds, FAR)
         self.ready = False
 
-    def _place_slots(self, bank: SceneBank, model: RenderModel) -> None:
-        scene, number = np.nonzero(bank.slot_mesh >= 0)
-        mesh = bank.slot_mesh[scene, number]
-        lower, upper = slot_boxes(bank)
-        self.slots = records(
-            Slot,
-            len(scene),
-            position=bank.slot_position[scene, number],
-            rotation=rotation_matrices(bank.slot_quaternion[scene, number]),
-            mesh=self.mesh_ids[mesh],
-            face=model.model.mesh_faceadr[mesh],
-            look=bank.mesh_material[mesh],
-            number=number,
-            category=bank.slot_category[scene, number],
-        )
-        self.boxes = [wp.array(x[scene, number], dtype=wp.vec3) for x in (lower, upper)]
-        groups = wp.array(scene.astype(np.int32), dtype=int)
-        self.tree = wp.Bvh(*self.boxes, groups=groups, constructor="sah")
-        self.roots = wp.zeros(bank.num_scenes, dtype=int)
-        wp.launch(compute_bvh_group_roots, dim=bank.num_scenes, inputs=[self.tree.id, self.roots])
+    def _keep(self, rows: np.ndarray) -> int:
+        """Puts rows on the device, to stay as long as this does; returns where they stand."""
+        self._tables.append(_table(rows))
+        return self._tables[-1].ptr
 
-    def _add_looks(self, bank: SceneBank, model: RenderModel, sizes: np.ndarray) -> None:
-        mjm, num_slots = model.model, model.num_slots
-        role = 1  # mujoco.mjtTextureRole.mjTEXROLE_RGB
-        geoms = np.arange(num_slots, mjm.ngeom)
-        material = mjm.geom_matid[geoms]
-        colour = np.concatenate([mjm.mat_rgba[:, :3], effective_geom_rgba(mjm)[geoms, :3]])
-        texture = np.concatenate([mjm.mat_texid[:, role], np.where(material >= 0, mjm.mat_texid[material, role], -1)])
+    def _add_meshes(self, model: RenderModel) -> Trees:
+        """Triangles and faces in the order of the leaves of the meshes' trees."""
+        mjm = model.model
+        mesh = np.repeat(np.arange(mjm.nmesh), mjm.mesh_facenum)
+        corners = model.vertices[mjm.mesh_face + mjm.mesh_vertadr[mesh, None]].astype(np.float64)
+        trees = build_trees(corners.min(1), corners.max(1), mesh, mjm.nmesh, _LEAF_SIZE)
+        rows = np.zeros((len(mesh), 3, 4), np.float32)
+        rows[:, 0, :3] = corners[:, 0]
+        rows[:, 1, :3] = corners[:, 1] - corners[:, 0]
+        rows[:, 2, :3] = corners[:, 2] - corners[:, 0]
+        rows = rows[trees.order]
+        rows[:, 0, 3] = trees.last
+        self.street.triangles = self._keep(rows)
+        self.street.faces = self._keep(_face_rows(model, corners, mesh)[trees.order])
+        return trees
+
+    def _add_things(self, bank: SceneBank, model: RenderModel, meshes: Trees, geoms: np.ndarray) -> None:
+        """Objects of all scenes in the order of the leaves of their trees, then the robot's parts."""
+        mjm = model.model
+        lower, upper = slot_boxes(bank)
+        scene, number = np.nonzero(bank.slot_mesh >= 0)
+        boxes = lower[scene, number], upper[scene, number]
+        trees = build_trees(*boxes, scene, bank.num_scenes, leaf_size=1)
+        assert trees.last.all(), "one object a leaf"
+        nodes, roots = joined(meshes.nodes, trees)
+        scene, number = scene[trees.order], number[trees.order]
+        mesh = bank.slot_mesh[scene, number]
+        rotation = rotation_matrices(bank.slot_quaternion[scene, number])
+        poses = inverse_rows(rotation, bank.slot_position[scene, number])
+        poses = np.concatenate([poses, np.zeros((len(geoms), 3, 4))])
+        textures, sizes = upload_textures(model)
+        self.textures_kept = textures
+        role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
+        material = np.concatenate([bank.mesh_material[mesh], mjm.geom_matid[geoms]])
+        colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
+        texture = np.where(material >= 0, mjm.mat_texid[material, role], -1)
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
-        self.looks = records(Look, len(colour), colour=colour, texture=texture, texels=texels)
-        self.textures = wp.array(self.textures_kept, dtype=wp.Texture2D)
-        mesh = np.where(mjm.geom_dataid[geoms] >= 0, mjm.geom_dataid[geoms], 0)
-        self.parts = records(
-            Part,
-            len(geoms),
-            position=model.robot_position,
-            rotation=model.robot_rotation,
-            centre=model.robot_half[:, 0],
-            radius=np.linalg.norm(model.robot_half[:, 1], axis=1),
-            size=mjm.geom_size[geoms],
-            mesh=self.mesh_ids[mesh],
-            kind=mjm.geom_type[geoms],
-            body=model.robot_body,
-            face=mjm.mesh_faceadr[mesh],
-            look=len(mjm.mat_rgba) + np.arange(len(geoms)),
+        part_mesh = np.maximum(mjm.geom_dataid[geoms], 0)
+        part_roots = np.where(mjm.geom_dataid[geoms] >= 0, meshes.roots[part_mesh], EMPTY)
+        thing_roots = as_floats(np.concatenate([meshes.roots[mesh], part_roots]))
+        things = np.concatenate(
+            [poses, _rows(colour, thing_roots)[:, None], _rows(texture, texels, texels, texels)[:, None]], axis=1
         )
+        self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
+        self.street.things, self.street.num_objects = self._keep(things), len(mesh)
+        label = np.stack([number, bank.slot_category[scene, number]], -1)
+        self.labels = wp.array(np.concatenate([label, np.full((len(geoms), 2), ROBOT_LABEL)]), dtype=wp.vec2i)
+        self.textures = wp.array(textures, dtype=wp.Texture2D)
+
+    def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
+        mjm, order = model.model, self.part_order
+        parts = np.zeros((len(geoms), 2, 4), np.float32)
+        parts[:, 0, :3] = model.robot_half[order, 0]
+        parts[:, 0, 3] = np.linalg.norm(model.robot_half[order, 1], axis=1)
+        parts[:, 1, :3], parts[:, 1, 3] = mjm.geom_size[geoms], mjm.geom_type[geoms]
+        self.street.parts = self._keep(parts)
+        self.shapes = _table(inverse_rows(model.robot_rotation[order], model.robot_position[order]))
+        self.bodies = wp.array(model.robot_body[order], dtype=int)
 
     def _add_light(self, bank: SceneBank) -> None:
+        """Light tables; see `street_kernels.LIGHT`."""
         sun, irradiance = scene_sun(bank)
-        self.lights = records(
-            Light,
-            bank.num_scenes,
-            sun=sun,
-            sunlight=irradiance / np.pi,
-            even=sky_ambient(bank),
-            sky=bank.scene_sky,
-            yaw=bank.scene_sky_yaw,
-        )
         self.skies = build_skies(bank.sky_radiance, glossy=False)
+        lights = np.zeros((bank.num_scenes, 9, 4))
+        if self.settings.sky:
+            lights[..., :3] = sky_polynomials(self.skies.sh.numpy()[bank.scene_sky], bank.scene_sky_yaw)
+        else:
+            lights[:, 0, :3] = sky_ambient(bank)
+        lights[:, :3, 3], lights[:, 3:6, 3] = sun, irradiance / np.pi
+        lights[:, 6, 3], lights[:, 7, 3] = bank.scene_sky, bank.scene_sky_yaw
+        self.street.lights = self._keep(lights)
+
+
+def sky_polynomials(harmonics: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """Light on a matte surface as a polynomial of its normal, for skies turned by `yaw` about z.
+
+    Args:
+      harmonics: (n, 9, 3) of `mujoco_warp_pbr`: band 0, then y, z, x, xy, yz, 3zz - 1, xz, xx - yy.
+
+    Returns:
+      (n, 9, 3) coefficients of 1, x, y, z, xx, yy, xy, yz, xz.
+    """
+    # Constants of the real spherical harmonics.
+    c0, c1, c2, c3, c4 = 0.282095, 0.488603, 1.092548, 0.315392, 0.546274
+    h = np.moveaxis(np.asarray(harmonics, np.float64), 1, 0)
+    linear = np.stack([h[3] * c1, h[1] * c1, h[2] * c1], -1)  # (n, 3 colours, xyz)
+    square = np.zeros((*linear.shape, 3))
+    square[..., 0, 0], square[..., 1, 1], square[..., 2, 2] = h[8] * c4, -h[8] * c4, 3.0 * h[6] * c3
+    square[..., 0, 1] = square[..., 1, 0] = 0.5 * c2 * h[4]
+    square[..., 1, 2] = square[..., 2, 1] = 0.5 * c2 * h[5]
+    square[..., 0, 2] = square[..., 2, 0] = 0.5 * c2 * h[7]
+    c, s = np.cos(yaw), np.sin(yaw)
+    back = np.zeros((len(yaw), 1, 3, 3))
+    back[:, 0, 0, 0], back[:, 0, 0, 1], back[:, 0, 1, 0], back[:, 0, 1, 1], back[:, 0, 2, 2] = c, s, -s, c, 1.0
+    linear = (linear[..., None, :] @ back)[..., 0, :]
+    square = np.swapaxes(back, -1, -2) @ square @ back
+    # zz = 1 - xx - yy.
+    zz = square[..., 2, 2]
+    one = h[0] * c0 - h[6] * c3 + zz
+    rows = [one, linear[..., 0], linear[..., 1], linear[..., 2], square[..., 0, 0] - zz, square[..., 1, 1] - zz]
+    rows += [2.0 * square[..., 0, 1], 2.0 * square[..., 1, 2], 2.0 * square[..., 0, 2]]
+    return np.stack(rows, 1)
 
 
 class StreetBatch:
-    """Draws a batch of worlds; holds the poses of their robots' parts, and nothing else.
+    """Draws a batch of worlds; holds their cameras and the poses of their robots' parts, and nothing else.
 
     Args:
       threads: the batch is drawn in so many pieces, which may run at the same time.
@@ -164,45 +198,25 @@ class StreetBatch:
         self.streets, self.num_worlds = streets, num_worlds
         ends = np.linspace(0, num_worlds, min(threads, num_worlds) + 1).astype(int)
         self.pieces = list(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
-        self.position = wp.zeros((num_worlds, streets.num_parts), dtype=wp.vec3)
-        self.rotation = wp.zeros((num_worlds, streets.num_parts), dtype=wp.mat33)
-        self.balls = wp.zeros((num_worlds, streets.num_parts + 1), dtype=wp.vec4)
+        parts = streets.num_parts
+        self._placed = [wp.zeros(num_worlds * rows, dtype=wp.vec4) for rows in (4, 3 * parts, parts + 1)]
+        self._placed.append(wp.zeros(num_worlds * (parts + 2), dtype=int))
+        self.views = Views()
+        self.views.cameras, self.views.poses, self.views.balls, self.views.seen = (x.ptr or 0 for x in self._placed)
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
         """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
         scene, xpos, xquat, eye, turn, fovy = inputs
         s, settings = self.streets, self.streets.settings
-        if s.num_parts:
-            wp.launch(
-                place_parts,
-                dim=self.num_worlds,
-                inputs=[s.parts, xpos, xquat, NOWHERE, self.position, self.rotation, self.balls],
-            )
-        kept = [
-            s.tree.id,
-            s.roots,
-            s.slots,
-            s.faces,
-            s.looks,
-            s.textures,
-            s.lights,
-            s.skies.radiance,
-            s.skies.sh,
-            s.parts,
-            self.position,
-            self.rotation,
-            self.balls,
-            scene,
-            eye,
-            turn,
-            fovy,
-            ROBOT_LABEL,
-        ]
-        pixels = settings.height * settings.width
+        aspect = settings.width / settings.height
+        robot = [s.street, s.shapes, s.bodies, s.num_meshes, xpos, xquat]
+        wp.launch(place, dim=self.num_worlds, inputs=[*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed])
+        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies.radiance, s.labels]
+        out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
 
         def draw(first: int, last: int) -> None:
-            out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
-            wp.launch(s.draw, dim=(last - first, pixels), inputs=[first, *kept, *out], block_dim=64)
+            dim = (last - first, settings.height * settings.width)
+            wp.launch(s.draw, dim=dim, inputs=[first, *kept, *out], block_dim=BLOCK)
             s.ready = True
 
         return [functools.partial(draw, *piece) for piece in self.pieces]

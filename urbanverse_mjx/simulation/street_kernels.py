@@ -1,328 +1,280 @@
-"""Warp functions that draw a still street with one robot in it: nothing is copied per world but the robot's pose.
+"""Warp functions that find what a ray meets in a still street with one robot in it.
 
-mujoco-warp-pbr hands some 80 arrays by value from function to function, for every ray; on a CPU that alone takes longer
-than finding what the ray hits. Here a ray reads two records, of the slot and of the face it hit.
+Everything stands in tables of 16-byte rows, read with one load each. A street is a search tree over its objects, each
+of which leads on into the tree of its mesh: one loop walks both, nearest first. Nothing is copied per world but the
+poses of the robot's parts, which are met after the street, if a ray passes near them at all.
 """
 
 # Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
+from typing import Any
+
 import warp as wp
-from mujoco_warp._src.ray import ray_geom
-from mujoco_warp_pbr._src import texture, traverse
+from mujoco_warp._src.ray import ray_box, ray_capsule, ray_cylinder, ray_ellipsoid, ray_sphere
 
-wp.set_module_options({"enable_backward": False})
+from .street_native import BUILD_OPTIONS, any_hit, load, load_int, nearest
 
-MESH = 7  # mujoco.mjtGeom.mjGEOM_MESH
+wp.set_module_options({"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
+
+# mujoco.mjtGeom
+SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 2, 3, 4, 5, 6, 7
+#: Rows of a triangle: first corner and whether it is the last of its leaf, then both edges from that corner.
+TRIANGLE = 3
+#: Rows of a thing (an object or a part of the robot): three of T_thing_world, colour and the root of its tree, then
+#: texture and texels along its longer side.
+THING = 5
+#: Rows of a face: normal and a scalar each of three corners, then the UV of the second and third corner.
+FACE = 4
+#: Rows of a camera: eye, right and up as far as the picture reaches, back.
+CAMERA = 4
+#: Rows of a scene's light: coefficients of 1, x, y, z, xx, yy, xy, yz, xz of the normal, and one scalar each.
+LIGHT = 9
 #: Ray origins of shadows stand off the surface by this, m (as in MuJoCo Warp).
 OFFSET = 1.0e-4
-#: Deepest stack of the walk through the search tree (Warp's own has 32).
-_DEPTH = 32
-_Nodes = wp.types.vector(length=_DEPTH, dtype=int)
-_Entries = wp.types.vector(length=_DEPTH, dtype=float)
-
-
-@wp.struct
-class Slot:
-    """T_world_mesh of one visual slot; mesh: id; face: row of its mesh's first face; look: row; number: slot."""
-
-    position: wp.vec3
-    rotation: wp.mat33
-    mesh: wp.uint64
-    face: int
-    look: int
-    number: int
-    category: int
-
-
-@wp.struct
-class Part:
-    """One of the robot's visual geoms in its body's frame; kind: MuJoCo's geom type; radius around the centre."""
-
-    position: wp.vec3
-    rotation: wp.mat33
-    centre: wp.vec3
-    radius: float
-    size: wp.vec3
-    mesh: wp.uint64
-    kind: int
-    body: int
-    face: int
-    look: int
-
-
-@wp.struct
-class Face:
-    """Corner normals and texture coordinates of a triangle; density: texture lengths per metre."""
-
-    normal0: wp.vec3
-    normal1: wp.vec3
-    normal2: wp.vec3
-    uv0: wp.vec2
-    uv1: wp.vec2
-    uv2: wp.vec2
-    density: float
-
-
-@wp.struct
-class Look:
-    """Linear colour of a material and its texture, -1 = none; texels along the longer side."""
-
-    colour: wp.vec3
-    texture: int
-    texels: float
-
-
-@wp.struct
-class Light:
-    """Sun and sky of a scene; sunlight: irradiance / pi; even: light where no sky is drawn."""
-
-    sun: wp.vec3
-    sunlight: wp.vec3
-    even: wp.vec3
-    sky: int
-    yaw: float
 
 
 @wp.struct
 class Hit:
-    """Nearest surface; index: row of the slots, or num_slots + part of the robot, -1 = none; face -1: no mesh."""
+    """Nearest surface; thing: row number, -1 = none; face: row number, -1 = no mesh; u, v: of the later corners."""
 
     distance: float
-    normal: wp.vec3
-    index: int
+    thing: int
     face: int
     u: float
     v: float
+    normal: wp.vec3
+
+
+@wp.struct
+class Street:
+    """Where the tables of rows stand that all worlds share; num_objects: things before the first part of the robot.
+
+    parts: two rows each: centre and radius of the ball around it in its frame; half sizes and kind of a primitive.
+    """
+
+    nodes: wp.uint64
+    triangles: wp.uint64
+    faces: wp.uint64
+    things: wp.uint64
+    lights: wp.uint64
+    parts: wp.uint64
+    num_objects: int
+    num_parts: int
+
+
+@wp.struct
+class Views:
+    """Where the tables stand that are filled anew for each frame, one world after the other.
+
+    cameras: 4 rows a world; poses: 3 rows of T_part_world a part; balls: P + 1, around the parts and around all of
+    them; seen: P + 2, how many meshes and primitives are in view, and which.
+    """
+
+    cameras: wp.uint64
+    poses: wp.uint64
+    balls: wp.uint64
+    seen: wp.uint64
 
 
 @wp.func
-def _entry(origin: wp.vec3, inverse: wp.vec3, lower: wp.vec3, upper: wp.vec3, limit: float) -> float:
-    """Distance (>= 0) at which a ray enters a box, -1 = never or beyond the limit."""
-    t1 = wp.cw_mul(lower - origin, inverse)
-    t2 = wp.cw_mul(upper - origin, inverse)
-    near = wp.max(wp.max(wp.min(t1[0], t2[0]), wp.min(t1[1], t2[1])), wp.min(t1[2], t2[2]))
-    far = wp.min(wp.min(wp.max(t1[0], t2[0]), wp.max(t1[1], t2[1])), wp.max(t1[2], t2[2]))
-    first = wp.max(near, 0.0)
-    if far >= first and first < limit:
-        return first
-    return -1.0
-
-
-@wp.func
-def _meet_mesh(mesh: wp.uint64, origin: wp.vec3, direction: wp.vec3, limit: float) -> Hit:
-    """Nearest surface of a mesh in the mesh's frame, from either side: leaves and paint have two faces in one place."""
-    hit = Hit()
-    hit.distance = limit
-    hit.face = -1
-    query = wp.mesh_query_ray(mesh, origin, direction, limit)
-    if query.result:
-        hit.distance = query.t
-        hit.normal = query.normal
-        hit.face = query.face
-        hit.u = query.u
-        hit.v = query.v
-    return hit
-
-
-@wp.func
-def nearest_slot(
-    tree: wp.uint64, root: int, slots: wp.array[Slot], origin: wp.vec3, direction: wp.vec3, limit: float
-) -> Hit:
-    """Nearest slot on a ray; the nearer child of a node is always looked into first."""
-    best = Hit()
-    best.distance = limit
-    best.index = -1
-    best.face = -1
-    if root < 0:
-        return best
-    inverse = wp.vec3(1.0 / direction[0], 1.0 / direction[1], 1.0 / direction[2])
-    nodes = _Nodes()
-    entries = _Entries()
-    nodes[0] = root
-    count = int(1)  # noqa: RUF046, UP018
-    while count > 0:
-        count -= 1
-        if entries[count] >= best.distance:
-            continue
-        node = wp.mjpbr_bvh_node(tree, nodes[count])
-        if node.leaf == 0:
-            left = wp.mjpbr_bvh_node(tree, node.left)
-            right = wp.mjpbr_bvh_node(tree, node.right)
-            at_left = _entry(origin, inverse, left.lower, left.upper, best.distance)
-            at_right = _entry(origin, inverse, right.lower, right.upper, best.distance)
-            near = node.left
-            far = node.right
-            at_near = at_left
-            at_far = at_right
-            if at_right >= 0.0 and (at_left < 0.0 or at_right < at_left):
-                near = node.right
-                far = node.left
-                at_near = at_right
-                at_far = at_left
-            if at_far >= 0.0 and count < _DEPTH:
-                nodes[count] = far
-                entries[count] = at_far
-                count += 1
-            if at_near >= 0.0 and count < _DEPTH:
-                nodes[count] = near
-                entries[count] = at_near
-                count += 1
-            continue
-        for k in range(node.left, node.right):
-            index = wp.mjpbr_bvh_primitive(tree, k)
-            slot = slots[index]
-            back = wp.transpose(slot.rotation)
-            hit = _meet_mesh(slot.mesh, back @ (origin - slot.position), back @ direction, best.distance)
-            # Of surfaces in one place the later slot is seen: paint lies over ground.
-            tie = hit.face >= 0 and best.index < index and hit.distance <= best.distance
-            if hit.face >= 0 and (hit.distance < best.distance or tie):
-                best = hit
-                best.normal = slot.rotation @ hit.normal
-                best.index = index
-    return best
-
-
-@wp.func
-def any_slot(tree: wp.uint64, root: int, slots: wp.array[Slot], origin: wp.vec3, direction: wp.vec3) -> bool:
-    """Whether any slot hides the far end of a ray."""
-    query = wp.bvh_query_ray(tree, origin, direction, root)
-    index = int(0)  # noqa: RUF046, UP018
-    while wp.bvh_query_next(query, index):
-        slot = slots[index]
-        back = wp.transpose(slot.rotation)
-        if wp.mesh_query_ray_anyhit(slot.mesh, back @ (origin - slot.position), back @ direction, 1.0e6):
-            return True
-    return False
+def xyz(row: wp.vec4) -> wp.vec3:
+    return wp.vec3(row[0], row[1], row[2])
 
 
 @wp.func
 def misses_ball(origin: wp.vec3, direction: wp.vec3, ball: wp.vec4) -> bool:
     """Whether a ray passes by a ball (centre, radius) or leads away from it."""
-    to_centre = wp.vec3(ball[0], ball[1], ball[2]) - origin
+    to_centre = xyz(ball) - origin
     along = wp.dot(to_centre, direction)
     square = wp.length_sq(to_centre)
     inside = ball[3] * ball[3]
     return square - along * along > inside or (along < 0.0 and square > inside)
 
 
-@wp.func
-def nearest_part(
-    parts: wp.array[Part],
-    balls: wp.array2d[wp.vec4],
-    position: wp.array2d[wp.vec3],
-    rotation: wp.array2d[wp.mat33],
-    world: int,
-    first: int,
-    origin: wp.vec3,
-    direction: wp.vec3,
-    best: Hit,
-) -> Hit:
-    """The robot's nearest visual geom, if it is nearer than `best`; its index counts on from `first`."""
-    out = best
-    for i in range(parts.shape[0]):
-        if misses_ball(origin, direction, balls[world, i]):
-            continue
-        part = parts[i]
-        turn = rotation[world, i]
-        place = position[world, i]
-        if part.kind == MESH:
-            back = wp.transpose(turn)
-            hit = _meet_mesh(part.mesh, back @ (origin - place), back @ direction, out.distance)
-            if hit.face >= 0:
-                out = hit
-                out.normal = turn @ hit.normal
-                out.index = first + i
-        else:
-            distance, normal = ray_geom(place, turn, part.size, origin, direction, part.kind)
-            if distance >= 0.0 and distance < out.distance and wp.dot(direction, normal) < 0.0:
-                out.distance = distance
-                out.normal = normal
-                out.index = first + i
-                out.face = -1
-    return out
+def _make_primitive(kinds: frozenset[int]) -> Any:
+    """The ray against a primitive of one of the `kinds` in its own frame: (distance or -1, normal)."""
+
+    @wp.func
+    def primitive(kind: int, size: wp.vec3, origin: wp.vec3, direction: wp.vec3) -> tuple[float, wp.vec3]:
+        distance = float(-1.0)
+        normal = wp.vec3(0.0)
+        here = wp.vec3(0.0)
+        straight = wp.identity(n=3, dtype=float)
+        if wp.static(SPHERE in kinds):
+            if kind == wp.static(SPHERE):
+                distance, normal = ray_sphere(here, size[0] * size[0], origin, direction)
+        if wp.static(CAPSULE in kinds):
+            if kind == wp.static(CAPSULE):
+                distance, normal = ray_capsule(here, straight, size, origin, direction)
+        if wp.static(ELLIPSOID in kinds):
+            if kind == wp.static(ELLIPSOID):
+                distance, normal = ray_ellipsoid(here, straight, size, origin, direction)
+        if wp.static(CYLINDER in kinds):
+            if kind == wp.static(CYLINDER):
+                distance, normal = ray_cylinder(here, straight, size, origin, direction)
+        if wp.static(BOX in kinds):
+            if kind == wp.static(BOX):
+                distance, _sides, normal = ray_box(here, straight, size, origin, direction)
+        return distance, normal
+
+    return primitive
+
+
+def make_trace(meshes: int, kinds: tuple[int, ...], shadow: bool) -> Any:
+    """What a ray meets: trace(street, views, root, world, origin, direction, limit) -> Hit.
+
+    Args:
+      meshes: parts of the robot that are meshes; they come before those that are primitives.
+      kinds: mujoco.mjtGeom of each part that is a primitive.
+      shadow: any surface will do; else the nearest.
+    """
+    primitive, parts = _make_primitive(frozenset(kinds)), meshes + len(kinds)
+    find = any_hit if shadow else nearest
+
+    @wp.func
+    def trace(
+        street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
+    ) -> Hit:
+        first_pose = world * wp.static(3 * parts)
+        first_ball = world * wp.static(parts + 1)
+        first_seen = world * wp.static(parts + 2)
+        meshes_met = int(0)  # noqa: RUF046, UP018 (Warp takes a bare number for a constant)
+        primitives_met = int(0)  # noqa: RUF046, UP018
+        if wp.static(parts > 0):
+            if wp.static(shadow):
+                if not misses_ball(origin, direction, load(views.balls, first_ball + wp.static(parts))):
+                    meshes_met = wp.static(meshes)
+                    primitives_met = wp.static(len(kinds))
+            else:
+                meshes_met = load_int(views.seen, first_seen)
+                primitives_met = load_int(views.seen, first_seen + 1)
+        listed = views.seen + wp.uint64(4 * (first_seen + 2))
+        found = find(
+            street.nodes,
+            street.triangles,
+            street.things,
+            views.poses,
+            views.balls,
+            listed,
+            street.num_objects,
+            first_pose,
+            first_ball,
+            meshes_met,
+            root,
+            origin,
+            direction,
+            limit,
+        )
+        best = Hit()
+        best.thing = found[0]
+        best.face = found[1]
+        best.distance = wp.cast(found[2], wp.float32)
+        best.u = wp.cast(found[3], wp.float32)
+        best.v = wp.cast(found[4], wp.float32)
+        if wp.static(len(kinds) > 0):
+            for k in range(primitives_met):
+                part = wp.static(meshes) + k
+                if wp.static(not shadow):
+                    part = load_int(views.seen, first_seen + wp.static(2 + meshes) + k)
+                if not misses_ball(origin, direction, load(views.balls, first_ball + part)):
+                    x = load(views.poses, first_pose + 3 * part)
+                    y = load(views.poses, first_pose + 3 * part + 1)
+                    z = load(views.poses, first_pose + 3 * part + 2)
+                    o = wp.vec3(wp.dot(xyz(x), origin), wp.dot(xyz(y), origin), wp.dot(xyz(z), origin))
+                    d = wp.vec3(wp.dot(xyz(x), direction), wp.dot(xyz(y), direction), wp.dot(xyz(z), direction))
+                    shape = load(street.parts, 2 * part + 1)
+                    t, normal = primitive(int(shape[3]), xyz(shape), o + wp.vec3(x[3], y[3], z[3]), d)
+                    if t >= 0.0 and t < best.distance and wp.dot(d, normal) < 0.0:
+                        best.thing = street.num_objects + part
+                        best.face = -1
+                        best.distance = t
+                        best.normal = normal
+        return best
+
+    return trace
 
 
 @wp.func
-def any_part(
-    parts: wp.array[Part],
-    balls: wp.array2d[wp.vec4],
-    position: wp.array2d[wp.vec3],
-    rotation: wp.array2d[wp.mat33],
-    world: int,
-    origin: wp.vec3,
-    direction: wp.vec3,
-) -> bool:
-    """Whether the robot hides the far end of a ray."""
-    for i in range(parts.shape[0]):
-        if misses_ball(origin, direction, balls[world, i]):
-            continue
-        part = parts[i]
-        turn = rotation[world, i]
-        place = position[world, i]
-        if part.kind == MESH:
-            back = wp.transpose(turn)
-            if wp.mesh_query_ray_anyhit(part.mesh, back @ (origin - place), back @ direction, 1.0e6):
-                return True
-        else:
-            distance, _normal = ray_geom(place, turn, part.size, origin, direction, part.kind)
-            if distance >= 0.0:
-                return True
-    return False
-
-
-@wp.func
-def corner_normal(face: Face, u: float, v: float) -> wp.vec3:
-    """Normal between the corners, in the mesh's frame, not normalised."""
-    return face.normal0 * u + face.normal1 * v + face.normal2 * (1.0 - u - v)
-
-
-@wp.func
-def texel(face: Face, look: Look, textures: wp.array[wp.Texture2D], u: float, v: float, cone: float) -> wp.vec3:
-    """Linear colour of a material at a point of a face; cone: width of the ray on the surface, m."""
-    uv = face.uv0 * u + face.uv1 * v + face.uv2 * (1.0 - u - v)
-    lod = wp.log2(wp.max(cone * face.density * look.texels, 1.0e-8))
-    colour = texture.sample(textures[look.texture], uv, lod)
-    return wp.cw_mul(look.colour, wp.vec3(colour[0], colour[1], colour[2]))
+def _put(table: wp.array[wp.vec4], row: int, v: wp.vec3, last: float):
+    table[row] = wp.vec4(v[0], v[1], v[2], last)
 
 
 @wp.kernel
-def place_parts(
-    parts: wp.array[Part],
+def place(
+    street: Street,
+    shapes: wp.array[wp.vec4],
+    body: wp.array[int],
+    meshes: int,
     xpos: wp.array2d[wp.vec3],
     xquat: wp.array2d[wp.vec4],
+    eye: wp.array[wp.vec3],
+    quaternion: wp.array[wp.vec4],
+    fovy: wp.array[float],
+    aspect: float,
     hidden: float,
-    position: wp.array2d[wp.vec3],
-    rotation: wp.array2d[wp.mat33],
-    balls: wp.array2d[wp.vec4],
+    cameras: wp.array[wp.vec4],
+    poses: wp.array[wp.vec4],
+    balls: wp.array[wp.vec4],
+    seen: wp.array[int],
 ):
-    """T_world_part of every part and a ball around each; the last ball is around all of them; dim worlds."""
+    """Fills the tables of `Views`; shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state blew up; dim worlds."""
     w = wp.tid()
-    number = parts.shape[0]
+    origin = eye[w]
+    q = quaternion[w]
+    turn = wp.quat_to_matrix(wp.quat(q[1], q[2], q[3], q[0]))
+    if not (wp.isfinite(origin) and wp.isfinite(q)):
+        origin = wp.vec3(0.0, 0.0, hidden)
+        turn = wp.identity(n=3, dtype=float)
+    up = wp.tan(0.5 * fovy[w])
+    right = up * aspect
+    _put(cameras, 4 * w, origin, up)
+    _put(cameras, 4 * w + 1, right * wp.vec3(turn[0, 0], turn[1, 0], turn[2, 0]), 0.0)
+    _put(cameras, 4 * w + 2, up * wp.vec3(turn[0, 1], turn[1, 1], turn[2, 1]), 0.0)
+    _put(cameras, 4 * w + 3, wp.vec3(turn[0, 2], turn[1, 2], turn[2, 2]), 0.0)
+    number = street.num_parts
     centre = wp.vec3(0.0)
+    seen_meshes = int(0)  # noqa: RUF046, UP018
+    seen_primitives = int(0)  # noqa: RUF046, UP018
+    # Lengths of the normals of the picture's side planes.
+    slant_x = wp.sqrt(1.0 + right * right)
+    slant_y = wp.sqrt(1.0 + up * up)
     for i in range(number):
-        part = parts[i]
-        q = xquat[w, part.body]
-        turn = wp.quat_to_matrix(wp.quat(q[1], q[2], q[3], q[0]))
-        place = xpos[w, part.body] + turn @ part.position
-        turn = turn @ part.rotation
+        p = xquat[w, body[i]]
+        place = xpos[w, body[i]]
+        frame = wp.quat_to_matrix(wp.quat(p[1], p[2], p[3], p[0]))
         # A state that blew up: the robot goes where nobody looks.
-        if not (wp.isfinite(place) and wp.isfinite(q)):
+        if not (wp.isfinite(place) and wp.isfinite(p)):
             place = wp.vec3(0.0, 0.0, hidden)
-            turn = wp.identity(n=3, dtype=float)
-        position[w, i] = place
-        rotation[w, i] = turn
-        middle = place + turn @ part.centre
-        balls[w, i] = wp.vec4(middle[0], middle[1], middle[2], part.radius)
+            frame = wp.identity(n=3, dtype=float)
+        for row in range(3):
+            shape = shapes[3 * i + row]
+            across = frame @ xyz(shape)
+            _put(poses, 3 * (w * number + i) + row, across, shape[3] - wp.dot(across, place))
+        ball = load(street.parts, 2 * i)
+        middle = place + frame @ xyz(ball)
+        _put(balls, w * (number + 1) + i, middle, ball[3])
         centre += middle / float(number)
+        local = (middle - origin) @ turn
+        x = (wp.abs(local[0]) + local[2] * right) / slant_x
+        y = (wp.abs(local[1]) + local[2] * up) / slant_y
+        if x < ball[3] and y < ball[3] and local[2] < ball[3]:
+            if i < meshes:
+                seen[w * (number + 2) + 2 + seen_meshes] = i
+                seen_meshes += 1
+            else:
+                seen[w * (number + 2) + 2 + meshes + seen_primitives] = i
+                seen_primitives += 1
+    seen[w * (number + 2)] = seen_meshes
+    seen[w * (number + 2) + 1] = seen_primitives
     radius = float(0.0)  # noqa: UP018
     for i in range(number):
-        b = balls[w, i]
-        radius = wp.max(radius, wp.length(wp.vec3(b[0], b[1], b[2]) - centre) + b[3])
-    balls[w, number] = wp.vec4(centre[0], centre[1], centre[2], radius)
+        b = balls[w * (number + 1) + i]
+        radius = wp.max(radius, wp.length(xyz(b) - centre) + b[3])
+    _put(balls, w * (number + 1) + number, centre, radius)
 
 
 def module_options() -> dict[str, object]:
-    """What a kernel that inlines these functions must be built with."""
-    return {"enable_backward": False, "fast_math": True, "extra_build_options": traverse.BUILD_OPTIONS}
+    """What a kernel that inlines these functions is built with."""
+    return {"enable_backward": False, "fast_math": True, "extra_build_options": BUILD_OPTIONS}

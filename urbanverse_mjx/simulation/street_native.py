@@ -1,0 +1,259 @@
+"""The walk of a ray through a street in C++, for both compilers that Warp feeds: clang on the CPU, NVRTC for CUDA.
+
+It is the one part of the renderer that is not written in Warp's own language, which copies whole structs and arrays at
+every branch and call of a loop (a tenth to a fifth of all frames on a CPU).
+"""
+
+import warp as wp
+
+from .street_tree import EMPTY, LEAF, NODE
+
+_WALK = f"""
+namespace urbanverse {{
+
+constexpr int NODE = {NODE}, LEAF = {LEAF}, EMPTY = {EMPTY};
+""" + """
+struct Row { float x, y, z, w; };
+
+CUDA_CALLABLE inline Row load(wp::uint64 table, int row)
+{
+#if defined(__CUDA_ARCH__)
+    const float4 r = __ldg(reinterpret_cast<const float4*>(table) + row);
+    return { r.x, r.y, r.z, r.w };
+#else
+    return reinterpret_cast<const Row*>(table)[row];
+#endif
+}
+
+CUDA_CALLABLE inline int bits(float x)
+{
+#if defined(__CUDA_ARCH__)
+    return __float_as_int(x);
+#else
+    int i;
+    __builtin_memcpy(&i, &x, 4);
+    return i;
+#endif
+}
+
+CUDA_CALLABLE inline float lesser(float a, float b) { return a < b ? a : b; }
+CUDA_CALLABLE inline float larger(float a, float b) { return a > b ? a : b; }
+
+// 1 / x, finite: what is smaller turns a ray by less than its own rounding.
+CUDA_CALLABLE inline float inverse(float x)
+{
+    const float tiny = 1.0e-8f;
+    return 1.0f / (x > tiny || x < -tiny ? x : (x < 0.0f ? -tiny : tiny));
+}
+
+struct Line { float ox, oy, oz, dx, dy, dz; };
+
+// A ray in the frame of what it is to meet; i: 1 / direction, s: -origin / direction.
+struct Ray : Line {
+    float ix, iy, iz, sx, sy, sz;
+
+    CUDA_CALLABLE inline void set(const Line& line)
+    {
+        ox = line.ox, oy = line.oy, oz = line.oz, dx = line.dx, dy = line.dy, dz = line.dz;
+        ix = inverse(dx), iy = inverse(dy), iz = inverse(dz);
+        sx = -ox * ix, sy = -oy * iy, sz = -oz * iz;
+    }
+
+    // The line in the frame whose T_frame_world has three rows from `row` on.
+    CUDA_CALLABLE inline void set(const Line& w, wp::uint64 table, int row)
+    {
+        const Row x = load(table, row), y = load(table, row + 1), z = load(table, row + 2);
+        set({
+            x.x * w.ox + x.y * w.oy + x.z * w.oz + x.w, y.x * w.ox + y.y * w.oy + y.z * w.oz + y.w,
+            z.x * w.ox + z.y * w.oy + z.z * w.oz + z.w, x.x * w.dx + x.y * w.dy + x.z * w.dz,
+            y.x * w.dx + y.y * w.dy + y.z * w.dz, z.x * w.dx + z.y * w.dy + z.z * w.dz
+        });
+    }
+};
+
+// Where a ray enters a box (at >= 0, before the limit).
+CUDA_CALLABLE inline bool enters(const Ray& r, const Row& lower, const Row& upper, float limit, float& at)
+{
+    const float x1 = lower.x * r.ix + r.sx, x2 = upper.x * r.ix + r.sx;
+    const float y1 = lower.y * r.iy + r.sy, y2 = upper.y * r.iy + r.sy;
+    const float z1 = lower.z * r.iz + r.sz, z2 = upper.z * r.iz + r.sz;
+    at = larger(larger(lesser(x1, x2), lesser(y1, y2)), larger(lesser(z1, z2), 0.0f));
+    return lesser(lesser(larger(x1, x2), larger(y1, y2)), lesser(larger(z1, z2), limit)) >= at;
+}
+
+struct Found { float distance, u, v; int thing, face; };
+
+// Nearest of a leaf's triangles, from either side: leaves of trees and paint have two faces in one place. They grow by
+// a millionth, so that no ray passes between two of them.
+template <bool ANY>
+CUDA_CALLABLE inline void meet(wp::uint64 triangles, const Ray& r, int face, int thing, Found& found)
+{
+    for (bool last = false; !last; ++face) {
+        const Row p = load(triangles, 3 * face), e = load(triangles, 3 * face + 1), f = load(triangles, 3 * face + 2);
+        last = p.w != 0.0f;
+        const float ax = r.dy * f.z - r.dz * f.y, ay = r.dz * f.x - r.dx * f.z, az = r.dx * f.y - r.dy * f.x;
+        const float volume = e.x * ax + e.y * ay + e.z * az;
+        const float scale = 1.0f / (volume == 0.0f ? 1.0e30f : volume);
+        const float cx = r.ox - p.x, cy = r.oy - p.y, cz = r.oz - p.z;
+        const float u = (cx * ax + cy * ay + cz * az) * scale;
+        const float bx = cy * e.z - cz * e.y, by = cz * e.x - cx * e.z, bz = cx * e.y - cy * e.x;
+        const float v = (r.dx * bx + r.dy * by + r.dz * bz) * scale;
+        const float t = (f.x * bx + f.y * by + f.z * bz) * scale;
+        if (lesser(lesser(u, v), 1.0f - u - v) >= -1.0e-6f && t > 0.0f && t < found.distance) {
+            found.distance = t, found.u = u, found.v = v, found.thing = thing, found.face = face;
+            if (ANY) return;
+        }
+    }
+}
+
+// Whether a line passes by a ball (centre, radius) or leads away from it.
+CUDA_CALLABLE inline bool misses(const Row& ball, const Line& w)
+{
+    const float x = ball.x - w.ox, y = ball.y - w.oy, z = ball.z - w.oz;
+    const float along = x * w.dx + y * w.dy + z * w.dz, square = x * x + y * y + z * z, inside = ball.w * ball.w;
+    return square - along * along > inside || (along < 0.0f && square > inside);
+}
+
+// Tables (see street_kernels.py), and which of them are of this world: rows of the first part's pose and ball, and the
+// list of `total` parts.
+struct Tables {
+    wp::uint64 nodes, triangles, things, poses, balls, list;
+    int objects, first_pose, first_ball, total;
+};
+
+// The nearest triangle (ANY: some triangle) of the street below `root`, then of the listed parts of the robot.
+template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Found& found)
+{
+    // Warp builds no tree deeper than 32, and here one leads on into another.
+    struct alignas(8) Aside { int reference; float at; } stack[64];
+    Ray ray;
+    ray.set(world);
+    // The thing that is being looked into, and how much of the stack lies below it.
+    int thing = -1, floor = 0, count = 0, listed = 0, current = root;
+    while (true) {
+        while (current < LEAF) {
+            const int row = 4 * (current - NODE);
+            const Row a = load(t.nodes, row), b = load(t.nodes, row + 1);
+            const Row e = load(t.nodes, row + 2), f = load(t.nodes, row + 3);
+            float at_first, at_second;
+            const bool first = enters(ray, a, b, found.distance, at_first);
+            const bool second = enters(ray, e, f, found.distance, at_second);
+            const bool to_first = first && !(second && at_second < at_first);
+            if (first && second) {
+                stack[count].reference = bits(to_first ? e.w : a.w);
+                stack[count].at = to_first ? at_second : at_first;
+                ++count;
+            }
+            current = first || second ? bits(to_first ? a.w : e.w) : EMPTY;
+        }
+        if (current < EMPTY) {
+            if (thing < 0) {
+                thing = current - LEAF;
+                floor = count;
+                current = bits(load(t.things, 5 * thing + 3).w);
+                ray.set(world, t.things, 5 * thing);
+                continue;
+            }
+            meet<ANY>(t.triangles, ray, current - LEAF, thing, found);
+            if (ANY && found.thing >= 0) return;
+            current = EMPTY;
+        }
+        // Nothing below: back to the nearest box that was left aside.
+        while (current == EMPTY && count > 0) {
+            if (thing >= 0 && count == floor) {
+                thing = -1;
+                ray.set(world);
+            }
+            --count;
+            if (stack[count].at < found.distance) current = stack[count].reference;
+        }
+        while (current == EMPTY && listed < t.total) {
+            const int part = ANY ? listed : reinterpret_cast<const int*>(t.list)[listed];
+            ++listed;
+            if (misses(load(t.balls, t.first_ball + part), world)) continue;
+            thing = t.objects + part;
+            floor = 0;
+            current = bits(load(t.things, 5 * thing + 3).w);
+            ray.set(world, t.poses, t.first_pose + 3 * part);
+        }
+        if (current == EMPTY) return;
+    }
+}
+
+}  // namespace urbanverse
+"""
+
+#: What a kernel must be built with that calls `nearest` or `any_hit`.
+BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_WALK, extra_cpu_preamble=_WALK)
+
+#: thing, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).
+Found = wp.types.vector(length=5, dtype=wp.int32)
+
+_CALL = """
+    urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
+    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
+    urbanverse::walk<ANY>(
+        { nodes, triangles, things, poses, balls, list, objects, first_pose, first_ball, total }, root, line, found
+    );
+    wp::vec_t<5, wp::int32> out;
+    out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
+    out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
+    return out;
+"""
+
+
+@wp.func_native("""
+    const urbanverse::Row r = urbanverse::load(table, row);
+    return wp::vec_t<4, wp::float32>(r.x, r.y, r.z, r.w);
+""")
+def load(table: wp.uint64, row: int) -> wp.vec4:
+    """A row of a table in one 16-byte load."""
+    ...
+
+
+@wp.func_native("return reinterpret_cast<const int*>(table)[row];")
+def load_int(table: wp.uint64, row: int) -> int:
+    """A number of a table."""
+    ...
+
+
+@wp.func_native(_CALL.replace("ANY", "false"))
+def nearest(
+    nodes: wp.uint64,
+    triangles: wp.uint64,
+    things: wp.uint64,
+    poses: wp.uint64,
+    balls: wp.uint64,
+    list: wp.uint64,
+    objects: int,
+    first_pose: int,
+    first_ball: int,
+    total: int,
+    root: int,
+    origin: wp.vec3,
+    direction: wp.vec3,
+    limit: float,
+) -> Found:
+    """The nearest triangle on a ray; `list`: `total` numbers of the parts to be looked at."""
+    ...
+
+
+@wp.func_native(_CALL.replace("ANY", "true"))
+def any_hit(
+    nodes: wp.uint64,
+    triangles: wp.uint64,
+    things: wp.uint64,
+    poses: wp.uint64,
+    balls: wp.uint64,
+    list: wp.uint64,
+    objects: int,
+    first_pose: int,
+    first_ball: int,
+    total: int,
+    root: int,
+    origin: wp.vec3,
+    direction: wp.vec3,
+    limit: float,
+) -> Found:
+    """Some triangle on a ray; the first `total` parts are looked at, whatever `list` says."""
+    ...
