@@ -101,8 +101,6 @@ class SharedAssets:
         # The bank's radiance is relative to the display: 1 is white.
         context.exposure = wp.array([PBR_EXPOSURE], dtype=float)
         context.light_intensity = wp.ones((1, 1), dtype=float)
-        # Settings as constants of the kernel: 3 % more frames on a CPU.
-        context.baked = frozenset(kernel_inputs.BAKE_GROUPS)
         if self.settings.sky:
             skies = build_skies(bank.sky_radiance, glossy=True)
             context.env_maps = list(skies.owners)
@@ -183,6 +181,18 @@ class WorldBatch:
         Args (Warp arrays): scene (n,) int; xpos (n, nbody) vec3, xquat (n, nbody) vec4: the robot's bodies;
           eye (n,) vec3, turn (n,) vec4, fovy (n,) float: the cameras.
         """
+        self.place(scene, xpos, xquat, eye, turn, fovy)
+        assets = self.assets
+        # The kernel is the same for all batches: the first to draw builds it.
+        shared = assets.context
+        self.context._megakernel, self.context._megakernel_key = shared._megakernel, shared._megakernel_key
+        pbr.render(self.model, self.data, self.context)
+        shared._megakernel, shared._megakernel_key = self.context._megakernel, self.context._megakernel_key
+        self._unpack(scene, outputs)
+        assets.ready = True
+
+    def place(self, scene, xpos, xquat, eye, turn, fovy) -> None:
+        """Brings objects, robots, cameras and the search tree to where they stand in this frame; see `render`."""
         n, assets, worlds = self.num_worlds, self.assets, self.worlds
         num_slots, robots = assets.render_model.num_slots, len(assets.render_model.robot_body)
         if robots:
@@ -193,13 +203,6 @@ class WorldBatch:
             )
         wp.launch(kernels.place_camera, dim=n, inputs=[eye, turn, fovy, worlds])
         self._update_tree(scene)
-        # The kernel is the same for all batches: the first to draw builds it.
-        shared = assets.context
-        self.context._megakernel, self.context._megakernel_key = shared._megakernel, shared._megakernel_key
-        pbr.render(self.model, self.data, self.context)
-        shared._megakernel, shared._megakernel_key = self.context._megakernel, self.context._megakernel_key
-        self._unpack(scene, outputs)
-        assets.ready = True
 
     def _update_tree(self, scene) -> None:
         base, inputs = self.context.base, [self.assets.tables, scene, self.scene, self.worlds]

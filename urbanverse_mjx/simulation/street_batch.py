@@ -10,11 +10,11 @@ import warp as wp
 from mujoco_warp_pbr._src.material import effective_geom_rgba
 
 from ..datatypes import SceneBank
+from . import street_draw
 from .render_context import ROBOT_LABEL, Settings
 from .render_kernels import NOWHERE
 from .render_model import FAR, RenderModel, rotation_matrices
 from .render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
-from .street_draw import BLOCK, build_draw_kernel
 from .street_kernels import Street, Views, place
 from .street_tree import EMPTY, Trees, as_floats, build_trees, joined
 
@@ -75,7 +75,7 @@ class Streets:
         self._add_parts(model, geoms[self.part_order])
         self._add_light(bank)
         kinds = tuple(int(x) for x in mjm.geom_type[geoms[self.part_order][self.num_meshes :]])
-        self.draw = build_draw_kernel(settings, self.num_meshes, kinds, FAR)
+        self.draw = street_draw.build_draw_kernel(settings, self.num_meshes, kinds, FAR)
         self.ready = False
 
     def _keep(self, rows: np.ndarray) -> int:
@@ -216,7 +216,7 @@ class StreetBatch:
 
         def draw(first: int, last: int) -> None:
             dim = (last - first, settings.height * settings.width)
-            wp.launch(s.draw, dim=dim, inputs=[first, *kept, *out], block_dim=BLOCK)
+            wp.launch(s.draw, dim=dim, inputs=[first, *kept, *out], block_dim=street_draw.BLOCK[0])
             s.ready = True
 
         return [functools.partial(draw, *piece) for piece in self.pieces]

@@ -10,19 +10,20 @@ import warp as wp
 from mujoco_warp_pbr._src import color, envmap, texture
 
 from . import street_kernels as k
-from .render_context import Settings
+from .render_context import OUTPUTS, Settings
 from .street_kernels import FACE, LIGHT, THING, Hit, Street, Views
 
 #: Rows of the bands in which a frame's pixels are drawn, column by column: a warp of the GPU draws 8x4 pixels, whose
 #: rays read the same records.
 _BAND = 8
-#: Threads of a block; tried on an H200, see docs/decisions/renderer.md.
-BLOCK = 64
+#: Threads of a block, and blocks that a multiprocessor of the GPU shall hold at once: how many registers a thread has.
+#: Tried on an H200, see docs/decisions/renderer.md.
+BLOCK = (64, 8)
 
 
 @wp.struct
 class Surface:
-    """What is seen where a ray ends; cone: width of the ray on it, m."""
+    """What is seen where a ray ends."""
 
     normal: wp.vec3
     colour: wp.vec3
@@ -146,15 +147,21 @@ def _make_shade(settings: Settings, trace_any: Any) -> Any:
 
 def build_draw_kernel(settings: Settings, meshes: int, kinds: tuple[int, ...], far: float) -> wp.Kernel:
     """The kernel for pictures of one size; dim (worlds, pixels). For the other arguments see `make_trace`."""
-    height, width, samples, sky, outputs = settings.height, settings.width, settings.samples, settings.sky, settings.outputs
-    want_rgb, want_depth, want_normal = "rgb" in outputs, "depth" in outputs, "normal" in outputs
-    want_labels, want_object, want_category = "object" in outputs or "category" in outputs, "object" in outputs, "category" in outputs
+    height, width, samples, sky = settings.height, settings.width, settings.samples, settings.sky
+    want_rgb, want_depth, want_category, want_object, want_normal = (name in settings.outputs for name in OUTPUTS)
+    want_labels = want_category or want_object
     share = 1.0 / samples
     trace = k.make_trace(meshes, kinds, shadow=False)
     surface = _make_surface(meshes + len(kinds), want_rgb)
     shade = _make_shade(settings, k.make_trace(meshes, kinds, shadow=True) if settings.shadows else None)
 
-    @wp.kernel(module="unique", module_options=k.module_options(), enable_backward=False, grid_stride=False)
+    @wp.kernel(
+        module="unique",
+        module_options=k.module_options(),
+        enable_backward=False,
+        grid_stride=False,
+        launch_bounds=BLOCK,
+    )
     def draw(
         first: int,
         street: Street,

@@ -1,0 +1,317 @@
+"""What the renderer alone makes: frames a second of each shading, look and size, the stock renderer beside them.
+
+    python -m benchmarks.render --cases 135x240@1024,36x64@4096 --shadings matte,pbr,stock --looks plain,shadows
+
+draws robots at random places of all scenes' routes, every env at another, new places in every frame. Each result is
+one JSON line, written to `--out` (and printed with `--json`) as soon as it is known; a configuration that fails writes
+its error and the next one follows. `stock` is MuJoCo Warp's own renderer over the same scenes, meshes and trees.
+
+`frames_per_s` counts frames through `jax.jit(lax.scan(vmap(renderer)))`; `bare_ms` is a batch without JAX, and
+`place_ms` the part of it before any ray is cast (poses, and the refit of trees where there are any).
+"""
+
+import argparse
+import dataclasses
+import gc
+import json
+import pathlib
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import mujoco_warp as mjw
+import numpy as np
+import warp as wp
+
+from benchmarks import _timing
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.simulation import street_draw
+from urbanverse_mjx.simulation.render_context import WorldBatch, WorldBatches
+from urbanverse_mjx.simulation.renderer import Renderer
+
+SHADINGS = ("matte", "pbr", "stock")
+#: What a look changes of the default: sky, textures, no shadows, one ray a pixel.
+LOOKS: dict[str, dict[str, Any]] = {
+    "plain": {},
+    "shadows": {"shadows": True},
+    "no-sky": {"sky": False},
+    "no-textures": {"textures": False},
+    "four-rays": {"samples": 2},
+    "all-outputs": {"outputs": ("rgb", "depth", "category", "object", "normal")},
+}
+#: Places of all envs, used in turn.
+PLACES = 4
+KEPT_FRAMES = 6
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.render", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--bank", type=pathlib.Path, help="a bank file (default: the shipped streets)")
+    parser.add_argument("--cases", default="135x240@1024,36x64@4096", help="HEIGHTxWIDTH@ENVS, ...")
+    parser.add_argument("--shadings", default=",".join(SHADINGS))
+    parser.add_argument("--looks", default="plain,shadows", help=f"of {', '.join(LOOKS)}")
+    parser.add_argument("--frames", type=int, default=8, help="batches in one timed call")
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--seconds", type=float, default=230.0, help="no configuration begins after this")
+    parser.add_argument("--threads", type=int, help="on the CPU (default: all cores)")
+    parser.add_argument("--blocks", default="", help="THREADSxBLOCKS, ...: matte kernels of these launch bounds")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", type=pathlib.Path, help="file for the JSON lines; pictures go to its .npz")
+    parser.add_argument("--json", action="store_true", help="print the JSON lines, too")
+    arguments = parser.parse_args(argv)
+    try:
+        arguments.cases = [tuple(map(int, case.replace("@", "x").split("x"))) for case in arguments.cases.split(",")]
+        assert all(len(case) == 3 and min(case) > 0 for case in arguments.cases)
+        arguments.blocks = [tuple(map(int, b.split("x"))) for b in arguments.blocks.split(",") if b] or [None]
+    except (ValueError, AssertionError):
+        parser.error("--cases: needed HEIGHTxWIDTH@ENVS such as 36x64@4096; --blocks: THREADSxBLOCKS such as 64x8")
+    for name, known in (("shadings", SHADINGS), ("looks", tuple(LOOKS))):
+        setattr(arguments, name, getattr(arguments, name).split(","))
+        if set(getattr(arguments, name)) - set(known):
+            parser.error(f"--{name}: needed some of {', '.join(known)}")
+    return arguments
+
+
+def random_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int) -> tuple[np.ndarray, ...]:
+    """scene (n,), xpos (n, nbody, 3), xquat (n, nbody, 4): robots on routes of all scenes, heading anywhere."""
+    rng = np.random.default_rng(seed)
+    model = mujoco.MjModel.from_xml_string(robot.mjcf)
+    data = mujoco.MjData(model)
+    data.qpos[:3], data.qpos[3:7] = 0.0, (1.0, 0.0, 0.0, 0.0)
+    mujoco.mj_kinematics(model, data)
+    scene = (np.arange(number) % bank.num_scenes).astype(np.int32)
+    row = rng.integers(bank.num_episodes[scene])
+    point = rng.integers(np.maximum(bank.episode_num_waypoints[scene, row], 1))
+    place = bank.episode_waypoints[scene, row, point].astype(np.float64)
+    yaw = rng.uniform(-np.pi, np.pi, number)
+    c, s, half = np.cos(yaw)[:, None], np.sin(yaw)[:, None], yaw[:, None] / 2
+    x, y, z = np.moveaxis(data.xpos, 1, 0)
+    xpos = np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (number, len(z)))], -1) + place[:, None]
+    xpos[..., 2] += robot.spawn_height
+    a, b = np.cos(half), np.sin(half)
+    w, i, j, k = np.moveaxis(data.xquat, 1, 0)
+    xquat = np.stack([a * w - b * k, a * i - b * j, a * j + b * i, a * k + b * w], -1)
+    # The world body stays where it is; nothing is drawn of it.
+    return scene, xpos.astype(np.float32), xquat.astype(np.float32)
+
+
+def through_jax(renderer: Renderer, places: list[tuple[np.ndarray, ...]], frames: int) -> Callable[[], Any]:
+    """A compiled call that draws `frames` batches in a scan, the places in turn."""
+    stacked = tuple(jnp.asarray(np.stack([p[i] for p in places])) for i in range(3))
+
+    def scan(arrays: Any) -> Any:
+        def frame(total: Any, number: Any) -> tuple[Any, None]:
+            pixels = jax.vmap(renderer)(*(x[number % len(places)] for x in arrays))["rgb"]
+            # A sum over a few pixels keeps the frame alive at no cost.
+            return total + pixels[:, 0, 0].astype(jnp.float32).sum(), None
+
+        return jax.lax.scan(frame, jnp.float32(0.0), jnp.arange(frames))[0]
+
+    call = jax.jit(scan).lower(stacked).compile()
+    return lambda: call(stacked)
+
+
+class Bare:
+    """The same frames without JAX, by Warp arrays that are there already."""
+
+    def __init__(self, renderer: Renderer, place: tuple[np.ndarray, ...], height: int, width: int) -> None:
+        scene, xpos, xquat = place
+        camera, number = renderer.camera, len(scene)
+        turn = np.zeros(9)
+        eyes, turns = [], []
+        for p, q in zip(xpos[:, camera.body], xquat[:, camera.body].astype(float), strict=True):
+            mujoco.mju_quat2Mat(turn, q)
+            eyes.append(p + turn.reshape(3, 3) @ camera.position)
+            both = np.zeros(4)
+            mujoco.mju_mulQuat(both, q, camera.quaternion.astype(float))
+            turns.append(both)
+        self.device = wp.get_device(wp.get_preferred_device())
+        with wp.ScopedDevice(self.device):
+            self.inputs = [
+                wp.array(scene, dtype=int),
+                wp.array(xpos, dtype=wp.vec3),
+                wp.array(xquat, dtype=wp.vec4),
+                wp.array(np.array(eyes), dtype=wp.vec3),
+                wp.array(np.array(turns), dtype=wp.vec4),
+                wp.full(number, camera.fovy, dtype=float),
+            ]
+            empty = {"depth": float, "category": int, "object": int, "normal": wp.vec3}
+            self.outputs = {"rgb": wp.zeros((number, height, width, 3), dtype=wp.uint8)}
+            for name, dtype in empty.items():
+                size = (height, width) if name in renderer.settings.outputs else (0, 0)
+                self.outputs[name] = wp.zeros((number, *size), dtype=dtype)
+        self.renderer, self.number = renderer, number
+
+    def draw(self) -> None:
+        with wp.ScopedDevice(self.device):
+            self.renderer._render(self.inputs, self.outputs)
+
+    def place(self) -> None:
+        """What comes before the rays."""
+        _, batch = self.renderer._batch(self.device, self.number)
+        with wp.ScopedDevice(self.device):
+            if isinstance(batch, WorldBatches):
+                for piece, part in self.pieces(batch):
+                    piece.place(*(x[part] for x in self.inputs))
+            else:
+                batch.jobs(self.inputs, self.outputs)
+
+    def pieces(self, batch: WorldBatches) -> list[tuple[WorldBatch, slice]]:
+        ends = np.cumsum([0] + [piece.num_worlds for piece in batch.pieces])
+        return [(p, slice(a, b)) for p, a, b in zip(batch.pieces, ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
+
+
+class Stock(Bare):
+    """MuJoCo Warp's own renderer in the place of mujoco-warp-pbr's, over the same data and trees."""
+
+    def draw(self) -> None:
+        assets, batch = self.renderer._batch(self.device, self.number)
+        settings = self.renderer.settings
+        with wp.ScopedDevice(self.device):
+            self.place()
+            for piece, _ in self.pieces(batch):
+                if not hasattr(piece, "stock"):
+                    piece.stock = self.context(assets, piece, settings)
+                mjw.render(piece.model, piece.data, piece.stock)
+
+    @staticmethod
+    def context(assets: Any, piece: WorldBatch, settings: Any) -> Any:
+        context = mjw.create_render_context(
+            assets.render_model.model,
+            nworld=1,
+            cam_res=(settings.width, settings.height),
+            render_rgb=True,
+            render_depth=False,
+            render_seg=False,
+            use_shadows=settings.shadows,
+            enabled_geom_groups=[0],
+            enable_backface_culling=False,
+        )
+        base = piece.context.base
+        for name in ("lower", "upper", "group", "group_root", "bvh", "bvh_id", "mesh_registry", "mesh_bvh_id"):
+            setattr(context, name, getattr(base, name))
+        for name in ("rgb_data", "depth_data", "seg_data"):
+            array = getattr(context, name)
+            setattr(context, name, wp.zeros((piece.num_worlds, array.shape[1]), dtype=array.dtype))
+        return context
+
+
+def time_bare(call: Callable[[], None], repeats: int) -> float:
+    """Median seconds of a call, with the device waited for."""
+    wp.synchronize()
+    seconds = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        call()
+        wp.synchronize()
+        seconds.append(time.perf_counter() - start)
+    return float(np.median(seconds))
+
+
+def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: str, look: str, arguments: Any) -> Any:
+    """(result, a few frames) of one configuration."""
+    height, width, number = case
+    options = dict(LOOKS[look])
+    if not options.pop("textures", True):
+        bank = dataclasses.replace(bank, material_texture=np.full_like(bank.material_texture, -1))
+    start = time.perf_counter()
+    kind = "pbr" if shading == "stock" else shading
+    renderer = Renderer(bank, robot, height, width, shading=kind, threads=arguments.threads, **options)
+    places = [random_places(bank, robot, number, arguments.seed + i) for i in range(PLACES)]
+    bare = (Stock if shading == "stock" else Bare)(renderer, places[0], height, width)
+    bare.draw()
+    wp.synchronize()
+    result: dict[str, Any] = {"start_s": time.perf_counter() - start}
+    result["bare_ms"] = 1e3 * time_bare(bare.draw, arguments.repeats)
+    result["place_ms"] = 1e3 * time_bare(bare.place, arguments.repeats)
+    if shading == "stock":
+        result["frames_per_s"] = number / (1e-3 * result["bare_ms"])
+        return result, None
+    call = through_jax(renderer, places, arguments.frames)
+    sample = _timing.time_(call, repeats=arguments.repeats)
+    result["frames_per_s"] = sample.rate(arguments.frames * number)
+    result["spread"] = sample.spread
+    result["ms"] = 1e3 * sample.median / arguments.frames
+    return result, bare.outputs["rgb"][:KEPT_FRAMES].numpy()
+
+
+def describe(bank: SceneBank, arguments: argparse.Namespace) -> dict[str, Any]:
+    faces, present = np.diff(bank.mesh_face_start), bank.slot_mesh >= 0
+    triangles = np.where(present, faces[np.maximum(bank.slot_mesh, 0)], 0).sum(1)
+    return {
+        "benchmark": "render",
+        "device": jax.devices()[0].device_kind,
+        "scenes": bank.num_scenes,
+        "objects_per_scene": float(present.sum(1).mean()),
+        "triangles_per_scene": float(triangles.mean()),
+        "bank": str(arguments.bank.name) if arguments.bank else "shipped streets",
+        "frames": arguments.frames,
+        "repeats": arguments.repeats,
+        "versions": {"jax": jax.__version__, "warp": wp.__version__, "mujoco": mujoco.__version__},
+    }
+
+
+def configurations(arguments: argparse.Namespace) -> Any:
+    for case in arguments.cases:
+        for look in arguments.looks:
+            for shading in arguments.shadings:
+                for block in arguments.blocks if shading == "matte" else [None]:
+                    yield case, look, shading, block
+
+
+def load_bank(path: pathlib.Path | None) -> SceneBank:
+    # Scenes are compiled only where no bank is given: a GPU machine brings its own and has no CoACD or trimesh.
+    if path:
+        return SceneBank.load(path)
+    from urbanverse_mjx.cli.scene import ensure_default_bank
+
+    return ensure_default_bank(quiet=True)
+
+
+def main(argv: list[str] | None = None) -> int:
+    arguments = parse(argv)
+    began = time.perf_counter()
+    bank, robot, pictures, failures = load_bank(arguments.bank), make_coco(), {}, 0
+    lines = arguments.out.open("a") if arguments.out else None
+
+    def tell(line: dict[str, Any]) -> None:
+        text = json.dumps({k: float(f"{v:.4g}") if isinstance(v, float) else v for k, v in line.items()})
+        if lines:
+            lines.write(text + "\n")
+            lines.flush()
+        print(text if arguments.json else "  ".join(f"{k} {v}" for k, v in line.items()), flush=True)
+
+    tell(describe(bank, arguments))
+    chosen = street_draw.BLOCK
+    for case, look, shading, block in configurations(arguments):
+        if time.perf_counter() - began > arguments.seconds:
+            tell({"skipped": "out of time"})
+            break
+        name = f"{case[0]}x{case[1]}@{case[2]} {shading} {look}"
+        street_draw.BLOCK = block or chosen
+        line = {"case": name, "block": block, "at_s": time.perf_counter() - began}
+        try:
+            result, frames = measure(bank, robot, case, shading, look, arguments)
+            line |= result
+            if frames is not None:
+                pictures[name.replace(" ", "_")] = frames
+        except Exception as error:
+            failures += 1
+            line |= {"error": repr(error)[:300], "trace": traceback.format_exc()[-600:]}
+        tell(line)
+        if arguments.out:
+            np.savez_compressed(arguments.out.with_suffix(".npz"), **pictures)
+        jax.clear_caches()
+        gc.collect()
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
