@@ -1,15 +1,20 @@
-"""The throughput benchmark: its placing and timing on their own, then one tiny run of the whole."""
+"""The speedometer's timing, placing, configurations, baselines and tables, each on its own; the whole runs in
+`test_throughput_run`."""
 
 import json
 import pathlib
+import subprocess
+import sys
 import time
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from PIL import Image
 
-from benchmarks import _placing, _timing, throughput
+from benchmarks import _memory, _placing, _report, _timing, throughput
+from benchmarks._cases import Case
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.robots import make_coco
@@ -42,13 +47,6 @@ def test_calls_in_turn_alternate() -> None:
     samples = _timing.time_in_turn(calls, repeats=2)
     assert order == ["a", "b"] * 3
     assert {name: len(sample.seconds) for name, sample in samples.items()} == {"a": 2, "b": 2}
-
-
-def test_peak_memory_grows_with_what_is_held() -> None:
-    before = _timing.peak_rss_mib()
-    held = np.ones(int((before + 64) * 2**20 / 8))  # as much as the whole process, so it must set a new peak
-    assert _timing.peak_rss_mib() > before + 32
-    del held
 
 
 def test_offsets_point_to_the_nearest_point_of_each_box(small_bank: SceneBank) -> None:
@@ -92,41 +90,182 @@ def test_a_bank_without_objects_is_refused() -> None:
         _placing.crowded_poses(box_bank(1, num_objects=0), make_coco(), 4, control_dt=0.2)
 
 
-@pytest.mark.parametrize("pixels", ["36", "36x", "axb", "36x64x3"])
-def test_pixels_must_be_height_and_width(pixels: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as caught:
-        throughput.parse(["--pixels", pixels])
-    assert caught.value.code == 2
-    assert "needed HEIGHTxWIDTH such as 36x64" in capsys.readouterr().err
+def test_peak_memory_grows_with_what_is_held() -> None:
+    before = _memory.peak_rss_mib()
+    held = np.ones(int((before + 64) * 2**20 / 8))  # as much as the whole process, so it must set a new peak
+    assert _memory.peak_rss_mib() > before + 32
+    del held
+    assert set(_memory.report()) >= {"peak_rss_mib", "peak_device_mib", "peak_warp_pool_mib"}
 
 
-def test_a_missing_bank_is_one_sentence(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert throughput.main(["--bank", str(tmp_path / "none.npz")]) == 2
-    assert capsys.readouterr().err.startswith("error: ")
+def cases(*options: str) -> list[Case]:
+    return throughput.cases_of(throughput.parse(list(options)))
 
 
-def test_the_whole_prints_one_json_line_whose_parts_add_up(
-    small_bank: SceneBank, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+def test_comma_lists_are_measured_in_every_combination() -> None:
+    found = cases("--num-envs", "4,8", "--pixels", "8x12,none", "--scenes", "1,2", "--measure", "step", "--learn")
+    assert len(found) == 8
+    assert len({(c.num_envs, c.pixels, c.scenes) for c in found}) == 8
+    assert {c.size for c in found} == {(8, 12), None}
+    assert {c.measure for c in found} == {("step", "learn")}
+
+
+def test_options_reach_the_config() -> None:
+    (case,) = cases("--substeps", "10", "--no-sky", "--shadows", "--set", "vision_config.samples=2", "--num-slots", "8")
+    assert case.config_overrides(0.2) == {
+        "preset": "cpu",
+        "impl": "auto",
+        "vision_config.samples": 2,
+        "vision_config.height": 36,
+        "vision_config.width": 64,
+        "vision_config.shadows": True,
+        "vision_config.sky": False,
+        "sim_dt": 0.02,
+        "num_slots": 8,
+    }
+    assert cases("--pixels", "none")[0].config_overrides(0.2) == {"preset": "cpu", "impl": "auto", "vision": False}
+
+
+def test_a_grid_names_configurations_one_by_one(tmp_path: pathlib.Path) -> None:
+    grid = tmp_path / "grid.json"
+    rows = [{"num_envs": 2, "measure": "step,learn"}, {"pixels": "8x12", "rivals": ["c"]}]
+    grid.write_text(json.dumps(rows))
+    found = cases("--grid", str(grid), "--steps", "7", "--measure", "step")
+    assert [(c.num_envs, c.pixels, c.steps) for c in found] == [(2, "36x64", 7), (64, "8x12", 7)]
+    assert [c.measure for c in found] == [("step", "learn"), ("step",)]
+    assert found[1].rivals == ("c",)
+    for case in found:
+        assert Case.from_json(json.loads(json.dumps(case.to_json()))) == case
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--pixels", "36"], "needed HEIGHTxWIDTH such as 36x64"),
+        (["--pixels", "36x"], "needed HEIGHTxWIDTH such as 36x64"),
+        (["--pixels", "0x4"], "needed HEIGHTxWIDTH such as 36x64"),
+        (["--num-envs", "0"], "num_envs: found 0"),
+        (["--num-envs", "a"], "--num-envs: found 'a', needed a comma list of numbers"),
+        (["--measure", "speed"], "measure: found 'speed', needed some of step"),
+        (["--rivals", "isaac"], "found 'isaac', needed one of mjx, warp, c"),
+        (["--impl", "fast"], "found 'fast', needed one of"),
+        (["--set", "samples"], "needed KEY=JSON"),
+        (["--grid", "none.json"], "found no readable JSON"),
+        (["--bank", "none.npz"], "no such file"),
+    ],
+)
+def test_mistakes_are_one_sentence(options: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert throughput.main([*options, "--json"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert said in error
+
+
+@pytest.mark.parametrize("body", ["{}", "[]", "[1]", '[{"envs": 3}]', '[{"measure": 3}]'])
+def test_a_grid_must_be_one(body: str, tmp_path: pathlib.Path) -> None:
+    grid = tmp_path / "grid.json"
+    grid.write_text(body)
+    with pytest.raises(NounError, match="grid"):
+        cases("--grid", str(grid))
+
+
+MACHINE = {"device": "cpu", "cores": 2}
+
+
+def row(rate: float, **more: Any) -> dict[str, Any]:
+    same = {"env": "CocoNav", "impl": "jax", "num_envs": 64, "pixels": [36, 64], "bank": "0123", "machine": MACHINE}
+    return {**same, "env_steps_per_s": rate, "parts": {"physics_steps_per_s": 50 * rate}, **more}
+
+
+def test_a_run_is_compared_with_its_own_baseline(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "cpu.json"
+    _report.save_baseline([row(100.0), row(10.0, num_envs=8), row(0.0, num_envs=9, error="out of memory")], path)
+    now = [row(86.0), row(8.0, num_envs=8), row(1.0, num_envs=9), row(1.0, bank="other")]
+    found = {(f["baseline"], f["rate"]): f for f in _report.compare(now, path, 0.15)}
+    assert len(found) == 4  # two rates of the two rows that the baseline holds
+    assert found[100.0, "env_steps_per_s"]["ratio"] == pytest.approx(0.86)
+    assert not found[100.0, "env_steps_per_s"]["slower"]
+    assert found[10.0, "env_steps_per_s"]["slower"]
+    assert found[500.0, "parts.physics_steps_per_s"]["slower"]
+    # A rate that the baseline has and the run lacks is slower, too.
+    lacking = {name: value for name, value in row(100.0).items() if name != "parts"}
+    assert [f["slower"] for f in _report.compare([lacking], path, 0.15)] == [False, True]
+
+
+def test_what_cannot_be_compared_is_refused(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "cpu.json"
+    with pytest.raises(NounError, match="found no baseline"):
+        _report.compare([row(1.0)], path, 0.15)
+    _report.save_baseline([row(1.0)], path)
+    with pytest.raises(NounError, match="baseline of cores 2, needed one of 4"):
+        _report.compare([row(1.0, machine={"device": "cpu", "cores": 4})], path, 0.15)
+    with pytest.raises(NounError, match="no row of the baseline measured"):
+        _report.compare([row(1.0, num_envs=1)], path, 0.15)
+    path.write_text("{}")
+    with pytest.raises(NounError, match="found something else"):
+        _report.compare([row(1.0)], path, 0.15)
+    with pytest.raises(NounError, match="no row without an error"):
+        _report.save_baseline([row(1.0, error="x")], path)
+
+
+def test_the_exit_status_says_whether_it_became_slower(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    bank = tmp_path / "bank.npz"
-    small_bank.save(bank)
-    options = ["--impl", "jax", "--num-envs", "4", "--pixels", "8x12", "--steps", "3", "--repeats", "2", "--json"]
-    assert throughput.main([*options, "--bank", str(bank)]) == 0
-    (line,) = capsys.readouterr().out.splitlines()
-    result = json.loads(line)
-    assert (result["num_envs"], result["pixels"], result["impl"]) == (4, [8, 12], "jax")
-    seconds, share = result["seconds_per_step"], result["share"]
-    assert seconds["physics"] > 0
-    assert seconds["render"] > 0
-    assert seconds["physics"] + seconds["render"] + seconds["rest"] == pytest.approx(seconds["total"], rel=1e-2)
-    assert sum(share.values()) == pytest.approx(1.0, abs=2e-3)
-    assert result["env_steps_per_s"] == pytest.approx(4 / seconds["total"], rel=1e-2)
-    assert all(value > 0 for value in result["compile_s"].values())
-    assert result["memory"]["peak_rss_mib"] > 100
-    physics = result["physics_active"]
-    assert physics["physics_steps_per_s"] > 0
-    ratio = physics["no_slots_physics_steps_per_s"] / physics["physics_steps_per_s"]
-    assert physics["cost_ratio_to_no_slots"] == pytest.approx(ratio, rel=1e-2)
-    # Robots that stand with hulls in reach and drive at the nearest are in contact for part of the time.
-    assert physics["hulls_in_reach_at_start"] >= 1
-    assert physics["share_of_envs_in_contact"] > 0
+    path, rows = tmp_path / "cpu.json", [row(100.0)]
+    monkeypatch.setattr(throughput, "rows_of", lambda case, proof: iter(rows))
+    assert throughput.main(["--save-baseline", str(path)]) == 0
+    assert throughput.main(["--compare", str(path)]) == 0
+    rows[:] = [row(80.0)]
+    assert throughput.main(["--compare", str(path)]) == 1
+    assert "SLOWER 0.800 of the baseline: env_steps_per_s" in capsys.readouterr().err
+    assert throughput.main(["--compare", str(path), "--tolerance", "0.25"]) == 0
+    rows[:] = [row(100.0), row(0.0, num_envs=1, error="out of memory")]
+    assert throughput.main(["--compare", str(path)]) == 1
+    assert throughput.main([]) == 1
+
+
+def test_the_table_has_a_line_a_row_and_says_what_failed() -> None:
+    rows = [row(1234.5), row(0.5, num_envs=9999, error="out of | memory")]
+    rows += [{"rival": "C MuJoCo", "does": "one scene for all", "physics_steps_per_s": 777.0, "machine": MACHINE}]
+    lines = _report.markdown(rows).splitlines()
+    assert len(lines) == 5
+    assert len({line.count("|") for line in lines}) == 1
+    assert "1,234" in lines[2]
+    assert "out of / memory" in lines[3]
+    assert "one scene for all" in lines[4]
+    assert "777" in lines[4]
+
+
+def test_the_proof_sheet_shows_every_frame_once(tmp_path: pathlib.Path) -> None:
+    frames = np.random.default_rng(0).integers(0, 255, (5, 4, 6, 3), np.uint8)
+    _report.proof_sheet(frames, tmp_path / "proof.png")
+    sheet = np.asarray(Image.open(tmp_path / "proof.png"))
+    assert sheet.shape == (2 * 5 - 1, 3 * 7 - 1, 3)
+    for i, frame in enumerate(frames):
+        y, x = i // 3 * 5, i % 3 * 7
+        np.testing.assert_array_equal(sheet[y : y + 4, x : x + 6], frame)
+
+
+def test_numbers_that_json_cannot_hold_become_none() -> None:
+    found = _report.rounded({"a": 1.23456, "b": {"c": float("nan")}, "d": 12345})
+    assert found == {"a": 1.235, "b": {"c": None}, "d": 12345}
+
+
+def test_the_hash_of_a_bank_tells_banks_apart(small_bank: SceneBank) -> None:
+    assert _report.bank_hash(small_bank) == _report.bank_hash(box_bank(3, seed=0))
+    assert _report.bank_hash(small_bank) != _report.bank_hash(box_bank(3, seed=1))
+
+
+def test_an_isolated_case_that_dies_becomes_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The process prints one row and is killed: the row is kept, and one more says how it ended."""
+
+    def run(command: list[str], input: str, **options: Any) -> Any:
+        code = "import os; print('{}', flush=True); os.kill(os.getpid(), 9)"
+        return real([sys.executable, "-c", code], input=input, **options)
+
+    real = subprocess.run
+    monkeypatch.setattr(subprocess, "run", run)
+    first, second = throughput.isolated(Case(num_envs=3), None)
+    assert first == {}
+    assert second["num_envs"] == 3
+    assert "status -9" in second["error"]
