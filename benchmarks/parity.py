@@ -1,84 +1,175 @@
-"""How far the MJX engine parts from C MuJoCo in the shipped streets.
+"""How far the engines part from C MuJoCo.
 
-    python -m benchmarks.parity --drives 24 --json
+    python -m benchmarks.parity --impl all --json
 
-compiles the streets, drives robots at what stands in the way, in C MuJoCo on each saved `scene.xml` and in the engine
-in one batch, and prints one JSON line: the largest difference before the first contact and the drive it occurred in,
-physics steps between the onsets, and the differences one second after the first contact (median and largest). The exit
-status is 1 where a tolerance of the design is broken: 1 mm before contact, onset within one physics step, one second
-later 5 mm in the median and 50 mm at most, and no hit in one engine alone.
+drives robots through the shipped streets (compiled anew, C MuJoCo in each saved `scene.xml`) and through box streets,
+each engine with all drives of a suite in one batch: free driving, ramps, kerbs, grazing and head-on hits, gaps too
+narrow for the robot, and drives aimed at objects at any angle. One JSON line says, per engine and suite, the largest
+difference before the first contact and one second after it, in which scene, drive and second, the physics steps
+between the onsets, and what differs otherwise. The exit status is 1 where a tolerance of the design is broken: 1 mm
+before contact, onset within one physics step, one second later 5 mm in the median and 50 mm at most, no hit in one
+engine alone, and no episode that would end for another reason.
 """
 
 import argparse
+import collections
+import dataclasses
 import json
 import pathlib
 import sys
 import tempfile
+from collections.abc import Sequence
+from typing import Any
 
 import mujoco
 
 from urbanverse_mjx.cli.scene import compile_graph, shipped_scenes
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene import pack_bank
+from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation import truth
-from urbanverse_mjx.simulation.jax_engine import JaxEngine
+from urbanverse_mjx.simulation.engines import make_engine
 
 CONTROL_DT = 0.2
 TOLERANCES = {"before_contact_max_mm": 1.0, "onset_max_steps": 1, "after_1s_median_mm": 5.0, "after_1s_max_mm": 50.0}
+NEVER = ("hit_flags_differ", "objects_differ", "ends_differ")
+#: Figures and the drive and the time they occurred in.
+LARGEST = ("before_contact", "after_1s")
+
+
+@dataclasses.dataclass(frozen=True)
+class Suite:
+    """Drives in some scenes and what C MuJoCo makes of them."""
+
+    bank: SceneBank
+    drives: truth.Drives
+    expected: truth.Trace
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.parity", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--impl", choices=("warp", "jax", "all"), default="all")
     parser.add_argument("--graphs", type=pathlib.Path, nargs="+", help="scene graphs (default: the shipped streets)")
     parser.add_argument("--robot", choices=("differential", "ackermann"), default="differential")
-    parser.add_argument("--drives", type=int, default=24)
+    parser.add_argument("--drives", type=int, default=60, help="in the scene graphs; 0 leaves them out")
+    parser.add_argument("--boxes", type=int, default=20, help="box streets, one drive each; 0 leaves them out")
     parser.add_argument("--seconds", type=float, default=4.0, help="of each drive")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", action="store_true", help="print one JSON line")
     arguments = parser.parse_args(argv)
-    if arguments.drives < 1 or arguments.seconds < CONTROL_DT:
-        parser.error(f"--drives must be at least 1 and --seconds at least {CONTROL_DT:g}")
+    if min(arguments.drives, arguments.boxes) < 0 or arguments.drives + arguments.boxes < 1:
+        parser.error("--drives and --boxes must not be negative, and one of them positive")
+    if arguments.seconds < CONTROL_DT:
+        parser.error(f"--seconds must be at least {CONTROL_DT:g}")
     return arguments
 
 
-def measure(arguments: argparse.Namespace) -> dict[str, object]:
+def make_suite(
+    bank: SceneBank, scenes: Sequence[mujoco.MjSpec], robot: RobotSpec, count: int, seconds: float, seed: int
+) -> Suite:
+    """`count` drives of all kinds by turns in all scenes by turns, driven in C MuJoCo."""
+    drives = truth.mixed_drives(bank, robot, count, round(seconds / CONTROL_DT), CONTROL_DT, seed)
+    models = [truth.truth_model(scene, robot) for scene in scenes]
+    return Suite(bank, drives, truth.drive_truth(models, robot, drives, CONTROL_DT))
+
+
+def street_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
+    """Drives in scene graphs, compiled into a folder that is gone afterwards."""
     graphs, splits = shipped_scenes()
     if arguments.graphs:
         graphs, splits = arguments.graphs, ["train"] * len(arguments.graphs)
-    robot = make_coco(arguments.robot)
     with tempfile.TemporaryDirectory(prefix="urbanverse-parity-") as work:
         folders = [pathlib.Path(work) / str(i) for i in range(len(graphs))]
         for graph, folder in zip(graphs, folders, strict=True):
             compile_graph(graph, folder, arguments.seed)
-        bank = pack_bank(folders, splits)
-        models = [truth.truth_model(mujoco.MjSpec.from_file(str(f / "scene.xml")), robot) for f in folders]
-    steps = round(arguments.seconds / CONTROL_DT)
-    drives = truth.aimed_drives(bank, robot, arguments.drives, steps, CONTROL_DT, arguments.seed)
-    expected = truth.drive_truth(models, robot, drives, CONTROL_DT)
-    found = truth.drive_engine(JaxEngine(bank, robot, CONTROL_DT), bank, drives)
-    report = truth.compare(expected, found, robot)
-    figures = report.summary()
-    names = [n for n in figures if n.endswith("worst_drive") and figures[n] is not None]
+        scenes = [mujoco.MjSpec.from_file(str(folder / "scene.xml")) for folder in folders]
+        return make_suite(
+            pack_bank(folders, splits), scenes, robot, arguments.drives, arguments.seconds, arguments.seed
+        )
+
+
+def box_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
+    """As many worlds as scenes, all at once."""
+    from tests.support.box_bank import box_bank, box_scenes
+
+    scenes = [scene_spec(scene) for scene in box_scenes(arguments.boxes, arguments.seed)]
+    bank = box_bank(arguments.boxes, arguments.seed)
+    return make_suite(bank, scenes, robot, arguments.boxes, arguments.seconds, arguments.seed)
+
+
+def judge(suite: Suite, found: truth.Trace, robot: RobotSpec) -> dict[str, Any]:
+    """The figures of one engine in one suite, where they are largest, and which tolerances they break."""
+    figures = truth.compare(suite.expected, found, robot).summary()
+    for name in LARGEST:
+        drive = figures[f"{name}_worst_drive"]
+        if drive is not None:
+            figures[f"{name}_worst_scene"] = suite.bank.scene_ids[suite.drives.scene[drive]]
+            figures[f"{name}_worst_kind"] = suite.drives.kind[drive]
     broken = [name for name, limit in TOLERANCES.items() if (figures[name] or 0) > limit]
-    broken += [name for name in ("hit_flags_differ", "objects_differ") if figures[name]]
-    scenes = {n.replace("drive", "scene"): bank.scene_ids[drives.scene[figures[n]]] for n in names}
-    return {"robot": robot.name, **figures, **scenes, "broken": broken}
+    broken += [name for name in NEVER if figures[name]]
+    return {**figures, "kinds": dict(collections.Counter(suite.drives.kind)), "broken": broken}
+
+
+def measure(arguments: argparse.Namespace) -> dict[str, Any]:
+    robot = make_coco(arguments.robot)
+    suites = {"boxes": box_suite(arguments, robot)} if arguments.boxes else {}
+    if arguments.drives:
+        suites["streets"] = street_suite(arguments, robot)
+    result: dict[str, Any] = {"benchmark": "parity", "robot": robot.name, "engines": {}}
+    for impl in ("warp", "jax") if arguments.impl == "all" else (arguments.impl,):
+        result["engines"][impl] = {}
+        for name, suite in suites.items():
+            engine = make_engine(suite.bank, robot, impl=impl, control_dt=CONTROL_DT)
+            result["engines"][impl][name] = judge(suite, truth.drive_engine(engine, suite.bank, suite.drives), robot)
+    result["largest"] = largest(result["engines"])
+    result["broken"] = sorted(
+        f"{impl} {name}: {what}"
+        for impl, parts in result["engines"].items()
+        for name, part in parts.items()
+        for what in part["broken"]
+    )
+    return result
+
+
+def largest(engines: dict[str, dict[str, dict[str, Any]]]) -> dict[str, str]:
+    """In words: the largest difference before and after contact, and where."""
+    words = {}
+    for name in LARGEST:
+        found = [
+            (part[f"{name}_max_mm"], impl, suite, part)
+            for impl, parts in engines.items()
+            for suite, part in parts.items()
+            if part[f"{name}_worst_drive"] is not None
+        ]
+        if found:
+            worst, impl, suite, part = max(found, key=lambda row: row[0])
+            words[name] = (
+                f"{worst:g} mm: {impl}, {suite}, scene {part[f'{name}_worst_scene']}, "
+                f"drive {part[f'{name}_worst_drive']} ({part[f'{name}_worst_kind']}), "
+                f"{part[f'{name}_worst_time_s']:g} s"
+            )
+    return words
 
 
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
-        figures = measure(arguments)
+        result = measure(arguments)
     except NounError as error:
         print(f"parity: {error}", file=sys.stderr)
         return 2
     if arguments.json:
-        print(json.dumps(figures))
+        print(json.dumps(result))
     else:
-        print("\n".join(f"{name}: {value}" for name, value in figures.items()))
-    return 1 if figures["broken"] else 0
+        for impl, parts in result["engines"].items():
+            for suite, figures in parts.items():
+                print(f"{impl}, {suite}:")
+                print("\n".join(f"  {name}: {value}" for name, value in figures.items()))
+        print("\n".join(f"largest difference, {name}: {text}" for name, text in result["largest"].items()))
+        print(f"broken: {', '.join(result['broken']) or 'none'}")
+    return 1 if result["broken"] else 0
 
 
 if __name__ == "__main__":

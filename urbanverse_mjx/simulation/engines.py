@@ -1,6 +1,7 @@
 """Chooses an engine by name."""
 
 import dataclasses
+import xml.etree.ElementTree as ET
 from typing import Any
 
 import jax
@@ -31,8 +32,8 @@ def make_engine(
     """
     if impl not in IMPLS:
         raise NounError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
-    if physics_dt is not None:
-        robot = dataclasses.replace(robot, physics_timestep=physics_dt)
+    if physics_dt is not None and physics_dt != robot.physics_timestep:
+        robot = with_timestep(robot, physics_dt)
     if choose_impl(impl) == "warp":
         # Warp takes a second to import, and says so: only those who use it pay.
         from .warp_engine import WarpEngine
@@ -48,3 +49,13 @@ def choose_impl(impl: str) -> str:
     if impl != "auto":
         return impl
     return "warp" if jax.default_backend() in ("gpu", "cuda") else "jax"
+
+
+def with_timestep(robot: RobotSpec, timestep: float) -> RobotSpec:
+    """The robot with another physics step (s), in its MJCF, too."""
+    root = ET.fromstring(robot.mjcf)
+    option = root.find("option")
+    if option is None:
+        option = ET.SubElement(root, "option")
+    option.set("timestep", repr(float(timestep)))
+    return dataclasses.replace(robot, physics_timestep=timestep, mjcf=ET.tostring(root, encoding="unicode"))

@@ -1,7 +1,7 @@
 """C MuJoCo as the truth: the same drives in the scene's own MJCF and in an engine, and how far they part.
 
-In:   scenes as `MjSpec` (the saved `scene.xml`), the engine, starts and commands.
-Out:  `Drives`, `Trace`, `ParityReport`.
+In:   scenes as `MjSpec` (the saved `scene.xml`), engines, `Drives`.
+Out:  `Trace`, `ParityReport`.
 When: in tests and in `benchmarks/parity.py`, on the host.
 """
 
@@ -14,26 +14,26 @@ import mujoco
 import numpy as np
 
 from ..datatypes import RobotSpec, SceneBank
-from .jax_engine import JaxEngine
+from .truth_drives import KINDS, Drives, aimed_drives, mixed_drives
+
+__all__ = [
+    "KINDS",
+    "Drives",
+    "ParityReport",
+    "Trace",
+    "aimed_drives",
+    "compare",
+    "drive_engine",
+    "drive_truth",
+    "mixed_drives",
+    "truth_model",
+]
 
 #: How the scene's MJCF names what is no object.
 _GROUND = "ground/"
 _ROBOT = "robot/"
-
-
-@dataclasses.dataclass(frozen=True)
-class Drives:
-    """N drives of T control steps.
-
-    Attributes:
-      scene: (N,) i32 rows of the bank.
-      qpos: (N, nq) f32 starts, at rest.
-      ctrl: (T, N, nu) f32 actuator commands.
-    """
-
-    scene: np.ndarray
-    qpos: np.ndarray
-    ctrl: np.ndarray
+#: cos of the tilt (60 degrees) at which a robot counts as fallen, as in `envs`.
+_FALLEN = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,34 +59,49 @@ class ParityReport:
 
     Attributes:
       before: (N,) m, largest until the earlier first touch (the whole drive where there is none).
+      before_time: (N,) s into the drive, when that was.
       onset: (N,) i32 physics steps between the first touches; 0 where neither touches, -1 where only one does.
       after: (N,) m, one second after the first touch; NaN where there is none or the drive ends earlier.
+      after_time: (N,) s into the drive, when that was.
       hit: (N,) bool, touched in C MuJoCo.
       objects_agree: (N,) bool: the engine names only objects that were touched, and the same about the ground.
+      ends_agree: (N,) bool: an episode would end for the same reason: a hit, a fall, a NaN, or none.
     """
 
     before: np.ndarray
+    before_time: np.ndarray
     onset: np.ndarray
     after: np.ndarray
+    after_time: np.ndarray
     hit: np.ndarray
     objects_agree: np.ndarray
+    ends_agree: np.ndarray
 
     def summary(self) -> dict[str, Any]:
         """The figures of the tolerances and the drives where they are largest."""
-        after = self.after[~np.isnan(self.after)]
+        known = np.flatnonzero(~np.isnan(self.after))
+        first, last = int(self.before.argmax()), int(known[self.after[known].argmax()]) if len(known) else None
         return {
             "drives": len(self.hit),
             "hits": int(self.hit.sum()),
-            "before_contact_max_mm": round(float(self.before.max()) * 1e3, 4),
-            "before_contact_worst_drive": int(self.before.argmax()),
+            "before_contact_max_mm": _millimetres(self.before[first]),
+            "before_contact_worst_drive": first,
+            "before_contact_worst_time_s": round(float(self.before_time[first]), 3),
             "onset_max_steps": int(self.onset.max()),
+            "onset_worst_drive": int(self.onset.argmax()),
             "hit_flags_differ": int((self.onset < 0).sum()),
             "objects_differ": int((~self.objects_agree).sum()),
-            "after_1s_drives": len(after),
-            "after_1s_median_mm": round(float(np.median(after)) * 1e3, 4) if len(after) else None,
-            "after_1s_max_mm": round(float(after.max()) * 1e3, 4) if len(after) else None,
-            "after_1s_worst_drive": int(np.nanargmax(self.after)) if len(after) else None,
+            "ends_differ": int((~self.ends_agree).sum()),
+            "after_1s_drives": len(known),
+            "after_1s_median_mm": _millimetres(np.median(self.after[known])) if len(known) else None,
+            "after_1s_max_mm": _millimetres(self.after[last]) if last is not None else None,
+            "after_1s_worst_drive": last,
+            "after_1s_worst_time_s": round(float(self.after_time[last]), 3) if last is not None else None,
         }
+
+
+def _millimetres(metres: Any) -> float:
+    return round(float(metres) * 1e3, 4)
 
 
 def truth_model(scene: mujoco.MjSpec, robot: RobotSpec) -> mujoco.MjModel:
@@ -96,40 +111,6 @@ def truth_model(scene: mujoco.MjSpec, robot: RobotSpec) -> mujoco.MjModel:
         setattr(scene.option, option, getattr(body.option, option))
     scene.attach(body, prefix=_ROBOT, frame=scene.worldbody.add_frame())
     return scene.compile()
-
-
-def aimed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, control_dt: float, seed: int) -> Drives:
-    """Drives that start a few metres from an object and head for it, in all scenes by turns.
-
-    The speed is constant and the yaw rate swings, so that most of them hit, at all angles.
-    """
-    rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(robot.mjcf)
-    scene = (np.arange(count) % bank.num_scenes).astype(np.int32)
-    qpos = np.tile(model.qpos0.astype(np.float32), (count, 1))
-    command = np.zeros((steps, count, 2), np.float32)
-    time = np.arange(steps) * control_dt
-    for i in range(count):
-        start, yaw = _aim(bank, int(scene[i]), rng)
-        qpos[i, :3] = start + (0.0, 0.0, robot.spawn_height)
-        qpos[i, 3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
-        command[:, i, 0] = rng.uniform(0.4, 1.0) * robot.max_speed
-        command[:, i, 1] = (
-            rng.uniform(0, 0.5) * robot.max_yaw_rate * np.sin(rng.uniform(1, 3) * time + rng.uniform(0, 6))
-        )
-    return Drives(scene, qpos, np.array(jax.vmap(jax.vmap(robot.command))(command)))
-
-
-def _aim(bank: SceneBank, scene: int, rng: np.random.Generator) -> tuple[np.ndarray, float]:
-    """A start of the episode table with an object 1.5-4 m away, and the yaw (rad) that points about there."""
-    present = bank.inst_hull[scene] >= 0
-    targets = bank.inst_position[scene, present]
-    rows = bank.episode_start[scene, : bank.num_episodes[scene], :3]
-    apart = np.linalg.norm(rows[:, None, :2] - targets[None, :, :2], axis=-1)
-    near = np.argwhere((apart > 1.5) & (apart < 4.0))
-    row, target = near[rng.integers(len(near))] if len(near) else np.unravel_index(apart.argmin(), apart.shape)
-    way = targets[target] - rows[row]
-    return rows[row], float(np.arctan2(way[1], way[0]) + rng.uniform(-0.15, 0.15))
 
 
 def drive_truth(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: Drives, control_dt: float) -> Trace:
@@ -161,8 +142,8 @@ def drive_truth(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: Driv
     return Trace(qpos, hit, tuple(objects), ground)
 
 
-def drive_engine(engine: JaxEngine, bank: SceneBank, drives: Drives) -> Trace:
-    """The drives in the engine, all in one batch."""
+def drive_engine(engine: Any, bank: SceneBank, drives: Drives) -> Trace:
+    """The drives in an engine (`JaxEngine` or `WarpEngine`), all in one batch."""
     step = jax.jit(jax.vmap(engine.step_and_record))
     model = engine.physics.model
     state = jax.jit(jax.vmap(engine.init))(
@@ -179,18 +160,37 @@ def drive_engine(engine: JaxEngine, bank: SceneBank, drives: Drives) -> Trace:
     return Trace(np.concatenate(qpos, 1), np.concatenate(hit, 1), tuple(frozenset(s) for s in seen), ground)
 
 
+def _ends(trace: Trace) -> list[str]:
+    """Why an episode would end, per drive; what comes first counts, and a hit before a fall."""
+    x, y = trace.qpos[..., 4], trace.qpos[..., 5]
+    events = {"hit": trace.hit, "fall": 1.0 - 2.0 * (x * x + y * y) < _FALLEN, "nan": ~np.isfinite(trace.qpos).all(-1)}
+    first = {name: np.where(e.any(1), e.argmax(1), e.shape[1]) for name, e in events.items()}
+    steps = trace.hit.shape[1]
+    return [
+        min(events, key=lambda name, i=i: first[name][i]) if min(f[i] for f in first.values()) < steps else "none"
+        for i in range(len(trace.hit))
+    ]
+
+
 def compare(truth: Trace, engine: Trace, robot: RobotSpec) -> ParityReport:
     """How far the engine parts from the truth."""
     count, steps = truth.hit.shape
+    dt, rows = robot.physics_timestep, np.arange(count)
     apart = np.linalg.norm(truth.qpos[..., :3] - engine.qpos[..., :3], axis=-1)
-    second = round(1.0 / robot.physics_timestep)
+    # What is no number is far away from everything.
+    apart = np.where(np.isnan(apart), np.inf, apart)
     first = [np.where(t.hit.any(1), t.hit.argmax(1), steps) for t in (truth, engine)]
     both, either = np.maximum(*first), np.minimum(*first)
-    before = np.array([apart[i, : max(int(either[i]), 1)].max() for i in range(count)])
-    late = either + second
-    after = np.where(late < steps, apart[np.arange(count), np.minimum(late, steps - 1)], np.nan)
-    onset = np.where((both == steps) & (either < steps), -1, both - either)
-    agree = np.array([e <= t for t, e in zip(truth.objects, engine.objects, strict=True)]) & (
-        truth.ground == engine.ground
+    worst = np.array([apart[i, : max(int(either[i]), 1)].argmax() for i in range(count)])
+    late = either + round(1.0 / dt)
+    agree = np.array([e <= t for t, e in zip(truth.objects, engine.objects, strict=True)])
+    return ParityReport(
+        before=apart[rows, worst],
+        before_time=(worst + 1) * dt,
+        onset=np.where((both == steps) & (either < steps), -1, both - either).astype(np.int32),
+        after=np.where(late < steps, apart[rows, np.minimum(late, steps - 1)], np.nan),
+        after_time=(late + 1) * dt,
+        hit=truth.hit.any(1),
+        objects_agree=agree & (truth.ground == engine.ground),
+        ends_agree=np.array([a == b for a, b in zip(_ends(truth), _ends(engine), strict=True)]),
     )
-    return ParityReport(before, onset.astype(np.int32), after, truth.hit.any(1), agree)
