@@ -169,13 +169,14 @@ def test_overrides_and_errors(small_bank: SceneBank) -> None:
     with pytest.raises(NounError, match=r"CocoNav.*did you mean 'CocoNav'"):
         registry.load("CocoNva", bank=small_bank)
     with pytest.raises(NounError, match="preset"):
-        default_config("fast")
+        default_config("faster")
     with pytest.raises(NounError, match="names no scene"):
         unicycle_env(small_bank, {"scenes": "validation"})
 
 
-def test_cpu_preset_changes_only_the_picture_and_the_weights() -> None:
-    paper, cpu = default_config("paper").to_dict(), default_config("cpu").to_dict()
+@pytest.mark.parametrize("preset", ["cpu", "fast"])
+def test_small_and_fast_presets_change_only_the_picture_and_the_weights(preset: str) -> None:
+    paper, cpu = default_config("paper").to_dict(), default_config(preset).to_dict()
     for config in (paper, cpu):
         for key in ("preset", "vision_config"):
             config.pop(key)

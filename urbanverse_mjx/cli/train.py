@@ -23,7 +23,7 @@ class TrainArgs:
     env_name: str = "CocoNav"
     """Registered environment."""
     preset: str = "cpu"
-    """cpu (a laptop), paper, or urbansim_v0_1."""
+    """cpu (a laptop), fast (a GPU), paper, or urbansim_v0_1."""
     num_timesteps: int | None = None
     """Env-steps in all; default of the preset."""
     num_envs: int | None = None

@@ -8,7 +8,7 @@ from ml_collections import ConfigDict
 
 from ..datatypes import NounError
 
-PRESETS = ("paper", "urbansim_v0_1", "cpu")
+PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu")
 
 
 def _paper() -> ConfigDict:
@@ -83,13 +83,9 @@ def _urbansim_v0_1() -> ConfigDict:
     return config
 
 
-def _cpu() -> ConfigDict:
-    """The paper's task on a laptop: a smaller picture and other reward weights, nothing else."""
-    config = _paper()
-    config.preset = "cpu"
-    config.vision_config.height, config.vision_config.width = 27, 48
-    config.vision_config.shading = "matte"  # no highlights; drawn half as fast again on a CPU
-    config.reward_config.scales = ConfigDict(
+def _dense_rewards() -> ConfigDict:
+    """Reward weights that learn in fewer steps than the paper's: progress, and what ends an episode badly."""
+    return ConfigDict(
         {
             "arrived": 10.0,
             "hit": -5.0,
@@ -102,6 +98,24 @@ def _cpu() -> ConfigDict:
             "near_object": -0.15,
         }
     )
+
+
+def _fast() -> ConfigDict:
+    """The paper's task and picture on a GPU, for thousands of envs: other reward weights and a simpler light."""
+    config = _paper()
+    config.preset = "fast"
+    config.vision_config.shading = "matte"
+    config.reward_config.scales = _dense_rewards()
+    return config
+
+
+def _cpu() -> ConfigDict:
+    """The paper's task on a laptop: a smaller picture and other reward weights, nothing else."""
+    config = _paper()
+    config.preset = "cpu"
+    config.vision_config.height, config.vision_config.width = 27, 48
+    config.vision_config.shading = "matte"  # no highlights; drawn half as fast again on a CPU
+    config.reward_config.scales = _dense_rewards()
     return config
 
 
@@ -111,7 +125,7 @@ def default_config(preset: str = "paper") -> ConfigDict:
     Raises:
       NounError: unknown preset.
     """
-    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "cpu": _cpu}
+    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu}
     if preset not in makers:
         raise NounError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
     return makers[preset]().lock()
