@@ -171,6 +171,12 @@ def _machine_of(rows: Sequence[Mapping[str, Any]]) -> Any:
     return next(row["machine"] for row in rows if "machine" in row)
 
 
+def own_baseline(rows: Sequence[Mapping[str, Any]]) -> pathlib.Path:
+    """File of the baseline of the device kind that rows were measured on."""
+    kind = "".join(c if c.isalnum() else "-" for c in _machine_of(rows)["device"].lower())
+    return pathlib.Path(__file__).parent / "baselines" / f"{kind}.json"
+
+
 def save_baseline(rows: Sequence[Mapping[str, Any]], path: pathlib.Path) -> None:
     """Keeps the rates of rows without error as the figures to compare with from now on."""
     kept = [

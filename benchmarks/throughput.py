@@ -13,6 +13,7 @@ JSON list of objects with fields of `benchmarks._cases.Case`):
 
     python -m benchmarks.throughput --bank bank160.npz --preset paper --num-envs 1024,4096 --pixels 135x240,36x64 \\
         --scenes 16,160 --measure step,parts,learn --rivals mjx,warp,c --append rows.jsonl --isolate --json
+    python -m benchmarks.throughput --bank bank160.npz --grid benchmarks/grids/gpu.json --isolate --append rows.jsonl
 
 Each row is appended to --append's file as soon as it is known. A configuration that fails (out of memory, say) becomes
 a row with "error", and the next one goes on; with --isolate each runs in a process of its own, so that peaks of memory
@@ -48,6 +49,8 @@ from urbanverse_mjx.simulation.engines import IMPLS
 AXES = {"impl": str, "num_envs": int, "pixels": str, "scenes": int, "hulls": int, "substeps": int, "preset": str}
 #: s: one configuration in a process of its own may take so long.
 CASE_TIMEOUT = 540.0
+#: Stands for the baseline of this device kind where --compare or --save-baseline names no file.
+_OWN = pathlib.Path()
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
@@ -81,9 +84,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     add("--append", type=pathlib.Path, help="JSON Lines file that each row is added to at once")
     add("--markdown", type=pathlib.Path, help="file for a table of all rows")
     add("--proof", type=pathlib.Path, help="PNG with a frame of each of the first 64 envs")
-    add("--compare", type=pathlib.Path, help="baseline to compare with (benchmarks/baselines/<device>.json)")
+    own = {"type": pathlib.Path, "nargs": "?", "const": _OWN, "metavar": "FILE"}
+    add("--compare", **own, help="compare with a baseline (default file: benchmarks/baselines/<device>.json)")
     add("--tolerance", type=float, default=_report.TOLERANCE, help="share by which a rate may be below the baseline's")
-    add("--save-baseline", type=pathlib.Path, help="keep the rates as a baseline")
+    add("--save-baseline", **own, help="keep the rates as a baseline (the same default)")
     add("--json", action="store_true", help="print one JSON line a row")
     return parser.parse_args(argv)
 
@@ -263,21 +267,25 @@ def _show(row: dict[str, Any], as_json: bool) -> None:
         print(f"{name}: {json.dumps(value)}", flush=True)
 
 
+def _baseline(path: pathlib.Path, rows: Sequence[dict[str, Any]]) -> pathlib.Path:
+    return _report.own_baseline(rows) if path == _OWN else path
+
+
 def _judge(arguments: argparse.Namespace, rows: Sequence[dict[str, Any]]) -> int:
     """Table, baseline and comparison; the exit status."""
     if arguments.markdown:
         table = _report.markdown(rows)
         write_atomically(arguments.markdown, lambda temporary: temporary.write_text(table, encoding="utf-8"))
-    if arguments.save_baseline:
-        _report.save_baseline(rows, arguments.save_baseline)
+    if arguments.save_baseline is not None:
+        _report.save_baseline(rows, _baseline(arguments.save_baseline, rows))
     failed = [row["error"] for row in rows if row.get("error")]
     for error in failed:
         print(f"error: {error}", file=sys.stderr)
     if len(failed) == len(rows):
         return 2
     slower = []
-    if arguments.compare:
-        found = _report.compare(rows, arguments.compare, arguments.tolerance)
+    if arguments.compare is not None:
+        found = _report.compare(rows, _baseline(arguments.compare, rows), arguments.tolerance)
         slower = [one for one in found if one["slower"]]
         for one in found:
             verdict = "SLOWER" if one["slower"] else "ok"

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from benchmarks import _memory, _placing, _report, _timing, throughput
+from benchmarks import _cases, _memory, _placing, _report, _timing, throughput
 from benchmarks._cases import Case
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.datatypes import NounError, SceneBank
@@ -190,6 +190,18 @@ def test_a_run_is_compared_with_its_own_baseline(tmp_path: pathlib.Path) -> None
     # A rate that the baseline has and the run lacks is slower, too.
     lacking = {name: value for name, value in row(100.0).items() if name != "parts"}
     assert [f["slower"] for f in _report.compare([lacking], path, 0.15)] == [False, True]
+
+
+def test_every_device_kind_has_a_baseline_of_its_own() -> None:
+    path = _report.own_baseline([{"error": "x"}, row(1.0, machine={"device": "NVIDIA H200", "cores": 16})])
+    assert path.parts[-3:] == ("benchmarks", "baselines", "nvidia-h200.json")
+
+
+@pytest.mark.parametrize("name", ["cpu", "gpu"])
+def test_the_shipped_grids_are_valid(name: str) -> None:
+    grid = pathlib.Path(throughput.__file__).parent / "grids" / f"{name}.json"
+    rows = _cases.read_grid(grid, Case())
+    assert len({json.dumps(r.to_json()) for r in rows}) == len(rows) > 2
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path: pathlib.Path) -> None:
