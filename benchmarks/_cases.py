@@ -11,7 +11,7 @@ from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.datatypes import validation as v
 
 #: What can be measured of a configuration, see `_measure`.
-MEASURES = ("step", "parts", "active", "policy", "learn")
+MEASURES = ("step", "parts", "refit", "active", "policy", "learn")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -67,6 +67,20 @@ def drive_with(engine: Any) -> Callable[..., Any]:
     return drive
 
 
+def draw_with(renderer: Any) -> Callable[..., Any]:
+    """A function of states (T, n, ...) that draws each of them once."""
+
+    def draw(sims: Any) -> Any:
+        def frame(total: Any, sim: Any) -> tuple[Any, None]:
+            pixels = jax.vmap(renderer)(sim.scene, sim.xpos, sim.xquat)["rgb"]
+            # A sum over a few pixels keeps the frame alive at no cost.
+            return total + pixels[:, 0, 0].astype(jnp.float32).sum(), None
+
+        return jax.lax.scan(frame, jnp.float32(0.0), sims)[0]
+
+    return draw
+
+
 def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
     """Env-steps/s with auto-reset as PPO sees them, and what has to be called to time them again."""
 
@@ -103,20 +117,12 @@ def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
     def begin(keys: Any) -> Any:
         return jax.lax.scan(lambda _, k: (jax.vmap(env.begin)(k), None), jax.vmap(env.begin)(keys[0]), keys)[0]
 
-    def render(sims: Any) -> Any:
-        def frame(total: Any, sim: Any) -> tuple[Any, None]:
-            pixels = jax.vmap(env.renderer)(sim.scene, sim.xpos, sim.xquat)["rgb"]
-            # A sum over a few pixels keeps the frame alive at no cost.
-            return total + pixels[:, 0, 0].astype(jnp.float32).sum(), None
-
-        return jax.lax.scan(frame, jnp.float32(0.0), sims)[0]
-
     sim = run.state.data.sim
     physics = run.compile_("physics", drive_with(env.engine), sim, ctrl)
     reset = run.compile_("begin", begin, keys)
     calls = {"total": whole, "physics": lambda: physics(sim, ctrl), "reset": lambda: reset(keys)}
     if env.renderer is not None:
-        frames = run.compile_("render", render, run.sims)
+        frames = run.compile_("render", draw_with(env.renderer), run.sims)
         calls["render"] = lambda: frames(run.sims)
     samples = _timing.time_in_turn(calls, run.case.repeats)
     seconds = {name: sample.median / steps for name, sample in samples.items()}
@@ -128,6 +134,18 @@ def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
         "physics_steps_per_s": samples["physics"].rate(steps * env.n_substeps * run.case.num_envs),
         **({"frames_per_s": samples["render"].rate(steps * run.case.num_envs)} if "render" in samples else {}),
     }
+
+
+def refit(run: Run) -> dict[str, Any]:
+    """What a frame costs before its pixels: a renderer of one pixel places things and refits the search trees alike."""
+    from urbanverse_mjx.simulation.renderer import Renderer
+
+    env, view = run.env, run.env.config.vision_config
+    options = {"shadows": view.shadows, "sky": view.sky, "shading": view.shading}
+    small = Renderer(env.bank, env.robot, 1, 1, **options)
+    call = run.compile_("refit", draw_with(small), run.sims)
+    sample = _timing.time_(call, run.sims, repeats=run.case.repeats)
+    return {"seconds_per_step": sample.median / run.case.steps, "spread": sample.spread}
 
 
 def active(run: Run) -> dict[str, Any]:

@@ -18,8 +18,8 @@ JSON list of objects with fields of `benchmarks._cases.Case`):
 Each row is appended to --append's file as soon as it is known. A configuration that fails (out of memory, say) becomes
 a row with "error", and the next one goes on; with --isolate each runs in a process of its own, so that peaks of memory
 are its own and a crash ends nothing else. --compare BASELINE exits with 1 where a rate is slower than the baseline by
-more than --tolerance, or a row failed. Measures: step, parts, active, policy (inference and rollouts), learn (the whole
-PPO training of the preset).
+more than --tolerance, or a row failed. Measures: step, parts, refit (what a frame costs before its pixels), active (the
+dearest physics), policy (inference, and rollouts with it), learn (the whole PPO training of the preset).
 """
 
 import argparse
@@ -184,10 +184,10 @@ def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str,
 def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
     """What the case asks for, in pieces, so that what was measured before a failure is kept."""
     wanted = set(case.measure)
-    if wanted & {"step", "parts", "active", "policy"}:
+    if wanted - {"learn"}:
         run = _measure.start(env, case)
         yield {"compile_s": run.compile_s}
-        if wanted & {"step", "parts"}:
+        if wanted & {"step", "parts", "refit"}:
             figures, whole = _measure.step(run)
             since = time.time() - psutil.Process().create_time()
             yield {**figures, "seconds_since_start": since}
@@ -198,6 +198,8 @@ def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[
                 # The split of a step stands at the top level, where it always stood.
                 top = ("seconds_per_step", "seconds_per_step_spread", "share")
                 yield {name: split.pop(name) for name in top} | {"parts": split}
+            if "refit" in wanted and env.renderer is not None:
+                yield {"refit": _measure.refit(run)}
         if "active" in wanted:
             yield {"physics_active": _measure.active(run)}
         if "policy" in wanted:
