@@ -1,10 +1,12 @@
 """What the renderer alone makes: frames a second of each shading, look and size, the stock renderer beside them.
 
-    python -m benchmarks.render --cases 135x240@1024,36x64@4096 --shadings matte,pbr,stock --looks plain,shadows
+    python -m benchmarks.render --cases 135x240@1024,36x64@4096 --looks plain,shadows
 
 draws robots at random places of all scenes' routes, every env at another, new places in every frame. Each result is
 one JSON line, written to `--out` (and printed with `--json`) as soon as it is known; a configuration that fails writes
-its error and the next one follows. `stock` is MuJoCo Warp's own renderer over the same scenes, meshes and trees.
+its error and the next one follows. Beside our two shadings: `megakernel` is mujoco-warp-pbr as it comes (what `pbr`
+shows, with a tree per world), `stock` MuJoCo Warp's own renderer over the same scenes, meshes and trees; both without
+JAX and on one thread.
 
 `frames_per_s` counts frames through `jax.jit(lax.scan(vmap(renderer)))`; `bare_ms` is a batch without JAX, and
 `place_ms` the part of it before any ray is cast (poses, and the refit of trees where there are any).
@@ -32,10 +34,10 @@ from benchmarks import _timing
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation import street_draw
-from urbanverse_mjx.simulation.render_context import WorldBatch, WorldBatches
+from urbanverse_mjx.simulation.render_context import SharedAssets, WorldBatch
 from urbanverse_mjx.simulation.renderer import Renderer
 
-SHADINGS = ("matte", "pbr", "stock")
+SHADINGS = ("matte", "pbr", "megakernel", "stock")
 #: What a look changes of the default: sky, textures, no shadows, one ray a pixel.
 LOOKS: dict[str, dict[str, Any]] = {
     "plain": {},
@@ -61,7 +63,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=230.0, help="no configuration begins after this")
     parser.add_argument("--threads", type=int, help="on the CPU (default: all cores)")
-    parser.add_argument("--blocks", default="", help="THREADSxBLOCKS, ...: matte kernels of these launch bounds")
+    parser.add_argument("--blocks", default="", help="THREADSxBLOCKS, ...: our kernels with these launch bounds")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=pathlib.Path, help="file for the JSON lines; pictures go to its .npz")
     parser.add_argument("--json", action="store_true", help="print the JSON lines, too")
@@ -121,18 +123,17 @@ def through_jax(renderer: Renderer, places: list[tuple[np.ndarray, ...]], frames
 class Bare:
     """The same frames without JAX, by Warp arrays that are there already."""
 
-    def __init__(self, renderer: Renderer, place: tuple[np.ndarray, ...], height: int, width: int) -> None:
+    def __init__(self, renderer: Renderer, place: tuple[np.ndarray, ...]) -> None:
         scene, xpos, xquat = place
-        camera, number = renderer.camera, len(scene)
-        turn = np.zeros(9)
-        eyes, turns = [], []
+        camera, number, settings = renderer.camera, len(scene), renderer.settings
+        assert camera is not None, "the renderer has a robot"
+        turn, both, eyes, turns = np.zeros(9), np.zeros(4), [], []
         for p, q in zip(xpos[:, camera.body], xquat[:, camera.body].astype(float), strict=True):
             mujoco.mju_quat2Mat(turn, q)
             eyes.append(p + turn.reshape(3, 3) @ camera.position)
-            both = np.zeros(4)
             mujoco.mju_mulQuat(both, q, camera.quaternion.astype(float))
-            turns.append(both)
-        self.device = wp.get_device(wp.get_preferred_device())
+            turns.append(both.copy())
+        self.renderer, self.number, self.device = renderer, number, wp.get_preferred_device()
         with wp.ScopedDevice(self.device):
             self.inputs = [
                 wp.array(scene, dtype=int),
@@ -142,12 +143,10 @@ class Bare:
                 wp.array(np.array(turns), dtype=wp.vec4),
                 wp.full(number, camera.fovy, dtype=float),
             ]
-            empty = {"depth": float, "category": int, "object": int, "normal": wp.vec3}
-            self.outputs = {"rgb": wp.zeros((number, height, width, 3), dtype=wp.uint8)}
-            for name, dtype in empty.items():
-                size = (height, width) if name in renderer.settings.outputs else (0, 0)
+            self.outputs = {"rgb": wp.zeros((number, settings.height, settings.width, 3), dtype=wp.uint8)}
+            for name, dtype in {"depth": float, "category": int, "object": int, "normal": wp.vec3}.items():
+                size = (settings.height, settings.width) if name in settings.outputs else (0, 0)
                 self.outputs[name] = wp.zeros((number, *size), dtype=dtype)
-        self.renderer, self.number = renderer, number
 
     def draw(self) -> None:
         with wp.ScopedDevice(self.device):
@@ -157,50 +156,52 @@ class Bare:
         """What comes before the rays."""
         _, batch = self.renderer._batch(self.device, self.number)
         with wp.ScopedDevice(self.device):
-            if isinstance(batch, WorldBatches):
-                for piece, part in self.pieces(batch):
-                    piece.place(*(x[part] for x in self.inputs))
-            else:
-                batch.jobs(self.inputs, self.outputs)
-
-    def pieces(self, batch: WorldBatches) -> list[tuple[WorldBatch, slice]]:
-        ends = np.cumsum([0] + [piece.num_worlds for piece in batch.pieces])
-        return [(p, slice(a, b)) for p, a, b in zip(batch.pieces, ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
+            batch.jobs(self.inputs, self.outputs)
 
 
-class Stock(Bare):
-    """MuJoCo Warp's own renderer in the place of mujoco-warp-pbr's, over the same data and trees."""
+class Megakernel(Bare):
+    """mujoco-warp-pbr's own kernel, a tree per world; `stock`: MuJoCo Warp's own renderer over the same trees."""
 
-    def draw(self) -> None:
-        assets, batch = self.renderer._batch(self.device, self.number)
-        settings = self.renderer.settings
+    def __init__(self, renderer: Renderer, place: tuple[np.ndarray, ...], stock: bool) -> None:
+        super().__init__(renderer, place)
         with wp.ScopedDevice(self.device):
+            assets = SharedAssets(renderer.bank, renderer._model, renderer.settings)
+            self.batch = WorldBatch(assets, self.number)
             self.place()
-            for piece, _ in self.pieces(batch):
-                if not hasattr(piece, "stock"):
-                    piece.stock = self.context(assets, piece, settings)
-                mjw.render(piece.model, piece.data, piece.stock)
+            self.stock = self._stock(assets, self.batch) if stock else None
 
     @staticmethod
-    def context(assets: Any, piece: WorldBatch, settings: Any) -> Any:
+    def _stock(assets: SharedAssets, batch: WorldBatch) -> Any:
         context = mjw.create_render_context(
             assets.render_model.model,
             nworld=1,
-            cam_res=(settings.width, settings.height),
+            cam_res=(assets.settings.width, assets.settings.height),
             render_rgb=True,
             render_depth=False,
             render_seg=False,
-            use_shadows=settings.shadows,
+            use_shadows=assets.settings.shadows,
             enabled_geom_groups=[0],
             enable_backface_culling=False,
         )
-        base = piece.context.base
+        base = batch.context.base
         for name in ("lower", "upper", "group", "group_root", "bvh", "bvh_id", "mesh_registry", "mesh_bvh_id"):
             setattr(context, name, getattr(base, name))
         for name in ("rgb_data", "depth_data", "seg_data"):
             array = getattr(context, name)
-            setattr(context, name, wp.zeros((piece.num_worlds, array.shape[1]), dtype=array.dtype))
+            setattr(context, name, wp.zeros((batch.num_worlds, array.shape[1]), dtype=array.dtype))
         return context
+
+    def place(self) -> None:
+        with wp.ScopedDevice(self.device):
+            self.batch.place(*self.inputs)
+
+    def draw(self) -> None:
+        with wp.ScopedDevice(self.device):
+            if self.stock is None:
+                self.batch.render(*self.inputs, {"rgb": self.outputs["rgb"]})
+            else:
+                self.batch.place(*self.inputs)
+                mjw.render(self.batch.model, self.batch.data, self.stock)
 
 
 def time_bare(call: Callable[[], None], repeats: int) -> float:
@@ -222,18 +223,19 @@ def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: s
     if not options.pop("textures", True):
         bank = dataclasses.replace(bank, material_texture=np.full_like(bank.material_texture, -1))
     start = time.perf_counter()
-    kind = "pbr" if shading == "stock" else shading
+    rival = shading in ("megakernel", "stock")
+    kind = "pbr" if rival else shading
     renderer = Renderer(bank, robot, height, width, shading=kind, threads=arguments.threads, **options)
     places = [random_places(bank, robot, number, arguments.seed + i) for i in range(PLACES)]
-    bare = (Stock if shading == "stock" else Bare)(renderer, places[0], height, width)
+    bare = Megakernel(renderer, places[0], shading == "stock") if rival else Bare(renderer, places[0])
     bare.draw()
     wp.synchronize()
     result: dict[str, Any] = {"start_s": time.perf_counter() - start}
     result["bare_ms"] = 1e3 * time_bare(bare.draw, arguments.repeats)
     result["place_ms"] = 1e3 * time_bare(bare.place, arguments.repeats)
-    if shading == "stock":
+    if rival:
         result["frames_per_s"] = number / (1e-3 * result["bare_ms"])
-        return result, None
+        return result, None if shading == "stock" else bare.outputs["rgb"][:KEPT_FRAMES].numpy()
     call = through_jax(renderer, places, arguments.frames)
     sample = _timing.time_(call, repeats=arguments.repeats)
     result["frames_per_s"] = sample.rate(arguments.frames * number)
@@ -262,7 +264,7 @@ def configurations(arguments: argparse.Namespace) -> Any:
     for case in arguments.cases:
         for look in arguments.looks:
             for shading in arguments.shadings:
-                for block in arguments.blocks if shading == "matte" else [None]:
+                for block in [None] if shading in ("megakernel", "stock") else arguments.blocks:
                     yield case, look, shading, block
 
 

@@ -16,7 +16,7 @@ import warp as wp
 
 from .. import settings as process
 from ..datatypes import NounError, RobotSpec, SceneBank
-from .render_context import OUTPUTS, ROBOT_LABEL, SHADINGS, Settings, SharedAssets, WorldBatches
+from .render_context import OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
 from .render_kernels import NOWHERE
 from .render_model import build_render_model
 from .street_batch import StreetBatch, Streets
@@ -103,8 +103,8 @@ class Renderer:
         self._model = build_render_model(bank, robot)
         self.num_bodies = self._model.num_bodies
         self.camera = None if robot is None else self._find_camera(camera or robot.camera)
-        self._assets: dict[str, Any] = {}
-        self._batches: collections.OrderedDict[tuple[str, int], Any] = collections.OrderedDict()
+        self._assets: dict[str, Streets] = {}
+        self._batches: collections.OrderedDict[tuple[str, int], StreetBatch] = collections.OrderedDict()
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
         self._number = register(self)
         self._view = batched_call(_batch_function(self._number, self.settings))
@@ -182,14 +182,13 @@ class Renderer:
             for waiting in [self._pool.submit(job) for job in jobs]:
                 waiting.result()
 
-    def _batch(self, device: Any, total: int) -> tuple[Any, Any]:
+    def _batch(self, device: Any, total: int) -> tuple[Streets, StreetBatch]:
         name, key = str(device), (str(device), total)
-        matte = self.settings.shading == "matte"
         if name not in self._assets:
-            self._assets[name] = (Streets if matte else SharedAssets)(self.bank, self._model, self.settings)
+            self._assets[name] = Streets(self.bank, self._model, self.settings)
         if key not in self._batches:
             threads = self.threads if device.is_cpu else 1
-            self._batches[key] = (StreetBatch if matte else WorldBatches)(self._assets[name], total, threads)
+            self._batches[key] = StreetBatch(self._assets[name], total, threads)
             while len(self._batches) > KEPT_BATCHES:
                 self._batches.popitem(last=False)
         self._batches.move_to_end(key)

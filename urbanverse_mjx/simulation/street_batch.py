@@ -2,12 +2,12 @@
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import mujoco
 import numpy as np
 import warp as wp
-from mujoco_warp_pbr._src.material import effective_geom_rgba
+from mujoco_warp_pbr._src import ibl
+from mujoco_warp_pbr._src.material import effective_geom_rgba, resolve_geom_materials
 
 from ..datatypes import SceneBank
 from . import street_draw
@@ -16,6 +16,7 @@ from .render_kernels import NOWHERE
 from .render_model import FAR, RenderModel, rotation_matrices
 from .render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from .street_kernels import Street, Views, place
+from .street_shade import Skies
 from .street_tree import EMPTY, Trees, as_floats, build_trees, joined
 
 #: Triangles in a leaf at most.
@@ -75,7 +76,7 @@ class Streets:
         self._add_parts(model, geoms[self.part_order])
         self._add_light(bank)
         kinds = tuple(int(x) for x in mjm.geom_type[geoms[self.part_order][self.num_meshes :]])
-        self.draw = street_draw.build_draw_kernel(settings, self.num_meshes, kinds, FAR)
+        self.draw = street_draw.build_draw_kernel(settings, self.num_meshes, kinds, FAR, bank.sky_radiance.shape[2])
         self.ready = False
 
     def _keep(self, rows: np.ndarray) -> int:
@@ -120,12 +121,17 @@ class Streets:
         colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
         texture = np.where(material >= 0, mjm.mat_texid[material, role], -1)
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
+        metallic, roughness, _ = resolve_geom_materials(mjm)
+        looks = _rows(
+            texture,
+            texels,
+            np.concatenate([bank.material_roughness[material[: len(mesh)]], roughness[geoms]]),
+            np.concatenate([bank.material_metallic[material[: len(mesh)]], metallic[geoms]]),
+        )
         part_mesh = np.maximum(mjm.geom_dataid[geoms], 0)
         part_roots = np.where(mjm.geom_dataid[geoms] >= 0, meshes.roots[part_mesh], EMPTY)
         thing_roots = as_floats(np.concatenate([meshes.roots[mesh], part_roots]))
-        things = np.concatenate(
-            [poses, _rows(colour, thing_roots)[:, None], _rows(texture, texels, texels, texels)[:, None]], axis=1
-        )
+        things = np.concatenate([poses, _rows(colour, thing_roots)[:, None], looks[:, None]], axis=1)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
         self.street.things, self.street.num_objects = self._keep(things), len(mesh)
         label = np.stack([number, bank.slot_category[scene, number]], -1)
@@ -134,10 +140,13 @@ class Streets:
 
     def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
         mjm, order = model.model, self.part_order
-        parts = np.zeros((len(geoms), 2, 4), np.float32)
+        parts = np.zeros((len(geoms), 3, 4), np.float32)
         parts[:, 0, :3] = model.robot_half[order, 0]
         parts[:, 0, 3] = np.linalg.norm(model.robot_half[order, 1], axis=1)
         parts[:, 1, :3], parts[:, 1, 3] = mjm.geom_size[geoms], mjm.geom_type[geoms]
+        material = mjm.geom_matid[geoms]
+        parts[:, 2, 0] = resolve_geom_materials(mjm)[2][geoms]
+        parts[:, 2, 1] = np.where(material >= 0, mjm.mat_emission[material], 0.0)
         self.street.parts = self._keep(parts)
         self.shapes = _table(inverse_rows(model.robot_rotation[order], model.robot_position[order]))
         self.bodies = wp.array(model.robot_body[order], dtype=int)
@@ -145,10 +154,17 @@ class Streets:
     def _add_light(self, bank: SceneBank) -> None:
         """Light tables; see `street_kernels.LIGHT`."""
         sun, irradiance = scene_sun(bank)
-        self.skies = build_skies(bank.sky_radiance, glossy=False)
+        gloss = self.settings.shading == "pbr"
+        skies = build_skies(bank.sky_radiance, glossy=gloss)
+        self._textures = skies.owners
+        self.skies = Skies()
+        self.skies.radiance = skies.radiance
+        if gloss:
+            assert skies.prefiltered is not None, "skies for gloss are prefiltered"
+            self.skies.blurred, self.skies.lobes = skies.prefiltered, ibl.build_dfg_lut()
         lights = np.zeros((bank.num_scenes, 9, 4))
         if self.settings.sky:
-            lights[..., :3] = sky_polynomials(self.skies.sh.numpy()[bank.scene_sky], bank.scene_sky_yaw)
+            lights[..., :3] = sky_polynomials(skies.sh.numpy()[bank.scene_sky], bank.scene_sky_yaw)
         else:
             lights[:, 0, :3] = sky_ambient(bank)
         lights[:, :3, 3], lights[:, 3:6, 3] = sun, irradiance / np.pi
@@ -211,7 +227,7 @@ class StreetBatch:
         aspect = settings.width / settings.height
         robot = [s.street, s.shapes, s.bodies, s.num_meshes, xpos, xquat]
         wp.launch(place, dim=self.num_worlds, inputs=[*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed])
-        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies.radiance, s.labels]
+        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
 
         def draw(first: int, last: int) -> None:

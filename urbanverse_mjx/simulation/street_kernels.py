@@ -23,8 +23,11 @@ SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 2, 3, 4, 5, 6, 7
 #: Rows of a triangle: first corner and whether it is the last of its leaf, then both edges from that corner.
 TRIANGLE = 3
 #: Rows of a thing (an object or a part of the robot): three of T_thing_world, colour and the root of its tree, then
-#: texture and texels along its longer side.
+#: texture, texels along its longer side, roughness and metalness.
 THING = 5
+#: Rows of a part of the robot: centre and radius of the ball around it in its frame; half sizes and kind of a
+#: primitive; reflectance and emission.
+PART = 3
 #: Rows of a face: normal and a scalar each of three corners, then the UV of the second and third corner.
 FACE = 4
 #: Rows of a camera: eye, right and up as far as the picture reaches, back.
@@ -49,10 +52,7 @@ class Hit:
 
 @wp.struct
 class Street:
-    """Where the tables of rows stand that all worlds share; num_objects: things before the first part of the robot.
-
-    parts: two rows each: centre and radius of the ball around it in its frame; half sizes and kind of a primitive.
-    """
+    """Where the tables of rows stand that all worlds share; num_objects: things before the first part of the robot."""
 
     nodes: wp.uint64
     triangles: wp.uint64
@@ -98,7 +98,7 @@ def _make_primitive(kinds: frozenset[int]) -> Any:
 
     @wp.func
     def primitive(kind: int, size: wp.vec3, origin: wp.vec3, direction: wp.vec3) -> tuple[float, wp.vec3]:
-        distance = float(-1.0)
+        distance = float(-1.0)  # noqa: UP018 (Warp takes a bare number for a constant)
         normal = wp.vec3(0.0)
         here = wp.vec3(0.0)
         straight = wp.identity(n=3, dtype=float)
@@ -184,7 +184,7 @@ def make_trace(meshes: int, kinds: tuple[int, ...], shadow: bool) -> Any:
                     z = load(views.poses, first_pose + 3 * part + 2)
                     o = wp.vec3(wp.dot(xyz(x), origin), wp.dot(xyz(y), origin), wp.dot(xyz(z), origin))
                     d = wp.vec3(wp.dot(xyz(x), direction), wp.dot(xyz(y), direction), wp.dot(xyz(z), direction))
-                    shape = load(street.parts, 2 * part + 1)
+                    shape = load(street.parts, PART * part + 1)
                     t, normal = primitive(int(shape[3]), xyz(shape), o + wp.vec3(x[3], y[3], z[3]), d)
                     if t >= 0.0 and t < best.distance and wp.dot(d, normal) < 0.0:
                         best.thing = street.num_objects + part
@@ -219,7 +219,10 @@ def place(
     balls: wp.array[wp.vec4],
     seen: wp.array[int],
 ):
-    """Fills the tables of `Views`; shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state blew up; dim worlds."""
+    """Fills the tables of `Views`; dim worlds.
+
+    shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state blew up.
+    """
     w = wp.tid()
     origin = eye[w]
     q = quaternion[w]
@@ -252,7 +255,7 @@ def place(
             shape = shapes[3 * i + row]
             across = frame @ xyz(shape)
             _put(poses, 3 * (w * number + i) + row, across, shape[3] - wp.dot(across, place))
-        ball = load(street.parts, 2 * i)
+        ball = load(street.parts, PART * i)
         middle = place + frame @ xyz(ball)
         _put(balls, w * (number + 1) + i, middle, ball[3])
         centre += middle / float(number)

@@ -4,15 +4,17 @@ It is the one part of the renderer that is not written in Warp's own language, w
 every branch and call of a loop (a tenth to a fifth of all frames on a CPU).
 """
 
+# Warp's types in annotations are values; Warp itself checks them.
+# pyright: reportInvalidTypeForm=false, reportReturnType=false
+
 import warp as wp
 
 from .street_tree import EMPTY, LEAF, NODE
 
-_WALK = f"""
-namespace urbanverse {{
+_NUMBERS = f"namespace urbanverse {{ constexpr int NODE = {NODE}, LEAF = {LEAF}, EMPTY = {EMPTY}; }}"
+_WALK = """
+namespace urbanverse {
 
-constexpr int NODE = {NODE}, LEAF = {LEAF}, EMPTY = {EMPTY};
-""" + """
 struct Row { float x, y, z, w; };
 
 CUDA_CALLABLE inline Row load(wp::uint64 table, int row)
@@ -184,7 +186,7 @@ template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, co
 """
 
 #: What a kernel must be built with that calls `nearest` or `any_hit`.
-BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_WALK, extra_cpu_preamble=_WALK)
+BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_NUMBERS + _WALK, extra_cpu_preamble=_NUMBERS + _WALK)
 
 #: thing, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).
 Found = wp.types.vector(length=5, dtype=wp.int32)
@@ -208,13 +210,11 @@ _CALL = """
 """)
 def load(table: wp.uint64, row: int) -> wp.vec4:
     """A row of a table in one 16-byte load."""
-    ...
 
 
 @wp.func_native("return reinterpret_cast<const int*>(table)[row];")
 def load_int(table: wp.uint64, row: int) -> int:
     """A number of a table."""
-    ...
 
 
 @wp.func_native(_CALL.replace("ANY", "false"))
@@ -235,7 +235,6 @@ def nearest(
     limit: float,
 ) -> Found:
     """The nearest triangle on a ray; `list`: `total` numbers of the parts to be looked at."""
-    ...
 
 
 @wp.func_native(_CALL.replace("ANY", "true"))
@@ -256,4 +255,3 @@ def any_hit(
     limit: float,
 ) -> Found:
     """Some triangle on a ray; the first `total` parts are looked at, whatever `list` says."""
-    ...
