@@ -32,6 +32,8 @@ __all__ = [
 #: How the scene's MJCF names what is no object.
 _GROUND = "ground/"
 _ROBOT = "robot/"
+#: Height of a contact's normal below which the ground is a kerb (45 degrees).
+_STEEP = 0.7
 #: cos of the tilt (60 degrees) at which a robot counts as fallen, as in `envs`.
 _FALLEN = 0.5
 
@@ -45,12 +47,14 @@ class Trace:
       hit: (N, S) bool: the robot touched an object, or something that is no foot touched the ground.
       objects: N sets of the ids of the objects touched.
       ground: (N,) bool, whether something that is no foot touched the ground.
+      met: (N, S) bool, hit, or a foot against a kerb; None where nobody looked: hits alone.
     """
 
     qpos: np.ndarray
     hit: np.ndarray
     objects: tuple[frozenset[str], ...]
     ground: np.ndarray
+    met: np.ndarray | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,10 +62,11 @@ class ParityReport:
     """Differences of an engine from C MuJoCo, per drive; positions of the robot's body.
 
     Attributes:
-      before: (N,) m, largest until the earlier first touch (the whole drive where there is none).
+      before: (N,) m, largest until the robot first meets anything (the whole drive where it does not): what it hits, or
+        a kerb that a foot stands against, where rolling over the edge or not is a matter of micrometres.
       before_time: (N,) s into the drive, when that was.
       onset: (N,) i32 physics steps between the first touches; 0 where neither touches, -1 where only one does.
-      after: (N,) m, one second after the first touch; NaN where there is none or the drive ends earlier.
+      after: (N,) m, one second after that; NaN where there is nothing to meet or the drive ends earlier.
       after_time: (N,) s into the drive, when that was.
       hit: (N,) bool, touched in C MuJoCo.
       objects_agree: (N,) bool: the engine names only objects that were touched, and the same about the ground.
@@ -118,7 +123,8 @@ def drive_truth(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: Driv
     substeps = round(control_dt / robot.physics_timestep)
     feet = {_ROBOT + name for name in robot.foot_geoms}
     count, steps = len(drives.scene), len(drives.ctrl) * substeps
-    qpos, hit = np.zeros((count, steps, drives.qpos.shape[1])), np.zeros((count, steps), bool)
+    qpos = np.zeros((count, steps, drives.qpos.shape[1]))
+    hit, met = np.zeros((count, steps), bool), np.zeros((count, steps), bool)
     objects: list[frozenset[str]] = []
     ground = np.zeros(count, bool)
     for i, scene in enumerate(drives.scene):
@@ -134,12 +140,13 @@ def drive_truth(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: Driv
             for contact in data.contact[: data.ncon]:
                 own, other = sorted((names[g] for g in contact.geom), key=lambda n: not n.startswith(_ROBOT))
                 if contact.dist >= 0 or (other.startswith(_GROUND) and own in feet):
+                    met[i, step] |= contact.dist < 0 and abs(contact.frame[2]) < _STEEP
                     continue
-                hit[i, step] = True
+                hit[i, step] = met[i, step] = True
                 ground[i] |= other.startswith(_GROUND)
                 seen |= set() if other.startswith(_GROUND) else {other.rsplit("/", 1)[0]}
         objects.append(frozenset(seen))
-    return Trace(qpos, hit, tuple(objects), ground)
+    return Trace(qpos, hit, tuple(objects), ground, met)
 
 
 def drive_engine(engine: Any, bank: SceneBank, drives: Drives) -> Trace:
@@ -181,13 +188,16 @@ def compare(truth: Trace, engine: Trace, robot: RobotSpec) -> ParityReport:
     apart = np.where(np.isnan(apart), np.inf, apart)
     first = [np.where(t.hit.any(1), t.hit.argmax(1), steps) for t in (truth, engine)]
     both, either = np.maximum(*first), np.minimum(*first)
+    onset = np.where((both == steps) & (either < steps), -1, both - either).astype(np.int32)
+    if truth.met is not None:
+        either = np.minimum(either, np.where(truth.met.any(1), truth.met.argmax(1), steps))
     worst = np.array([apart[i, : max(int(either[i]), 1)].argmax() for i in range(count)])
     late = either + round(1.0 / dt)
     agree = np.array([e <= t for t, e in zip(truth.objects, engine.objects, strict=True)])
     return ParityReport(
         before=apart[rows, worst],
         before_time=(worst + 1) * dt,
-        onset=np.where((both == steps) & (either < steps), -1, both - either).astype(np.int32),
+        onset=onset,
         after=np.where(late < steps, apart[rows, np.minimum(late, steps - 1)], np.nan),
         after_time=(late + 1) * dt,
         hit=truth.hit.any(1),

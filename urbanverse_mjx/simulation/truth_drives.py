@@ -233,7 +233,7 @@ def mixed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, cont
     time, names = np.arange(steps) * control_dt, []
     streets = [_street(bank, z) for z in range(min(bank.num_scenes, count))]
     for i in range(count):
-        first = i + i // bank.num_scenes
+        first = scene[i] + i // bank.num_scenes
         for kind in (KINDS[(first + k) % len(KINDS)] for k in range(len(KINDS))):
             rng = np.random.default_rng([seed, i, KINDS.index(kind)])
             if kind == "aimed":
