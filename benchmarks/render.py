@@ -31,10 +31,10 @@ import numpy as np
 import warp as wp
 
 from benchmarks import _timing
+from benchmarks._megakernel import SharedAssets, WorldBatch
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation import street_draw
-from urbanverse_mjx.simulation.render_context import SharedAssets, WorldBatch
 from urbanverse_mjx.simulation.renderer import Renderer
 
 SHADINGS = ("matte", "pbr", "megakernel", "stock")
@@ -198,7 +198,7 @@ class Megakernel(Bare):
     def draw(self) -> None:
         with wp.ScopedDevice(self.device):
             if self.stock is None:
-                self.batch.render(*self.inputs, {"rgb": self.outputs["rgb"]})
+                self.batch.render(*self.inputs, rgb=self.outputs["rgb"])
             else:
                 self.batch.place(*self.inputs)
                 mjw.render(self.batch.model, self.batch.data, self.stock)

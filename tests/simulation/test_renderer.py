@@ -14,7 +14,7 @@ from tests.support.box_bank import box_bank
 from urbanverse_mjx.assets.skies import build_sky
 from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots.coco import make_coco
-from urbanverse_mjx.simulation.render_context import PBR_EXPOSURE
+from urbanverse_mjx.simulation.render_settings import PBR_EXPOSURE
 from urbanverse_mjx.simulation.renderer import OUTPUTS, ROBOT_LABEL, SKY_LABEL, Renderer
 
 from . import render_cases as cases

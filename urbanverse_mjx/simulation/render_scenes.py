@@ -1,7 +1,6 @@
-"""The bank's scenes as tables on the Warp device, and its skies as textures."""
+"""What the renderer needs of a bank's scenes: textures, skies, boxes and suns."""
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 import warp as wp
@@ -9,7 +8,6 @@ from mujoco_warp_pbr._src import envmap
 from mujoco_warp_pbr._src.color import srgb_to_linear
 
 from ..datatypes import SceneBank
-from .render_kernels import RobotTables, SceneTables
 from .render_model import RenderModel, rotation_matrices
 
 #: Warp reads textures in software on the CPU, one channel and one mip level after the other: numbers of 32 bits, the
@@ -142,44 +140,3 @@ def sky_ambient(bank: SceneBank) -> np.ndarray:
     weight = np.sin((np.arange(height) + 0.5) / height * np.pi)
     mean = np.einsum("h,shwc->sc", weight / weight.sum(), bank.sky_radiance) / bank.sky_radiance.shape[2]
     return mean[bank.scene_sky]
-
-
-def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
-    """Moves what the renderer needs of every scene to the current Warp device, as `SceneTables`.
-
-    Args:
-      sky: whether skies are drawn.
-    """
-    mesh = np.maximum(bank.slot_mesh, 0)
-    material = bank.mesh_material[mesh]
-    empty = bank.slot_mesh < 0
-    lower, upper = slot_boxes(bank)
-    sun, irradiance = scene_sun(bank)
-    tables = SceneTables()
-    tables.position = wp.array(bank.slot_position, dtype=wp.vec3)
-    tables.rotation = wp.array(rotation_matrices(bank.slot_quaternion), dtype=wp.mat33)
-    tables.lower = wp.array(lower, dtype=wp.vec3)
-    tables.upper = wp.array(upper, dtype=wp.vec3)
-    tables.mesh = wp.array(mesh, dtype=int)
-    tables.material = wp.array(np.where(empty, model.absent_material, material), dtype=int)
-    tables.roughness = wp.array(bank.material_roughness[material], dtype=float)
-    tables.metallic = wp.array(bank.material_metallic[material], dtype=float)
-    tables.category = wp.array(bank.slot_category, dtype=int)
-    tables.sun_direction = wp.array(sun, dtype=wp.vec3)
-    tables.sun_irradiance = wp.array(irradiance, dtype=wp.vec3)
-    # The even light stands in for the sky, and is not added to it.
-    tables.ambient = wp.array(sky_ambient(bank) * (not sky), dtype=wp.vec3)
-    tables.sky = wp.array(bank.scene_sky if sky else np.zeros_like(bank.scene_sky), dtype=int)
-    tables.sky_yaw = wp.array(bank.scene_sky_yaw, dtype=float)
-    return tables
-
-
-def build_robot_tables(model: RenderModel) -> Any:
-    """`RobotTables` of the model on the current Warp device."""
-    tables = RobotTables()
-    tables.body = wp.array(model.robot_body, dtype=int)
-    tables.position = wp.array(model.robot_position, dtype=wp.vec3)
-    tables.rotation = wp.array(model.robot_rotation, dtype=wp.mat33)
-    tables.centre = wp.array(model.robot_half[:, 0], dtype=wp.vec3)
-    tables.half = wp.array(model.robot_half[:, 1], dtype=wp.vec3)
-    return tables

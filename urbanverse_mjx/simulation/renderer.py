@@ -1,7 +1,7 @@
 """`Renderer`: what robots see, for many envs at once and each in its own scene, inside jitted JAX code.
 
-mujoco-warp-pbr draws over MuJoCo Warp's data and search trees, on the CPU and on CUDA. It is young, and this module is
-the only one that the rest of the program knows of it.
+Warp draws, on the CPU and on CUDA, by our own walk through search trees that are built once (`street_*.py`) and with
+mujoco-warp-pbr's materials; this module is the only one that the rest of the program knows of either.
 """
 
 import collections
@@ -16,9 +16,8 @@ import warp as wp
 
 from .. import settings as process
 from ..datatypes import NounError, RobotSpec, SceneBank
-from .render_context import OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
-from .render_kernels import NOWHERE
 from .render_model import build_render_model
+from .render_settings import NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
 from .street_batch import StreetBatch, Streets
 from .warp_bridge import batched_call, register, registered
 
@@ -66,7 +65,8 @@ class Renderer:
       threads: on the CPU worlds are split over this many threads; default: `settings.num_threads()`.
       camera: name of the robot's camera; default `robot.camera`.
       samples: rays per pixel along each side (2 = four rays).
-      shading: "pbr" or "matte" (no highlights, half as fast again on a CPU; the same light otherwise).
+      shading: "pbr" (glTF materials, mirrored sky, tone mapping) or "matte" (the same light without highlights,
+        a third more frames on a CPU).
 
     Raises:
       NounError: an unknown output or camera, or a size below one.

@@ -11,10 +11,9 @@ from mujoco_warp_pbr._src.material import effective_geom_rgba, resolve_geom_mate
 
 from ..datatypes import SceneBank
 from . import street_draw
-from .render_context import ROBOT_LABEL, Settings
-from .render_kernels import NOWHERE
 from .render_model import FAR, RenderModel, rotation_matrices
 from .render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
+from .render_settings import NOWHERE, ROBOT_LABEL, Settings
 from .street_kernels import Street, Views, place
 from .street_shade import Skies
 from .street_tree import EMPTY, Trees, as_floats, build_trees, joined
@@ -229,10 +228,10 @@ class StreetBatch:
         wp.launch(place, dim=self.num_worlds, inputs=[*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed])
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
+        return [functools.partial(self._draw, *piece, [*kept, *out]) for piece in self.pieces]
 
-        def draw(first: int, last: int) -> None:
-            dim = (last - first, settings.height * settings.width)
-            wp.launch(s.draw, dim=dim, inputs=[first, *kept, *out], block_dim=street_draw.BLOCK[0])
-            s.ready = True
-
-        return [functools.partial(draw, *piece) for piece in self.pieces]
+    def _draw(self, first: int, last: int, arguments: list[object]) -> None:
+        settings = self.streets.settings
+        dim = (last - first, settings.height * settings.width)
+        wp.launch(self.streets.draw, dim=dim, inputs=[first, *arguments], block_dim=street_draw.BLOCK[0])
+        self.streets.ready = True

@@ -8,7 +8,7 @@ import warp as wp
 from mujoco_warp_pbr._src import color
 
 from . import street_kernels as k
-from .render_context import OUTPUTS, Settings
+from .render_settings import OUTPUTS, Settings
 from .street_kernels import Street, Views
 from .street_shade import Skies, Surface, make_background, make_display, make_shade, make_surface
 

@@ -13,7 +13,7 @@ import warp as wp
 from mujoco_warp_pbr._src import brdf, color, envmap, material, texture
 
 from . import street_kernels as k
-from .render_context import PBR_EXPOSURE, PLAIN_SKY, Settings
+from .render_settings import PBR_EXPOSURE, PLAIN_SKY, Settings
 from .street_kernels import FACE, LIGHT, PART, THING, Hit, Street, Views
 
 #: Colour of the flat sky in linear light.

@@ -1,9 +1,10 @@
-"""Render contexts: what mujoco-warp-pbr needs to draw n worlds, over meshes and textures that all contexts share."""
+"""mujoco-warp-pbr as it comes: its own kernel over MuJoCo Warp's data and trees, one tree per world.
+
+What `shading="pbr"` of our renderer shows is held against it by tests, and its speed by benchmarks.render.
+"""
 
 import copy
 import dataclasses
-import functools
-from collections.abc import Callable, Sequence
 from typing import Any
 
 import mujoco_warp as mjw
@@ -13,39 +14,52 @@ import warp as wp
 from mujoco_warp._src.bvh import compute_bvh_group_roots
 from mujoco_warp_pbr._src import envmap, kernel_inputs
 
-from ..datatypes import SceneBank
-from . import render_kernels as kernels
-from .render_model import RenderModel
-from .render_scenes import build_robot_tables, build_scene_tables, build_skies, upload_textures
-
-#: Label of the robot's own pixels in "object" and "category"; -1 is the sky.
-ROBOT_LABEL = -2
-#: "pbr": mujoco-warp-pbr's own shading; "matte": the same light without highlights, quicker on a CPU.
-SHADINGS = ("pbr", "matte")
-OUTPUTS = ("rgb", "depth", "category", "object", "normal")
-#: Display colour of the sky where none is drawn (sky=False).
-PLAIN_SKY = (0.62, 0.74, 0.88, 1.0)
-#: The tone mapper takes off what gloss adds to every surface, and darkens shade by it; this lifts it again. Chosen by
-#: eye on the shipped streets.
-PBR_EXPOSURE = 1.3
+from benchmarks import _megakernel_kernels as kernels
+from benchmarks._megakernel_kernels import RobotTables, SceneTables
+from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.simulation.render_model import RenderModel, rotation_matrices
+from urbanverse_mjx.simulation.render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
+from urbanverse_mjx.simulation.render_settings import PBR_EXPOSURE, PLAIN_SKY, Settings
 
 
-@dataclasses.dataclass(frozen=True)
-class Settings:
-    """What is drawn and how. outputs: of `OUTPUTS`; samples: rays per pixel along each side; see `Renderer`."""
+def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
+    """Moves what the renderer needs of every scene to the current Warp device, as `SceneTables`.
 
-    height: int
-    width: int
-    outputs: tuple[str, ...]
-    shadows: bool
-    sky: bool
-    samples: int
-    shading: str
+    Args:
+      sky: whether skies are drawn.
+    """
+    mesh = np.maximum(bank.slot_mesh, 0)
+    material = bank.mesh_material[mesh]
+    empty = bank.slot_mesh < 0
+    lower, upper = slot_boxes(bank)
+    sun, irradiance = scene_sun(bank)
+    tables = SceneTables()
+    tables.position = wp.array(bank.slot_position, dtype=wp.vec3)
+    tables.rotation = wp.array(rotation_matrices(bank.slot_quaternion), dtype=wp.mat33)
+    tables.lower = wp.array(lower, dtype=wp.vec3)
+    tables.upper = wp.array(upper, dtype=wp.vec3)
+    tables.mesh = wp.array(mesh, dtype=int)
+    tables.material = wp.array(np.where(empty, model.absent_material, material), dtype=int)
+    tables.roughness = wp.array(bank.material_roughness[material], dtype=float)
+    tables.metallic = wp.array(bank.material_metallic[material], dtype=float)
+    tables.sun_direction = wp.array(sun, dtype=wp.vec3)
+    tables.sun_irradiance = wp.array(irradiance, dtype=wp.vec3)
+    # The even light stands in for the sky, and is not added to it.
+    tables.ambient = wp.array(sky_ambient(bank) * (not sky), dtype=wp.vec3)
+    tables.sky = wp.array(bank.scene_sky if sky else np.zeros_like(bank.scene_sky), dtype=int)
+    tables.sky_yaw = wp.array(bank.scene_sky_yaw, dtype=float)
+    return tables
 
-    @property
-    def shaded(self) -> bool:
-        """Whether surfaces are evaluated at all; depth and labels need the first hit alone."""
-        return "rgb" in self.outputs or "normal" in self.outputs
+
+def build_robot_tables(model: RenderModel) -> Any:
+    """`RobotTables` of the model on the current Warp device."""
+    tables = RobotTables()
+    tables.body = wp.array(model.robot_body, dtype=int)
+    tables.position = wp.array(model.robot_position, dtype=wp.vec3)
+    tables.rotation = wp.array(model.robot_rotation, dtype=wp.mat33)
+    tables.centre = wp.array(model.robot_half[:, 0], dtype=wp.vec3)
+    tables.half = wp.array(model.robot_half[:, 1], dtype=wp.vec3)
+    return tables
 
 
 class SharedAssets:
@@ -55,8 +69,6 @@ class SharedAssets:
         self.render_model = model
         self.settings = settings
         self.device = wp.get_device()
-        #: Whether a frame was drawn: the first one compiles kernels, which threads must not do at the same time.
-        self.ready = False
         mjm = model.model
         self.model = mjw.put_model(mjm)
         self.model.mesh_vert = wp.array(model.vertices, dtype=wp.vec3)
@@ -67,9 +79,9 @@ class SharedAssets:
             mjm,
             nworld=1,
             cam_res=(settings.width, settings.height),
-            render_rgb=settings.shaded,
-            render_depth="depth" in settings.outputs,
-            render_seg="object" in settings.outputs or "category" in settings.outputs,
+            render_rgb=True,
+            render_depth=False,
+            render_seg=False,
             enabled_geom_groups=[0],
             use_shadows=settings.shadows,
             shadow_light_fraction=0.0,
@@ -79,7 +91,6 @@ class SharedAssets:
             background_color=PLAIN_SKY,
             samples_per_pixel=settings.samples,
             mesh_bvh_frame="mujoco",
-            render_guides="normal" in settings.outputs,
         )
         self._mend_context(bank)
 
@@ -128,8 +139,8 @@ class WorldBatch:
     def __init__(self, assets: SharedAssets, num_worlds: int) -> None:
         self.assets = assets
         self.num_worlds = num_worlds
-        mjm, settings = assets.render_model.model, assets.settings
-        ngeom, pixels = mjm.ngeom, settings.height * settings.width
+        mjm = assets.render_model.model
+        ngeom = mjm.ngeom
         self.data = mjw.make_data(mjm, nworld=num_worlds, nconmax=0, njmax=0)
         self.model = dataclasses.replace(
             assets.model,
@@ -156,9 +167,6 @@ class WorldBatch:
         context.env_id = wp.zeros(num_worlds, dtype=int)
         context.env_yaw = wp.zeros(num_worlds, dtype=float)
         context.ambient_radiance = wp.zeros(num_worlds, dtype=wp.vec3)
-        if "normal" in settings.outputs:
-            context.guide_albedo = wp.zeros((num_worlds, pixels), dtype=wp.vec3)
-            context.guide_normal = wp.zeros((num_worlds, pixels), dtype=wp.vec3)
         self.context = context
         self.scene = wp.full(num_worlds, -1, dtype=int)
         self.worlds = self._worlds()
@@ -175,21 +183,16 @@ class WorldBatch:
         worlds.ngeom = self.assets.render_model.model.ngeom
         return worlds
 
-    def render(self, scene, xpos, xquat, eye, turn, fovy, outputs: dict[str, wp.array]) -> None:
-        """Draws one frame of every world into `outputs` (Warp arrays with a leading world axis).
+    def render(self, scene, xpos, xquat, eye, turn, fovy, rgb: wp.array) -> None:
+        """Draws one frame of every world into `rgb` (n, H, W, 3) u8.
 
         Args (Warp arrays): scene (n,) int; xpos (n, nbody) vec3, xquat (n, nbody) vec4: the robot's bodies;
           eye (n,) vec3, turn (n,) vec4, fovy (n,) float: the cameras.
         """
         self.place(scene, xpos, xquat, eye, turn, fovy)
-        assets = self.assets
-        # The kernel is the same for all batches: the first to draw builds it.
-        shared = assets.context
-        self.context._megakernel, self.context._megakernel_key = shared._megakernel, shared._megakernel_key
         pbr.render(self.model, self.data, self.context)
-        shared._megakernel, shared._megakernel_key = self.context._megakernel, self.context._megakernel_key
-        self._unpack(scene, outputs)
-        assets.ready = True
+        pixels = rgb.shape[1] * rgb.shape[2]
+        wp.launch(kernels.unpack_colour, dim=(self.num_worlds, pixels), inputs=[self.context.base.rgb_data, rgb])
 
     def place(self, scene, xpos, xquat, eye, turn, fovy) -> None:
         """Brings objects, robots, cameras and the search tree to where they stand in this frame; see `render`."""
@@ -220,48 +223,3 @@ class WorldBatch:
             base.bvh.refit()
             return
         wp.launch(compute_bvh_group_roots, dim=self.num_worlds, inputs=[base.bvh.id, base.group_root])
-
-    def _unpack(self, scene, outputs: dict[str, wp.array]) -> None:
-        base, settings = self.context.base, self.assets.settings
-        dim = (self.num_worlds, settings.height * settings.width)
-        if "rgb" in outputs:
-            wp.launch(kernels.unpack_colour, dim=dim, inputs=[base.rgb_data, outputs["rgb"]])
-        if "depth" in outputs:
-            wp.launch(kernels.unpack_depth, dim=dim, inputs=[base.depth_data, outputs["depth"]])
-        if "normal" in outputs:
-            wp.launch(kernels.unpack_normal, dim=dim, inputs=[self.context.guide_normal, outputs["normal"]])
-        if "category" in outputs or "object" in outputs:
-            nothing = wp.zeros((self.num_worlds, 0, 0), dtype=int)
-            wp.launch(
-                kernels.unpack_labels,
-                dim=dim,
-                inputs=[
-                    self.assets.tables,
-                    scene,
-                    base.seg_data,
-                    self.assets.render_model.num_slots,
-                    ROBOT_LABEL,
-                    outputs.get("category", nothing),
-                    outputs.get("object", nothing),
-                ],
-            )
-
-
-class WorldBatches:
-    """A batch of worlds in as many pieces as there are threads, each piece a context of its own."""
-
-    def __init__(self, assets: SharedAssets, num_worlds: int, threads: int) -> None:
-        count = min(threads, num_worlds)
-        sizes = [num_worlds // count + (i < num_worlds % count) for i in range(count)]
-        self.pieces = [WorldBatch(assets, size) for size in sizes]
-
-    def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
-        """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
-        jobs: list[Callable[[], None]] = []
-        start = 0
-        for piece in self.pieces:
-            part = slice(start, start + piece.num_worlds)
-            wanted = {name: x[part] for name, x in outputs.items() if x.shape[1] > 0}
-            jobs.append(functools.partial(piece.render, *(x[part] for x in inputs), wanted))
-            start += piece.num_worlds
-        return jobs

@@ -6,8 +6,8 @@
 
 import warp as wp
 
-#: Height (m) of what is not to be seen, deep under every street.
-NOWHERE = -1.0e4
+from urbanverse_mjx.simulation.render_settings import NOWHERE
+
 _NOWHERE = wp.constant(NOWHERE)
 
 wp.set_module_options({"enable_backward": False, "fast_math": False})
@@ -17,7 +17,7 @@ wp.set_module_options({"enable_backward": False, "fast_math": False})
 class SceneTables:
     """Every scene of the bank on the device; Z scenes, N slots.
 
-    position, lower, upper, rotation, mesh, material, roughness, metallic, category: (Z, N) per slot;
+    position, lower, upper, rotation, mesh, material, roughness, metallic: (Z, N) per slot;
     sun_direction, sun_irradiance, ambient, sky, sky_yaw: (Z,) per scene.
     """
 
@@ -29,7 +29,6 @@ class SceneTables:
     material: wp.array2d[int]
     roughness: wp.array2d[float]
     metallic: wp.array2d[float]
-    category: wp.array2d[int]
     sun_direction: wp.array[wp.vec3]
     sun_irradiance: wp.array[wp.vec3]
     ambient: wp.array[wp.vec3]
@@ -158,45 +157,3 @@ def unpack_colour(packed: wp.array2d[wp.uint32], rgb: wp.array4d[wp.uint8]):
     rgb[w, row, column, 0] = wp.uint8((word >> wp.uint32(16)) & wp.uint32(255))
     rgb[w, row, column, 1] = wp.uint8((word >> wp.uint32(8)) & wp.uint32(255))
     rgb[w, row, column, 2] = wp.uint8(word & wp.uint32(255))
-
-
-@wp.kernel
-def unpack_labels(
-    tables: SceneTables,
-    scene: wp.array[int],
-    seg: wp.array2d[wp.vec2i],
-    num_slots: int,
-    robot_label: int,
-    category: wp.array3d[int],
-    object: wp.array3d[int],
-):
-    """Geom numbers to object (slot) and category numbers, either output may be empty; dim (worlds, pixels)."""
-    w, pixel = wp.tid()
-    geom = seg[w, pixel][0]
-    # Warp takes a bare number for a constant.
-    number = int(-1)  # noqa: RUF046, UP018
-    kind = int(-1)  # noqa: RUF046, UP018
-    if geom >= num_slots:
-        number = robot_label
-        kind = robot_label
-    elif geom >= 0:
-        number = geom
-        kind = tables.category[scene[w], geom]
-    if object.shape[1] > 0:
-        object[w, pixel // object.shape[2], pixel % object.shape[2]] = number
-    if category.shape[1] > 0:
-        category[w, pixel // category.shape[2], pixel % category.shape[2]] = kind
-
-
-@wp.kernel
-def unpack_depth(depth: wp.array2d[float], out: wp.array3d[float]):
-    """dim (worlds, pixels)."""
-    w, pixel = wp.tid()
-    out[w, pixel // out.shape[2], pixel % out.shape[2]] = depth[w, pixel]
-
-
-@wp.kernel
-def unpack_normal(normal: wp.array2d[wp.vec3], out: wp.array3d[wp.vec3]):
-    """dim (worlds, pixels)."""
-    w, pixel = wp.tid()
-    out[w, pixel // out.shape[2], pixel % out.shape[2]] = normal[w, pixel]

@@ -1,0 +1,29 @@
+"""What the renderer is asked for, and the constants of its pictures."""
+
+import dataclasses
+
+#: Label of the robot's own pixels in "object" and "category"; -1 is the sky.
+ROBOT_LABEL = -2
+#: "pbr": glTF materials as mujoco-warp-pbr shows them; "matte": the same light without highlights.
+SHADINGS = ("pbr", "matte")
+OUTPUTS = ("rgb", "depth", "category", "object", "normal")
+#: Display colour of the sky where none is drawn (sky=False).
+PLAIN_SKY = (0.62, 0.74, 0.88, 1.0)
+#: The tone mapper takes off what gloss adds to every surface, and darkens shade by it; this lifts it again. Chosen by
+#: eye on the shipped streets.
+PBR_EXPOSURE = 1.3
+#: Height (m) of what is not to be seen, deep under every street.
+NOWHERE = -1.0e4
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """What is drawn and how. outputs: of `OUTPUTS`; samples: rays per pixel along each side; see `Renderer`."""
+
+    height: int
+    width: int
+    outputs: tuple[str, ...]
+    shadows: bool
+    sky: bool
+    samples: int
+    shading: str
