@@ -94,8 +94,8 @@ def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
     call = run.compile_("step", whole, run.first, run.actions)
     # The first call leaves the states behind in which all robots stand at their starts.
     (run.state, (run.sims, _, _)), first = _timing.first_call(call, run.first, run.actions)
-    sample = _timing.time_(call, run.state, run.actions, repeats=run.case.repeats)
     _, (_, done, overflow) = call(run.state, run.actions)
+    sample = _timing.time_(call, run.state, run.actions, repeats=run.case.repeats, warm=True)
     count = run.case.steps * run.case.num_envs
     figures = {
         "env_steps_per_s": sample.rate(count),

@@ -47,8 +47,6 @@ from urbanverse_mjx.simulation.engines import IMPLS
 
 #: Options that take a comma list, and what each value of it is; their names are fields of `Case`.
 AXES = {"impl": str, "num_envs": int, "pixels": str, "scenes": int, "hulls": int, "substeps": int, "preset": str}
-#: s: one configuration in a process of its own may take so long.
-CASE_TIMEOUT = 540.0
 #: Stands for the baseline of this device kind where --compare or --save-baseline names no file.
 _OWN = pathlib.Path()
 
@@ -81,6 +79,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     add("--seed", type=int, default=0)
     add("--grid", type=pathlib.Path, help="JSON file of configurations; fields left out are as the options say")
     add("--isolate", action="store_true", help="each configuration in a process of its own")
+    add("--case-timeout", type=float, default=540.0, help="s that such a process may take")
     add("--append", type=pathlib.Path, help="JSON Lines file that each row is added to at once")
     add("--markdown", type=pathlib.Path, help="file for a table of all rows")
     add("--proof", type=pathlib.Path, help="PNG with a frame of each of the first 64 envs")
@@ -216,7 +215,7 @@ def _rival(name: str, env: Any, case: Case) -> dict[str, Any]:
         return {"rival": name, "error": f"{type(error).__name__}: {error}".strip()[:500]}
 
 
-def isolated(case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
+def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator[dict[str, Any]]:
     """The rows of a case, measured by a process of its own."""
     command = [sys.executable, "-m", "benchmarks.throughput", "--grid", "/dev/stdin", "--json"]
     command += ["--proof", str(proof)] if proof else []
@@ -226,7 +225,7 @@ def isolated(case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]
             input=json.dumps([case.to_json()]),
             stdout=subprocess.PIPE,
             text=True,
-            timeout=CASE_TIMEOUT,
+            timeout=timeout,
             check=False,
         )
         text, status = done.stdout, done.returncode
@@ -234,7 +233,7 @@ def isolated(case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]
         how = "" if status in (0, 1, 2) else f"the process ended with status {status}; see its messages above"
     except subprocess.TimeoutExpired as error:
         text = error.stdout.decode() if isinstance(error.stdout, bytes) else error.stdout or ""
-        how = f"no end within {CASE_TIMEOUT:g} s"
+        how = f"no end within {timeout:g} s"
     lines = [line for line in text.splitlines() if line.startswith("{")]
     yield from (json.loads(line) for line in lines)
     if how or not lines:
@@ -249,7 +248,8 @@ def measure_all(arguments: argparse.Namespace, cases: Sequence[Case]) -> list[di
         proof = arguments.proof
         if proof is not None and len(cases) > 1:
             proof = proof.with_name(f"{proof.stem}-{number}{proof.suffix}")
-        for row in (isolated if arguments.isolate else rows_of)(case, proof):
+        found = isolated(case, proof, arguments.case_timeout) if arguments.isolate else rows_of(case, proof)
+        for row in found:
             rows.append(row)
             if arguments.append:
                 with arguments.append.open("a", encoding="utf-8") as file:

@@ -39,6 +39,8 @@ def test_timing_awaits_and_leaves_the_first_call_out() -> None:
     assert len(calls) == 4
     assert 0.01 <= min(sample.seconds)
     assert max(sample.seconds) < 0.2
+    assert len(_timing.time_(slow_first, repeats=2, warm=True).seconds) == 2
+    assert len(calls) == 6
 
 
 def test_calls_in_turn_alternate() -> None:
@@ -277,7 +279,19 @@ def test_an_isolated_case_that_dies_becomes_a_row(monkeypatch: pytest.MonkeyPatc
 
     real = subprocess.run
     monkeypatch.setattr(subprocess, "run", run)
-    first, second = throughput.isolated(Case(num_envs=3), None)
+    first, second = throughput.isolated(Case(num_envs=3), None, 60.0)
     assert first == {}
     assert second["num_envs"] == 3
     assert "status -9" in second["error"]
+
+
+def test_an_isolated_case_that_hangs_becomes_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(command: list[str], input: str, **options: Any) -> Any:
+        code = "import time; print('{}', flush=True); time.sleep(60)"
+        return real([sys.executable, "-c", code], input=input, **options)
+
+    real = subprocess.run
+    monkeypatch.setattr(subprocess, "run", run)
+    first, second = throughput.isolated(Case(num_envs=3), None, 2.0)
+    assert first == {}
+    assert second["error"] == "no end within 2 s"
