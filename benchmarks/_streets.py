@@ -236,19 +236,20 @@ def _put_houses(street: _Street) -> None:
 
 
 def _put_somewhere(street: _Street, band: str) -> None:
-    """One thing at a random free place of a band.
+    """One thing at a random free place of a band, or of another one where that is full.
 
     Raises:
-      NounError: none was found.
+      NounError: none was found anywhere.
     """
-    for _ in range(_TRIES):
-        side = 1 if street.rng.random() < 0.5 else -1
-        record = street.record(_LEAVES[band])
-        if _try_place(street, band, side, record):
-            return
+    for other in (band, *(b for b in SHARES if b != band)):
+        for _ in range(_TRIES):
+            side = 1 if street.rng.random() < 0.5 else -1
+            record = street.record(_LEAVES[other])
+            if _try_place(street, other, side, record):
+                return
     raise NounError(
-        f"--objects: found no free place for another thing in the {band} band of a street with {len(street.objects)}, "
-        "needed one; ask for fewer."
+        f"--objects: found no free place for another thing in a street with {len(street.objects)}, needed one; "
+        "ask for fewer."
     )
 
 

@@ -26,7 +26,7 @@ from benchmarks import _banks, _cutting, _streets
 from urbanverse_mjx.assets import AssetIndex, load_hulls, load_index
 from urbanverse_mjx.assets.index import build_mesh
 from urbanverse_mjx.assets.skies import build_sky
-from urbanverse_mjx.datatypes import AssetRecord, HullSet, NounError, SceneBank
+from urbanverse_mjx.datatypes import AssetRecord, HullSet, NounError, SceneBank, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.materialisation.choice import pick
 from urbanverse_mjx.robots import make_coco
@@ -89,9 +89,8 @@ def coarser(scene_map: SceneMap, stride: int) -> SceneMap:
     return SceneMap(scene_map.origin, stride * scene_map.resolution, **fields)
 
 
-def build_scene(options: Options, number: int, index: AssetIndex, source: AssetSource) -> tuple[SceneGeometry, str]:
-    """Layout `number` as geometry with its episodes, and its content hash."""
-    layout = _streets.make_layout(options.seed, number, index, options.objects)
+def build_scene(layout: SceneLayout, number: int, index: AssetIndex, source: AssetSource, stride: int) -> SceneGeometry:
+    """Layout `number` as geometry with its episodes and every `stride`-th cell of its map."""
     geometry = scene_geometry(layout, index, source)
     robot = make_coco()
     size = RobotSize(height=robot.planner_height)
@@ -101,8 +100,7 @@ def build_scene(options: Options, number: int, index: AssetIndex, source: AssetS
         return [Drive(path_length(p) / robot.max_speed, "") for p in paths]
 
     episodes = build_episodes(space, size, number, undriven, EpisodeRules(goals=GOALS))
-    coarse = coarser(geometry.map, map_stride(options.map_cell))
-    return dataclasses.replace(geometry, episodes=episodes, map=coarse), layout.content_hash()
+    return dataclasses.replace(geometry, episodes=episodes, map=coarser(geometry.map, stride))
 
 
 def build(options: Options, progress: Any = None) -> SceneBank:
@@ -114,14 +112,15 @@ def build(options: Options, progress: Any = None) -> SceneBank:
     Raises:
       NounError: numbers that fit no street.
     """
-    map_stride(options.map_cell)  # a bad one is found before minutes of work
+    stride = map_stride(options.map_cell)
     index = load_index()
     source = AssetSource(build_mesh, CutHulls(*options.hulls, options.seed))
-    scenes, hashes = [], {}
-    for number in range(options.layouts):
-        scene, digest = build_scene(options, number, index, source)
-        scenes.append(scene)
-        hashes[scene.scene_id] = digest
+    # All layouts first: what does not fit is found before minutes of work.
+    layouts = [_streets.make_layout(options.seed, i, index, options.objects) for i in range(options.layouts)]
+    hashes = {layout.id: layout.content_hash() for layout in layouts}
+    scenes = []
+    for number, layout in enumerate(layouts):
+        scenes.append(build_scene(layout, number, index, source, stride))
         if progress is not None:
             progress(number + 1, options.layouts)
     hashes["bank"] = content_hash({"options": dataclasses.asdict(options), "layouts": hashes})

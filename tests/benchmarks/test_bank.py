@@ -195,6 +195,16 @@ def test_what_fits_no_street_is_one_sentence(
     assert not out.exists()
 
 
+def test_all_160_layouts_find_room_and_differ() -> None:
+    """The dearest ones: 300 things each; one in ten of them."""
+    index = load_index()
+    layouts = [_streets.make_layout(0, i, index, (300, 300)) for i in range(3, 160, 10)]
+    assert {len(layout.objects) for layout in layouts} == {300}
+    assert len({layout.content_hash() for layout in layouts}) == len(layouts)
+    sections = [json.dumps([g.to_json() for g in layout.ground]) for layout in layouts]
+    assert len(set(sections)) > 4
+
+
 @pytest.mark.parametrize("text", ["300-200", "0", "a-b"])
 def test_ranges_must_be_ranges(text: str) -> None:
     with pytest.raises(SystemExit):
