@@ -16,6 +16,9 @@ def _paper() -> ConfigDict:
             "learning_rate": 1e-4,
             "learning_rate_schedule": "ADAPTIVE_KL",
             "desired_kl": 0.01,
+            # Brax lets it rise to 1e-2 while the policy changes little; at 135x240 that killed every ReLU of the last
+            # convolution within 1 M steps, and the policy drove blind (docs/decisions/presets.md).
+            "max_learning_rate": 1e-3,
             "discounting": 0.99,
             "gae_lambda": 0.95,
             "clipping_epsilon": 0.2,

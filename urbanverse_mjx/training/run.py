@@ -67,6 +67,7 @@ def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
         **{name: config[name] for name in same},
         "batch_size": batch_size,
         "num_minibatches": num_minibatches,
+        "learning_rate_schedule_max_lr": config.max_learning_rate,
         "normalize_observations": False,
         "num_evals": config.num_checkpoints + 1,
         # Brax builds an evaluator even when it never runs it; the same size shares the render context.
