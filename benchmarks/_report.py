@@ -77,6 +77,11 @@ def bank_hash(bank: SceneBank) -> str:
     return content_hash({"scenes": {s: hashes.get(s, "") for s in bank.scene_ids}, "hulls": hulls})[:16]
 
 
+def planned(case: Any) -> dict[str, Any]:
+    """What was to be measured, for rows of configurations that failed before they told more."""
+    return {"benchmark": "throughput", **case.to_json(), "pixels": list(case.size) if case.size else None}
+
+
 def describe(env: Any, case: Any) -> dict[str, Any]:
     """What was measured, on what."""
     view, bank = env.config.vision_config, env.bank

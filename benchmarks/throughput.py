@@ -161,7 +161,7 @@ def load_env(case: Case) -> Any:
 
 def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str, Any]]:
     """Measures a case and then its rivals, one row after the other; what fails becomes a row with "error"."""
-    row = {"benchmark": "throughput", **case.to_json(), "machine": _report.machine()}
+    row = {**_report.planned(case), "machine": _report.machine()}
     env = None
     try:
         begin = time.perf_counter()
@@ -238,7 +238,7 @@ def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator
     yield from (json.loads(line) for line in lines)
     if how or not lines:
         # Nothing here may touch the device: it belongs to the next process.
-        yield {"benchmark": "throughput", **case.to_json(), "error": how or "no row"}
+        yield {**_report.planned(case), "error": how or "no row"}
 
 
 def measure_all(arguments: argparse.Namespace, cases: Sequence[Case]) -> list[dict[str, Any]]:

@@ -281,7 +281,7 @@ def test_an_isolated_case_that_dies_becomes_a_row(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(subprocess, "run", run)
     first, second = throughput.isolated(Case(num_envs=3), None, 60.0)
     assert first == {}
-    assert second["num_envs"] == 3
+    assert (second["num_envs"], second["pixels"]) == (3, [36, 64])
     assert "status -9" in second["error"]
 
 
