@@ -32,6 +32,9 @@ def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
     material = bank.mesh_material[mesh]
     empty = bank.slot_mesh < 0
     lower, upper = slot_boxes(bank)
+    # An empty slot gets a point inside the box of the slot before it, so that no node of the search tree grows.
+    for z, n in zip(*np.nonzero(empty), strict=True):
+        lower[z, n] = upper[z, n] = (lower[z, n - 1] + upper[z, n - 1]) / 2 if n else bank.slot_position[z, 0]
     sun, irradiance = scene_sun(bank)
     tables = SceneTables()
     tables.position = wp.array(bank.slot_position, dtype=wp.vec3)

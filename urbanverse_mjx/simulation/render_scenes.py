@@ -104,23 +104,21 @@ def build_skies(radiance: np.ndarray, glossy: bool) -> Skies:
 
 
 def slot_boxes(bank: SceneBank) -> tuple[np.ndarray, np.ndarray]:
-    """(Z, N, 3) lower and upper corners, m, of the box around each slot's mesh in the world.
-
-    An empty slot gets a point inside the box of the slot before it, so that no node of the search tree grows.
-    """
-    rotation = rotation_matrices(bank.slot_quaternion)
+    """(Z, N, 3) lower and upper corners, m, of the box around each slot's mesh in the world; 0 for empty slots."""
     lower = np.zeros(bank.slot_position.shape)
     upper = np.zeros(bank.slot_position.shape)
-    start = bank.mesh_vertex_start
-    for z in range(bank.num_scenes):
-        last = bank.slot_position[z, 0].astype(np.float64)
-        for n, mesh in enumerate(bank.slot_mesh[z]):
-            if mesh < 0:
-                lower[z, n] = upper[z, n] = last
-                continue
-            corners = bank.mesh_vertices[start[mesh] : start[mesh + 1]] @ rotation[z, n].T + bank.slot_position[z, n]
-            lower[z, n], upper[z, n] = corners.min(0), corners.max(0)
-            last = (lower[z, n] + upper[z, n]) / 2
+    start, flat = bank.mesh_vertex_start, bank.slot_mesh.ravel()
+    # All slots with the same mesh at once.
+    order = np.argsort(flat, kind="stable")
+    for slots in np.split(order, np.flatnonzero(np.diff(flat[order])) + 1):
+        mesh = flat[slots[0]]
+        if mesh < 0:
+            continue
+        z, n = np.divmod(slots, bank.slot_mesh.shape[1])
+        rotation = rotation_matrices(bank.slot_quaternion[z, n])
+        corners = rotation @ bank.mesh_vertices[start[mesh] : start[mesh + 1]].T.astype(np.float64)
+        lower[z, n] = corners.min(-1) + bank.slot_position[z, n]
+        upper[z, n] = corners.max(-1) + bank.slot_position[z, n]
     return lower, upper
 
 
