@@ -312,6 +312,29 @@ def test_few_batches_are_kept(small_bank: SceneBank, monkeypatch: pytest.MonkeyP
     assert engine.num_contexts == 2
 
 
+def test_physics_steps_are_captured(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
+    jax.block_until_ready(batched(*starts(engine, small_bank)))
+    assert engine._batches
+    assert all(batch.is_captured for batch in engine._batches.values())
+
+
+@pytest.mark.gpu
+def test_on_cuda_a_graph_is_replayed_in_the_same_memory(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = WarpEngine(small_bank, make_coco(), control_dt=CONTROL_DT)
+    state, ctrl = starts(engine, small_bank, number=512)
+    step = jax.jit(jax.vmap(engine.step))
+    state = jax.block_until_ready(step(state, ctrl))
+    (batch,) = engine._batches.values()
+    assert batch.shared.device.is_cuda
+    assert batch.is_captured
+    monkeypatch.setattr(warp_batch, "_captured", None)
+    used = wp.get_mempool_used_mem_current(batch.shared.device)
+    for _ in range(100):
+        state = step(state, ctrl)
+    assert np.isfinite(state.qpos).all()
+    assert wp.get_mempool_used_mem_current(batch.shared.device) <= used
+
+
 def test_auto_is_warp_on_cuda_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     assert engines.choose_impl("jax") == "jax"
     for backend, impl in (("cpu", "jax"), ("gpu", "warp"), ("tpu", "jax")):

@@ -13,7 +13,7 @@ from .warp_model import DeviceModel
 
 #: Pairs of a sphere and a slot whose boxes meet, per world; seven is usual among robots that push against something.
 #: The worlds share one pool, which also holds all pairs of `_CROWDED` worlds.
-_CANDIDATES, _CROWDED = 48, 4
+_CANDIDATES, _CROWDED = 24, 4
 #: Spheres whose centre is inside a hull, per world; they need the dear half of the collision search. One pool, too.
 _SUNK = 4
 
@@ -62,6 +62,11 @@ class WorldBatch:
         self._substep, self._kinematics = self._physics_step, self._place_bodies
         if graphs:
             self._substep, self._kinematics = _captured(self._physics_step), _captured(self._place_bodies)
+
+    @property
+    def is_captured(self) -> bool:
+        """Whether the physics step is a graph that is replayed."""
+        return self._substep != self._physics_step
 
     def control_step(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array], substeps: int) -> None:
         """Reads states, finds and places slots, runs the physics and writes the new states; see `WarpEngine._run`."""
@@ -130,4 +135,5 @@ def _captured(launches: Callable[[], None]) -> Callable[[], None]:
     except RuntimeError as error:
         warnings.warn(f"found no graph capture ({error}); physics steps are launched one by one, slowly", stacklevel=2)
         return launches
-    return functools.partial(wp.capture_launch, capture.graph)
+    graph = capture.graph
+    return launches if graph is None else functools.partial(wp.capture_launch, graph)

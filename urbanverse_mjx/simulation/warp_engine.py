@@ -100,9 +100,9 @@ class WarpEngine:
         control_dt: float = 0.2,
         num_slots: int = 16,
         num_prism_slots: int = 8,
-        num_contacts: int = 24,
-        iterations: int = 20,
-        line_steps: int = 20,
+        num_contacts: int = 16,
+        iterations: int = 8,
+        line_steps: int = 10,
         graphs: bool = True,
     ) -> None:
         self.bank, self.robot = bank, robot

@@ -130,9 +130,7 @@ class DeviceModel:
         model = self.slot_model.model
 
         def own(values: np.ndarray, dtype: Any, rows: int = number) -> wp.array:
-            array = wp.array(np.repeat(values[None], rows, axis=0), dtype=dtype)
-            array._is_batched = True
-            return array
+            return wp.array(np.repeat(values[None], rows, axis=0), dtype=dtype)
 
         return dataclasses.replace(
             self.model,
