@@ -10,10 +10,11 @@ from mujoco_warp_pbr._src import envmap
 
 from benchmarks._megakernel import SharedAssets, WorldBatch
 from tests.support.box_bank import box_bank
-from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots.coco import make_coco
 from urbanverse_mjx.simulation.render_model import build_render_model
 from urbanverse_mjx.simulation.render_settings import Settings
+from urbanverse_mjx.simulation.render_shapes import primitive_mesh
 from urbanverse_mjx.simulation.street_batch import StreetBatch, Streets, sky_polynomials
 from urbanverse_mjx.simulation.street_tree import EMPTY, LEAF, NODE, SLACK, Trees, build_trees, joined
 
@@ -140,3 +141,39 @@ def test_pbr_pictures_are_those_of_mujoco_warp_pbr(bank: SceneBank, robot: Robot
     assert theirs.std() > 20
     assert difference.mean() < 0.3
     assert (difference > 4).mean() < 0.01
+
+
+SHAPES = {
+    "box": (mujoco.mjtGeom.mjGEOM_BOX, (0.3, 0.2, 0.1), 8 * 0.3 * 0.2 * 0.1),
+    "sphere": (mujoco.mjtGeom.mjGEOM_SPHERE, (0.3, 0.0, 0.0), 4 / 3 * np.pi * 0.3**3),
+    "ellipsoid": (mujoco.mjtGeom.mjGEOM_ELLIPSOID, (0.3, 0.2, 0.1), 4 / 3 * np.pi * 0.3 * 0.2 * 0.1),
+    "capsule": (mujoco.mjtGeom.mjGEOM_CAPSULE, (0.2, 0.4, 0.0), np.pi * 0.2**2 * (0.8 + 4 / 3 * 0.2)),
+    "cylinder": (mujoco.mjtGeom.mjGEOM_CYLINDER, (0.2, 0.1, 0.0), np.pi * 0.2**2 * 0.2),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_primitives_are_closed_meshes_on_their_surfaces(name: str) -> None:
+    """Volume by the divergence theorem, within what 128 slices cut off; normals as faces look, and as `mj_ray` says."""
+    kind, size, volume = SHAPES[name]
+    vertices, normals, faces = primitive_mesh(int(kind), np.array(size))
+    corners = vertices[faces]
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (flat * corners[:, 0]).sum() / 6 == pytest.approx(volume, rel=2e-3)
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    assert (flat[:, None] * normals[faces]).sum(-1).min() > 0.99
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_geom(type=kind, size=size)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    rng = np.random.default_rng(0)
+    for i in rng.choice(len(faces), 60):
+        # From a millimetre outside the middle of a face.
+        middle, hit = corners[i].mean(0) + 1e-3 * flat[i], np.zeros(1, np.int32)
+        assert mujoco.mj_ray(model, data, middle, -flat[i], None, 1, -1, hit) == pytest.approx(1e-3, abs=2e-4)
+
+
+def test_a_geom_without_a_surface_is_named() -> None:
+    with pytest.raises(NounError, match=r"mjGEOM_PLANE.*needed a mesh"):
+        primitive_mesh(int(mujoco.mjtGeom.mjGEOM_PLANE), np.ones(3))

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from ..datatypes import NounError, RobotSpec, SceneBank
+from .render_shapes import primitive_mesh
 
 #: MJCF geom group of what is seen of a robot (its collision spheres are in group 3, as in MuJoCo Menagerie).
 VISUAL_GROUP = 2
@@ -42,7 +43,7 @@ class RenderModel:
     """What the renderer draws.
 
     Attributes:
-      model: compiled; geoms [0, N) are the slots, [N, N + R) the robot's visual geoms.
+      model: compiled; geoms [0, N) are the slots, [N, N + R) the robot's visual geoms; all are meshes.
       vertices (ΣV, 3), normals (ΣVn, 3) f32: `model.mesh_vert` and `mesh_normal` turned back into the frames in
         which the meshes were authored (the compiler moves every mesh to its inertial frame).
       num_slots: N. absent_material: a material nobody sees, for empty slots.
@@ -141,14 +142,22 @@ def _add_robot(spec: mujoco.MjSpec, robot: mujoco.MjModel) -> list[int]:
                 _add_robot_material(spec, robot, material, name)
             looks["material"] = name
         kind = int(robot.geom_type[g])
-        if kind == mujoco.mjtGeom.mjGEOM_MESH:
+        if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
             name = f"robot/{int(robot.geom_dataid[g])}"
             if spec.mesh(name) is None:
                 _add_robot_mesh(spec, robot, int(robot.geom_dataid[g]), name)
-            looks["meshname"] = name
         else:
-            looks["size"] = robot.geom_size[g]
-        spec.worldbody.add_geom(type=kind, contype=0, conaffinity=0, group=SLOT_GROUP, **looks)
+            name = f"shape/{g}"
+            vertices, normals, faces = primitive_mesh(kind, robot.geom_size[g])
+            spec.add_mesh(
+                name=name,
+                uservert=vertices.ravel(),
+                usernormal=normals.ravel(),
+                userface=faces.ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            )
+        kind = mujoco.mjtGeom.mjGEOM_MESH
+        spec.worldbody.add_geom(type=kind, meshname=name, contype=0, conaffinity=0, group=SLOT_GROUP, **looks)
     return geoms
 
 
@@ -231,7 +240,7 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None) -> RenderModel:
     """Builds the render model of a bank and, if given, a robot.
 
     Raises:
-      NounError: the bank shows nothing.
+      NounError: the bank shows nothing, or the robot has a visual geom without a surface.
     """
     if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
         raise NounError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")

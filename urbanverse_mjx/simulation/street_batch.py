@@ -16,7 +16,7 @@ from .render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, uplo
 from .render_settings import NOWHERE, ROBOT_LABEL, Settings
 from .street_kernels import Street, Views, place
 from .street_shade import Skies
-from .street_tree import EMPTY, Trees, as_floats, build_trees, joined
+from .street_tree import Trees, as_floats, build_trees, joined
 
 #: Triangles in a leaf at most.
 _LEAF_SIZE = 4
@@ -64,24 +64,20 @@ class Streets:
     def __init__(self, bank: SceneBank, model: RenderModel, settings: Settings) -> None:
         self.settings = settings
         mjm = model.model
-        # The robot's parts: meshes first.
         geoms = model.num_slots + np.arange(mjm.ngeom - model.num_slots)
-        is_mesh = mjm.geom_type[geoms] == mujoco.mjtGeom.mjGEOM_MESH
-        self.part_order = np.argsort(~is_mesh, kind="stable")
-        self.num_parts, self.num_meshes = len(geoms), int(is_mesh.sum())
+        self.num_parts = len(geoms)
         self.street, self._tables = Street(), []
         self.street.num_parts = len(geoms)
-        self._add_things(bank, model, self._add_meshes(model), geoms[self.part_order])
-        self._add_parts(model, geoms[self.part_order])
+        self._add_things(bank, model, self._add_meshes(model), geoms)
+        self._add_parts(model, geoms)
         self._add_light(bank)
-        kinds = tuple(int(x) for x in mjm.geom_type[geoms[self.part_order][self.num_meshes :]])
-        self.draw = street_draw.build_draw_kernel(settings, self.num_meshes, kinds, FAR, bank.sky_radiance.shape[2])
+        self.draw = street_draw.build_draw_kernel(settings, FAR, bank.sky_radiance.shape[2])
         self.ready = False
 
     def _keep(self, rows: np.ndarray) -> int:
         """Puts rows on the device, to stay as long as this does; returns where they stand."""
         self._tables.append(_table(rows))
-        return self._tables[-1].ptr
+        return self._tables[-1].ptr or 0
 
     def _add_meshes(self, model: RenderModel) -> Trees:
         """Triangles and faces in the order of the leaves of the meshes' trees."""
@@ -114,11 +110,14 @@ class Streets:
         poses = inverse_rows(rotation, bank.slot_position[scene, number])
         poses = np.concatenate([poses, np.zeros((len(geoms), 3, 4))])
         textures, sizes = upload_textures(model)
-        self.textures_kept = textures
+        self._textures = [textures]
         role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
         material = np.concatenate([bank.mesh_material[mesh], mjm.geom_matid[geoms]])
         colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
-        texture = np.where(material >= 0, mjm.mat_texid[material, role], -1)
+        mesh_of_thing = np.concatenate([mesh, mjm.geom_dataid[geoms]])
+        # What has no UV has no texture.
+        textured = (material >= 0) & (mjm.mesh_texcoordadr[mesh_of_thing] >= 0)
+        texture = np.where(textured, mjm.mat_texid[material, role], -1)
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
         metallic, roughness, _ = resolve_geom_materials(mjm)
         looks = _rows(
@@ -127,9 +126,7 @@ class Streets:
             np.concatenate([bank.material_roughness[material[: len(mesh)]], roughness[geoms]]),
             np.concatenate([bank.material_metallic[material[: len(mesh)]], metallic[geoms]]),
         )
-        part_mesh = np.maximum(mjm.geom_dataid[geoms], 0)
-        part_roots = np.where(mjm.geom_dataid[geoms] >= 0, meshes.roots[part_mesh], EMPTY)
-        thing_roots = as_floats(np.concatenate([meshes.roots[mesh], part_roots]))
+        thing_roots = as_floats(meshes.roots[mesh_of_thing])
         things = np.concatenate([poses, _rows(colour, thing_roots)[:, None], looks[:, None]], axis=1)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
         self.street.things, self.street.num_objects = self._keep(things), len(mesh)
@@ -138,24 +135,23 @@ class Streets:
         self.textures = wp.array(textures, dtype=wp.Texture2D)
 
     def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
-        mjm, order = model.model, self.part_order
-        parts = np.zeros((len(geoms), 3, 4), np.float32)
-        parts[:, 0, :3] = model.robot_half[order, 0]
-        parts[:, 0, 3] = np.linalg.norm(model.robot_half[order, 1], axis=1)
-        parts[:, 1, :3], parts[:, 1, 3] = mjm.geom_size[geoms], mjm.geom_type[geoms]
+        mjm = model.model
+        parts = np.zeros((len(geoms), 2, 4), np.float32)
+        parts[:, 0, :3] = model.robot_half[:, 0]
+        parts[:, 0, 3] = np.linalg.norm(model.robot_half[:, 1], axis=1)
         material = mjm.geom_matid[geoms]
-        parts[:, 2, 0] = resolve_geom_materials(mjm)[2][geoms]
-        parts[:, 2, 1] = np.where(material >= 0, mjm.mat_emission[material], 0.0)
+        parts[:, 1, 0] = resolve_geom_materials(mjm)[2][geoms]
+        parts[:, 1, 1] = np.where(material >= 0, mjm.mat_emission[material], 0.0)
         self.street.parts = self._keep(parts)
-        self.shapes = _table(inverse_rows(model.robot_rotation[order], model.robot_position[order]))
-        self.bodies = wp.array(model.robot_body[order], dtype=int)
+        self.shapes = _table(inverse_rows(model.robot_rotation, model.robot_position))
+        self.bodies = wp.array(model.robot_body, dtype=int)
 
     def _add_light(self, bank: SceneBank) -> None:
         """Light tables; see `street_kernels.LIGHT`."""
         sun, irradiance = scene_sun(bank)
         gloss = self.settings.shading == "pbr"
         skies = build_skies(bank.sky_radiance, glossy=gloss)
-        self._textures = skies.owners
+        self._textures.append(skies.owners)
         self.skies = Skies()
         self.skies.radiance = skies.radiance
         if gloss:
@@ -215,7 +211,7 @@ class StreetBatch:
         self.pieces = list(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
         parts = streets.num_parts
         self._placed = [wp.zeros(num_worlds * rows, dtype=wp.vec4) for rows in (4, 3 * parts, parts + 1)]
-        self._placed.append(wp.zeros(num_worlds * (parts + 2), dtype=int))
+        self._placed.append(wp.zeros(num_worlds * (parts + 1), dtype=int))
         self.views = Views()
         self.views.cameras, self.views.poses, self.views.balls, self.views.seen = (x.ptr or 0 for x in self._placed)
 
@@ -224,7 +220,7 @@ class StreetBatch:
         scene, xpos, xquat, eye, turn, fovy = inputs
         s, settings = self.streets, self.streets.settings
         aspect = settings.width / settings.height
-        robot = [s.street, s.shapes, s.bodies, s.num_meshes, xpos, xquat]
+        robot = [s.street, s.shapes, s.bodies, xpos, xquat]
         wp.launch(place, dim=self.num_worlds, inputs=[*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed])
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]

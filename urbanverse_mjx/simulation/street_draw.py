@@ -17,18 +17,20 @@ from .street_shade import Skies, Surface, make_background, make_display, make_sh
 _BAND = 8
 #: Threads of a block, and blocks that a multiprocessor of the GPU shall hold at once: how many registers a thread has.
 #: Tried on an H200, see docs/decisions/renderer.md.
-BLOCK = (64, 8)
+BLOCK = (64, 16)
 
 
-def build_draw_kernel(settings: Settings, meshes: int, kinds: tuple[int, ...], far: float, sky_width: int) -> wp.Kernel:
-    """The kernel for pictures of one size; dim (worlds, pixels). For the other arguments see `make_trace`."""
+def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kernel:
+    """The kernel for pictures of one size; dim (worlds, pixels).
+
+    far: m, nothing is seen beyond; sky_width: texels around a sky.
+    """
     height, width, samples = settings.height, settings.width, settings.samples
     want_rgb, want_depth, want_category, want_object, want_normal = (name in settings.outputs for name in OUTPUTS)
     want_labels = want_category or want_object
     share = 1.0 / samples
-    trace = k.make_trace(meshes, kinds, shadow=False)
-    surface = make_surface(meshes + len(kinds), want_rgb, settings.shading == "pbr")
-    shade = make_shade(settings, k.make_trace(meshes, kinds, shadow=True) if settings.shadows else None)
+    surface = make_surface(want_rgb, settings.shading == "pbr")
+    shade = make_shade(settings)
     background, display = make_background(settings, sky_width), make_display(settings)
 
     @wp.kernel(
@@ -82,7 +84,7 @@ def build_draw_kernel(settings: Settings, meshes: int, kinds: tuple[int, ...], f
             gap = at[3] * wp.static(2.0 * share / height) / length
             lean = x * wp.static(width / height) * at[3] / length
             spread = gap * wp.sqrt(wp.max(1.0 - lean * lean, 0.0))
-            hit = trace(street, views, root, world, origin, direction, wp.static(far) * length)
+            hit = k.nearest_hit(street, views, root, world, origin, direction, wp.static(far) * length)
             seen = Surface()
             radiance = wp.vec3(0.0)
             if hit.thing >= 0:

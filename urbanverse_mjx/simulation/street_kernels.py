@@ -9,25 +9,17 @@ poses of the robot's parts, which are met after the street, if a ray passes near
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
-from typing import Any
-
 import warp as wp
-from mujoco_warp._src.ray import ray_box, ray_capsule, ray_cylinder, ray_ellipsoid, ray_sphere
 
-from .street_native import BUILD_OPTIONS, any_hit, load, load_int, nearest
+from .street_native import BUILD_OPTIONS, any_hit, load, nearest
 
 wp.set_module_options({"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
 
-# mujoco.mjtGeom
-SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 2, 3, 4, 5, 6, 7
-#: Rows of a triangle: first corner and whether it is the last of its leaf, then both edges from that corner.
-TRIANGLE = 3
 #: Rows of a thing (an object or a part of the robot): three of T_thing_world, colour and the root of its tree, then
 #: texture, texels along its longer side, roughness and metalness.
 THING = 5
-#: Rows of a part of the robot: centre and radius of the ball around it in its frame; half sizes and kind of a
-#: primitive; reflectance and emission.
-PART = 3
+#: Rows of a part of the robot: centre and radius of the ball around it in its frame; reflectance and emission.
+PART = 2
 #: Rows of a face: normal and a scalar each of three corners, then the UV of the second and third corner.
 FACE = 4
 #: Rows of a camera: eye, right and up as far as the picture reaches, back.
@@ -40,14 +32,13 @@ OFFSET = 1.0e-4
 
 @wp.struct
 class Hit:
-    """Nearest surface; thing: row number, -1 = none; face: row number, -1 = no mesh; u, v: of the later corners."""
+    """Nearest surface; thing: row number, -1 = none; face: row number; u, v: of its second and third corner."""
 
     distance: float
     thing: int
     face: int
     u: float
     v: float
-    normal: wp.vec3
 
 
 @wp.struct
@@ -69,7 +60,7 @@ class Views:
     """Where the tables stand that are filled anew for each frame, one world after the other.
 
     cameras: 4 rows a world; poses: 3 rows of T_part_world a part; balls: P + 1, around the parts and around all of
-    them; seen: P + 2, how many meshes and primitives are in view, and which.
+    them; seen: P + 1, how many parts are in view, and which.
     """
 
     cameras: wp.uint64
@@ -84,116 +75,48 @@ def xyz(row: wp.vec4) -> wp.vec3:
 
 
 @wp.func
-def misses_ball(origin: wp.vec3, direction: wp.vec3, ball: wp.vec4) -> bool:
-    """Whether a ray passes by a ball (centre, radius) or leads away from it."""
-    to_centre = xyz(ball) - origin
-    along = wp.dot(to_centre, direction)
-    square = wp.length_sq(to_centre)
-    inside = ball[3] * ball[3]
-    return square - along * along > inside or (along < 0.0 and square > inside)
+def nearest_hit(
+    street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
+) -> Hit:
+    """What a ray meets first of the street below `root` and of the robot's parts that the camera sees."""
+    first = world * (street.num_parts + 1)
+    found = nearest(
+        street.nodes,
+        street.triangles,
+        street.things,
+        views.poses + wp.uint64(48 * world * street.num_parts),
+        views.balls + wp.uint64(16 * first),
+        views.seen + wp.uint64(4 * first),
+        street.num_objects,
+        root,
+        origin,
+        direction,
+        limit,
+    )
+    hit = Hit()
+    hit.thing = found[0]
+    hit.face = found[1]
+    hit.distance = wp.cast(found[2], wp.float32)
+    hit.u = wp.cast(found[3], wp.float32)
+    hit.v = wp.cast(found[4], wp.float32)
+    return hit
 
 
-def _make_primitive(kinds: frozenset[int]) -> Any:
-    """The ray against a primitive of one of the `kinds` in its own frame: (distance or -1, normal)."""
-
-    @wp.func
-    def primitive(kind: int, size: wp.vec3, origin: wp.vec3, direction: wp.vec3) -> tuple[float, wp.vec3]:
-        distance = float(-1.0)  # noqa: UP018 (Warp takes a bare number for a constant)
-        normal = wp.vec3(0.0)
-        here = wp.vec3(0.0)
-        straight = wp.identity(n=3, dtype=float)
-        if wp.static(SPHERE in kinds):
-            if kind == wp.static(SPHERE):
-                distance, normal = ray_sphere(here, size[0] * size[0], origin, direction)
-        if wp.static(CAPSULE in kinds):
-            if kind == wp.static(CAPSULE):
-                distance, normal = ray_capsule(here, straight, size, origin, direction)
-        if wp.static(ELLIPSOID in kinds):
-            if kind == wp.static(ELLIPSOID):
-                distance, normal = ray_ellipsoid(here, straight, size, origin, direction)
-        if wp.static(CYLINDER in kinds):
-            if kind == wp.static(CYLINDER):
-                distance, normal = ray_cylinder(here, straight, size, origin, direction)
-        if wp.static(BOX in kinds):
-            if kind == wp.static(BOX):
-                distance, _sides, normal = ray_box(here, straight, size, origin, direction)
-        return distance, normal
-
-    return primitive
-
-
-def make_trace(meshes: int, kinds: tuple[int, ...], shadow: bool) -> Any:
-    """What a ray meets: trace(street, views, root, world, origin, direction, limit) -> Hit.
-
-    Args:
-      meshes: parts of the robot that are meshes; they come before those that are primitives.
-      kinds: mujoco.mjtGeom of each part that is a primitive.
-      shadow: any surface will do; else the nearest.
-    """
-    primitive, parts = _make_primitive(frozenset(kinds)), meshes + len(kinds)
-    find = any_hit if shadow else nearest
-
-    @wp.func
-    def trace(
-        street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
-    ) -> Hit:
-        first_pose = world * wp.static(3 * parts)
-        first_ball = world * wp.static(parts + 1)
-        first_seen = world * wp.static(parts + 2)
-        meshes_met = int(0)  # noqa: RUF046, UP018 (Warp takes a bare number for a constant)
-        primitives_met = int(0)  # noqa: RUF046, UP018
-        if wp.static(parts > 0):
-            if wp.static(shadow):
-                if not misses_ball(origin, direction, load(views.balls, first_ball + wp.static(parts))):
-                    meshes_met = wp.static(meshes)
-                    primitives_met = wp.static(len(kinds))
-            else:
-                meshes_met = load_int(views.seen, first_seen)
-                primitives_met = load_int(views.seen, first_seen + 1)
-        listed = views.seen + wp.uint64(4 * (first_seen + 2))
-        found = find(
-            street.nodes,
-            street.triangles,
-            street.things,
-            views.poses,
-            views.balls,
-            listed,
-            street.num_objects,
-            first_pose,
-            first_ball,
-            meshes_met,
-            root,
-            origin,
-            direction,
-            limit,
-        )
-        best = Hit()
-        best.thing = found[0]
-        best.face = found[1]
-        best.distance = wp.cast(found[2], wp.float32)
-        best.u = wp.cast(found[3], wp.float32)
-        best.v = wp.cast(found[4], wp.float32)
-        if wp.static(len(kinds) > 0):
-            for k in range(primitives_met):
-                part = wp.static(meshes) + k
-                if wp.static(not shadow):
-                    part = load_int(views.seen, first_seen + wp.static(2 + meshes) + k)
-                if not misses_ball(origin, direction, load(views.balls, first_ball + part)):
-                    x = load(views.poses, first_pose + 3 * part)
-                    y = load(views.poses, first_pose + 3 * part + 1)
-                    z = load(views.poses, first_pose + 3 * part + 2)
-                    o = wp.vec3(wp.dot(xyz(x), origin), wp.dot(xyz(y), origin), wp.dot(xyz(z), origin))
-                    d = wp.vec3(wp.dot(xyz(x), direction), wp.dot(xyz(y), direction), wp.dot(xyz(z), direction))
-                    shape = load(street.parts, PART * part + 1)
-                    t, normal = primitive(int(shape[3]), xyz(shape), o + wp.vec3(x[3], y[3], z[3]), d)
-                    if t >= 0.0 and t < best.distance and wp.dot(d, normal) < 0.0:
-                        best.thing = street.num_objects + part
-                        best.face = -1
-                        best.distance = t
-                        best.normal = normal
-        return best
-
-    return trace
+@wp.func
+def is_hidden(street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3) -> bool:
+    """Whether anything of the street below `root` or any part of the robot hides the far end of a ray."""
+    return any_hit(
+        street.nodes,
+        street.triangles,
+        street.things,
+        views.poses + wp.uint64(48 * world * street.num_parts),
+        views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
+        street.num_objects,
+        street.num_parts,
+        root,
+        origin,
+        direction,
+    )
 
 
 @wp.func
@@ -206,7 +129,6 @@ def place(
     street: Street,
     shapes: wp.array[wp.vec4],
     body: wp.array[int],
-    meshes: int,
     xpos: wp.array2d[wp.vec3],
     xquat: wp.array2d[wp.vec4],
     eye: wp.array[wp.vec3],
@@ -238,8 +160,7 @@ def place(
     _put(cameras, 4 * w + 3, wp.vec3(turn[0, 2], turn[1, 2], turn[2, 2]), 0.0)
     number = street.num_parts
     centre = wp.vec3(0.0)
-    seen_meshes = int(0)  # noqa: RUF046, UP018
-    seen_primitives = int(0)  # noqa: RUF046, UP018
+    in_view = int(0)  # noqa: RUF046, UP018 (Warp takes a bare number for a constant)
     # Lengths of the normals of the picture's side planes.
     slant_x = wp.sqrt(1.0 + right * right)
     slant_y = wp.sqrt(1.0 + up * up)
@@ -263,14 +184,9 @@ def place(
         x = (wp.abs(local[0]) + local[2] * right) / slant_x
         y = (wp.abs(local[1]) + local[2] * up) / slant_y
         if x < ball[3] and y < ball[3] and local[2] < ball[3]:
-            if i < meshes:
-                seen[w * (number + 2) + 2 + seen_meshes] = i
-                seen_meshes += 1
-            else:
-                seen[w * (number + 2) + 2 + meshes + seen_primitives] = i
-                seen_primitives += 1
-    seen[w * (number + 2)] = seen_meshes
-    seen[w * (number + 2) + 1] = seen_primitives
+            in_view += 1
+            seen[w * (number + 1) + in_view] = i
+    seen[w * (number + 1)] = in_view
     radius = float(0.0)  # noqa: UP018
     for i in range(number):
         b = balls[w * (number + 1) + i]

@@ -116,11 +116,11 @@ CUDA_CALLABLE inline bool misses(const Row& ball, const Line& w)
     return square - along * along > inside || (along < 0.0f && square > inside);
 }
 
-// Tables (see street_kernels.py), and which of them are of this world: rows of the first part's pose and ball, and the
-// list of `total` parts.
+// Tables (see street_kernels.py), and the parts of the robot to be looked at: the first `total` of a list, or all.
 struct Tables {
-    wp::uint64 nodes, triangles, things, poses, balls, list;
-    int objects, first_pose, first_ball, total;
+    wp::uint64 nodes, triangles, things, poses, balls;
+    const int* list;
+    int objects, total;
 };
 
 // The nearest triangle (ANY: some triangle) of the street below `root`, then of the listed parts of the robot.
@@ -170,13 +170,13 @@ template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, co
             if (stack[count].at < found.distance) current = stack[count].reference;
         }
         while (current == EMPTY && listed < t.total) {
-            const int part = ANY ? listed : reinterpret_cast<const int*>(t.list)[listed];
+            const int part = ANY ? listed : t.list[listed];
             ++listed;
-            if (misses(load(t.balls, t.first_ball + part), world)) continue;
+            if (misses(load(t.balls, part), world)) continue;
             thing = t.objects + part;
             floor = 0;
             current = bits(load(t.things, 5 * thing + 3).w);
-            ray.set(world, t.poses, t.first_pose + 3 * part);
+            ray.set(world, t.poses, 3 * part);
         }
         if (current == EMPTY) return;
     }
@@ -191,18 +191,6 @@ BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_NUMBERS + _WALK, extr
 #: thing, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).
 Found = wp.types.vector(length=5, dtype=wp.int32)
 
-_CALL = """
-    urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
-    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
-    urbanverse::walk<ANY>(
-        { nodes, triangles, things, poses, balls, list, objects, first_pose, first_ball, total }, root, line, found
-    );
-    wp::vec_t<5, wp::int32> out;
-    out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
-    out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
-    return out;
-"""
-
 
 @wp.func_native("""
     const urbanverse::Row r = urbanverse::load(table, row);
@@ -212,46 +200,49 @@ def load(table: wp.uint64, row: int) -> wp.vec4:
     """A row of a table in one 16-byte load."""
 
 
-@wp.func_native("return reinterpret_cast<const int*>(table)[row];")
-def load_int(table: wp.uint64, row: int) -> int:
-    """A number of a table."""
-
-
-@wp.func_native(_CALL.replace("ANY", "false"))
+@wp.func_native("""
+    const int* list = reinterpret_cast<const int*>(seen);
+    urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
+    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
+    urbanverse::walk<false>({ nodes, triangles, things, poses, balls, list + 1, objects, list[0] }, root, line, found);
+    wp::vec_t<5, wp::int32> out;
+    out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
+    out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
+    return out;
+""")
 def nearest(
     nodes: wp.uint64,
     triangles: wp.uint64,
     things: wp.uint64,
     poses: wp.uint64,
     balls: wp.uint64,
-    list: wp.uint64,
+    seen: wp.uint64,
     objects: int,
-    first_pose: int,
-    first_ball: int,
-    total: int,
     root: int,
     origin: wp.vec3,
     direction: wp.vec3,
     limit: float,
 ) -> Found:
-    """The nearest triangle on a ray; `list`: `total` numbers of the parts to be looked at."""
+    """The nearest triangle on a ray; poses, balls and seen: of this world."""
 
 
-@wp.func_native(_CALL.replace("ANY", "true"))
+@wp.func_native("""
+    urbanverse::Found found = { 1.0e6f, 0.0f, 0.0f, -1, -1 };
+    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
+    const int total = parts == 0 || urbanverse::misses(urbanverse::load(balls, parts), line) ? 0 : parts;
+    urbanverse::walk<true>({ nodes, triangles, things, poses, balls, nullptr, objects, total }, root, line, found);
+    return found.thing >= 0;
+""")
 def any_hit(
     nodes: wp.uint64,
     triangles: wp.uint64,
     things: wp.uint64,
     poses: wp.uint64,
     balls: wp.uint64,
-    list: wp.uint64,
     objects: int,
-    first_pose: int,
-    first_ball: int,
-    total: int,
+    parts: int,
     root: int,
     origin: wp.vec3,
     direction: wp.vec3,
-    limit: float,
-) -> Found:
-    """Some triangle on a ray; the first `total` parts are looked at, whatever `list` says."""
+) -> bool:
+    """Whether a ray meets any triangle."""

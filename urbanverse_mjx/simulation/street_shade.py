@@ -67,7 +67,7 @@ def scalars(street: Street, scene: int, first: int) -> wp.vec3:
     return wp.vec3(a[3], b[3], c[3])
 
 
-def make_surface(parts: int, want_colour: bool, gloss: bool) -> Any:
+def make_surface(want_colour: bool, gloss: bool) -> Any:
     """surface(street, views, world, textures, hit, direction, spread): what is seen there.
 
     spread: angle between neighbouring rays.
@@ -88,30 +88,24 @@ def make_surface(parts: int, want_colour: bool, gloss: bool) -> Any:
         x = k.load(street.things, row)
         y = k.load(street.things, row + 1)
         z = k.load(street.things, row + 2)
-        if wp.static(parts > 0):
-            part = hit.thing - street.num_objects
-            if part >= 0:
-                row = 3 * (world * wp.static(parts) + part)
-                x = k.load(views.poses, row)
-                y = k.load(views.poses, row + 1)
-                z = k.load(views.poses, row + 2)
-        normal = hit.normal
-        a = wp.vec4(0.0)
-        b = wp.vec4(0.0)
-        c = wp.vec4(0.0)
+        part = hit.thing - street.num_objects
+        if part >= 0:
+            row = 3 * (world * street.num_parts + part)
+            x = k.load(views.poses, row)
+            y = k.load(views.poses, row + 1)
+            z = k.load(views.poses, row + 2)
+        a = k.load(street.faces, hit.face * FACE)
+        b = k.load(street.faces, hit.face * FACE + 1)
+        c = k.load(street.faces, hit.face * FACE + 2)
         w = 1.0 - hit.u - hit.v
-        if hit.face >= 0:
-            a = k.load(street.faces, hit.face * FACE)
-            b = k.load(street.faces, hit.face * FACE + 1)
-            c = k.load(street.faces, hit.face * FACE + 2)
-            normal = k.xyz(a) * w + k.xyz(b) * hit.u + k.xyz(c) * hit.v
+        normal = k.xyz(a) * w + k.xyz(b) * hit.u + k.xyz(c) * hit.v
         normal = wp.normalize(k.xyz(x) * normal[0] + k.xyz(y) * normal[1] + k.xyz(z) * normal[2])
         facing = wp.dot(normal, direction)
         out.normal = wp.where(facing > 0.0, -normal, normal)
         if wp.static(want_colour):
             out.colour = k.xyz(k.load(street.things, hit.thing * THING + 3))
             look = k.load(street.things, hit.thing * THING + 4)
-            if hit.face >= 0 and look[0] >= 0.0:
+            if look[0] >= 0.0:
                 e = k.load(street.faces, hit.face * FACE + 3)
                 uv = wp.vec2(b[3], c[3]) * w + wp.vec2(e[0], e[1]) * hit.u + wp.vec2(e[2], e[3]) * hit.v
                 # a[3]: texture lengths per metre; look[1]: texels per texture length.
@@ -123,17 +117,16 @@ def make_surface(parts: int, want_colour: bool, gloss: bool) -> Any:
                 out.roughness = look[2]
                 out.metallic = look[3]
                 out.reflectance = 0.5  # of glTF materials
-                if wp.static(parts > 0):
-                    if hit.thing >= street.num_objects:
-                        extra = k.load(street.parts, PART * (hit.thing - street.num_objects) + 2)
-                        out.reflectance = extra[0]
-                        out.emission = extra[1]
+                if part >= 0:
+                    extra = k.load(street.parts, PART * part + 1)
+                    out.reflectance = extra[0]
+                    out.emission = extra[1]
         return out
 
     return surface
 
 
-def make_shade(settings: Settings, trace_any: Any) -> Any:
+def make_shade(settings: Settings) -> Any:
     """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the eye."""
     sky, shadows, gloss = settings.sky, settings.shadows, settings.shading == "pbr"
 
@@ -146,8 +139,7 @@ def make_shade(settings: Settings, trace_any: Any) -> Any:
         if cosine <= 0.0:
             return wp.vec3(0.0)
         if wp.static(shadows):
-            shadow = trace_any(street, views, root, world, point + normal * k.OFFSET, sun, 1.0e6)
-            if shadow.thing >= 0:
+            if k.is_hidden(street, views, root, world, point + normal * k.OFFSET, sun):
                 return wp.vec3(0.0)
         return scalars(street, scene, 3) * cosine
 
