@@ -1,5 +1,9 @@
 """The walk through a street: its trees, its light, and its pictures beside mujoco-warp-pbr's own."""
 
+# A kernel is Warp's language in Python's clothes; Warp itself checks its types when it compiles it.
+# pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false
+
 import dataclasses
 
 import mujoco

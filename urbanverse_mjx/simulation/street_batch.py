@@ -110,7 +110,7 @@ class Streets:
         poses = inverse_rows(rotation, bank.slot_position[scene, number])
         poses = np.concatenate([poses, np.zeros((len(geoms), 3, 4))])
         textures, sizes = upload_textures(model)
-        self._textures = [textures]
+        self._textures: list[object] = [textures]
         role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
         material = np.concatenate([bank.mesh_material[mesh], mjm.geom_matid[geoms]])
         colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
