@@ -120,20 +120,21 @@ def _nearest(
     found = int(0)
     for entry in range(table.grid.shape[3]):
         q = table.grid[z, i, j, entry]
-        if q >= 0:
-            d = _box_distance(place, table.box_centre[z, q], table.rotation[z, q], table.box_half[z, q])
-            if d <= tables.reach:
-                # Insertion from behind; of equals the one listed first stays first.
-                k = wp.min(found, number)
-                while k > 0 and distance[w, first + k - 1] > d:
-                    if k < number:
-                        row[w, first + k] = row[w, first + k - 1]
-                        distance[w, first + k] = distance[w, first + k - 1]
-                    k -= 1
+        if q < 0:
+            break  # a list ends with its first empty entry
+        d = _box_distance(place, table.box_centre[z, q], table.rotation[z, q], table.box_half[z, q])
+        if d <= tables.reach:
+            # Insertion from behind; of equals the one listed first stays first.
+            k = wp.min(found, number)
+            while k > 0 and distance[w, first + k - 1] > d:
                 if k < number:
-                    row[w, first + k] = q
-                    distance[w, first + k] = d
-                found += 1
+                    row[w, first + k] = row[w, first + k - 1]
+                    distance[w, first + k] = distance[w, first + k - 1]
+                k -= 1
+            if k < number:
+                row[w, first + k] = q
+                distance[w, first + k] = d
+            found += 1
     for k in range(wp.min(found, number), number):
         row[w, first + k] = _EMPTY
     return wp.max(found - number, 0)
