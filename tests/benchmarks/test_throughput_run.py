@@ -88,13 +88,14 @@ def test_learning_is_measured_through_the_products_training(
 
 
 def test_what_fails_is_a_row_and_the_next_goes_on(bank_file: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
-    options = ["--pixels", "none", "--bank", str(bank_file), "--measure", "step", "--scenes", "9,1"]
+    options = ["--pixels", "none", "--bank", str(bank_file), "--measure", "", "--scenes", "9,1"]
     assert throughput.main([*TINY, *options]) == 1
     captured = capsys.readouterr()
     first, second = (json.loads(line) for line in captured.out.splitlines())
     assert "needed 1 to 3" in first["error"]
     assert "error: --scenes: found 9" in captured.err
-    assert second["env_steps_per_s"] > 0
+    assert "error" not in second
+    assert (second["scenes"], second["pixels"]) == (1, None)
 
 
 @pytest.fixture(scope="module")
