@@ -1,10 +1,13 @@
 """Distance fields against distances worked out point by point."""
 
+import pathlib
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.envs import surroundings as module
 from urbanverse_mjx.envs import terms
 from urbanverse_mjx.envs.surroundings import CELL, FAR, Surroundings, traversable_kinds
 
@@ -66,3 +69,22 @@ def test_to_world_undoes_to_body() -> None:
 def test_reward_near_object_is_zero_from_a_metre_on() -> None:
     distance = jnp.array([0.0, 0.4, 0.7, 1.0, 2.0])
     np.testing.assert_allclose(terms.reward_near_object(distance), [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-6)
+
+
+def test_large_banks_are_kept_in_the_cache(
+    small_bank: SceneBank, surroundings: Surroundings, monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+) -> None:
+    monkeypatch.setattr(module, "KEEP_FROM", 1)
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    for _ in range(2):
+        np.testing.assert_array_equal(Surroundings(small_bank, HEIGHT).fields, surroundings.fields)
+    (kept,) = (tmp_path / "surroundings").iterdir()
+    monkeypatch.setattr(module, "build_fields", lambda *_: pytest.fail("built though kept"))
+    Surroundings(small_bank, HEIGHT)
+    monkeypatch.undo()
+    monkeypatch.setattr(module, "KEEP_FROM", 1)
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    kept.write_bytes(b"not a file of numpy's")
+    np.testing.assert_array_equal(Surroundings(small_bank, HEIGHT).fields, surroundings.fields)
+    assert (Surroundings(small_bank, HEIGHT + 1.0).fields <= surroundings.fields).all()
+    assert len(list((tmp_path / "surroundings").iterdir())) == 2

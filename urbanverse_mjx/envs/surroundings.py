@@ -3,16 +3,21 @@
 Critics and rewards may know it; a policy may not. Distances are looked up in a grid made once per bank.
 """
 
+import hashlib
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 from scipy import ndimage
 
+from .. import settings
 from ..datatypes import KIND_INDEX, TRAVERSABLE_KINDS, SceneBank
+from ..datatypes.validation import write_atomically
 
 #: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
 CELL = 0.2
+#: From so many hulls on (seconds of work) the fields of a bank are kept in the cache.
+KEEP_FROM = 20_000
 #: m, distances are not told beyond this: one unsigned byte holds them in centimetres.
 FAR = 2.55
 
@@ -39,6 +44,7 @@ def _to_hulls(bank: SceneBank, scene: int, shape: tuple[int, int], low: float, h
     distance = np.full(shape, FAR, np.float32)
     origin = bank.map_origin[scene]
     ground = _ground_height(bank, scene)
+    x, y = (origin[k] + (np.arange(shape[k], dtype=np.float32) + 0.5) * np.float32(CELL) for k in (0, 1))
     for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
         rotation, position = bank.inst_rotation[scene, q], bank.inst_position[scene, q]
         centre, half = bank.hull_box[bank.inst_hull[scene, q]]
@@ -47,19 +53,62 @@ def _to_hulls(bank: SceneBank, scene: int, shape: tuple[int, int], low: float, h
             continue
         first = np.floor((middle[:2] - reach[:2] - FAR - origin) / CELL).astype(int).clip(0, shape)
         last = np.ceil((middle[:2] + reach[:2] + FAR - origin) / CELL).astype(int).clip(0, shape)
-        i, j = np.meshgrid(*(np.arange(a, b) for a, b in zip(first, last, strict=True)), indexing="ij")
+        part = slice(first[0], last[0]), slice(first[1], last[1])
         # At the height where the robot comes nearest to the box's middle.
-        z = np.full(i.shape, np.clip(middle[2], ground + low, ground + high))
-        points = np.stack([origin[0] + (i + 0.5) * CELL, origin[1] + (j + 0.5) * CELL, z], -1)
-        outside = np.maximum(np.abs((points - position) @ rotation - centre) - half, 0.0)
-        patch = distance[first[0] : last[0], first[1] : last[1]]
-        np.minimum(patch, np.linalg.norm(outside, axis=-1), out=patch)
+        z = np.clip(middle[2], ground + low, ground + high) - position[2]
+        # In the hull's frame, axis by axis: a column of x, a row of y.
+        along = np.outer(rotation[0], x[part[0]] - position[0]) - centre[:, None]
+        across = np.outer(rotation[1], y[part[1]] - position[1]) + (rotation[2] * z)[:, None]
+        square = 0.0
+        for a, b, h in zip(along, across, half, strict=True):
+            outside = np.maximum(np.abs(a[:, None] + b) - h, 0.0)
+            square = square + outside * outside
+        np.minimum(distance[part], np.sqrt(square), out=distance[part])
     return distance
 
 
 def _ground_height(bank: SceneBank, scene: int) -> float:
     """m, the ground where the scene's episodes start, which is the pavement nearly everywhere."""
     return float(np.median(bank.episode_start[scene, : int(bank.num_episodes[scene]), 2]))
+
+
+#: m, nothing below this height above the pavement counts: a wheel passes over it.
+LOW = 0.05
+
+
+def build_fields(bank: SceneBank, height: float) -> np.ndarray:
+    """(Z, X, Y, 2) u8 cm: to the next hull between `LOW` and `height` m above ground, and to the walkable edge."""
+    size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
+    x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
+    fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
+    for scene in range(bank.num_scenes):
+        hulls = _to_hulls(bank, scene, (x, y), LOW, height)
+        metres = np.stack([hulls, _to_edge(bank, scene, (x, y))], -1)
+        fields[scene] = np.rint(np.minimum(metres, FAR) * 100.0)
+    return fields
+
+
+def kept_fields(bank: SceneBank, height: float) -> np.ndarray:
+    """`build_fields`, from the cache where a large bank's were built before."""
+    if int((bank.inst_hull >= 0).sum()) < KEEP_FROM:
+        return build_fields(bank, height)
+    digest = hashlib.sha256(repr((CELL, FAR, LOW, height, float(bank.map_resolution))).encode())
+    for name in ("inst_hull", "inst_position", "inst_rotation", "hull_box", "map_kind", "map_origin", "episode_start"):
+        array = np.ascontiguousarray(getattr(bank, name))
+        digest.update(f"{name} {array.shape} {array.dtype}".encode())
+        digest.update(array.data)
+    path = settings.cache_dir("surroundings", f"{digest.hexdigest()[:24]}.npz")
+    try:
+        with np.load(path) as file:
+            return file["fields"]
+    except (OSError, ValueError, KeyError):
+        pass  # not there, or damaged: built again
+    fields = build_fields(bank, height)
+    try:
+        write_atomically(path, lambda temporary: np.savez_compressed(temporary, fields=fields))
+    except OSError:
+        pass  # a cache that cannot be written costs time at the next start, nothing else
+    return fields
 
 
 class Surroundings:
@@ -70,17 +119,8 @@ class Surroundings:
       height: m, of the robot: what hangs above it is no obstacle.
     """
 
-    #: m, nothing below this height above the pavement counts: a wheel passes over it.
-    LOW = 0.05
-
     def __init__(self, bank: SceneBank, height: float) -> None:
-        size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
-        x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
-        self.fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
-        for scene in range(bank.num_scenes):
-            hulls = _to_hulls(bank, scene, (x, y), self.LOW, height)
-            metres = np.stack([hulls, _to_edge(bank, scene, (x, y))], -1)
-            self.fields[scene] = np.rint(np.minimum(metres, FAR) * 100.0)
+        self.fields = kept_fields(bank, height)
         self._fields = jnp.asarray(self.fields)
         self._origin = jnp.asarray(bank.map_origin, jnp.float32)
 
