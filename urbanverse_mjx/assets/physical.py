@@ -171,10 +171,12 @@ def sample_meshes(
 
 def composition(make: Make, solid: float, volume: float) -> dict[str, float]:
     """material -> share of the volume inside the outer surface, air included, most first; sums to 1."""
-    dense = min(solid / volume, 1.0)
-    shares = {name: share * dense for name, share in make.shares.items()}
+    dense = solid / volume
+    if dense > 1.0 - 1e-9:  # full but for rounding
+        return dict(sorted(make.shares.items(), key=lambda item: -item[1]))
+    shares = {name: float(share * dense) for name, share in make.shares.items()}
     shares[AIR] = 1.0 - sum(shares.values())
-    return {name: share for name, share in sorted(shares.items(), key=lambda item: -item[1]) if share > 1e-9}
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
 def _rounded(values: Floats, step: float) -> Floats:

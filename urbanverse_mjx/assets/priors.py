@@ -56,7 +56,7 @@ FORMS: Mapping[str, float] = {
     "panel on post": 0.12,
     "aircraft": 0.12,
 }
-#: free: three sizes of their own; round: as wide as long; lying: as high as wide; wheel: as high as long; ball: all one.
+#: free: three sizes of their own; round: as wide as long; lying: as high as wide; wheel: as high as long; ball: both.
 SECTIONS = ("free", "round", "lying", "wheel", "ball")
 #: How it keeps its place: fixed to the ground, hanging on a wall or ceiling, standing by its weight, on free wheels,
 #: on braked wheels or tracks, or on its own feet.
