@@ -13,6 +13,7 @@ entries between slashes, the most usual first.
 import dataclasses
 import functools
 from collections.abc import Mapping
+from typing import Any
 
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.settings import asset_root
@@ -201,15 +202,18 @@ def _prior(row: dict[str, str], where: str) -> Prior:
         raise NounError(f"{where}: found a median width above the length, needed length >= width.")
     if not row["note"]:
         raise NounError(f"{where}: found no note, needed the reason of the row.")
-    return Prior(
-        leaf=leaf,
+    values: dict[str, Any] = {
         **sizes,
         **{key: row[key] for key in (*_CHOICES, "note")},
         **{key: row[key] == "yes" for key in _FLAGS},
+    }
+    return Prior(
+        leaf=leaf,
         makes=tuple(_make(mix, fill, where) for mix, fill in zip(mixes, fills, strict=True)),
         contact=material(row["contact"]).name,
         affordances=_words(row["affordances"]),
         interactive_parts=_words(row["interactive_parts"]),
+        **values,
     )
 
 
