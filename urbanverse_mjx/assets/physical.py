@@ -37,6 +37,7 @@ COMMON = 0.6
 SOLID_SPREAD, HOLLOW_SPREAD = 0.02, 0.12
 # Relative, to either side: body mass at one height, from the 5th to the 95th percentile of adults' body mass index.
 BUILD_SPREAD = 0.28
+MAKE_SPREAD = 0.3  # relative, to either side: mass of one make of a leaf that has several
 FRICTION_SPREAD = 0.1  # relative, to either side: wear, dirt and the paving
 DRAWS = 16  # numbers per record; `sample` says what each one is for
 SIZE_STEP, MASS_STEP = 1e-4, 1e-6  # m and kg that sizes and masses are rounded to
@@ -218,7 +219,10 @@ def _growth(row: Prior, dense: Floats, sizes: tuple[Floats, Floats, Floats], dra
     x, y, z = (size / span[1] for size, span in zip(sizes, (row.length, row.width, row.height), strict=True))
     free = draws[:, 11] + draws[:, 12] - 1.0
     if row.grows_with == "nothing":
-        return _bent(*row.mass, free) / row.mass[1]
+        low, high = row.mass[0] / row.mass[1], row.mass[2] / row.mass[1]
+        if len(row.makes) > 1:  # the range then spans the makes
+            low, high = max(low, 1.0 - MAKE_SPREAD), min(high, 1.0 + MAKE_SPREAD)
+        return _bent(low, 1.0, high, free)
     if row.grows_with == "height":
         return z * z * (1.0 + (BUILD_SPREAD if row.rest == "alive" else 0.0) * free)
     if row.grows_with in ("face", "ground", "length"):
