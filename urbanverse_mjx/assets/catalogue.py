@@ -168,9 +168,9 @@ def _clearance(row: Prior, values: Physical) -> Any:
 
 
 def _traversable_by(row: Prior) -> list[str]:
-    """Who may go over or through it: people on what is walkable or open, wheels on flat ground, cars on roads."""
+    """Who may go over or through it: people on what is walkable and through what gives way, wheels on flat ground."""
     who = []
-    if row.walkable or row.enterable or row.traversability == "pass through":
+    if row.walkable or row.traversability != "obstacle":
         who += ["pedestrian", "legged robot"]
     if row.walkable and row.traversability == "pass through":
         who += ["wheeled robot", "wheelchair", "bicycle"]

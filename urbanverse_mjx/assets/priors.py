@@ -19,7 +19,7 @@ from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.settings import asset_root
 
 from . import ontology
-from .materials import material, number, read_rows
+from .materials import material, number, read_rows, sources
 
 #: Share of its bounding box that a form's outer surface encloses; geometry, or measured on our recipes' meshes where
 #: no formula exists (saloon cars 0.43-0.45, vans 0.54, lorries 0.70, people 0.2 to 0.4).
@@ -66,8 +66,8 @@ RESTS = ("fixed", "hangs", "stands", "rolls", "parked", "alive")
 FRONTS = ("none", "end", "side")
 TRAVERSABILITY = ("pass through", "push through", "obstacle")
 COMPOSITIONS = ("single", "group", "scene")
-#: standard: the numbers follow the document that the note names, from memory, no page looked up; published: the note
-#: gives the key of a page in sources.csv; typical: what the note says.
+#: published: the note begins with the key of a page in sources.csv that was looked up; standard: the numbers follow the
+#: document that the note names, from memory; typical: what the note says.
 BASES = ("standard", "published", "typical")
 
 #: What a record's mass grows with: its bounding box; its height squared (people stand in many poses, posts are
@@ -202,6 +202,9 @@ def _prior(row: dict[str, str], where: str) -> Prior:
         raise NounError(f"{where}: found a median width above the length, needed length >= width.")
     if not row["note"]:
         raise NounError(f"{where}: found no note, needed the reason of the row.")
+    key = row["note"].partition(":")[0]
+    if row["basis"] == "published" and not (key in sources() and sources()[key].address):
+        raise NounError(f"{where}: found {key!r} as its source, needed the key of a page in sources.csv.")
     values: dict[str, Any] = {
         **sizes,
         **{key: row[key] for key in (*_CHOICES, "note")},
