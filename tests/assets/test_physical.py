@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urbanverse_mjx.assets import ontology
+from urbanverse_mjx.assets import load_index, ontology
 from urbanverse_mjx.assets.materials import AIR, material
 from urbanverse_mjx.assets.physical import (
     GRAVITY,
@@ -14,6 +14,7 @@ from urbanverse_mjx.assets.physical import (
     ROLLING,
     Measured,
     Physical,
+    agreeing,
     composition,
     medians,
     sample,
@@ -117,6 +118,19 @@ def test_a_mass_guess_chooses_the_make() -> None:
     extent, volume = np.tile([0.6, 1.65, 0.82], (2, 1)), np.full(2, 0.2)
     values = sample_meshes("bench", ["x", "y"], extent, volume, [340.0, 45.0])
     assert [row.makes[k].surface for k in values.make] == ["concrete", "plastic"]
+
+
+def test_records_of_recipes_get_values_that_agree() -> None:
+    records = load_index().records
+    for old, new in zip(records, agreeing(records), strict=True):
+        row = prior(new.leaf)
+        assert (new.uid, new.extent_xyz, new.volume, new.params) == (old.uid, old.extent_xyz, old.volume, old.params)
+        assert row.mass[0] * 0.999 <= new.mass <= row.mass[2] * 1.001 or new.mass < row.mass[0]
+        coefficient = ROLLING if row.rest == "rolls" else new.friction_coefficient
+        assert new.required_force == pytest.approx(coefficient * new.mass * GRAVITY, abs=0.06 + 0.005 * coefficient)
+        assert AIR not in new.materials
+        assert new.materials[0] in {name for make in row.makes for name in make.shares}
+    assert [r.uid for r in agreeing(records[:1])] == [records[0].uid]
 
 
 def test_makes_are_drawn_by_their_squared_rank() -> None:

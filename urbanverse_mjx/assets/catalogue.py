@@ -2,14 +2,15 @@
 
 A record that a recipe can build carries its `recipe` and the measured box. The others are drawn from the prior of their
 leaf: their sizes, matter, mass, force and affordances are there and agree, `recipe` is null, and no field pretends to
-know a mesh (colours, views, quality and class-specific attributes are absent until one is built).
+know a mesh (colours, views, quality and class-specific attributes are absent until one is built). `movable` means, as
+in `AssetRecord`, that one person can move it.
 
 Record `index` of a leaf is the same whatever else the table holds: it depends on the leaf, the index and the row alone.
 """
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,17 @@ from urbanverse_mjx.datatypes import AssetRecord, NounError
 
 from . import ontology
 from .index import LICENCE, PROVENANCE, AssetIndex
-from .materials import material
-from .physical import Physical, composition, sample_meshes, sample_uids
+from .materials import AIR, material, materials
+from .physical import (
+    GRAVITY,
+    MASS_STEP,
+    ONE_PERSON_PUSH,
+    ROLLING,
+    Physical,
+    composition,
+    sample_meshes,
+    sample_uids,
+)
 from .priors import Make, Prior, prior
 
 PRIOR_PROVENANCE = "urbanverse_mjx priors (sizes and matter drawn from the leaf's row; no mesh)"
@@ -99,6 +109,43 @@ def build_catalogue(index: AssetIndex, progress: Callable[[Sequence[str]], Itera
       progress: wraps the list of leaves, e.g. in a progress bar.
     """
     return pa.concat_tables(build_leaf(leaf, index) for leaf in progress(list(leaf_counts())))
+
+
+def disagreements(table: pa.Table) -> dict[str, str]:
+    """uid -> what is wrong, for every record whose values contradict each other; empty for a sound table.
+
+    Checked: length, width, height and max_dimension against the box; shares that sum to 1; mass against volume, shares
+    and densities; required_force against mass, friction (or rolling) and gravity; movable against the force.
+    """
+    names = ("uid", "category", "extent_xyz", "length", "width", "height", "max_dimension", "volume", "mass")
+    names += ("materials", "materials_composition", "friction_coefficient", "required_force", "movable")
+    columns = [table[name].to_pylist() for name in names]
+    densities = {name: m.density for name, m in materials().items()} | {AIR: 0.0}
+    found = {}
+    for cells in zip(*columns, strict=True):
+        row = dict(zip(names, cells, strict=True))
+        if wrong := _contradiction(row, densities):
+            found[row["uid"]] = wrong
+    return found
+
+
+def _contradiction(row: Mapping[str, Any], densities: Mapping[str, float]) -> str | None:
+    x, y, z = row["extent_xyz"]
+    shares = row["materials_composition"]
+    leaf = prior(row["category"])
+    if (row["length"], row["width"], row["height"], row["max_dimension"]) != (max(x, y), min(x, y), z, max(x, y, z)):
+        return "sizes are not those of the box"
+    if abs(sum(shares) - 1.0) > 1e-9 or min(shares) < 0.0 or len(shares) != len(row["materials"]):
+        return "materials_composition does not sum to 1"
+    matter = sum(share * densities[name] for name, share in zip(row["materials"], shares, strict=True))
+    if abs(matter * row["volume"] - row["mass"]) > 1e-5 * row["mass"] + MASS_STEP:
+        return "mass is not volume times the density of the materials"
+    coefficient = ROLLING if leaf.rest == "rolls" else row["friction_coefficient"]
+    if abs(coefficient * row["mass"] * GRAVITY - row["required_force"]) > 1e-5 * row["required_force"] + 1e-5:
+        return "required_force is not the coefficient times the weight"
+    if row["movable"] != (leaf.rest not in ("fixed", "hangs") and row["required_force"] <= ONE_PERSON_PUSH):
+        return "movable contradicts required_force"
+    return None
 
 
 def catalogue_hash(table: pa.Table) -> str:

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import AssetRecord, NounError
 
 from .materials import AIR, material
 from .priors import Make, Prior, prior
@@ -168,6 +168,30 @@ def sample_meshes(
         distance = np.abs(np.log(np.stack(per_make)) - np.log(np.asarray(guess, dtype=np.float64)))
         make = distance.argmin(0)
     return sample(row, draws, Measured(extent, volume, make))
+
+
+def agreeing(records: Sequence[AssetRecord]) -> list[AssetRecord]:
+    """The records with mass, materials, friction, force and movability that follow from their measured boxes, their
+    volumes and the priors of their leaves; all else stays.
+
+    What a record weighs by now only decides between the makes of its leaf.
+    """
+    changed: dict[str, AssetRecord] = {}
+    for leaf in dict.fromkeys(r.leaf for r in records):
+        group = [r for r in records if r.leaf == leaf]
+        extent, volume = np.array([r.extent_xyz for r in group]), np.array([r.volume for r in group])
+        values = sample_meshes(leaf, [r.uid for r in group], extent, volume, [r.mass for r in group])
+        for k, record in enumerate(group):
+            make = prior(leaf).makes[values.make[k]]
+            changed[record.uid] = dataclasses.replace(
+                record,
+                mass=round(float(values.mass[k]), 3),
+                materials=tuple(name for name in composition(make, values.solid[k], values.volume[k]) if name != AIR),
+                friction_coefficient=float(values.friction[k]),
+                movable=bool(values.movable[k]),
+                required_force=round(float(values.force[k]), 1),
+            )
+    return [changed[r.uid] for r in records]
 
 
 def composition(make: Make, solid: float, volume: float) -> dict[str, float]:
