@@ -123,7 +123,7 @@ def disagreements(table: pa.Table) -> dict[str, str]:
     densities = {name: m.density for name, m in materials().items()} | {AIR: 0.0}
     found = {}
     for cells in zip(*columns, strict=True):
-        row = dict(zip(names, cells, strict=True))
+        row: dict[str, Any] = dict(zip(names, cells, strict=True))
         if wrong := _contradiction(row, densities):
             found[row["uid"]] = wrong
     return found
