@@ -228,14 +228,22 @@ def _traversable_by(row: Prior) -> list[str]:
 
 def _descriptions(row: Prior, makes: Sequence[Make], values: Physical) -> list[str]:
     texts = []
-    for make, length, width, height, mass in zip(
-        makes, values.length, values.width, values.height, values.mass, strict=True
-    ):
-        matter = [name for name, share in make.shares.items() if share >= 0.15][:2] or [make.surface]
+    sizes = zip(makes, values.length, values.width, values.height, values.mass, strict=True)
+    for make, length, width, height, mass in sizes:
+        matter = [name for name, share in make.shares.items() if share >= 0.15 and name not in row.leaf][:2]
+        of = f" of {' and '.join(matter)}" if matter and row.rest != "alive" else ""
         unit, scale = ("m", 1.0) if max(length, height) >= 1.0 else ("cm", 100.0)
-        sides = (
-            f"{scale * length:.3g} {unit} long, {scale * width:.3g} {unit} wide and {scale * height:.3g} {unit} high"
-        )
-        weight = f"{mass / 1000:.3g} t" if mass >= 2000 else f"{mass:.3g} kg" if mass >= 1 else f"{1000 * mass:.3g} g"
-        texts.append(f"{row.leaf} of {' and '.join(matter)}, {sides}, {weight}")
+        sides = [f"{_digits(scale * side)} {unit}" for side in (length, width, height)]
+        texts.append(f"{row.leaf}{of}, {sides[0]} long, {sides[1]} wide and {sides[2]} high, {_weight(mass)}")
     return texts
+
+
+def _weight(mass: float) -> str:
+    if mass >= 2000.0:
+        return f"{_digits(mass / 1000.0)} t"
+    return f"{_digits(mass)} kg" if mass >= 1.0 else f"{_digits(1000.0 * mass)} g"
+
+
+def _digits(value: float) -> str:
+    """Three digits and no exponent: 7190, 45.3, 0.137."""
+    return f"{float(f'{value:.3g}'):.10g}"
