@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.assets build | hulls | gallery | export`: make, see and take out assets."""
+"""`python -m urbanverse_mjx.assets COMMAND`: make, see and take out assets; `--help` lists the commands."""
 
 import pathlib
 
@@ -62,8 +62,53 @@ def export(out: pathlib.Path, leaf: str | None = None) -> None:
     Console().print(f"{out}: {len(records)} GLB files")
 
 
+def catalogue(out: pathlib.Path | None = None) -> None:
+    """Writes the table of all 102,444 records as Parquet, into the cache unless told otherwise.
+
+    Args:
+      out: file to write.
+    """
+    import pyarrow.parquet as pq
+
+    from urbanverse_mjx.datatypes.validation import write_atomically
+    from urbanverse_mjx.settings import cache_dir
+
+    from .catalogue import build_catalogue, catalogue_hash
+    from .index import load_index
+
+    table = build_catalogue(load_index(), lambda leaves: iter(track(leaves, "records")))
+    built = table.num_rows - table["recipe"].null_count
+    path = write_atomically(out or cache_dir("assets", "catalogue.parquet"), lambda p: pq.write_table(table, p))
+    Console().print(
+        f"{path}: {table.num_rows} records, {built} with a mesh, content {catalogue_hash(table)[:16]}", soft_wrap=True
+    )
+
+
+def labels(folder: pathlib.Path | None = None) -> None:
+    """Writes assets_index/labels.csv: every label of six public vocabularies with its leaf, or with none.
+
+    Args:
+      folder: where the vocabularies' lists lie; without it the labels of the stored table are mapped anew.
+    """
+    from urbanverse_mjx.settings import asset_root
+
+    from .labels import map_labels, read_vocabularies, save_labels, stored_vocabularies
+
+    rows = map_labels(stored_vocabularies() if folder is None else read_vocabularies(folder))
+    path = save_labels(rows, asset_root() / "labels.csv")
+    empty = sum(row.leaf is None for row in rows)
+    Console().print(f"{path.name}: {len(rows)} labels, {empty} of them without a leaf")
+
+
 #: Also behind `urbanverse assets`.
-COMMANDS = {"build": build, "hulls": hulls, "gallery": gallery, "export": export}
+COMMANDS = {
+    "build": build,
+    "hulls": hulls,
+    "gallery": gallery,
+    "export": export,
+    "catalogue": catalogue,
+    "labels": labels,
+}
 
 if __name__ == "__main__":
     tyro.extras.subcommand_cli_from_dict(COMMANDS)

@@ -82,6 +82,26 @@ class AssetIndex:
             )
         return self._by_uid[uid]
 
+    def by_label(self, label: str) -> tuple[AssetRecord, ...]:
+        """The records for a label: its leaf's own, else those of the leaf that stands in for it ("car" is a sedan as
+        long as no recipe builds the leaf "car"); empty where nothing like it has records.
+
+        Raises:
+          UnknownLabelError: no leaf is called so.
+        """
+        leaf = ontology.match_label(label)
+        stand_in = self.stand_in(leaf)
+        return self.by_leaf(stand_in) if stand_in else ()
+
+    def stand_in(self, leaf: str) -> str | None:
+        """The leaf itself if it has records, else the first of its stand-ins that has; None where none has.
+
+        Raises:
+          UnknownLabelError: the ontology has no such leaf.
+        """
+        ontology.category_of(leaf)
+        return next((name for name in (leaf, *ontology.stand_ins().get(leaf, ())) if name in self._by_leaf), None)
+
     def content_hash(self) -> str:
         """64 hexadecimal digits over all records (1 mm, 1 g)."""
         return content_hash([r.to_json() for r in self.records])

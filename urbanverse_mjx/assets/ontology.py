@@ -1,11 +1,12 @@
 """The 8/59/659 category tree and the way from a free label to one of its leaves.
 
-The tree is data (`assets_index/ontology.json`); the synonyms are data too (`assets_index/synonyms.json`: leaf -> other
-names).
+The tree is data (`assets_index/ontology.json`); so are the synonyms (`assets_index/synonyms.json`: leaf -> other names)
+and the leaves that stand in for one without records (`assets_index/stand_ins.json`).
 """
 
-import difflib
+import collections
 import functools
+import itertools
 import json
 import re
 
@@ -47,6 +48,20 @@ def category_of(leaf: str) -> tuple[str, str, str]:
     return categories()[leaf]
 
 
+@functools.cache
+def stand_ins() -> dict[str, tuple[str, ...]]:
+    """leaf -> leaves that look like it in a street, best first, for when the leaf itself has no records (a car is a
+    sedan). Reviewed data, `assets_index/stand_ins.json`.
+
+    Raises:
+      UnknownLabelError: the file names a leaf that does not exist.
+    """
+    table: dict[str, list[str]] = json.loads((asset_root() / "stand_ins.json").read_text(encoding="utf-8"))
+    for leaf in (name for key, others in table.items() for name in (key, *others)):
+        category_of(leaf)
+    return {leaf: tuple(others) for leaf, others in table.items()}
+
+
 def normalised(label: str) -> str:
     """Lower case, with hyphens, underscores, dots and runs of spaces as one space."""
     return re.sub(r"[\s\-_./]+", " ", label.strip().lower()).strip()
@@ -68,6 +83,18 @@ def _names() -> dict[str, str]:
     return names
 
 
+def _singulars(key: str) -> tuple[str, ...]:
+    """The name itself, then what it may be the plural of."""
+    forms = [key, key.removesuffix("s"), key.removesuffix("es")]
+    if key.endswith("ies"):
+        forms.append(key.removesuffix("ies") + "y")
+    return tuple(dict.fromkeys(forms))
+
+
+def _exact(key: str) -> str | None:
+    return next((leaf for form in _singulars(key) if (leaf := _names().get(form))), None)
+
+
 def match_label(label: str) -> str:
     """The leaf that a label names, by exact name or synonym; case, spaces and hyphens do not matter, a plural s is
     forgiven.
@@ -75,23 +102,79 @@ def match_label(label: str) -> str:
     Raises:
       UnknownLabelError: no leaf is called so; its `nearest` offers three.
     """
-    names, key = _names(), normalised(label)
-    for candidate in (key, key.removesuffix("s"), key.removesuffix("es")):
-        if candidate in names:
-            return names[candidate]
+    leaf = _exact(normalised(label))
+    if leaf is None:
+        raise UnknownLabelError(label, nearest_leaves(label))
+    return leaf
+
+
+# Words after which a phrase only tells more of the thing before them: "a bench in front of a shop" is a bench.
+_AFTERWARDS = re.compile(r"\b(?:with|on|in|at|near|by|under|behind|beside|next to|along|from|for|full of)\b")
+# "a row of parked cars" is cars; "a cup of coffee" stays a cup.
+_GROUPS = r"row|line|group|pile|heap|stack|bunch|pair|set|couple|number|piece|part|kind|type|lot"
+_GROUP = re.compile(rf"^(?:the |an? |two |some |many )?(?:\w+ )?(?:{_GROUPS})s? of ")
+
+
+def guess_leaf(label: str) -> str:
+    """The leaf that a free phrase most likely speaks of ("an old red park bench under a tree" -> bench).
+
+    The phrase itself, then its part before "with", "on", "in" and the like: of that the longest ending that names a
+    leaf, because the noun ends an English phrase, else the longest run of words that does, the last first.
+
+    Raises:
+      UnknownLabelError: no words of it name a leaf; its `nearest` offers three.
+    """
+    key = normalised(label)
+    parts = [key, _GROUP.sub("", key)]
+    parts += [head for part in parts if (head := _AFTERWARDS.split(part)[0].strip())]
+    for part in parts:
+        if leaf := _exact(part):
+            return leaf
+    for part in reversed(parts):
+        words = part.split()
+        count = len(words)
+        runs = [(start, count) for start in range(count)]
+        runs += [(stop - n, stop) for n in range(count - 1, 0, -1) for stop in range(count - 1, n - 1, -1)]
+        for start, stop in runs:
+            if leaf := _exact(" ".join(words[start:stop])):
+                return leaf
     raise UnknownLabelError(label, nearest_leaves(label))
+
+
+SAME_HEAD = 0.5  # weighs half as much as reading exactly alike
 
 
 def nearest_leaves(label: str, count: int = 3) -> tuple[str, ...]:
     """The leaves whose name or synonym reads most like the label, best first.
 
-    Likeness is difflib's ratio, raised by the share of whole words in common ("big red bench" is near "bench").
+    Likeness is Dice's coefficient of the letter triples, raised by the share of whole words in common and by an equal
+    last word, the noun ("big red bench" is near "bench").
     """
-    names, key = _names(), normalised(label)
-    words = set(key.split())
+    key = normalised(label)
+    words, triples = set(key.split()), _triples(key)
+    index = _triple_index()
+    shared = collections.Counter(name for triple in triples for name in index.get(triple, ()))
     best: dict[str, float] = {}
-    for name, leaf in names.items():
-        common = len(words & set(name.split())) / max(len(words | set(name.split())), 1)
-        score = difflib.SequenceMatcher(None, key, name).ratio() + common
+    for name, hits in shared.items():
+        others = set(name.split())
+        score = 2 * hits / (len(triples) + len(_triples(name))) + len(words & others) / len(words | others)
+        score += SAME_HEAD if name.split()[-1] == key.split()[-1] else 0.0
+        leaf = _names()[name]
         best[leaf] = max(best.get(leaf, 0.0), score)
+    for leaf in itertools.islice((leaf for leaf in categories() if leaf not in best), max(count - len(best), 0)):
+        best[leaf] = 0.0
     return tuple(sorted(best, key=lambda leaf: (-best[leaf], leaf))[:count])
+
+
+def _triples(text: str) -> set[str]:
+    """Its runs of three letters, the ends of words marked by spaces."""
+    return {f" {text} "[k : k + 3] for k in range(len(text))}
+
+
+@functools.cache
+def _triple_index() -> dict[str, list[str]]:
+    index: dict[str, list[str]] = {}
+    for name in _names():
+        for triple in _triples(name):
+            index.setdefault(triple, []).append(name)
+    return index
