@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import shapely
 
-from ..assets import AssetIndex, UnknownLabelError, load_hulls, match_label, nearest_leaves
+from ..assets import AssetIndex, UnknownLabelError, load_hulls, nearest_leaves
 from ..assets.ground_materials import material_ids
 from ..assets.skies import sky_ids
 from ..datatypes import (
@@ -53,7 +53,7 @@ def _records_for(thing: GraphObject, index: AssetIndex) -> Sequence[AssetRecord]
       NounError: no leaf has this name or synonym, or the leaf has no asset; names the three nearest that have.
     """
     try:
-        records = index.by_leaf(match_label(thing.label))
+        records = index.by_label(thing.label)
     except UnknownLabelError:
         records = ()
     if records:
