@@ -17,7 +17,7 @@ from .street_shade import Skies, Surface, make_background, make_display, make_sh
 _BAND = 8
 #: Threads of a block, and blocks that a multiprocessor of the GPU shall hold at once: how many registers a thread has.
 #: Tried on an H200, see docs/decisions/renderer.md.
-BLOCK = (64, 16)
+BLOCK = (64, 14)
 
 
 def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kernel:

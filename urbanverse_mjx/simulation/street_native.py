@@ -17,13 +17,16 @@ namespace urbanverse {
 
 struct Row { float x, y, z, w; };
 
-CUDA_CALLABLE inline Row load(wp::uint64 table, int row)
+// Rows of a table from one on: neighbours are read relative to the same address.
+CUDA_CALLABLE inline const Row* from(wp::uint64 table, int row) { return reinterpret_cast<const Row*>(table) + row; }
+
+CUDA_CALLABLE inline Row load(const Row* row)
 {
 #if defined(__CUDA_ARCH__)
-    const float4 r = __ldg(reinterpret_cast<const float4*>(table) + row);
+    const float4 r = __ldg(reinterpret_cast<const float4*>(row));
     return { r.x, r.y, r.z, r.w };
 #else
-    return reinterpret_cast<const Row*>(table)[row];
+    return *row;
 #endif
 }
 
@@ -38,8 +41,14 @@ CUDA_CALLABLE inline int bits(float x)
 #endif
 }
 
+// One instruction each: CUDA has one for fminf, a CPU for the comparison.
+#if defined(__CUDA_ARCH__)
+CUDA_CALLABLE inline float lesser(float a, float b) { return fminf(a, b); }
+CUDA_CALLABLE inline float larger(float a, float b) { return fmaxf(a, b); }
+#else
 CUDA_CALLABLE inline float lesser(float a, float b) { return a < b ? a : b; }
 CUDA_CALLABLE inline float larger(float a, float b) { return a > b ? a : b; }
+#endif
 
 // 1 / x, finite: what is smaller turns a ray by less than its own rounding.
 CUDA_CALLABLE inline float inverse(float x)
@@ -61,10 +70,10 @@ struct Ray : Line {
         sx = -ox * ix, sy = -oy * iy, sz = -oz * iz;
     }
 
-    // The line in the frame whose T_frame_world has three rows from `row` on.
-    CUDA_CALLABLE inline void set(const Line& w, wp::uint64 table, int row)
+    // The line in the frame whose T_frame_world has the three rows from `row` on.
+    CUDA_CALLABLE inline void set(const Line& w, const Row* row)
     {
-        const Row x = load(table, row), y = load(table, row + 1), z = load(table, row + 2);
+        const Row x = load(row), y = load(row + 1), z = load(row + 2);
         set({
             x.x * w.ox + x.y * w.oy + x.z * w.oz + x.w, y.x * w.ox + y.y * w.oy + y.z * w.oz + y.w,
             z.x * w.ox + z.y * w.oy + z.z * w.oz + z.w, x.x * w.dx + x.y * w.dy + x.z * w.dz,
@@ -90,8 +99,9 @@ struct Found { float distance, u, v; int thing, face; };
 template <bool ANY>
 CUDA_CALLABLE inline void meet(wp::uint64 triangles, const Ray& r, int face, int thing, Found& found)
 {
-    for (bool last = false; !last; ++face) {
-        const Row p = load(triangles, 3 * face), e = load(triangles, 3 * face + 1), f = load(triangles, 3 * face + 2);
+    const Row* row = from(triangles, 3 * face);
+    for (bool last = false; !last; ++face, row += 3) {
+        const Row p = load(row), e = load(row + 1), f = load(row + 2);
         last = p.w != 0.0f;
         const float ax = r.dy * f.z - r.dz * f.y, ay = r.dz * f.x - r.dx * f.z, az = r.dx * f.y - r.dy * f.x;
         const float volume = e.x * ax + e.y * ay + e.z * az;
@@ -134,9 +144,8 @@ template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, co
     int thing = -1, floor = 0, count = 0, listed = 0, current = root;
     while (true) {
         while (current < LEAF) {
-            const int row = 4 * (current - NODE);
-            const Row a = load(t.nodes, row), b = load(t.nodes, row + 1);
-            const Row e = load(t.nodes, row + 2), f = load(t.nodes, row + 3);
+            const Row* row = from(t.nodes, 4 * (current - NODE));
+            const Row a = load(row), b = load(row + 1), e = load(row + 2), f = load(row + 3);
             float at_first, at_second;
             const bool first = enters(ray, a, b, found.distance, at_first);
             const bool second = enters(ray, e, f, found.distance, at_second);
@@ -152,8 +161,9 @@ template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, co
             if (thing < 0) {
                 thing = current - LEAF;
                 floor = count;
-                current = bits(load(t.things, 5 * thing + 3).w);
-                ray.set(world, t.things, 5 * thing);
+                const Row* row = from(t.things, 5 * thing);
+                current = bits(load(row + 3).w);
+                ray.set(world, row);
                 continue;
             }
             meet<ANY>(t.triangles, ray, current - LEAF, thing, found);
@@ -172,11 +182,11 @@ template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, co
         while (current == EMPTY && listed < t.total) {
             const int part = ANY ? listed : t.list[listed];
             ++listed;
-            if (misses(load(t.balls, part), world)) continue;
+            if (misses(load(from(t.balls, part)), world)) continue;
             thing = t.objects + part;
             floor = 0;
-            current = bits(load(t.things, 5 * thing + 3).w);
-            ray.set(world, t.poses, 3 * part);
+            current = bits(load(from(t.things, 5 * thing + 3)).w);
+            ray.set(world, from(t.poses, 3 * part));
         }
         if (current == EMPTY) return;
     }
@@ -193,7 +203,7 @@ Found = wp.types.vector(length=5, dtype=wp.int32)
 
 
 @wp.func_native("""
-    const urbanverse::Row r = urbanverse::load(table, row);
+    const urbanverse::Row r = urbanverse::load(urbanverse::from(table, row));
     return wp::vec_t<4, wp::float32>(r.x, r.y, r.z, r.w);
 """)
 def load(table: wp.uint64, row: int) -> wp.vec4:
@@ -229,7 +239,8 @@ def nearest(
 @wp.func_native("""
     urbanverse::Found found = { 1.0e6f, 0.0f, 0.0f, -1, -1 };
     const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
-    const int total = parts == 0 || urbanverse::misses(urbanverse::load(balls, parts), line) ? 0 : parts;
+    const urbanverse::Row around = urbanverse::load(urbanverse::from(balls, parts));
+    const int total = parts == 0 || urbanverse::misses(around, line) ? 0 : parts;
     urbanverse::walk<true>({ nodes, triangles, things, poses, balls, nullptr, objects, total }, root, line, found);
     return found.thing >= 0;
 """)

@@ -12,7 +12,6 @@ import dataclasses
 
 import numpy as np
 import warp as wp
-from mujoco_warp._src.bvh import compute_bvh_group_roots
 from mujoco_warp_pbr._src import traverse
 
 from ..datatypes import NounError
@@ -57,13 +56,20 @@ def _read(tree: wp.uint64, number: int, corners: wp.array2d[wp.vec3], links: wp.
         items[i] = wp.mjpbr_bvh_primitive(tree, i)
 
 
+@wp.kernel(module="unique", module_options={"enable_backward": False})
+def _find_roots(tree: wp.uint64, roots: wp.array[int]):
+    """dim groups; -1 = nothing is in the group."""
+    group = wp.tid()
+    roots[group] = wp.bvh_get_group_root(tree, group)
+
+
 def as_floats(numbers: np.ndarray) -> np.ndarray:
     """The same 32 bits, to stand beside floats in a row."""
     return np.ascontiguousarray(numbers, np.int32).view(np.float32)
 
 
 def build_trees(lower: np.ndarray, upper: np.ndarray, group: np.ndarray, groups: int, leaf_size: int) -> Trees:
-    """Trees over boxes (n, 3), split where the expected cost of a ray is least, on the CPU whatever draws later.
+    """Trees over boxes (n, 3), split where the expected cost of a ray is least.
 
     Args:
       group: (n,) the tree in which each box stands, below `groups`.
@@ -71,15 +77,13 @@ def build_trees(lower: np.ndarray, upper: np.ndarray, group: np.ndarray, groups:
     """
     number = len(lower)
     size = 2 * number - 1
-    with wp.ScopedDevice("cpu"):
-        boxes = [wp.array(x.astype(np.float32), dtype=wp.vec3) for x in (lower - SLACK, upper + SLACK)]
-        groups_ = wp.array(group.astype(np.int32), dtype=int)
-        tree = wp.Bvh(*boxes, groups=groups_, constructor="sah", leaf_size=leaf_size)
-        roots = wp.full(groups, -1, dtype=int)
-        wp.launch(compute_bvh_group_roots, dim=groups, inputs=[tree.id, roots])
-        corners, links = wp.zeros((size, 2), dtype=wp.vec3), wp.zeros((size, 3), dtype=int)
-        items = wp.zeros(number, dtype=int)
-        wp.launch(_read, dim=size, inputs=[tree.id, number, corners, links, items])
+    boxes = [wp.array(x.astype(np.float32), dtype=wp.vec3) for x in (lower - SLACK, upper + SLACK)]
+    tree = wp.Bvh(*boxes, groups=wp.array(group, dtype=int), constructor="sah", leaf_size=leaf_size)
+    roots = wp.zeros(groups, dtype=int)
+    wp.launch(_find_roots, dim=groups, inputs=[tree.id, roots])
+    corners, links = wp.zeros((size, 2), dtype=wp.vec3), wp.zeros((size, 3), dtype=int)
+    items = wp.zeros(number, dtype=int)
+    wp.launch(_read, dim=size, inputs=[tree.id, number, corners, links, items])
     return _packed(corners.numpy(), links.numpy(), roots.numpy(), items.numpy())
 
 
