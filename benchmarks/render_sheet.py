@@ -10,6 +10,7 @@ import dataclasses
 import json
 import pathlib
 import sys
+from typing import Any
 
 import jax
 import numpy as np
@@ -33,14 +34,20 @@ ROWS = (
     (36, 64, "pbr", "plain"),
 )
 SHOWN = (135, 240)
-LABEL = 190
+#: Pixels left of the pictures and above them.
+LABEL, TITLE = 190, 36
 
 
-def costs(results: pathlib.Path | None) -> dict[str, dict[str, float]]:
-    """Measured lines by "HEIGHTxWIDTH shading look"; the first of each counts, before any tried block sizes."""
-    found: dict[str, dict[str, float]] = {}
+def costs(results: pathlib.Path | None) -> dict[str, dict[str, Any]]:
+    """Measured lines by "HEIGHTxWIDTH shading look", and what they were measured on under "title".
+
+    The first of each counts, before any tried block sizes.
+    """
+    found: dict[str, dict[str, Any]] = {}
     for line in results.read_text().splitlines() if results else []:
         entry = json.loads(line)
+        if "device" in entry:
+            found["title"] = entry
         if "frames_per_s" in entry:
             size, shading, look = entry["case"].split(" ")
             entry["envs"] = int(size.split("@")[1])
@@ -56,7 +63,9 @@ def frames(bank: SceneBank, robot: RobotSpec, row: tuple[int, int, str, str], pl
         bank = dataclasses.replace(bank, material_texture=np.full_like(bank.material_texture, -1))
     renderer = Renderer(bank, robot, height, width, shading=shading, **options)
     rgb = np.asarray(jax.vmap(renderer)(*places)["rgb"])
-    return np.stack([np.asarray(Image.fromarray(x).resize(SHOWN[::-1], Image.Resampling.NEAREST)) for x in rgb])
+    return np.stack(
+        [np.asarray(Image.fromarray(x).resize((SHOWN[1], SHOWN[0]), Image.Resampling.NEAREST)) for x in rgb]
+    )
 
 
 def sheet(
@@ -64,10 +73,14 @@ def sheet(
 ) -> Image.Image:
     places = render.random_places(bank, robot, number, seed)
     height, width = SHOWN
-    image = Image.new("RGB", (LABEL + number * (width + 4), len(ROWS) * (height + 4)), (255, 255, 255))
+    image = Image.new("RGB", (LABEL + number * (width + 4), TITLE + len(ROWS) * (height + 4)), (255, 255, 255))
     draw = ImageDraw.Draw(image)
+    if "title" in measured:
+        title = measured["title"]
+        text = "{device}, {scenes} streets of {objects_per_scene:.0f} objects and {triangles_per_scene:,.0f} triangles"
+        draw.text((8, 8), text.format(**title), fill=(0, 0, 0), font_size=16)
     for i, row in enumerate(ROWS):
-        y = i * (height + 4)
+        y = TITLE + i * (height + 4)
         text = f"{row[0]}x{row[1]}  {row[2]}\n{row[3]}"
         entry = measured.get(f"{row[0]}x{row[1]} {row[2]} {row[3]}")
         if entry:
