@@ -3,19 +3,15 @@
 import functools
 import warnings
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
+from . import warp_contact as contact
 from . import warp_kernels as kernels
 from .warp_model import DeviceModel
-
-#: Pairs of a sphere and a slot whose boxes meet, per world; seven is usual among robots that push against something.
-#: The worlds share one pool, which also holds all pairs of `_CROWDED` worlds.
-_CANDIDATES, _CROWDED = 24, 4
-#: Spheres whose centre is inside a hull, per world; they need the dear half of the collision search. One pool, too.
-_SUNK = 4
 
 
 class WorldBatch:
@@ -26,31 +22,37 @@ class WorldBatch:
     Args:
       shared: the model and the tables of the bank.
       number: worlds.
+      num_objects, num_prisms: slots of either kind.
       num_contacts: contacts a world can hold.
       recorded: physics steps per control step that are recorded; 0 records none.
       graphs: whether the physics step is captured once and replayed, or launched kernel by kernel every time.
     """
 
-    def __init__(self, shared: DeviceModel, number: int, num_contacts: int, recorded: int, graphs: bool) -> None:
+    def __init__(
+        self,
+        shared: DeviceModel,
+        number: int,
+        num_objects: int,
+        num_prisms: int,
+        num_contacts: int,
+        recorded: int,
+        graphs: bool,
+    ) -> None:
         self.shared, self.number, self.recorded = shared, number, recorded
-        slot_model = shared.slot_model
-        model, num_slots = slot_model.model, slot_model.num_slots
-        pairs = num_slots * (model.ngeom - num_slots)
-        pool = min(number * pairs, max(number * _CANDIDATES, _CROWDED * pairs))
-        self.model = shared.per_world(number)
-        self.data = mjw.make_data(
-            model,
-            nworld=number,
-            naconmax=pool,
-            naccdmax=min(pool, max(number * _SUNK, pairs)),
-            njmax=4 * num_contacts + int(np.count_nonzero(model.jnt_limited)),
-        )
-        # Nothing stands anywhere before the first call.
-        self.model.geom_dataid.fill_(-1)
-        shape = (number, num_slots)
+        self.num_objects, self.num_prisms = num_objects, num_prisms
+        model = shared.robot.model
+        limits = int(np.count_nonzero(model.jnt_limited))
+        self.data = mjw.make_data(model, nworld=number, nconmax=num_contacts, njmax=4 * num_contacts + limits)
+        shape = (number, num_objects + num_prisms)
         self.nearby = kernels.Nearby()
-        self.nearby.row, self.nearby.owner = wp.empty(shape, dtype=int), wp.full(shape, -1, dtype=int)
-        self.nearby.distance, self.nearby.missing = wp.empty(shape, dtype=float), wp.empty((number, 2), dtype=int)
+        self.nearby.row, self.nearby.distance = wp.empty(shape, dtype=int), wp.empty(shape, dtype=float)
+        self.nearby.missing = wp.empty((number, 2), dtype=int)
+        self.slots = contact.Slots()
+        # Nothing stands anywhere before the first call.
+        self.slots.hull, self.slots.owner = wp.full(shape, -1, dtype=int), wp.full(shape, -1, dtype=int)
+        self.slots.position, self.slots.rotation = wp.zeros(shape, dtype=wp.vec3), wp.zeros(shape, dtype=wp.mat33)
+        self.slots.friction = wp.zeros(shape, dtype=float)
+        self.places = self._make_places(num_contacts)
         self.touch = kernels.Touch()
         self.touch.force = wp.zeros(number, dtype=float)
         for name in ("owner", "ground", "count", "missed"):
@@ -63,66 +65,71 @@ class WorldBatch:
         if graphs:
             self._substep, self._kinematics = _captured(self._physics_step), _captured(self._place_bodies)
 
+    def _make_places(self, room: int) -> Any:
+        """Room for contacts in MuJoCo Warp's arrays, so much for each world; all of it counts, unused types are 0."""
+        found, out = self.data.contact, contact.Places()
+        for array in (found.type, found.includemargin, found.geomcollisionid, found.adhesion, found.solreffriction):
+            array.zero_()
+        found.worldid.assign(np.repeat(np.arange(self.number, dtype=np.int32), room))
+        self.data.nacon.fill_(self.number * room)
+        out.count, out.room = wp.zeros(self.number, dtype=int), room
+        out.slot = wp.zeros(self.number * room, dtype=int)
+        for name in ("type", "dim", "geom", "dist", "pos", "frame", "friction", "solref", "solimp"):
+            setattr(out, name, getattr(found, name))
+        out.address = found.efc_address
+        return out
+
     @property
     def is_captured(self) -> bool:
         """Whether the physics step is a graph that is replayed."""
         return self._substep != self._physics_step
 
     def control_step(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array], substeps: int) -> None:
-        """Reads states, finds and places slots, runs the physics and writes the new states; see `WarpEngine._run`."""
+        """Reads states, finds slots, runs the physics and writes the new states; see `WarpEngine._run`."""
         scene, centre, qpos, qvel, warm, ctrl = inputs
-        slot_model, tables, data, model = self.shared.slot_model, self.shared.tables, self.data, self.model
-        n, num_objects = self.number, slot_model.num_objects
+        tables, data, n = self.shared.tables, self.data, self.number
         launch = functools.partial(wp.launch, device=self.shared.device)
-        found = [tables, scene, centre, num_objects, slot_model.num_prisms, self.nearby]
-        launch(kernels.find_slots, dim=(n, 2), inputs=found)
-        geoms = [data.geom_xpos, data.geom_xmat]
-        geoms += [model.geom_dataid, model.geom_size, model.geom_aabb, model.geom_rbound, model.geom_friction]
-        launch(
-            kernels.place_slots,
-            dim=(n, slot_model.num_slots),
-            inputs=[tables, scene, centre, num_objects, self.nearby, *geoms],
-        )
-        state = [data.qpos, data.qvel, data.qacc_warmstart, data.ctrl]
-        here = [slot_model.root, *state, data.overflow, self.origin, self.touch, self.step_number]
+        where = [tables, scene, centre, self.num_objects]
+        launch(kernels.find_slots, dim=(n, 2), inputs=[*where, self.num_prisms, self.nearby])
+        launch(kernels.place_slots, dim=self.slots.hull.shape, inputs=[*where, self.nearby, self.slots])
+        state, root = [data.qpos, data.qvel, data.qacc_warmstart, data.ctrl], self.shared.robot.root
+        here = [root, *state, self.origin, self.touch, self.step_number]
         launch(kernels.begin, dim=n, inputs=[centre, qpos, qvel, warm, ctrl, *here])
+        # The solver reads a little past the last row, times zero: a NaN left there by another state would come back.
+        data.efc.J.zero_()
+        data.efc.D.zero_()
         for _ in range(substeps):
             self._substep()
         self._kinematics()
-        after = [*state[:3], data.xpos, data.xquat, data.overflow, self.origin, slot_model.root]
-        launch(kernels.finish, dim=n, inputs=[*after, self.touch, self.nearby], outputs=list(outputs[:7]))
+        after = [*state[:3], data.xpos, data.xquat, self.origin, root, self.touch, self.nearby]
+        launch(kernels.finish, dim=n, inputs=after, outputs=list(outputs[:7]))
         if self.recorded:
             wp.copy(outputs[7], self.path)
             wp.copy(outputs[8], self.hit)
 
     def _physics_step(self) -> None:
-        data, slot_model = self.data, self.shared.slot_model
-        mjw.step(self.model, data)
-        rows = [data.nefc, data.efc.type, data.efc.id, data.efc.force]
-        contacts = [data.contact.efc_address, data.contact.dim, data.contact.geom]
+        """MuJoCo Warp's own step but for the collision, which is ours; see docs/decisions/warp_engine.md."""
+        model, data, shared = self.shared.model, self.data, self.shared
+        for stage in (mjw.kinematics, mjw.com_pos, mjw.crb):
+            stage(model, data)
         wp.launch(
-            kernels.note,
-            dim=self.number,
-            inputs=[data.njmax, self.shared.is_foot, *rows, *contacts, self.nearby.owner, self.touch],
+            contact.find_contacts,
+            dim=self.slots.hull.shape,
+            inputs=[shared.hulls, shared.spheres, self.slots, data.geom_xpos, self.places],
         )
+        for stage in (mjw.make_constraint, mjw.transmission, mjw.fwd_velocity, mjw.fwd_actuation):
+            stage(model, data)
+        mjw.fwd_acceleration(model, data, factorize=True)
+        mjw.solve(model, data)
+        mjw.euler(model, data)
+        touches = [shared.is_foot, self.slots, data.efc.force, self.places, self.touch]
+        wp.launch(kernels.note, dim=self.number, inputs=touches)
         if self.recorded:
-            wp.launch(
-                kernels.record,
-                dim=self.number,
-                inputs=[
-                    data.qpos,
-                    self.origin,
-                    slot_model.root,
-                    self.touch,
-                    self.step_number,
-                    self.seen,
-                    self.path,
-                    self.hit,
-                ],
-            )
+            path = [data.qpos, self.origin, shared.robot.root, self.touch, self.step_number, self.seen]
+            wp.launch(kernels.record, dim=self.number, inputs=[*path, self.path, self.hit])
 
     def _place_bodies(self) -> None:
-        mjw.kinematics(self.model, self.data)
+        mjw.kinematics(self.shared.model, self.data)
 
 
 def _captured(launches: Callable[[], None]) -> Callable[[], None]:

@@ -4,7 +4,7 @@ In:   `SceneBank`, `RobotSpec`; then `SimState` and actuator commands.
 Out:  `SimState`.
 When: every control step, inside jit, alone or under any nesting of `jax.vmap`.
 
-A control step is one call into Warp: slots are found, their geoms moved, the physics steps run, the touches summed.
+A control step is one call into Warp: slots are found, the physics steps run, the touches are summed.
 The bank stands on the Warp device once, so which scene an env is in is data: changing it compiles nothing.
 """
 
@@ -23,7 +23,7 @@ from .jax_engine import Substeps
 from .physics_model import make_physics_model
 from .warp_batch import WorldBatch
 from .warp_bridge import batched_call, register, registered
-from .warp_model import DeviceModel, build_slot_model
+from .warp_model import DeviceModel, build_robot_model
 
 __all__ = ["WarpEngine"]
 
@@ -100,7 +100,7 @@ class WarpEngine:
         control_dt: float = 0.2,
         num_slots: int = 16,
         num_prism_slots: int = 8,
-        num_contacts: int = 16,
+        num_contacts: int = 12,
         iterations: int = 8,
         line_steps: int = 10,
         graphs: bool = True,
@@ -127,11 +127,9 @@ class WarpEngine:
                 f"{self.reach:g} m for {robot.name!r}",
                 "pack the bank again",
             )
-        self._slot_model = build_slot_model(
+        self._robot_model = build_robot_model(
             bank,
             self.physics,
-            self.num_slots,
-            self.num_prism_slots,
             v.integer(iterations, "engine.iterations", 1),
             v.integer(line_steps, "engine.line_steps", 1),
         )
@@ -203,10 +201,11 @@ class WarpEngine:
     def _batch(self, device: Any, total: int, recorded: bool) -> WorldBatch:
         name, key = str(device), (str(device), total, recorded)
         if name not in self._shared:
-            self._shared[name] = DeviceModel(self.bank, self._slot_model, self.reach)
+            self._shared[name] = DeviceModel(self.bank, self._robot_model, self.reach)
         if key not in self._batches:
             steps = self.num_substeps if recorded else 0
-            self._batches[key] = WorldBatch(self._shared[name], total, self.num_contacts, steps, self.graphs)
+            sizes = (self.num_slots, self.num_prism_slots, self.num_contacts)
+            self._batches[key] = WorldBatch(self._shared[name], total, *sizes, steps, self.graphs)
             while len(self._batches) > KEPT_BATCHES:
                 # What was launched before may still be running on it.
                 wp.synchronize_device(device)

@@ -7,12 +7,9 @@
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
 import warp as wp
-from mujoco_warp._src.types import ConstraintType, OverflowType
 
-_FRICTIONLESS = wp.constant(int(ConstraintType.CONTACT_FRICTIONLESS))
-_PYRAMIDAL = wp.constant(int(ConstraintType.CONTACT_PYRAMIDAL))
-#: Overflows by which MuJoCo Warp drops a contact without counting it in `nefc`.
-_DROPPED = wp.constant(int(OverflowType.BROADPHASE | OverflowType.NARROWPHASE | OverflowType.CCD))
+from .warp_contact import Places, Slots, outside_box
+
 _EMPTY = wp.constant(-1)
 
 wp.set_module_options({"enable_backward": False, "fast_math": False})
@@ -34,36 +31,26 @@ class Instances:
 
 @wp.struct
 class Tables:
-    """The bank on the device.
-
-    origin (Z,) m and cell m of the grids; reach m; per hull its frame as MuJoCo's compiler chose it (offset, turn) and
-    its bounds in that frame (centre, half, radius).
-    """
+    """The bank's scenes on the device: origin (Z,) m and cell m of the grids; reach m."""
 
     objects: Instances
     prisms: Instances
     origin: wp.array[wp.vec2]
     cell: float
     reach: float
-    offset: wp.array[wp.vec3]
-    turn: wp.array[wp.mat33]
-    centre: wp.array[wp.vec3]
-    half: wp.array[wp.vec3]
-    radius: wp.array[float]
 
 
 @wp.struct
 class Nearby:
-    """Slots of n worlds, objects first.
+    """What was found near n robots, objects first.
 
     row (n, C): instance, -1 = empty; distance (n, C) m to its box; missing (n, 2): hulls and prisms within reach that
-    found no slot; owner (n, C): object, -1 = ground.
+    found no slot.
     """
 
     row: wp.array2d[int]
     distance: wp.array2d[float]
     missing: wp.array2d[int]
-    owner: wp.array2d[int]
 
 
 @wp.struct
@@ -92,17 +79,6 @@ def _cell_number(place: float, origin: float, cell: float, count: int) -> int:
 
 
 @wp.func
-def _box_distance(point: wp.vec3, centre: wp.vec3, rotation: wp.mat33, half: wp.vec3) -> float:
-    local = wp.transpose(rotation) @ (point - centre)
-    out = wp.vec3(
-        wp.max(wp.abs(local[0]) - half[0], 0.0),
-        wp.max(wp.abs(local[1]) - half[1], 0.0),
-        wp.max(wp.abs(local[2]) - half[2], 0.0),
-    )
-    return wp.length(out)
-
-
-@wp.func
 def _nearest(
     table: Instances,
     tables: Tables,
@@ -122,7 +98,8 @@ def _nearest(
         q = table.grid[z, i, j, entry]
         if q < 0:
             break  # a list ends with its first empty entry
-        d = _box_distance(place, table.box_centre[z, q], table.rotation[z, q], table.box_half[z, q])
+        local = wp.transpose(table.rotation[z, q]) @ (place - table.box_centre[z, q])
+        d = outside_box(local, wp.vec3(0.0), table.box_half[z, q])
         if d <= tables.reach:
             # Insertion from behind; of equals the one listed first stays first.
             k = wp.min(found, number)
@@ -158,42 +135,22 @@ def find_slots(
 
 @wp.kernel
 def place_slots(
-    tables: Tables,
-    scene: wp.array[int],
-    centre: wp.array[wp.vec3],
-    num_objects: int,
-    nearby: Nearby,
-    xpos: wp.array2d[wp.vec3],
-    xmat: wp.array2d[wp.mat33],
-    mesh: wp.array2d[int],
-    size: wp.array2d[wp.vec3],
-    aabb: wp.array3d[wp.vec3],
-    rbound: wp.array2d[float],
-    friction: wp.array2d[wp.vec3],
+    tables: Tables, scene: wp.array[int], centre: wp.array[wp.vec3], num_objects: int, nearby: Nearby, slots: Slots
 ):
-    """Moves the slots' geoms, which are the first of the model, to their hulls; dim (n, C)."""
+    """Puts the hulls that were found into the slots; dim (n, C)."""
     w, slot = wp.tid()
     z, q = scene[w], nearby.row[w, slot]
     if q < 0:
-        mesh[w, slot] = _EMPTY
-        nearby.owner[w, slot] = _EMPTY
+        slots.hull[w, slot] = _EMPTY
         return
     table = tables.prisms
     if slot < num_objects:
         table = tables.objects
-    hull = table.hull[z, q]
-    rotation = table.rotation[z, q]
-    position = table.position[z, q] - whole_metres(centre[w])
-    nearby.owner[w, slot] = table.owner[z, q]
-    mesh[w, slot] = hull
-    xpos[w, slot] = position + rotation @ tables.offset[hull]
-    xmat[w, slot] = rotation @ tables.turn[hull]
-    size[w, slot] = tables.half[hull]
-    aabb[w, slot, 0] = tables.centre[hull]
-    aabb[w, slot, 1] = tables.half[hull]
-    rbound[w, slot] = tables.radius[hull]
-    usual = friction[w, slot]
-    friction[w, slot] = wp.vec3(table.friction[z, q], usual[1], usual[2])
+    slots.hull[w, slot] = table.hull[z, q]
+    slots.owner[w, slot] = table.owner[z, q]
+    slots.position[w, slot] = table.position[z, q] - whole_metres(centre[w])
+    slots.rotation[w, slot] = table.rotation[z, q]
+    slots.friction[w, slot] = table.friction[z, q]
 
 
 @wp.kernel
@@ -208,7 +165,6 @@ def begin(
     qvel: wp.array2d[float],
     warm: wp.array2d[float],
     ctrl: wp.array2d[float],
-    overflow: wp.array[int],
     origin: wp.array[wp.vec3],
     touch: Touch,
     step: wp.array[int],
@@ -226,7 +182,6 @@ def begin(
         warm[w, i] = warm_in[w, i]
     for i in range(ctrl.shape[1]):
         ctrl[w, i] = ctrl_in[w, i]
-    overflow[w] = 0
     touch.force[w] = 0.0
     touch.owner[w] = _EMPTY
     touch.ground[w] = 0
@@ -236,50 +191,35 @@ def begin(
 
 
 @wp.kernel
-def note(
-    njmax: int,
-    is_foot: wp.array[int],
-    nefc: wp.array[int],
-    row_type: wp.array2d[int],
-    row_id: wp.array2d[int],
-    row_force: wp.array2d[float],
-    address: wp.array2d[int],
-    dim: wp.array[int],
-    geom: wp.array[wp.vec2i],
-    owner: wp.array2d[int],
-    touch: Touch,
-):
-    """Adds the touches of one physics step: robot against object, and no foot against the ground; dim n."""
+def note(is_foot: wp.array[int], slots: Slots, row_force: wp.array2d[float], places: Places, touch: Touch):
+    """Adds the touches of one physics step, robot against object and no foot against the ground, and clears the places
+    of the contacts; dim n."""
     w = wp.tid()
-    count = nefc[w]
+    count = places.count[w]
     touched = int(0)
     strength = float(-1.0)
     strongest = int(_EMPTY)
-    for r in range(wp.min(count, njmax)):
-        if row_type[w, r] == _FRICTIONLESS or row_type[w, r] == _PYRAMIDAL:
-            contact = row_id[w, r]
-            if address[contact, 0] == r:
-                slot = wp.min(geom[contact][0], geom[contact][1])
-                thing = owner[w, slot]
-                if thing >= 0 or is_foot[wp.max(geom[contact][0], geom[contact][1])] == 0:
-                    rows = wp.max(2 * (dim[contact] - 1), 1)
-                    force = float(0.0)
-                    for k in range(rows):
-                        if r + k < njmax:
-                            force += row_force[w, r + k]
-                    touched = 1
-                    if thing < 0:
-                        touch.ground[w] = 1
-                    if force > strength:
-                        strength = force
-                        strongest = thing
+    for number in range(wp.min(count, places.room)):
+        k = w * places.room + number
+        places.type[k] = 0
+        thing = slots.owner[w, places.slot[k]]
+        if thing >= 0 or is_foot[places.geom[k][0]] == 0:
+            force = float(0.0)
+            for i in range(wp.max(2 * (places.dim[k] - 1), 1)):
+                force += row_force[w, places.address[k, i]]
+            touched = 1
+            if thing < 0:
+                touch.ground[w] = 1
+            if force > strength:
+                strength = force
+                strongest = thing
+    places.count[w] = 0
     if touched == 1:
         if strength > touch.force[w] or touch.count[w] == 0:
             touch.owner[w] = strongest
         touch.force[w] = wp.max(touch.force[w], strength)
         touch.count[w] += 1
-    # A contact is four rows, or one.
-    touch.missed[w] = wp.max(touch.missed[w], (wp.max(count - njmax, 0) + 3) / 4)
+    touch.missed[w] = wp.max(touch.missed[w], count - places.room)
 
 
 @wp.kernel
@@ -317,7 +257,6 @@ def finish(
     warm: wp.array2d[float],
     xpos: wp.array2d[wp.vec3],
     xquat: wp.array2d[wp.quat],
-    overflow: wp.array[int],
     origin: wp.array[wp.vec3],
     root: int,
     touch: Touch,
@@ -347,11 +286,8 @@ def finish(
             xpos_out[w, b] = xpos[w, b]
         else:
             xpos_out[w, b] = xpos[w, b] + here
-    dropped = int(0)
-    if (overflow[w] & _DROPPED) != 0:
-        dropped = 1
     force_out[w] = touch.force[w]
     touch_out[w, 0] = touch.owner[w]
     touch_out[w, 1] = touch.ground[w]
     touch_out[w, 2] = touch.count[w]
-    touch_out[w, 3] = nearby.missing[w, 0] + nearby.missing[w, 1] + touch.missed[w] + dropped
+    touch_out[w, 3] = nearby.missing[w, 0] + nearby.missing[w, 1] + touch.missed[w]

@@ -1,11 +1,8 @@
-"""The physics model of the Warp engine: the robot's spheres and slots for hulls, over a library of all hulls of a bank.
+"""What the Warp engine holds on a device: the robot for MuJoCo Warp, its spheres, the bank's hulls and scenes.
 
-In:   `SceneBank`, `RobotSpec`.
-Out:  `WarpModel`: MuJoCo's model, MuJoCo Warp's model and the bank's tables on one Warp device.
-When: once per device.
-
-A slot is a mesh geom fixed to the world. MuJoCo Warp places such geoms once, in `make_data`; which hull one is, and
-where, is decided per world by writing what the collision reads: pose, mesh, size and bounds.
+In:   `SceneBank`, `PhysicsModel`.
+Out:  `RobotModel` on the host, once; `DeviceModel` once per Warp device, shared by batches of all sizes.
+When: at construction, and when a device is first used.
 """
 
 import dataclasses
@@ -16,71 +13,97 @@ import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
+from mujoco_warp._src.types import vec5
 
 from ..datatypes import SceneBank
 from . import slots
+from . import warp_contact as contact
 from . import warp_kernels as kernels
+from .hull_contact import _planes_and_edges
 from .physics_model import PhysicsModel, _bare
-
-#: Bits by which robot and slots meet, and neither meets its own kind.
-_SLOT, _ROBOT = 1, 0
 
 
 @dataclasses.dataclass(frozen=True)
-class SlotModel:
-    """A robot among slots.
+class RobotModel:
+    """The robot and one geom of the world, to which contacts with hulls belong. No geom collides by itself.
 
     Attributes:
-      model: MuJoCo's model; its first geoms are the slots.
-      num_objects, num_prisms: slots of either kind, objects first.
-      is_foot: (ngeom,) i32.
+      model: MuJoCo's model.
+      physics: what is known of the spheres, whose numbers in `model` are sphere_geom (S,).
+      ground: number of the world's geom.
       root: address in qpos of the robot's place.
       objects, prisms: the bank's instances, numpy.
     """
 
     model: mujoco.MjModel
-    num_objects: int
-    num_prisms: int
-    is_foot: np.ndarray
+    physics: PhysicsModel
+    sphere_geom: np.ndarray
+    ground: int
     root: int
     objects: slots.InstanceTable
     prisms: slots.InstanceTable
 
-    @property
-    def num_slots(self) -> int:
-        return self.num_objects + self.num_prisms
 
-
-def build_slot_model(
-    bank: SceneBank, physics: PhysicsModel, num_objects: int, num_prisms: int, iterations: int, line_steps: int
-) -> SlotModel:
-    """Compiles the robot with all hulls of the bank as meshes and the slots as geoms."""
-    robot = physics.spec
-    spec = _bare(mujoco.MjSpec.from_string(robot.mjcf))
+def build_robot_model(bank: SceneBank, physics: PhysicsModel, iterations: int, line_steps: int) -> RobotModel:
+    """Compiles the robot for MuJoCo Warp."""
+    spec = _bare(mujoco.MjSpec.from_string(physics.spec.mjcf))
     for geom in spec.geoms:
-        geom.contype, geom.conaffinity = _ROBOT, _SLOT
-    for t, (vertices, faces) in enumerate(zip(bank.hull_num_vertices, bank.hull_num_triangles, strict=True)):
-        spec.add_mesh(
-            name=f"hull_{t}",
-            uservert=bank.hull_vertices[t, :vertices].ravel().tolist(),
-            userface=bank.hull_triangles[t, :faces].ravel().tolist(),
-            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
-        )
-    for slot in range(num_objects + num_prisms):
-        spec.worldbody.add_geom(
-            name=f"slot_{slot}",
-            type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname="hull_0",
-            contype=_SLOT,
-            conaffinity=_ROBOT,
-        )
+        geom.contype = geom.conaffinity = 0
+    size = [0.01, 0.0, 0.0]
+    spec.worldbody.add_geom(name="hulls", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, contype=0, conaffinity=0)
     spec.option.iterations, spec.option.ls_iterations = iterations, line_steps
     model = spec.compile()
-    names = [model.geom(g).name for g in range(model.ngeom)]
-    first = int(model.jnt_qposadr[model.body_jntadr[model.body(robot.root_body).id]])
-    is_foot = np.array([name in robot.foot_geoms for name in names], np.int32)
+    geoms = np.array([model.geom(name).id for name in physics.spheres.name])
+    first = int(model.jnt_qposadr[model.body_jntadr[physics.root]])
     tables = jax.device_get(slots.instance_tables(bank))
-    return SlotModel(model, num_objects, num_prisms, is_foot, first, *tables)
+    return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, *tables)
+
+
+class DeviceModel:
+    """MuJoCo Warp's model and the bank's tables on the current Warp device."""
+
+    def __init__(self, bank: SceneBank, robot: RobotModel, reach: float) -> None:
+        self.robot = robot
+        self.device = wp.get_device()
+        self.model = mjw.put_model(robot.model)
+        # Contacts that find no place are counted by `warp_contact`, and become `slot_overflow`.
+        self.model.opt.warn_overflow = 0
+        is_foot = np.zeros(robot.model.ngeom, np.int32)
+        is_foot[robot.sphere_geom] = robot.physics.spheres.is_foot
+        self.is_foot = wp.array(is_foot, dtype=int)
+        self.spheres = _spheres(robot)
+        self.hulls = _hulls(bank)
+        self.tables = kernels.Tables()
+        self.tables.objects, self.tables.prisms = _instances(robot.objects), _instances(robot.prisms)
+        self.tables.origin = wp.array(bank.grid_origin, dtype=wp.vec2)
+        self.tables.cell, self.tables.reach = float(bank.grid_cell), reach
+
+
+def _spheres(robot: RobotModel) -> Any:
+    table, out = robot.physics.spheres, contact.Spheres()
+    out.geom = wp.array(robot.sphere_geom, dtype=int)
+    for name in ("radius", "friction"):
+        setattr(out, name, wp.array(getattr(table, name), dtype=float))
+    for name in ("own_friction", "slippery"):
+        setattr(out, name, wp.array(getattr(table, name).astype(np.int32), dtype=int))
+    out.solref, out.solimp = wp.array(table.solref, dtype=wp.vec2), wp.array(table.solimp, dtype=vec5)
+    out.ground = robot.ground
+    return out
+
+
+def _hulls(bank: SceneBank) -> Any:
+    parts = [
+        _planes_and_edges(bank.hull_vertices[t], bank.hull_triangles[t, :n], bank.hull_planes[t, :n])
+        for t, n in enumerate(bank.hull_num_triangles)
+    ]
+    planes, edges = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    starts = [np.concatenate([[0], np.cumsum([len(part[i]) for part in parts])]) for i in range(2)]
+    out = contact.Hulls()
+    out.plane_start, out.edge_start = (wp.array(start, dtype=int) for start in starts)
+    out.normal, out.offset = wp.array(planes[:, :3], dtype=wp.vec3), wp.array(planes[:, 3], dtype=float)
+    out.start, out.way = wp.array(edges[:, :3], dtype=wp.vec3), wp.array(edges[:, 3:], dtype=wp.vec3)
+    out.centre, out.half = (wp.array(bank.hull_box[:, i], dtype=wp.vec3) for i in range(2))
+    return out
 
 
 def _instances(table: slots.InstanceTable) -> Any:
@@ -92,52 +115,3 @@ def _instances(table: slots.InstanceTable) -> Any:
     out.rotation = wp.array(table.rotation, dtype=wp.mat33)
     out.friction = wp.array(table.friction, dtype=float)
     return out
-
-
-class DeviceModel:
-    """MuJoCo Warp's model and the bank's tables on the current Warp device, shared by batches of all sizes."""
-
-    def __init__(self, bank: SceneBank, slot_model: SlotModel, reach: float) -> None:
-        self.slot_model = slot_model
-        model = slot_model.model
-        self.device = wp.get_device()
-        self.model = mjw.put_model(model)
-        # Overflows are reported as `slot_overflow`.
-        self.model.opt.warn_overflow = 0
-        self.is_foot = wp.array(slot_model.is_foot, dtype=int)
-        self.tables = self._tables(bank, model, reach)
-
-    def _tables(self, bank: SceneBank, model: mujoco.MjModel, reach: float) -> Any:
-        start, number = model.mesh_vertadr, model.mesh_vertnum
-        corners = [model.mesh_vert[s : s + n] for s, n in zip(start, number, strict=True)]
-        low, high = np.array([c.min(0) for c in corners]), np.array([c.max(0) for c in corners])
-        turn = np.zeros((model.nmesh, 9))
-        for mesh in range(model.nmesh):
-            mujoco.mju_quat2Mat(turn[mesh], model.mesh_quat[mesh])
-        tables = kernels.Tables()
-        tables.objects, tables.prisms = _instances(self.slot_model.objects), _instances(self.slot_model.prisms)
-        tables.origin = wp.array(bank.grid_origin, dtype=wp.vec2)
-        tables.cell, tables.reach = float(bank.grid_cell), reach
-        tables.offset = wp.array(model.mesh_pos, dtype=wp.vec3)
-        tables.turn = wp.array(turn.reshape(-1, 3, 3), dtype=wp.mat33)
-        tables.centre = wp.array((low + high) / 2, dtype=wp.vec3)
-        tables.half = wp.array((high - low) / 2, dtype=wp.vec3)
-        tables.radius = wp.array([float(np.linalg.norm(c, axis=1).max()) for c in corners], dtype=float)
-        return tables
-
-    def per_world(self, number: int) -> Any:
-        """The model with the fields of its own that each of `number` worlds needs to hold its own hulls."""
-        model = self.slot_model.model
-
-        def own(values: np.ndarray, dtype: Any, rows: int = number) -> wp.array:
-            return wp.array(np.repeat(values[None], rows, axis=0), dtype=dtype)
-
-        return dataclasses.replace(
-            self.model,
-            # Absent meshes are looked for only where there is more than one row.
-            geom_dataid=own(model.geom_dataid, int, max(number, 2)),
-            geom_size=own(model.geom_size, wp.vec3),
-            geom_aabb=own(model.geom_aabb.reshape(-1, 2, 3), wp.vec3),
-            geom_rbound=own(model.geom_rbound, float),
-            geom_friction=own(model.geom_friction, wp.vec3),
-        )

@@ -1,0 +1,176 @@
+"""Spheres against convex hulls in Warp: the exact distance, written where MuJoCo Warp's solver looks for contacts.
+
+The rules are those of `hull_contact`: the face plane farthest out holds the nearest point if the foot of the sphere's
+centre on it lies in the body; else the nearest point is on an edge. Every world has places for contacts of its own, so
+that no world can take another's.
+"""
+
+# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them. There a number
+# that changes in a loop is declared by its type's name.
+# ruff: noqa: UP018
+# pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
+# pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
+
+import warp as wp
+from mujoco_warp._src.math import make_frame
+from mujoco_warp._src.types import ContactType, vec5
+
+#: m; how far a foot may stick out of the body and still count as on its face (float32 over tens of metres).
+_FOOT_TOLERANCE = wp.constant(1e-5)
+#: m; a centre nearer to an edge has no direction of its own, and the face's normal is taken.
+_ON_EDGE = wp.constant(1e-6)
+_ACTIVE = wp.constant(int(ContactType.CONSTRAINT))
+#: Torsional and rolling friction, MuJoCo's defaults; no contact here uses them.
+_TORSION, _ROLLING = wp.constant(0.005), wp.constant(0.0001)
+
+wp.set_module_options({"enable_backward": False, "fast_math": False})
+
+
+@wp.struct
+class Hulls:
+    """T hulls: planes[plane_start[t] : plane_start[t + 1]] (unit normal, offset), edges alike (start, way), boxes."""
+
+    plane_start: wp.array[int]
+    normal: wp.array[wp.vec3]
+    offset: wp.array[float]
+    edge_start: wp.array[int]
+    start: wp.array[wp.vec3]
+    way: wp.array[wp.vec3]
+    centre: wp.array[wp.vec3]
+    half: wp.array[wp.vec3]
+
+
+@wp.struct
+class Spheres:
+    """S collision spheres; see `physics_model.SphereTable`. ground: the geom that stands for all hulls."""
+
+    geom: wp.array[int]
+    radius: wp.array[float]
+    friction: wp.array[float]
+    own_friction: wp.array[int]
+    slippery: wp.array[int]
+    solref: wp.array[wp.vec2]
+    solimp: wp.array[vec5]
+    ground: int
+
+
+@wp.struct
+class Slots:
+    """C hulls near each of n worlds; hull (n, C): row of the table, -1 = empty; owner (n, C): object, -1 = ground."""
+
+    hull: wp.array2d[int]
+    owner: wp.array2d[int]
+    position: wp.array2d[wp.vec3]
+    rotation: wp.array2d[wp.mat33]
+    friction: wp.array2d[float]
+
+
+@wp.struct
+class Places:
+    """Where contacts go: `Data.contact`'s arrays (n * M,), M = room per world; count (n,); slot (n * M,)."""
+
+    count: wp.array[int]
+    room: int
+    slot: wp.array[int]
+    type: wp.array[int]
+    dim: wp.array[int]
+    geom: wp.array[wp.vec2i]
+    dist: wp.array[float]
+    pos: wp.array[wp.vec3]
+    frame: wp.array[wp.mat33]
+    friction: wp.array[vec5]
+    solref: wp.array[wp.vec2]
+    solimp: wp.array[vec5]
+    address: wp.array2d[int]
+
+
+@wp.func
+def outside_box(point: wp.vec3, centre: wp.vec3, half: wp.vec3) -> float:
+    """m from a point to a box in the box's own frame; 0 inside, far for what is no point."""
+    if not wp.isfinite(wp.dot(point, point)):
+        return 1.0e30
+    out = wp.vec3(
+        wp.max(wp.abs(point[0] - centre[0]) - half[0], 0.0),
+        wp.max(wp.abs(point[1] - centre[1]) - half[1], 0.0),
+        wp.max(wp.abs(point[2] - centre[2]) - half[2], 0.0),
+    )
+    return wp.length(out)
+
+
+@wp.func
+def hull_distance(hulls: Hulls, hull: int, point: wp.vec3, limit: float) -> wp.vec4:
+    """Direction (3) and distance (m) from the hull to a point in its frame; beyond `limit` a lower bound will do."""
+    first, last = hulls.plane_start[hull], hulls.plane_start[hull + 1]
+    distance = float(-1.0e30)
+    face = int(first)
+    for p in range(first, last):
+        height = wp.dot(hulls.normal[p], point) - hulls.offset[p]
+        if height > distance:
+            distance = height
+            face = p
+    normal = hulls.normal[face]
+    if distance > 0.0 and distance < limit:
+        foot = point - distance * normal
+        outside = float(0.0)
+        for p in range(first, last):
+            outside = wp.max(outside, wp.dot(hulls.normal[p], foot) - hulls.offset[p])
+        if outside > _FOOT_TOLERANCE:
+            nearest = float(1.0e30)
+            direction = wp.vec3(0.0, 0.0, 0.0)
+            for e in range(hulls.edge_start[hull], hulls.edge_start[hull + 1]):
+                # Differences before squares, because ground prisms are tens of metres long.
+                offset, way = point - hulls.start[e], hulls.way[e]
+                away = offset - wp.clamp(wp.dot(offset, way) / wp.dot(way, way), 0.0, 1.0) * way
+                square = wp.dot(away, away)
+                if square < nearest:
+                    nearest = square
+                    direction = away
+            distance = wp.sqrt(nearest)
+            if distance > _ON_EDGE:
+                normal = direction / distance
+    return wp.vec4(normal[0], normal[1], normal[2], distance)
+
+
+@wp.func
+def _write(places: Places, k: int, c: int, geom: int, ground: int, distance: float, position: wp.vec3, inward: wp.vec3):
+    places.slot[k] = c
+    places.type[k] = _ACTIVE
+    places.geom[k] = wp.vec2i(geom, ground)
+    places.dist[k] = distance
+    places.pos[k] = position
+    # MuJoCo's normal points from the first geom, the sphere, to the second.
+    places.frame[k] = make_frame(inward)
+    for i in range(places.address.shape[1]):
+        places.address[k, i] = -1
+
+
+@wp.kernel
+def find_contacts(hulls: Hulls, spheres: Spheres, slots: Slots, geom_xpos: wp.array2d[wp.vec3], places: Places):
+    """Writes the contacts of all pairs; dim (n, C)."""
+    w, c = wp.tid()
+    hull = slots.hull[w, c]
+    if hull < 0:
+        return
+    position, rotation = slots.position[w, c], slots.rotation[w, c]
+    middle, half = hulls.centre[hull], hulls.half[hull]
+    for s in range(spheres.geom.shape[0]):
+        radius, geom = spheres.radius[s], spheres.geom[s]
+        centre = geom_xpos[w, geom]
+        local = wp.transpose(rotation) @ (centre - position)
+        if outside_box(local, middle, half) < radius:
+            found = hull_distance(hulls, hull, local, radius)
+            distance = found[3] - radius
+            if distance < 0.0:
+                number = wp.atomic_add(places.count, w, 1)
+                if number < places.room:
+                    k = w * places.room + number
+                    inward = rotation @ wp.vec3(-found[0], -found[1], -found[2])
+                    point = centre + inward * (radius + 0.5 * distance)
+                    _write(places, k, c, geom, spheres.ground, distance, point, inward)
+                    friction = spheres.friction[s]
+                    if spheres.own_friction[s] == 0:
+                        friction = wp.max(friction, slots.friction[w, c])
+                    places.dim[k] = 3 - 2 * spheres.slippery[s]
+                    places.friction[k] = vec5(friction, friction, _TORSION, _ROLLING, _ROLLING)
+                    places.solref[k] = spheres.solref[s]
+                    places.solimp[k] = spheres.solimp[s]
