@@ -418,3 +418,6 @@ def test_callers_mistakes_are_one_sentence(small_bank: SceneBank) -> None:
         WarpEngine(small_bank, robot, control_dt=0.5)
     with pytest.raises(NounError, match="num_contacts"):
         WarpEngine(small_bank, robot, num_contacts=0)
+    mocap = robot.mjcf.replace("<worldbody>", '<worldbody><body mocap="true"/>')
+    with pytest.raises(NounError, match="mocap bodies"):
+        WarpEngine(small_bank, dataclasses.replace(robot, mjcf=mocap))

@@ -16,6 +16,7 @@ import warp as wp
 from mujoco_warp._src.types import vec5
 
 from ..datatypes import SceneBank
+from ..datatypes import validation as v
 from . import slots
 from . import warp_contact as contact
 from . import warp_kernels as kernels
@@ -45,7 +46,11 @@ class RobotModel:
 
 
 def build_robot_model(bank: SceneBank, physics: PhysicsModel, iterations: int, line_steps: int) -> RobotModel:
-    """Compiles the robot for MuJoCo Warp."""
+    """Compiles the robot for MuJoCo Warp.
+
+    Raises:
+      NounError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry.
+    """
     spec = _bare(mujoco.MjSpec.from_string(physics.spec.mjcf))
     for geom in spec.geoms:
         geom.contype = geom.conaffinity = 0
@@ -53,6 +58,16 @@ def build_robot_model(bank: SceneBank, physics: PhysicsModel, iterations: int, l
     spec.worldbody.add_geom(name="hulls", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, contype=0, conaffinity=0)
     spec.option.iterations, spec.option.ls_iterations = iterations, line_steps
     model = spec.compile()
+    for name, what in (
+        ("na", "activations"),
+        ("neq", "equalities"),
+        ("ntendon", "tendons"),
+        ("nmocap", "mocap bodies"),
+    ):
+        if getattr(model, name):
+            raise v.fail(
+                f"robot {physics.spec.name!r}.mjcf", f"{getattr(model, name)} {what}", "none", "use impl='jax'"
+            )
     geoms = np.array([model.geom(name).id for name in physics.spheres.name])
     first = int(model.jnt_qposadr[model.body_jntadr[physics.root]])
     tables = jax.device_get(slots.instance_tables(bank))
