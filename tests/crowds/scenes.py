@@ -1,6 +1,7 @@
 """Known scenes of the field, and a plain loop that runs them."""
 
 import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -97,8 +98,8 @@ def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options:
 
     side = patience.habitual_side(jax.random.key(seed + 1), number) * jnp.array([not k.wheeled for k in scene.kinds])
 
-    def body(carry: tuple[Bodies, jax.Array], key: jax.Array) -> tuple[tuple[Bodies, jax.Array], Bodies]:
-        b, blocked = carry
+    def body(carry: tuple[Bodies, jax.Array, jax.Array], key: jax.Array) -> tuple[Any, Bodies]:
+        b, blocked, side = carry
         dx, dy = goal[:, 0] - b.x, goal[:, 1] - b.y
         distance = jnp.sqrt(dx * dx + dy * dy)
         # Braking to rest at the goal: v² = 2 b d with half the braking.
@@ -107,10 +108,11 @@ def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options:
         aside = patience.step_aside(wish, blocked, side)
         new, _ = step(b, traits, disturbed(aside, key, side), fence(b))
         blocked = patience.held_up(blocked, aside, (new.vx, new.vy), dt)
-        return (new, blocked), new
+        side = patience.reconsider(side, blocked, jax.random.fold_in(key, 1), dt)
+        return (new, blocked, side), new
 
     keys = jax.random.split(jax.random.key(seed), round(seconds / dt))
-    _, path = jax.jit(lambda b: jax.lax.scan(body, (b, jnp.zeros(number)), keys))(bodies)
+    _, path = jax.jit(lambda b: jax.lax.scan(body, (b, jnp.zeros(number), side), keys))(bodies)
     path = Bodies(*(np.concatenate([np.asarray(a)[None], np.asarray(p)]) for a, p in zip(bodies, path, strict=True)))
     return Run(dt, *path, kinds=scene.kinds)
 

@@ -1,5 +1,6 @@
 """Moving agents: reciprocal collision avoidance of people and vehicles, where they go and how they behave."""
 
+from . import half_planes, linear_program, neighbours, orca, patience
 from .bodies import Bodies, Traits, Wish, num_wheeled, traits_of
 from .kinds import KINDS, AgentKind
 from .linear_program import HalfPlanes
@@ -16,8 +17,13 @@ __all__ = [
     "Wish",
     "advance",
     "disturbed",
+    "half_planes",
+    "linear_program",
     "make_step",
+    "neighbours",
     "no_walls",
     "num_wheeled",
+    "orca",
+    "patience",
     "traits_of",
 ]

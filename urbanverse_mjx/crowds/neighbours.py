@@ -38,13 +38,14 @@ def _sortable(distance: Any, index: Any, bits: int) -> Any:
 
 
 def _smallest(keys: Any, number: int, bits: int) -> tuple[Any, Any]:
-    """Numbers in the `number` smallest keys (C, A, E) along the first axis, and whether they are there."""
+    """Numbers in the `number` smallest keys (C, A, E) along the first axis (0 where fewer are), and where they are."""
     found, last = [], None
     for _ in range(number):
         last = jnp.min(keys if last is None else jnp.where(keys > last, keys, _NEVER), axis=0)
         found.append(last)
     all_found = jnp.stack(found)
-    return all_found & ((1 << bits) - 1), all_found != _NEVER
+    valid = all_found != _NEVER
+    return jnp.where(valid, all_found & ((1 << bits) - 1), 0), valid
 
 
 def all_pairs(x: Any, y: Any, size: Any, present: Any, agents: int, number: int) -> Neighbours:

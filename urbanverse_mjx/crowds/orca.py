@@ -123,8 +123,10 @@ def advance(
     """
     agents = wish.x.shape[0]
     walkers = agents - options.num_wheeled
-    near = look_around(bodies, traits, agents, options)
+    # Without the barriers XLA works the half-planes out again for each of the many sums they stand in.
+    near = neighbours.Neighbours(*jax.lax.optimization_barrier(tuple(look_around(bodies, traits, agents, options))))
     lines = join(walls, permitted(bodies, traits, agents, near, options))
+    lines = HalfPlanes(*jax.lax.optimization_barrier(tuple(lines)))
     num_hard = walls.offset.shape[0]
 
     def rows(arrays: Any, part: slice) -> Any:
@@ -137,7 +139,7 @@ def advance(
         shape, aim = own.x.shape, rows(wish, part)
         ground = (stand(aim),) if options.hold_ground else ()
         firm = join(*ground, rows(lines, part)) if ground else rows(lines, part)
-        flat = HalfPlanes(*(a.reshape(a.shape[0], -1) for a in firm))
+        flat = HalfPlanes(*jax.lax.optimization_barrier(tuple(a.reshape(a.shape[0], -1) for a in firm)))
         speeds = (a.reshape(-1) for a in (like.limit, aim.x, aim.y))
         chosen = [a.reshape(shape) for a in solve(flat, num_hard + len(ground), *speeds)]
         velocity = motion.walk((chosen[0], chosen[1]), own, like, fence, options.dt)

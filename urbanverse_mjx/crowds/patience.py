@@ -26,6 +26,8 @@ _FROM, _FULLY = 0.35, 0.8
 _SLOW = 0.3
 #: rad, how far the wish is turned at most: just past sideways one would walk back.
 MOST = 1.3
+#: s, mean time after which one who is held up tries the other side.
+CHANGE_MIND = 3.0
 #: Share of people who step to the right (Moussaïd et al. 2009, right-hand side countries).
 RIGHT = 0.8
 
@@ -55,3 +57,9 @@ def step_aside(wish: Wish, blocked: Any, side: Any) -> Wish:
     angle = side * MOST * jnp.clip((blocked - _FROM) / (_FULLY - _FROM), 0.0, 1.0)
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     return Wish(cos * wish.x - sin * wish.y, sin * wish.x + cos * wish.y, wish.face)
+
+
+def reconsider(side: Any, blocked: Any, key: Any, dt: float) -> Any:
+    """Sides (A,) one step later: who stepped aside and still stands tries the other side after `CHANGE_MIND` or so."""
+    chance = jnp.where(blocked >= _FULLY, min(1.0, dt / CHANGE_MIND), 0.0)
+    return jnp.where(jax.random.uniform(key, side.shape) < chance, -side, side)
