@@ -58,7 +58,6 @@ class Run:
         """(A,) m from the goals at the end."""
         return np.hypot(self.x[-1] - scene.goal[:, 0], self.y[-1] - scene.goal[:, 1])
 
-
     def progress(self, scene: Scene) -> np.ndarray:
         """(A,) m gone towards the goals."""
         way = scene.goal - scene.start
@@ -167,6 +166,4 @@ def crossing(number: int = 16, seed: int = 2) -> Scene:
 def overtaking(width: float = 2.5) -> Scene:
     """A fast walker behind a slow one, between walls."""
     start, goal = np.array([[0.0, 0.05], [-3.0, 0.0]]), np.array([[14.0, 0.05], [20.0, 0.0]])
-    return Scene(
-        (PED, PED), start, goal, np.array([0.6, 1.6]), np.array([[0, 1, width / 2], [0, -1, width / 2]])
-    )
+    return Scene((PED, PED), start, goal, np.array([0.6, 1.6]), np.array([[0, 1, width / 2], [0, -1, width / 2]]))

@@ -40,7 +40,15 @@ def test_who_stand_on_each_other_part() -> None:
     normals = []
     for side in (1.0, -1.0):
         rows = half_planes.towards_neighbours(
-            (zero[None], zero[None]), (zero, zero), (zero[None], zero[None]), zero[None] + 0.6, 0.5, side, True, 3.0, 0.1
+            (zero[None], zero[None]),
+            (zero, zero),
+            (zero[None], zero[None]),
+            zero[None] + 0.6,
+            0.5,
+            side,
+            True,
+            3.0,
+            0.1,
         )
         assert all(np.isfinite(np.asarray(r)).all() for r in rows)
         normals.append(float(rows.x[0, 0]))

@@ -102,9 +102,7 @@ def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tu
     return best_x, best_y
 
 
-def towards_walls(
-    outward: tuple[Any, Any], space: Any, radius: Any, axis: tuple[Any, Any], horizon: Any
-) -> HalfPlanes:
+def towards_walls(outward: tuple[Any, Any], space: Any, radius: Any, axis: tuple[Any, Any], horizon: Any) -> HalfPlanes:
     """Velocities that keep a body on the free side of flats for `horizon` seconds.
 
     These are the published half-planes for what stands still, taken at rest (van den Berg et al. 2011, section 5.1:

@@ -38,9 +38,7 @@ _SHUFFLE = 0.35
 _CALM = 0.02
 
 
-def walk(
-    chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPlanes, dt: float
-) -> tuple[Any, Any]:
+def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPlanes, dt: float) -> tuple[Any, Any]:
     """Velocities of walkers after one step, m/s: towards the chosen ones, as fast as legs allow.
 
     Where keeping to that would run into a wall within two steps, it is given up: one stops against a wall.
@@ -95,9 +93,7 @@ def turn_limit(speed: Any, traits: Traits) -> Any:
     return jnp.minimum(jnp.minimum(steering, traits.lateral / jnp.maximum(speed, 1e-3)), traits.turn_rate)
 
 
-def drive(
-    lines: HalfPlanes, num_hard: int, wish: tuple[Any, Any], bodies: Bodies, traits: Traits
-) -> tuple[Any, Any]:
+def drive(lines: HalfPlanes, num_hard: int, wish: tuple[Any, Any], bodies: Bodies, traits: Traits) -> tuple[Any, Any]:
     """The best control of each vehicle.
 
     Args:

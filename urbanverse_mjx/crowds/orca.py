@@ -108,9 +108,7 @@ def stand(wish: Wish) -> HalfPlanes:
     return HalfPlanes(x[None], y[None], jnp.where(wants, -GIVE_GROUND, NO_LIMIT)[None])
 
 
-def advance(
-    bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, options: Options
-) -> tuple[Bodies, Any]:
+def advance(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, options: Options) -> tuple[Bodies, Any]:
     """The first A bodies one step later, for many envs at once.
 
     Args:
