@@ -122,25 +122,27 @@ def start(case: Case, seed: int) -> tuple[Bodies, Traits, Any]:
     return bodies, traits, bodies.heading
 
 
-def fence(case: Case, bodies: Bodies, traits: Traits) -> HalfPlanes:
-    """Flats (M, A) at the sides of the square, for one env."""
+def fence(case: Case, bodies: Bodies, traits: Traits, end: float) -> HalfPlanes:
+    """Flats (M, A) at the sides of the square for one env: for the discs at the front (end 1) or the rear (-1)."""
     angle = 2.0 * np.pi * np.arange(case.walls) / max(case.walls, 1)
     mx, my = (jnp.asarray(f(angle), jnp.float32)[:, None] for f in (np.cos, np.sin))
     half = 0.5 * case.side
-    space = half - mx * (bodies.x - half) - my * (bodies.y - half)
-    axis = traits.half_length * jnp.cos(bodies.heading), traits.half_length * jnp.sin(bodies.heading)
+    x = bodies.x + end * traits.half_length * jnp.cos(bodies.heading)
+    y = bodies.y + end * traits.half_length * jnp.sin(bodies.heading)
+    space = half - mx * (x - half) - my * (y - half)
     ones = jnp.ones_like(space)
-    return half_planes.towards_walls((mx * ones, my * ones), space, traits.radius, axis, traits.wall_horizon)
+    return half_planes.towards_walls((mx * ones, my * ones), space, traits.radius, traits.wall_horizon)
 
 
 def stepper(case: Case, dt: float, seed: int) -> Any:
     """A function (bodies, traits, directions, number of steps) -> bodies."""
-    step = make_step(case.options(dt))
+    step, rolling = make_step(case.options(dt)), num_wheeled(case.kinds())
 
     def one(bodies: Bodies, traits: Traits, direction: Any, key: Any) -> Bodies:
         speed = 0.8 * traits.limit
         wish = disturbed(Wish(speed * jnp.cos(direction), speed * jnp.sin(direction), direction), key)
-        new, _ = step(bodies, traits, wish, fence(case, bodies, traits))
+        rear = HalfPlanes(*(a[:, case.agents - rolling :] for a in fence(case, bodies, traits, -1.0)))
+        new, _ = step(bodies, traits, wish, fence(case, bodies, traits, 1.0), rear)
         return new._replace(x=jnp.mod(new.x, case.side), y=jnp.mod(new.y, case.side))
 
     def steps(bodies: Bodies, traits: Traits, direction: Any, number: int) -> Bodies:
@@ -155,14 +157,14 @@ def stepper(case: Case, dt: float, seed: int) -> Any:
 def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments: argparse.Namespace) -> dict[str, Any]:
     """Seconds of one step that each part takes alone, over the state that the timed run left."""
     options = case.options(arguments.dt)
-    walls = jax.vmap(lambda b, t: fence(case, b, t), out_axes=-1)(bodies, traits)
+    walls = jax.vmap(lambda b, t: fence(case, b, t, 1.0), out_axes=-1)(bodies, traits)
     bodies, traits = jax.tree.map(lambda a: a.T, (bodies, traits))
     speed = 0.8 * traits.limit
     wish = (speed * jnp.cos(direction.T)).reshape(-1), (speed * jnp.sin(direction.T)).reshape(-1)
     look = _timing.compile_(lambda b, t: orca.look_around(b, t, case.agents, options), bodies, traits)
     near = look.call(bodies, traits)
     build = _timing.compile_(lambda b, t, n: orca.permitted(b, t, case.agents, n, options), bodies, traits, near)
-    lines = linear_program.join(walls, build.call(bodies, traits, near))
+    lines = linear_program.join(walls, build.call(bodies, traits, near)[0])
     flat = HalfPlanes(*(a.reshape(a.shape[0], -1) for a in lines))
     limit = traits.limit.reshape(-1)
     first = _timing.compile_(linear_program.nearest_permitted, flat, limit, *wish)

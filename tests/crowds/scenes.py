@@ -7,9 +7,20 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from urbanverse_mjx.crowds import KINDS, AgentKind, Bodies, HalfPlanes, Options, Traits, Wish, disturbed, make_step
-from urbanverse_mjx.crowds import half_planes, patience, traits_of
-
+from urbanverse_mjx.crowds import (
+    KINDS,
+    AgentKind,
+    Bodies,
+    HalfPlanes,
+    Options,
+    Traits,
+    Wish,
+    disturbed,
+    half_planes,
+    make_step,
+    patience,
+    traits_of,
+)
 
 #: m, goals of flows: nobody arrives, so that nobody stands in another's way for good.
 FAR = 100.0
@@ -88,12 +99,14 @@ def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options:
     columns = [scene.start[:, 0], scene.start[:, 1], np.zeros(number), np.zeros(number), heading]
     bodies = Bodies(*(jnp.asarray(c, jnp.float32) for c in columns))
 
-    def fence(b: Bodies) -> HalfPlanes:
+    def fence(b: Bodies, end: float) -> HalfPlanes:
         ones = jnp.ones((len(walls), number))
-        space = walls[:, 2:] - walls[:, :1] * b.x - walls[:, 1:2] * b.y
-        axis = traits.half_length * jnp.cos(b.heading), traits.half_length * jnp.sin(b.heading)
+        x = b.x + end * traits.half_length * jnp.cos(b.heading)
+        y = b.y + end * traits.half_length * jnp.sin(b.heading)
+        space = walls[:, 2:] - walls[:, :1] * x - walls[:, 1:2] * y
         outward = walls[:, :1] * ones, walls[:, 1:2] * ones
-        return half_planes.towards_walls(outward, space, traits.radius, axis, traits.wall_horizon)
+        rows = half_planes.towards_walls(outward, space, traits.radius, traits.wall_horizon)
+        return rows if end > 0 else HalfPlanes(*(a[:, number - rolling :] for a in rows))
 
     side = patience.habitual_side(jax.random.key(seed + 1), number) * jnp.array([not k.wheeled for k in scene.kinds])
 
@@ -105,7 +118,7 @@ def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options:
         wanted = jnp.minimum(speed, jnp.sqrt(traits.braking * distance)) / jnp.maximum(distance, 1e-6)
         wish = Wish(dx * wanted, dy * wanted, jnp.arctan2(dy, dx))
         aside = patience.step_aside(wish, blocked, side)
-        new, _ = step(b, traits, disturbed(aside, key, side), fence(b))
+        new, _ = step(b, traits, disturbed(aside, key, side), fence(b, 1.0), fence(b, -1.0))
         blocked = patience.held_up(blocked, aside, (new.vx, new.vy), dt)
         side = patience.reconsider(side, blocked, jax.random.fold_in(key, 1), dt)
         return (new, blocked, side), new

@@ -5,7 +5,8 @@ Out:  `Script` rows: where somebody starts, what it holds on to, where it looks.
 When: at reset, inside jit; all are plain functions of their arguments.
 
 Everybody follows one of three modes. Who ROAMs takes the ways of the scene from goal to goal. Who GOes heads for one
-point by the straight line. Who STAYs keeps to a point, steps aside for others as ORCA has it, comes back and looks one way.
+point by the straight line. Who STAYs keeps to a point, steps aside for others as ORCA has it, comes back and looks one
+way.
 """
 
 from typing import Any, NamedTuple
@@ -94,7 +95,7 @@ def overtaken(x: Any, y: Any, heading: Any, distance: float, speed: float = 0.6)
 
 
 def cross(x: Any, y: Any, heading: Any, distance: float, aside: float = 4.0, speed: float = 1.34) -> Script:
-    """One person who cuts a pose's line at a right angle, `distance` m ahead, from `aside` m to its left (< 0 right)."""
+    """One person who cuts a pose's line at a right angle, `distance` m ahead, from `aside` m to its left."""
     cos, sin = jnp.cos(heading), jnp.sin(heading)
     ends = [
         jnp.reshape(a, (1,))

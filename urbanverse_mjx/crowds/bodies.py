@@ -45,7 +45,7 @@ class Traits(NamedTuple):
       present: bool; an absent body is not seen and does not move.
       radius, half_length, margin: m.
       limit: m/s, this body's largest speed.
-      acceleration, braking, lateral: m/s². turn_radius: m. turn_rate: rad/s.
+      acceleration, braking, lateral: m/s². turn_radius: m. pivot, turn_rate: rad/s.
       horizon, wall_horizon: s.
       yielding: see `AgentKind`; what will not avoid anybody (a robot, perhaps) has 0.
     """
@@ -59,6 +59,7 @@ class Traits(NamedTuple):
     braking: Any
     lateral: Any
     turn_radius: Any
+    pivot: Any
     turn_rate: Any
     horizon: Any
     wall_horizon: Any

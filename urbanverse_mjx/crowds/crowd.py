@@ -21,14 +21,13 @@ from .bodies import Bodies, Traits, Wish, num_wheeled, traits_of
 from .goal_fields import RULE_OF_KIND, RULES
 from .kinds import KINDS, SURFACES, AgentKind
 from .linear_program import HalfPlanes
-from .orca import Options, disturbed, make_step
+from .orca import Options, disturbed, make_step, no_walls
 from .spawning import Watcher
-
 
 #: m from a goal (and half a vehicle's length) at which one has arrived.
 _ARRIVED = 1.0
-#: s, how far ahead a vehicle reads its way.
-_PREVIEW = 0.5
+#: s, how far ahead of its front a vehicle reads its way.
+_PREVIEW = 0.4
 
 
 class Crowd(NamedTuple):
@@ -38,6 +37,7 @@ class Crowd(NamedTuple):
       bodies: `Bodies` (A,). present: (A,) bool. speed: (A,) m/s, preferred. goal: (A,) i32, of its way.
       mode, anchor_x, anchor_y, face: (A,), see `behaviours.Script`.
       blocked, side: (A,), see `patience`. still: (A,) s, how long somebody with a wish has hardly moved.
+      backing: (A,) s, how long a vehicle still backs up.
       arrived: (A,) i32, goals reached so far.
     """
 
@@ -52,6 +52,7 @@ class Crowd(NamedTuple):
     blocked: Any
     side: Any
     still: Any
+    backing: Any
     arrived: Any
 
 
@@ -64,7 +65,7 @@ class CrowdTables(NamedTuple):
 
 
 def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTables:
-    """Tables of the given scenes (default: all), in their order; about a second a scene."""
+    """Tables of the given scenes (default: all), in their order; a few seconds a scene."""
     numbers = range(bank.num_scenes) if scenes is None else scenes
     spaces = [free_space.free_spaces(bank, z) for z in numbers]
     by_surface = {name: [s[name] for s in spaces] for name in SURFACES}
@@ -155,15 +156,16 @@ class CrowdModel:
             blocked=zero,
             side=patience.habitual_side(keys[2], number) * self._sidesteps,
             still=zero,
+            backing=zero,
             arrived=integer,
         )
         if script is not None:
             crowd = _follow(crowd, script)
             wanted = wanted.at[: script.mode.shape[0]].set(False)
-        order = keys[3]
         for group, rows in self._groups.items():
+            rows = jnp.asarray(rows)
 
-            def one(n: Any, crowd: Crowd, group: str = group, rows: Any = jnp.asarray(rows)) -> Crowd:
+            def one(n: Any, crowd: Crowd, group: str = group, rows: Any = rows) -> Crowd:
                 return self._appear(
                     crowd, rows[n], wanted[rows[n]], jax.random.fold_in(keys[3], rows[n]), group, scene, watcher, False
                 )
@@ -212,26 +214,29 @@ class CrowdModel:
         course = self._courses(crowd, scene)
         wish = self._wishes(crowd, scene, course)
         aside = patience.step_aside(wish, crowd.blocked, crowd.side)
+        aside = patience.back_up(aside, crowd.backing, crowd.bodies.heading)
         robot = self._robot_body(watcher, robot_velocity)
-        joined = [Bodies(*(jnp.append(a, b) for a, b in zip(crowd.bodies, robot[0], strict=True)))]
+        joined = Bodies(*(jnp.append(a, b) for a, b in zip(crowd.bodies, robot[0], strict=True)))
         traits = self._traits._replace(
             present=crowd.present, limit=jnp.minimum(self._traits.limit, crowd.speed * self._headroom)
         )
         everybody = Traits(*(jnp.append(a, b) for a, b in zip(traits, robot[1], strict=True)))
-        walls = self._walls(crowd.bodies, traits, scene)
-        bodies, _ = self._step(joined[0], everybody, disturbed(aside, keys[1], crowd.side), walls)
+        walls = self._walls(crowd.bodies, scene)
+        bodies, _ = self._step(joined, everybody, disturbed(aside, keys[1], crowd.side), *walls)
         blocked = patience.held_up(crowd.blocked, aside, (bodies.vx, bodies.vy), self.dt)
         wants = wish.x * wish.x + wish.y * wish.y > 0.09
         moves = bodies.vx * bodies.vx + bodies.vy * bodies.vy > 0.01
+        backing = patience.backing_time(crowd.backing, crowd.still, keys[3], self.dt)
         return crowd._replace(
             bodies=bodies,
             blocked=blocked,
+            backing=jnp.where(self._sidesteps > 0.0, 0.0, backing),
             side=patience.reconsider(crowd.side, blocked, keys[2], self.dt),
             still=jnp.where(wants & ~moves & crowd.present, crowd.still + self.dt, 0.0),
         )
 
     def _next_errands(self, crowd: Crowd, scene: Any, watcher: Watcher, key: Any) -> Crowd:
-        """Who has reached its goal gets another: on foot at once; a vehicle appears elsewhere once it is out of sight."""
+        """Who has reached its goal gets another; a vehicle appears elsewhere once it is out of sight."""
         for group, rows in self._groups.items():
             if not len(rows):
                 continue
@@ -262,9 +267,13 @@ class CrowdModel:
             if len(rows):
                 some = jnp.asarray(rows)
                 place = crowd.bodies.x[some], crowd.bodies.y[some]
-                # A vehicle looks ahead along its heading by what it rolls in a second, so that it turns in time.
+                # A vehicle reads its way ahead of its front, so that it turns in time.
                 if RULES[group].from_middle is not None:
-                    place = place[0] + _PREVIEW * crowd.bodies.vx[some], place[1] + _PREVIEW * crowd.bodies.vy[some]
+                    look, heading = self._traits.half_length[some], crowd.bodies.heading[some]
+                    place = (
+                        place[0] + look * jnp.cos(heading) + _PREVIEW * crowd.bodies.vx[some],
+                        place[1] + look * jnp.sin(heading) + _PREVIEW * crowd.bodies.vy[some],
+                    )
                 heading = goal_fields.heading_at(
                     self.tables.ways[group], RULES[group].node, scene, crowd.goal[some], *place
                 )
@@ -297,16 +306,27 @@ class CrowdModel:
         )
         return Wish(*(jnp.where(crowd.mode == ROAM, a, b) for a, b in zip(roam, script, strict=True)))
 
-    def _walls(self, bodies: Bodies, traits: Traits, scene: Any) -> HalfPlanes:
-        """Half-planes (M, A) of everybody's surface."""
-        found = []
-        for surface, rows in self._surfaces.items():
-            if len(rows):
-                own = (type(a)(*(c[rows] for c in a)) for a in (bodies, traits))
-                found.append((rows, flats.walls_at(self.tables.flats[surface], scene, *own)))
-        back = np.argsort(np.concatenate([rows for rows, _ in found]))
-        columns = zip(*(walls for _, walls in found), strict=True)
-        return HalfPlanes(*(jnp.concatenate(column, axis=1)[:, back] for column in columns))
+    def _walls(self, bodies: Bodies, scene: Any) -> tuple[HalfPlanes, HalfPlanes]:
+        """Half-planes of everybody's surface: (M, A) at the front discs and (M, W) at the rear discs of vehicles."""
+        traits = self._traits
+        ax, ay = traits.half_length * jnp.cos(bodies.heading), traits.half_length * jnp.sin(bodies.heading)
+
+        def at(rows: Any, end: float) -> HalfPlanes:
+            found, order = [], []
+            for surface, members in self._surfaces.items():
+                some = np.intersect1d(members, rows)
+                if len(some):
+                    x, y = bodies.x[some] + end * ax[some], bodies.y[some] + end * ay[some]
+                    table = self.tables.flats[surface]
+                    found.append(flats.walls_at(table, scene, x, y, traits.radius[some], traits.wall_horizon[some]))
+                    order.append(some)
+            if not found:
+                return no_walls(0)
+            back = np.argsort(np.concatenate(order))
+            return HalfPlanes(*(jnp.concatenate(c, axis=1)[:, back] for c in zip(*found, strict=True)))
+
+        everybody = np.arange(self.num_agents)
+        return at(everybody, 1.0), at(everybody[self.num_agents - num_wheeled(self.kinds) :], -1.0)
 
     def _robot_body(self, watcher: Watcher, velocity: tuple[Any, Any]) -> tuple[Bodies, Traits]:
         body = Bodies(watcher.x, watcher.y, *velocity, watcher.heading)
@@ -321,6 +341,7 @@ class CrowdModel:
             braking=one,
             lateral=one,
             turn_radius=one,
+            pivot=one,
             turn_rate=one,
             horizon=one,
             wall_horizon=one,

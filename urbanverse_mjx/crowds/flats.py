@@ -18,7 +18,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from . import half_planes
-from .bodies import Bodies, Traits
 from .free_space import CELL, FreeSpace
 from .linear_program import HalfPlanes
 
@@ -126,15 +125,15 @@ def make_flats(spaces: Sequence[FreeSpace], reach: float) -> Flats:
     return Flats(jnp.asarray(np.stack(padded)), jnp.asarray(origin))
 
 
-def walls_at(flats: Flats, scene: Any, bodies: Bodies, traits: Traits) -> HalfPlanes:
-    """Permitted velocities (M, A) of bodies (A,) in one env's scene; outside the map there is no wall.
+def walls_at(flats: Flats, scene: Any, x: Any, y: Any, radius: Any, horizon: Any) -> HalfPlanes:
+    """Permitted velocities (M, A) of discs in one env's scene; outside the map there is no wall.
 
     Args:
-      scene: () i32. bodies, traits: (A,).
+      scene: () i32. x, y: (A,) m, centres. radius: (A,) m. horizon: (A,) s.
     """
     side = POOL * CELL
     origin = flats.origin[scene]
-    u, w = (bodies.x - origin[0]) / side, (bodies.y - origin[1]) / side
+    u, w = (x - origin[0]) / side, (y - origin[1]) / side
     i, j = jnp.floor(u).astype(jnp.int32), jnp.floor(w).astype(jnp.int32)
     columns, rows = flats.table.shape[1:3]
     inside = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
@@ -143,5 +142,4 @@ def walls_at(flats: Flats, scene: Any, bodies: Bodies, traits: Traits) -> HalfPl
     mx, my = jnp.cos(direction), jnp.sin(direction)
     from_centre = mx * ((u - i - 0.5) * side) + my * ((w - j - 0.5) * side)
     space = jnp.where(inside & (units < 255.0), units * UNIT - from_centre, jnp.inf)
-    axis = traits.half_length * jnp.cos(bodies.heading), traits.half_length * jnp.sin(bodies.heading)
-    return half_planes.towards_walls((mx, my), space, traits.radius, axis, traits.wall_horizon)
+    return half_planes.towards_walls((mx, my), space, radius, horizon)

@@ -4,8 +4,8 @@ In:   `FreeSpace` of each scene.
 Out:  `Ways`, directions to the goals and places to appear at, as a table on the device.
 When: the table once per scene, on the host; `heading_at` every crowd step, inside jit.
 
-Ways are cheapest paths on a grid of 16 directions: near things they cost more, and on the road they cost more on the wrong
-side of it, which makes the price of an edge depend on its direction.
+Ways are cheapest paths on a grid of 16 directions: near things they cost more, and on the road they cost more on the
+wrong side of it, which makes the price of an edge depend on its direction.
 """
 
 import dataclasses
@@ -31,6 +31,8 @@ _AHEAD = 4
 _DIRECTIONS = 256
 #: Nodes after which a vehicle has found its side of the road.
 _SETTLED = 40
+#: Nodes from a vehicle's centre to its ends' discs: 1.6 m.
+_ENDS = 4
 _STEPS = tuple((i, j) for i in range(-2, 3) for j in range(-2, 3) if np.gcd(i, j) == 1)
 
 
@@ -60,10 +62,11 @@ class WayRules:
 #: Who shares a table of ways. The clearances are half of what each is across (kinds.py) and a hand's breadth.
 RULES = {
     "foot": WayRules("foot", 2, 0.35, None, 8),
-    "cycle": WayRules("road", 4, 0.50, 1.8, 4),
-    "drive": WayRules("road", 4, 1.00, 1.3, 4),
+    "roll": WayRules("foot", 2, 0.50, None, 8),
+    "cycle": WayRules("road", 4, 0.60, 1.8, 4),
+    "drive": WayRules("road", 4, 1.20, 1.4, 4),
 }
-RULE_OF_KIND = {"pedestrian": "foot", "wheelchair": "foot", "scooter": "foot", "cyclist": "cycle", "car": "drive"}
+RULE_OF_KIND = {"pedestrian": "foot", "wheelchair": "roll", "scooter": "roll", "cyclist": "cycle", "car": "drive"}
 #: Places to appear at, a scene.
 NUM_PLACES = 256
 
@@ -205,9 +208,19 @@ def ways_of(space: FreeSpace, rules: WayRules, seed: int = 0) -> tuple[np.ndarra
     if rules.from_middle is None:
         places, place_goal = rng.choice(np.flatnonzero(main), NUM_PLACES), np.full(NUM_PLACES, -1)
     else:
-        rows = [(node, g) for g, nodes_of in enumerate(taken) for node in nodes_of]
+        rows = [(node, g) for g, on_way in enumerate(taken) for node in on_way if _roomy(nodes, cells[node], fields[g])]
+        if not rows:
+            return empty
         places, place_goal = np.array(rows)[rng.choice(len(rows), NUM_PLACES)].T
     return np.stack(fields), centres[goals], centres[places], place_goal
+
+
+def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
+    """Whether a vehicle that stands along its way has room for both ends (`_ENDS` nodes from its centre)."""
+    angle = field[tuple(cell)] * (2 * np.pi / _DIRECTIONS)
+    ends = np.round(cell + np.array([[-_ENDS], [_ENDS]]) * [np.cos(angle), np.sin(angle)]).astype(int)
+    inside = (ends >= 0).all(1) & (ends < nodes.shape).all(1)
+    return bool(inside.all()) and bool(nodes[tuple(ends.T)].all())
 
 
 def _on_the_way(following: np.ndarray, start: np.ndarray) -> np.ndarray:

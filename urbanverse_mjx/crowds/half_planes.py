@@ -25,6 +25,7 @@ def towards_neighbours(
     other_velocity: tuple[Any, Any],
     reach: Any,
     share: Any,
+    spare: Any,
     side: Any,
     valid: Any,
     horizon: Any,
@@ -37,6 +38,7 @@ def towards_neighbours(
       velocity: (...) m/s of the agent. other_velocity: (K, ...) m/s.
       reach: (K, ...) m, sum of the two radii.
       share: (K, ...), part of the change that the agent takes on; the shares of a pair add up to 1.
+      spare: (K, ...), the same for room to spare: how much of it the agent may use up.
       side: (K, ...) 1 or -1, opposite for the two of a pair: which way to part where they stand on each other.
       valid: (K, ...) bool, there is such a neighbour.
       horizon: (...) s. dt: s, time in which bodies that overlap part.
@@ -66,11 +68,11 @@ def towards_neighbours(
     leg_y = turn * (ax * leg - turn * ay * reach) * inverse2
     nx, ny = jnp.where(on_disc, disc_x, leg_x), jnp.where(on_disc, disc_y, leg_y)
     change = jnp.where(on_disc, reach * rate - length, -(nx * rx + ny * ry))
-    offset = nx * vx + ny * vy + share * change
+    offset = nx * vx + ny * vy + jnp.where(change > 0.0, share, spare) * change
     return HalfPlanes(jnp.where(valid, nx, 1.0), jnp.where(valid, ny, 0.0), jnp.where(valid, offset, NO_LIMIT))
 
 
-def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tuple[Any, Any]) -> tuple[Any, Any]:
+def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tuple[Any, Any]) -> tuple[Any, Any, Any]:
     """The shortest way (m) between two capsules' axes, which are segments.
 
     Args:
@@ -78,32 +80,33 @@ def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tu
       axis, other_axis: (...) and (K, ...) m, from the centre to the front end; zero for a disc.
 
     Returns:
-      (K, ...) x and y from the agent's nearest place to the neighbour's.
+      (K, ...) x and y from the agent's nearest place to the neighbour's, and where on the agent's axis that place is:
+      1 at the front end, -1 at the rear.
     """
     (px, py), (ax, ay), (bx, by) = apart, axis, other_axis
-    best_x, best_y, best = px, py, jnp.full_like(px, jnp.inf)
+    best_x, best_y, place, best = px, py, jnp.zeros_like(px), jnp.full_like(px, jnp.inf)
 
-    def keep_shorter(dx: Any, dy: Any) -> None:
-        nonlocal best_x, best_y, best
+    def keep_shorter(dx: Any, dy: Any, at: Any) -> None:
+        nonlocal best_x, best_y, place, best
         distance = dx * dx + dy * dy
         shorter = distance < best
         best_x, best_y = jnp.where(shorter, dx, best_x), jnp.where(shorter, dy, best_y)
-        best = jnp.where(shorter, distance, best)
+        place, best = jnp.where(shorter, at, place), jnp.where(shorter, distance, best)
 
     own, other = 1.0 / jnp.maximum(ax * ax + ay * ay, _TINY), 1.0 / jnp.maximum(bx * bx + by * by, _TINY)
     for end in (1.0, -1.0):
         # From an end of the own axis to the other axis, and the other way round.
         dx, dy = px - end * ax, py - end * ay
         along = jnp.clip(-(dx * bx + dy * by) * other, -1.0, 1.0)
-        keep_shorter(dx + along * bx, dy + along * by)
+        keep_shorter(dx + along * bx, dy + along * by, end)
         dx, dy = px + end * bx, py + end * by
         along = jnp.clip((dx * ax + dy * ay) * own, -1.0, 1.0)
-        keep_shorter(dx - along * ax, dy - along * ay)
-    return best_x, best_y
+        keep_shorter(dx - along * ax, dy - along * ay, along)
+    return best_x, best_y, place
 
 
-def towards_walls(outward: tuple[Any, Any], space: Any, radius: Any, axis: tuple[Any, Any], horizon: Any) -> HalfPlanes:
-    """Velocities that keep a body on the free side of flats for `horizon` seconds.
+def towards_walls(outward: tuple[Any, Any], space: Any, radius: Any, horizon: Any) -> HalfPlanes:
+    """Velocities that keep a disc on the free side of flats for `horizon` seconds.
 
     These are the published half-planes for what stands still, taken at rest (van den Berg et al. 2011, section 5.1:
     no share is left to the other side, and standing still is always permitted, so that these lines never exclude
@@ -111,14 +114,12 @@ def towards_walls(outward: tuple[Any, Any], space: Any, radius: Any, axis: tuple
 
     Args:
       outward: (M, ...) unit vector from the free side into the flat.
-      space: (M, ...) m, from the body's centre to the flat; infinite where there is none.
-      radius: (...) m. axis: (...) m, from the centre to the front end of a capsule's axis.
-      horizon: (...) s.
+      space: (M, ...) m, from the disc's centre to the flat; infinite where there is none.
+      radius: (...) m. horizon: (...) s.
 
     Returns:
       Lines (M, ...).
     """
-    (mx, my), (ax, ay) = outward, axis
-    free = jnp.maximum(space - radius - jnp.abs(ax * mx + ay * my), 0.0)
-    limited = jnp.isfinite(space)
-    return HalfPlanes(-mx, -my, jnp.where(limited, -free / horizon, NO_LIMIT))
+    mx, my = outward
+    free = jnp.maximum(space - radius, 0.0)
+    return HalfPlanes(-mx, -my, jnp.where(jnp.isfinite(space), -free / horizon, NO_LIMIT))

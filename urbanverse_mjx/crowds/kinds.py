@@ -28,8 +28,10 @@ class AgentKind:
       speed: m/s, mean of the preferred speed over people; spread: m/s, its standard deviation.
       speed_limit: m/s, never exceeded; headroom: how much faster than preferred one may go to let others pass.
       acceleration, braking: m/s².
-      wheeled: moves along its heading only. The rest concerns wheeled kinds:
-      turn_radius: m, least radius of its path; turn_rate: rad/s, largest; lateral: m/s², largest in a curve.
+      wheeled: moves along its heading only; what does not goes any way at once, as far as acceleration and braking
+        allow. The rest concerns wheeled kinds:
+      turn_radius: m, least radius of its path; pivot: rad/s, how fast it turns on the spot; turn_rate: rad/s, largest;
+      lateral: m/s², largest in a curve.
       horizon: s, how far ahead it avoids others; wall_horizon: s, the same for what stands still.
       yielding: how much of a pair's avoidance it takes on, relative to the other's number.
     """
@@ -47,6 +49,7 @@ class AgentKind:
     braking: float
     wheeled: bool
     turn_radius: float
+    pivot: float
     turn_rate: float
     lateral: float
     horizon: float
@@ -58,7 +61,7 @@ class AgentKind:
         for field in dataclasses.fields(self):
             if field.type is float:
                 least = {"above": 0.0}
-                if field.name in ("half_length", "margin", "spread", "turn_radius", "yielding"):
+                if field.name in ("half_length", "margin", "spread", "pivot", "yielding"):
                     least = {"minimum": 0.0}
                 v.number(getattr(self, field.name), f"kind {self.name!r}: {field.name}", **least)
 
@@ -90,7 +93,8 @@ PEDESTRIAN = AgentKind(
     acceleration=2.5,
     braking=2.5,
     wheeled=False,
-    turn_radius=0.0,
+    turn_radius=0.1,
+    pivot=6.0,
     turn_rate=6.0,
     lateral=2.5,
     # Karamouzas, Skinner and Guy, Phys. Rev. Lett. 113 (2014): people interact up to some 3 s ahead of a collision.
@@ -101,9 +105,10 @@ PEDESTRIAN = AgentKind(
 WHEELCHAIR = AgentKind(
     "wheelchair",
     "foot",
-    # ISO 7193: an occupied wheelchair takes at most 0.70 m x 1.20 m.
-    radius=0.35,
-    half_length=0.25,
+    # ISO 7193: an occupied wheelchair takes at most 0.70 m x 1.20 m; a disc of that area has a radius of 0.52 m, and as
+    # one turned with its way takes less across, 0.46 m. It turns on the spot: it may go any way.
+    radius=0.46,
+    half_length=0.0,
     margin=0.08,
     # Weidmann's pedestrians at 2/3 of their speed: manual and powered chairs on level ground (assumed; powered ones
     # are limited to 6 km/h on pavements in most of Europe).
@@ -113,20 +118,21 @@ WHEELCHAIR = AgentKind(
     headroom=1.2,
     acceleration=0.8,
     braking=1.6,
-    wheeled=True,
-    # It turns on the spot, a half turn in about 3 s.
-    turn_radius=0.0,
+    wheeled=False,
+    turn_radius=0.3,
+    pivot=1.0,
     turn_rate=1.0,
     lateral=1.5,
     horizon=3.0,
-    wall_horizon=1.5,
+    wall_horizon=1.0,
 )
 SCOOTER = AgentKind(
     "scooter",
     "foot",
-    # German eKFV § 1: at most 0.70 m wide, 20 km/h; a common one is 1.15 m long.
-    radius=0.35,
-    half_length=0.25,
+    # German eKFV § 1: at most 0.70 m wide, 20 km/h; a common one is 1.15 m long. With a foot on the ground it turns on
+    # the spot, and under way it leans as fast as its rider sees fit: a disc of 0.40 m.
+    radius=0.40,
+    half_length=0.0,
     margin=0.1,
     # Cicchino et al. (2023), sidewalks of Austin: 41 % at 4.5 m/s or more and 9 % at 6.7 m/s or more, which for a
     # normal distribution is 4.0 m/s; their spread of 2 m/s is cut by the limit.
@@ -137,12 +143,13 @@ SCOOTER = AgentKind(
     acceleration=1.0,
     # eKFV § 4: brakes of at least 3.5 m/s².
     braking=3.5,
-    wheeled=True,
-    turn_radius=1.5,
-    turn_rate=1.5,
+    wheeled=False,
+    turn_radius=1.2,
+    pivot=0.8,
+    turn_rate=2.5,
     lateral=2.5,
     horizon=3.0,
-    wall_horizon=1.5,
+    wall_horizon=1.2,
 )
 CYCLIST = AgentKind(
     "cyclist",
@@ -162,6 +169,7 @@ CYCLIST = AgentKind(
     braking=3.1,
     wheeled=True,
     turn_radius=2.0,
+    pivot=0.5,
     turn_rate=1.5,
     lateral=2.5,
     horizon=3.5,
@@ -184,6 +192,7 @@ CAR = AgentKind(
     braking=_CAR_BRAKING,
     wheeled=True,
     turn_radius=4.97,
+    pivot=0.0,
     turn_rate=1.0,
     lateral=2.0,
     horizon=4.0,

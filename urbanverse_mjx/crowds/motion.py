@@ -20,7 +20,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .bodies import Bodies, Traits
+from .bodies import Bodies, Traits, Wish
 from .linear_program import HalfPlanes
 
 #: s, length of the arcs that are judged; the chord of 1 s at the largest lateral acceleration (2.5 m/s²) lies at most
@@ -30,12 +30,15 @@ _LOOK = 1.0
 _TURNS = (-1.0, -0.6, -0.3, -0.12, 0.0, 0.12, 0.3, 0.6, 1.0)
 #: Accelerations that are tried: shares of the braking (negative) and of the acceleration (positive).
 _PUSHES = (-1.0, -0.5, -0.2, 0.0, 1.0)
-#: Cost of one m/s of violation in m/s off the wish: others, and walls, which are never traded for anything.
-_NEIGHBOUR_COST, _WALL_COST = 8.0, 40.0
+#: Cost of one m/s of violation, m²/s². One m/s off the wish costs at most twice the speed (17 m²/s² for a car), so that
+#: these come first: walls, then others, then the wish.
+_NEIGHBOUR_COST, _WALL_COST = 100.0, 400.0
 #: m/s, speed below which a walker does not turn to where it goes.
 _SHUFFLE = 0.35
 #: Cost of the largest turn rate and of full braking, m²/s²: ties go to the calmer control.
 _CALM = 0.02
+#: Weight of where the vehicle will point.
+_AIM = 0.2
 
 
 def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPlanes, dt: float) -> tuple[Any, Any]:
@@ -48,7 +51,11 @@ def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPla
     """
     dx, dy = chosen[0] - bodies.vx, chosen[1] - bodies.vy
     change = jnp.sqrt(dx * dx + dy * dy)
-    part = jnp.minimum(1.0, traits.acceleration * dt / jnp.maximum(change, 1e-6))
+    # To slow down or turn one may push as hard as one brakes, to gain speed only as hard as one accelerates.
+    gains = chosen[0] * chosen[0] + chosen[1] * chosen[1] > bodies.vx * bodies.vx + bodies.vy * bodies.vy
+    along = dx * bodies.vx + dy * bodies.vy > 0.0
+    push = jnp.where(gains & along, traits.acceleration, traits.braking)
+    part = jnp.minimum(1.0, push * dt / jnp.maximum(change, 1e-6))
     # Offsets are (minus the free space) / horizon; within two steps they are this much wider.
     sooner = traits.wall_horizon / jnp.minimum(2.0 * dt, traits.wall_horizon)
     now = walls.offset * sooner - walls.x * bodies.vx - walls.y * bodies.vy
@@ -79,68 +86,96 @@ def wrapped(angle: Any) -> Any:
     return jnp.mod(angle + jnp.pi, 2.0 * jnp.pi) - jnp.pi
 
 
-def _mean_speed(speed: Any, push: Any, limit: Any, time: float) -> Any:
-    """Mean over `time` s of a speed that changes at `push` m/s² until it reaches 0 or the limit."""
-    end = jnp.clip(speed + push * time, 0.0, jnp.maximum(limit, speed))
+def _speeds(speed: Any, push: Any, low: Any, limit: Any, time: float) -> tuple[Any, Any]:
+    """Mean over `time` s of a speed that changes at `push` m/s² until it reaches a limit, and the last speed."""
+    end = jnp.clip(speed + push * time, jnp.minimum(low, speed), jnp.maximum(limit, speed))
     moving = jnp.abs(push) > 1e-6
     ramp = jnp.where(moving, (end - speed) / jnp.where(moving, push, 1.0), 0.0) / time
-    return 0.5 * (speed + end) * ramp + end * (1.0 - ramp)
+    return 0.5 * (speed + end) * ramp + end * (1.0 - ramp), end
+
+
+def backs_up(wish: Wish) -> Any:
+    """Bool: a vehicle whose wish points away from where it looks goes backwards, turning to look there."""
+    forward = wish.x * jnp.cos(wish.face) + wish.y * jnp.sin(wish.face)
+    return forward * jnp.abs(forward) < -0.5 * (wish.x * wish.x + wish.y * wish.y)
 
 
 def turn_limit(speed: Any, traits: Traits) -> Any:
-    """rad/s, how fast a vehicle can turn at a speed: its steering, its tyres, its motor."""
-    steering = jnp.where(traits.turn_radius > 0.0, speed / jnp.maximum(traits.turn_radius, 1e-6), jnp.inf)
+    """rad/s, how fast a vehicle can turn at a speed (m/s): its steering, its tyres, its driver."""
+    speed = jnp.abs(speed)
+    steering = jnp.maximum(speed / traits.turn_radius, traits.pivot)
     return jnp.minimum(jnp.minimum(steering, traits.lateral / jnp.maximum(speed, 1e-3)), traits.turn_rate)
 
 
-def drive(lines: HalfPlanes, num_hard: int, wish: tuple[Any, Any], bodies: Bodies, traits: Traits) -> tuple[Any, Any]:
+def drive(
+    lines: HalfPlanes, place: Any, walls: tuple[HalfPlanes, HalfPlanes], wish: Wish, bodies: Bodies, traits: Traits
+) -> tuple[Any, Any]:
     """The best control of each vehicle.
 
     Args:
-      lines: (N, A, E), the first `num_hard` towards walls. wish: (A, E) m/s. bodies, traits: (A, E).
+      lines: (K, A, E) towards neighbours. place: (K, A, E), where on its axis the vehicle is nearest to each.
+      walls: (M, A, E) each, for the front and the rear disc of its capsule.
+      wish, bodies, traits: (A, E).
 
     Returns:
       (A, E) acceleration m/s² and turn rate rad/s.
     """
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
-    speed = jnp.maximum(bodies.vx * cos + bodies.vy * sin, 0.0)
-    ahead, left = wish[0] * cos + wish[1] * sin, wish[1] * cos - wish[0] * sin
+    speed = bodies.vx * cos + bodies.vy * sin
+    ahead, left = wish.x * cos + wish.y * sin, wish.y * cos - wish.x * sin
     wished = jnp.sqrt(ahead * ahead + left * left)
-    error = jnp.where(wished > 1e-3, jnp.arctan2(left, ahead), 0.0)
+    back = backs_up(wish)
+    error = jnp.where(
+        wished > 1e-3, jnp.where(back, wrapped(wish.face - bodies.heading), jnp.arctan2(left, ahead)), 0.0
+    )
     # What the wish itself asks for stands among the controls: an arc whose chord points along it.
-    own_push = jnp.clip(wished * jnp.maximum(jnp.cos(error), 0.0) - speed, -traits.braking, traits.acceleration)
+    own_speed = jnp.where(back, -wished, wished * jnp.maximum(jnp.cos(error), 0.0))
+    own_push = jnp.clip(own_speed - speed, -traits.braking, traits.acceleration)
     pushes = jnp.stack([*(s * (traits.acceleration if s > 0 else traits.braking) for s in _PUSHES), own_push])
-    mean = _mean_speed(speed, pushes, traits.limit, _LOOK)
+    mean, _ = _speeds(speed, pushes, jnp.where(back, -wished, 0.0), traits.limit, _LOOK)
     # The least radius bounds the arc at its mean speed, so that a vehicle at rest may pull out in a curve.
     most = turn_limit(mean, traits)
     shares = jnp.asarray(np.array(_TURNS, np.float32)).reshape(-1, 1, 1, 1)
     own_turn = jnp.clip(2.0 * error / _LOOK, -most, most)
     turns = jnp.concatenate([shares * most, own_turn[None]])
+    pushes = jnp.broadcast_to(pushes, turns.shape)
     half = 0.5 * turns * _LOOK
     chord = mean * jnp.sinc(half / jnp.pi)
-    turned_cos, turned_sin = jnp.cos(half), jnp.sin(half)
-    ux, uy = chord * (turned_cos * cos - turned_sin * sin), chord * (turned_sin * cos + turned_cos * sin)
-    hard, soft = jnp.zeros_like(ux), jnp.zeros_like(ux)
-    for n in range(lines.offset.shape[0]):
-        depth = lines.offset[n] - lines.x[n] * ux - lines.y[n] * uy
-        hard, soft = (jnp.maximum(hard, depth), soft) if n < num_hard else (hard, jnp.maximum(soft, depth))
+    # In the vehicle's frame first: the way of its centre, and what its ends move against that while it turns.
+    along, across = chord * jnp.cos(half), chord * jnp.sin(half)
+    swing_along = traits.half_length / _LOOK * (jnp.cos(2.0 * half) - 1.0)
+    swing_across = traits.half_length / _LOOK * jnp.sin(2.0 * half)
+
+    def deepest(rows: HalfPlanes, ends: Any) -> Any:
+        worst = jnp.zeros_like(along)
+        for n in range(rows.offset.shape[0]):
+            # The normal in the vehicle's frame, and the velocity of the place that the line is about.
+            nx, ny = rows.x[n] * cos + rows.y[n] * sin, rows.y[n] * cos - rows.x[n] * sin
+            u, w = along + ends[n] * swing_along, across + ends[n] * swing_across
+            worst = jnp.maximum(worst, rows.offset[n] - nx * u - ny * w)
+        return worst
+
+    flats = walls[0].offset.shape[0]
+    hard = jnp.maximum(deepest(walls[0], [1.0] * flats), deepest(walls[1], [-1.0] * flats))
+    soft = deepest(lines, place)
     effort = jnp.abs(turns) / traits.turn_rate + jnp.abs(pushes / traits.braking)
-    cost = (ux - wish[0]) ** 2 + (uy - wish[1]) ** 2 + _CALM * effort
-    cost += _NEIGHBOUR_COST * soft * (1.0 + soft) + _WALL_COST * hard * (1.0 + hard)
-    shape = cost.shape
-    flat = cost.reshape(shape[0] * shape[1], *shape[2:])
+    # A vehicle that can not go where it wants yet at least turns there.
+    aim = wished * wished * (1.0 - jnp.cos(error - 2.0 * half))
+    cost = (along - ahead) ** 2 + (across - left) ** 2 + _CALM * effort + _AIM * aim
+    cost += _NEIGHBOUR_COST * soft + _WALL_COST * hard
+    flat = cost.reshape(-1, *cost.shape[2:])
     best = jnp.argmin(flat, axis=0)[None]
     turn = jnp.take_along_axis(turns.reshape(flat.shape), best, axis=0)[0]
-    push = jnp.take_along_axis(jnp.broadcast_to(pushes, shape).reshape(flat.shape), best, axis=0)[0]
+    push = jnp.take_along_axis(pushes.reshape(flat.shape), best, axis=0)[0]
     return push, turn
 
 
-def roll(push: Any, turn: Any, bodies: Bodies, traits: Traits, dt: float) -> Bodies:
+def roll(push: Any, turn: Any, wish: Wish, bodies: Bodies, traits: Traits, dt: float) -> Bodies:
     """Vehicles after one step of an acceleration (m/s²) and a turn rate (rad/s), all (A, E)."""
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
-    speed = jnp.maximum(bodies.vx * cos + bodies.vy * sin, 0.0)
-    mean = _mean_speed(speed, push, traits.limit, dt)
-    end = jnp.clip(speed + push * dt, 0.0, jnp.maximum(traits.limit, speed))
+    speed = bodies.vx * cos + bodies.vy * sin
+    wished = jnp.sqrt(wish.x * wish.x + wish.y * wish.y)
+    mean, end = _speeds(speed, push, jnp.where(backs_up(wish), -wished, 0.0), traits.limit, dt)
     most = turn_limit(mean, traits)
     half = 0.5 * jnp.clip(turn, -most, most) * dt
     middle, heading = bodies.heading + half, bodies.heading + 2.0 * half

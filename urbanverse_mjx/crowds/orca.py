@@ -73,8 +73,13 @@ def look_around(bodies: Bodies, traits: Traits, agents: int, options: Options) -
     return neighbours.in_grid(*search, options.grid.cell, options.grid.cells, options.grid.depth)
 
 
-def permitted(bodies: Bodies, traits: Traits, agents: int, near: neighbours.Neighbours, options: Options) -> HalfPlanes:
-    """Half-planes (K, A, E) of the first A bodies towards their neighbours."""
+def permitted(
+    bodies: Bodies, traits: Traits, agents: int, near: neighbours.Neighbours, options: Options
+) -> tuple[HalfPlanes, Any]:
+    """Half-planes (K, A, E) of the first A bodies towards their neighbours.
+
+    The second value (K, A, E) says where on the agent's axis it is nearest: 1 at the front end, -1 at the rear.
+    """
     envs = bodies.x.shape[1]
     row = near.index * envs + jnp.arange(envs, dtype=jnp.int32)
 
@@ -83,22 +88,39 @@ def permitted(bodies: Bodies, traits: Traits, agents: int, near: neighbours.Neig
 
     reach = traits.radius + traits.margin
     apart = of_others(bodies.x) - bodies.x[:agents], of_others(bodies.y) - bodies.y[:agents]
+    place = jnp.zeros_like(apart[0])
     if not options.discs_only:
         ax, ay = traits.half_length * jnp.cos(bodies.heading), traits.half_length * jnp.sin(bodies.heading)
-        apart = half_planes.nearest_places(apart, (ax[:agents], ay[:agents]), (of_others(ax), of_others(ay)))
-    own, other = traits.yielding[:agents], of_others(traits.yielding)
-    both = own + other
-    return half_planes.towards_neighbours(
-        apart=apart,
+        *apart, place = half_planes.nearest_places(apart, (ax[:agents], ay[:agents]), (of_others(ax), of_others(ay)))
+
+    def part_of(yielding: Any) -> Any:
+        own, other = yielding[:agents], of_others(yielding)
+        both = own + other
+        return jnp.where(both > 0.0, own / jnp.where(both > 0.0, both, 1.0), 0.5)
+
+    lines = half_planes.towards_neighbours(
+        apart=(apart[0], apart[1]),
         velocity=(bodies.vx[:agents], bodies.vy[:agents]),
         other_velocity=(of_others(bodies.vx), of_others(bodies.vy)),
         reach=reach[:agents] + of_others(reach),
-        share=jnp.where(both > 0.0, own / jnp.where(both > 0.0, both, 1.0), 0.5),
+        share=part_of(_able(bodies, traits, agents, options)),
+        spare=part_of(traits.yielding),
         side=jnp.where(near.index > jnp.arange(agents, dtype=jnp.int32)[:, None], 1.0, -1.0),
         valid=near.valid,
         horizon=traits.horizon[:agents],
         dt=options.part_time,
     )
+    return lines, place
+
+
+def _able(bodies: Bodies, traits: Traits, agents: int, options: Options) -> Any:
+    """(B, E), how much of a pair's avoidance each can take on: a vehicle that stands cannot step aside."""
+    if not options.num_wheeled:
+        return traits.yielding
+    row = jnp.arange(bodies.x.shape[0])[:, None]
+    rolls = (row >= agents - options.num_wheeled) & (row < agents)
+    speed = jnp.sqrt(bodies.vx * bodies.vx + bodies.vy * bodies.vy)
+    return traits.yielding * jnp.where(rolls, jnp.clip(speed, 0.05, 1.0), 1.0)
 
 
 def stand(wish: Wish) -> HalfPlanes:
@@ -108,13 +130,16 @@ def stand(wish: Wish) -> HalfPlanes:
     return HalfPlanes(x[None], y[None], jnp.where(wants, -GIVE_GROUND, NO_LIMIT)[None])
 
 
-def advance(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, options: Options) -> tuple[Bodies, Any]:
+def advance(
+    bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes, options: Options
+) -> tuple[Bodies, Any]:
     """The first A bodies one step later, for many envs at once.
 
     Args:
       bodies, traits: (B, E); rows from A on are others that are avoided and not moved (robots).
       wish: (A, E).
-      walls: (M, A, E), see `half_planes.towards_walls`.
+      walls: (M, A, E), see `half_planes.towards_walls`, for walkers' bodies and the front discs of vehicles.
+      rear: (M, W, E), the same for the rear discs of the W vehicles.
 
     Returns:
       Bodies (A, E) and (A, E) i32, see `Neighbours.missed`.
@@ -123,9 +148,7 @@ def advance(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, optio
     walkers = agents - options.num_wheeled
     # Without the barriers XLA works the half-planes out again for each of the many sums they stand in.
     near = neighbours.Neighbours(*jax.lax.optimization_barrier(tuple(look_around(bodies, traits, agents, options))))
-    lines = join(walls, permitted(bodies, traits, agents, near, options))
-    lines = HalfPlanes(*jax.lax.optimization_barrier(tuple(lines)))
-    num_hard = walls.offset.shape[0]
+    lines, place = jax.lax.optimization_barrier(permitted(bodies, traits, agents, near, options))
 
     def rows(arrays: Any, part: slice) -> Any:
         return type(arrays)(*(a[..., part, :] for a in arrays))
@@ -135,18 +158,19 @@ def advance(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, optio
         part = slice(0, walkers)
         own, like, fence = rows(bodies, part), rows(traits, part), rows(walls, part)
         shape, aim = own.x.shape, rows(wish, part)
-        ground = (stand(aim),) if options.hold_ground else ()
-        firm = join(*ground, rows(lines, part)) if ground else rows(lines, part)
+        hard = (fence, stand(aim)) if options.hold_ground else (fence,)
+        firm = join(*hard, rows(lines, part))
         flat = HalfPlanes(*jax.lax.optimization_barrier(tuple(a.reshape(a.shape[0], -1) for a in firm)))
         speeds = (a.reshape(-1) for a in (like.limit, aim.x, aim.y))
-        chosen = [a.reshape(shape) for a in solve(flat, num_hard + len(ground), *speeds)]
+        chosen = [a.reshape(shape) for a in solve(flat, firm.offset.shape[0] - lines.offset.shape[0], *speeds)]
         velocity = motion.walk((chosen[0], chosen[1]), own, like, fence, options.dt)
         moved.append(motion.step_on(velocity, aim.face, own, like, options.dt))
     if options.num_wheeled:
         part = slice(walkers, agents)
         own, like = rows(bodies, part), rows(traits, part)
-        push, turn = motion.drive(rows(lines, part), num_hard, (wish.x[part], wish.y[part]), own, like)
-        moved.append(motion.roll(push, turn, own, like, options.dt))
+        fences = (rows(walls, part), rear)
+        push, turn = motion.drive(rows(lines, part), place[:, part], fences, rows(wish, part), own, like)
+        moved.append(motion.roll(push, turn, rows(wish, part), own, like, options.dt))
     here = rows(bodies, slice(0, agents))
     new = Bodies(*(jnp.concatenate(columns) for columns in zip(*moved, strict=True)))
     there = traits.present[:agents]
@@ -170,7 +194,7 @@ def disturbed(wish: Wish, key: Any, side: Any = 0.0) -> Wish:
 
 
 def make_step(options: Options) -> Callable[..., tuple[Bodies, Any]]:
-    """A function (bodies, traits, wish, walls) -> (bodies, missed) over arrays of one env: `advance` without E.
+    """A function (bodies, traits, wish, walls, rear) -> (bodies, missed) over arrays of one env: `advance` without E.
 
     Under `jax.vmap` the envs become the last axis of one call, however deep the maps are nested.
     """
@@ -189,8 +213,8 @@ def make_step(options: Options) -> Callable[..., tuple[Bodies, Any]]:
         parted = jax.tree.map(lambda a: jnp.moveaxis(a.reshape(*a.shape[:-1], size, -1), -2, 0), out)
         return parted, jax.tree.map(lambda _: True, parted)
 
-    def step(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes) -> tuple[Bodies, Any]:
-        out = batch(*jax.tree.map(lambda a: a[..., None], (bodies, traits, wish, walls)))
+    def step(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes) -> tuple[Bodies, Any]:
+        out = batch(*jax.tree.map(lambda a: a[..., None], (bodies, traits, wish, walls, rear)))
         return jax.tree.map(lambda a: a[..., 0], out)
 
     return step

@@ -17,6 +17,7 @@ import jax
 import jax.numpy as jnp
 
 from .bodies import Wish
+from .motion import wrapped
 
 #: s, over which coming forward is averaged.
 MEMORY = 1.5
@@ -28,6 +29,8 @@ _SLOW = 0.3
 MOST = 1.3
 #: s, mean time after which one who is held up tries the other side.
 CHANGE_MIND = 3.0
+#: s, how long a vehicle stands before it backs up (about a second more); how long it does, s, and how fast, m/s.
+STUCK, BACK_TIME, BACK_SPEED = 4.0, 3.0, 0.8
 #: Share of people who step to the right (Moussaïd et al. 2009, right-hand side countries).
 RIGHT = 0.8
 
@@ -57,6 +60,23 @@ def step_aside(wish: Wish, blocked: Any, side: Any) -> Wish:
     angle = side * MOST * jnp.clip((blocked - _FROM) / (_FULLY - _FROM), 0.0, 1.0)
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     return Wish(cos * wish.x - sin * wish.y, sin * wish.x + cos * wish.y, wish.face)
+
+
+def back_up(wish: Wish, backing: Any, heading: Any) -> Wish:
+    """Wishes (A,) of vehicles, backwards for those with time left to back up, (A,) s."""
+    backs = backing > 0.0
+    x, y = -BACK_SPEED * jnp.cos(heading), -BACK_SPEED * jnp.sin(heading)
+    # It looks where its way leads and turns there, but never so far round that backwards became forwards.
+    turn = jnp.clip(wrapped(wish.face - heading), -0.7, 0.7)
+    return Wish(
+        jnp.where(backs, x, wish.x), jnp.where(backs, y, wish.y), jnp.where(backs, wrapped(heading + turn), wish.face)
+    )
+
+
+def backing_time(backing: Any, still: Any, key: Any, dt: float) -> Any:
+    """(A,) s left to back up, one step later: vehicles that stood for `STUCK` s (`still`, (A,) s) begin with it."""
+    begins = (still > STUCK) & (jax.random.uniform(key, backing.shape) < dt)
+    return jnp.where(backing > 0.0, jnp.maximum(backing - dt, 0.0), jnp.where(begins, BACK_TIME, 0.0))
 
 
 def reconsider(side: Any, blocked: Any, key: Any, dt: float) -> Any:

@@ -31,7 +31,7 @@ class Watcher(NamedTuple):
 
 
 def in_sight(watcher: Watcher, x: Any, y: Any) -> Any:
-    """(...) bool: the watcher would see somebody appear or vanish at places (...) m; what stands between is not asked."""
+    """(...) bool: the watcher would see who appears or goes at places (...) m; what stands between is not asked."""
     dx, dy = x - watcher.x, y - watcher.y
     distance = jnp.sqrt(dx * dx + dy * dy)
     ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - watcher.heading)) < HALF_VIEW
