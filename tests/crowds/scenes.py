@@ -87,7 +87,7 @@ def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options:
     """Everybody heads for its goal, slowing down at it."""
     number = len(scene.kinds)
     rolling = sum(k.wheeled for k in scene.kinds)
-    opts = Options(dt=dt, num_wheeled=rolling, **{"num_neighbours": min(10, max(1, number - 1)), **options})  # type: ignore[arg-type]
+    opts = Options(dt=dt, num_wheeled=rolling, **{"num_neighbours": min(8, max(1, number - 1)), **options})  # type: ignore[arg-type]
     step = make_step(opts)
     traits = Traits(*(a[:, 0] for a in traits_of(scene.kinds)))
     speed = jnp.asarray(scene.speed, jnp.float32)
