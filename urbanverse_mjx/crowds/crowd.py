@@ -163,6 +163,8 @@ class CrowdModel:
             crowd = _follow(crowd, script)
             wanted = wanted.at[: script.mode.shape[0]].set(False)
         for group, rows in self._groups.items():
+            if not len(rows):
+                continue
             rows = jnp.asarray(rows)
 
             def one(n: Any, crowd: Crowd, group: str = group, rows: Any = rows) -> Crowd:
