@@ -18,6 +18,7 @@ FAULTS = {
     "citygen, materialisation and scene import datatypes and assets alone": ("scene", "import urbanverse_mjx.envs"),
     "citygen, materialisation and scene do not know each other": ("scene", "import urbanverse_mjx.materialisation"),
     "the runtime never imports what makes scenes": ("envs", "import urbanverse_mjx.scene"),
+    "crowds imports datatypes alone": ("crowds", "import urbanverse_mjx.robots"),
     "simulation is below envs, envs below training and evaluation": ("simulation", "import urbanverse_mjx.envs"),
     "viz draws what the others make, but knows no training and no command line": (
         "viz",

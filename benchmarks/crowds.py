@@ -1,0 +1,229 @@
+"""Throughput of the crowd's avoidance alone: agent-steps per second.
+
+    python -m benchmarks.crowds --json
+
+steps crowds on a wrapped square, everybody under way in some direction, and prints one JSON line for each size
+`ENVSxAGENTSxNEIGHBOURS` as soon as it is measured: agent-steps/s (median over the repeats; `*_spread` is
+(slowest - fastest) / median), seconds to compile, and with --parts the seconds of a step that looking around, building
+half-planes and the programs take when run alone over the same state. It needs numpy and jax, no bank and no scene.
+
+`--mix walkers` are pedestrians; `--mix street` rolls an eighth of the agents (wheelchair, scooter, cyclist, car) and
+pays for capsules and controls; `--walls 4` adds as many flats around every agent.
+"""
+
+import argparse
+import dataclasses
+import json
+import sys
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks import _timing
+from urbanverse_mjx.crowds import (
+    KINDS,
+    AgentKind,
+    Bodies,
+    Grid,
+    HalfPlanes,
+    Options,
+    Traits,
+    Wish,
+    disturbed,
+    half_planes,
+    linear_program,
+    make_step,
+    num_wheeled,
+    orca,
+    traits_of,
+)
+from urbanverse_mjx.datatypes import NounError
+
+CPU_SIZES = ("64x32x8", "256x32x8", "1024x32x8", "64x128x8")
+GPU_SIZES = ("4096x32x8", "1024x32x8", "16384x32x8", "4096x16x8", "4096x32x4", "4096x32x10", "4096x64x8", "1024x128x8")
+MIXES = ("walkers", "street")
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """One size: envs, agents an env, neighbours an agent, and what else is fixed in a run."""
+
+    envs: int
+    agents: int
+    neighbours: int
+    mix: str
+    walls: int
+    grid: bool
+    density: float
+
+    def kinds(self) -> tuple[AgentKind, ...]:
+        rolling = self.agents // 8 if self.mix == "street" else 0
+        wheels = [KINDS[name] for name in ("wheelchair", "scooter", "cyclist", "car")]
+        return (KINDS["pedestrian"],) * (self.agents - rolling) + tuple(wheels[i % 4] for i in range(rolling))
+
+    @property
+    def side(self) -> float:
+        """m, of the square."""
+        return (self.agents / self.density) ** 0.5
+
+    def options(self, dt: float) -> Options:
+        grid = Grid(cell=4.0, cells=max(3, round(self.side / 4.0) + 1)) if self.grid else None
+        street = self.mix == "street"
+        return Options(dt, self.neighbours, num_wheeled(self.kinds()), discs_only=not street, grid=grid)
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.crowds", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--sizes", nargs="+", metavar="ENVSxAGENTSxNEIGHBOURS", help="default: by device")
+    parser.add_argument("--mix", choices=MIXES, nargs="+", default=["walkers"])
+    parser.add_argument("--walls", type=int, nargs="+", default=[0], help="flats around every agent")
+    parser.add_argument("--grid", action="store_true", help="look for neighbours in a grid instead of comparing all")
+    parser.add_argument("--density", type=float, default=0.15, help="agents per m²")
+    parser.add_argument("--steps", type=int, default=50, help="steps in one timed run")
+    parser.add_argument("--repeats", type=int, default=5, help="timed runs")
+    parser.add_argument("--dt", type=float, default=0.1, help="seconds of a step")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--parts", action="store_true", help="time the parts of a step, too")
+    parser.add_argument("--json", action="store_true", help="print JSON lines")
+    arguments = parser.parse_args(argv)
+    sizes = arguments.sizes or (CPU_SIZES if jax.default_backend() == "cpu" else GPU_SIZES)
+    try:
+        arguments.cases = [
+            Case(*(int(n) for n in size.split("x")), mix, walls, arguments.grid, arguments.density)
+            for mix in arguments.mix
+            for walls in arguments.walls
+            for size in sizes
+        ]
+    except (TypeError, ValueError):
+        parser.error(f"--sizes: found {' '.join(sizes)!r}, needed ENVSxAGENTSxNEIGHBOURS such as 4096x32x8")
+    if any(min(c.envs, c.agents - 1, c.neighbours) < 1 for c in arguments.cases):
+        parser.error("--sizes: needed at least 1 env, 2 agents and 1 neighbour")
+    if min(arguments.steps, arguments.repeats) < 1 or arguments.density <= 0:
+        parser.error("--steps, --repeats and --density must be positive")
+    return arguments
+
+
+def start(case: Case, seed: int) -> tuple[Bodies, Traits, Any]:
+    """Bodies and traits (E, A) on a jittered lattice, and the directions (E, A) rad in which they head."""
+    rng = np.random.default_rng(seed)
+    shape = (case.envs, case.agents)
+    rows = int(np.ceil(case.agents**0.5))
+    spacing = case.side / rows
+    cell = np.stack([rng.permutation(rows * rows)[: case.agents] for _ in range(case.envs)])
+    x, y = ((c + 0.5 + rng.uniform(-0.2, 0.2, shape)) * spacing for c in (cell % rows, cell // rows))
+    heading = rng.uniform(-np.pi, np.pi, shape)
+    zero = np.zeros(shape)
+    bodies = Bodies(*(jnp.asarray(a, jnp.float32) for a in (x, y, zero, zero, heading)))
+    column = Traits(*(a[:, 0] for a in traits_of(case.kinds())))
+    traits = jax.tree.map(lambda a: jnp.broadcast_to(a, shape), column)
+    return bodies, traits, bodies.heading
+
+
+def fence(case: Case, bodies: Bodies, traits: Traits, end: float) -> HalfPlanes:
+    """Flats (M, A) at the sides of the square for one env: for the discs at the front (end 1) or the rear (-1)."""
+    angle = 2.0 * np.pi * np.arange(case.walls) / max(case.walls, 1)
+    mx, my = (jnp.asarray(f(angle), jnp.float32)[:, None] for f in (np.cos, np.sin))
+    half = 0.5 * case.side
+    x = bodies.x + end * traits.half_length * jnp.cos(bodies.heading)
+    y = bodies.y + end * traits.half_length * jnp.sin(bodies.heading)
+    space = half - mx * (x - half) - my * (y - half)
+    ones = jnp.ones_like(space)
+    return half_planes.towards_walls((mx * ones, my * ones), space, traits.radius, traits.wall_horizon)
+
+
+def stepper(case: Case, dt: float, seed: int) -> Any:
+    """A function (bodies, traits, directions, number of steps) -> bodies."""
+    step, rolling = make_step(case.options(dt)), num_wheeled(case.kinds())
+
+    def one(bodies: Bodies, traits: Traits, direction: Any, key: Any) -> Bodies:
+        speed = 0.8 * traits.limit
+        wish = disturbed(Wish(speed * jnp.cos(direction), speed * jnp.sin(direction), direction), key)
+        rear = HalfPlanes(*(a[:, case.agents - rolling :] for a in fence(case, bodies, traits, -1.0)))
+        new, _ = step(bodies, traits, wish, fence(case, bodies, traits, 1.0), rear)
+        return new._replace(x=jnp.mod(new.x, case.side), y=jnp.mod(new.y, case.side))
+
+    def steps(bodies: Bodies, traits: Traits, direction: Any, number: int) -> Bodies:
+        def body(b: Bodies, key: Any) -> tuple[Bodies, None]:
+            return jax.vmap(one)(b, traits, direction, jax.random.split(key, case.envs)), None
+
+        return jax.lax.scan(body, bodies, jax.random.split(jax.random.key(seed), number))[0]
+
+    return steps
+
+
+def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments: argparse.Namespace) -> dict[str, Any]:
+    """Seconds of one step that each part takes alone, over the state that the timed run left."""
+    options = case.options(arguments.dt)
+    walls = jax.vmap(lambda b, t: fence(case, b, t, 1.0), out_axes=-1)(bodies, traits)
+    bodies, traits = jax.tree.map(lambda a: a.T, (bodies, traits))
+    speed = 0.8 * traits.limit
+    wish = (speed * jnp.cos(direction.T)).reshape(-1), (speed * jnp.sin(direction.T)).reshape(-1)
+    look = _timing.compile_(lambda b, t: orca.look_around(b, t, case.agents, options), bodies, traits)
+    near = look.call(bodies, traits)
+    build = _timing.compile_(lambda b, t, n: orca.permitted(b, t, case.agents, n, options), bodies, traits, near)
+    lines = linear_program.join(walls, build.call(bodies, traits, near)[0])
+    flat = HalfPlanes(*(a.reshape(a.shape[0], -1) for a in lines))
+    limit = traits.limit.reshape(-1)
+    first = _timing.compile_(linear_program.nearest_permitted, flat, limit, *wish)
+    both = _timing.compile_(lambda a, b, *c: linear_program.solve(a, case.walls, b, *c), flat, limit, *wish)
+    failed = first.call(flat, limit, *wish)[2]
+    samples = _timing.time_in_turn(
+        {
+            "look_around": lambda: look.call(bodies, traits),
+            "half_planes": lambda: build.call(bodies, traits, near),
+            "first_program": lambda: first.call(flat, limit, *wish),
+            "both_programs": lambda: both.call(flat, limit, *wish),
+        },
+        arguments.repeats,
+    )
+    return {
+        "seconds_per_step": {name: float(f"{sample.median:.4g}") for name, sample in samples.items()},
+        "share_in_second_program": float(np.mean(np.asarray(failed) < flat.offset.shape[0])),
+    }
+
+
+def measure(case: Case, arguments: argparse.Namespace) -> dict[str, Any]:
+    bodies, traits, direction = start(case, arguments.seed)
+    steps = stepper(case, arguments.dt, arguments.seed)
+    run = _timing.compile_(lambda b, t, d: steps(b, t, d, arguments.steps), bodies, traits, direction)
+    bodies = run.call(bodies, traits, direction)
+    sample = _timing.time_(run.call, bodies, traits, direction, repeats=arguments.repeats)
+    result = {
+        "benchmark": "crowds",
+        **dataclasses.asdict(case),
+        "steps": arguments.steps,
+        "dt": arguments.dt,
+        "agent_steps_per_s": float(f"{sample.rate(case.envs * case.agents * arguments.steps):.4g}"),
+        "agent_steps_per_s_spread": float(f"{sample.spread:.3g}"),
+        "seconds_per_step": float(f"{sample.median / arguments.steps:.4g}"),
+        "compile_s": float(f"{run.seconds:.3g}"),
+        "finite": bool(np.isfinite(np.asarray(bodies.x)).all()),
+        "peak_device_mib": _timing.peak_device_mib(),
+        "device": jax.devices()[0].device_kind if jax.default_backend() != "cpu" else "cpu",
+        "jax": jax.__version__,
+    }
+    if arguments.parts:
+        result["parts"] = parts(case, bodies, traits, direction, arguments)
+    return result
+
+
+def main(argv: list[str] | None = None) -> int:
+    arguments = parse(argv)
+    for case in arguments.cases:
+        try:
+            result = measure(case, arguments)
+        except NounError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
+        if arguments.json:
+            print(json.dumps(result), flush=True)
+        else:
+            print(", ".join(f"{name}: {json.dumps(value)}" for name, value in result.items()), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

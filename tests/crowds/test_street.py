@@ -1,0 +1,252 @@
+"""Streets: free space, flats, ways, crossings, places to appear, behaviours, and a crowd that lives in one."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.box_bank import HALF_WIDTH, KERB_Y
+from urbanverse_mjx.crowds import Bodies, behaviours, crossings, flats, free_space, goal_fields, spawning
+from urbanverse_mjx.crowds.crowd import CrowdModel, CrowdTables, make_tables
+from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
+from urbanverse_mjx.datatypes import NounError, SceneBank
+
+NOBODY = spawning.Watcher(jnp.float32(0), jnp.float32(0), jnp.float32(0), jnp.array(False))
+
+
+@pytest.fixture(scope="module")
+def spaces(small_bank: SceneBank) -> dict[str, FreeSpace]:
+    return free_space.free_spaces(small_bank, 0)
+
+
+@pytest.fixture(scope="module")
+def tables(small_bank: SceneBank) -> CrowdTables:
+    return make_tables(small_bank, [0, 1])
+
+
+def cell_of(space: FreeSpace, x: float, y: float) -> tuple[int, int]:
+    i, j = np.floor((np.array([x, y]) - space.origin) / CELL).astype(int)
+    return int(i), int(j)
+
+
+def test_free_space_is_the_surface_without_what_stands_on_it(
+    small_bank: SceneBank, spaces: dict[str, FreeSpace]
+) -> None:
+    standing = 0
+    for hull, position in zip(small_bank.inst_hull[0], small_bank.inst_position[0], strict=True):
+        if hull >= 0:
+            cell = cell_of(spaces["foot"], position[0], position[1])
+            assert not spaces["foot"].free[cell]
+            assert not spaces["road"].free[cell]
+            standing += 1
+    assert standing > 20
+    half_road = spaces["road"].free[:, cell_of(spaces["road"], 0, -KERB_Y + 0.1)[1]]
+    assert half_road.mean() > 0.7
+    foot = spaces["foot"]
+    lane = cell_of(foot, 10.0, 0.0)[1]
+    crossing = slice(cell_of(foot, 28.2, 0)[0], cell_of(foot, 31.8, 0)[0])
+    assert not foot.free[: crossing.start - 5, lane].any()
+    assert foot.free[crossing, lane].mean() > 0.5
+    edge = cell_of(foot, 0.0, HALF_WIDTH + 0.2)[1]
+    assert not foot.free[:, edge:].any()
+
+
+def test_free_space_refuses_a_scene_that_is_not_there(small_bank: SceneBank) -> None:
+    with pytest.raises(NounError, match="found scene 7, needed one of 0 to 2"):
+        free_space.free_spaces(small_bank, 7)
+
+
+def test_flats_leave_nothing_blocked_in_front_of_them(spaces: dict[str, FreeSpace]) -> None:
+    space, reach = spaces["foot"], 2.0
+    table = flats.flats_of(space, reach)
+    rng = np.random.default_rng(0)
+    cells = np.argwhere((table[..., flats.NUM_FLATS :] < 255).any(-1))
+    blocked = np.argwhere(~space.free)
+    centres = space.centres(blocked)
+    angles = 2 * np.pi * np.arange(256) / 256
+    full = 0
+    for cell in cells[rng.choice(len(cells), 200, replace=False)]:
+        centre = space.origin + (cell + 0.5) * flats.POOL * CELL
+        row = table[tuple(cell)]
+        used = row[flats.NUM_FLATS :] < 255
+        normal = np.stack([np.cos(angles), np.sin(angles)], -1)[row[: flats.NUM_FLATS][used]]
+        offset = row[flats.NUM_FLATS :][used] * flats.UNIT
+        away = centres - centre
+        near = np.linalg.norm(away, axis=1) < reach
+        beyond = (away[near] @ normal.T - offset).max(1)
+        # Behind a flat, but for the roughness that slanted walls have; unless there were more than fit.
+        full += used.all()
+        if not used.all():
+            assert beyond.min() > -0.051
+        nearest = np.linalg.norm(np.maximum(np.abs(away[near]) - CELL / 2, 0), axis=1).min()
+        assert offset[0] == pytest.approx(nearest, abs=0.05)
+    assert full < 40
+
+
+def test_walls_stop_a_walker_at_the_body(spaces: dict[str, FreeSpace]) -> None:
+    table = flats.make_flats([spaces["foot"]], 3.0)
+    rng = np.random.default_rng(1)
+    distance = spaces["foot"].distance()
+    cells = np.argwhere((distance > 0.35) & (distance < 0.8))
+    cells = cells[rng.choice(len(cells), 500, replace=False)]
+    x, y = spaces["foot"].centres(cells).T.astype(np.float32)
+    radius, horizon = 0.27, 0.8
+    walls = flats.walls_at(table, jnp.int32(0), x, y, np.float32(radius), np.float32(horizon))
+    nearest = -np.asarray(walls.offset).max(0) * horizon + radius
+    # The nearest flat is as far as the map says, but for the coarse cell that it is looked up in.
+    np.testing.assert_allclose(nearest, distance[tuple(cells.T)], atol=0.13)
+
+
+@pytest.mark.parametrize("group", ["foot", "drive"])
+def test_ways_lead_to_their_goals(spaces: dict[str, FreeSpace], group: str) -> None:
+    rules = goal_fields.RULES[group]
+    space = spaces[rules.surface]
+    fields, goals, places, place_goal = goal_fields.ways_of(space, rules)
+    assert len(goals) >= 2
+    apart = np.linalg.norm(goals[:, None] - goals[None], axis=-1)
+    assert apart[np.triu_indices(len(goals), 1)].min() > 3.0
+    distance, on_right = space.distance(), []
+    for start, goal in list(zip(places, place_goal, strict=True))[:40]:
+        at, goal = start.copy(), max(int(goal), 0)
+        for _ in range(1500):
+            if np.linalg.norm(at - goals[goal]) < 2 * rules.node:
+                break
+            node = tuple(np.floor((at - space.origin) / rules.node).astype(int))
+            angle = fields[goal][node] * (2 * np.pi / 256)
+            step = 0.1 * np.array([np.cos(angle), np.sin(angle)])
+            at = at + step
+            assert distance[tuple(np.floor((at - space.origin) / CELL).astype(int))] > 0.5 * rules.clearance
+            if group == "drive" and abs(step[0]) > 0.09:
+                on_right.append(-np.sign(step[0]) * at[1] > 0)  # the street runs along x, its middle is y = 0
+        else:
+            raise AssertionError(f"{start} does not lead to {goals[goal]}")
+    if group == "drive":
+        assert np.mean(on_right) > 0.75
+
+
+def walkers_and_cars(cars: list[tuple[float, float]], walker: tuple[float, float]) -> crossings.Order:
+    """A crossing at x 28 to 32 of a road along x; one walker heading north, cars (x, speed) coming from the west."""
+    kind = np.zeros((600, 160), np.uint8)
+    kind[280:320, 40:120] = 3
+    space = FreeSpace(np.array([0.0, -8.0]), np.ones(kind.shape, bool), kind)
+    table = crossings.make_crossings([space])
+    f = lambda *v: jnp.array(v, jnp.float32)  # noqa: E731
+    bodies = Bodies(
+        f(walker[0], *(x for x, _ in cars)),
+        f(walker[1], *(-2.0 for _ in cars)),
+        f(0.0, *(v for _, v in cars)),
+        f(*([0.0] * (len(cars) + 1))),
+        f(np.pi / 2, *(0.0 for _ in cars)),
+    )
+    walks = jnp.arange(len(cars) + 1) == 0
+    speed = f(1.34, *(8.0 for _ in cars))
+    front = f(0.27, *(2.37 for _ in cars))
+    return crossings.give_way(table, jnp.int32(0), bodies, bodies.heading, speed, walks, front, walks | True)
+
+
+def test_crossing_waits_for_what_comes_and_not_for_what_does_not() -> None:
+    kerb = (30.0, -4.4)
+    assert not walkers_and_cars([(0.0, 0.0)], kerb).wait[0]
+    # 14 m in 1.8 s, while crossing 8 m takes 6 s and 3 s more.
+    coming = walkers_and_cars([(10.5, 8.0)], kerb)
+    assert bool(coming.wait[0])
+    # A car that has stopped lets one go, and one past the crossing does not count.
+    assert not walkers_and_cars([(24.0, 0.0)], kerb).wait[0]
+    assert not walkers_and_cars([(36.0, 8.0)], kerb).wait[0]
+    # Away from the kerb nobody waits.
+    assert not walkers_and_cars([(10.5, 8.0)], (30.0, -6.0)).wait[0]
+
+
+def test_vehicles_stop_for_walkers_if_they_can() -> None:
+    for walker, stops in (((30.0, -4.4), True), ((30.0, 0.0), True), ((30.0, -7.0), False)):
+        limit = float(walkers_and_cars([(10.5, 6.0)], walker).limit[1])
+        assert np.isfinite(limit) == stops
+        if stops:
+            # v² = 2 b d, with 1.7 m/s² and the way from the front (12.87 m) to a metre before the crossing (27.x m).
+            assert 6.0 < limit < np.sqrt(2 * 1.7 * 15.2)
+    # 8 m/s five metres before it: too late to stop gently.
+    assert not np.isfinite(float(walkers_and_cars([(21.0, 8.0)], (30.0, 0.0)).limit[1]))
+
+
+def test_nobody_appears_in_sight_or_upon_another() -> None:
+    rng = np.random.default_rng(0)
+    place = jnp.asarray(rng.uniform(-40, 40, (256, 2)), jnp.float32)
+    x, y = (jnp.asarray(rng.uniform(-40, 40, 30), jnp.float32) for _ in range(2))
+    present = jnp.arange(30) < 20
+    watcher = spawning.Watcher(jnp.float32(0), jnp.float32(0), jnp.float32(0.5), jnp.array(True))
+    chosen = set()
+    for seed in range(30):
+        row, found = spawning.choose(
+            jax.random.key(seed), place, jnp.float32(0.3), x, y, jnp.full(30, 0.3), present, watcher, True
+        )
+        assert bool(found)
+        chosen.add(int(row))
+        px, py = (float(v) for v in place[row])
+        gap = np.hypot(px - np.asarray(x), py - np.asarray(y))[:20].min()
+        assert gap > 0.3 + 0.3 + 0.5
+        off = abs((np.arctan2(py, px) - 0.5 + np.pi) % (2 * np.pi) - np.pi)
+        assert np.hypot(px, py) > 4.0
+        assert np.hypot(px, py) > 30.0 or off > 1.0
+    assert len(chosen) > 15
+    none = spawning.choose(
+        jax.random.key(0), place[:1], jnp.float32(0.3), place[:1, 0], place[:1, 1], jnp.full(1, 0.3), jnp.ones(1, bool),
+        watcher, True,
+    )  # fmt: skip
+    assert not bool(none[1])
+
+
+def test_scripts_put_people_where_they_say() -> None:
+    ring = behaviours.talk(jnp.float32(3.0), jnp.float32(1.0), 4)
+    side = np.hypot(np.diff(ring.x), np.diff(ring.y))
+    np.testing.assert_allclose(side, behaviours.TALK_DISTANCE, atol=1e-5)
+    ahead = np.stack([ring.x + np.cos(ring.face), ring.y + np.sin(ring.face)])
+    centre = np.array([[3.0], [1.0]])
+    before = np.linalg.norm(np.stack([ring.x, ring.y]) - centre, axis=0)
+    assert np.all(np.linalg.norm(ahead - centre, axis=0) < before)
+    line = behaviours.queue(jnp.float32(0.0), jnp.float32(0.0), jnp.float32(np.pi / 2), 3)
+    np.testing.assert_allclose(line.y, [0.0, 0.75, 1.5], atol=1e-6)
+    np.testing.assert_allclose(np.abs(line.face), np.pi / 2, atol=1e-6)
+    meets = behaviours.head_on(jnp.float32(1.0), jnp.float32(2.0), jnp.float32(0.0), 8.0)
+    assert (float(meets.x[0]), float(meets.y[0]), float(meets.anchor_x[0])) == (9.0, 2.0, -7.0)
+    cuts = behaviours.cross(jnp.float32(0.0), jnp.float32(0.0), jnp.float32(np.pi / 2), 5.0)
+    np.testing.assert_allclose([cuts.x[0], cuts.y[0], cuts.anchor_x[0]], [-4.0, 5.0, 4.0], atol=1e-5)
+    both = behaviours.together(ring, line)
+    assert both.mode.shape == (7,)
+
+
+def test_a_crowd_lives_in_streets_it_does_not_leave(small_bank: SceneBank, tables: CrowdTables) -> None:
+    kinds = ("pedestrian",) * 8 + ("wheelchair", "car")
+    model = CrowdModel(tables, kinds, num_neighbours=6)
+    scene = jnp.array([0, 1])
+    script = behaviours.talk(jnp.float32(15.0), jnp.float32(5.9), 2)
+    keys = jax.random.split(jax.random.key(0), 2)
+    crowd = jax.jit(jax.vmap(lambda k, z: model.init(k, z, NOBODY, script=script)))(keys, scene)
+    assert np.asarray(crowd.present)[:, :9].all()
+    still = jnp.zeros(())
+
+    def body(crowd: object, key: jax.Array) -> tuple[object, tuple[Bodies, jax.Array]]:
+        new = jax.vmap(lambda c, z, k: model.step(c, z, NOBODY, (still, still), k))(
+            crowd, scene, jax.random.split(key, 2)
+        )
+        return new, (new.bodies, new.arrived)
+
+    run = jax.jit(lambda c: jax.lax.scan(body, c, jax.random.split(jax.random.key(1), 300)))
+    last, (path, _) = run(crowd)
+    again, _ = run(crowd)
+    np.testing.assert_array_equal(last.bodies.x, again.bodies.x)
+    x, y = np.asarray(path.x), np.asarray(path.y)
+    radius = np.array([k.radius for k in model.kinds])
+    walkers = slice(0, 9)
+    apart = np.hypot(x[..., walkers, None] - x[..., None, walkers], y[..., walkers, None] - y[..., None, walkers])
+    overlap = radius[walkers, None] + radius[None, walkers] - apart
+    overlap[..., np.arange(9), np.arange(9)] = -1
+    assert overlap.max() <= 0.02
+    for e in range(2):
+        space = free_space.free_spaces(small_bank, e)
+        for i, kind in enumerate(model.kinds):
+            cells = np.floor((np.stack([x[:, e, i], y[:, e, i]], -1) - space["foot"].origin) / CELL).astype(int)
+            assert space[kind.surface].free[tuple(cells.T)].all(), kind.name
+    # Those who talk stay; most others get somewhere.
+    moved = np.hypot(x[-1] - x[0], y[-1] - y[0])
+    assert moved[:, :2].max() < 0.7
+    assert np.median(moved[:, 2:8]) > 5.0

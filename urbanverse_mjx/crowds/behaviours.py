@@ -1,0 +1,122 @@
+"""What people do besides walking to a goal: stand, queue, talk, step in the way, come head-on, be overtaken.
+
+In:   places and headings.
+Out:  `Script` rows: where somebody starts, what it holds on to, where it looks.
+When: at reset, inside jit; all are plain functions of their arguments.
+
+Everybody follows one of three modes. Who ROAMs takes the ways of the scene from goal to goal. Who GOes heads for one
+point by the straight line. Who STAYs keeps to a point, steps aside for others as ORCA has it, comes back and looks one
+way.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from .bodies import Bodies, Wish
+from .motion import wrapped
+
+ROAM, GO, STAY = 0, 1, 2
+#: m between the centres of two who talk: the middle of Hall's "personal" distance (The Hidden Dimension, 1966:
+#: 0.45-1.2 m), and between two in a queue: as near as its lower half leaves room for two bodies.
+TALK_DISTANCE, QUEUE_DISTANCE = 0.85, 0.75
+#: 1/s, how fast one who stays returns to its point, and m/s at most.
+_RETURN, _RETURN_SPEED = 1.0, 0.6
+
+
+class Script(NamedTuple):
+    """Rows (n,) f32, mode i32.
+
+    Attributes:
+      mode: `ROAM`, `GO` or `STAY`.
+      x, y: m, start. heading: rad. speed: m/s, preferred; 0 keeps the agent's own.
+      anchor_x, anchor_y: m, the point that it goes to or keeps. face: rad, where it looks while it stays.
+    """
+
+    mode: Any
+    x: Any
+    y: Any
+    heading: Any
+    speed: Any
+    anchor_x: Any
+    anchor_y: Any
+    face: Any
+
+
+def _stay(x: Any, y: Any, face: Any) -> Script:
+    face = wrapped(face)
+    mode = jnp.full(x.shape, STAY, jnp.int32)
+    return Script(mode, x, y, face, jnp.zeros_like(x), x, y, face)
+
+
+def _go(x: Any, y: Any, to_x: Any, to_y: Any, speed: Any) -> Script:
+    heading = jnp.arctan2(to_y - y, to_x - x)
+    speed = jnp.broadcast_to(jnp.asarray(speed, x.dtype), x.shape)
+    return Script(jnp.full(x.shape, GO, jnp.int32), x, y, heading, speed, to_x, to_y, heading)
+
+
+def talk(x: Any, y: Any, number: int, turn: Any = 0.0) -> Script:
+    """`number` people in a ring around a point () m who look at each other; `turn` rad turns the ring."""
+    radius = TALK_DISTANCE / (2.0 * jnp.sin(jnp.pi / max(number, 2)))
+    angle = turn + 2.0 * jnp.pi * jnp.arange(number) / number
+    return _stay(x + radius * jnp.cos(angle), y + radius * jnp.sin(angle), angle + jnp.pi)
+
+
+def queue(x: Any, y: Any, back: Any, number: int) -> Script:
+    """`number` people in a line that starts at a point () m and runs in the direction `back` rad; all look forward."""
+    way = QUEUE_DISTANCE * jnp.arange(number)
+    return _stay(x + way * jnp.cos(back), y + way * jnp.sin(back), jnp.full((number,), back + jnp.pi))
+
+
+def obstruct(x: Any, y: Any, face: Any) -> Script:
+    """One person who stands at a point () m, such as on the robot's route, and looks towards `face` rad."""
+    return _stay(*(jnp.reshape(jnp.asarray(a, jnp.float32), (1,)) for a in (x, y, face)))
+
+
+def head_on(x: Any, y: Any, heading: Any, distance: float, speed: float = 1.34, beside: float = 0.0) -> Script:
+    """One person `distance` m ahead of a pose (m, m, rad) who comes towards it and passes on behind.
+
+    Args:
+      beside: m, how far to the left of the pose's line it walks.
+    """
+    cos, sin = jnp.cos(heading), jnp.sin(heading)
+    x, y = x - beside * sin, y + beside * cos
+    ends = [jnp.reshape(x + d * cos, (1,)) for d in (distance, -distance)]
+    ends += [jnp.reshape(y + d * sin, (1,)) for d in (distance, -distance)]
+    return _go(ends[0], ends[2], ends[1], ends[3], speed)
+
+
+def overtaken(x: Any, y: Any, heading: Any, distance: float, speed: float = 0.6) -> Script:
+    """One slow person `distance` m ahead of a pose who goes the same way for 30 m."""
+    cos, sin = jnp.cos(heading), jnp.sin(heading)
+    near, far = ((jnp.reshape(x + d * cos, (1,)), jnp.reshape(y + d * sin, (1,))) for d in (distance, distance + 30.0))
+    return _go(*near, *far, speed)
+
+
+def cross(x: Any, y: Any, heading: Any, distance: float, aside: float = 4.0, speed: float = 1.34) -> Script:
+    """One person who cuts a pose's line at a right angle, `distance` m ahead, from `aside` m to its left."""
+    cos, sin = jnp.cos(heading), jnp.sin(heading)
+    ends = [
+        jnp.reshape(a, (1,))
+        for side in (aside, -aside)
+        for a in (x + distance * cos - side * sin, y + distance * sin + side * cos)
+    ]
+    return _go(*ends, speed)
+
+
+def together(*scripts: Script) -> Script:
+    """All rows of several scripts."""
+    return jax.tree.map(lambda *rows: jnp.concatenate(rows), *scripts)
+
+
+def scripted_wish(mode: Any, anchor: tuple[Any, Any], face: Any, speed: Any, bodies: Bodies) -> Wish:
+    """What those who GO or STAY want (rows (A,)); the rows of those who ROAM mean nothing."""
+    dx, dy = anchor[0] - bodies.x, anchor[1] - bodies.y
+    distance = jnp.sqrt(dx * dx + dy * dy)
+    goes = mode == GO
+    # Who has come to its point stops there within a step's length.
+    pace = jnp.where(goes, jnp.minimum(speed, 2.0 * distance), jnp.minimum(_RETURN * distance, _RETURN_SPEED))
+    scale = pace / jnp.maximum(distance, 1e-3)
+    look = jnp.where(goes & (distance > 0.3), jnp.arctan2(dy, dx), face)
+    return Wish(dx * scale, dy * scale, look)

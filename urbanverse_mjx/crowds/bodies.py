@@ -1,0 +1,98 @@
+"""Arrays of moving bodies. Inside the room their axes are (body, env): many envs lie side by side in memory."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..datatypes import validation as v
+from .kinds import AgentKind
+
+
+class Bodies(NamedTuple):
+    """Where bodies are; every array (B, E) f32.
+
+    Attributes:
+      x, y: m. vx, vy: m/s. heading: rad.
+    """
+
+    x: Any
+    y: Any
+    vx: Any
+    vy: Any
+    heading: Any
+
+
+class Wish(NamedTuple):
+    """What agents would do if they were alone; every array (A, E) f32.
+
+    Attributes:
+      x, y: m/s, preferred velocity.
+      face: rad, where a walker looks: towards its goal, or whom it talks to. It turns there when it stands, and gives
+        little ground against that direction.
+    """
+
+    x: Any
+    y: Any
+    face: Any
+
+
+class Traits(NamedTuple):
+    """What bodies are like; every array (B, E) f32, or bool where it says so. See `AgentKind` for the meaning.
+
+    Attributes:
+      present: bool; an absent body is not seen and does not move.
+      radius, half_length, margin: m.
+      limit: m/s, this body's largest speed.
+      acceleration, braking, lateral: m/s². turn_radius: m. pivot, turn_rate: rad/s.
+      horizon, wall_horizon: s.
+      yielding: see `AgentKind`; what will not avoid anybody (a robot, perhaps) has 0.
+    """
+
+    present: Any
+    radius: Any
+    half_length: Any
+    margin: Any
+    limit: Any
+    acceleration: Any
+    braking: Any
+    lateral: Any
+    turn_radius: Any
+    pivot: Any
+    turn_rate: Any
+    horizon: Any
+    wall_horizon: Any
+    yielding: Any
+
+
+def traits_of(kinds: Sequence[AgentKind], num_envs: int = 1) -> Traits:
+    """Traits (A, num_envs) f32 of agents of these kinds, all present, at their kinds' largest speed.
+
+    Raises:
+      NounError: a kind that walks after one that rolls (see `num_wheeled`).
+    """
+    num_wheeled(kinds)
+
+    def column(name: str) -> Any:
+        values = np.array([getattr(kind, name) for kind in kinds], np.float32)
+        return jnp.asarray(np.repeat(values[:, None], num_envs, 1))
+
+    names = [name for name in Traits._fields if name not in ("present", "limit")]
+    present = jnp.ones((len(kinds), num_envs), bool)
+    return Traits(present=present, limit=column("speed_limit"), **{name: column(name) for name in names})
+
+
+def num_wheeled(kinds: Sequence[AgentKind]) -> int:
+    """How many of the agents roll. They come last, so that walkers and vehicles are two plain slices.
+
+    Raises:
+      NounError: a kind that walks after one that rolls, or no agent.
+    """
+    rolls = [kind.wheeled for kind in kinds]
+    if not rolls:
+        raise v.fail("crowd kinds", "no agent", "at least one")
+    if rolls != sorted(rolls):
+        names = ", ".join(kind.name for kind in kinds)
+        raise v.fail("crowd kinds", names, "those who walk before those who roll", "sort them by `kind.wheeled`")
+    return sum(rolls)

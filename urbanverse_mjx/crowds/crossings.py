@@ -1,0 +1,121 @@
+"""Crossings: walkers wait for a gap, vehicles stop for walkers.
+
+In:   the scene's crosswalks, bodies, where they are heading.
+Out:  who has to wait, and how fast vehicles may go.
+When: the table once per scene; the rest every crowd step, before `orca`, inside jit.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from scipy import ndimage
+
+from ..datatypes import KIND_INDEX
+from .bodies import Bodies
+from .free_space import CELL, FreeSpace
+
+#: Cells of the free space along a cell of the table.
+POOL = 4
+#: m ahead at which a walker decides at the kerb, and steps (m) at which a driver looks for a crosswalk.
+_KERB = 0.8
+_LOOK = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
+#: s, what a walker adds to the time it needs: start-up and end clearance of the Highway Capacity Manual (2000).
+_CLEARANCE = 3.0
+#: m/s, slower vehicles have stopped for one.
+_STOPPED = 0.8
+#: m, kept between a stopped vehicle's front and the crosswalk, and m/s², how it brakes for one: AASHTO's 3.4 m/s² is
+#: for emergencies, half of it is ordinary.
+_LINE, _EASY_BRAKING = 1.0, 1.7
+
+
+class Crossings(NamedTuple):
+    """Crosswalks of all scenes.
+
+    Attributes:
+      number: (Z, X, Y) u8, 0 = none. origin: (Z, 2) f32 m. width: (Z, 256) f32 m, way across each.
+    """
+
+    number: Any
+    origin: Any
+    width: Any
+
+
+def make_crossings(spaces: Sequence[FreeSpace]) -> Crossings:
+    """The table of several scenes."""
+    numbers, widths = [], []
+    for space in spaces:
+        mask = space.kind[: space.kind.shape[0] // POOL * POOL : POOL, : space.kind.shape[1] // POOL * POOL : POOL]
+        label, count = ndimage.label(mask == KIND_INDEX["crosswalk"], np.ones((3, 3)))
+        width = np.zeros(256, np.float32)
+        for number, box in enumerate(ndimage.find_objects(label)[:255], start=1):
+            # People go along a crosswalk's longer side; at most the crossing is as long as its box's diagonal.
+            sides = [(s.stop - s.start) * POOL * CELL for s in box]
+            width[number] = max(sides)
+        numbers.append(np.where(label < 256, label, 0).astype(np.uint8))
+        widths.append(width)
+        del count
+    size = np.max([n.shape for n in numbers], axis=0)
+    padded = [np.pad(n, [(0, size[k] - n.shape[k]) for k in (0, 1)]) for n in numbers]
+    origin = np.stack([space.origin for space in spaces]).astype(np.float32)
+    return Crossings(jnp.asarray(np.stack(padded)), jnp.asarray(origin), jnp.asarray(np.stack(widths)))
+
+
+def crossing_at(table: Crossings, scene: Any, x: Any, y: Any) -> Any:
+    """i32, number of the crosswalk at places (...) m; 0 where there is none."""
+    origin, side = table.origin[scene], POOL * CELL
+    i = jnp.floor((x - origin[0]) / side).astype(jnp.int32)
+    j = jnp.floor((y - origin[1]) / side).astype(jnp.int32)
+    columns, rows = table.number.shape[1:]
+    inside = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
+    number = table.number[scene, jnp.clip(i, 0, columns - 1), jnp.clip(j, 0, rows - 1)]
+    return jnp.where(inside, number.astype(jnp.int32), 0)
+
+
+class Order(NamedTuple):
+    """Attributes:
+    wait: (A,) bool, a walker stays at the kerb. limit: (A,) m/s, for vehicles; infinite for others.
+    """
+
+    wait: Any
+    limit: Any
+
+
+def give_way(
+    table: Crossings, scene: Any, bodies: Bodies, course: Any, speed: Any, walks: Any, front: Any, present: Any
+) -> Order:
+    """Who waits for whom, for the bodies (A,) of one env.
+
+    A walker at the kerb goes when every vehicle that comes needs longer than it does, or has stopped. A vehicle
+    stops before a crosswalk that somebody is on or waits at, if it still can.
+
+    Args:
+      course: (A,) rad, where each is heading. speed: (A,) m/s, preferred. walks: (A,) bool, on foot or on the pavement.
+      front: (A,) m from centre to front. present: (A,) bool.
+    """
+    here = crossing_at(table, scene, bodies.x, bodies.y)
+    cos, sin = jnp.cos(course), jnp.sin(course)
+    ahead = crossing_at(table, scene, bodies.x + _KERB * cos, bodies.y + _KERB * sin)
+    at_kerb = walks & present & (here == 0) & (ahead > 0)
+    on_it = walks & present & (here > 0)
+    wanted = jnp.where(on_it, here, jnp.where(at_kerb, ahead, -1))
+    # Drivers: the first crosswalk ahead and how far it is from the front.
+    drives = ~walks & present
+    cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
+    seen = crossing_at(table, scene, bodies.x + _LOOK[:, None] * cos, bodies.y + _LOOK[:, None] * sin)
+    first = jnp.argmax(seen > 0, axis=0)
+    coming = jnp.where(drives & (here == 0), jnp.take_along_axis(seen, first[None], axis=0)[0], 0)
+    room = jnp.asarray(_LOOK)[first] - 1.0 - front
+    going = jnp.sqrt(bodies.vx * bodies.vx + bodies.vy * bodies.vy)
+    arrives = jnp.maximum(room, 0.0) / jnp.maximum(going, 0.1)
+    needs = table.width[scene, ahead] / jnp.maximum(speed, 0.1) + _CLEARANCE
+    same = coming[:, None] == ahead[None]
+    threatened = same & (coming > 0)[:, None] & (arrives[:, None] < needs[None]) & (going > _STOPPED)[:, None]
+    # A vehicle that stands on the crosswalk itself is in the way, too.
+    threatened |= drives[:, None] & (here > 0)[:, None] & (here[:, None] == ahead[None])
+    wait = at_kerb & threatened.any(0)
+    busy = ((wanted[None] == coming[:, None]) & (coming > 0)[:, None]).any(1)
+    stop = busy & (going * going < 2.0 * 2.0 * _EASY_BRAKING * jnp.maximum(room, 0.0))
+    limit = jnp.sqrt(2.0 * _EASY_BRAKING * jnp.maximum(room - _LINE, 0.0))
+    return Order(wait, jnp.where(stop, limit, jnp.inf))

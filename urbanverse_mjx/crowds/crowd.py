@@ -1,0 +1,372 @@
+"""A living street: everybody's errands, wishes and motion in one env.
+
+In:   a bank's tables, the scene, the robot.
+Out:  `Crowd`, the state of all agents, step by step.
+When: `CrowdModel` once; `init` at reset and `step` every crowd step, inside jit, per env, alone or under `jax.vmap`.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..datatypes import SceneBank
+from ..datatypes import validation as v
+from . import behaviours, crossings, flats, free_space, goal_fields, patience, spawning
+from .behaviours import ROAM, Script
+from .bodies import Bodies, Traits, Wish, num_wheeled, traits_of
+from .goal_fields import RULE_OF_KIND, RULES
+from .kinds import KINDS, SURFACES, AgentKind
+from .linear_program import HalfPlanes
+from .orca import Options, disturbed, make_step, no_walls
+from .spawning import Watcher
+
+#: m from a goal (and half a vehicle's length) at which one has arrived.
+_ARRIVED = 1.0
+#: s, how far ahead of its front a vehicle reads its way.
+_PREVIEW = 0.4
+
+
+class Crowd(NamedTuple):
+    """State of the A agents of one env.
+
+    Attributes:
+      bodies: `Bodies` (A,). present: (A,) bool. speed: (A,) m/s, preferred. goal: (A,) i32, of its way.
+      mode, anchor_x, anchor_y, face: (A,), see `behaviours.Script`.
+      blocked, side: (A,), see `patience`. still: (A,) s, how long somebody with a wish has hardly moved.
+      backing: (A,) s, how long a vehicle still backs up.
+      arrived: (A,) i32, goals reached so far.
+    """
+
+    bodies: Bodies
+    present: Any
+    speed: Any
+    goal: Any
+    mode: Any
+    anchor_x: Any
+    anchor_y: Any
+    face: Any
+    blocked: Any
+    side: Any
+    still: Any
+    backing: Any
+    arrived: Any
+
+
+class CrowdTables(NamedTuple):
+    """What a bank's scenes mean to a crowd: flats by surface, ways by group, crosswalks."""
+
+    flats: dict[str, flats.Flats]
+    ways: dict[str, goal_fields.Ways]
+    crossings: crossings.Crossings
+
+
+def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTables:
+    """Tables of the given scenes (default: all), in their order; a few seconds a scene."""
+    numbers = range(bank.num_scenes) if scenes is None else scenes
+    spaces = [free_space.free_spaces(bank, z) for z in numbers]
+    by_surface = {name: [s[name] for s in spaces] for name in SURFACES}
+    return CrowdTables(
+        flats={name: flats.make_flats(by_surface[name], flats.REACH[name]) for name in SURFACES},
+        ways={name: goal_fields.make_ways(by_surface[rules.surface], rules) for name, rules in RULES.items()},
+        crossings=crossings.make_crossings(by_surface["foot"]),
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class Robot:
+    """How agents see the robot: a disc that does, or does not, do its share.
+
+    Attributes:
+      radius: m. yielding: see `AgentKind`; 0 = people expect it to keep its course.
+    """
+
+    radius: float = 0.45
+    yielding: float = 0.5
+
+
+class CrowdModel:
+    """A fixed set of agent slots over the scenes of a bank."""
+
+    def __init__(
+        self,
+        tables: CrowdTables,
+        kinds: Sequence[str],
+        dt: float = 0.1,
+        num_neighbours: int = 8,
+        robot: Robot | None = None,
+    ) -> None:
+        """`kinds`: names in `KINDS`, one a slot; those who walk first.
+
+        Raises:
+          NounError: an unknown kind, or walkers after vehicles.
+        """
+        for i, name in enumerate(kinds):
+            v.choice(name, f"crowd kinds[{i}]", KINDS)
+        self.tables, self.dt = tables, dt
+        self.kinds: tuple[AgentKind, ...] = tuple(KINDS[name] for name in kinds)
+        self.robot = robot or Robot()
+        options = Options(
+            dt, num_neighbours, num_wheeled(self.kinds), discs_only=all(k.half_length == 0 for k in self.kinds)
+        )
+        self._step = make_step(options)
+        self._traits: Traits = jax.tree.map(lambda a: a[:, 0], traits_of(self.kinds))
+        self._groups = {g: self._rows(lambda k, g=g: RULE_OF_KIND[k.name] == g) for g in RULES}
+        self._surfaces = {s: self._rows(lambda k, s=s: k.surface == s) for s in SURFACES}
+        self._on_foot = jnp.array([k.surface == "foot" for k in self.kinds])
+        self._sidesteps = jnp.array([0.0 if k.wheeled else 1.0 for k in self.kinds])
+        self._headroom = jnp.array([k.headroom for k in self.kinds])
+
+    def _rows(self, chosen: Any) -> np.ndarray:
+        return np.array([i for i, kind in enumerate(self.kinds) if chosen(kind)], np.int32)
+
+    @property
+    def num_agents(self) -> int:
+        return len(self.kinds)
+
+    def init(self, key: Any, scene: Any, watcher: Watcher, count: Any = None, script: Script | None = None) -> Crowd:
+        """A crowd at rest.
+
+        Args:
+          scene: () i32, row of the tables. watcher: where the robot is.
+          count: () i32 or None: how many slots, chosen at random, are filled; the others are absent.
+          script: rows for the first slots, who do as it says instead of roaming.
+        """
+        keys = jax.random.split(key, 5)
+        number = self.num_agents
+        zero = jnp.zeros(number)
+        kinds = [np.array([getattr(k, name) for k in self.kinds], np.float32) for name in ("speed", "spread")]
+        noise = jax.random.truncated_normal(keys[0], -2.0, 2.0, (number,))
+        speed = jnp.clip(kinds[0] + kinds[1] * noise, 0.3 * kinds[0], self._traits.limit)
+        luck = jax.random.uniform(keys[1], (number,))
+        wanted = jnp.ones(number, bool) if count is None else jnp.argsort(jnp.argsort(luck)) < count
+        integer = jnp.zeros(number, jnp.int32)
+        crowd = Crowd(
+            bodies=Bodies(zero, zero, zero, zero, zero),
+            present=jnp.zeros(number, bool),
+            speed=speed,
+            goal=integer,
+            mode=integer,
+            anchor_x=zero,
+            anchor_y=zero,
+            face=zero,
+            blocked=zero,
+            side=patience.habitual_side(keys[2], number) * self._sidesteps,
+            still=zero,
+            backing=zero,
+            arrived=integer,
+        )
+        if script is not None:
+            crowd = _follow(crowd, script)
+            wanted = wanted.at[: script.mode.shape[0]].set(False)
+        for group, rows in self._groups.items():
+            if not len(rows):
+                continue
+            rows = jnp.asarray(rows)
+
+            def one(n: Any, crowd: Crowd, group: str = group, rows: Any = rows) -> Crowd:
+                return self._appear(
+                    crowd, rows[n], wanted[rows[n]], jax.random.fold_in(keys[3], rows[n]), group, scene, watcher, False
+                )
+
+            crowd = jax.lax.fori_loop(0, len(rows), one, crowd)
+        return crowd
+
+    def _appear(
+        self, crowd: Crowd, who: Any, wanted: Any, key: Any, group: str, scene: Any, watcher: Watcher, hidden: bool
+    ) -> Crowd:
+        """Agent `who` () i32 of a group put on one of its ways, if that is `wanted` () bool and there is room."""
+        keys, ways = jax.random.split(key, 2), self.tables.ways[group]
+        size = self._traits.radius + self._traits.half_length
+        others = crowd.present & (jnp.arange(self.num_agents) != who)
+        bodies = crowd.bodies
+        place, found = spawning.choose(
+            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, size, others, watcher, hidden
+        )
+        found &= wanted & (ways.num_goals[scene] > 0)
+        x, y = ways.place[scene, place]
+        free_goal = jax.random.randint(keys[1], (), 0, jnp.maximum(ways.num_goals[scene], 1))
+        goal = jnp.where(ways.place_goal[scene, place] >= 0, ways.place_goal[scene, place], free_goal)
+        heading = goal_fields.heading_at(ways, RULES[group].node, scene, goal[None], x[None], y[None])[0]
+
+        def put(column: Any, value: Any) -> Any:
+            return column.at[who].set(jnp.where(found, value, column[who]))
+
+        values = (x, y, 0.0, 0.0, heading)
+        return crowd._replace(
+            bodies=Bodies(*(put(column, value) for column, value in zip(bodies, values, strict=True))),
+            present=put(crowd.present, True),
+            goal=put(crowd.goal, goal),
+            mode=put(crowd.mode, ROAM),
+            blocked=put(crowd.blocked, 0.0),
+            still=put(crowd.still, 0.0),
+        )
+
+    def step(self, crowd: Crowd, scene: Any, watcher: Watcher, robot_velocity: tuple[Any, Any], key: Any) -> Crowd:
+        """The crowd `dt` s later.
+
+        Args:
+          scene: () i32. watcher: the robot. robot_velocity: () m/s, x and y.
+        """
+        keys = jax.random.split(key, 4)
+        crowd = self._next_errands(crowd, scene, watcher, keys[0])
+        course = self._courses(crowd, scene)
+        wish = self._wishes(crowd, scene, course)
+        aside = patience.step_aside(wish, crowd.blocked, crowd.side)
+        aside = patience.back_up(aside, crowd.backing, crowd.bodies.heading)
+        robot = self._robot_body(watcher, robot_velocity)
+        joined = Bodies(*(jnp.append(a, b) for a, b in zip(crowd.bodies, robot[0], strict=True)))
+        traits = self._traits._replace(
+            present=crowd.present, limit=jnp.minimum(self._traits.limit, crowd.speed * self._headroom)
+        )
+        everybody = Traits(*(jnp.append(a, b) for a, b in zip(traits, robot[1], strict=True)))
+        walls = self._walls(crowd.bodies, scene)
+        bodies, _ = self._step(joined, everybody, disturbed(aside, keys[1], crowd.side), *walls)
+        blocked = patience.held_up(crowd.blocked, aside, (bodies.vx, bodies.vy), self.dt)
+        wants = wish.x * wish.x + wish.y * wish.y > 0.09
+        moves = bodies.vx * bodies.vx + bodies.vy * bodies.vy > 0.01
+        backing = patience.backing_time(crowd.backing, crowd.still, keys[3], self.dt)
+        return crowd._replace(
+            bodies=bodies,
+            blocked=blocked,
+            backing=jnp.where(self._sidesteps > 0.0, 0.0, backing),
+            side=patience.reconsider(crowd.side, blocked, keys[2], self.dt),
+            still=jnp.where(wants & ~moves & crowd.present, crowd.still + self.dt, 0.0),
+        )
+
+    def _next_errands(self, crowd: Crowd, scene: Any, watcher: Watcher, key: Any) -> Crowd:
+        """Who has reached its goal gets another; a vehicle appears elsewhere once it is out of sight."""
+        for group, rows in self._groups.items():
+            if not len(rows):
+                continue
+            ways, some = self.tables.ways[group], jnp.asarray(rows)
+            goal = ways.goal[scene, crowd.goal[some]]
+            x, y = crowd.bodies.x[some], crowd.bodies.y[some]
+            near = _ARRIVED + self._traits.half_length[some]
+            there = (x - goal[:, 0]) ** 2 + (y - goal[:, 1]) ** 2 < near * near
+            there &= crowd.present[some] & (crowd.mode[some] == ROAM)
+            keys = jax.random.split(jax.random.fold_in(key, int(rows[0])), 2)
+            if RULES[group].from_middle is None:
+                other = jax.random.randint(keys[0], some.shape, 0, jnp.maximum(ways.num_goals[scene], 1))
+                chosen = jnp.where(there, other, crowd.goal[some])
+                crowd = crowd._replace(
+                    goal=crowd.goal.at[some].set(chosen), arrived=crowd.arrived.at[some].add(there.astype(jnp.int32))
+                )
+            else:
+                gone = there & ~spawning.in_sight(watcher, x, y)
+                who = some[jnp.argmax(gone)]
+                crowd = crowd._replace(arrived=crowd.arrived.at[who].add(gone.any().astype(jnp.int32)))
+                crowd = self._appear(crowd, who, gone.any(), keys[0], group, scene, watcher, True)
+        return crowd
+
+    def _courses(self, crowd: Crowd, scene: Any) -> Any:
+        """(A,) rad, where everybody's way leads."""
+        course = jnp.zeros(self.num_agents)
+        for group, rows in self._groups.items():
+            if len(rows):
+                some = jnp.asarray(rows)
+                place = crowd.bodies.x[some], crowd.bodies.y[some]
+                # A vehicle reads its way ahead of its front, so that it turns in time.
+                if RULES[group].from_middle is not None:
+                    look, heading = self._traits.half_length[some], crowd.bodies.heading[some]
+                    place = (
+                        place[0] + look * jnp.cos(heading) + _PREVIEW * crowd.bodies.vx[some],
+                        place[1] + look * jnp.sin(heading) + _PREVIEW * crowd.bodies.vy[some],
+                    )
+                heading = goal_fields.heading_at(
+                    self.tables.ways[group], RULES[group].node, scene, crowd.goal[some], *place
+                )
+                course = course.at[some].set(heading)
+        return course
+
+    def _wishes(self, crowd: Crowd, scene: Any, course: Any) -> Wish:
+        """What everybody wants: its way or its script, at the speed that crossings and goals allow."""
+        order = crossings.give_way(
+            self.tables.crossings,
+            scene,
+            crowd.bodies,
+            course,
+            crowd.speed,
+            self._on_foot,
+            self._traits.radius + self._traits.half_length,
+            crowd.present,
+        )
+        pace = jnp.where(order.wait, 0.0, jnp.minimum(crowd.speed, order.limit))
+        for group, rows in self._groups.items():
+            if len(rows) and RULES[group].from_middle is not None:
+                some = jnp.asarray(rows)
+                goal = self.tables.ways[group].goal[scene, crowd.goal[some]]
+                left = jnp.hypot(goal[:, 0] - crowd.bodies.x[some], goal[:, 1] - crowd.bodies.y[some])
+                stop = jnp.sqrt(self._traits.braking[some] * jnp.maximum(left - 0.5 * _ARRIVED, 0.0))
+                pace = pace.at[some].min(stop)
+        roam = Wish(pace * jnp.cos(course), pace * jnp.sin(course), course)
+        script = behaviours.scripted_wish(
+            crowd.mode, (crowd.anchor_x, crowd.anchor_y), crowd.face, crowd.speed, crowd.bodies
+        )
+        return Wish(*(jnp.where(crowd.mode == ROAM, a, b) for a, b in zip(roam, script, strict=True)))
+
+    def _walls(self, bodies: Bodies, scene: Any) -> tuple[HalfPlanes, HalfPlanes]:
+        """Half-planes of everybody's surface: (M, A) at the front discs and (M, W) at the rear discs of vehicles."""
+        traits = self._traits
+        ax, ay = traits.half_length * jnp.cos(bodies.heading), traits.half_length * jnp.sin(bodies.heading)
+
+        def at(rows: Any, end: float) -> HalfPlanes:
+            found, order = [], []
+            for surface, members in self._surfaces.items():
+                some = np.intersect1d(members, rows)
+                if len(some):
+                    x, y = bodies.x[some] + end * ax[some], bodies.y[some] + end * ay[some]
+                    table = self.tables.flats[surface]
+                    found.append(flats.walls_at(table, scene, x, y, traits.radius[some], traits.wall_horizon[some]))
+                    order.append(some)
+            if not found:
+                return no_walls(0)
+            back = np.argsort(np.concatenate(order))
+            return HalfPlanes(*(jnp.concatenate(c, axis=1)[:, back] for c in zip(*found, strict=True)))
+
+        everybody = np.arange(self.num_agents)
+        return at(everybody, 1.0), at(everybody[self.num_agents - num_wheeled(self.kinds) :], -1.0)
+
+    def _robot_body(self, watcher: Watcher, velocity: tuple[Any, Any]) -> tuple[Bodies, Traits]:
+        body = Bodies(watcher.x, watcher.y, *velocity, watcher.heading)
+        one = jnp.ones(())
+        like = Traits(
+            present=watcher.present,
+            radius=one * self.robot.radius,
+            half_length=0.0 * one,
+            margin=0.1 * one,
+            limit=one,
+            acceleration=one,
+            braking=one,
+            lateral=one,
+            turn_radius=one,
+            pivot=one,
+            turn_rate=one,
+            horizon=one,
+            wall_horizon=one,
+            yielding=one * self.robot.yielding,
+        )
+        return body, like
+
+
+def _follow(crowd: Crowd, script: Script) -> Crowd:
+    """The first slots do as the script says."""
+    rows = script.mode.shape[0]
+    zero = jnp.zeros(rows)
+
+    def put(column: Any, value: Any) -> Any:
+        return column.at[:rows].set(value)
+
+    places = (script.x, script.y, zero, zero, script.heading)
+    return crowd._replace(
+        bodies=Bodies(*(put(c, a) for c, a in zip(crowd.bodies, places, strict=True))),
+        present=put(crowd.present, True),
+        mode=put(crowd.mode, script.mode),
+        anchor_x=put(crowd.anchor_x, script.anchor_x),
+        anchor_y=put(crowd.anchor_y, script.anchor_y),
+        face=put(crowd.face, script.face),
+        speed=put(crowd.speed, jnp.where(script.speed > 0.0, script.speed, crowd.speed[:rows])),
+    )

@@ -1,0 +1,275 @@
+"""Ways: from everywhere in a scene to each of a few goals, for people, cyclists and cars.
+
+In:   `FreeSpace` of each scene.
+Out:  `Ways`, directions to the goals and places to appear at, as a table on the device.
+When: the table once per scene, on the host; `heading_at` every crowd step, inside jit.
+
+Ways are cheapest paths on a grid of 16 directions: near things they cost more, and on the road they cost more on the
+wrong side of it, which makes the price of an edge depend on its direction.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from scipy import ndimage, sparse
+from scipy.sparse import csgraph
+
+from ..datatypes import GROUND_KINDS
+from ..datatypes import validation as v
+from .free_space import CELL, FreeSpace
+from .kinds import SURFACES
+
+#: Cost of one metre right beside something, above that of a metre away from everything, and how far that reaches (m).
+_NEAR_COST, _NEAR = 1.5, 0.6
+#: Cost of a metre on the wrong side of the road, and of one that is a metre too near to its middle.
+_WRONG_SIDE, _MIDDLE = 5.0, 1.0
+#: Nodes ahead on the way that a direction looks: about 1.2 m on foot and 2.5 m on the road.
+_AHEAD = 4
+_DIRECTIONS = 256
+#: Nodes after which a vehicle has found its side of the road.
+_SETTLED = 40
+#: Nodes from a vehicle's centre to its ends' discs: 1.6 m.
+_ENDS = 4
+_STEPS = tuple((i, j) for i in range(-2, 3) for j in range(-2, 3) if np.gcd(i, j) == 1)
+
+
+@dataclasses.dataclass(frozen=True)
+class WayRules:
+    """How one group of road users finds its way.
+
+    Attributes:
+      surface: row of `SURFACES`. pool: cells of the free space along a node.
+      clearance: m, kept free around the way. from_middle: m, kept to the middle of the road; None keeps to no side.
+      num_goals: goals a scene. left_hand: traffic keeps left.
+    """
+
+    surface: str
+    pool: int
+    clearance: float
+    from_middle: float | None
+    num_goals: int
+    left_hand: bool = False
+
+    @property
+    def node(self) -> float:
+        """m, side of a node."""
+        return self.pool * CELL
+
+
+#: Who shares a table of ways. The clearances are half of what each is across (kinds.py) and a hand's breadth.
+RULES = {
+    "foot": WayRules("foot", 2, 0.35, None, 8),
+    "roll": WayRules("foot", 2, 0.50, None, 8),
+    "cycle": WayRules("road", 4, 0.60, 1.8, 4),
+    "drive": WayRules("road", 4, 1.20, 1.4, 4),
+}
+RULE_OF_KIND = {"pedestrian": "foot", "wheelchair": "roll", "scooter": "roll", "cyclist": "cycle", "car": "drive"}
+#: Places to appear at, a scene.
+NUM_PLACES = 256
+
+
+class Ways(NamedTuple):
+    """Ways of one group in all scenes, padded to the largest.
+
+    Attributes:
+      direction: (Z, G, X, Y) u8, units of 2π/256, the way to go; off the ways it leads back to them.
+      origin: (Z, 2) f32 m. goal: (Z, G, 2) f32 m. num_goals: (Z,) i32; 0 where the scene has no room for the group.
+      place: (Z, S, 2) f32 m, places on ways that reach every goal. place_goal: (Z, S) i32, the goal whose way leads
+        through the place, for those who keep to a side; -1 where any goal will do.
+    """
+
+    direction: Any
+    origin: Any
+    goal: Any
+    num_goals: Any
+    place: Any
+    place_goal: Any
+
+
+def _pooled(values: np.ndarray, pool: int, reduce: Any) -> np.ndarray:
+    x, y = (n // pool for n in values.shape)
+    return reduce(values[: x * pool, : y * pool].reshape(x, pool, y, pool), axis=(1, 3))
+
+
+def _sides(road: np.ndarray, node: float) -> tuple[np.ndarray, np.ndarray]:
+    """(X, Y, 2) unit vectors to the nearest edge of a road, and (X, Y) m from its middle towards that edge."""
+    edge, (ei, ej) = ndimage.distance_transform_edt(road, return_indices=True)
+    i, j = np.indices(road.shape)
+    to_edge = np.stack([ei - i, ej - j], -1) / np.maximum(edge, 1e-9)[..., None]
+    across = np.zeros(road.shape)
+    open_ = road.copy()
+    # March away from the nearest edge to the opposite one.
+    for step in range(1, round(15.0 / node)):
+        ci, cj = (np.round(i - step * to_edge[..., 0]).astype(int), np.round(j - step * to_edge[..., 1]).astype(int))
+        inside = (ci >= 0) & (ci < road.shape[0]) & (cj >= 0) & (cj < road.shape[1])
+        open_ &= inside & road[np.clip(ci, 0, road.shape[0] - 1), np.clip(cj, 0, road.shape[1] - 1)]
+        across += open_
+    return to_edge, 0.5 * (across - edge) * node
+
+
+def _graph(space: FreeSpace, rules: WayRules) -> tuple[np.ndarray, sparse.csr_matrix]:
+    """Nodes (X, Y) bool and the price (m) of going from one to the next."""
+    distance = _pooled(space.distance(), rules.pool, np.min)
+    nodes = distance >= rules.clearance
+    price = 1.0 + _NEAR_COST * np.clip(1.0 - (distance - rules.clearance) / _NEAR, 0.0, 1.0)
+    keeps_side = rules.from_middle is not None
+    if keeps_side:
+        allowed = np.array([k in SURFACES[rules.surface] for k in GROUND_KINDS])[space.kind]
+        to_edge, from_middle = _sides(_pooled(allowed, rules.pool, np.all), rules.node)
+        price += _MIDDLE * np.clip(rules.from_middle - from_middle, 0.0, None)
+    number = np.full(nodes.shape, -1)
+    number[nodes] = np.arange(nodes.sum())
+    tails, heads, prices = [], [], []
+    padded = np.pad(number, 2, constant_values=-1)
+
+    def shifted(di: int, dj: int) -> np.ndarray:
+        return padded[2 + di : 2 + di + nodes.shape[0], 2 + dj : 2 + dj + nodes.shape[1]]
+
+    for di, dj in _STEPS:
+        head = shifted(di, dj)
+        through = nodes & (head >= 0)
+        if max(abs(di), abs(dj)) == 2:  # a knight's move passes between two nodes
+            mid = (int(np.sign(di)) * (abs(di) == 2), int(np.sign(dj)) * (abs(dj) == 2))
+            through &= (shifted(*mid) >= 0) & (shifted(int(np.sign(di)), int(np.sign(dj))) >= 0)
+        length = np.hypot(di, dj)
+        cost = length * rules.node * price[through]
+        if keeps_side:
+            hand = (dj / length, -di / length) if not rules.left_hand else (-dj / length, di / length)
+            wrong = to_edge[..., 0] * hand[0] + to_edge[..., 1] * hand[1] < -0.3
+            cost = cost * np.where(wrong[through], _WRONG_SIDE, 1.0)
+        tails.append(number[through])
+        heads.append(head[through])
+        prices.append(cost)
+    total = int(nodes.sum())
+    entries = (np.concatenate(prices), (np.concatenate(tails), np.concatenate(heads)))
+    return nodes, sparse.csr_matrix(entries, shape=(total, total))
+
+
+def _to_goal(graph: sparse.csr_matrix, goal: int) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) m to a goal node, inf where there is no way, and (n,) the next node on the way (itself at the end)."""
+    cost, following = csgraph.dijkstra(graph.T.tocsr(), indices=goal, return_predecessors=True)
+    return cost, np.where(following < 0, np.arange(len(following)), following)
+
+
+def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -> np.ndarray:
+    """(X, Y) u8: along the way where there is one, elsewhere to the nearest node that has one."""
+    cells = np.argwhere(nodes)
+    ahead = np.arange(len(cells))
+    for _ in range(_AHEAD):
+        ahead = following[ahead]
+    on_way = np.zeros(nodes.shape, bool)
+    on_way[tuple(cells[reached].T)] = True
+    vector = np.zeros((*nodes.shape, 2))
+    vector[tuple(cells.T)] = cells[ahead] - cells
+    i, j = np.indices(nodes.shape)
+    ni, nj = ndimage.distance_transform_edt(~on_way, return_distances=False, return_indices=True)
+    vector = np.where(on_way[..., None], vector, np.stack([ni - i, nj - j], -1))
+    units = np.round(np.arctan2(vector[..., 1], vector[..., 0]) * _DIRECTIONS / (2 * np.pi))
+    return (units.astype(int) % _DIRECTIONS).astype(np.uint8)
+
+
+def ways_of(space: FreeSpace, rules: WayRules, seed: int = 0) -> tuple[np.ndarray, ...]:
+    """Directions (G, X, Y) u8, goals (G, 2) m, places (S, 2) m and their goals (S,) of one scene.
+
+    All are empty where there is no room.
+
+    Goals are far from each other: each is the place with the longest way to all before it.
+    """
+    nodes, graph = _graph(space, rules)
+    empty = np.zeros((0, *nodes.shape), np.uint8), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, int)
+    if not nodes.any():
+        return empty
+    _, label = csgraph.connected_components(graph, connection="strong")
+    main = label == np.bincount(label).argmax()
+    if main.sum() * rules.node**2 < 25.0:  # m²: too little to move about in
+        return empty
+    cells = np.argwhere(nodes)
+    centres = space.origin + (cells + 0.5) * rules.node
+    costs: list[np.ndarray] = []
+    goals: list[int] = []
+    fields: list[np.ndarray] = []
+    taken: list[np.ndarray] = []
+    rng = np.random.default_rng(seed)
+    at = int(np.flatnonzero(main)[0])
+    at = int(np.where(main, _to_goal(graph, at)[0], -1.0).argmax())
+    for _ in range(rules.num_goals):
+        cost, following = _to_goal(graph, at)
+        costs.append(cost)
+        goals.append(at)
+        fields.append(_directions(nodes, following, np.isfinite(cost)))
+        taken.append(_on_the_way(following, main & (cost > _SETTLED * rules.node)))
+        farthest = np.where(main, np.min(costs, axis=0), -1.0)
+        at = int(farthest.argmax())
+        if farthest[at] < 5.0:
+            break
+    if rules.from_middle is None:
+        places, place_goal = rng.choice(np.flatnonzero(main), NUM_PLACES), np.full(NUM_PLACES, -1)
+    else:
+        rows = [(node, g) for g, on_way in enumerate(taken) for node in on_way if _roomy(nodes, cells[node], fields[g])]
+        if not rows:
+            return empty
+        places, place_goal = np.array(rows)[rng.choice(len(rows), NUM_PLACES)].T
+    return np.stack(fields), centres[goals], centres[places], place_goal
+
+
+def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
+    """Whether a vehicle that stands along its way has room for both ends (`_ENDS` nodes from its centre)."""
+    angle = field[tuple(cell)] * (2 * np.pi / _DIRECTIONS)
+    ends = np.round(cell + np.array([[-_ENDS], [_ENDS]]) * [np.cos(angle), np.sin(angle)]).astype(int)
+    inside = (ends >= 0).all(1) & (ends < nodes.shape).all(1)
+    return bool(inside.all()) and bool(nodes[tuple(ends.T)].all())
+
+
+def _on_the_way(following: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Nodes where those who set out from the nodes `start` are some way on: there they have found their side."""
+    at = np.flatnonzero(start)
+    for _ in range(_SETTLED // 2):
+        at = following[at]
+    return np.unique(at)
+
+
+def make_ways(spaces: Sequence[FreeSpace], rules: WayRules, seed: int = 0) -> Ways:
+    """The table of one group in several scenes.
+
+    Raises:
+      NounError: no scene.
+    """
+    if not spaces:
+        raise v.fail("ways", "no scene", "at least one")
+    found = [ways_of(space, rules, seed) for space in spaces]
+    size = np.max([f.shape[1:] for f, *_ in found], axis=0)
+    number = max(1, max(len(g) for _, g, *_ in found))
+    direction = np.zeros((len(found), number, *size), np.uint8)
+    goal, place = np.zeros((len(found), number, 2), np.float32), np.zeros((len(found), NUM_PLACES, 2), np.float32)
+    place_goal = np.full((len(found), NUM_PLACES), -1, np.int32)
+    for z, (fields, goals, places, its_goal) in enumerate(found):
+        if len(goals):
+            direction[z, : len(goals), : fields.shape[1], : fields.shape[2]] = fields
+            goal[z, : len(goals)], place[z], place_goal[z] = goals, places, its_goal
+    origin = np.stack([space.origin for space in spaces]).astype(np.float32)
+    counts = np.array([len(g) for _, g, *_ in found], np.int32)
+    return Ways(*(jnp.asarray(a) for a in (direction, origin, goal, counts, place, place_goal)))
+
+
+def heading_at(ways: Ways, node: float, scene: Any, goal: Any, x: Any, y: Any) -> Any:
+    """(A,) rad, where to go from places (A,) m to goals (A,) i32 in a scene; straight at the goal from 2 nodes on.
+
+    Directions between nodes are those of the four nodes around, weighted by nearness.
+    """
+    origin = ways.origin[scene]
+    u, w = (x - origin[0]) / node - 0.5, (y - origin[1]) / node - 0.5
+    i, j = jnp.floor(u).astype(jnp.int32), jnp.floor(w).astype(jnp.int32)
+    columns, rows = ways.direction.shape[2:]
+    dx, dy = jnp.zeros_like(x), jnp.zeros_like(y)
+    for di in (0, 1):
+        for dj in (0, 1):
+            weight = jnp.abs(1.0 - di - (u - i)) * jnp.abs(1.0 - dj - (w - j))
+            a, b = jnp.clip(i + di, 0, columns - 1), jnp.clip(j + dj, 0, rows - 1)
+            angle = ways.direction[scene, goal, a, b].astype(jnp.float32) * (2.0 * jnp.pi / _DIRECTIONS)
+            dx, dy = dx + weight * jnp.cos(angle), dy + weight * jnp.sin(angle)
+    gx, gy = ways.goal[scene, goal, 0] - x, ways.goal[scene, goal, 1] - y
+    close = gx * gx + gy * gy < (2.0 * node) ** 2
+    return jnp.where(close, jnp.arctan2(gy, gx), jnp.arctan2(dy, dx))

@@ -1,0 +1,189 @@
+"""From the permitted velocities to a motion that legs or wheels can make.
+
+In:   half-planes, wishes, the present motion and the limits of each body.
+Out:  velocities of walkers; accelerations and turn rates of vehicles.
+When: every crowd step, inside jit.
+
+Walkers take the velocity of the published program, no farther from the present one than their legs allow.
+
+Vehicles choose among controls they can execute: a fan of accelerations and turn rates, each judged by the mean velocity
+of the arc it makes, against the same half-planes. That is the choice of controls of Wilkie, van den Berg and Manocha
+("Generalized Velocity Obstacles", 2009) on the half-planes of ORCA. The other published way, NH-ORCA and B-ORCA
+(Alonso-Mora et al. 2010 and 2012), solves the program for a disc grown by a tracking error and then tracks the
+result; its bound is worked out per robot for a fixed range of speeds, and a car at 8 m/s that may track nothing but
+what lies within centimetres of its lane has no velocity left there. Judging what can be driven needs no such bound:
+where the wheels go is what was judged, and the only error is that an arc counts as its chord (`_LOOK`).
+"""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .bodies import Bodies, Traits, Wish
+from .linear_program import HalfPlanes
+
+#: s, length of the arcs that are judged; the chord of 1 s at the largest lateral acceleration (2.5 m/s²) lies at most
+#: 2.5 / 8 = 0.31 m beside the arc at its middle, and the step that follows uses a tenth or fifth of it.
+_LOOK = 1.0
+#: Turn rates that are tried, as shares of the largest.
+_TURNS = (-1.0, -0.6, -0.3, -0.12, 0.0, 0.12, 0.3, 0.6, 1.0)
+#: Accelerations that are tried: shares of the braking (negative) and of the acceleration (positive).
+_PUSHES = (-1.0, -0.5, -0.2, 0.0, 1.0)
+#: Cost of one m/s of violation, m²/s². One m/s off the wish costs at most twice the speed (17 m²/s² for a car), so that
+#: these come first: walls, then others, then the wish.
+_NEIGHBOUR_COST, _WALL_COST = 100.0, 400.0
+#: m/s, speed below which a walker does not turn to where it goes.
+_SHUFFLE = 0.35
+#: Cost of the largest turn rate and of full braking, m²/s²: ties go to the calmer control.
+_CALM = 0.02
+#: Weight of where the vehicle will point.
+_AIM = 0.2
+
+
+def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPlanes, dt: float) -> tuple[Any, Any]:
+    """Velocities of walkers after one step, m/s: towards the chosen ones, as fast as legs allow.
+
+    Where keeping to that would run into a wall within two steps, it is given up: one stops against a wall.
+
+    Args:
+      chosen: (A, E) m/s. bodies, traits: (A, E). walls: (M, A, E), which `chosen` keeps. dt: s.
+    """
+    dx, dy = chosen[0] - bodies.vx, chosen[1] - bodies.vy
+    change = jnp.sqrt(dx * dx + dy * dy)
+    # To slow down or turn one may push as hard as one brakes, to gain speed only as hard as one accelerates.
+    gains = chosen[0] * chosen[0] + chosen[1] * chosen[1] > bodies.vx * bodies.vx + bodies.vy * bodies.vy
+    along = dx * bodies.vx + dy * bodies.vy > 0.0
+    push = jnp.where(gains & along, traits.acceleration, traits.braking)
+    part = jnp.minimum(1.0, push * dt / jnp.maximum(change, 1e-6))
+    # Offsets are (minus the free space) / horizon; within two steps they are this much wider.
+    sooner = traits.wall_horizon / jnp.minimum(2.0 * dt, traits.wall_horizon)
+    now = walls.offset * sooner - walls.x * bodies.vx - walls.y * bodies.vy
+    gain = walls.x * dx + walls.y * dy
+    needed = jnp.where((now > 0.0) & (gain > 1e-6), now / jnp.maximum(gain, 1e-6), 0.0)
+    part = jnp.clip(jnp.maximum(part, jnp.max(needed, axis=0, initial=0.0)), 0.0, 1.0)
+    return bodies.vx + part * dx, bodies.vy + part * dy
+
+
+def step_on(velocity: tuple[Any, Any], face: Any, bodies: Bodies, traits: Traits, dt: float) -> Bodies:
+    """Walkers after a step with a velocity (m/s); they look where they go, and where they want to when they stand.
+
+    Args:
+      velocity, face: (A, E) m/s and rad. bodies, traits: (A, E). dt: s.
+    """
+    vx, vy = velocity
+    speed = jnp.sqrt(vx * vx + vy * vy)
+    # Below a slow shuffle one steps aside or back without turning.
+    going = speed > _SHUFFLE
+    turn = wrapped(jnp.where(going, jnp.arctan2(vy, vx), face) - bodies.heading)
+    most = traits.turn_rate * dt * jnp.where(going, jnp.minimum(speed, 1.0), 0.5)
+    heading = wrapped(bodies.heading + jnp.clip(turn, -most, most))
+    return Bodies(bodies.x + vx * dt, bodies.y + vy * dt, vx, vy, heading)
+
+
+def wrapped(angle: Any) -> Any:
+    """The same angle in [-π, π)."""
+    return jnp.mod(angle + jnp.pi, 2.0 * jnp.pi) - jnp.pi
+
+
+def _speeds(speed: Any, push: Any, low: Any, limit: Any, time: float) -> tuple[Any, Any]:
+    """Mean over `time` s of a speed that changes at `push` m/s² until it reaches a limit, and the last speed."""
+    end = jnp.clip(speed + push * time, jnp.minimum(low, speed), jnp.maximum(limit, speed))
+    moving = jnp.abs(push) > 1e-6
+    ramp = jnp.where(moving, (end - speed) / jnp.where(moving, push, 1.0), 0.0) / time
+    return 0.5 * (speed + end) * ramp + end * (1.0 - ramp), end
+
+
+def backs_up(wish: Wish) -> Any:
+    """Bool: a vehicle whose wish points away from where it looks goes backwards, turning to look there."""
+    forward = wish.x * jnp.cos(wish.face) + wish.y * jnp.sin(wish.face)
+    return forward * jnp.abs(forward) < -0.5 * (wish.x * wish.x + wish.y * wish.y)
+
+
+def turn_limit(speed: Any, traits: Traits) -> Any:
+    """rad/s, how fast a vehicle can turn at a speed (m/s): its steering, its tyres, its driver."""
+    speed = jnp.abs(speed)
+    steering = jnp.maximum(speed / traits.turn_radius, traits.pivot)
+    return jnp.minimum(jnp.minimum(steering, traits.lateral / jnp.maximum(speed, 1e-3)), traits.turn_rate)
+
+
+def drive(
+    lines: HalfPlanes, place: Any, walls: tuple[HalfPlanes, HalfPlanes], wish: Wish, bodies: Bodies, traits: Traits
+) -> tuple[Any, Any]:
+    """The best control of each vehicle.
+
+    Args:
+      lines: (K, A, E) towards neighbours. place: (K, A, E), where on its axis the vehicle is nearest to each.
+      walls: (M, A, E) each, for the front and the rear disc of its capsule.
+      wish, bodies, traits: (A, E).
+
+    Returns:
+      (A, E) acceleration m/s² and turn rate rad/s.
+    """
+    cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
+    speed = bodies.vx * cos + bodies.vy * sin
+    ahead, left = wish.x * cos + wish.y * sin, wish.y * cos - wish.x * sin
+    wished = jnp.sqrt(ahead * ahead + left * left)
+    back = backs_up(wish)
+    error = jnp.where(
+        wished > 1e-3, jnp.where(back, wrapped(wish.face - bodies.heading), jnp.arctan2(left, ahead)), 0.0
+    )
+    # What the wish itself asks for stands among the controls: an arc whose chord points along it.
+    own_speed = jnp.where(back, -wished, wished * jnp.maximum(jnp.cos(error), 0.0))
+    own_push = jnp.clip(own_speed - speed, -traits.braking, traits.acceleration)
+    pushes = jnp.stack([*(s * (traits.acceleration if s > 0 else traits.braking) for s in _PUSHES), own_push])
+    mean, _ = _speeds(speed, pushes, jnp.where(back, -wished, 0.0), traits.limit, _LOOK)
+    # The least radius bounds the arc at its mean speed, so that a vehicle at rest may pull out in a curve.
+    most = turn_limit(mean, traits)
+    shares = jnp.asarray(np.array(_TURNS, np.float32)).reshape(-1, 1, 1, 1)
+    own_turn = jnp.clip(2.0 * error / _LOOK, -most, most)
+    turns = jnp.concatenate([shares * most, own_turn[None]])
+    pushes = jnp.broadcast_to(pushes, turns.shape)
+    half = 0.5 * turns * _LOOK
+    chord = mean * jnp.sinc(half / jnp.pi)
+    # In the vehicle's frame first: the way of its centre, and what its ends move against that while it turns.
+    along, across = chord * jnp.cos(half), chord * jnp.sin(half)
+    swing_along = traits.half_length / _LOOK * (jnp.cos(2.0 * half) - 1.0)
+    swing_across = traits.half_length / _LOOK * jnp.sin(2.0 * half)
+
+    def deepest(rows: HalfPlanes, ends: Any) -> Any:
+        worst = jnp.zeros_like(along)
+        for n in range(rows.offset.shape[0]):
+            # The normal in the vehicle's frame, and the velocity of the place that the line is about.
+            nx, ny = rows.x[n] * cos + rows.y[n] * sin, rows.y[n] * cos - rows.x[n] * sin
+            u, w = along + ends[n] * swing_along, across + ends[n] * swing_across
+            worst = jnp.maximum(worst, rows.offset[n] - nx * u - ny * w)
+        return worst
+
+    flats = walls[0].offset.shape[0]
+    hard = jnp.maximum(deepest(walls[0], [1.0] * flats), deepest(walls[1], [-1.0] * flats))
+    soft = deepest(lines, place)
+    effort = jnp.abs(turns) / traits.turn_rate + jnp.abs(pushes / traits.braking)
+    # A vehicle that can not go where it wants yet at least turns there.
+    aim = wished * wished * (1.0 - jnp.cos(error - 2.0 * half))
+    cost = (along - ahead) ** 2 + (across - left) ** 2 + _CALM * effort + _AIM * aim
+    cost += _NEIGHBOUR_COST * soft + _WALL_COST * hard
+    flat = cost.reshape(-1, *cost.shape[2:])
+    best = jnp.argmin(flat, axis=0)[None]
+    turn = jnp.take_along_axis(turns.reshape(flat.shape), best, axis=0)[0]
+    push = jnp.take_along_axis(pushes.reshape(flat.shape), best, axis=0)[0]
+    return push, turn
+
+
+def roll(push: Any, turn: Any, wish: Wish, bodies: Bodies, traits: Traits, dt: float) -> Bodies:
+    """Vehicles after one step of an acceleration (m/s²) and a turn rate (rad/s), all (A, E)."""
+    cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
+    speed = bodies.vx * cos + bodies.vy * sin
+    wished = jnp.sqrt(wish.x * wish.x + wish.y * wish.y)
+    mean, end = _speeds(speed, push, jnp.where(backs_up(wish), -wished, 0.0), traits.limit, dt)
+    most = turn_limit(mean, traits)
+    half = 0.5 * jnp.clip(turn, -most, most) * dt
+    middle, heading = bodies.heading + half, bodies.heading + 2.0 * half
+    way = mean * dt * jnp.sinc(half / jnp.pi)
+    return Bodies(
+        x=bodies.x + way * jnp.cos(middle),
+        y=bodies.y + way * jnp.sin(middle),
+        vx=end * jnp.cos(heading),
+        vy=end * jnp.sin(heading),
+        heading=wrapped(heading),
+    )

@@ -1,0 +1,225 @@
+"""One step of the crowd: look around, choose a velocity, move.
+
+In:   bodies, what they are like, where each would like to go, the walls around each.
+Out:  the bodies `dt` later.
+When: every crowd step, inside jit; per env, alone or under `jax.vmap`.
+"""
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from ..datatypes import validation as v
+from . import half_planes, motion, neighbours
+from .bodies import Bodies, Traits, Wish
+from .linear_program import NO_LIMIT, HalfPlanes, join, solve
+
+#: m/s, largest disturbance of a wish. In perfect symmetry nobody is first to give way; the published library's
+#: examples disturb every preferred velocity by up to 1e-4 for that.
+DISTURBANCE = 1e-3
+#: m/s, how fast a walker gives ground against its wish. Two who push each other settle, by the published program, at
+#: any common velocity, so that a group drives a single walker back for as long as it likes; people hold their ground.
+GIVE_GROUND = 0.3
+
+
+@dataclasses.dataclass(frozen=True)
+class Grid:
+    """How to look for neighbours where comparing all bodies is too dear; see `neighbours.in_grid`."""
+
+    cell: float = 4.0
+    cells: int = 16
+    depth: int = 6
+
+
+@dataclasses.dataclass(frozen=True)
+class Options:
+    """What is fixed when the step is compiled.
+
+    Attributes:
+      dt: s, length of a step.
+      num_neighbours: K, how many bodies each agent avoids at a time.
+      num_wheeled: how many agents roll, the last ones.
+      discs_only: every body is a disc (all `half_length` are 0): spares the search for nearest places.
+      part_time: s, time in which bodies that are too near part.
+      hold_ground: walkers go back against their wish at `GIVE_GROUND` at most.
+      grid: None compares all bodies.
+    """
+
+    dt: float = 0.1
+    num_neighbours: int = 8
+    num_wheeled: int = 0
+    discs_only: bool = False
+    part_time: float = 0.3
+    hold_ground: bool = True
+    grid: Grid | None = None
+
+    def __post_init__(self) -> None:
+        v.number(self.dt, "crowd options: dt", above=0.0)
+        v.number(self.part_time, "crowd options: part_time", minimum=self.dt)
+        v.integer(self.num_neighbours, "crowd options: num_neighbours", minimum=1)
+        v.integer(self.num_wheeled, "crowd options: num_wheeled", minimum=0)
+
+
+def look_around(bodies: Bodies, traits: Traits, agents: int, options: Options) -> neighbours.Neighbours:
+    """The neighbours of the first `agents` bodies; arrays (B, E)."""
+    size = traits.radius if options.discs_only else traits.radius + traits.half_length
+    search = (bodies.x, bodies.y, size, traits.present, agents, options.num_neighbours)
+    if options.grid is None:
+        return neighbours.all_pairs(*search)
+    return neighbours.in_grid(*search, options.grid.cell, options.grid.cells, options.grid.depth)
+
+
+def permitted(
+    bodies: Bodies, traits: Traits, agents: int, near: neighbours.Neighbours, options: Options
+) -> tuple[HalfPlanes, Any]:
+    """Half-planes (K, A, E) of the first A bodies towards their neighbours.
+
+    The second value (K, A, E) says where on the agent's axis it is nearest: 1 at the front end, -1 at the rear.
+    """
+    envs = bodies.x.shape[1]
+    row = near.index * envs + jnp.arange(envs, dtype=jnp.int32)
+
+    def of_others(values: Any) -> Any:
+        return jnp.take(values.reshape(-1), row, mode="clip")
+
+    reach = traits.radius + traits.margin
+    apart = of_others(bodies.x) - bodies.x[:agents], of_others(bodies.y) - bodies.y[:agents]
+    place = jnp.zeros_like(apart[0])
+    if not options.discs_only:
+        ax, ay = traits.half_length * jnp.cos(bodies.heading), traits.half_length * jnp.sin(bodies.heading)
+        *apart, place = half_planes.nearest_places(apart, (ax[:agents], ay[:agents]), (of_others(ax), of_others(ay)))
+
+    def part_of(yielding: Any) -> Any:
+        own, other = yielding[:agents], of_others(yielding)
+        both = own + other
+        return jnp.where(both > 0.0, own / jnp.where(both > 0.0, both, 1.0), 0.5)
+
+    lines = half_planes.towards_neighbours(
+        apart=(apart[0], apart[1]),
+        velocity=(bodies.vx[:agents], bodies.vy[:agents]),
+        other_velocity=(of_others(bodies.vx), of_others(bodies.vy)),
+        reach=reach[:agents] + of_others(reach),
+        share=part_of(_able(bodies, traits, agents, options)),
+        spare=part_of(traits.yielding),
+        side=jnp.where(near.index > jnp.arange(agents, dtype=jnp.int32)[:, None], 1.0, -1.0),
+        valid=near.valid,
+        horizon=traits.horizon[:agents],
+        dt=options.part_time,
+    )
+    return lines, place
+
+
+def _able(bodies: Bodies, traits: Traits, agents: int, options: Options) -> Any:
+    """(B, E), how much of a pair's avoidance each can take on: a vehicle that stands cannot step aside."""
+    if not options.num_wheeled:
+        return traits.yielding
+    row = jnp.arange(bodies.x.shape[0])[:, None]
+    rolls = (row >= agents - options.num_wheeled) & (row < agents)
+    speed = jnp.sqrt(bodies.vx * bodies.vx + bodies.vy * bodies.vy)
+    return traits.yielding * jnp.where(rolls, jnp.clip(speed, 0.05, 1.0), 1.0)
+
+
+def stand(wish: Wish) -> HalfPlanes:
+    """One half-plane (1, ...) for each walker (...) that wants to go: no faster back than `GIVE_GROUND`."""
+    wants = wish.x * wish.x + wish.y * wish.y > GIVE_GROUND * GIVE_GROUND
+    x, y = jnp.cos(wish.face), jnp.sin(wish.face)
+    return HalfPlanes(x[None], y[None], jnp.where(wants, -GIVE_GROUND, NO_LIMIT)[None])
+
+
+def advance(
+    bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes, options: Options
+) -> tuple[Bodies, Any]:
+    """The first A bodies one step later, for many envs at once.
+
+    Args:
+      bodies, traits: (B, E); rows from A on are others that are avoided and not moved (robots).
+      wish: (A, E).
+      walls: (M, A, E), see `half_planes.towards_walls`, for walkers' bodies and the front discs of vehicles.
+      rear: (M, W, E), the same for the rear discs of the W vehicles.
+
+    Returns:
+      Bodies (A, E) and (A, E) i32, see `Neighbours.missed`.
+    """
+    agents = wish.x.shape[0]
+    walkers = agents - options.num_wheeled
+    # Without the barriers XLA works the half-planes out again for each of the many sums they stand in.
+    near = neighbours.Neighbours(*jax.lax.optimization_barrier(tuple(look_around(bodies, traits, agents, options))))
+    lines, place = jax.lax.optimization_barrier(permitted(bodies, traits, agents, near, options))
+
+    def rows(arrays: Any, part: slice) -> Any:
+        return type(arrays)(*(a[..., part, :] for a in arrays))
+
+    moved = []
+    if walkers:
+        part = slice(0, walkers)
+        own, like, fence = rows(bodies, part), rows(traits, part), rows(walls, part)
+        shape, aim = own.x.shape, rows(wish, part)
+        hard = (fence, stand(aim)) if options.hold_ground else (fence,)
+        firm = join(*hard, rows(lines, part))
+        flat = HalfPlanes(*jax.lax.optimization_barrier(tuple(a.reshape(a.shape[0], -1) for a in firm)))
+        speeds = (a.reshape(-1) for a in (like.limit, aim.x, aim.y))
+        chosen = [a.reshape(shape) for a in solve(flat, firm.offset.shape[0] - lines.offset.shape[0], *speeds)]
+        velocity = motion.walk((chosen[0], chosen[1]), own, like, fence, options.dt)
+        moved.append(motion.step_on(velocity, aim.face, own, like, options.dt))
+    if options.num_wheeled:
+        part = slice(walkers, agents)
+        own, like = rows(bodies, part), rows(traits, part)
+        fences = (rows(walls, part), rear)
+        push, turn = motion.drive(rows(lines, part), place[:, part], fences, rows(wish, part), own, like)
+        moved.append(motion.roll(push, turn, rows(wish, part), own, like, options.dt))
+    here = rows(bodies, slice(0, agents))
+    new = Bodies(*(jnp.concatenate(columns) for columns in zip(*moved, strict=True)))
+    there = traits.present[:agents]
+    return Bodies(*(jnp.where(there, a, b) for a, b in zip(new, here, strict=True))), near.missed
+
+
+def disturbed(wish: Wish, key: Any, side: Any = 0.0) -> Wish:
+    """Wishes (A,) changed by at most twice `DISTURBANCE`, so that no two agents are mirror images.
+
+    Args:
+      wish: (A,). key: for this step.
+      side: (A,), 1 for a wish drawn to the left, -1 to the right: it settles who meets head on and neither has a
+        reason to prefer a side.
+    """
+    angle, size = jax.random.uniform(key, (2, *wish.x.shape))
+    angle, size = 2.0 * math.pi * angle, DISTURBANCE * size
+    scale = side * DISTURBANCE / jnp.maximum(jnp.sqrt(wish.x * wish.x + wish.y * wish.y), DISTURBANCE)
+    x = wish.x + size * jnp.cos(angle) - scale * wish.y
+    y = wish.y + size * jnp.sin(angle) + scale * wish.x
+    return Wish(x, y, wish.face)
+
+
+def make_step(options: Options) -> Callable[..., tuple[Bodies, Any]]:
+    """A function (bodies, traits, wish, walls, rear) -> (bodies, missed) over arrays of one env: `advance` without E.
+
+    Under `jax.vmap` the envs become the last axis of one call, however deep the maps are nested.
+    """
+
+    @jax.custom_batching.custom_vmap
+    def batch(*arguments: Any) -> Any:
+        return advance(*arguments, options)
+
+    @batch.def_vmap
+    def _(size: int, batched: Any, *arguments: Any) -> Any:
+        def joined(array: Any, is_batched: bool) -> Any:
+            array = array if is_batched else jnp.broadcast_to(array, (size, *array.shape))
+            return jnp.moveaxis(array, 0, -2).reshape(*array.shape[1:-1], size * array.shape[-1])
+
+        out = batch(*jax.tree.map(joined, arguments, tuple(batched)))
+        parted = jax.tree.map(lambda a: jnp.moveaxis(a.reshape(*a.shape[:-1], size, -1), -2, 0), out)
+        return parted, jax.tree.map(lambda _: True, parted)
+
+    def step(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes) -> tuple[Bodies, Any]:
+        out = batch(*jax.tree.map(lambda a: a[..., None], (bodies, traits, wish, walls, rear)))
+        return jax.tree.map(lambda a: a[..., 0], out)
+
+    return step
+
+
+def no_walls(agents: int) -> HalfPlanes:
+    """Walls (0, A) for an open plane."""
+    return HalfPlanes(*(jnp.zeros((0, agents)) for _ in range(3)))

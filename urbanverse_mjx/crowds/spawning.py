@@ -1,0 +1,62 @@
+"""Where agents appear: on their ways, clear of each other and out of the robot's sight.
+
+In:   a table of places, who is there already, where the robot looks.
+Out:  a place.
+When: at reset for everybody, then for who has arrived, inside jit.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from .motion import wrapped
+
+#: m, within which a robot notices anybody, and beyond which somebody who appears is a few pixels: a person 30 m away
+#: is 6 pixels high in the paper's frame of 135 rows at a field of view of 60°.
+NOTICED, SEEN = 4.0, 30.0
+#: rad, half the angle within which somebody is in sight, wider than the camera's field of view.
+HALF_VIEW = 1.0
+
+
+class Watcher(NamedTuple):
+    """Attributes:
+    x, y: () m. heading: () rad. present: () bool, there is a robot.
+    """
+
+    x: Any
+    y: Any
+    heading: Any
+    present: Any
+
+
+def in_sight(watcher: Watcher, x: Any, y: Any) -> Any:
+    """(...) bool: the watcher would see who appears or goes at places (...) m; what stands between is not asked."""
+    dx, dy = x - watcher.x, y - watcher.y
+    distance = jnp.sqrt(dx * dx + dy * dy)
+    ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - watcher.heading)) < HALF_VIEW
+    return watcher.present & ((distance < NOTICED) | (ahead & (distance < SEEN)))
+
+
+def choose(
+    key: Any, place: Any, size: Any, x: Any, y: Any, their_size: Any, present: Any, watcher: Watcher, hidden: bool
+) -> tuple[Any, Any]:
+    """One of the places (S, 2) m at random among those that will do.
+
+    Args:
+      size: () m, radius of who appears; a place must be clear of the present bodies (B,) at x, y of radii `their_size`
+        by a step (0.5 m).
+      hidden: the place must be out of the watcher's sight; at reset anywhere a body's length away from it will do.
+
+    Returns:
+      () i32 and () bool: there is such a place.
+    """
+    gap = jnp.sqrt((place[:, :1] - x) ** 2 + (place[:, 1:] - y) ** 2) - their_size - size
+    clear = jnp.all((gap > 0.5) | ~present, axis=1)
+    if hidden:
+        clear &= ~in_sight(watcher, place[:, 0], place[:, 1])
+    else:
+        away = jnp.sqrt((place[:, 0] - watcher.x) ** 2 + (place[:, 1] - watcher.y) ** 2) - size
+        clear &= (away > 1.5) | ~watcher.present
+    luck = jax.random.uniform(key, clear.shape)
+    return jnp.argmax(jnp.where(clear, luck, -1.0)).astype(jnp.int32), clear.any()
