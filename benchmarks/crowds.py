@@ -74,6 +74,12 @@ class Case:
         return Options(dt, self.neighbours, num_wheeled(self.kinds()), discs_only=not street, grid=grid)
 
 
+def numbers(size: str) -> tuple[int, int, int]:
+    """Envs, agents and neighbours of a size such as 4096x32x8."""
+    envs, agents, neighbours = (int(part) for part in size.split("x"))
+    return envs, agents, neighbours
+
+
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.crowds", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
@@ -92,7 +98,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     sizes = arguments.sizes or (CPU_SIZES if jax.default_backend() == "cpu" else GPU_SIZES)
     try:
         arguments.cases = [
-            Case(*(int(n) for n in size.split("x")), mix, walls, arguments.grid, arguments.density)
+            Case(*numbers(size), mix, walls, arguments.grid, arguments.density)
             for mix in arguments.mix
             for walls in arguments.walls
             for size in sizes

@@ -45,6 +45,7 @@ def test_who_stand_on_each_other_part() -> None:
             (zero[None], zero[None]),
             zero[None] + 0.6,
             0.5,
+            0.5,
             side,
             True,
             3.0,
@@ -98,9 +99,9 @@ def scattered(bodies: int, envs: int, side: float, seed: int = 0) -> tuple[jax.A
 
 def gaps(x: jax.Array, y: jax.Array, size: jax.Array, present: jax.Array) -> np.ndarray:
     """(B, A, E) m from each agent (second axis) to the others' discs; inf for itself and the absent."""
-    x, y, size = (np.asarray(a, np.float64) for a in (x, y, size))
-    gap = np.hypot(x[:, None] - x[None], y[:, None] - y[None]) - size[:, None]
-    gap[np.arange(len(x)), np.arange(len(x))] = np.inf
+    px, py, radius = (np.asarray(a, np.float64) for a in (x, y, size))
+    gap = np.hypot(px[:, None] - px[None], py[:, None] - py[None]) - radius[:, None]
+    gap[np.arange(len(px)), np.arange(len(px))] = np.inf
     return np.where(np.asarray(present)[:, None], gap, np.inf)
 
 

@@ -13,7 +13,8 @@ from tests.crowds import reference
 from urbanverse_mjx.crowds import linear_program
 from urbanverse_mjx.crowds.linear_program import HalfPlanes
 
-CASES = 2000
+#: Cases a test: one number, so that few shapes compile.
+CASES = 1000
 
 
 @functools.cache
@@ -65,19 +66,19 @@ def test_it_chooses_what_the_published_algorithm_chooses(number: int, num_hard: 
 
 def test_more_who_are_crowded_than_a_chunk_holds() -> None:
     # Every agent goes through the second program, in many chunks.
-    lines, limit, wish = random_cases(5, 8, 0, 1.2, count=1500)
+    lines, limit, wish = random_cases(5, 8, 0, 1.2)
     expected, kept = truth(lines, 0, limit, wish)
     assert kept.mean() < 0.02
     np.testing.assert_allclose(solve(lines, 0, limit, wish, np.float32), expected, atol=2e-4)
 
 
 def test_missing_lines_change_nothing() -> None:
-    lines, limit, wish = random_cases(6, 6, 2, 0.0, count=500)
-    empty = np.zeros((3, 2, 500))
+    lines, limit, wish = random_cases(6, 6, 0, 0.0)
+    expected, _ = truth(lines, 0, limit, wish)
+    empty = np.zeros((3, 2, CASES))
     empty[0], empty[2] = 1.0, linear_program.NO_LIMIT
     padded = np.concatenate([lines[:, :4], empty, lines[:, 4:]], axis=1)
-    few = solve(lines, 2, limit, wish, np.float32)
-    np.testing.assert_allclose(solve(padded, 2, limit, wish, np.float32), few, atol=1e-6)
+    np.testing.assert_allclose(solve(padded, 0, limit, wish, np.float32), expected, atol=2e-4)
 
 
 def test_without_lines_only_the_speed_limit_counts() -> None:
@@ -96,7 +97,7 @@ def test_lines_through_one_point_leave_that_point() -> None:
     np.testing.assert_allclose(chosen[:, 0], [0.5, 0.0], atol=1e-5)
 
 
-_NUMBER = 5
+_NUMBER = 4
 _floats = st.floats(-1.5, 1.5, width=32, allow_subnormal=False)
 _angles = st.lists(st.floats(-3.125, 3.125, width=32, allow_subnormal=False), min_size=_NUMBER, max_size=_NUMBER)
 

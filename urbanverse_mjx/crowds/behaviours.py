@@ -97,12 +97,11 @@ def overtaken(x: Any, y: Any, heading: Any, distance: float, speed: float = 0.6)
 def cross(x: Any, y: Any, heading: Any, distance: float, aside: float = 4.0, speed: float = 1.34) -> Script:
     """One person who cuts a pose's line at a right angle, `distance` m ahead, from `aside` m to its left."""
     cos, sin = jnp.cos(heading), jnp.sin(heading)
-    ends = [
-        jnp.reshape(a, (1,))
-        for side in (aside, -aside)
-        for a in (x + distance * cos - side * sin, y + distance * sin + side * cos)
-    ]
-    return _go(*ends, speed)
+
+    def end(side: float) -> tuple[Any, Any]:
+        return jnp.reshape(x + distance * cos - side * sin, (1,)), jnp.reshape(y + distance * sin + side * cos, (1,))
+
+    return _go(*end(aside), *end(-aside), speed)
 
 
 def together(*scripts: Script) -> Script:

@@ -200,8 +200,8 @@ def make_step(options: Options) -> Callable[..., tuple[Bodies, Any]]:
     """
 
     @jax.custom_batching.custom_vmap
-    def batch(*arguments: Any) -> Any:
-        return advance(*arguments, options)
+    def batch(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes) -> Any:
+        return advance(bodies, traits, wish, walls, rear, options)
 
     @batch.def_vmap
     def _(size: int, batched: Any, *arguments: Any) -> Any:
