@@ -7,8 +7,8 @@ steps crowds on a wrapped square, everybody under way in some direction, and pri
 (slowest - fastest) / median), seconds to compile, and with --parts the seconds of a step that looking around, building
 half-planes and the programs take when run alone over the same state. It needs numpy and jax, no bank and no scene.
 
-`--mix walkers` are pedestrians; `--mix street` rolls an eighth of the agents (wheelchair, scooter, cyclist, car) and
-pays for capsules and controls; `--walls 4` adds as many flats around every agent.
+`--mix walkers` are pedestrians; in `--mix street` an eighth of the agents are wheelchairs,
+scooters, cyclists and cars, which pays for capsules and controls; `--walls 4` adds as many flats around every agent.
 """
 
 import argparse
@@ -59,9 +59,10 @@ class Case:
     density: float
 
     def kinds(self) -> tuple[AgentKind, ...]:
-        rolling = self.agents // 8 if self.mix == "street" else 0
-        wheels = [KINDS[name] for name in ("wheelchair", "scooter", "cyclist", "car")]
-        return (KINDS["pedestrian"],) * (self.agents - rolling) + tuple(wheels[i % 4] for i in range(rolling))
+        other = self.agents // 8 if self.mix == "street" else 0
+        kinds = [KINDS["pedestrian"]] * (self.agents - other)
+        kinds += [KINDS[("wheelchair", "scooter", "cyclist", "car")[i % 4]] for i in range(other)]
+        return tuple(sorted(kinds, key=lambda kind: kind.wheeled))
 
     @property
     def side(self) -> float:

@@ -59,6 +59,7 @@ def test_the_circle_stops_without_patience(monkeypatch: pytest.MonkeyPatch) -> N
     assert path.away(scene).min() > 5.0
 
 
+@pytest.mark.slow
 def test_two_groups_pass_in_a_corridor() -> None:
     scene = scenes.corridor(12, 3.0)
     path = scenes.run(scene, 40.0)

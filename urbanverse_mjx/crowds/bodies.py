@@ -93,6 +93,8 @@ def num_wheeled(kinds: Sequence[AgentKind]) -> int:
     if not rolls:
         raise v.fail("crowd kinds", "no agent", "at least one")
     if rolls != sorted(rolls):
-        names = ", ".join(kind.name for kind in kinds)
-        raise v.fail("crowd kinds", names, "those who walk before those who roll", "sort them by `kind.wheeled`")
+        first = rolls.index(True)
+        late = kinds[rolls.index(False, first)].name
+        found = f"a {late} after a {kinds[first].name}"
+        raise v.fail("crowd kinds", found, "those who walk before those who roll", "sort them by `kind.wheeled`")
     return sum(rolls)
