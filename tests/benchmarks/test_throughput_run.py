@@ -60,6 +60,7 @@ def test_the_parts_of_a_step_add_up(
     assert physics["share_of_envs_in_contact"] > 0
 
 
+@pytest.mark.slow
 def test_scenes_hulls_and_substeps_are_what_was_asked_for(
     bank_file: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -158,6 +159,7 @@ def test_c_mujoco_rolls_out_on_all_cores(drive: _rivals.Drive) -> None:
     assert "frames_per_s" not in row
 
 
+@pytest.mark.slow
 def test_mujoco_warp_runs_without_jax(drive: _rivals.Drive) -> None:
     row = _rivals.direct_warp(drive, repeats=1)
     assert row["physics_steps_per_s"] > 0

@@ -214,6 +214,7 @@ def test_scripts_put_people_where_they_say() -> None:
     assert both.mode.shape == (7,)
 
 
+@pytest.mark.slow
 def test_a_crowd_lives_in_streets_it_does_not_leave(small_bank: SceneBank, tables: CrowdTables) -> None:
     kinds = ("pedestrian",) * 8 + ("wheelchair", "car")
     model = CrowdModel(tables, kinds, num_neighbours=6)

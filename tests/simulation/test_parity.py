@@ -50,7 +50,7 @@ def report_of(impl: str, drive: str, scenes: int, count: int) -> truth.ParityRep
     ("impl", "drive"),
     [
         ("jax", "differential"),
-        ("jax", "ackermann"),
+        pytest.param("jax", "ackermann", marks=pytest.mark.slow),
         ("warp", "differential"),
         pytest.param("warp", "ackermann", marks=pytest.mark.slow),
     ],
