@@ -31,6 +31,7 @@ def run(capsys: pytest.CaptureFixture[str], *options: str) -> list[dict[str, Any
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
 
 
+@pytest.mark.slow
 def test_the_parts_of_a_step_add_up(
     bank_file: pathlib.Path, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
