@@ -6,10 +6,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.datatypes import SceneBank, traversable
 from urbanverse_mjx.envs import surroundings as module
 from urbanverse_mjx.envs import terms
-from urbanverse_mjx.envs.surroundings import CELL, FAR, Surroundings, traversable_kinds
+from urbanverse_mjx.envs.surroundings import CELL, FAR, Surroundings
 
 HEIGHT = 0.7
 
@@ -42,7 +42,7 @@ def test_distance_to_hulls(small_bank: SceneBank, surroundings: Surroundings) ->
 
 
 def test_distance_to_the_edge(small_bank: SceneBank, surroundings: Surroundings) -> None:
-    walkable = traversable_kinds()[small_bank.map_kind]
+    walkable = traversable(small_bank.map_kind)
     for scene in range(small_bank.num_scenes):
         away = small_bank.map_origin[scene] + (np.argwhere(~walkable[scene]) + 0.5) * float(small_bank.map_resolution)
         points = places(small_bank, scene, 200)

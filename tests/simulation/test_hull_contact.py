@@ -201,7 +201,7 @@ def test_empty_slots_touch_nothing() -> None:
 def test_planes_and_edges_of_a_box_are_those_of_a_box(small_bank: SceneBank) -> None:
     corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T.astype(np.float32)
     part = convex_part(corners)
-    planes, edges = hull_contact._planes_and_edges(part.corners, part.triangles, part.planes)
+    planes, edges = hull_contact.planes_and_edges(part.corners, part.triangles, part.planes)
     assert len(planes) == 6
     assert len(edges) == 12
     np.testing.assert_allclose(np.abs(edges[:, 3:]).sum(1), 2.0)

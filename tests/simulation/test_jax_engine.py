@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import box_bank
+from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
 from urbanverse_mjx.datatypes import NounError, SceneBank, SimState
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation import truth
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
-
-NUM_ENVS = 6
-CONTROL_DT = 0.1
 
 
 @pytest.fixture(scope="module")
@@ -36,23 +33,6 @@ def batched(engine: JaxEngine, traces: list[int]) -> Any:
         return jax.vmap(engine.step)(state, ctrl)
 
     return jax.jit(step)
-
-
-def starts(engine: JaxEngine, bank: SceneBank, seed: int = 0) -> tuple[SimState, np.ndarray]:
-    """Some robots near objects and a command for each."""
-    drives = truth.aimed_drives(bank, engine.robot, NUM_ENVS, 1, CONTROL_DT, seed)
-    velocity = np.zeros((NUM_ENVS, engine.physics.model.nv), np.float32)
-    return jax.jit(jax.vmap(engine.init))(drives.scene, drives.qpos, velocity), drives.ctrl[0]
-
-
-def roll(step: Any, state: SimState, ctrl: Any, steps: int) -> SimState:
-    for _ in range(steps):
-        state = step(state, ctrl)
-    return state
-
-
-def assert_equal(a: Any, b: Any) -> None:
-    jax.tree.map(lambda x, y: np.testing.assert_array_equal(np.array(x), np.array(y)), a, b)
 
 
 def test_changing_scenes_compiles_nothing(

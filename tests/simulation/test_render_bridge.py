@@ -174,5 +174,5 @@ def test_a_deleted_renderer_is_freed_and_its_compiled_calls_say_so(
     jax.clear_caches()
     gc.collect()
     assert gone() is None
-    with pytest.raises(Exception, match="renderer that was deleted"):
+    with pytest.raises(Exception, match="engine that was deleted"):
         jax.block_until_ready(compiled(*(jnp.asarray(x) for x in inputs)))

@@ -5,9 +5,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import KIND_INDEX, TRAVERSABLE_KINDS, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, traversable
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
+from urbanverse_mjx.simulation.truth_drives import ground_height
 
 POSES = 10_000
 #: Poses that are also driven from, in batches: seconds of work each.
@@ -20,27 +21,12 @@ def engine(bank: SceneBank) -> JaxEngine:
     return JaxEngine(bank, make_coco("differential"), control_dt=0.2)
 
 
-def ground_height(bank: SceneBank, scene: int, xy: np.ndarray) -> np.ndarray:
-    """(n,) m: the highest point of any ground prism above or below (n, 2) places; 0 beside the ground."""
-    height = np.zeros(len(xy))
-    for q in np.flatnonzero(bank.prism_hull[scene] >= 0):
-        hull = bank.prism_hull[scene, q]
-        planes = bank.hull_planes[hull, : bank.hull_num_triangles[hull]].astype(np.float64)
-        local = xy - bank.prism_position[scene, q, :2]
-        room = planes[:, 3] - local @ planes[:, :2].T
-        tops, sides = planes[:, 2] > 1e-6, np.abs(planes[:, 2]) <= 1e-6
-        inside = (room[:, sides] >= -1e-6).all(1)
-        top = (room[:, tops] / planes[tops, 2]).min(1) + bank.prism_position[scene, q, 2]
-        height = np.where(inside, np.maximum(height, top), height)
-    return height
-
-
 @pytest.fixture(scope="module")
 def poses(bank: SceneBank, engine: JaxEngine) -> tuple[np.ndarray, np.ndarray]:
     """(POSES,) scenes and (POSES, nq) random places and headings on walkable ground, many of them inside of objects."""
     rng = np.random.default_rng(7)
     scene = rng.integers(0, bank.num_scenes, POSES).astype(np.int32)
-    walkable = np.isin(bank.map_kind, [KIND_INDEX[k] for k in TRAVERSABLE_KINDS])
+    walkable = traversable(bank.map_kind)
     xy, z = np.zeros((POSES, 2)), np.zeros(POSES)
     for s in range(bank.num_scenes):
         cells = np.argwhere(walkable[s])
@@ -48,6 +34,7 @@ def poses(bank: SceneBank, engine: JaxEngine) -> tuple[np.ndarray, np.ndarray]:
         chosen = cells[rng.integers(0, len(cells), len(mine))]
         xy[mine] = bank.map_origin[s] + (chosen + rng.random(chosen.shape)) * float(bank.map_resolution)
         z[mine] = ground_height(bank, s, xy[mine])
+    assert np.isfinite(z).all()
     half = rng.uniform(-np.pi, np.pi, POSES) / 2
     qpos = np.tile(engine.physics.model.qpos0, (POSES, 1)).astype(np.float32)
     qpos[:, :2], qpos[:, 2] = xy, z + engine.robot.spawn_height

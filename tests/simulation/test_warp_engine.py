@@ -12,16 +12,14 @@ import pytest
 import warp as wp
 
 from tests.support.box_bank import box_bank
+from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
 from urbanverse_mjx.datatypes import NounError, SceneBank, SimState
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation import engines, hull_contact, truth, warp_batch, warp_contact, warp_kernels
+from urbanverse_mjx.simulation import engines, hull_contact, warp_batch, warp_contact, warp_kernels
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.warp_batch import WorldBatch
 from urbanverse_mjx.simulation.warp_engine import WarpEngine
 from urbanverse_mjx.simulation.warp_model import DeviceModel
-
-NUM_ENVS = 6
-CONTROL_DT = 0.1
 
 
 @pytest.fixture(scope="module")
@@ -42,23 +40,6 @@ def batched(engine: WarpEngine, traces: list[int]) -> Any:
         return jax.vmap(engine.step)(state, ctrl)
 
     return jax.jit(step)
-
-
-def starts(engine: Any, bank: SceneBank, seed: int = 0, number: int = NUM_ENVS) -> tuple[SimState, np.ndarray]:
-    """Some robots near objects and a command for each."""
-    drives = truth.aimed_drives(bank, engine.robot, number, 1, CONTROL_DT, seed)
-    velocity = np.zeros((number, engine.physics.model.nv), np.float32)
-    return jax.jit(jax.vmap(engine.init))(drives.scene, drives.qpos, velocity), drives.ctrl[0]
-
-
-def roll(step: Any, state: SimState, ctrl: Any, steps: int) -> SimState:
-    for _ in range(steps):
-        state = step(state, ctrl)
-    return state
-
-
-def assert_equal(a: Any, b: Any) -> None:
-    jax.tree.map(lambda x, y: np.testing.assert_array_equal(np.array(x), np.array(y)), a, b)
 
 
 def row(tree: Any, number: int) -> Any:
@@ -349,10 +330,10 @@ def test_a_deleted_engine_gives_its_memory_back(small_bank: SceneBank) -> None:
     state, ctrl = starts(engine, small_bank)
     step = jax.jit(jax.vmap(engine.step))
     jax.block_until_ready(step(state, ctrl))
-    batch = weakref.ref(next(iter(engine._batches.values())))
-    shared = weakref.ref(next(iter(engine._shared.values())))
+    ((shared, batches),) = engine._devices.values()
+    batch, shared = weakref.ref(next(iter(batches.values()))), weakref.ref(shared)
     executable = step.lower(state, ctrl).compile()
-    del engine, step
+    del engine, step, batches
     gc.collect()
     assert batch() is None
     assert shared() is None
@@ -361,7 +342,7 @@ def test_a_deleted_engine_gives_its_memory_back(small_bank: SceneBank) -> None:
 
 
 def test_few_batches_are_kept(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("urbanverse_mjx.simulation.warp_engine.KEPT_BATCHES", 2)
+    monkeypatch.setattr("urbanverse_mjx.simulation.warp_bridge.KEPT_BATCHES", 2)
     engine = WarpEngine(small_bank, make_coco(), control_dt=CONTROL_DT, graphs=False)
     for number in (2, 3, 4):
         state, ctrl = starts(engine, small_bank, number=number)
@@ -371,8 +352,9 @@ def test_few_batches_are_kept(small_bank: SceneBank, monkeypatch: pytest.MonkeyP
 
 def test_physics_steps_are_captured(engine: WarpEngine, small_bank: SceneBank, batched: Any) -> None:
     jax.block_until_ready(batched(*starts(engine, small_bank)))
-    assert engine._batches
-    assert all(batch.is_captured for batch in engine._batches.values())
+    ((_, batches),) = engine._devices.values()
+    assert batches
+    assert all(batch.is_captured for batch in batches.values())
 
 
 @pytest.mark.gpu
@@ -381,7 +363,8 @@ def test_on_cuda_a_graph_is_replayed_in_the_same_memory(small_bank: SceneBank, m
     state, ctrl = starts(engine, small_bank, number=512)
     step = jax.jit(jax.vmap(engine.step))
     state = jax.block_until_ready(step(state, ctrl))
-    (batch,) = engine._batches.values()
+    ((_, batches),) = engine._devices.values()
+    (batch,) = batches.values()
     assert batch.shared.device.is_cuda
     assert batch.is_captured
     monkeypatch.setattr(warp_batch, "_captured", None)

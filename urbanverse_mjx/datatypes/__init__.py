@@ -2,7 +2,7 @@
 
 from .asset import AssetMesh, AssetRecord, HullSet
 from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
-from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS
+from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
 from .robot import RobotSpec
 from .scene_bank import SceneBank
@@ -36,4 +36,5 @@ __all__ = [
     "Simulator",
     "Source",
     "content_hash",
+    "traversable",
 ]

@@ -8,6 +8,8 @@ import itertools
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from . import validation as v
 
 GROUND_KINDS = ("none", "road", "road_marking", "crosswalk", "sidewalk", "ground")
@@ -20,6 +22,11 @@ TRAVERSABLE_KINDS = ("crosswalk", "sidewalk", "ground")
 LIMIT = 1e5
 #: Steepest top: 2 is 63°.
 MAX_SLOPE = 2.0
+
+
+def traversable(kind: np.ndarray) -> np.ndarray:
+    """Bool of the same shape: where a pavement robot may be, for kinds by number."""
+    return np.array([name in TRAVERSABLE_KINDS for name in GROUND_KINDS])[kind]
 
 
 def check_plane(value: object, where: str) -> tuple[float, ...]:

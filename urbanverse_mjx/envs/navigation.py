@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError, RobotSpec, SceneBank
+from ..datatypes import GROUND_KINDS, NounError, RobotSpec, SceneBank, traversable
 from . import terms
 from .schedule import EpisodeSchedule
-from .surroundings import Surroundings, traversable_kinds
+from .surroundings import Surroundings
 from .types import NavState, Result, State
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
@@ -105,7 +105,7 @@ class NavEnv:
         self._map_kind = jnp.asarray(bank.map_kind)
         self._map_origin = jnp.asarray(bank.map_origin)
         self._map_resolution = float(bank.map_resolution)
-        self._traversable = jnp.asarray(traversable_kinds())
+        self._traversable = jnp.asarray(traversable(np.arange(len(GROUND_KINDS))))
         self._surroundings = Surroundings(bank, robot.planner_height)
 
     # What users of Playground and Brax ask an environment.

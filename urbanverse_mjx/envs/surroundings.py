@@ -11,7 +11,7 @@ import numpy as np
 from scipy import ndimage
 
 from .. import settings
-from ..datatypes import KIND_INDEX, TRAVERSABLE_KINDS, SceneBank
+from ..datatypes import SceneBank, traversable
 from ..datatypes.validation import write_atomically
 
 #: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
@@ -22,16 +22,9 @@ KEEP_FROM = 20_000
 FAR = 2.55
 
 
-def traversable_kinds() -> np.ndarray:
-    """(256,) bool by ground kind: whether a pavement robot may be there."""
-    allowed = np.zeros(256, bool)
-    allowed[[KIND_INDEX[k] for k in TRAVERSABLE_KINDS]] = True
-    return allowed
-
-
 def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
     """(X, Y) m from each cell to the nearest one that is not wholly walkable; 0 there."""
-    walkable = traversable_kinds()[bank.map_kind[scene]]
+    walkable = traversable(bank.map_kind[scene])
     factor = round(CELL / float(bank.map_resolution))
     padded = np.zeros((shape[0] * factor, shape[1] * factor), bool)
     padded[: walkable.shape[0], : walkable.shape[1]] = walkable

@@ -7,10 +7,10 @@ import mujoco
 import mujoco.rollout
 import numpy as np
 
-from ..datatypes import RobotSpec
+from ..datatypes import RobotSpec, traversable
 from .geometry import SceneGeometry
 from .mjcf import scene_spec
-from .planner import FreeSpace, path_length, resample, traversable
+from .planner import FreeSpace, path_length, resample
 
 #: The task's control period, s (paper: 5 Hz).
 CONTROL_PERIOD = 0.2

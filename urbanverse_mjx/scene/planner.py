@@ -7,7 +7,7 @@ import numpy as np
 from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
-from ..datatypes.ground import GROUND_KINDS, TRAVERSABLE_KINDS
+from ..datatypes.ground import GROUND_KINDS, traversable
 from .geometry import SceneMap
 
 #: Cells of the 5 cm map along a side of a planning cell: 20 cm (issue 2, item 6).
@@ -66,11 +66,6 @@ class FreeSpace:
         number = max(1, int(np.ceil(np.linalg.norm(b - a) / self.map.resolution)))
         cells = (a - self.map.origin + np.arange(number + 1)[:, None] * ((b - a) / number)) / self.map.resolution
         return bool(self.free[cells[:, 0].astype(int), cells[:, 1].astype(int)].all())
-
-
-def traversable(kind: np.ndarray) -> np.ndarray:
-    """Cells a pavement robot may be on."""
-    return np.array([name in TRAVERSABLE_KINDS for name in GROUND_KINDS])[kind]
 
 
 def free_space(scene_map: SceneMap, size: RobotSize) -> FreeSpace:

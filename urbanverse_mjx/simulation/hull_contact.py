@@ -66,7 +66,7 @@ class SphereContacts(NamedTuple):
     missed: Any
 
 
-def _planes_and_edges(corners: np.ndarray, triangles: np.ndarray, planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def planes_and_edges(corners: np.ndarray, triangles: np.ndarray, planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distinct planes (f, 4) and the edges (e, 6) that are not inside a flat face."""
     distinct, plane = np.unique(planes, axis=0, return_inverse=True)
     edge = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
@@ -91,7 +91,7 @@ def hull_table(bank: SceneBank) -> HullTable:
     """The bank's hulls prepared for distances."""
     along = np.einsum("tvi,ki->tvk", bank.hull_vertices.astype(np.float64), AXES)
     parts = [
-        _planes_and_edges(bank.hull_vertices[t], bank.hull_triangles[t, :n], bank.hull_planes[t, :n])
+        planes_and_edges(bank.hull_vertices[t], bank.hull_triangles[t, :n], bank.hull_planes[t, :n])
         for t, n in enumerate(bank.hull_num_triangles)
     ]
     arrays = (along.min(1), along.max(1), _pad([p for p, _ in parts]), _pad([e for _, e in parts]))

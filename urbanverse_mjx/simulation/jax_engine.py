@@ -18,7 +18,7 @@ from mujoco import mjx
 from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from . import constraint, hull_contact, slots
-from .physics_model import make_physics_model
+from .engine_base import EngineBase, Substeps
 
 
 class EngineTables(NamedTuple):
@@ -46,18 +46,7 @@ class _Touch(NamedTuple):
     missed: Any
 
 
-class Substeps(NamedTuple):
-    """What happened in each of the S physics steps of one control step.
-
-    Attributes:
-      qpos: (S, nq) after the step. hit: (S,) bool, see `Contacts`.
-    """
-
-    qpos: Any
-    hit: Any
-
-
-class JaxEngine:
+class JaxEngine(EngineBase):
     """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
 
     Args:
@@ -85,48 +74,17 @@ class JaxEngine:
         iterations: int = 10,
         line_steps: int = 8,
     ) -> None:
-        self.robot = robot
-        self.physics = make_physics_model(robot)
-        self.control_dt = v.number(control_dt, "engine.control_dt", above=0.0)
-        self.num_substeps = round(control_dt / robot.physics_timestep)
-        if abs(self.num_substeps * robot.physics_timestep - control_dt) > 1e-9 or self.num_substeps < 1:
-            raise v.fail(
-                "engine.control_dt", f"{control_dt:g} s", f"a multiple of the physics step {robot.physics_timestep:g} s"
-            )
-        self.num_slots = v.integer(num_slots, "engine.num_slots", 0)
-        self.num_prism_slots = v.integer(num_prism_slots, "engine.num_prism_slots", 1)
-        pairs = (num_slots + num_prism_slots) * len(self.physics.spheres.radius)
-        self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, pairs)
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots)
+        self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, self.num_pairs)
         self.iterations = v.integer(iterations, "engine.iterations", 1)
         self.line_steps = v.integer(line_steps, "engine.line_steps", 1)
-        #: Farthest that a hull may be and still be touched before the next look-up, m.
-        self.reach = robot.circumradius + robot.max_speed * control_dt
-        grid_reach = float(bank.meta["grid_reach"])
-        if self.reach > grid_reach + 1e-6:
-            raise v.fail(
-                "bank.meta.grid_reach",
-                f"{grid_reach:g} m",
-                f"{self.reach:g} m for {robot.name!r}",
-                "pack the bank again",
-            )
         objects, prisms = slots.instance_tables(bank)
         self.tables = EngineTables(
             hull_contact.hull_table(bank), objects, prisms, jnp.asarray(bank.grid_origin), jnp.asarray(bank.grid_cell)
         )
         self._grid_shape = (bank.hull_grid.shape[1], bank.hull_grid.shape[2])
-        self._data = mjx.make_data(self.physics.model)
         first = int(self.physics.model.jnt_qposadr[self.physics.model.body_jntadr[self.physics.root]])
         self._root_qpos = slice(first, first + 3)
-
-    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
-        """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,)."""
-        scene = jnp.asarray(scene, jnp.int32)
-        qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
-        data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
-        no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
-        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()))
-        zero = jnp.zeros((), jnp.int32)
-        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, jnp.zeros_like(qvel))
 
     def step(self, state: SimState, ctrl: Any) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""

@@ -91,7 +91,7 @@ class PhysicsModel:
     root: int
 
 
-def _bare(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+def bare_robot(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     """Takes out whatever does not move the robot and turns MuJoCo's own collisions off."""
     for geom in list(spec.geoms):
         if geom.contype == 0 and geom.conaffinity == 0:
@@ -173,7 +173,7 @@ def make_physics_model(robot: RobotSpec) -> PhysicsModel:
       NounError: a collision geom that is no sphere, no or several free joints, an unknown foot, other options than
         Euler and pyramidal cones, or a time step that differs from the robot's.
     """
-    spec = _bare(mujoco.MjSpec.from_string(robot.mjcf))
+    spec = bare_robot(mujoco.MjSpec.from_string(robot.mjcf))
     model = spec.compile()
     _check(robot, model)
     spheres, limits = _sphere_table(robot, model), _limit_table(model)

@@ -4,7 +4,6 @@ Warp draws, on the CPU and on CUDA, by our own walk through search trees that ar
 mujoco-warp-pbr's materials; this module is the only one that the rest of the program knows of either.
 """
 
-import collections
 import concurrent.futures
 from collections.abc import Sequence
 from typing import Any
@@ -19,13 +18,11 @@ from ..datatypes import NounError, RobotSpec, SceneBank
 from .render_model import build_render_model
 from .render_settings import NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
 from .street_batch import StreetBatch, Streets
-from .warp_bridge import batched_call, register, registered
+from .warp_bridge import RecentBatches, batched_call, device_lock, register, registered
 
 __all__ = ["OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
 
 SKY_LABEL = -1
-#: Batches of other sizes that are kept before the oldest is dropped (training, evaluation, a single frame, ...).
-KEPT_BATCHES = 8
 
 
 def _draw(
@@ -103,8 +100,7 @@ class Renderer:
         self._model = build_render_model(bank, robot)
         self.num_bodies = self._model.num_bodies
         self.camera = None if robot is None else self._find_camera(camera or robot.camera)
-        self._assets: dict[str, Streets] = {}
-        self._batches: collections.OrderedDict[tuple[str, int], StreetBatch] = collections.OrderedDict()
+        self._devices: dict[str, tuple[Streets, RecentBatches[StreetBatch]]] = {}
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
         self._number = register(self)
         self._view = batched_call(_batch_function(self._number, self.settings))
@@ -158,7 +154,7 @@ class Renderer:
     @property
     def num_contexts(self) -> int:
         """Batches for which a render context is kept; made when a batch of a new size is first drawn."""
-        return len(self._batches)
+        return sum(len(batches) for _, batches in self._devices.values())
 
     def _render(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
         """Draws a batch of worlds, on the CPU in several threads; called by Warp with its device set.
@@ -171,7 +167,11 @@ class Renderer:
         scene = inputs[0]
         if scene.shape[0] == 0:
             return
-        assets, batch = self._batch(scene.device, scene.shape[0])
+        with device_lock(scene.device):
+            self._draw_all(scene.device, inputs, outputs)
+
+    def _draw_all(self, device: Any, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
+        assets, batch = self._batch(device, inputs[0].shape[0])
         jobs = batch.jobs(inputs, outputs)
         # The first launch compiles the kernel, which threads must not do at the same time.
         while jobs and (len(jobs) == 1 or not assets.ready):
@@ -183,16 +183,12 @@ class Renderer:
                 waiting.result()
 
     def _batch(self, device: Any, total: int) -> tuple[Streets, StreetBatch]:
-        name, key = str(device), (str(device), total)
-        if name not in self._assets:
-            self._assets[name] = Streets(self.bank, self._model, self.settings)
-        if key not in self._batches:
-            threads = self.threads if device.is_cpu else 1
-            self._batches[key] = StreetBatch(self._assets[name], total, threads)
-            while len(self._batches) > KEPT_BATCHES:
-                self._batches.popitem(last=False)
-        self._batches.move_to_end(key)
-        return self._assets[name], self._batches[key]
+        name = str(device)
+        if name not in self._devices:
+            self._devices[name] = Streets(self.bank, self._model, self.settings), RecentBatches(device)
+        assets, batches = self._devices[name]
+        threads = self.threads if device.is_cpu else 1
+        return assets, batches.get_or_make(total, lambda: StreetBatch(assets, total, threads))
 
 
 def _batch_function(number: int, settings: Settings) -> Any:

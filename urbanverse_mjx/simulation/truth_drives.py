@@ -92,6 +92,11 @@ def _street(bank: SceneBank, scene: int) -> _Street:
     return _Street(centre, rotation, box[:, 1], planes, corners.min((0, 1))[:2], corners.max((0, 1))[:2])
 
 
+def ground_height(bank: SceneBank, scene: int, points: np.ndarray) -> np.ndarray:
+    """(n,) m of a scene's ground under points (n, 2); NaN where there is none."""
+    return _street(bank, scene).height(points)
+
+
 @dataclasses.dataclass(frozen=True)
 class _Plan:
     """Proposed drives: place (n, 2) m, yaw (n,), speed (n,) m/s, yaw rate = swing sin(pulse t) (n,) rad/s, rad/s."""

@@ -4,6 +4,7 @@ Whoever is called stands in a registry under a small number, and compiled code c
 keep compiled functions for ever, and so a deleted renderer can give its memory back.
 """
 
+import collections
 import itertools
 import math
 import threading
@@ -13,10 +14,15 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import warp as wp
+
+#: Batches of other sizes that are kept before the oldest is dropped (training, evaluation, a single env, ...).
+KEPT_BATCHES = 8
 
 _numbers = itertools.count(1)
 _registry: "weakref.WeakValueDictionary[int, Any]" = weakref.WeakValueDictionary()
 _lock = threading.Lock()
+_device_locks: collections.defaultdict[str, threading.RLock] = collections.defaultdict(threading.RLock)
 
 
 def register(owner: Any) -> int:
@@ -36,10 +42,39 @@ def registered(number: int) -> Any:
     owner = _registry.get(number)
     if owner is None:
         raise RuntimeError(
-            "found a call into a renderer that was deleted; needed one that is alive; keep a reference to it as long "
-            "as functions compiled with it are used"
+            "found a call into a renderer or an engine that was deleted; needed one that is alive; keep a reference to "
+            "it as long as functions compiled with it are used"
         )
     return owner
+
+
+def device_lock(device: Any) -> threading.RLock:
+    """Held while one thread launches on a Warp device.
+
+    Under `jax.pmap` every JAX device calls from a thread of its own, and the devices that XLA cuts a CPU into are one
+    device to Warp.
+    """
+    with _lock:
+        return _device_locks[str(device)]
+
+
+class RecentBatches[Batch](collections.OrderedDict[Any, Batch]):
+    """The `KEPT_BATCHES` batches of one Warp device used last."""
+
+    def __init__(self, device: Any) -> None:
+        super().__init__()
+        self.device = device
+
+    def get_or_make(self, key: Any, make: Callable[[], Batch]) -> Batch:
+        """The batch of a key, made where it is not kept."""
+        if key not in self:
+            self[key] = make()
+            while len(self) > KEPT_BATCHES:
+                # What was launched before may still be running on it.
+                wp.synchronize_device(self.device)
+                self.popitem(last=False)
+        self.move_to_end(key)
+        return self[key]
 
 
 def batched_call(batch: Callable[..., Any]) -> Callable[..., Any]:

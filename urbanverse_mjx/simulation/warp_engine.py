@@ -8,27 +8,21 @@ A control step is one call into Warp: slots are found, the physics steps run, th
 The bank stands on the Warp device once, so which scene an env is in is data: changing it compiles nothing.
 """
 
-import collections
 from collections.abc import Sequence
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import warp as wp
-from mujoco import mjx
 
 from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
-from .jax_engine import Substeps
-from .physics_model import make_physics_model
+from .engine_base import EngineBase, Substeps
 from .warp_batch import WorldBatch
-from .warp_bridge import batched_call, register, registered
+from .warp_bridge import RecentBatches, batched_call, device_lock, register, registered
 from .warp_model import DeviceModel, build_robot_model
 
 __all__ = ["WarpEngine"]
-
-#: Batches of other sizes that are kept before the oldest is dropped (training, evaluation, a single env, ...).
-KEPT_BATCHES = 8
 
 
 def _step(
@@ -46,36 +40,15 @@ def _step(
     xquat: wp.array2d[wp.vec4],
     force: wp.array[wp.float32],
     touch: wp.array2d[wp.int32],
-) -> None:
-    """What JAX calls."""
-    outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch)
-    registered(owner)._run((scene, centre, qpos, qvel, warm, ctrl), outputs)
-
-
-def _step_and_record(
-    owner: int,
-    scene: wp.array[wp.int32],
-    centre: wp.array[wp.vec3],
-    qpos: wp.array2d[wp.float32],
-    qvel: wp.array2d[wp.float32],
-    warm: wp.array2d[wp.float32],
-    ctrl: wp.array2d[wp.float32],
-    qpos_out: wp.array2d[wp.float32],
-    qvel_out: wp.array2d[wp.float32],
-    warm_out: wp.array2d[wp.float32],
-    xpos: wp.array2d[wp.vec3],
-    xquat: wp.array2d[wp.vec4],
-    force: wp.array[wp.float32],
-    touch: wp.array2d[wp.int32],
     path: wp.array3d[wp.float32],
     hit: wp.array2d[wp.int32],
 ) -> None:
-    """What JAX calls where every physics step is asked for."""
+    """What JAX calls; path and hit have no physics step where none is asked for."""
     outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, path, hit)
     registered(owner)._run((scene, centre, qpos, qvel, warm, ctrl), outputs)
 
 
-class WarpEngine:
+class WarpEngine(EngineBase):
     """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
 
     Args:
@@ -105,28 +78,9 @@ class WarpEngine:
         line_steps: int = 10,
         graphs: bool = True,
     ) -> None:
-        self.bank, self.robot = bank, robot
-        self.physics = make_physics_model(robot)
-        self.control_dt = v.number(control_dt, "engine.control_dt", above=0.0)
-        self.num_substeps = round(control_dt / robot.physics_timestep)
-        if abs(self.num_substeps * robot.physics_timestep - control_dt) > 1e-9 or self.num_substeps < 1:
-            raise v.fail(
-                "engine.control_dt", f"{control_dt:g} s", f"a multiple of the physics step {robot.physics_timestep:g} s"
-            )
-        self.num_slots = v.integer(num_slots, "engine.num_slots", 0)
-        self.num_prism_slots = v.integer(num_prism_slots, "engine.num_prism_slots", 1)
-        pairs = (num_slots + num_prism_slots) * len(self.physics.spheres.radius)
-        self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), pairs)
-        #: Farthest that a hull may be and still be touched before the next look-up, m.
-        self.reach = robot.circumradius + robot.max_speed * control_dt
-        grid_reach = float(bank.meta["grid_reach"])
-        if self.reach > grid_reach + 1e-6:
-            raise v.fail(
-                "bank.meta.grid_reach",
-                f"{grid_reach:g} m",
-                f"{self.reach:g} m for {robot.name!r}",
-                "pack the bank again",
-            )
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots)
+        self.bank = bank
+        self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), self.num_pairs)
         self._robot_model = build_robot_model(
             bank,
             self.physics,
@@ -134,24 +88,12 @@ class WarpEngine:
             v.integer(line_steps, "engine.line_steps", 1),
         )
         self.graphs = graphs
-        self._data = mjx.make_data(self.physics.model)
-        self._shared: dict[str, DeviceModel] = {}
-        self._batches: collections.OrderedDict[tuple[str, int, bool], WorldBatch] = collections.OrderedDict()
+        self._devices: dict[str, tuple[DeviceModel, RecentBatches[WorldBatch]]] = {}
         number = register(self)
         model = self.physics.model
         sizes = (model.nq, model.nv, model.nbody)
         self._call = batched_call(_batch_function(number, sizes, 0))
         self._call_and_record = batched_call(_batch_function(number, sizes, self.num_substeps))
-
-    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
-        """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,)."""
-        scene = jnp.asarray(scene, jnp.int32)
-        qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
-        data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
-        no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
-        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()))
-        zero = jnp.zeros((), jnp.int32)
-        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, jnp.zeros_like(qvel))
 
     def step(self, state: SimState, ctrl: Any) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""
@@ -159,20 +101,20 @@ class WarpEngine:
 
     def step_and_record(self, state: SimState, ctrl: Any) -> tuple[SimState, Substeps]:
         """`step`, and what happened on the way."""
-        after, (path, hit) = self._advance(self._call_and_record, state, ctrl)
+        after, path, hit = self._advance(self._call_and_record, state, ctrl)
         return after, Substeps(path, hit > 0)
 
     @property
     def num_contexts(self) -> int:
         """Batches for which data is kept; made when a batch of a new size is first stepped."""
-        return len(self._batches)
+        return sum(len(batches) for _, batches in self._devices.values())
 
-    def _advance(self, call: Any, state: SimState, ctrl: Any) -> tuple[SimState, list[Any]]:
+    def _advance(self, call: Any, state: SimState, ctrl: Any) -> tuple[SimState, Any, Any]:
         # Warp does not check indices; JAX's own gathers clamp them.
         scene = jnp.clip(jnp.asarray(state.scene, jnp.int32), 0, self.bank.num_scenes - 1)
         arrays = (state.xpos[self.physics.root], state.qpos, state.qvel, state.carry, ctrl)
         out = call(scene, *(jnp.asarray(x, jnp.float32) for x in arrays))
-        qpos, qvel, warm, xpos, xquat, force, touch, *record = out
+        qpos, qvel, warm, xpos, xquat, force, touch, path, hit = out
         owner, ground, count, overflow = (touch[i] for i in range(4))
         contacts = Contacts(
             hit=count > 0,
@@ -181,7 +123,7 @@ class WarpEngine:
             hit_force=force,
             hit_fraction=count / self.num_substeps,
         )
-        return SimState(state.scene, qpos, qvel, xpos, xquat, contacts, overflow, warm), record
+        return SimState(state.scene, qpos, qvel, xpos, xquat, contacts, overflow, warm), path, hit
 
     def _run(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array]) -> None:
         """Steps a batch of worlds; called by Warp with its device set.
@@ -189,45 +131,37 @@ class WarpEngine:
         Args:
           inputs: scene (n,) int, the root body's place (n,) vec3, qpos (n, nq), qvel (n, nv), warm start (n, nv),
             ctrl (n, nu).
-          outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 4) and,
-            where they are asked for, path (n, S, nq) and hit (n, S); see `warp_kernels.finish` and `record`.
+          outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 4), path
+            (n, S, nq) and hit (n, S), S = 0 where no physics step is asked for; see `warp_kernels.finish`, `record`.
         """
         scene = inputs[0]
         if scene.shape[0] == 0:
             return
-        batch = self._batch(scene.device, scene.shape[0], len(outputs) > 7)
-        batch.control_step(inputs, outputs, self.num_substeps)
+        with device_lock(scene.device):
+            batch = self._batch(scene.device, scene.shape[0], outputs[-1].shape[1])
+            batch.control_step(inputs, outputs, self.num_substeps)
 
-    def _batch(self, device: Any, total: int, recorded: bool) -> WorldBatch:
-        name, key = str(device), (str(device), total, recorded)
-        if name not in self._shared:
-            self._shared[name] = DeviceModel(self.bank, self._robot_model, self.reach)
-        if key not in self._batches:
-            steps = self.num_substeps if recorded else 0
-            sizes = (self.num_slots, self.num_prism_slots, self.num_contacts)
-            self._batches[key] = WorldBatch(self._shared[name], total, *sizes, steps, self.graphs)
-            while len(self._batches) > KEPT_BATCHES:
-                # What was launched before may still be running on it.
-                wp.synchronize_device(device)
-                self._batches.popitem(last=False)
-        self._batches.move_to_end(key)
-        return self._batches[key]
+    def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch:
+        name = str(device)
+        if name not in self._devices:
+            self._devices[name] = DeviceModel(self.bank, self._robot_model, self.reach), RecentBatches(device)
+        shared, batches = self._devices[name]
+        sizes = (self.num_slots, self.num_prism_slots, self.num_contacts)
+        return batches.get_or_make((total, recorded), lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs))
 
 
 def _batch_function(number: int, sizes: tuple[int, int, int], recorded: int) -> Any:
     """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number."""
     nq, nv, nbody = sizes
-    called, num_outputs = (_step_and_record, 9) if recorded else (_step, 7)
     # Batches are made when a call first runs, which a graph capture around it would not allow; they capture their own
     # graphs.
-    function = wp.jax_callable(called, num_outputs=num_outputs, graph_mode=wp.JaxCallableGraphMode.NONE)
+    function = wp.jax_callable(_step, num_outputs=9, graph_mode=wp.JaxCallableGraphMode.NONE)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> Any:
         n = scene.shape[0]
         shapes: dict[str, tuple[int, ...]] = {"qpos_out": (n, nq), "qvel_out": (n, nv), "warm_out": (n, nv)}
         shapes |= {"xpos": (n, nbody), "xquat": (n, nbody), "force": (n,), "touch": (n, 4)}
-        if recorded:
-            shapes |= {"path": (n, recorded, nq), "hit": (n, recorded)}
+        shapes |= {"path": (n, recorded, nq), "hit": (n, recorded)}
         return function(number, scene, *arrays, output_dims=shapes)
 
     return batch

@@ -20,8 +20,8 @@ from ..datatypes import validation as v
 from . import slots
 from . import warp_contact as contact
 from . import warp_kernels as kernels
-from .hull_contact import _planes_and_edges
-from .physics_model import PhysicsModel, _bare
+from .hull_contact import planes_and_edges
+from .physics_model import PhysicsModel, bare_robot
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,7 +51,7 @@ def build_robot_model(bank: SceneBank, physics: PhysicsModel, iterations: int, l
     Raises:
       NounError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry.
     """
-    spec = _bare(mujoco.MjSpec.from_string(physics.spec.mjcf))
+    spec = bare_robot(mujoco.MjSpec.from_string(physics.spec.mjcf))
     for geom in spec.geoms:
         geom.contype = geom.conaffinity = 0
     size = [0.01, 0.0, 0.0]
@@ -108,7 +108,7 @@ def _spheres(robot: RobotModel) -> Any:
 
 def _hulls(bank: SceneBank) -> Any:
     parts = [
-        _planes_and_edges(bank.hull_vertices[t], bank.hull_triangles[t, :n], bank.hull_planes[t, :n])
+        planes_and_edges(bank.hull_vertices[t], bank.hull_triangles[t, :n], bank.hull_planes[t, :n])
         for t, n in enumerate(bank.hull_num_triangles)
     ]
     planes, edges = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))

@@ -1,0 +1,70 @@
+"""What both engines share: the robot's physics model, the checks of their sizes, first states."""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from mujoco import mjx
+
+from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
+from ..datatypes import validation as v
+from .physics_model import make_physics_model
+
+
+class Substeps(NamedTuple):
+    """What happened in each of the S physics steps of one control step.
+
+    Attributes:
+      qpos: (S, nq) after the step. hit: (S,) bool, see `Contacts`.
+    """
+
+    qpos: Any
+    hit: Any
+
+
+class EngineBase:
+    """The part of an engine that does not depend on who computes the physics; for the arguments see the engines.
+
+    Raises:
+      NounError: a control period that is no multiple of the time step, no slots, or a bank whose grids do not reach as
+        far as the robot can get in one control step.
+    """
+
+    def __init__(
+        self, bank: SceneBank, robot: RobotSpec, control_dt: float, num_slots: int, num_prism_slots: int
+    ) -> None:
+        self.robot = robot
+        self.physics = make_physics_model(robot)
+        self.control_dt = v.number(control_dt, "engine.control_dt", above=0.0)
+        self.num_substeps = round(control_dt / robot.physics_timestep)
+        if abs(self.num_substeps * robot.physics_timestep - control_dt) > 1e-9 or self.num_substeps < 1:
+            raise v.fail(
+                "engine.control_dt", f"{control_dt:g} s", f"a multiple of the physics step {robot.physics_timestep:g} s"
+            )
+        self.num_slots = v.integer(num_slots, "engine.num_slots", 0)
+        self.num_prism_slots = v.integer(num_prism_slots, "engine.num_prism_slots", 1)
+        #: Farthest that a hull may be and still be touched before the next look-up, m.
+        self.reach = robot.circumradius + robot.max_speed * control_dt
+        grid_reach = float(bank.meta["grid_reach"])
+        if self.reach > grid_reach + 1e-6:
+            raise v.fail(
+                "bank.meta.grid_reach",
+                f"{grid_reach:g} m",
+                f"{self.reach:g} m for {robot.name!r}",
+                "pack the bank again",
+            )
+        self._data = mjx.make_data(self.physics.model)
+
+    @property
+    def num_pairs(self) -> int:
+        """Pairs of a sphere of the robot and a slot."""
+        return (self.num_slots + self.num_prism_slots) * len(self.physics.spheres.radius)
+
+    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
+        """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,)."""
+        scene = jnp.asarray(scene, jnp.int32)
+        qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
+        data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
+        no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
+        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()))
+        zero = jnp.zeros((), jnp.int32)
+        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, jnp.zeros_like(qvel))
