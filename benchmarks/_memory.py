@@ -1,5 +1,6 @@
 """How much memory this process and its device hold."""
 
+import pathlib
 import resource
 import subprocess
 import sys
@@ -39,6 +40,19 @@ def device_mib() -> float | None:
         return float(done.stdout.split()[0])
     except (OSError, subprocess.SubprocessError, ValueError, IndexError):
         return None
+
+
+def in_use_mib() -> float:
+    """Memory that this process holds now on its GPU, JAX's and Warp's; resident memory where there is none.
+
+    Raises:
+      OSError: no GPU, and a system that does not tell (no /proc).
+    """
+    jax_now, warp_now = jax_mib()[0], warp_mib()[0]
+    if jax_now is not None:
+        return jax_now + (warp_now or 0.0)
+    pages = int(pathlib.Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * resource.getpagesize() / 2**20
 
 
 def report() -> dict[str, float | None]:

@@ -49,17 +49,29 @@ class BankArgs:
     seed: int = 0
     split: str = "train"
     """Split of the graphs given by name, "train" or "test"; shipped streets have their own (scenes/splits.json)."""
+    cousins: int = 1
+    """Digital cousins of each graph given by name: the same places, other assets, materials and sky."""
     quiet: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class JoinArgs:
+    """Join bank files into one with all their scenes, each in its old split; prints one JSON line."""
+
+    banks: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional]
+    """Bank files; no scene may stand in two of them."""
+    out: pathlib.Path
+    """Bank file to write."""
 
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse scene ...`."""
     args = tyro.extras.subcommand_cli_from_dict(
-        {"compile": CompileArgs, "bank": BankArgs}, args=list(argv), prog="urbanverse scene"
+        {"compile": CompileArgs, "bank": BankArgs, "join": JoinArgs}, args=list(argv), prog="urbanverse scene"
     )
     if isinstance(args, CompileArgs):
         return _compile(args)
-    return _bank(args)
+    return _join(args) if isinstance(args, JoinArgs) else _bank(args)
 
 
 def _compile(args: CompileArgs) -> int:
@@ -114,8 +126,10 @@ def make_driver() -> "Driver":
 def _bank(args: BankArgs) -> int:
     if args.graphs:
         v.choice(args.split, "--split", ("train", "test"))
+        v.integer(args.cousins, "--cousins", 1)
         out = args.out or settings.default_bank_path()
-        bank = build_bank(args.graphs, [args.split] * len(args.graphs), args.seed, args.quiet)
+        splits = [args.split] * len(args.graphs)
+        bank = build_bank(args.graphs, splits, args.seed, args.quiet, args.cousins)
         bank.save(out)
     elif args.out is not None:
         out = args.out
@@ -124,7 +138,19 @@ def _bank(args: BankArgs) -> int:
     else:
         out = settings.default_bank_path()
         bank = ensure_default_bank(args.quiet)
-    print(json.dumps({"bank": str(out), "scenes": list(bank.scene_ids), "hulls": bank.num_hulls}))
+    return _say_bank(out, bank)
+
+
+def _join(args: JoinArgs) -> int:
+    from ..datatypes.bank_join import join
+
+    bank = join([SceneBank.load(path) for path in args.banks])
+    bank.save(args.out)
+    return _say_bank(args.out, bank)
+
+
+def _say_bank(path: pathlib.Path, bank: SceneBank) -> int:
+    print(json.dumps({"bank": str(path), "scenes": list(bank.scene_ids), "hulls": bank.num_hulls}))
     return 0
 
 
@@ -150,8 +176,10 @@ def ensure_default_bank(quiet: bool = False) -> SceneBank:
     return SceneBank.load(path)
 
 
-def build_bank(graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int = 0, quiet: bool = False) -> SceneBank:
-    """Compiles the graphs in parallel processes and packs them.
+def build_bank(
+    graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int = 0, quiet: bool = False, cousins: int = 1
+) -> SceneBank:
+    """Compiles the graphs, `cousins` of each, in parallel processes and packs them.
 
     Raises:
       NounError: a graph that cannot be compiled; the message names it.
@@ -163,25 +191,26 @@ def build_bank(graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int 
 
     # Not forked: JAX and MuJoCo may already run threads here.
     context = multiprocessing.get_context("spawn")
-    workers = max(1, min(settings.num_threads(), len(graphs)))
+    wanted = [(graph, cousin) for graph in graphs for cousin in range(cousins)]
+    workers = max(1, min(settings.num_threads(), len(wanted)))
     with (
         tempfile.TemporaryDirectory(prefix="urbanverse-scenes-") as work,
         Progress(console=Console(stderr=True), disable=quiet) as progress,
         concurrent.futures.ProcessPoolExecutor(workers, mp_context=context) as pool,
     ):
-        task = progress.add_task("compiling scenes", total=len(graphs))
-        folders = [pathlib.Path(work) / str(i) for i in range(len(graphs))]
-        jobs = [pool.submit(_compile_job, g, f, seed) for g, f in zip(graphs, folders, strict=True)]
+        task = progress.add_task("compiling scenes", total=len(wanted))
+        folders = [pathlib.Path(work) / str(i) for i in range(len(wanted))]
+        jobs = [pool.submit(_compile_job, *w, f, seed) for w, f in zip(wanted, folders, strict=True)]
         for job in concurrent.futures.as_completed(jobs):
             if job.exception() is not None:
                 pool.shutdown(wait=False, cancel_futures=True)
             job.result()
             progress.advance(task)
-        return pack_bank(folders, splits)
+        return pack_bank(folders, [split for split in splits for _ in range(cousins)])
 
 
-def _compile_job(graph: pathlib.Path, out: pathlib.Path, seed: int) -> None:
+def _compile_job(graph: pathlib.Path, cousin: int, out: pathlib.Path, seed: int) -> None:
     try:
-        compile_graph(graph, out, seed)
+        compile_graph(graph, out, seed, cousin)
     except v.NounError as error:
         raise v.NounError(f"{graph}: {error}") from error

@@ -45,6 +45,12 @@ class TrainArgs:
     """Write an mp4 of a rollout."""
     quiet: bool = False
     """No progress bars."""
+    coordinator: str | None = None
+    """Training over several hosts: HOST:PORT of process 0; "auto" under Slurm, Open MPI and Kubernetes."""
+    num_processes: int | None = None
+    """How many processes train together (with --coordinator)."""
+    process_id: int | None = None
+    """Which of them this is, from 0 (with --coordinator); only process 0 writes and evaluates."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -68,11 +74,13 @@ def run(args: TrainArgs) -> dict[str, Any]:
     """Trains and evaluates; returns what is printed."""
     from ..envs import registry
     from ..training.config import default_ppo_config
-    from ..training.run import train
+    from ..training.run import join_processes, train
     from . import _evaluation
     from .scene import ensure_default_bank
 
     begin = time.monotonic()
+    if args.coordinator is not None:
+        join_processes(args.coordinator, args.num_processes, args.process_id)
     env_overrides = _json_object(args.env_overrides, "--playground-config-overrides")
     ppo = registry.with_overrides(default_ppo_config(args.preset), _json_object(args.ppo_overrides, "--ppo-overrides"))
     chosen = {"num_timesteps": args.num_timesteps, "num_envs": args.num_envs, "seed": args.seed}
@@ -87,7 +95,7 @@ def run(args: TrainArgs) -> dict[str, Any]:
     trained = time.monotonic()
     _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", args)
     summary: dict[str, Any] = {}
-    if args.num_episodes:
+    if args.num_episodes and result.policy is not None:
         summary = _evaluation.evaluate_policy(
             result.policy, bank, folder / "evaluation", args.num_episodes, args.seed, args.video, args.quiet
         )

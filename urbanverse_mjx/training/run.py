@@ -22,12 +22,12 @@ class TrainingResult:
     """What a training left behind.
 
     Attributes:
-      policy: folder of the last policy.
+      policy: folder of the last policy; None in all processes of a training over several hosts but the first.
       steps: env-steps in all segments; seconds: wall time of this segment, compilation included.
       steps_per_second: median over the run's logging intervals, compilation left out.
     """
 
-    policy: pathlib.Path
+    policy: pathlib.Path | None
     steps: int
     seconds: float
     steps_per_second: float
@@ -71,7 +71,7 @@ def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
         "normalize_observations": False,
         "num_evals": config.num_checkpoints + 1,
         # Brax builds an evaluator even when it never runs it; the same size shares the render context.
-        "num_eval_envs": config.num_envs // jax.local_device_count(),
+        "num_eval_envs": config.num_envs // jax.device_count(),
         "run_evals": False,
         "log_training_metrics": True,
         "training_metrics_steps": batch_size * num_minibatches * config.unroll_length,
@@ -101,15 +101,17 @@ def train(
     """
     ppo = load_ppo()
     folder = folder.absolute()
-    folder.mkdir(parents=True, exist_ok=True)
+    writes = jax.process_index() == 0
+    if writes:
+        folder.mkdir(parents=True, exist_ok=True)
     start, params = _start_of(folder, resume)
     total = int(ppo_config.num_timesteps)
     if start >= total:
         raise NounError(f"ppo.num_timesteps: found {total}, but {start} are done already; ask for more.")
-    v.write_json(
-        folder / "config.json", {"environment": environment, "env": env.config.to_dict(), "ppo": ppo_config.to_dict()}
-    )
-    log = TrainingLog(folder, total, start, quiet)
+    if ppo_config.num_envs % jax.device_count():
+        raise NounError(
+            f"ppo.num_envs: found {ppo_config.num_envs}, needed a multiple of the {jax.device_count()} devices."
+        )
     last: list[pathlib.Path] = []
 
     def keep(step: int, _: Any, params: Any) -> None:
@@ -117,6 +119,10 @@ def train(
             spec = PolicySpec.of(environment, env, ppo_config, start + step)
             last.append(save_policy(folder / "checkpoints", params, spec))
 
+    if writes:
+        config = {"environment": environment, "env": env.config.to_dict(), "ppo": ppo_config.to_dict()}
+        v.write_json(folder / "config.json", config)
+    log = TrainingLog(folder, total, start, quiet) if writes else None
     begin = time.monotonic()
     try:
         ppo.train(
@@ -127,17 +133,52 @@ def train(
             # Another seed after a resume: the same one would replay the first segment's episodes.
             seed=ppo_config.seed + start,
             network_factory=network_factory(ppo_config),
-            progress_fn=log,
+            progress_fn=log or _say_nothing,
             policy_params_fn=keep,
             restore_params=params,
             **_ppo_arguments(ppo_config),
         )
         jax.effects_barrier()
     finally:
-        log.close()
+        if log is not None:
+            log.close()
     return TrainingResult(
-        policy=last[-1],
-        steps=PolicySpec.load(last[-1]).steps,
+        policy=last[-1] if last else None,
+        steps=PolicySpec.load(last[-1]).steps if last else total,
         seconds=time.monotonic() - begin,
-        steps_per_second=log.steps_per_second,
+        steps_per_second=log.steps_per_second if log is not None else 0.0,
     )
+
+
+def _say_nothing(_: int, __: Any) -> None:
+    pass
+
+
+def join_processes(coordinator: str, num_processes: int | None, process_id: int | None) -> None:
+    """Makes this process one of several that train together, each on the devices of its own host.
+
+    To be called before anything asks JAX for a device. All processes then call `train` with the same arguments;
+    `num_envs` counts the envs of all of them. Only the first writes.
+
+    Args:
+      coordinator: "host:port" of the first process; "auto" where JAX knows the cluster (Slurm, Open MPI, Kubernetes).
+      num_processes, process_id: how many there are, and which this is; needed unless "auto".
+
+    Raises:
+      NounError: a coordinator without numbers, or a number outside its range.
+    """
+    if coordinator == "auto":
+        jax.distributed.initialize()
+        return
+    if num_processes is None or process_id is None:
+        raise NounError(
+            f"--coordinator: found {coordinator!r} without --num-processes and --process-id, needed all three, or "
+            "'auto' on a cluster that JAX knows."
+        )
+    v.integer(num_processes, "--num-processes", 1)
+    v.integer(process_id, "--process-id", 0, num_processes - 1)
+    if ":" not in coordinator:
+        raise NounError(f"--coordinator: found {coordinator!r}, needed HOST:PORT of process 0.")
+    # Processes on CPUs (tests, clusters without accelerators) need a library for their sums.
+    jax.config.update("jax_cpu_collectives_implementation", "gloo")
+    jax.distributed.initialize(coordinator, num_processes, process_id)

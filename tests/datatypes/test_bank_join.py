@@ -1,0 +1,116 @@
+"""Joined banks: every scene looks up the same hulls, meshes, textures, skies and episodes as before."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes.bank_join import join
+
+
+def renamed(bank: SceneBank, suffix: str) -> SceneBank:
+    return dataclasses.replace(bank, meta={**bank.meta, "scene_ids": [s + suffix for s in bank.scene_ids]})
+
+
+def wider(bank: SceneBank) -> SceneBank:
+    """The same streets in larger arrays, with one more corner on every route."""
+    more = bank.episode_waypoints[:, :, -1:]
+    slots = np.full((bank.num_scenes, 3), -1, np.int32)
+    ids = [[*row, "", "", ""] for row in bank.meta["object_ids"]]
+    still = np.tile(np.array([1, 0, 0, 0], np.float32), (bank.num_scenes, 3, 1))
+    return dataclasses.replace(
+        bank,
+        episode_waypoints=np.concatenate([bank.episode_waypoints, more], 2),
+        slot_mesh=np.concatenate([bank.slot_mesh, slots], 1),
+        slot_category=np.concatenate([bank.slot_category, slots], 1),
+        slot_position=np.pad(bank.slot_position, ((0, 0), (0, 3), (0, 0))),
+        slot_quaternion=np.concatenate([bank.slot_quaternion, still], 1),
+        meta={**bank.meta, "object_ids": ids},
+    )
+
+
+def mesh(bank: SceneBank, number: int) -> tuple[np.ndarray, ...]:
+    vertices = slice(*bank.mesh_vertex_start[number : number + 2])
+    faces = slice(*bank.mesh_face_start[number : number + 2])
+    material = bank.mesh_material[number]
+    texture = bank.texture(bank.material_texture[material])
+    look = np.array([bank.material_roughness[material], bank.material_metallic[material]])
+    return bank.mesh_vertices[vertices], bank.mesh_uv[vertices], bank.mesh_faces[faces], texture, look
+
+
+def assert_same_scene(a: SceneBank, i: int, b: SceneBank, j: int) -> None:
+    for name in ("inst", "prism"):
+        rows_a, rows_b = getattr(a, f"{name}_hull")[i], getattr(b, f"{name}_hull")[j]
+        there = rows_a >= 0
+        assert (rows_b[: len(there)][there] >= 0).all()
+        assert (rows_b >= 0).sum() == there.sum()
+        for table in ("hull_vertices", "hull_planes", "hull_box", "hull_num_triangles"):
+            np.testing.assert_array_equal(
+                getattr(a, table)[rows_a[there]], getattr(b, table)[rows_b[: len(there)][there]]
+            )
+    for q, p in zip(a.slot_mesh[i], b.slot_mesh[j], strict=False):
+        assert (q < 0) == (p < 0)
+        if q >= 0:
+            for x, y in zip(mesh(a, q), mesh(b, p), strict=True):
+                np.testing.assert_array_equal(x, y)
+    for q, p in zip(a.slot_category[i], b.slot_category[j], strict=False):
+        assert (q < 0) == (p < 0)
+        assert q < 0 or a.meta["categories"][q] == b.meta["categories"][p]
+    np.testing.assert_array_equal(a.sky_radiance[a.scene_sky[i]], b.sky_radiance[b.scene_sky[j]])
+    number = int(a.num_episodes[i])
+    assert number == b.num_episodes[j]
+    for name in ("start", "goal", "num_waypoints", "length"):
+        key = f"episode_{name}"
+        np.testing.assert_array_equal(getattr(a, key)[i, :number], getattr(b, key)[j, :number])
+    old, new = a.episode_waypoints[i, :number], b.episode_waypoints[j, :number]
+    np.testing.assert_array_equal(old, new[:, : old.shape[1]])
+    assert (new[:, old.shape[1] :] == old[:, -1:]).all(), "the goal repeats"
+
+
+def test_every_scene_is_what_it_was(small_bank: SceneBank) -> None:
+    banks = [renamed(small_bank, "_a"), wider(renamed(small_bank, "_b"))]
+    whole = join(banks)
+    assert whole.scene_ids == banks[0].scene_ids + banks[1].scene_ids
+    assert whole.meta["splits"] == small_bank.meta["splits"] * 2
+    row = 0
+    for bank in banks:
+        for i in range(bank.num_scenes):
+            assert_same_scene(bank, i, whole, row)
+            row += 1
+    np.testing.assert_allclose(np.linalg.norm(whole.slot_quaternion, axis=-1), 1.0, atol=1e-5)
+    np.testing.assert_allclose(np.linalg.det(whole.inst_rotation), 1.0, atol=1e-4)
+
+
+def test_joined_bank_can_be_saved_and_one_bank_stays_as_it_is(small_bank: SceneBank, tmp_path) -> None:
+    join([small_bank, renamed(small_bank, "_b")]).save(tmp_path / "bank.npz")
+    assert SceneBank.load(tmp_path / "bank.npz").num_scenes == 2 * small_bank.num_scenes
+    alone = join([small_bank])
+    for name, array in small_bank.arrays().items():
+        np.testing.assert_array_equal(array, getattr(alone, name), err_msg=name)
+
+
+def test_maps_take_the_coarsest_cells(small_bank: SceneBank) -> None:
+    coarse = dataclasses.replace(
+        renamed(small_bank, "_b"),
+        map_kind=small_bank.map_kind[:, 1::2, 1::2],
+        map_resolution=np.float32(2 * small_bank.map_resolution),
+    )
+    whole = join([small_bank, coarse])
+    assert float(whole.map_resolution) == pytest.approx(2 * float(small_bank.map_resolution))
+    n = small_bank.num_scenes
+    np.testing.assert_array_equal(whole.map_kind[:n], whole.map_kind[n:])
+
+
+@pytest.mark.parametrize("word", ["scenes", "sky images", "reaches", "multiples", "at least one"])
+def test_what_does_not_fit_is_refused(small_bank: SceneBank, word: str) -> None:
+    other = renamed(small_bank, "_b")
+    banks = {
+        "scenes": [small_bank, small_bank],
+        "sky images": [small_bank, dataclasses.replace(other, sky_radiance=other.sky_radiance[:, ::2, ::2])],
+        "reaches": [small_bank, dataclasses.replace(other, meta={**other.meta, "grid_reach": 9.0})],
+        "multiples": [small_bank, dataclasses.replace(other, map_resolution=np.float32(0.13))],
+        "at least one": [],
+    }[word]
+    with pytest.raises(NounError, match=word):
+        join(banks)
