@@ -61,6 +61,25 @@ def test_drives_are_those_of_c_mujoco(impl: str, drive: str) -> None:
     assert (~np.isnan(report.after)).sum() >= 10
 
 
+@pytest.mark.parametrize("impl", ["jax", "warp"])
+def test_heavy_robots_on_slippery_ground_are_those_of_c_mujoco(impl: str) -> None:
+    """Mass and friction of the env, not of the bank: the same drives, another path, in all engines alike."""
+    robot, bank, drives, light = driven("differential", 3, 14)
+    models = [truth.truth_model(scene_spec(s), robot) for s in box_scenes(3)]
+    for model in models:
+        truth.scale_model(model, friction_scale=0.3, mass_scale=1.6)
+    expected = truth.drive_truth(models, robot, drives, CONTROL_DT)
+    engine = make_engine(bank, robot, impl=impl, control_dt=CONTROL_DT)
+    found = truth.drive_engine(engine, bank, drives, friction_scale=0.3, mass_scale=1.6)
+    report = truth.compare(expected, found, robot)
+    summary = report.summary()
+    assert np.abs(expected.qpos - light.qpos).max() > 0.05, "heavier robots drive elsewhere"
+    assert report.before.max() <= BEFORE, summary
+    assert report.onset.max() <= ONSET, summary
+    assert summary["after_1s_max_mm"] <= AFTER_MAX * 1e3, summary
+    assert report.ends_agree.all(), summary
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("impl", ["jax", "warp"])
 def test_sixty_drives_in_twenty_scenes_at_once(impl: str) -> None:

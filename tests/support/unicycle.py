@@ -31,7 +31,7 @@ class UnicycleEngine:
         xpos = jnp.zeros((2, 3)).at[1].set(qpos[:3])
         xquat = jnp.zeros((2, 4)).at[:, 0].set(1.0).at[1].set(qpos[3:7])
         contacts = NOTHING._replace(hit=hit, hit_fraction=hit.astype(jnp.float32))
-        return SimState(scene, qpos, qvel, xpos, xquat, contacts, jnp.int32(0), ())
+        return SimState(scene, qpos, qvel, xpos, xquat, contacts, jnp.int32(0), (), jnp.float32(1.0), jnp.float32(1.0))
 
     def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
         return self._state(scene, qpos, qvel, jnp.bool_(False))

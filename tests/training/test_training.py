@@ -37,6 +37,7 @@ def test_shim_gives_pmaps_own_sharding_and_ppo_loads() -> None:
     np.testing.assert_array_equal(placed["a"][0], tree["a"])
     through = jax.pmap(lambda t: t, axis_name="i")(placed)  # Brax's axis name
     assert jax.tree.map(lambda x: x.sharding, placed) == jax.tree.map(lambda x: x.sharding, through)
+    np.testing.assert_array_equal(brax_compat.own_copy(through)["a"], tree["a"])
     assert callable(brax_compat.load_ppo().train)
 
 
@@ -78,6 +79,7 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     assert spec.steps == 12288
     assert spec.scene_ids == list(small_bank.scene_ids)
     obs = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3)).obs
+    assert second.policy is not None
     params = load_params(second.policy)
     direct = make_policy_function(spec.observations, 2, longer, params)
     np.testing.assert_array_equal(act(obs, jax.random.key(0)), direct(obs, jax.random.key(0)))

@@ -32,6 +32,9 @@ class SimState(NamedTuple):
       slot_overflow: () i32, hulls within reach that found no slot in the last step, and pairs of a robot's sphere and
         a hull that may have touched and found no place among the contacts.
       carry: whatever else the engine needs to go on, such as the solver's warm start.
+      friction_scale: () f32, factor on the friction of every contact of the robot; 1 in a new state.
+      mass_scale: () f32, factor on mass and inertia of every body of the robot; 1 in a new state. How softly contacts
+        and joint limits give way stays that of the robot as it is described.
     """
 
     scene: Any
@@ -42,6 +45,8 @@ class SimState(NamedTuple):
     contacts: Contacts
     slot_overflow: Any
     carry: Any
+    friction_scale: Any
+    mass_scale: Any
 
 
 class Simulator(Protocol):

@@ -68,6 +68,7 @@ def contact_rows(
     contacts: SphereContacts,
     spheres: SphereTable,
     slot_friction: Any,
+    friction_scale: Any,
     motion: Any,
     centre: Any,
     qvel: Any,
@@ -76,7 +77,7 @@ def contact_rows(
     """Four rows per contact.
 
     Args:
-      slot_friction: (C,) of the hulls.
+      slot_friction: (C,) of the hulls; friction_scale: () factor on the friction of each contact.
       motion: (nv, 6) MJX's cdof, angular then linear, about `centre` (3,).
       qvel: (nv,).
     """
@@ -93,7 +94,7 @@ def contact_rows(
     own, slippery = jnp.asarray(spheres.own_friction)[sphere], jnp.asarray(spheres.slippery)[sphere]
     friction = jnp.asarray(spheres.friction, jnp.float32)[sphere]
     friction = jnp.where(own, friction, jnp.maximum(friction, slot_friction[contacts.slot]))
-    friction = jnp.where(slippery, 0.0, friction)[:, None]
+    friction = jnp.where(slippery, 0.0, friction * friction_scale)[:, None]
     jacobian = jnp.stack(
         [along + friction * side, along - friction * side, along + friction * up, along - friction * up], 1
     )

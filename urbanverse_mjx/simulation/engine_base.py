@@ -66,5 +66,6 @@ class EngineBase:
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
         no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
         contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()))
-        zero = jnp.zeros((), jnp.int32)
-        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, jnp.zeros_like(qvel))
+        zero, one = jnp.zeros((), jnp.int32), jnp.ones(())
+        warm = jnp.zeros_like(qvel)
+        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one)

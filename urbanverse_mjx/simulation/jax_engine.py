@@ -99,9 +99,10 @@ class JaxEngine(EngineBase):
         # tyres that sink in by 0.2 mm: the physics runs about a whole-metre origin next to the robot.
         origin = jnp.round(centre).at[2].set(0.0)
         nearby = nearby._replace(position=nearby.position - origin)
+        model = self._scaled_model(state.mass_scale)
 
         def substep(carry: Any, _: None) -> tuple[Any, Substeps]:
-            after = self._physics_step(nearby, ctrl, *carry)
+            after = self._physics_step(model, state.friction_scale, nearby, ctrl, *carry)
             return after, Substeps(after[0].at[self._root_qpos].add(origin), after[3].count > carry[3].count)
 
         zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
@@ -118,7 +119,16 @@ class JaxEngine(EngineBase):
             hit_fraction=touch.count / self.num_substeps,
         )
         missed = overflow + touch.missed
-        return SimState(state.scene, qpos, qvel, data.xpos, data.xquat, contacts, missed, warm), record
+        after = state._replace(
+            qpos=qpos,
+            qvel=qvel,
+            xpos=data.xpos,
+            xquat=data.xquat,
+            contacts=contacts,
+            slot_overflow=missed,
+            carry=warm,
+        )
+        return after, record
 
     def find_slots(self, scene: Any, centre: Any) -> tuple[slots.Slots, Any]:
         """The hulls near `centre` (3,) in a scene, objects first, and () i32, how many within reach found no slot."""
@@ -128,8 +138,24 @@ class JaxEngine(EngineBase):
         prisms, absent = slots.nearest(tables.prisms, cell, scene, centre, self.reach, self.num_prism_slots)
         return slots.join(hulls, prisms), missing + absent
 
-    def _physics_step(self, nearby: slots.Slots, ctrl: Any, qpos: Any, qvel: Any, warm: Any, touch: _Touch) -> Any:
-        model, spheres, dt = self.physics.mjx_model, self.physics.spheres, self.robot.physics_timestep
+    def _scaled_model(self, mass_scale: Any) -> Any:
+        """The robot's model with all its masses multiplied by () mass_scale."""
+        model = self.physics.mjx_model
+        names = ("body_mass", "body_inertia", "body_subtreemass")
+        return model.tree_replace({name: getattr(model, name) * mass_scale for name in names})
+
+    def _physics_step(
+        self,
+        model: Any,
+        friction_scale: Any,
+        nearby: slots.Slots,
+        ctrl: Any,
+        qpos: Any,
+        qvel: Any,
+        warm: Any,
+        touch: _Touch,
+    ) -> Any:
+        spheres, dt = self.physics.spheres, self.robot.physics_timestep
         data = self._data.replace(qpos=qpos, qvel=qvel, ctrl=ctrl)
         for stage in (mjx.kinematics, mjx.com_pos, mjx.crb, mjx.factor_m, mjx.transmission, mjx.fwd_velocity):
             data = stage(model, data)
@@ -139,7 +165,8 @@ class JaxEngine(EngineBase):
             data.geom_xpos[spheres.geom], radii, nearby, self.tables.hulls, self.num_contacts
         )
         centre = data.subtree_com[self.physics.root]
-        rows = constraint.contact_rows(found, spheres, nearby.friction, data.cdof, centre, qvel, dt)
+        grip = nearby.friction, friction_scale
+        rows = constraint.contact_rows(found, spheres, *grip, data.cdof, centre, qvel, dt)
         if len(self.physics.limits.dof):
             rows = constraint.join(rows, constraint.limit_rows(self.physics.limits, data.qpos, qvel, dt))
         mass = mjx.full_m(model, data)

@@ -149,13 +149,24 @@ def drive_truth(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: Driv
     return Trace(qpos, hit, tuple(objects), ground, met)
 
 
-def drive_engine(engine: Any, bank: SceneBank, drives: Drives) -> Trace:
+def scale_model(model: mujoco.MjModel, friction_scale: float, mass_scale: float) -> None:
+    """Does to a model with a robot in it what `SimState.friction_scale` and `mass_scale` do to an env."""
+    model.geom_friction[:, 0] *= friction_scale
+    for field in (model.body_mass, model.body_inertia, model.body_subtreemass):
+        field *= mass_scale
+
+
+def drive_engine(
+    engine: Any, bank: SceneBank, drives: Drives, friction_scale: float = 1.0, mass_scale: float = 1.0
+) -> Trace:
     """The drives in an engine (`JaxEngine` or `WarpEngine`), all in one batch."""
     step = jax.jit(jax.vmap(engine.step_and_record))
     model = engine.physics.model
     state = jax.jit(jax.vmap(engine.init))(
         drives.scene, drives.qpos, np.zeros((len(drives.scene), model.nv), np.float32)
     )
+    one = state.mass_scale
+    state = state._replace(friction_scale=friction_scale * one, mass_scale=mass_scale * one)
     qpos, hit, seen, ground = [], [], [set() for _ in drives.scene], np.zeros(len(drives.scene), bool)
     for ctrl in drives.ctrl:
         state, record = step(state, ctrl)

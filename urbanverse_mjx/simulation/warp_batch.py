@@ -1,5 +1,6 @@
 """A batch of worlds in MuJoCo Warp: what is theirs alone, and one control step of them."""
 
+import copy
 import functools
 import warnings
 from collections.abc import Callable, Sequence
@@ -52,6 +53,8 @@ class WorldBatch:
         self.slots.hull, self.slots.owner = wp.full(shape, -1, dtype=int), wp.full(shape, -1, dtype=int)
         self.slots.position, self.slots.rotation = wp.zeros(shape, dtype=wp.vec3), wp.zeros(shape, dtype=wp.mat33)
         self.slots.friction = wp.zeros(shape, dtype=float)
+        self.slots.friction_scale = wp.ones(number, dtype=float)
+        self.masses, self.model = self._make_masses(model.nbody)
         self.places = self._make_places(num_contacts)
         self.touch = kernels.Touch()
         self.touch.force = wp.zeros(number, dtype=float)
@@ -79,6 +82,15 @@ class WorldBatch:
         out.address = found.efc_address
         return out
 
+    def _make_masses(self, bodies: int) -> tuple[Any, Any]:
+        """Masses of the robot in each world, and the shared model that looks for them there."""
+        masses, model = kernels.Masses(), copy.copy(self.shared.model)
+        shape = (self.number, bodies)
+        masses.mass, masses.subtree = wp.zeros(shape, dtype=float), wp.zeros(shape, dtype=float)
+        masses.inertia = wp.zeros(shape, dtype=wp.vec3)
+        model.body_mass, model.body_inertia, model.body_subtreemass = masses.mass, masses.inertia, masses.subtree
+        return masses, model
+
     @property
     def is_captured(self) -> bool:
         """Whether the physics step is a graph that is replayed."""
@@ -86,15 +98,16 @@ class WorldBatch:
 
     def control_step(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array], substeps: int) -> None:
         """Reads states, finds slots, runs the physics and writes the new states; see `WarpEngine._run`."""
-        scene, centre, qpos, qvel, warm, ctrl = inputs
+        scene, centre, qpos, qvel, warm, ctrl, friction, mass = inputs
         tables, data, n = self.shared.tables, self.data, self.number
         launch = functools.partial(wp.launch, device=self.shared.device)
         where = [tables, scene, centre, self.num_objects]
         launch(kernels.find_slots, dim=(n, 2), inputs=[*where, self.num_prisms, self.nearby])
         launch(kernels.place_slots, dim=self.slots.hull.shape, inputs=[*where, self.nearby, self.slots])
         state, root = [data.qpos, data.qvel, data.qacc_warmstart, data.ctrl], self.shared.robot.root
+        scales = [friction, mass, self.shared.masses, self.slots, self.masses]
         here = [root, *state, self.origin, self.touch, self.step_number]
-        launch(kernels.begin, dim=n, inputs=[centre, qpos, qvel, warm, ctrl, *here])
+        launch(kernels.begin, dim=n, inputs=[centre, qpos, qvel, warm, ctrl, *scales, *here])
         # The solver reads a little past the last row, times zero: a NaN left there by another state would come back.
         data.efc.J.zero_()
         data.efc.D.zero_()
@@ -109,7 +122,7 @@ class WorldBatch:
 
     def _physics_step(self) -> None:
         """MuJoCo Warp's own step but for the collision, which is ours; see docs/decisions/warp_engine.md."""
-        model, data, shared = self.shared.model, self.data, self.shared
+        model, data, shared = self.model, self.data, self.shared
         for stage in (mjw.kinematics, mjw.com_pos, mjw.crb):
             stage(model, data)
         wp.launch(
@@ -129,7 +142,7 @@ class WorldBatch:
             wp.launch(kernels.record, dim=self.number, inputs=[*path, self.path, self.hit])
 
     def _place_bodies(self) -> None:
-        mjw.kinematics(self.shared.model, self.data)
+        mjw.kinematics(self.model, self.data)
 
 
 def _captured(launches: Callable[[], None]) -> Callable[[], None]:

@@ -56,13 +56,17 @@ class Spheres:
 
 @wp.struct
 class Slots:
-    """C hulls near each of n worlds; hull (n, C): row of the table, -1 = empty; owner (n, C): object, -1 = ground."""
+    """C hulls near each of n worlds; hull (n, C): row of the table, -1 = empty; owner (n, C): object, -1 = ground.
+
+    friction_scale (n,): factor on the friction of each contact of a world.
+    """
 
     hull: wp.array2d[int]
     owner: wp.array2d[int]
     position: wp.array2d[wp.vec3]
     rotation: wp.array2d[wp.mat33]
     friction: wp.array2d[float]
+    friction_scale: wp.array[float]
 
 
 @wp.struct
@@ -167,9 +171,10 @@ def find_contacts(hulls: Hulls, spheres: Spheres, slots: Slots, geom_xpos: wp.ar
                     inward = rotation @ wp.vec3(-found[0], -found[1], -found[2])
                     point = centre + inward * (radius + 0.5 * distance)
                     _write(places, k, c, geom, spheres.ground, distance, point, inward)
-                    friction = spheres.friction[s]
+                    friction = float(spheres.friction[s])
                     if spheres.own_friction[s] == 0:
                         friction = wp.max(friction, slots.friction[w, c])
+                    friction *= slots.friction_scale[w]
                     places.dim[k] = 3 - 2 * spheres.slippery[s]
                     places.friction[k] = vec5(friction, friction, _TORSION, _ROLLING, _ROLLING)
                     places.solref[k] = spheres.solref[s]

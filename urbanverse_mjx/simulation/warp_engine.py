@@ -33,6 +33,8 @@ def _step(
     qvel: wp.array2d[wp.float32],
     warm: wp.array2d[wp.float32],
     ctrl: wp.array2d[wp.float32],
+    friction: wp.array[wp.float32],
+    mass: wp.array[wp.float32],
     qpos_out: wp.array2d[wp.float32],
     qvel_out: wp.array2d[wp.float32],
     warm_out: wp.array2d[wp.float32],
@@ -45,7 +47,7 @@ def _step(
 ) -> None:
     """What JAX calls; path and hit have no physics step where none is asked for."""
     outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, path, hit)
-    registered(owner)._run((scene, centre, qpos, qvel, warm, ctrl), outputs)
+    registered(owner)._run((scene, centre, qpos, qvel, warm, ctrl, friction, mass), outputs)
 
 
 class WarpEngine(EngineBase):
@@ -113,6 +115,7 @@ class WarpEngine(EngineBase):
         # Warp does not check indices; JAX's own gathers clamp them.
         scene = jnp.clip(jnp.asarray(state.scene, jnp.int32), 0, self.bank.num_scenes - 1)
         arrays = (state.xpos[self.physics.root], state.qpos, state.qvel, state.carry, ctrl)
+        arrays += (state.friction_scale, state.mass_scale)
         out = call(scene, *(jnp.asarray(x, jnp.float32) for x in arrays))
         qpos, qvel, warm, xpos, xquat, force, touch, path, hit = out
         owner, ground, count, overflow = (touch[i] for i in range(4))
@@ -123,14 +126,17 @@ class WarpEngine(EngineBase):
             hit_force=force,
             hit_fraction=count / self.num_substeps,
         )
-        return SimState(state.scene, qpos, qvel, xpos, xquat, contacts, overflow, warm), path, hit
+        after = state._replace(
+            qpos=qpos, qvel=qvel, xpos=xpos, xquat=xquat, contacts=contacts, slot_overflow=overflow, carry=warm
+        )
+        return after, path, hit
 
     def _run(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array]) -> None:
         """Steps a batch of worlds; called by Warp with its device set.
 
         Args:
           inputs: scene (n,) int, the root body's place (n,) vec3, qpos (n, nq), qvel (n, nv), warm start (n, nv),
-            ctrl (n, nu).
+            ctrl (n, nu), factors on friction and mass (n,).
           outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 4), path
             (n, S, nq) and hit (n, S), S = 0 where no physics step is asked for; see `warp_kernels.finish`, `record`.
         """

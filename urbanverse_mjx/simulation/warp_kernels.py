@@ -64,6 +64,24 @@ class Touch:
     missed: wp.array[int]
 
 
+@wp.struct
+class Robot:
+    """Masses of the robot's B bodies as described; mass (B,) kg, inertia (B,) kg m^2, subtree (B,) kg."""
+
+    mass: wp.array[float]
+    inertia: wp.array[wp.vec3]
+    subtree: wp.array[float]
+
+
+@wp.struct
+class Masses:
+    """The same in each of n worlds, where MuJoCo Warp's model looks for them; (n, B)."""
+
+    mass: wp.array2d[float]
+    inertia: wp.array2d[wp.vec3]
+    subtree: wp.array2d[float]
+
+
 @wp.func
 def whole_metres(centre: wp.vec3) -> wp.vec3:
     """The place next to the robot about which the physics runs."""
@@ -160,6 +178,11 @@ def begin(
     qvel_in: wp.array2d[float],
     warm_in: wp.array2d[float],
     ctrl_in: wp.array2d[float],
+    friction_in: wp.array[float],
+    mass_in: wp.array[float],
+    robot: Robot,
+    slots: Slots,
+    masses: Masses,
     root: int,
     qpos: wp.array2d[float],
     qvel: wp.array2d[float],
@@ -182,6 +205,11 @@ def begin(
         warm[w, i] = warm_in[w, i]
     for i in range(ctrl.shape[1]):
         ctrl[w, i] = ctrl_in[w, i]
+    slots.friction_scale[w] = friction_in[w]
+    for b in range(masses.mass.shape[1]):
+        masses.mass[w, b] = robot.mass[b] * mass_in[w]
+        masses.inertia[w, b] = robot.inertia[b] * mass_in[w]
+        masses.subtree[w, b] = robot.subtree[b] * mass_in[w]
     touch.force[w] = 0.0
     touch.owner[w] = _EMPTY
     touch.ground[w] = 0

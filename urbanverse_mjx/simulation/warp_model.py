@@ -86,6 +86,10 @@ class DeviceModel:
         is_foot = np.zeros(robot.model.ngeom, np.int32)
         is_foot[robot.sphere_geom] = robot.physics.spheres.is_foot
         self.is_foot = wp.array(is_foot, dtype=int)
+        self.masses = kernels.Robot()
+        self.masses.mass = wp.array(robot.model.body_mass, dtype=float)
+        self.masses.inertia = wp.array(robot.model.body_inertia, dtype=wp.vec3)
+        self.masses.subtree = wp.array(robot.model.body_subtreemass, dtype=float)
         self.spheres = _spheres(robot)
         self.hulls = _hulls(bank)
         self.tables = kernels.Tables()

@@ -8,6 +8,7 @@ from importlib import metadata
 from typing import Any
 
 import jax
+import numpy as np
 from ml_collections import ConfigDict
 
 from ..datatypes import NounError
@@ -76,11 +77,15 @@ def _version(package: str) -> str:
 
 def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
     """Writes a policy folder named by its steps under `folder`; returns it. `policy.json` comes last."""
-    from brax.training import checkpoint
+    import orbax.checkpoint as ocp
 
-    # Brax wants this key in the config it writes beside the parameters; what the networks are stands in policy.json.
-    checkpoint.save(folder, spec.steps, params, ConfigDict({"network_factory_kwargs": {}}), "network.json")
     path = folder / f"{spec.steps:012d}"
+    # Orbax would wait for all processes of a training over several hosts, of which the others write nothing.
+    me = jax.process_index()
+    alone = ocp.options.MultiprocessingOptions(me, {me}, "policy" if jax.process_count() > 1 else None)
+    writer = ocp.Checkpointer(ocp.PyTreeCheckpointHandler(multiprocessing_options=alone), multiprocessing_options=alone)
+    # What `brax.training.checkpoint.load` reads.
+    writer.save(path, jax.tree.map(np.asarray, params), force=True)
     spec.save(path)
     return path
 
