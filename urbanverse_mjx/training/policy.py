@@ -77,6 +77,7 @@ def _version(package: str) -> str:
 
 def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
     """Writes a policy folder named by its steps under `folder`; returns it. `policy.json` comes last."""
+    import flax.serialization
     import orbax.checkpoint as ocp
 
     path = folder / f"{spec.steps:012d}"
@@ -84,8 +85,10 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
     me = jax.process_index()
     alone = ocp.options.MultiprocessingOptions(me, {me}, "policy" if jax.process_count() > 1 else None)
     writer = ocp.Checkpointer(ocp.PyTreeCheckpointHandler(multiprocessing_options=alone), multiprocessing_options=alone)
-    # What `brax.training.checkpoint.load` reads.
-    writer.save(path, jax.tree.map(np.asarray, params), force=True)
+    # What `brax.training.checkpoint.load` reads. The normaliser's own class would make JAX arrays of its counts again.
+    normaliser, *rest = params
+    plain = (flax.serialization.to_state_dict(normaliser), *rest)
+    writer.save(path, jax.tree.map(np.asarray, plain), force=True)
     spec.save(path)
     return path
 
