@@ -142,6 +142,7 @@ class Bare:
                 wp.array(np.array(eyes), dtype=wp.vec3),
                 wp.array(np.array(turns), dtype=wp.vec4),
                 wp.full(number, camera.fovy, dtype=float),
+                wp.zeros(number, dtype=int),
             ]
             self.outputs = {"rgb": wp.zeros((number, settings.height, settings.width, 3), dtype=wp.uint8)}
             for name, dtype in {"depth": float, "category": int, "object": int, "normal": wp.vec3}.items():
@@ -193,14 +194,14 @@ class Megakernel(Bare):
 
     def place(self) -> None:
         with wp.ScopedDevice(self.device):
-            self.batch.place(*self.inputs)
+            self.batch.place(*self.inputs[:-1])
 
     def draw(self) -> None:
         with wp.ScopedDevice(self.device):
             if self.stock is None:
-                self.batch.render(*self.inputs, rgb=self.outputs["rgb"])
+                self.batch.render(*self.inputs[:-1], rgb=self.outputs["rgb"])
             else:
-                self.batch.place(*self.inputs)
+                self.batch.place(*self.inputs[:-1])
                 mjw.render(self.batch.model, self.batch.data, self.stock)
 
 

@@ -34,7 +34,7 @@ def mesh(bank: SceneBank, number: int) -> tuple[np.ndarray, ...]:
     vertices = slice(*bank.mesh_vertex_start[number : number + 2])
     faces = slice(*bank.mesh_face_start[number : number + 2])
     material = bank.mesh_material[number]
-    texture = bank.texture(bank.material_texture[material])
+    texture = bank.texture(int(bank.material_texture[material]))
     look = np.array([bank.material_roughness[material], bank.material_metallic[material]])
     return bank.mesh_vertices[vertices], bank.mesh_uv[vertices], bank.mesh_faces[faces], texture, look
 

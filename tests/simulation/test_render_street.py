@@ -117,6 +117,7 @@ def _draw_both(bank: SceneBank, robot: RobotSpec, places: cases.Places, settings
             wp.array(np.array(eyes), dtype=wp.vec3),
             wp.array(np.array(turns), dtype=wp.vec4),
             wp.full(number, camera.fovy, dtype=float),
+            wp.zeros(number, dtype=int),
         ]
         ours, theirs = (wp.zeros((number, settings.height, settings.width, 3), dtype=wp.uint8) for _ in range(2))
         outputs = {"rgb": ours, "normal": wp.zeros((number, 0, 0), dtype=wp.vec3)}
@@ -124,7 +125,7 @@ def _draw_both(bank: SceneBank, robot: RobotSpec, places: cases.Places, settings
         outputs["depth"] = wp.zeros((number, 0, 0), dtype=float)
         for job in StreetBatch(Streets(bank, model, settings), number, 1).jobs(inputs, outputs):
             job()
-        WorldBatch(SharedAssets(bank, model, settings), number).render(*inputs, rgb=theirs)
+        WorldBatch(SharedAssets(bank, model, settings), number).render(*inputs[:-1], rgb=theirs)
         return [ours.numpy().astype(int), theirs.numpy().astype(int)]
 
 

@@ -288,3 +288,31 @@ def test_errors_say_what_to_do(bank: SceneBank, robot: RobotSpec) -> None:
         Renderer(bank, None, 8, 8)(0, np.zeros((1, 3)), np.zeros((1, 4)))
     with pytest.raises(NounError, match=r"jax\.vmap"):
         Renderer(bank, None, 8, 8).view(0, np.zeros((2, 3)), cases.DOWN, 1.0)
+
+
+def test_looks_change_colours_and_nothing_else(
+    bank: SceneBank, robot: RobotSpec, places: cases.Places, frames: dict[str, np.ndarray]
+) -> None:
+    renderer = cases.make_renderer(bank, robot, outputs=("rgb", "depth", "object"), appearance=0.3)
+    draw = jax.jit(jax.vmap(renderer))
+    number = len(places.scene)
+    plain, one, again, other = (
+        {name: np.asarray(x) for name, x in draw(*places.inputs, np.full(number, look, np.int32)).items()}
+        for look in (0, 5, 5, 6)
+    )
+    np.testing.assert_array_equal(plain["rgb"], frames["rgb"])
+    np.testing.assert_array_equal(one["rgb"], again["rgb"])
+    for name in ("depth", "object"):
+        np.testing.assert_array_equal(plain[name], one[name])
+    # Factors of 0.7 to 1.3 with 0.85 to 1.15 for a channel, on colour and on light.
+    street = (plain["object"] >= 0) & (plain["rgb"].min(-1) > 40) & (plain["rgb"].max(-1) < 120)
+    factor = cases.to_linear(one["rgb"][street]) / cases.to_linear(plain["rgb"][street])
+    assert np.percentile(factor, 1) > (0.7 * 0.85) ** 2 * 0.8
+    assert np.percentile(factor, 99) < (1.3 * 1.15) ** 2 * 1.2
+    assert factor.std() > 0.05
+    assert np.abs(one["rgb"].astype(int) - other["rgb"]).mean() > 3.0
+
+
+def test_an_appearance_that_is_no_share_is_refused(bank: SceneBank) -> None:
+    with pytest.raises(NounError, match="appearance"):
+        Renderer(bank, None, 9, 16, appearance=1.0)

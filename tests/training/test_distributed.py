@@ -34,6 +34,7 @@ def bank_file(small_bank: SceneBank, tmp_path: pathlib.Path) -> str:
     return str(tmp_path / "bank.npz")
 
 
+@pytest.mark.slow
 def test_two_processes_train_one_policy(bank_file: str, tmp_path: pathlib.Path) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -48,6 +49,7 @@ def test_two_processes_train_one_policy(bank_file: str, tmp_path: pathlib.Path) 
     assert not folders[1].exists(), "only the first process writes"
 
 
+@pytest.mark.slow
 def test_two_devices_of_one_process(bank_file: str, tmp_path: pathlib.Path) -> None:
     flags = "--xla_force_host_platform_device_count=2"
     found = answer(start([bank_file, str(tmp_path / "run")], XLA_FLAGS=flags))

@@ -11,6 +11,7 @@ from rich.progress import Progress, TaskID
 
 from ..datatypes import SceneBank
 from ..envs import NavEnv, registry
+from ..envs.randomization import OFF
 from ..evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
 
 
@@ -20,8 +21,8 @@ class _CoveredCamera:
     def __init__(self, height: int, width: int):
         self._frame = {"rgb": jnp.zeros((height, width, 3), jnp.uint8), "depth": jnp.zeros((height, width))}
 
-    def __call__(self, scene: Any, xpos: Any, xquat: Any) -> dict[str, Any]:
-        del scene, xpos, xquat
+    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0) -> dict[str, Any]:
+        del scene, xpos, xquat, look
         return self._frame
 
 
@@ -46,7 +47,8 @@ def evaluate_policy(
     ppo = ConfigDict(spec.ppo_config)
     start = initial_params(spec.observations, spec.action_size, ppo, ppo.seed)
     untrained = make_policy_function(spec.observations, spec.action_size, ppo, start)
-    config = registry.with_overrides(ConfigDict(spec.env_config), {"scenes": scenes})
+    # Everything as the bank describes it: the same episodes for every policy, however it was trained.
+    config = registry.with_overrides(ConfigDict(spec.env_config), {"scenes": scenes, "randomization": OFF})
     seeing = registry.load(spec.environment, config=config, bank=bank)
     view = config.vision_config
     blind = NavEnv(config, bank, seeing.robot, seeing.engine, _CoveredCamera(view.height, view.width))

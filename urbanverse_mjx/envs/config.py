@@ -7,6 +7,7 @@ for `urbansim_v0_1` the released code as tabulated in docs/decisions/presets.md.
 from ml_collections import ConfigDict
 
 from ..datatypes import NounError
+from .randomization import OFF
 
 PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu")
 
@@ -31,6 +32,12 @@ def _paper() -> ConfigDict:
                 "start_distance": 0.0,  # m, 0 = no curriculum
                 "ramp_steps": 0,  # control steps of an env
                 "seed": 0,
+            },
+            # The paper names textures, friction and mass and gives no ranges; these are ours.
+            "randomization": {
+                "friction_scale": (0.7, 1.3),
+                "mass_scale": (0.8, 1.25),
+                "appearance": 0.2,
             },
             "action_mode": "waypoint",
             "goal_mode": "final",
@@ -69,6 +76,7 @@ def _paper() -> ConfigDict:
 def _urbansim_v0_1() -> ConfigDict:
     config = _paper()
     config.preset = "urbansim_v0_1"
+    config.randomization = OFF
     config.drive = "ackermann"
     config.ctrl_dt = 0.1  # dt 0.005 s, decimation 20
     config.sim_dt = 0.005
@@ -114,6 +122,7 @@ def _cpu() -> ConfigDict:
     config = _paper()
     config.preset = "cpu"
     config.vision_config.height, config.vision_config.width = 27, 48
+    config.randomization = OFF
     config.vision_config.shading = "matte"  # no highlights; drawn half as fast again on a CPU
     config.reward_config.scales = _dense_rewards()
     return config

@@ -10,6 +10,7 @@ from ml_collections import ConfigDict
 
 from ..datatypes import GROUND_KINDS, NounError, RobotSpec, SceneBank, traversable
 from . import terms
+from .randomization import Randomization
 from .schedule import EpisodeSchedule
 from .surroundings import Surroundings
 from .types import NavState, Result, State
@@ -98,6 +99,7 @@ class NavEnv:
         self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
         self.scenes = _select_scenes(bank, config.scenes)
         self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
+        self._randomization = Randomization(config.randomization)
         self._episodes = {
             name: jnp.asarray(getattr(bank, name))
             for name in ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
@@ -181,11 +183,12 @@ class NavEnv:
                 jnp.sin(half),
             ]
         )
+        key = typed_key(key)
         sim = self.engine.init(scene, self._qpos0.at[:7].set(pose), jnp.zeros(self._nv))
         zero = jnp.float32(0.0)
         return NavState(
-            key=typed_key(key),
-            sim=sim,
+            key=key,
+            sim=self._randomization.scaled(key, sim),
             episode=row.astype(jnp.int32),
             start=start[:3],
             goal=goal,
@@ -200,6 +203,7 @@ class NavEnv:
             episodes=jnp.int32(0),
             last_action=jnp.zeros(self.action_size),
             result=jnp.int32(Result.RUNNING),
+            look=self._randomization.look(key),
         )
 
     def advance(self, nav: NavState, action: jax.Array) -> tuple[NavState, jax.Array, jax.Array, dict[str, jax.Array]]:
@@ -372,7 +376,8 @@ class NavEnv:
 
     def _pixels(self, nav: NavState) -> jax.Array:
         assert self.renderer is not None
-        frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat)
+        look = (nav.look,) if self._randomization.looks else ()
+        frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat, *look)
         if not self._config.vision_config.depth:
             return frame["rgb"]
         # The renderer writes 0 where nothing was hit: as far as one can say.

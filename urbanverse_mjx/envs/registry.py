@@ -141,6 +141,7 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
             sky=view.sky,
             shadows=view.shadows,
             shading=view.shading,
+            appearance=config.randomization.appearance,
         )
     return NavEnv(config, bank, robot, engine, renderer)
 

@@ -36,6 +36,7 @@ class NavState(NamedTuple):
       age, episodes: () i32, control steps and ended episodes behind this env; they alone outlive an episode.
       last_action: (action_size,) f32.
       result: () i32, see `Result`.
+      look: () i32, see `Renderer.__call__`.
     """
 
     key: Any
@@ -54,6 +55,7 @@ class NavState(NamedTuple):
     episodes: Any
     last_action: Any
     result: Any
+    look: Any
 
 
 @struct.dataclass

@@ -18,7 +18,11 @@ NOWHERE = -1.0e4
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """What is drawn and how. outputs: of `OUTPUTS`; samples: rays per pixel along each side; see `Renderer`."""
+    """What is drawn and how.
+
+    outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
+    which looks differ; see `Renderer`.
+    """
 
     height: int
     width: int
@@ -27,3 +31,4 @@ class Settings:
     sky: bool
     samples: int
     shading: str
+    appearance: float = 0.0

@@ -33,6 +33,7 @@ def _draw(
     eye: wp.array[wp.vec3],
     turn: wp.array[wp.vec4],
     fovy: wp.array[wp.float32],
+    looks: wp.array[wp.int32],
     rgb: wp.array4d[wp.uint8],
     depth: wp.array3d[wp.float32],
     category: wp.array3d[wp.int32],
@@ -41,7 +42,7 @@ def _draw(
 ) -> None:
     """What JAX calls; outputs that were not asked for have no pixel."""
     out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}
-    registered(owner)._render((scene, xpos, xquat, eye, turn, fovy), out)
+    registered(owner)._render((scene, xpos, xquat, eye, turn, fovy, looks), out)
 
 
 class Renderer:
@@ -64,9 +65,11 @@ class Renderer:
       samples: rays per pixel along each side (2 = four rays).
       shading: "pbr" (glTF materials, mirrored sky, tone mapping) or "matte" (the same light without highlights,
         a third more frames on a CPU).
+      appearance: by what share looks may differ: a frame drawn with a `look` other than 0 shows every object, and the
+        light, brighter or darker and in another tone by up to this share. 0 leaves that out.
 
     Raises:
-      NounError: an unknown output or camera, or a size below one.
+      NounError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
     """
 
     def __init__(
@@ -82,6 +85,7 @@ class Renderer:
         camera: str | None = None,
         samples: int = 1,
         shading: str = "pbr",
+        appearance: float = 0.0,
     ) -> None:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
@@ -94,8 +98,10 @@ class Renderer:
                 f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of "
                 "each; mend the numbers"
             )
+        if not 0.0 <= appearance < 1.0:
+            raise NounError(f"appearance: found {appearance}; needed 0 to below 1; mend the number")
         self.bank = bank
-        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading)
+        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance)
         self.threads = threads or process.num_threads()
         self._model = build_render_model(bank, robot)
         self.num_bodies = self._model.num_bodies
@@ -111,11 +117,12 @@ class Renderer:
             raise NounError(f"camera: found {name!r}; needed a camera of the robot ({known}); mend its spelling")
         return self._model.cameras[name]
 
-    def __call__(self, scene: Any, xpos: Any, xquat: Any) -> dict[str, jax.Array]:
+    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0) -> dict[str, jax.Array]:
         """One frame through the robot's camera; pure, works alone, under jit and any nesting of vmap.
 
         Args:
           scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
+          look: () i32, 0 = as the bank says; other numbers stand for other looks, see `appearance`.
 
         Returns:
           the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
@@ -127,10 +134,17 @@ class Renderer:
         body = self.camera.body
         eye = xpos[body] + _rotate(xquat[body], jnp.asarray(self.camera.position))
         turn = _multiply(xquat[body], jnp.asarray(self.camera.quaternion))
-        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat)
+        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look)
 
     def view(
-        self, scene: Any, position: Any, quaternion: Any, fovy: Any, xpos: Any = None, xquat: Any = None
+        self,
+        scene: Any,
+        position: Any,
+        quaternion: Any,
+        fovy: Any,
+        xpos: Any = None,
+        xquat: Any = None,
+        look: Any = 0,
     ) -> dict[str, jax.Array]:
         """One frame through a free camera.
 
@@ -139,6 +153,7 @@ class Renderer:
           position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
           fovy: () vertical field of view, rad.
           xpos, xquat: the robot's bodies; None leaves the robot out of the picture, far below the ground.
+          look: () i32, see `__call__`.
         """
         bodies = self.num_bodies
         if xpos is None:
@@ -149,7 +164,8 @@ class Renderer:
             if array.shape != shape:
                 raise NounError(f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more")
         # Warp does not check indices; JAX's own gathers clamp them.
-        return self._view(jnp.clip(jnp.asarray(scene, jnp.int32), 0, self.bank.num_scenes - 1), *arrays)
+        scene = jnp.clip(jnp.asarray(scene, jnp.int32), 0, self.bank.num_scenes - 1)
+        return self._view(scene, *arrays, jnp.asarray(look, jnp.int32))
 
     @property
     def num_contexts(self) -> int:
@@ -161,7 +177,7 @@ class Renderer:
 
         Args:
           inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
-            quaternions (n,) vec4 and vertical fields of view (n,) float.
+            quaternions (n,) vec4, vertical fields of view (n,) float and looks (n,) int.
           outputs: by name, with a leading axis of n; without a pixel where not asked for.
         """
         scene = inputs[0]

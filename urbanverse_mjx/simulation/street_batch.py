@@ -217,12 +217,12 @@ class StreetBatch:
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
         """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
-        scene, xpos, xquat, eye, turn, fovy = inputs
+        scene, xpos, xquat, eye, turn, fovy, looks = inputs
         s, settings = self.streets, self.streets.settings
         aspect = settings.width / settings.height
         robot = [s.street, s.shapes, s.bodies, xpos, xquat]
         wp.launch(place, dim=self.num_worlds, inputs=[*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed])
-        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels]
+        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, looks]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
         return [functools.partial(self._draw, *piece, [*kept, *out]) for piece in self.pieces]
 

@@ -29,6 +29,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
     want_rgb, want_depth, want_category, want_object, want_normal = (name in settings.outputs for name in OUTPUTS)
     want_labels = want_category or want_object
     share = 1.0 / samples
+    appearance = settings.appearance
     surface = make_surface(want_rgb, settings.shading == "pbr")
     shade = make_shade(settings)
     background, display = make_background(settings, sky_width), make_display(settings)
@@ -49,6 +50,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
         textures: wp.array[wp.Texture2D],
         skies: Skies,
         labels: wp.array[wp.vec2i],
+        looks: wp.array[int],
         rgb: wp.array4d[wp.uint8],
         depth_out: wp.array3d[float],
         category: wp.array3d[int],
@@ -91,6 +93,10 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
                 if wp.static(want_rgb or want_normal):
                     seen = surface(street, views, world, textures, hit, direction, spread)
                 if wp.static(want_rgb):
+                    if wp.static(appearance > 0.0):
+                        if hit.thing < street.num_objects:
+                            tint = k.factors(looks[world], hit.thing, wp.static(appearance))
+                            seen.colour = wp.min(wp.cw_mul(seen.colour, tint), wp.vec3(1.0))
                     point = origin + direction * hit.distance
                     radiance = shade(street, views, skies, root, world, scene, point, direction, seen)
             elif wp.static(want_rgb):
@@ -109,6 +115,8 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
                 if wp.static(want_normal):
                     normals[world, py, px] = seen.normal
             if wp.static(want_rgb):
+                if wp.static(appearance > 0.0):
+                    radiance = wp.cw_mul(radiance, k.factors(looks[world], -1, wp.static(appearance)))
                 total += display(radiance)
         if wp.static(want_rgb):
             mean = total * wp.static(share * share)

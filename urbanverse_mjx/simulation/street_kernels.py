@@ -30,6 +30,22 @@ LIGHT = 9
 OFFSET = 1.0e-4
 
 
+@wp.func
+def factors(look: int, thing: int, share: float) -> wp.vec3:
+    """How much brighter each channel of a thing (-1: of the light) is in a look than as described; look 0: not at all.
+
+    The three share a factor within 1 +- share, and have their own within 1 +- share / 2.
+    """
+    if look == 0:
+        return wp.vec3(1.0)
+    state = wp.rand_init(look, thing + 1)
+    whole = 1.0 + share * (2.0 * wp.randf(state) - 1.0)
+    red = 1.0 + share * (wp.randf(state) - 0.5)
+    green = 1.0 + share * (wp.randf(state) - 0.5)
+    blue = 1.0 + share * (wp.randf(state) - 0.5)
+    return wp.vec3(whole * red, whole * green, whole * blue)
+
+
 @wp.struct
 class Hit:
     """Nearest surface; thing: row number, -1 = none; face: row number; u, v: of its second and third corner."""

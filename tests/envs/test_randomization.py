@@ -1,0 +1,58 @@
+"""Grip, mass and looks of episodes: within their ranges, another every time, and nothing else changes."""
+
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs import registry
+from urbanverse_mjx.envs.randomization import OFF
+
+RANGES = {
+    "randomization.friction_scale": (0.5, 0.9),
+    "randomization.mass_scale": (1.1, 1.6),
+    "randomization.appearance": 0.3,
+}
+
+
+def begun(bank: SceneBank, overrides: dict[str, Any]) -> Any:
+    env = unicycle_env(bank, overrides)
+    return env, jax.jit(jax.vmap(env.begin))(jax.random.split(jax.random.key(0), 500))
+
+
+def test_values_fill_their_ranges_and_leave_the_rest_alone(small_bank: SceneBank) -> None:
+    _, plain = begun(small_bank, {"randomization": OFF})
+    env, drawn = begun(small_bank, RANGES)
+    for values, (low, high) in ((drawn.sim.friction_scale, (0.5, 0.9)), (drawn.sim.mass_scale, (1.1, 1.6))):
+        assert low <= values.min() < low + 0.02
+        assert high - 0.02 < values.max() <= high
+    assert abs(np.corrcoef(drawn.sim.friction_scale, drawn.sim.mass_scale)[0, 1]) < 0.15
+    assert len(np.unique(drawn.look)) == 500
+    assert drawn.look.min() > 0
+    off = plain.sim
+    assert (off.friction_scale == 1).all()
+    assert (off.mass_scale == 1).all()
+    assert (plain.look == 0).all()
+    for name in ("episode", "start", "goal", "route_length"):
+        np.testing.assert_array_equal(getattr(plain, name), getattr(drawn, name))
+    np.testing.assert_array_equal(off.qpos, drawn.sim.qpos)
+    after = jax.jit(jax.vmap(env.renew))(drawn)
+    assert (after.sim.mass_scale != drawn.sim.mass_scale).all()
+    assert (after.look != drawn.look).all()
+
+
+def test_the_paper_has_it_and_the_laptop_has_not() -> None:
+    assert registry.get_default_config("CocoNav", "paper").randomization.appearance > 0
+    for preset in ("cpu", "urbansim_v0_1"):
+        assert registry.get_default_config("CocoNav", preset).randomization.to_dict() == OFF
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("friction_scale", (0.0, 1.0)), ("mass_scale", (1.2, 1.1)), ("appearance", 1.0)]
+)
+def test_bad_values_are_refused(small_bank: SceneBank, name: str, value: Any) -> None:
+    with pytest.raises(NounError, match=name):
+        unicycle_env(small_bank, {f"randomization.{name}": value})
