@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -15,7 +16,10 @@ from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root
 
 from . import ontology
+from .materials import AIR
 from .mesh_builder import BuiltAsset
+from .physical import composition, sample_meshes
+from .priors import prior
 from .recipe import Recipe, all_recipes, get_recipe
 
 GRAVITY = 9.81  # m/s^2
@@ -111,14 +115,12 @@ def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -
     """Builds one variant and measures it."""
     built = built or recipe.build(variant)
     x, y, z = (round(float(e), 4) for e in built.mesh.extent)
-    physics = recipe.physics
     volume = max(built.volume, 0.02 * float(np.prod(built.mesh.extent)), 1e-6)
-    mass = built.mass if built.mass is not None else float(np.clip(volume * physics.density, *physics.mass_range))
-    force = physics.friction * mass * GRAVITY
     slug = recipe.leaf.replace(" ", "-")
     family = recipe.name.replace("_", "-").replace(".", "-")
+    uid = f"{slug}/{family}/{variant:03d}"
     return AssetRecord(
-        uid=f"{slug}/{family}/{variant:03d}",
+        uid=uid,
         category=ontology.category_of(recipe.leaf),
         description=built.description,
         recipe=recipe.name,
@@ -128,14 +130,41 @@ def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -
         width=min(x, y),
         height=z,
         volume=round(volume, 6),
-        mass=round(mass, 3),
-        materials=physics.materials,
-        friction_coefficient=physics.friction,
-        movable=physics.movable and force <= ONE_PERSON_PUSH,
-        required_force=round(force, 1),
         licence=LICENCE,
         provenance=PROVENANCE,
+        **(_from_prior if recipe.physics is None else _from_recipe)(recipe, uid, built, volume),
     )
+
+
+def _from_recipe(recipe: Recipe, _: str, built: BuiltAsset, volume: float) -> dict[str, Any]:
+    """What a record weighs and is made of, by its recipe's own priors."""
+    physics = recipe.physics
+    assert physics is not None
+    mass = built.mass if built.mass is not None else float(np.clip(volume * physics.density, *physics.mass_range))
+    force = physics.friction * mass * GRAVITY
+    return {
+        "mass": round(mass, 3),
+        "materials": physics.materials,
+        "friction_coefficient": physics.friction,
+        "movable": physics.movable and force <= ONE_PERSON_PUSH,
+        "required_force": round(force, 1),
+    }
+
+
+def _from_prior(recipe: Recipe, uid: str, built: BuiltAsset, volume: float) -> dict[str, Any]:
+    """The same by the leaf's row of the table of priors and the measured mesh."""
+    extent = built.mesh.extent[None].astype(np.float64)
+    guess = None if built.mass is None else [built.mass]
+    values = sample_meshes(recipe.leaf, [uid], extent, np.array([volume]), guess)
+    make = prior(recipe.leaf).makes[values.make[0]]
+    matter = composition(make, float(values.solid[0]), float(values.volume[0]))
+    return {
+        "mass": round(float(values.mass[0]), 3),
+        "materials": tuple(name for name in matter if name != AIR),
+        "friction_coefficient": float(values.friction[0]),
+        "movable": bool(values.movable[0]),
+        "required_force": round(float(values.force[0]), 1),
+    }
 
 
 def build_mesh(record: AssetRecord) -> AssetMesh:

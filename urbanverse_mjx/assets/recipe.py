@@ -44,12 +44,17 @@ class Physics:
 
 @dataclasses.dataclass(frozen=True)
 class Recipe:
-    """One registered recipe; `hulls` caps the convex decomposition (None: chosen by size)."""
+    """One registered recipe.
+
+    Attributes:
+      physics: None takes mass, matter and friction from the leaf's row of `assets_index/priors.csv`.
+      hulls: caps the convex decomposition (None: chosen by size).
+    """
 
     name: str
     leaf: str
     variants: int
-    physics: Physics
+    physics: Physics | None
     function: RecipeFunction
     hulls: int | None = None
 
@@ -63,14 +68,14 @@ _REGISTER: dict[tuple[str, str], Recipe] = {}
 
 
 def recipe(
-    leaf: str, variants: int, physics: Physics, hulls: int | None = None
+    leaf: str, variants: int, physics: Physics | None = None, hulls: int | None = None
 ) -> Callable[[RecipeFunction], RecipeFunction]:
     """Decorator: registers the function for an ontology leaf. One function may serve several leaves (stack decorators).
 
     Args:
       leaf: exact leaf name of the ontology.
       variants: how many the index holds.
-      physics: the leaf's priors.
+      physics: the recipe's own physical priors; None takes those of the leaf's row of `assets_index/priors.csv`.
       hulls: most convex hulls of the decomposition, 1 to 16; None lets the asset's size decide; 1 means its convex
       hull.
 
