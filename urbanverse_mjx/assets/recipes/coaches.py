@@ -58,8 +58,8 @@ def carriage(b: MeshBuilder, c: Coach) -> Body:
     body = Body(b, shape)
     body.shell(c.color)
     f, r = c.length / 2, -c.length / 2
-    pillars = [(x, 0.10) for x in np.arange(r + 1.6, f - 0.9, c.pitch)]
-    body.glasshouse(pillars, (r + 0.25, f - 0.30), frame=0.16, top=c.height - 0.30)
+    x0, x1, top = r + 0.35, f - c.nose - 0.35, c.height - 0.38
+    body.side_picture(x0, x1, c.belt, top, panes(c.color, round((x1 - x0) / c.pitch)), lift=0.010)
     body.side([(r + 0.08, 1.16), (f - 0.06, 1.16), (f - 0.06, 1.30), (r + 0.08, 1.30)], c.band, 0.006)
     if c.low is not None:
         body.side([(r + 0.08, 0.45), (f - 0.06, 0.45), (f - 0.06, 0.90), (r + 0.08, 0.90)], c.low, 0.005)
@@ -81,6 +81,32 @@ def carriage(b: MeshBuilder, c: Coach) -> Body:
             body.across(12.9, 13.5, t0, t1, "lamp", lift=0.014)
         body.across(1.35, 2.0, t0 + 0.05, t1 - 0.05, "red", lift=0.014)
     return body
+
+
+def panes(color: Color, count: int) -> np.ndarray:
+    """A row of windows with the pillars between them."""
+    image, pen = paint.canvas((64 * count, 48), color)
+    for k in range(count):
+        pen.rounded_rectangle((64 * k + 3, 2, 64 * k + 61, 46), 6, fill=paint.rgb("dark glass"))
+    return np.asarray(paint.shrunk(image, (min(16 * count, 320), 12)))
+
+
+def plain_module(b: MeshBuilder, c: Coach) -> float:
+    """The middle part of an articulated tram, its windows and doors painted on; returns m^3."""
+    length, high = c.length, c.height - 0.3
+    image, pen = paint.canvas((384, 192), c.color)
+    y = {z: 192 * (1 - (z - 0.3) / high) for z in (0.45, 0.90, 1.16, 1.30, c.belt, c.height - 0.38)}
+    pen.rectangle((0, y[1.30], 384, y[1.16]), fill=paint.rgb(c.band))
+    if c.low is not None:
+        pen.rectangle((0, y[0.90], 384, y[0.45]), fill=paint.rgb(c.low))
+    for k in range(4):
+        pen.rounded_rectangle((96 * k + 4, y[c.height - 0.38], 96 * k + 92, y[c.belt]), 8, fill=paint.rgb("dark glass"))
+    for x in (146, 194):
+        pen.rectangle((x - 2, y[c.height - 0.38] - 6, x + 46, 186), fill=paint.rgb("charcoal"))
+        pen.rectangle((x + 4, y[c.height - 0.38], x + 40, 176), fill=paint.rgb("glass"))
+    side = np.asarray(paint.shrunk(image, (128, 64)))
+    b.box((length, 2.46, high), (0, 0, 0.3), c.color, skins={"+y": side, "-y": side})
+    return length * 2.46 * high
 
 
 def bellows(b: MeshBuilder, x: float, height: float, width: float = 2.2) -> None:
@@ -128,8 +154,7 @@ def tram(variant: int, rng: np.random.Generator) -> BuiltAsset:
             low=low,
         )
         with b.frame((x, 0, 0), (0, 0, facing)):
-            body = carriage(b, spec)
-            volume += body.volume
+            volume += carriage(b, spec).volume if first or last else plain_module(b, spec)
         if not last:
             bellows(b, x - each / 2, height)
         b.box((each * 0.5, 1.9, 0.40), (x, 0, 0.02), "charcoal")
@@ -210,8 +235,13 @@ def school_bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     body = Body(b, shape)
     body.shell(yellow)
     r, f = -4.64 * stretch, 5.08 * stretch
-    pillars = [(float(x), 0.12) for x in np.arange(r + 1.1, 2.2 * stretch, 0.92)]
-    body.glasshouse(pillars, (r + 0.2, 3.2 * stretch), frame=0.14, top=2.62)
+    count = round(7.6 * stretch / 0.95)
+    body.side_picture(r + 0.35, 2.35 * stretch, 1.70, 2.62, panes(yellow, count), lift=0.012)
+    body.side(
+        [(2.45 * stretch, 1.72), (3.25 * stretch, 1.72), (2.85 * stretch, 2.6), (2.45 * stretch, 2.6)],
+        "dark glass",
+        0.01,
+    )
     for z in (0.78, 1.10, 1.50):  # the black rub rails
         body.line([(r + 0.05, z), (2.9 * stretch, z)], "black", 0.05)
     body.side_picture(r + 0.9, r + 5.4, 2.70, 2.93, lettering("SCHOOL BUS", yellow, "black", (128, 8)))
