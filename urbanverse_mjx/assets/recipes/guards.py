@@ -67,7 +67,7 @@ def traffic_controller(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "black",
     )
     poses = (
-        Pose((3, -4), (4, 4), (4, 0), (12, 30), 0.0, (7, 30)),
+        Pose((3, -4), (4, 4), (4, 0), (12, 30), 0.0, (7, 15)),
         Pose((3, -4), (4, 4), (10, 20), (14, 20), 0.0, (9, 62)),
         Pose((3, -4), (4, 4), (62, 4), (14, 10), 0.0, (10, 78)),
     )
@@ -91,4 +91,4 @@ def traffic_controller(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         backpack(f, "charcoal", 0.8)
     names = ("A traffic controller with a stop paddle", "A school crossing guard", "An officer directing traffic")
-    return finished(f, names[variant], ((0.42, 0.72, 1.78), (0, 0, 1.76), (0, 0, 1.85))[variant])
+    return finished(f, names[variant], ((0.42, 0.72, 1.78), (0, 0, 1.76), (0.78, 0, 1.85))[variant])

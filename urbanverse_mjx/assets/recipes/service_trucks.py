@@ -62,7 +62,7 @@ def ambulance(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body.side([(-2.9, 0.62), (1.9, 0.62), (1.9, 0.72), (-2.9, 0.72)], "signal blue", 0.006)
     body.side_picture(-2.6, 0.35, 1.72, 2.12, lettering("AMBULANCE", color, ink, (128, 20)))
     body.side_picture(-0.1, 0.45, 1.22, 1.72, star_of_life(), lift=0.016)
-    body.across(12.0, 13.6, -0.55, 0.55, picture=lettering("ECNALUBMA", color, ink, (96, 20)), lift=0.014)
+    body.across(12.0, 13.6, -0.55, 0.55, picture=lettering("AMBULANCE", color, ink, (96, 20))[:, ::-1], lift=0.014)
     body.across(4.2, 5.2, -0.6, 0.6, picture=lettering("AMBULANCE", color, ink, (96, 20)), lift=0.02)
     light_bar(b, 0.75, 2.60, 1.35, "blue")
     light_bar(b, -2.7, 2.60, 1.2, "blue")
@@ -149,7 +149,7 @@ def fire_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.8, 0.3, (r + 2.0, 0, 2.85), "dark grey", segments=16)
         for k, (w, z) in enumerate(((0.95, 3.15), (0.78, 3.28), (0.62, 3.40))):
             start, end = np.array([r + 0.5, 0, z]), np.array([f - 0.1 + 0.2 * k, 0, z + 0.12])
-            ladder(b, start, end, w, "aluminium", 16 - 3 * k)
+            ladder(b, start, end, w, "aluminium", 11 - 2 * k)
         b.box((0.7, 1.2, 0.75), (f + 0.1, 0, 3.05), band, bevel=0.03)
     else:
         for y in (-0.45, 0.5):
@@ -238,12 +238,12 @@ def cement_mixer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant]
     front, back = 2.5, -3.0
     forward_cab(b, front, cab, 0.45, "MIX 8")
-    chassis(b, front, back, ((-1.9, -0.6), (-1.6,), (-2.0, -0.7))[variant], "MIX 8")
+    chassis(b, front, back, ((-1.5,), (-1.6,), (-1.4,))[variant], "MIX 8")
     profile = [(0.35, 0), (0.75, 0.15), (1.08, 1.2), (1.12, 2.2), (0.95, 3.2), (0.52, 4.3), (0.48, 4.5)]
     with b.frame((1.25, 0, 1.78), (0, -76, 0)):
         b.lathe(profile, color=drum, segments=20, crease_deg=50)
-        for k in range(26):  # the spiral painted on the drum
-            a, z = k * 0.62, 0.5 + 0.135 * k
+        for k in range(18):  # the spiral painted on the drum
+            a, z = k * 0.80, 0.5 + 0.195 * k
             r = float(np.interp(z, [p[1] for p in profile], [p[0] for p in profile])) + 0.012
             step = np.array([np.cos(a), np.sin(a), 0]) * r + [0, 0, z]
             b.box((0.05, 0.75, 0.14), tuple(step), stripe, (14, 0, float(np.degrees(a))), centered=True)

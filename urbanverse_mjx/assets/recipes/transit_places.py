@@ -159,7 +159,7 @@ def car_wash(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"bays": bays}), size)
 
 
-def _flat_car(b: MeshBuilder, at: tuple[float, float], yaw: float, color: Color) -> None:
+def flat_car(b: MeshBuilder, at: tuple[float, float], yaw: float, color: Color) -> None:
     """A car in few triangles, for lots seen as a whole."""
     with b.frame((at[0], at[1], 0.10), (0, 0, yaw)):
         b.profile([(-2.1, 0.25), (2.1, 0.25), (2.15, 0.65), (1.1, 0.85), (-2.05, 0.9)], 1.7, (0, 0, 0), color)
@@ -200,7 +200,7 @@ def car_rental(variant: int, rng: np.random.Generator) -> BuiltAsset:
         y = (k - (count - 1) / 2) * 2.8
         b.box((4.6, 0.10, 0.012), (depth / 2 - 2.4, y - 1.4, 0.10), "white")
         if k != 1:
-            _flat_car(b, (depth / 2 - 2.45, y), 0, ("white", "signal red", "#5b7fa6", "grey", color, "black")[k % 6])
+            flat_car(b, (depth / 2 - 2.45, y), 0, ("white", "signal red", "#5b7fa6", "grey", color, "black")[k % 6])
     b.box((0.2, 0.2, 4.0), (depth / 2 - 0.4, width / 2 - 0.5, 0.1), "grey")
     b.box(
         (0.2, 1.0, 1.0),

@@ -151,7 +151,11 @@ def infant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     f.build()
     b = f.builder
-    b.loft([f.ring(-0.09, 0.085, 0.075), f.ring(-0.02, 0.115, 0.10), f.ring(0.05, 0.105, 0.09)], romper, crease_deg=60)
+    b.loft([f.ring(-0.08, 0.07, 0.06), f.ring(-0.02, 0.10, 0.085), f.ring(0.05, 0.095, 0.075)], romper, crease_deg=60)
+    if variant == 0:  # a dummy in the mouth, and a lock of hair
+        rx, _, rz = f.head_radii
+        b.ball((0.25 * rx, 0.4 * rx, 0.3 * rx), tuple(f.head_center + [0.98 * rx, 0, -0.46 * rz]), "signal red")
+        b.ball((0.5 * rx, 0.4 * rx, 0.3 * rx), tuple(f.head_center + [0.1 * rx, 0, 0.98 * rz]), "#8a5a30")
     if variant == 1:
         cap(f, "white", "beanie")
         for k, color in enumerate(("red", "blue", "green")):
