@@ -192,11 +192,10 @@ def toll_booth(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for side in (-1, 1):
         b.cylinder(0.10, 0.85, (0.68, side * 1.05, 0.18), "signal yellow", segments=10)
         b.cylinder(0.102, 0.2, (0.68, side * 1.05, 0.5), "black", segments=10)
-    if variant != 1:  # the boom across the lane
+    if variant != 0:  # the boom across the lane
         b.box((0.22, 0.2, 0.9), (-0.66, 1.0, 0.18), "signal yellow")
         for k in range(5):
             b.box((0.05, 0.3, 0.08), (-0.66, 1.25 + 0.3 * k, 0.92), ("signal red", "white")[k % 2])
-    names = ("A blue toll booth with its boom", "A green toll booth", "An orange toll booth with its boom")
-    size = ((1.7, 3.0, 2.8), (1.7, 2.45, 2.8), (1.8, 3.2, 3.0))[variant]
-    size = (size[0], 2.5, size[2]) if variant == 0 else size
+    names = ("A blue toll booth", "A green toll booth with its boom", "An orange toll booth with its boom")
+    size = ((1.7, 2.45, 2.8), (1.7, 3.8, 2.9), (1.8, 3.4, 3.0))[variant]
     return fitted(b.build(names[variant], {"color": str(color)}), size)

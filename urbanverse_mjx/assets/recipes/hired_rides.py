@@ -20,8 +20,8 @@ def horse_carriage(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("wood", "dark wood", "brown"),
     )[variant]
     for side in (-1, 1):
-        spoked_wheel(b, (-0.85, side * 0.70, 0.58), 0.58, 0.028, wheel_color, 12)
-        spoked_wheel(b, (0.95, side * 0.66, 0.44), 0.44, 0.028, wheel_color, 10)
+        spoked_wheel(b, (-0.85, side * 0.70, 0.58), 0.58, 0.028, wheel_color, 6)
+        spoked_wheel(b, (0.95, side * 0.66, 0.44), 0.44, 0.028, wheel_color, 6)
         for x, z in ((-0.85, 0.58), (0.95, 0.44)):  # flat spokes, seen from afar
             for k in range(6):
                 a = k * np.pi / 6

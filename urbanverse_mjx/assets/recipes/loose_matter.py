@@ -112,7 +112,7 @@ def debris(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("brick", "terracotta", "concrete"),
         ("grey wood", "wood", "dark wood"),
     )[variant]
-    mound = boulder(rng, (1.15, 0.85, 0.30), 30, 0.1)
+    mound = boulder(rng, (1.2, 0.9, 0.55), 30, 0.05)
     b.add(mound, ("dark concrete", "#9c6a50", "soil")[variant], (0, 0, -0.02))
     for k in range(34 if variant < 2 else 18):
         a, r = rng.uniform(0, 2 * np.pi), np.sqrt(rng.uniform()) * 0.55
@@ -123,7 +123,7 @@ def debris(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if variant == 1 and k % 2:
             b.box((0.22, 0.10, 0.065), (x, y, z), tone, turn, centered=True)
         elif variant < 2:
-            s = float(rng.uniform(0.08, 0.22))
+            s = float(rng.uniform(0.12, 0.26))
             b.add(boulder(rng, (s * 1.4, s, s), 12, 0.8), tone, (x, y, z), turn)
         else:
             b.box(
@@ -144,7 +144,7 @@ def debris(variant: int, rng: np.random.Generator) -> BuiltAsset:
         else:
             b.add(boulder(rng, (0.25, 0.2, 0.18), 12, 0.8), "concrete", (0.4 - 0.4 * k, 0.25 * (-1) ** k, 0.05))
     names = ("A heap of broken concrete with bars", "A heap of bricks and boards", "A pile of splintered boards")
-    size = ((1.0, 1.3, 0.38), (1.25, 1.6, 0.48), (1.2, 1.45, 0.36))[variant]
+    size = ((1.0, 1.3, 0.38), (1.25, 1.6, 0.48), (1.25, 1.2, 0.44))[variant]
     return fitted(
         b.build(names[variant], {"kind": ("concrete", "brick", "wood")[variant]}), (size[1], size[0], size[2])
     )
@@ -155,11 +155,8 @@ def stone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     color = ("granite", "sandstone", "#7c7468", "dark grey")[variant]
     size = ((0.28, 0.22, 0.15), (0.45, 0.34, 0.26), (0.14, 0.11, 0.06), (0.70, 0.52, 0.36))[variant]
-    shape = boulder(rng, size, (44, 26, 70, 20)[variant], (0.55, 0.5, 0.7, 0.45)[variant])
+    shape = boulder(rng, size, (110, 60, 130, 50)[variant], (0.55, 0.5, 0.7, 0.45)[variant])
     b.add(shape, shade(color, float(rng.uniform(0.95, 1.05))), crease_deg=(32, 15, 60, 12)[variant])
-    for k in range(2):  # a vein of another tone, let into the surface
-        chip = boulder(rng, (size[0] * 0.4, size[1] * 0.35, size[2] * 0.3), 16, 0.9)
-        b.add(chip, shade(color, 0.86), (size[0] * (0.12 - 0.3 * k), size[1] * 0.1, size[2] * 0.48), crease_deg=20)
     names = ("A grey granite stone", "A sandstone field stone", "A smooth pebble", "A dark split stone")
     return fitted(b.build(names[variant], {"stone": color}), size)
 

@@ -194,12 +194,16 @@ def motorcycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
         pen.ellipse((x - 14, 104, x + 14, 132), outline=rgb("white"), width=5)
     pen.polygon([(26, 106), (42, 90), (62, 92), (72, 86), (68, 100), (60, 114), (40, 116)], fill=rgb("white"))
     b.panel(np.asarray(paint.shrunk(image, (32, 48))), (-1.015, y, 0.70), 0.30, 0.42, "+x", back="grey")
-    if variant != 1:  # one stands there
+    if variant != 0:  # one stands there
         with b.frame((-0.02, -width / 2 + 0.5 * width / count, 0.0), (0, 0, 180)):
             motorbike(
-                b, Motorbike("cruiser", ("dark red", "", "teal")[variant], "black", 0.72, 0.98, (0.30, 0.30), 1.34)
+                b, Motorbike("cruiser", ("", "dark red", "teal")[variant], "black", 0.72, 0.98, (0.30, 0.30), 1.34)
             )
-    names = ("A motorcycle bay with one red machine", "An empty row of motorcycle bays", "A small motorcycle bay")
+    names = (
+        "An empty row of motorcycle bays",
+        "Motorcycle bays with a red machine",
+        "A small motorcycle bay with one machine",
+    )
     size = ((2.3, 4.5, 0), (2.3, 6.0, 0), (2.3, 3.2, 0))[variant]
     return fitted(b.build(names[variant], {"bays": count}), size)
 

@@ -209,7 +209,7 @@ def segway(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if variant == 1:
             b.box((0.14, 0.26, 0.20), (0.22, 0, top - 0.35), "charcoal", bevel=0.03)
     names = ("A grey two-wheeled personal transporter", "A black segway with a bag", "A white knee-steered segway")
-    size = ((0.60, 0.60, 1.20), (0.66, 0.64, 1.28), (0.52, 0.52, 0.92))[variant]
+    size = ((0.63, 0.60, 1.20), (0.68, 0.64, 1.28), (0.55, 0.57, 0.92))[variant]
     return fitted(b.build(names[variant], {"wheel_radius": r}), size)
 
 

@@ -155,7 +155,7 @@ def infant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 0:  # a dummy in the mouth, and a lock of hair
         rx, _, rz = f.head_radii
         b.ball((0.25 * rx, 0.4 * rx, 0.3 * rx), tuple(f.head_center + [0.98 * rx, 0, -0.46 * rz]), "signal red")
-        b.ball((0.5 * rx, 0.4 * rx, 0.3 * rx), tuple(f.head_center + [0.1 * rx, 0, 0.98 * rz]), "#8a5a30")
+        b.ball((0.5 * rx, 0.4 * rx, 0.3 * rx), tuple(f.head_center + [0.25 * rx, 0, 0.80 * rz]), "#8a5a30")
     if variant == 1:
         cap(f, "white", "beanie")
         for k, color in enumerate(("red", "blue", "green")):
