@@ -236,11 +236,11 @@ def sheep(variant: int, rng: np.random.Generator) -> BuiltAsset:
     s = 0.72
     beast(b, SHEEP, s, face, face, shade(face, 0.9), "#241f1b", 0.04)
     table = np.array(SHEEP.trunk)
-    for x in np.linspace(-0.60, 0.50, 7):  # fleece: overlapping balls over the trunk
+    for x in np.linspace(-0.60, 0.50, 6):  # fleece: overlapping balls over the trunk
         z, w, h = (float(np.interp(x, table[:, 0], table[:, j])) for j in (1, 2, 3))
         for a in np.radians((-100, -50, 0, 50, 100)):
             at = (x * s, w * np.sin(a) * s * 0.95, (z + h * np.cos(a) * 0.85) * s)
-            r = float(rng.uniform(0.17, 0.205)) * s
+            r = float(rng.uniform(0.185, 0.22)) * s
             b.ball((r, r * 0.9, r * 0.85), at, shade(wool, float(rng.uniform(0.94, 1.03))), segments=7, rings=5)
     b.ball((0.19 * s, 0.15 * s, 0.19 * s), (0.50 * s, 0, 1.0 * s), wool, segments=8, rings=6)
     if variant != 0:
@@ -333,7 +333,7 @@ def wildlife(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.tube([(-1.10 * s, 0, 0.485 * s), (-1.26 * s, 0, 0.43 * s)], [0.10 * s, 0.02 * s], "white", sides=8)
         b.ball((0.09 * s, 0.09 * s, 0.12 * s), (0.47 * s, 0, 0.80 * s), "white", segments=8, rings=6)
         b.ball(0.022 * s, (0.935 * s, 0, 0.925 * s), "black", segments=6, rings=4)
-        return fitted(b.build("A red fox with a white-tipped tail", {"kind": "fox"}), (1.0, 0.17, 0.42))
+        return fitted(b.build("A red fox with a white-tipped tail", {"kind": "fox"}), (0.95, 0.165, 0.46))
     s = 1.0  # a brown bear
     m = dataclasses.replace(
         COW,
@@ -347,6 +347,6 @@ def wildlife(variant: int, rng: np.random.Generator) -> BuiltAsset:
         tail=((-0.66, 0.84, 0.06), (-0.72, 0.78, 0.03)),
     )
     beast(b, m, s, "#5a3b24", "#4a3020", "#8a6a4c", "#1d1612", 0.08)
-    b.ball((0.26, 0.20, 0.14), (0.32, 0, 1.0), "#5a3b24", segments=10, rings=6)
+    b.ball((0.30, 0.19, 0.12), (0.26, 0, 0.93), "#5a3b24", segments=10, rings=6)
     b.ball((0.03, 0.045, 0.03), (1.0, 0, 0.79), "black", segments=6, rings=4)
     return fitted(b.build("A brown bear", {"kind": "bear"}), (1.75, 0.72, 1.1))

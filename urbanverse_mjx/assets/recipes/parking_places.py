@@ -204,7 +204,7 @@ def motorcycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "Motorcycle bays with a red machine",
         "A small motorcycle bay with one machine",
     )
-    size = ((2.3, 4.5, 0), (2.3, 6.0, 0), (2.3, 3.2, 0))[variant]
+    size = ((2.3, 4.5, 0.92), (2.3, 6.0, 0), (2.3, 3.2, 0))[variant]
     return fitted(b.build(names[variant], {"bays": count}), size)
 
 

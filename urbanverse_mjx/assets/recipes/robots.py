@@ -1,5 +1,7 @@
 """Robots that walk: humanoids and robot dogs."""
 
+import itertools
+
 import numpy as np
 
 from .. import paint
@@ -13,7 +15,7 @@ def _limb(
     b: MeshBuilder, joints: list[tuple[float, float, float]], radii: list[float], shell: Color, joint: Color
 ) -> None:
     """A limb of tapering shells between dark ball joints."""
-    for (p, q), (r, s) in zip(zip(joints, joints[1:], strict=False), zip(radii, radii[1:], strict=False), strict=False):
+    for (p, q), (r, s) in zip(itertools.pairwise(joints), itertools.pairwise(radii), strict=True):
         a, c = np.array(p), np.array(q)
         b.tube([a + (c - a) * 0.10, a + (c - a) * 0.35, a + (c - a) * 0.90], [r * 0.85, r, s * 0.85], shell, sides=8)
     for p, r in zip(joints, radii, strict=True):
