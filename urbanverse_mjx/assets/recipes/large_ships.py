@@ -89,7 +89,7 @@ def ferry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.cylinder(1.12, 0.7, (-6.0, 0, top + 1.6), band, segments=12)
     b.rod((2.0, 0, top + 2.4), (2.0, 0, top + 5.6), 0.12, "white", sides=6)
     names = ("A blue and white double-ended car ferry", "A green car ferry")
-    return fitted(b.build(names[variant], {"ends": 2}), ((58.0, 13.6, 15.0), (48.0, 12.0, 14.0))[variant])
+    return fitted(b.build(names[variant], {"ends": 2}), ((58.0, 13.6, 14.4), (48.0, 12.0, 14.0))[variant])
 
 
 def sail(b: MeshBuilder, corners: list[tuple[float, float, float]], belly: float, color: Color = "off white") -> None:
@@ -111,7 +111,7 @@ def sail(b: MeshBuilder, corners: list[tuple[float, float, float]], belly: float
 def ship(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     if variant == 1:
-        return fitted(_tall_ship(b), (62.0, 12.0, 38.0))
+        return fitted(_tall_ship(b), (62.0, 18.0, 40.0))
     hull(b, ship_rows(76.0, 13.0, 7.0, 0.35), "#a8322a", None)
     hull(
         b,
@@ -183,7 +183,7 @@ def _tall_ship(b: MeshBuilder) -> BuiltAsset:
 @recipe("yacht", 2)
 def yacht(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.3)
-    if variant == 1:
+    if variant == 0:
         hull(b, ship_rows(18.0, 4.6, 2.4, 0.30), "white", None)
         side = [(-5.5, 2.4), (3.6, 2.5), (1.2, 4.2), (-4.8, 4.3)]
         b.profile(side, 3.6, (0, 0, 0), "white")
@@ -192,11 +192,13 @@ def yacht(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.profile([(-3.6, 4.55), (-0.1, 4.55), (-0.6, 5.1), (-3.5, 5.1)], 2.86, (0, 0, 0), "dark glass")
         b.tube([(-2.6, 1.2, 5.3), (-2.4, 1.0, 6.2), (-2.4, -1.0, 6.2), (-2.6, -1.2, 5.3)], 0.1, "white", sides=6)
         b.ball((0.4, 0.4, 0.3), (-2.4, 0, 6.45), "white", segments=10, rings=6)
+        b.rod((-2.6, 0, 6.5), (-2.9, 0, 8.4), 0.05, "white", sides=6)
+        b.rod((-2.2, 0.5, 6.2), (-2.4, 0.5, 7.6), 0.03, "white", sides=5)
         b.box((2.0, 3.8, 0.12), (-8.0, 0, 2.3), "light wood")
         for s in (-1, 1):
             b.tube([(8.4, s * 0.3, 3.9), (4.0, s * 1.9, 3.3), (-5.0, s * 2.2, 3.1)], 0.035, "aluminium", sides=5)
             b.box((11.0, 0.03, 0.5), (-1.0, s * 2.295, 1.5), "dark glass")
-        return fitted(b.build("A white motor yacht", {"kind": "motor"}), (18.0, 4.8, 7.0))
+        return fitted(b.build("A white motor yacht", {"kind": "motor"}), (15.8, 4.6, 9.0))
     hull(b, ship_rows(12.0, 3.9, 1.5, 0.25, 0.75), "white", None)
     b.profile([(-1.0, -1.4), (1.4, -1.4), (1.1, 0.2), (-0.8, 0.2)], 0.25, (0, 0, 0), "dark blue")
     b.profile([(-5.3, -0.9), (-4.8, -0.9), (-4.7, 0.4), (-5.2, 0.4)], 0.12, (0, 0, 0), "dark blue")

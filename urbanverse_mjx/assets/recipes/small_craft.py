@@ -80,10 +80,8 @@ def canoe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("kayak", 3)
-def kayak(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    b = MeshBuilder(roughness=0.4)
-    color, deck = (("safety orange", "#f08a30"), ("signal yellow", "signal yellow"), ("signal blue", "white"))[variant]
+def _kayak(b: MeshBuilder, variant: int, color: Color, deck: Color) -> None:
+    """A kayak 3.5 m long with one or two cockpits and its paddle across the deck."""
     sections = []
     for x in np.linspace(-1.75, 1.75, 13):
         t = abs(x) / 1.75
@@ -97,13 +95,22 @@ def kayak(variant: int, rng: np.random.Generator) -> BuiltAsset:
         rim = [(x + 0.42 * k * np.cos(a), 0.23 * np.sin(a), 0.305) for a in np.arange(14) * 2 * np.pi / 14]
         b.extrude([(p[0], p[1]) for p in rim], 0.012, (0, 0, 0.297), "black")
         b.tube(rim, 0.022, shade(color, 0.6), sides=5, closed=True)
-        b.box((0.05, 0.32, 0.20), (x - 0.34 * k, 0, 0.29), "black", (0, -12, 0), bevel=0.02)
+        b.box((0.05, 0.32, 0.09), (x - 0.34 * k, 0, 0.28), "black", (0, -12, 0), bevel=0.02)
     for x in (0.85, 1.0, -0.95, -1.1) if variant < 2 else (1.35, -1.35):
         w = 0.30 * (1 - (abs(x) / 1.75) ** 2.2)
         b.rod((x, -w, 0.27), (x, w, 0.27), 0.008, "black", sides=4)
     if variant == 2:
         b.box((2.6, 0.06, 0.01), (0, 0, 0.312), deck)
     paddle(b, (-0.75, 0.16, 0.335), (0.95, 0.02, 0.335), "black", True)
+
+
+@recipe("kayak", 3)
+def kayak(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    b = MeshBuilder(roughness=0.4)
+    color, deck = (("safety orange", "#f08a30"), ("signal yellow", "signal yellow"), ("signal blue", "white"))[variant]
+    stretch = ((1.0, 1.0, 1.0), (1.4, 0.86, 1.0), (1.2, 1.17, 1.1))[variant]
+    with b.frame(scale=stretch):
+        _kayak(b, variant, color, deck)
     names = ("An orange kayak with its paddle", "A yellow sea kayak", "A blue two-seat kayak")
     return fitted(
         b.build(names[variant], {"seats": 1 + (variant == 2)}),
@@ -156,7 +163,7 @@ def boat(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for x in (-1.5, -0.3, 0.9):
             b.box((0.28, 1.6 if x < 0.5 else 1.35, 0.04), (x, 0, 0.58), "wood")
         for side in (-1, 1):
-            paddle(b, (-1.0, side * 0.25, 0.92), (0.6, side * 1.05, 0.84), "light wood", False)
+            paddle(b, (-1.0, side * 0.25, 0.92), (0.5, side * 0.74, 0.90), "light wood", False)
             b.cylinder(0.03, 0.12, (-0.1, side * 0.84, 0.74), "brass", segments=7)
         for k in range(3):
             b.tube(
@@ -199,7 +206,7 @@ def boat(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.16, 0.14, 0.75), (-2.62, 0, 0.08), "black")
         b.ring(0.10, 0.03, (-2.72, 0, 0.15), "black", (0, 90, 0), 10, 5)
     names = ("A white motorboat with a blue band", "A blue rowing boat with oars", "A red motorboat")
-    size = ((4.9, 1.85, 1.40), (4.2, 1.9, 1.0), (5.6, 2.1, 1.55))[variant]
+    size = ((4.9, 1.85, 1.40), (4.4, 1.78, 0.96), (5.6, 2.1, 1.55))[variant]
     return fitted(b.build(names[variant], {"oars": variant == 1}), size)
 
 

@@ -141,9 +141,9 @@ def roller_skater(variant: int, rng: np.random.Generator) -> BuiltAsset:
 @recipe("infant", 3)
 def infant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     romper = ("#7fb2d9", "signal yellow", "pink")[variant]
-    height, hair = (0.64, 0.70, 0.72)[variant], ("bald", "bald", "curly")[variant]
+    height, hair = (0.54, 0.70, 0.72)[variant], ("bald", "bald", "curly")[variant]
     skin = ("skin light", "skin medium", "skin dark")[variant]
-    look = Look(height, 1.45, skin, hair, "#8a5a30", "shirt", romper, "trousers", romper, "white", "long", 2.15)
+    look = Look(height, 1.55, skin, hair, "#8a5a30", "shirt", romper, "trousers", romper, "white", "long", 2.15)
     standing = Pose((5, -5), (6, 8), (20, 24), (26, 26), 2.0, (26, 26))
     sitting = Pose((82, 82), (16, 24), (30, 44), (40, 50), 2.0, (24, 24))
     f = Figure(
@@ -163,4 +163,4 @@ def infant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 2:
         b.ball(0.05, tuple((f.hands[0] + f.hands[1]) / 2 + [0.03, 0, 0]), "red", segments=10, rings=7)
     names = ("An infant standing up in blue rompers", "A baby sitting among toy blocks", "A baby sitting with a ball")
-    return finished(f, names[variant], ((0.28, 0.36, 0.62), (0, 0, 0.44), (0, 0, 0.46))[variant])
+    return finished(f, names[variant], ((0.268, 0.345, 0.625), (0, 0, 0.44), (0, 0, 0.46))[variant])
