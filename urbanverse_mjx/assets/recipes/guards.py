@@ -40,7 +40,8 @@ def security_guard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     ground = ("#e8e8e4", "#c8d820", "#1c1d22")[variant]
     badge_words(f, "SECURITY", ("#1d2026", "black", "white")[variant], ground, (0.070, 0.082, 0.084)[variant])
     b.box((0.05, 0.05, 0.16), tuple(f.trunk(0.0) + [0.0, -0.115 * h, -0.03]), "black", bevel=0.01)
-    b.rod(*(tuple(f.trunk(z) + [0.0, -0.115 * h, 0]) for z in (0.05, 0.13)), 0.006, "black", sides=4)
+    aerial = f.trunk(0.05) - [0.0, 0.115 * h, 0]
+    b.rod(aerial, f.trunk(0.13) - [0.0, 0.115 * h, 0], 0.006, "black", sides=4)
     x, y, z = f.hands[0]
     b.rod((x - 0.06, y, z), (x + 0.20, y, z - 0.02), 0.020, "black", sides=8)  # a torch
     b.cylinder(0.032, 0.05, (x + 0.19, y, z - 0.02), "lamp", (0, 94, 0), segments=10)

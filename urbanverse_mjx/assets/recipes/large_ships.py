@@ -5,6 +5,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color
 from ..recipe import recipe
+from ..shapes import Points3
 from .coaches import lettering, panes
 from .fitted import fitted
 from .small_craft import hull
@@ -92,9 +93,9 @@ def ferry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"ends": 2}), ((58.0, 13.6, 14.4), (48.0, 12.0, 14.0))[variant])
 
 
-def sail(b: MeshBuilder, corners: list[tuple[float, float, float]], belly: float, color: Color = "off white") -> None:
+def sail(b: MeshBuilder, corners: Points3, belly: float, color: Color = "off white") -> None:
     """A sail between four corners (lower fore, lower aft, upper aft, upper fore), filled out by `belly` m."""
-    c = np.array(corners)
+    c = np.asarray(corners, float)
     grid = np.array(
         [
             [(1 - v) * ((1 - u) * c[0] + u * c[1]) + v * ((1 - u) * c[3] + u * c[2]) for u in np.linspace(0, 1, 5)]

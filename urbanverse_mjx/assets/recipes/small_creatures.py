@@ -5,7 +5,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, mix, shade
 from ..recipe import recipe
-from ..shapes import Point3
+from ..shapes import Point3, Points3
 from .animals import _ring as ring
 from .fitted import fitted
 
@@ -194,7 +194,7 @@ def raccoon(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def fowl(
     b: MeshBuilder,
     rows: list[tuple[float, float, float, float]],
-    neck: list[Point3],
+    neck: Points3,
     radii: list[float],
     body: Color,
     throat: Color,
