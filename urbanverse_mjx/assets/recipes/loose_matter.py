@@ -158,11 +158,12 @@ def debris(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def stone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     color = ("granite", "sandstone", "#7c7468", "dark grey")[variant]
-    size = ((0.28, 0.22, 0.15), (0.45, 0.34, 0.26), (0.14, 0.11, 0.06), (0.70, 0.52, 0.25))[variant]
+    size = ((0.28, 0.22, 0.15), (0.45, 0.34, 0.26), (0.14, 0.11, 0.06), (0.70, 0.52, 0.38))[variant]
     shape = boulder(rng, size, (110, 60, 130, 50)[variant], (0.55, 0.5, 0.7, 0.45)[variant])
     b.add(shape, shade(color, float(rng.uniform(0.95, 1.05))), crease_deg=(32, 15, 60, 12)[variant])
     names = ("A grey granite stone", "A sandstone field stone", "A smooth pebble", "A dark split stone")
-    return fitted(b.build(names[variant], {"stone": color}), size)
+    flat = (*size[:2], size[2] if variant < 3 else 0.0)  # a split stone lies as low as it broke
+    return fitted(b.build(names[variant], {"stone": color}), flat)
 
 
 @recipe("stone block", 3)

@@ -40,23 +40,13 @@ def bike_wheel(b: MeshBuilder, x: float, radius: float, tyre: float, knobs: bool
         b.box((0.03, tyre * 1.7, 0.025), at, "rubber", (0, 90 - float(np.degrees(a)), 0), centered=True)
 
 
-def motorbike(b: MeshBuilder, bike: Motorbike) -> dict[str, np.ndarray]:
-    """The machine along x; returns where a rider touches it: hip, and grip and peg of the left side."""
-    trail, sport, s = bike.style == "trail", bike.style == "sport", bike.seat
-    front, rear = bike.base / 2, -bike.base / 2
-    rf, rr = bike.wheels
-    tyre = 0.05 if trail else 0.07
-    bike_wheel(b, front, rf, tyre, trail)
-    bike_wheel(b, rear, rr, tyre * 1.1, trail)
-    head = np.array([front - (0.26 if sport else 0.32), 0.0, bike.bars - 0.10])
-    for side in (-1, 1):
-        y = side * 0.09
-        b.rod((head[0], y, head[2]), (front, y, rf), 0.024, "gold" if trail else "aluminium", sides=6)
-        b.rod((-0.12, y, 0.42), (rear, side * 0.08, rr), 0.025, "dark grey", sides=5)
-        b.rod((-0.40, y, s - 0.08), (rear + 0.05, side * 0.08, rr + 0.03), 0.02, "aluminium", sides=5)
-        b.box((0.09, 0.11, 0.025), (-0.10, side * 0.20, 0.34), "black")
-    b.tube([tuple(head), (0.10, 0, s - 0.02), (-0.45, 0, s - 0.05)], 0.03, bike.accent, sides=6)
-    b.tube([tuple(head - [0, 0, 0.1]), (0.24, 0, 0.36), (-0.15, 0, 0.32)], 0.028, bike.accent, sides=6)
+def _tail_rise(bike: Motorbike) -> float:
+    """How far the tail stands above the seat, m."""
+    return {"trail": 0.10, "sport": 0.06, "cruiser": -0.02}[bike.style]
+
+
+def _engine_and_seat(b: MeshBuilder, bike: Motorbike) -> None:
+    trail, s = bike.style == "trail", bike.seat
     # Engine, cylinder, exhaust.
     b.box((0.38, 0.24, 0.24), (0.05, 0, 0.27), "dark grey", bevel=0.05)
     b.box((0.17, 0.22, 0.20), (0.13, 0, 0.48), "aluminium", bevel=0.02)
@@ -76,7 +66,7 @@ def motorbike(b: MeshBuilder, bike: Motorbike) -> dict[str, np.ndarray]:
     rows = ((0.42, 0.05, s + 0.04, s + 0.14), (0.30, 0.12, s, s + 0.19), (0.05, 0.14, s - 0.04, s + 0.16))
     tank = [*rows, (-0.12, 0.08, s - 0.04, s + 0.05)]
     b.loft([oval_yz(*row) for row in reversed(tank)], bike.color, crease_deg=60)
-    up = 0.10 if trail else 0.06 if sport else -0.02
+    up = _tail_rise(bike)
     seat = (
         (-0.06, 0.10, s - 0.06, s + 0.03),
         (-0.38, 0.13, s - 0.06, s + 0.02),
@@ -85,6 +75,27 @@ def motorbike(b: MeshBuilder, bike: Motorbike) -> dict[str, np.ndarray]:
     b.loft([oval_yz(*row) for row in reversed(seat)], "black", crease_deg=60)
     tail = ((-0.45, 0.09, s - 0.12, s - 0.04), (-0.95, 0.07, s + up - 0.03, s + up + 0.02))
     b.loft([oval_yz(*row) for row in reversed(tail)], bike.color, crease_deg=60)
+
+
+def motorbike(b: MeshBuilder, bike: Motorbike) -> dict[str, np.ndarray]:
+    """The machine along x; returns where a rider touches it: hip, and grip and peg of the left side."""
+    trail, sport, s = bike.style == "trail", bike.style == "sport", bike.seat
+    front, rear = bike.base / 2, -bike.base / 2
+    rf, rr = bike.wheels
+    tyre = 0.05 if trail else 0.07
+    bike_wheel(b, front, rf, tyre, trail)
+    bike_wheel(b, rear, rr, tyre * 1.1, trail)
+    head = np.array([front - (0.26 if sport else 0.32), 0.0, bike.bars - 0.10])
+    for side in (-1, 1):
+        y = side * 0.09
+        b.rod((head[0], y, head[2]), (front, y, rf), 0.024, "gold" if trail else "aluminium", sides=6)
+        b.rod((-0.12, y, 0.42), (rear, side * 0.08, rr), 0.025, "dark grey", sides=5)
+        b.rod((-0.40, y, s - 0.08), (rear + 0.05, side * 0.08, rr + 0.03), 0.02, "aluminium", sides=5)
+        b.box((0.09, 0.11, 0.025), (-0.10, side * 0.20, 0.34), "black")
+    b.tube([tuple(head), (0.10, 0, s - 0.02), (-0.45, 0, s - 0.05)], 0.03, bike.accent, sides=6)
+    b.tube([tuple(head - [0, 0, 0.1]), (0.24, 0, 0.36), (-0.15, 0, 0.32)], 0.028, bike.accent, sides=6)
+    _engine_and_seat(b, bike)
+    up = _tail_rise(bike)
     if trail:
         b.convex([(front + dx, y, rf + 0.38 + dz) for dx, dz in _FENDER for y in (-0.07, 0.07)], bike.color)
         b.box((0.02, 0.20, 0.24), (head[0] + 0.10, 0, bike.bars - 0.12), bike.accent, (0, -18, 0), bevel=0.008)

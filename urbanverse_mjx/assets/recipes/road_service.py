@@ -63,6 +63,47 @@ def roadside_assistance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(built, (6.9, 2.32, 2.58))
 
 
+def _old_bus() -> BuiltAsset:
+    """The round-nosed bus of the sixties in two colours."""
+    b = MeshBuilder(roughness=0.4)
+    side_view = [
+        (-2.1, 0.35),
+        (-2.15, 0.9),
+        (-2.05, 1.5),
+        (-1.85, 1.88),
+        (1.5, 1.9),
+        (1.9, 1.65),
+        (2.1, 1.15),
+        (2.15, 0.6),
+        (2.1, 0.35),
+    ]
+    low = [(x, min(z, 1.08)) for x, z in side_view]
+    b.profile(side_view, 1.68, (0, 0, 0), "cream")
+    b.profile(low, 1.74, (0, 0, 0), "#3f8f9a")
+    b.box((3.4, 1.5, 0.22), (-0.2, 0, 1.86), "cream", bevel=0.08)
+    for side in (-1, 1):
+        for k in range(4):
+            b.box((0.72, 0.03, 0.42), (-1.52 + 0.86 * k, side * 0.845, 1.22), "dark glass")
+        for x in (-1.25, 1.3):
+            wheel(b, (x, side * 0.76, 0.33), 0.33, 0.19, rim_picture("cap"), side)
+        b.cylinder(0.12, 0.05, (2.12, side * 0.6, 0.85), "lamp", (0, 90, 0), segments=12)
+        b.cylinder(0.07, 0.04, (-2.17, side * 0.65, 0.75), "red", (0, -90, 0), segments=10)
+        b.quad(
+            [
+                (2.10, 0.06 + 0.36 * side - 0.34, 1.20),
+                (2.10, 0.36 * side + 0.30, 1.20),
+                (1.92, 0.36 * side + 0.28, 1.62),
+                (1.92, 0.36 * side - 0.28, 1.62),
+            ],
+            "dark glass",
+        )
+    b.ring(0.20, 0.025, (2.155, 0, 0.85), "cream", (0, 90, 0), 16, 4)
+    b.box((0.12, 1.7, 0.14), (2.12, 0, 0.36), "white", bevel=0.03)
+    b.box((0.12, 1.7, 0.14), (-2.14, 0, 0.36), "white", bevel=0.03)
+    b.box((1.2, 0.9, 0.25), (-0.4, 0, 2.08), "brown", bevel=0.05)
+    return b.build("An old turquoise and cream camper bus", {"kind": "bus"})
+
+
 @recipe("camper", 3)
 def camper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 0:
@@ -102,44 +143,7 @@ def camper(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for side in (-1, 1):
             b.box((0.04, 0.2, 0.4), (-3.72, side * 0.9, 0.9), "red")
         return fitted(body.finish("A white coachbuilt motorhome", {"kind": "coachbuilt"}), (7.1, 2.3, 3.0))
-    # The round-nosed bus of the sixties in two colours.
-    b = MeshBuilder(roughness=0.4)
-    side_view = [
-        (-2.1, 0.35),
-        (-2.15, 0.9),
-        (-2.05, 1.5),
-        (-1.85, 1.88),
-        (1.5, 1.9),
-        (1.9, 1.65),
-        (2.1, 1.15),
-        (2.15, 0.6),
-        (2.1, 0.35),
-    ]
-    low = [(x, min(z, 1.08)) for x, z in side_view]
-    b.profile(side_view, 1.68, (0, 0, 0), "cream")
-    b.profile(low, 1.74, (0, 0, 0), "#3f8f9a")
-    b.box((3.4, 1.5, 0.22), (-0.2, 0, 1.86), "cream", bevel=0.08)
-    for side in (-1, 1):
-        for k in range(4):
-            b.box((0.72, 0.03, 0.42), (-1.52 + 0.86 * k, side * 0.845, 1.22), "dark glass")
-        for x in (-1.25, 1.3):
-            wheel(b, (x, side * 0.76, 0.33), 0.33, 0.19, rim_picture("cap"), side)
-        b.cylinder(0.12, 0.05, (2.12, side * 0.6, 0.85), "lamp", (0, 90, 0), segments=12)
-        b.cylinder(0.07, 0.04, (-2.17, side * 0.65, 0.75), "red", (0, -90, 0), segments=10)
-        b.quad(
-            [
-                (2.10, 0.06 + 0.36 * side - 0.34, 1.20),
-                (2.10, 0.36 * side + 0.30, 1.20),
-                (1.92, 0.36 * side + 0.28, 1.62),
-                (1.92, 0.36 * side - 0.28, 1.62),
-            ],
-            "dark glass",
-        )
-    b.ring(0.20, 0.025, (2.155, 0, 0.85), "cream", (0, 90, 0), 16, 4)
-    b.box((0.12, 1.7, 0.14), (2.12, 0, 0.36), "white", bevel=0.03)
-    b.box((0.12, 1.7, 0.14), (-2.14, 0, 0.36), "white", bevel=0.03)
-    b.box((1.2, 0.9, 0.25), (-0.4, 0, 2.08), "brown", bevel=0.05)
-    return fitted(b.build("An old turquoise and cream camper bus", {"kind": "bus"}), (5.0, 1.95, 2.42))
+    return fitted(_old_bus(), (5.0, 1.95, 2.42))
 
 
 @recipe("caravan", 3)

@@ -154,7 +154,7 @@ def infant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.loft([f.ring(-0.08, 0.07, 0.06), f.ring(-0.02, 0.10, 0.085), f.ring(0.05, 0.095, 0.075)], romper, crease_deg=60)
     if variant == 0:  # a dummy in the mouth, and a lock of hair
         rx, _, rz = f.head_radii
-        b.ball((0.25 * rx, 0.4 * rx, 0.3 * rx), tuple(f.head_center + [0.98 * rx, 0, -0.46 * rz]), "signal red")
+        b.ball((0.10 * rx, 0.22 * rx, 0.15 * rx), tuple(f.head_center + [0.90 * rx, 0, -0.50 * rz]), "light blue")
         b.ball((0.5 * rx, 0.4 * rx, 0.3 * rx), tuple(f.head_center + [0.25 * rx, 0, 0.80 * rz]), "#8a5a30")
     if variant == 1:
         cap(f, "white", "beanie")
