@@ -161,7 +161,7 @@ def tram(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for side in (-1, 1):
         b.box((length * 0.9, 0.06, 0.3), (0, side * 0.72, 0.0), "dark grey")
     b.box((length * 0.55, 1.5, 0.22), (0, 0, height), shade("light grey", 0.9), bevel=0.05)
-    pantograph(b, 0.5, height + 0.22, height + 0.36 if variant < 2 else height + 0.5)
+    pantograph(b, 0.5, height + 0.22, height + 0.42 if variant < 2 else height + 0.85)
     names = ("A white and red low-floor tram of three parts", "A long yellow tram of five parts", "An old red tramcar")
     built = dataclasses.replace(b.build(names[variant], {"modules": modules}), volume=volume)
     return fitted(built, ((27.0, 2.42, 3.50), (32.0, 2.62, 3.55), (14.2, 2.3, 3.65))[variant])
@@ -330,8 +330,8 @@ def train(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color, band, length = (("#d9dcde", "signal red", 22.0), ("#2f6fa8", "white", 25.0))[variant]
     spots = (-length / 2 + 3.2, length / 2 - 4.6)
     nose = (0.9, 2.6)[variant]
-    spec = Coach(length, 3.9, color, band, "RE 5 CENTRAL", spots, "lr", 1.75, 2.0, nose=nose, low=shade(color, 0.7))
-    with b.frame((0, 0, 0), scale=(1, 1.16, 1)):
+    spec = Coach(length, 3.35, color, band, "RE 5 CENTRAL", spots, "lr", 1.75, 1.45, nose=nose, low=shade(color, 0.7))
+    with b.frame((0, 0, 0.62), scale=(1, 1.16, 1)):
         volume = carriage(b, spec).volume * 1.16
     for x in (-length / 2 + 3.4, length / 2 - 3.6):
         b.box((2.9, 2.2, 0.32), (x, 0, 0.42), "charcoal", bevel=0.05)

@@ -8,6 +8,7 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, shade
 from ..recipe import recipe
 from .car_shapes import HATCHBACK, HATCHBACK_PLACES, SEDAN, SEDAN_GLASS, SEDAN_PLACES, SUV, SUV_PLACES
+from .coaches import lettering
 from .fitted import fitted
 from .vehicle_body import Body, BodyShape
 from .wheels import grille_picture, number_plate, rim_picture, wheel
@@ -38,7 +39,8 @@ def _front_and_rear(b: MeshBuilder, body: Body, places: Places, trim: Trim) -> N
     low, high = places["lamp"]
     tail_low, tail_high = places["tail"]
     if trim.lamps == "bar":
-        body.across(low, low + 0.35, -0.95, 0.95, "white", lift=0.014)
+        body.across(low - 0.25, low + 0.75, -0.96, 0.96, "black", lift=0.010)
+        body.across(low, low + 0.35, -0.95, 0.95, "white", lift=0.016)
         body.across(tail_high - 0.35, tail_high, -0.95, 0.95, "light red", lift=0.014)
     for side in (-1, 1):
         inner = {"pair": 0.60, "slim": 0.52, "round": 0.62, "bar": 0.72}[trim.lamps]
@@ -47,7 +49,7 @@ def _front_and_rear(b: MeshBuilder, body: Body, places: Places, trim: Trim) -> N
             middle = body._across_points(np.array([(low + high) / 2]), side * 0.78)[0]
             b.ball((0.06, 0.10, 0.10), tuple(middle), "lamp", segments=12, rings=6)
         else:
-            body.across(low, high if trim.lamps == "pair" else low + 0.55, t0, t1, "white", lift=0.012)
+            body.across(low, high if trim.lamps == "pair" else low + 0.55, t0, t1, "white", lift=0.020)
         body.across(tail_low, tail_high, t0, t1, "red", lift=0.012)
     if trim.grille:
         body.across(*places["grille"], -0.45, 0.45, picture=grille_picture(trim.grille), lift=0.012)
@@ -281,11 +283,12 @@ def electric_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
             arch = [(-0.56, 0.34), (-0.42, 0.86), (-0.20, 1.0), (0.20, 1.0), (0.42, 0.86), (0.56, 0.34)]
             inner = [(0.46, 0.34), (0.36, 0.74), (0.16, 0.88), (-0.16, 0.88), (-0.36, 0.74), (-0.46, 0.34)]
             body.side([(axle + x, z) for x, z in (*arch, *inner)], "black", 0.012)
-    else:  # a charging cable in its socket, and a stripe of green
+    else:  # a charging cable in its socket, and what drives it written on the doors
         x, z = (-1.28, 0.86) if variant == 0 else (1.62, 0.72)
         y = float(body.half_width(x, z))
         b.cylinder(0.06, 0.05, (x, y + 0.03, z), "black", (90, 0, 0), segments=10)
-        body.line([(-0.8, 0.34), (0.8, 0.34)], "light green", 0.03)
+        b.tube([(x, y + 0.03, z), (x, y + 0.10, z - 0.20), (x - 0.1, y + 0.08, 0.03)], 0.022, "light green", sides=5)
+        body.side_picture(-0.85, 0.75, 0.52, 0.78, lettering("100% ELECTRIC", trim.color, "green", (128, 20)))
     names = ("A white electric crossover", "A blue electric saloon", "An angular steel electric pickup")
     size = ((4.50, 1.90, 1.56), (4.70, 1.88, 1.48), (5.60, 2.04, 1.80))[variant]
     return fitted(body.finish(names[variant], {"body": "electric", "color": str(trim.color)}), size)
