@@ -288,7 +288,9 @@ def electric_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
         y = float(body.half_width(x, z))
         b.cylinder(0.06, 0.05, (x, y + 0.03, z), "black", (90, 0, 0), segments=10)
         b.tube([(x, y + 0.03, z), (x, y + 0.10, z - 0.20), (x - 0.1, y + 0.08, 0.03)], 0.022, "light green", sides=5)
-        body.side_picture(-0.85, 0.75, 0.52, 0.78, lettering("100% ELECTRIC", trim.color, "green", (128, 20)))
+        body.side_picture(
+            -0.85, 0.75, 0.52, 0.78, lettering("100% ELECTRIC", trim.color, ("green", "white")[variant], (128, 20))
+        )
     names = ("A white electric crossover", "A blue electric saloon", "An angular steel electric pickup")
     size = ((4.50, 1.90, 1.56), (4.70, 1.88, 1.48), (5.60, 2.04, 1.80))[variant]
     return fitted(body.finish(names[variant], {"body": "electric", "color": str(trim.color)}), size)
