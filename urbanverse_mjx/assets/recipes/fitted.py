@@ -1,0 +1,34 @@
+"""Brings a finished asset to the length, width and height of its kind."""
+
+import dataclasses
+
+import numpy as np
+
+from urbanverse_mjx.datatypes import NounError
+
+from ..mesh_builder import BuiltAsset
+from ..shapes import Point3
+
+#: How far one axis may be stretched against another before round things look oval.
+GREATEST_DISTORTION = 1.35
+
+
+def fitted(built: BuiltAsset, size: Point3) -> BuiltAsset:
+    """The asset scaled to a box.
+
+    Args:
+      size: (x, y, z) of the box, m; 0 along an axis keeps the mean scale of the others there.
+
+    Raises:
+      NounError: the axes' scales differ by more than `GREATEST_DISTORTION`.
+    """
+    wanted, extent = np.asarray(size, float), np.asarray(built.mesh.extent, float)
+    given = wanted > 0
+    scale = np.where(given, wanted / extent, np.mean(wanted[given] / extent[given]))
+    if scale.max() / scale.min() > GREATEST_DISTORTION:
+        raise NounError(
+            f"{built.description!r}: found a box of {extent.round(2)} m to be fitted to {wanted} m, needed the same "
+            f"proportions within a factor of {GREATEST_DISTORTION}; draw the parts nearer to that size."
+        )
+    mesh = dataclasses.replace(built.mesh, vertices=built.mesh.vertices * scale)
+    return dataclasses.replace(built, mesh=mesh, volume=built.volume * float(np.prod(scale)))
