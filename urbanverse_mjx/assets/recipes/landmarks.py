@@ -162,7 +162,7 @@ def lighthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.02 * w, 0.02 * w, 0.07 * z), (0.2 * w * np.cos(a), 0.2 * w * np.sin(a), deck), second)
     m.dome(b, (0, 0, deck + 0.07 * z), 0.24 * w, second, 0.8, sides=12)
     m.finial(b, (0, 0, deck + 0.07 * z + 0.17 * w), 0.05 * z, "ball", "black")
-    m.gate(b, (r0, 0, 0.0), 0.2 * w, 0.12 * z, second, "panel")
+    m.gate(b, (r0, 0, 0.0), 0.2 * w, 0.12 * z, second)
     for k in range(3):
         x = r0 + (r1 - r0) * (0.3 + 0.22 * k)
         b.box((0.1 * w, 0.1 * w, 0.045 * z), (x - 0.03 * w, 0, (0.26 + 0.17 * k) * z), "dark glass")

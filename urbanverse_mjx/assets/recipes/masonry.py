@@ -59,7 +59,7 @@ def arch_window(
     """A round-headed window; its corners show `back`."""
     w, h = size[0] * 4, size[1] * 4
     image, pen = paint.canvas((w, h), back if back is not None else shade(frame, 0.92))
-    edge, r = 0.1 * w, w / 2
+    edge, r = 0.1 * w, min(w / 2, 0.6 * h)
     pen.ellipse((0, 0, w - 1, 2 * r), fill=rgb(frame))
     pen.rectangle((0, r, w - 1, h), fill=rgb(frame))
     pen.ellipse((edge, edge, w - edge, 2 * r - edge), fill=rgb(glass))
@@ -159,7 +159,7 @@ def dome(
     b: MeshBuilder, at: Point3, radius: float, color: Color, rise: float = 1.0, tip: float = 0.0, sides: int = 20
 ) -> None:
     """A half ball `rise` radii high; `tip` > 0 draws it up to a point (onion domes)."""
-    angles = np.linspace(0, np.pi / 2, 8)
+    angles = np.linspace(0, np.pi / 2, 8 if sides > 14 else 5)
     profile = [(radius * np.cos(a), radius * rise * np.sin(a)) for a in angles]
     if tip > 0:
         height = radius * (rise + tip)
@@ -241,9 +241,12 @@ def board(b: MeshBuilder, words: str, at: Point3, width: float, height: float, b
     b.box((0.15, width, height), (at[0] + 0.075, at[1], at[2]), mix(back, "black", 0.2), skins={"+x": lettering})
 
 
-def gate(b: MeshBuilder, at: Point3, width: float, height: float, color: Color, style: str = "double") -> None:
-    """A door picture facing +x whose lower middle is at `at`, with a frame round it."""
+def gate(b: MeshBuilder, at: Point3, width: float, height: float, color: Color) -> None:
+    """A door facing +x whose lower middle is at `at`, with a frame: glass in pale metal frames, else panelled wings."""
     x, y, z = at
-    frame = shade(color, 0.7)
-    b.box((0.2, width * 1.16, height * 1.06), (x - 0.06, y, z), frame)
-    b.panel(pictures.door(color, style, (40, 56)), (x + 0.05, y, z + height / 2), width, height)
+    b.box((0.2, width * 1.16, height * 1.06), (x - 0.06, y, z), shade(color, 0.7))
+    if color in ("aluminium", "charcoal", "teal", "signal blue"):
+        b.panel(pictures.door(color, "double", (40, 56)), (x + 0.05, y, z + height / 2), width, height)
+        return
+    wing = np.asarray(pictures.door(color, "panel", (24, 56)))
+    b.panel(np.hstack([wing, wing[:, ::-1]]), (x + 0.05, y, z + height / 2), width, height)

@@ -31,7 +31,7 @@ def pagoda(variant: int, rng: np.random.Generator) -> BuiltAsset:
     storey = (top - foot) / count
     for k in range(count):
         share = 1 - (0.5, 0.55, 0.38)[variant] * k / (count - 1)
-        w, low = 0.52 * side * share, foot + storey * k
+        w, low = 0.58 * side * share, foot + storey * k
         b.box((w, w, storey), (0, 0, low), body)
         b.box((1.18 * w, 1.18 * w, 0.05 * storey), (0, 0, low + 0.12 * storey), rail)
         for turn in (0, 90, 180, 270):
@@ -39,9 +39,9 @@ def pagoda(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.box((0.02 * side, 0.3 * w, 0.42 * storey), (w / 2, 0, 0.14 * storey), "dark wood")
                 for s in (-1, 1):
                     b.box((0.03 * side, 0.03 * side, 0.6 * storey), (w / 2, s * 0.48 * w, 0), rail)
-        with b.frame((0, 0, low + 0.62 * storey)):
+        with b.frame((0, 0, low + 0.56 * storey)):
             m.hip_roof(
-                b, (0.98 * side * share, 0.98 * side * share, 0.42 * storey), (0, 0, 0), roof, 0.25, 0.12 * storey
+                b, (0.98 * side * share, 0.98 * side * share, 0.62 * storey), (0, 0, 0), roof, 0.25, 0.12 * storey
             )
     b.cylinder(0.012 * side, z - top, (0, 0, top), "gold", segments=6)
     for k in range(5):

@@ -100,7 +100,7 @@ def chapel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.cylinder(0.6 * w, 0.12 * z, (0.1 * x, 0, 0.54 * z), wall[1], segments=12)
         m.dome(b, (0.1 * x, 0, 0.66 * z), 0.9 * w, roof, 1.2)
-    m.finial(b, ((0.3 * x, front - 0.2, 0.1 * x)[variant], 0, (0.9, 0.88, 0.84)[variant] * z), 0.1 * z, "cross")
+    m.finial(b, ((0.3 * x, front - 0.2, 0.1 * x)[variant], 0, (0.9, 0.88, 0.8)[variant] * z), 0.1 * z, "cross")
     names = (
         "small white chapel with a ridge turret",
         "stone chapel with a bell gable",
@@ -235,7 +235,7 @@ def mosque(variant: int, rng: np.random.Generator) -> BuiltAsset:
     side = m.painted_front((hall[0], high), (6, 1), wall, ("arch", "white"), rng, 120, (0.55, 0.6))
     m.block(b, hall, (-0.1 * x, 0, 0), front, stone, side)
     m.cornice(b, hall, (-0.1 * x, 0, 0), shade(stone, 1.05), 0.02 * x)
-    r = 0.27 * y
+    r = (0.27 if variant != 2 else 0.21) * y
     b.cylinder(1.05 * r, 0.1 * z, (-0.1 * x, 0, high), stone, segments=20)
     m.dome(b, (-0.1 * x, 0, high + 0.1 * z), r, cap, 0.85, 0.3 if variant == 2 else 0.0, 24)
     m.finial(b, (-0.1 * x, 0, high + 0.1 * z + (1.1 if variant == 2 else 0.84) * r), 0.12 * z, "crescent")
@@ -245,9 +245,9 @@ def mosque(variant: int, rng: np.random.Generator) -> BuiltAsset:
     # The portico: pointed arches on columns under small domes.
     px = 0.27 * x
     b.box((0.2 * x, 0.8 * y, 0.06 * z), (px + 0.1 * x, 0, 0.22 * z), stone)
-    m.columns(b, px + 0.18 * x, list(np.linspace(-0.38, 0.38, 6) * y), 0.0, 0.22 * z, 0.014 * y, "marble", 8)
+    m.columns(b, px + 0.18 * x, list(np.linspace(-0.38, 0.38, 6) * y), 0.0, 0.22 * z, 0.014 * y, "marble", 6)
     for k in np.linspace(-0.3, 0.3, 5):
-        m.dome(b, (px + 0.1 * x, k * y, 0.28 * z), 0.055 * y, cap, 0.8, sides=10)
+        m.dome(b, (px + 0.1 * x, k * y, 0.28 * z), 0.055 * y, cap, 0.8, sides=8)
     b.box((0.06 * x, 0.24 * y, 0.36 * z), (0.45 * x, 0, 0), stone)
     m.gate(b, (0.48 * x, 0, 0), 0.14 * y, 0.26 * z, ("dark green", "teal", "#8a6a2a")[variant])
     for s in ((-1, 1), (1,), (-1, 1))[variant]:
