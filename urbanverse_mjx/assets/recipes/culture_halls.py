@@ -36,7 +36,7 @@ def library(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     b.panel(shelves, at, 0.22 * y, 0.34 * z)
         m.gate(b, (0.37 * x, -0.117 * y, 0), 0.12 * y, 0.34 * z, "charcoal")
         b.box((0.9 * x, 1.02 * y, 0.06 * z), (-0.05 * x, 0, 0.9 * z), shade(body, 0.7))
-        m.board(b, "LIBRARY", (0.37 * x, 0, 0.475 * z), 0.5 * y, 0.07 * z, body, "white")
+        m.board(b, "LIBRARY", (0.4 * x, 0, 0.86 * z), 0.6 * y, 0.13 * z, body, "white")
     if variant == 2:  # spines of books for an outer wall
         for k in range(9):
             tall, color = (
@@ -101,7 +101,7 @@ def theater(variant: int, rng: np.random.Generator) -> BuiltAsset:
         m.board(b, "THEATRE", (front + 0.13 * x, 0, 0.225 * z), 0.48 * y, 0.08 * z, "dark red", "gold")
         for k in (-1, 0, 1):
             m.gate(b, (front, 0.13 * y * k, 0), 0.09 * y, 0.18 * z, "dark red")
-    side = 0.15 * z
+    side = 0.2 * z
     mask_x = (0.47, 0.335, 0.47)[variant] * x
     for k, s in enumerate((-1, 1)):
         at = (mask_x, s * (0.4 if variant != 1 else 0.16) * y, (0.2 if variant == 2 else 0.44) * z)
@@ -169,8 +169,8 @@ def university(variant: int, rng: np.random.Generator) -> BuiltAsset:
         m.gate(b, (0.22 * x, 0.3 * y, 0), 0.06 * y, 0.16 * z, "charcoal")
     sign = (0.5 * x - 0.4, (0.2, -0.3, -0.3)[variant] * y, 0.0)
     for s in (-1, 1):
-        b.box((0.2, 0.2, 1.1), (sign[0], sign[1] + s * 0.09 * y, 0), "granite")
-    m.board(b, "UNIVERSITY", (sign[0], sign[1], 0.5), 0.22 * y, 0.1 * z, "dark blue", "white")
+        b.box((0.2, 0.2, 1.1), (sign[0], sign[1] + s * 0.11 * y, 0), "granite")
+    m.board(b, "UNIVERSITY", (sign[0], sign[1], 0.5), 0.26 * y, 0.13 * z, "dark blue", "white")
     names = (
         "brick university with a clock tower",
         "domed university hall with columns",

@@ -63,7 +63,7 @@ def barn(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color: Color = ("#9c2f28", "#8a7f70", "#3c3a38")[variant]
     front = 0.48 * x
     if variant == 0:
-        gambrel(b, x, 0.92 * y, 0.46 * z, z, color, "#5a5c60")
+        gambrel(b, x, 0.92 * y, 0.42 * z, 0.9 * z, color, "#5a5c60")
     else:
         low = 0.52 * z
         boards = pictures.wall("boards", (x, low), color, rng, 100)
@@ -86,8 +86,8 @@ def barn(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in (-0.3, 0.0, 0.3):
             b.box((0.07 * x, 0.05, 0.09 * z), (k * x, s * 0.465 * y, 0.22 * z), trim)
     if variant == 0:
-        b.box((0.1 * x, 0.1 * x, 0.08 * z), (0, 0, 0.96 * z), "white")
-        b.cone(0.08 * x, 0.08 * z, (0, 0, 1.04 * z), "#5a5c60", segments=4)
+        b.box((0.08 * x, 0.08 * x, 0.1 * z), (0, 0, 0.86 * z), "white")
+        b.cone(0.07 * x, 0.06 * z, (0, 0, 0.96 * z), "#5a5c60", segments=4)
     else:
         for k in range(3):
             b.cylinder(

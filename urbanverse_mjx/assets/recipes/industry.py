@@ -140,7 +140,7 @@ def storage_tank(variant: int, rng: np.random.Generator) -> BuiltAsset:
         at = (1.03 * r * np.cos(a), 1.03 * r * np.sin(a), 0.04 * z + (foot + high - 0.06 * z) * k / count)
         b.box((0.08 * d, 0.1 * d, 0.015 * z), at, "dark grey", (0, 0, np.degrees(a)))
     words = pictures.sign(("WATER", "SILO 2", "OIL")[variant], color, "signal blue", (72, 24))
-    with b.frame((0, 0, 0), (0, 0, -38)):
+    with b.frame((0, 0, 0), (0, 0, -16)):
         b.box((0.02 * d, 0.4 * d, 0.14 * z), (r, 0, foot + 0.5 * high), color, skins={"+x": words})
     b.tube(
         [(r, -0.2 * d, 0.12 * z), (0.49 * d, -0.2 * d, 0.12 * z), (0.492 * d, -0.2 * d, 0.06 * z)],

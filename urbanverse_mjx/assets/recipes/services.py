@@ -61,7 +61,7 @@ def hospital(variant: int, rng: np.random.Generator) -> BuiltAsset:
         wing(b, (0.5 * x, width, 0.66 * z), at, wall, 6, window, rng, 3.6, (0.78, 0.5) if variant != 1 else (0.45, 0.5))
         b.box((0.3 * x, 0.3 * width, 0.07 * z), (-0.16 * x, middle, 0.92 * z), "galvanised")
     middle = towers[0][0]
-    sign_box(b, "cross", (0.15 * x, middle, 0.68 * z), 0.2 * z, "signal red", "white")
+    sign_box(b, "cross", (0.15 * x, middle, 0.64 * z), 0.27 * z, "signal red", "white")
     m.board(
         b,
         "HOSPITAL",
@@ -114,7 +114,7 @@ def clinic(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "white",
         color,
     )
-    sign_box(b, "cross", (0.32 * x, -porch if porch else 0.36 * y, 0.5 * z), 0.24 * z, color, "white")
+    sign_box(b, "cross", (0.32 * x, -porch if porch else 0.36 * y, 0.42 * z), 0.36 * z, color, "white")
     b.beam((0.4 * x, porch - 0.34 * y, 0.05), (0.4 * x, porch - 0.14 * y, 0.3), 0.16 * x, 0.1, "concrete")
     names = ("white clinic with a green cross", "brick medical centre", "modern clinic with a blue cross")
     return fitted(b.build(names[variant]), "clinic", size)

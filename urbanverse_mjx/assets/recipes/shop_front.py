@@ -69,8 +69,9 @@ class Front:
     def __init__(self, f: Facade, trade: Trade, variant: int, height: float, side: float, paintwork: Color) -> None:
         self.f, self.trade, self.variant, self.height, self.side = f, trade, variant, height, side
         self.paintwork = paintwork
-        self.door_height = min(2.5, height - 1.15)
-        self.top = max(self.door_height, height - 1.15)
+        self.board = min(0.85 + 0.07 * max(0.0, f.width - 8.0), 0.3 * height)
+        self.top = height - self.board - 0.3
+        self.door_height = min(2.6, self.top)
 
     def _door(self, y: float, width: float = 1.15, style: str = "glass") -> None:
         wide = width > 1.5
@@ -157,9 +158,9 @@ class Front:
         layouts[self.trade.fronts[self.variant]]()
         f, back = self.f, self.trade.paints[self.variant][0]
         for y in (-f.width / 2 + 0.2, f.width / 2 - 0.2):
-            f.pilaster(y, 0, self.height - 0.95, 0.3, shade(self.paintwork, 0.9))
-        tall = min(1.6, 0.85 + 0.04 * max(0.0, f.width - 8))
-        width = min(f.width - 0.1, 13 * tall)
+            f.pilaster(y, 0, self.top + 0.2, 0.3, shade(self.paintwork, 0.9))
+        tall = self.board
+        width = min(f.width - 0.1, 12 * tall)
         board = name_board(self.trade, self.variant, (256, max(18, round(256 * tall / width))))
         f.fascia(0, self.height - tall - 0.08, width, tall, board, back)
 
@@ -173,6 +174,6 @@ def roof_board(f: Facade, trade: Trade, variant: int, size: float) -> None:
     """A square emblem that stands on the roof's edge on two struts."""
     x, z = f.front - 0.4, f.height
     for y in (-0.3 * size, 0.3 * size):
-        f.builder.rod((x - 0.1, y, z - 0.05), (x - 0.1, y, z + 0.8 + 0.4 * size), 0.05, "dark grey", sides=5)
+        f.builder.rod((x - 0.1, y, z - 0.05), (x - 0.1, y, z + 0.5 + 0.4 * size), 0.05, "dark grey", sides=5)
     face = emblem(trade, variant)
-    f.builder.box((0.14, size, size), (x, 0, z + 0.7), "dark grey", skins={"+x": face, "-x": face})
+    f.builder.box((0.14, size, size), (x, 0, z + 0.5), "dark grey", skins={"+x": face, "-x": face})

@@ -10,7 +10,7 @@ from .facade import Facade
 from .fitting import fitted, size_of
 from .shop_front import Front, emblem, roof_board, wall_plaque
 from .shop_outside import set_out
-from .trades import TRADES, Trade
+from .trades import TRADES
 
 #: (kind, colour) of walls and the style of their windows; every trade takes three of them.
 WALLS: tuple[tuple[str, Color, str], ...] = (
@@ -31,11 +31,11 @@ EMBLEMS = ("wall", "blade", "roof")
 TILES: tuple[Color, ...] = ("#7a4034", "#4d5560", "#5a4a44", "#8a5a3a")
 
 
-def _storeys(trade: Trade, wall_height: float) -> tuple[int, float, float]:
+def _storeys(single: bool, wall_height: float) -> tuple[int, float, float]:
     """(floors above the shop, height of one, height of the shop) for a wall, m."""
-    floors = 0 if trade.single or wall_height < 5.6 else max(1, round((wall_height - 3.9) / 3.0))
+    floors = 0 if single or wall_height < 5.6 else max(1, round((wall_height - 3.9) / 3.0))
     if floors == 0:
-        return 0, 0.0, min(wall_height - 0.35, 6.0)
+        return 0, 0.0, min(wall_height - 0.35, 8.5)
     storey = min(3.2, (wall_height - 3.6) / floors)
     return floors, storey, wall_height - floors * storey - 0.3
 
@@ -76,14 +76,17 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
     trade, number = TRADES[leaf], list(TRADES).index(leaf)
     size = size_of(leaf, variant)
     wall = WALLS[(number + 3 * variant) % len(WALLS)]
-    sign = EMBLEMS[(number + variant) % 3]
-    if trade.single or (sign == "wall" and size[2] < 5.9):  # no wall above the shop to hang it on
-        sign = "roof"
-    kind = "flat" if sign == "roof" or size[1] > 14 else ROOFS[(number + 2 * variant) % len(ROOFS)]
-    awning = trade.fronts[variant] in ("side", "middle") and (number + variant) % 2 == 0
-    board = min(2.2, (0.32 if trade.single else 0.24) * size[2]) if sign == "roof" else 0.0
-    above = board + 0.7 if sign == "roof" else ROOF_HEIGHT[kind]
-    floors, storey, ground = _storeys(trade, size[2] - above)
+    single = trade.single or size[1] > 14
+    sign = "roof" if single else EMBLEMS[(number + variant) % 3]
+    if size[2] < 4.6:  # too low for a board above the roof
+        sign = "blade"
+    kind = "flat" if sign == "roof" or single else ROOFS[(number + 2 * variant) % len(ROOFS)]
+    awning = trade.fronts[variant] in ("side", "middle") and (number + variant) % 2 == 0 and not single
+    board = min(4.5, 0.28 * size[2]) if sign == "roof" else 0.0
+    above = board + 0.5 if sign == "roof" else ROOF_HEIGHT[kind]
+    floors, storey, ground = _storeys(single, size[2] - above)
+    if floors == 0 and sign == "wall":
+        sign = "blade"
     reach = 1.05 if awning or trade.outside else 0.35
     f = Facade(MeshBuilder(roughness=0.8), size[1] - 0.3, size[0] - reach - 0.2, size[2] - above, "off white")
     back = trade.paints[variant][0]
@@ -94,7 +97,7 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
         cloth = pictures.awning(back, "white" if variant != 1 else None)
         f.awning(0, ground - 0.9, f.width - 0.7, 1.0, cloth, 0.42)
     if sign == "blade":
-        at = 0.1 if floors else -1.3
+        at = 0.1 if floors else -1.25
         f.blade_sign((-1.0, 1.0)[variant % 2] * (f.width / 2 - 0.4), ground + at, emblem(trade, variant), 1.25)
     elif sign == "wall":
         wall_plaque(f, trade, variant, ground + (1.6 if floors else -0.2), 1.05 if floors else 0.8)
