@@ -69,18 +69,17 @@ def boulder(b: MeshBuilder, at: Point3, radii: Point3, color: Color, rng: np.ran
     b.add(flat, color, at, crease_deg=12.0)
 
 
-def reed(b: MeshBuilder, at: Point3, height: float, rng: np.random.Generator, bulrush: bool) -> None:
-    """A few blades, and a brown head for bulrushes."""
+def reed(b: MeshBuilder, at: Point3, height: float, blade: float, rng: np.random.Generator, bulrush: bool) -> None:
+    """Three leaning leaves `blade` m wide at their foot, and a brown head on a stalk for bulrushes."""
     for k in range(3):
-        lean = rng.normal(0, 0.16, 2) * height
-        w = 0.035 * height
-        x, y, z = at[0] + rng.normal(0, w * 2), at[1] + rng.normal(0, w * 2), at[2]
+        lean = rng.normal(0, 0.3, 2) * height
+        x, y, z = at[0] + rng.normal(0, blade), at[1] + rng.normal(0, blade), at[2]
         tip = (x + lean[0], y + lean[1], z + height * rng.uniform(0.7, 1.0))
         green = ("#6f8f3c", "#557a34", "#8fa04a")[k]
-        b.convex([(x - w, y, z), (x + w, y, z), (x, y - w, z), (x, y + w, z), tip], green)
+        b.convex([(x - blade, y - 0.3 * blade, z), (x + blade, y, z), (x, y + blade, z), tip], green)
     if bulrush:
-        b.rod(at, (at[0], at[1], at[2] + height), 0.008 * height, "#7f9444", 4)
-        b.cylinder(0.03 * height, 0.17 * height, (at[0], at[1], at[2] + 0.78 * height), "#5a3a22", segments=6)
+        b.rod(at, (at[0], at[1], at[2] + height), 0.12 * blade, "#7f9444", 4)
+        b.cylinder(0.5 * blade, 0.22 * height, (at[0], at[1], at[2] + 0.75 * height), "#5a3a22", segments=6)
 
 
 @recipe("mud patch", 3)
@@ -207,9 +206,9 @@ def wetland_area(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "#6f8a48",
             at,
         )
-        for _ in range((7, 9, 6)[variant]):
-            spot = (at[0] + rng.normal(0, 0.07) * x, at[1] + rng.normal(0, 0.07) * y, 0.3 * z)
-            reed(b, spot, 0.7 * z * float(rng.uniform(0.7, 1.0)), rng, rng.random() < 0.45)
+        for _ in range((12, 15, 9)[variant]):
+            spot = (at[0] + rng.normal(0, 0.05) * x, at[1] + rng.normal(0, 0.05) * y, 0.3 * z)
+            reed(b, spot, 0.7 * z * float(rng.uniform(0.75, 1.0)), 0.011 * x, rng, rng.random() < 0.45)
     for _ in range(10):
         at = (float(rng.uniform(-0.45, 0.45)) * x, float(rng.uniform(-0.45, 0.45)) * y, 0.305 * z)
         b.cylinder(0.025 * x, 0.015 * z, at, "#4f8a4a", segments=9)

@@ -95,7 +95,7 @@ def pond(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
         for k in range(12):
             a = 2.2 + 0.1 * k + 2.6 * (k % 2)
-            reed(b, (0.4 * x * np.cos(a), 0.4 * y * np.sin(a), 0.45 * z), 0.55 * z, rng, k % 3 == 0)
+            reed(b, (0.4 * x * np.cos(a), 0.4 * y * np.sin(a), 0.45 * z), 0.55 * z, 0.012 * x, rng, k % 3 == 0)
     _lilies(b, 0.7 * x, 0.7 * y, top, 0.035 * x, (7, 4, 4)[variant], rng)
     for k in range(2 if variant == 2 else 0):
         with b.frame((0.1 * x * k, (0.12 - 0.16 * k) * y, top), (0, 0, 60 * k), 0.06 * x):
@@ -245,7 +245,7 @@ def sea(variant: int, rng: np.random.Generator) -> BuiltAsset:
             water[row] = np.where(
                 (row < edge)[:, None], sand, np.where((row < edge + 5)[:, None], [248, 250, 250], water[row])
             )
-    b.sheet(grid, picture=water)
+    b.sheet(grid[:, ::-1], picture=water)
     rim = [
         [(grid[k, j, 0], grid[k, j, 1], z0) for z0 in (0.0, grid[k, j, 2])]
         for k, j in [(k, 0) for k in range(n)]
@@ -308,7 +308,7 @@ def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     stone: Color = ("#7d766c", "#8a7a66", "#6a6f6c")[variant]
     wide = (0.36, 0.42, 0.2)[variant] * y
     steps = ((0.02, 0.9),) if variant != 1 else ((0.16, 0.5), (-0.14, 0.9))
-    for k in range(26):
+    for k in range(24):
         y0 = ((k % 9) - 4) * 0.115 * y
         level = k // 9
         px = (-0.36 + 0.14 * level + (0.12 if abs(y0) > wide / 2 else 0.0)) * x
