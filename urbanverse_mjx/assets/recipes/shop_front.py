@@ -49,7 +49,7 @@ def name_board(trade: Trade, variant: int, size: tuple[int, int]) -> Image.Image
     width, height = paint.smooth(size, 3)
     image, pen = paint.canvas((width, height), back)
     inset = 0.0
-    if width > 6 * height:
+    if width > 4.4 * height:
         inset = 1.15 * height
         for x in (0.15 * height, width - 0.95 * height):
             ICONS[trade.goods[0]](Ink(pen, x, 0.1 * height, 0.8 * height), ink)

@@ -206,7 +206,7 @@ def wetland_area(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "#6f8a48",
             at,
         )
-        for _ in range((12, 15, 9)[variant]):
+        for _ in range((10, 11, 8)[variant]):
             spot = (at[0] + rng.normal(0, 0.05) * x, at[1] + rng.normal(0, 0.05) * y, 0.3 * z)
             reed(b, spot, 0.7 * z * float(rng.uniform(0.75, 1.0)), 0.011 * x, rng, rng.random() < 0.45)
     for _ in range(10):

@@ -79,7 +79,7 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
     single = trade.single or size[1] > 14
     sign = "roof" if single else EMBLEMS[(number + variant) % 3]
     if size[2] < 4.6:  # too low for a board above the roof
-        sign = "blade"
+        sign = "none"
     kind = "flat" if sign == "roof" or single else ROOFS[(number + 2 * variant) % len(ROOFS)]
     awning = trade.fronts[variant] in ("side", "middle") and (number + variant) % 2 == 0 and not single
     board = min(4.5, 0.28 * size[2]) if sign == "roof" else 0.0
@@ -97,8 +97,10 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
         cloth = pictures.awning(back, "white" if variant != 1 else None)
         f.awning(0, ground - 0.9, f.width - 0.7, 1.0, cloth, 0.42)
     if sign == "blade":
-        at = 0.1 if floors else -1.25
-        f.blade_sign((-1.0, 1.0)[variant % 2] * (f.width / 2 - 0.4), ground + at, emblem(trade, variant), 1.25)
+        at = 0.1 if floors else -0.95
+        f.blade_sign(
+            (-1.0, 1.0)[variant % 2] * (f.width / 2 - 0.4), ground + at, emblem(trade, variant), 1.25 if floors else 0.8
+        )
     elif sign == "wall":
         wall_plaque(f, trade, variant, ground + (1.6 if floors else -0.2), 1.05 if floors else 0.8)
     _roof(f, kind, TILES[(number + variant) % 4], wall[1], pictures.window("casement", "off white", rng, (24, 30)))
