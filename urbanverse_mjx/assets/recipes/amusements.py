@@ -239,7 +239,7 @@ def shopping_mall(variant: int, rng: np.random.Generator) -> BuiltAsset:
             0.5 * z,
             ("signal red", "signal yellow", "signal blue"),
         )
-    return fitted(b.build("shopping mall with a glass vault", {"name": name}), "shopping mall", size)
+    return fitted(b.build(f"shopping mall named {name} with a glass vault", {"name": name}), "shopping mall", size)
 
 
 def display_car(b: MeshBuilder, at: Point3, k: float, color: Color, turn: float = 0.0) -> None:
@@ -267,7 +267,7 @@ def car_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     pen.rectangle((0, 0, w, 0.55 * h), fill=rgb("#c4dbe6"))
     for k in range(5):
         ICONS["car"](
-            Ink(pen, w * (0.02 + 0.2 * k), 0.1 * h, 0.17 * w),
+            Ink(pen, w * (0.02 + 0.2 * k), h - 0.13 * w, 0.17 * w),
             ("signal red", "signal blue", "charcoal", "orange", "teal")[(k + variant) % 5],
         )
     for k in range(11):

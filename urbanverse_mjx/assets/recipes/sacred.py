@@ -195,7 +195,13 @@ def monastery(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in np.linspace(-0.26, 0.3, 8):
         m.columns(b, x / 2 - deep - 0.6, [k * y], 0.0, 0.18 * z, 0.12, "marble", 6)
     b.cylinder(0.8, 0.7, (0, 0.05 * y, 0.1), "granite", segments=10)
-    return fitted(b.build("monastery of four wings round a cloister garden", {"wall": wall[0]}), "monastery", size)
+    return fitted(
+        b.build(
+            f"{('plastered', 'stone')[variant]} monastery of four wings round a cloister garden", {"wall": wall[0]}
+        ),
+        "monastery",
+        size,
+    )
 
 
 def minaret(b: MeshBuilder, at: Sequence[float], height: float, radius: float, stone: Color, cap: Color) -> None:

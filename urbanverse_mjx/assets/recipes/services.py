@@ -301,4 +301,8 @@ def prison(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(9):
         b.box((0.1, 0.006 * y, 0.32 * z), (0.495 * x, (k - 4) * 0.011 * y, 0), "black")
     m.board(b, ("STATE PRISON", "PRISON")[variant], (0.49 * x, 0, 0.42 * z), 0.15 * y, 0.08 * z, "charcoal", "white")
-    return fitted(b.build("walled prison with cell blocks and watch towers", {"wall": wall[0]}), "prison", size)
+    return fitted(
+        b.build(f"{('concrete', 'brick')[variant]} prison with cell blocks and watch towers", {"wall": wall[0]}),
+        "prison",
+        size,
+    )
