@@ -60,7 +60,7 @@ def cinema(variant: int, rng: np.random.Generator) -> BuiltAsset:
     front = 0.36 * x
     for k in range(5 if variant != 2 else 0):  # the stepped crest of a picture palace
         w = (0.5 - 0.09 * k) * y
-        b.box((0.06 * x, w, 0.06 * z), (front - 0.02 * x, 0, high + 0.04 * z * k), shade(wall, 1.05))
+        b.box((0.06 * x, w, 0.06 * z), (front, 0, high - 0.1 * z + 0.055 * z * k), mix(accent, wall, 0.15 * k))
     tall = 0.16 * z
     b.box((0.13 * x, 0.7 * y, tall), (front + 0.065 * x, 0, 0.26 * z), "white")
     hoarding(

@@ -126,17 +126,13 @@ def tunnel(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for t in a
     ]
     b.tube(ring, 0.03 * z, shade(stone, 1.15), 6)
-    for k in range(6):  # grass slope over and beside the tube
-        px = (0.34 - 0.15 * k) * x
+    for k in range(6):  # a grass slope over and beside the tube
+        px, tone = (0.34 - 0.15 * k) * x, shade("#6f8f48", 0.92 + 0.05 * (k % 3))
         for s in (-1, 1):
-            b.convex(
-                [
-                    (px + u * 0.1 * x, s * v * y, w * z)
-                    for u in (-1, 1)
-                    for v, w in ((0.36, 0.02), (0.5, 0.0), (0.42, 0.8), (0.0, 0.98), (0.3, 0.95), (0.0, 0.8))
-                ],
-                shade("#6f8f48", 0.92 + 0.05 * (k % 3)),
-            )
+            flank = ((0.39, 0.0), (0.5, 0.0), (0.42, 0.82), (0.39, 0.82))
+            b.convex([(px + u * 0.1 * x, s * v * y, w * z) for u in (-1, 1) for v, w in flank], tone)
+        cap = ((-0.43, 0.8), (0.43, 0.8), (-0.3, 0.93), (0.3, 0.93), (0.0, 0.98))
+        b.convex([(px + u * 0.1 * x, v * y, w * z) for u in (-1, 1) for v, w in cap], tone)
     if variant == 1:
         for s in (-1, 1):
             b.box((x, 0.08, 0.03 * z), (0, s * 0.72, 0.04 * z), "rust")

@@ -36,7 +36,7 @@ def library(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     b.panel(shelves, at, 0.22 * y, 0.34 * z)
         m.gate(b, (0.37 * x, -0.117 * y, 0), 0.12 * y, 0.34 * z, "charcoal")
         b.box((0.9 * x, 1.02 * y, 0.06 * z), (-0.05 * x, 0, 0.9 * z), shade(body, 0.7))
-        m.board(b, "LIBRARY", (0.4 * x, 0, 0.86 * z), 0.6 * y, 0.13 * z, body, "white")
+        m.board(b, "LIBRARY", (0.4 * x, 0, 0.85 * z), 0.56 * y, 0.15 * z, "cream", "#3a3226")
     if variant == 2:  # spines of books for an outer wall
         for k in range(9):
             tall, color = (

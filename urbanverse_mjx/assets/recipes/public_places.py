@@ -183,11 +183,11 @@ def beer_garden(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for s in (-1, 1):
             b.box((0.16, 0.16, 0.68 * z), (px, s * 0.46 * y, 0), "wood")
     if variant == 1:
-        m.hip_roof(b, (x, y, 0.32 * z), (0, 0, 0.68 * z), roof, 0.6)
+        m.hip_roof(b, (0.97 * x, y, 0.32 * z), (0, 0, 0.68 * z), roof, 0.6)
     else:
         for k in range(5):  # a canvas roof in bays
             with b.frame((0, (k - 2) * 0.2 * y, 0.68 * z), (0, 0, 90)):
-                b.profile([(-0.1 * y, 0), (0.1 * y, 0), (0, 0.26 * z)], x, color=roof if k % 2 == 0 else "white")
+                b.profile([(-0.1 * y, 0), (0.1 * y, 0), (0, 0.26 * z)], 0.95 * x, color=roof if k % 2 == 0 else "white")
     for k in range(4):
         y0 = (k - 1.5) * 0.2 * y + 0.08 * y
         for px in (-0.2 * x, 0.22 * x):
@@ -205,7 +205,7 @@ def beer_garden(variant: int, rng: np.random.Generator) -> BuiltAsset:
     sign = np.asarray(
         pictures.sign(("BIERGARTEN", "BEER GARDEN", "BIERGARTEN")[variant], "signal blue", "white", (160, 28))
     )
-    b.box((0.12, 0.56 * y, 0.2 * z), (0.485 * x, 0, 0.66 * z), "signal blue", skins={"+x": sign})
+    b.box((0.12, 0.56 * y, 0.2 * z), (0.492 * x, 0, 0.62 * z), "signal blue", skins={"+x": sign})
     for s in (-0.44, 0.44):
         for k in range(9):
             b.ball(

@@ -171,9 +171,15 @@ def wall_plaque(f: Facade, trade: Trade, variant: int, z: float, radius: float) 
 
 
 def roof_board(f: Facade, trade: Trade, variant: int, size: float) -> None:
-    """A square emblem that stands on the roof's edge on two struts."""
+    """A square emblem that stands on the roof's edge on struts; on wide shops the name in letters beside it."""
     x, z = f.front - 0.4, f.height
-    for y in (-0.3 * size, 0.3 * size):
+    back, ink = trade.paints[variant]
+    text = 3.4 * size if f.width > 14 else 0.0
+    for y in (-0.4 * (size + text), 0.4 * (size + text)):
         f.builder.rod((x - 0.1, y, z - 0.05), (x - 0.1, y, z + 0.5 + 0.4 * size), 0.05, "dark grey", sides=5)
     face = emblem(trade, variant)
-    f.builder.box((0.14, size, size), (x, 0, z + 0.5), "dark grey", skins={"+x": face, "-x": face})
+    at = -text / 2
+    f.builder.box((0.14, size, size), (x, at, z + 0.5), "dark grey", skins={"+x": face, "-x": face})
+    if text > 0:
+        words = pictures.sign(trade.names[variant], back, ink, (170, 50))
+        f.builder.box((0.14, text, size), (x, size / 2, z + 0.5), "dark grey", skins={"+x": words})
