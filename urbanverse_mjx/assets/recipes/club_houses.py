@@ -10,7 +10,8 @@ from . import icons
 from . import masonry as m
 from .civic_halls import wing
 from .fitting import fitted, size_of
-from .foliage import leaf_picture, leafy
+from .foliage import leafy
+from .greenery import small_leaves
 from .icons import ICONS, Ink
 
 
@@ -169,7 +170,7 @@ def community_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.08, 0.1 * y, 0.18 * z), (at[0] - 0.05, at[1], 0.13 * z), "wood")
         b.box((0.1, 0.1, 0.14 * z), at, "wood")
         b.box((0.4, 0.1 * y, 0.07 * z), (at[0] + 0.8, at[1], 0), "wood")
-    leaves = leaf_picture("leaf", rng)[::3, ::3]
+    leaves = small_leaves("leaf", rng)
     for s in (-0.46, 0.2, 0.46):
         leafy(b, (front + 0.05 * x, s * y, 0.08 * z), (0.05 * x, 0.05 * x, 0.1 * z), leaves, rng, 8, 5)
     names = ("cream community centre with a porch", "brick community centre", "wooden community centre")

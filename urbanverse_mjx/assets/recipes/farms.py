@@ -9,7 +9,8 @@ from ..recipe import recipe
 from . import facade_pictures as pictures
 from . import masonry as m
 from .fitting import fitted, size_of
-from .foliage import leaf_picture, leafy
+from .foliage import leafy
+from .greenery import small_leaves
 
 Point3 = tuple[float, float, float]
 
@@ -222,7 +223,7 @@ def greenhouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.24 * x, 0.5 * y, 0.1 * z), (0, 0, 0.86 * z), "#b9d8d2", skins={"+y": side, "-y": side})
     b.box((0.06, 0.3 * y, 0.6 * z), (0.49 * x, 0, 0.02 * z), frame)
     b.box((0.08, 0.24 * y, 0.5 * z), (0.49 * x, 0, 0.06 * z), "#d5ece8")
-    leaves = leaf_picture("leaf", rng)[::3, ::3]
+    leaves = small_leaves("leaf", rng)
     for s in (-1, 1):
         leafy(b, (0.495 * x - 0.1, s * 0.36 * y, 0.2 * z), (0.12, 0.1 * y, 0.14 * z), leaves, rng, 7, 4)
     names = ("white gabled greenhouse", "tunnel greenhouse", "green orangery on a stone base")

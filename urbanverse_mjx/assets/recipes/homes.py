@@ -9,7 +9,8 @@ from . import facade_pictures as pictures
 from . import masonry as m
 from .facade import Facade, bays_over
 from .fitting import fitted, size_of
-from .foliage import leaf_picture, leafy
+from .foliage import leafy
+from .greenery import small_leaves
 
 
 @recipe("bungalow", 3, hulls=8)
@@ -52,7 +53,7 @@ def bungalow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for s in (-1, 1):
         b.box((0.16, 0.16, 0.86 * wall), (f.front + 1.45, by + s * 1.15, 0), "white")
     b.box((0.6, 0.8, 0.5 * (z - wall) + 0.6), (-0.1 * x, 0.26 * y, wall + 0.3 * (z - wall)), "brick")
-    leaves = leaf_picture("leaf", rng)[::3, ::3]
+    leaves = small_leaves("leaf", rng)
     for k in bays:
         if k != by:
             leafy(b, (f.front + 0.4, k, 0.35), (0.36, 0.16 * f.width / 2, 0.4), leaves, rng, 8, 5)

@@ -167,15 +167,8 @@ def lighthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         x = r0 + (r1 - r0) * (0.3 + 0.22 * k)
         b.box((0.1 * w, 0.1 * w, 0.045 * z), (x - 0.03 * w, 0, (0.26 + 0.17 * k) * z), "dark glass")
     if variant == 2:
-        m.hall(
-            b,
-            (0.3 * w, 0.5 * w, 0.1 * z),
-            (0.28 * w, 0, 0),
-            0.05 * z,
-            *[pictures.wall("plaster", (3, 3), "white", rng, 24)] * 2,
-            "signal red",
-            "white",
-        )
+        plain = pictures.wall("plaster", (3, 3), "white", rng, 24)
+        m.hall(b, (0.3 * w, 0.5 * w, 0.1 * z), (0.28 * w, 0, 0), 0.05 * z, plain, plain, "signal red", "white")
     names = ("red and white banded lighthouse", "black and white banded lighthouse", "white eight-sided lighthouse")
     return fitted(b.build(names[variant]), "lighthouse", size)
 

@@ -8,7 +8,7 @@ from ..recipe import recipe
 from . import facade_pictures as pictures
 from . import masonry as m
 from .fitting import fitted, size_of
-from .foliage import leaf_picture
+from .greenery import small_leaves
 from .terrain import ripples
 
 Point3 = tuple[float, float, float]
@@ -142,7 +142,7 @@ def maze(variant: int, rng: np.random.Generator) -> BuiltAsset:
     size, b = size_of("maze", variant), MeshBuilder(roughness=0.95)
     x, y, z = size
     b.box((x, y, 0.08), (0, 0, 0), ("#cbb78e", "#b9b2a2")[variant])
-    picture = leaf_picture(("#4f7f3a", "#2f5f3a")[variant], rng)[::2, ::2]
+    picture = small_leaves(("#4f7f3a", "#2f5f3a")[variant], rng)
     rows = len(_MAZE)
     sx, sy = x / rows, y / rows
     grid = [list(row) for row in _MAZE] if variant == 0 else [list(c) for c in zip(*_MAZE, strict=True)]

@@ -7,7 +7,8 @@ from ..palette import Color, shade
 from ..recipe import recipe
 from . import masonry as m
 from .fitting import fitted, size_of
-from .foliage import leaf_picture, leafy
+from .foliage import leafy
+from .greenery import small_leaves
 from .terrain import boulder
 
 
@@ -152,7 +153,7 @@ def bonsai(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "bark",
             6,
         )
-    leaves = leaf_picture(("dark leaf", "#c8502a", "#5f8f4a")[variant], rng, None, 0.6)[::2, ::2]
+    leaves = small_leaves(("dark leaf", "#c8502a", "#5f8f4a")[variant], rng)
     pads = (
         (0.0, -0.30, 0.46, 0.9),
         (0.04, 0.32, 0.56, 1.0),

@@ -7,7 +7,8 @@ import numpy as np
 
 from ..palette import Color
 from .facade import Facade
-from .foliage import potted_bush
+from .foliage import leafy
+from .greenery import small_leaves
 
 
 def _crates(f: Facade, side: float, variant: int, rng: np.random.Generator) -> None:
@@ -61,13 +62,14 @@ def _cone(f: Facade, side: float, variant: int, rng: np.random.Generator) -> Non
 
 
 def _barrels(f: Facade, side: float, variant: int, rng: np.random.Generator) -> None:
+    leaves = small_leaves("leaf", rng)
     for k in range(2):
         at = (f.front + 0.45, -side * (f.width / 2 - 0.7 - 1.3 * k), 0.0)
         profile = [(0.26, 0), (0.36, 0.25), (0.38, 0.45), (0.36, 0.65), (0.26, 0.9)]
         f.builder.lathe(profile, at, "wood", segments=12)
         for z in (0.16, 0.68):
             f.builder.cylinder(0.37, 0.06, (at[0], at[1], z), "black", segments=12)
-        potted_bush(f.builder, (at[0], at[1], 0.9), 0.4, "terracotta", rng)
+        leafy(f.builder, (at[0], at[1], 1.1), (0.3, 0.3, 0.28), leaves, rng, 8, 5)
 
 
 def _ice(f: Facade, side: float, variant: int, rng: np.random.Generator) -> None:

@@ -8,7 +8,8 @@ from ..palette import Color, mix, rgb, shade
 from ..recipe import recipe
 from ..shapes import Shape
 from .fitting import fitted, size_of
-from .foliage import leaf_picture, leafy, lump
+from .foliage import leafy, lump
+from .greenery import small_leaves
 
 Point3 = tuple[float, float, float]
 
@@ -174,7 +175,7 @@ def rocky_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(3):
         at = ((0.08 * k - 0.1) * x, (0.1 * k - 0.08) * y, 0.3 * z)
         boulder(b, at, (0.14 * x, 0.15 * y, (0.72, 0.5, 0.6)[k] * z), shade(stone, 0.9 + 0.08 * k), rng)
-    tufts = leaf_picture(("#8fa04a", "#a8944a", "#5f8a3c")[variant], rng)[::3, ::3]
+    tufts = small_leaves(("#8fa04a", "#a8944a", "#5f8a3c")[variant], rng)
     for k in range(7):
         a = 0.9 * k + 0.4
         leafy(
@@ -197,20 +198,20 @@ def wetland_area(variant: int, rng: np.random.Generator) -> BuiltAsset:
     size, b = size_of("wetland area", variant), MeshBuilder(roughness=0.4)
     x, y, z = size
     water = ripples(("#5f7a6a", "#6b7f5a", "#58747f")[variant], rng, 96, 0.0, 0.6)
-    b.box((x, y, 0.3 * z), (0, 0, 0), "#5b4a34", skins={"+z": water})
+    level = 0.16 * z
+    b.box((x, y, level), (0, 0, 0), "#5b4a34", skins={"+z": water})
     for k in range(5):
         a = 1.26 * k + variant
-        at = (0.3 * x * np.cos(a), 0.3 * y * np.sin(a), 0.28 * z)
-        b.add(
-            dome_patch((0.3 * x, 0.28 * y, 0.14 * z), blob(rng, 14, 0.15), [(1, 0), (0.7, 0.8), (0.3, 1)], 0.0, rng),
-            "#6f8a48",
-            at,
+        at = (0.3 * x * np.cos(a), 0.3 * y * np.sin(a), 0.9 * level)
+        islet = dome_patch(
+            (0.24 * x, 0.22 * y, 0.12 * z), blob(rng, 12, 0.15), [(1, 0), (0.7, 0.8), (0.3, 1)], 0.0, rng
         )
+        b.add(islet, "#6a7f3f", at)
         for _ in range((10, 11, 8)[variant]):
-            spot = (at[0] + rng.normal(0, 0.05) * x, at[1] + rng.normal(0, 0.05) * y, 0.3 * z)
-            reed(b, spot, 0.7 * z * float(rng.uniform(0.75, 1.0)), 0.011 * x, rng, rng.random() < 0.45)
+            spot = (at[0] + rng.normal(0, 0.05) * x, at[1] + rng.normal(0, 0.05) * y, level)
+            reed(b, spot, 0.84 * z * float(rng.uniform(0.8, 1.0)), 0.013 * x, rng, rng.random() < 0.45)
     for _ in range(10):
-        at = (float(rng.uniform(-0.45, 0.45)) * x, float(rng.uniform(-0.45, 0.45)) * y, 0.305 * z)
+        at = (float(rng.uniform(-0.45, 0.45)) * x, float(rng.uniform(-0.45, 0.45)) * y, level)
         b.cylinder(0.025 * x, 0.015 * z, at, "#4f8a4a", segments=9)
     names = ("wetland with reeds and lily pads", "marsh full of reeds", "wetland with islets")
     return fitted(b.build(names[variant]), "wetland area", size)

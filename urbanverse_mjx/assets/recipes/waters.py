@@ -7,7 +7,8 @@ from ..palette import Color, shade
 from ..recipe import recipe
 from . import masonry as m
 from .fitting import fitted, size_of
-from .foliage import leaf_picture, leafy
+from .foliage import leafy
+from .greenery import small_leaves
 from .terrain import blob, boulder, dome_patch, reed, ripples
 from .ways import kerb
 
@@ -125,7 +126,7 @@ def lake(variant: int, rng: np.random.Generator) -> BuiltAsset:
         picture=water,
         crease_deg=60,
     )
-    leaves = leaf_picture("leaf", rng)[::3, ::3]
+    leaves = small_leaves("leaf", rng)
     for k in range(22):
         a = 2 * np.pi * k / 22 + rng.normal(0, 0.08)
         r = 0.47 * radii[int(a / 6.2832 * 40) % 40]
@@ -322,7 +323,7 @@ def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
             shade(stone, float(rng.uniform(0.78, 1.15))),
             rng,
         )
-    b.box((0.5 * x, 0.9 * y, 0.7 * z), (-0.22 * x, 0, 0), shade(stone, 0.7), taper=(0.8, 0.9))
+    b.box((0.5 * x, 0.9 * y, 0.7 * z), (-0.22 * x, 0, 0), shade(stone, 0.88), taper=(0.8, 0.9))
     fall = ripples("#b9d8e4", rng, 64, 0.6, 1.0).transpose(1, 0, 2)[:, ::-1]
     for k, (px, top) in enumerate(steps):
         bottom = 0.07 if k == 0 else steps[0][1]
@@ -366,7 +367,7 @@ def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
             shade(stone, float(rng.uniform(0.8, 1.2))),
             rng,
         )
-    leaves = leaf_picture("dark leaf", rng)[::3, ::3]
+    leaves = small_leaves("dark leaf", rng)
     for s in (-1, 1):
         for k in range(3):
             leafy(
