@@ -9,99 +9,106 @@ from ..palette import Color, shade
 from ..recipe import recipe
 from . import masonry as m
 from .civic_halls import wing
-from .fitting import fitted, size_of
+from .fitting import Size, fitted, size_of
 from .landmarks import arched_wall
+
+
+def _stone_bridge(b: MeshBuilder, size: Size, stone: Color) -> None:
+    """Two arches, a hump, parapets with end posts and a cutwater on the pier."""
+    x, y, z = size
+    with b.frame((0, 0, 0), (0, 0, 90)):
+        arched_wall(b, 0.96 * y, x, 0.62 * z, [(-0.23 * x, 0.18 * x, 0.46 * z), (0.23 * x, 0.18 * x, 0.46 * z)], stone)
+    b.profile(
+        [
+            (-0.5 * x, 0.6 * z),
+            (0.5 * x, 0.6 * z),
+            (0.5 * x, 0.66 * z),
+            (0.1 * x, 0.76 * z),
+            (-0.1 * x, 0.76 * z),
+            (-0.5 * x, 0.66 * z),
+        ],
+        0.96 * y,
+        color="#8f8a80",
+    )
+    for s in (-1, 1):
+        b.profile(
+            [
+                (-0.5 * x, 0.62 * z),
+                (0.5 * x, 0.62 * z),
+                (0.5 * x, 0.86 * z),
+                (0.1 * x, 0.97 * z),
+                (-0.1 * x, 0.97 * z),
+                (-0.5 * x, 0.86 * z),
+            ],
+            0.06 * y,
+            (0, s * 0.47 * y, 0),
+            stone,
+        )
+        b.convex(
+            [
+                (u * 0.03 * x, s * (0.48 + v) * y, w)
+                for u, v, w in (
+                    (-1, 0, 0),
+                    (1, 0, 0),
+                    (0, 0.02, 0),
+                    (-1, 0, 0.5 * z),
+                    (1, 0, 0.5 * z),
+                    (0, 0.02, 0.5 * z),
+                )
+            ],
+            shade(stone, 0.85),
+        )
+        for px in (-0.48, 0.48):
+            b.box((0.04 * x, 0.09 * y, 0.94 * z), (px * x, s * 0.46 * y, 0), shade(stone, 1.06))
+
+
+def _framed_bridge(b: MeshBuilder, size: Size, stone: Color, timber: bool) -> None:
+    """An arched deck of planks between railings, or a level deck in a steel truss."""
+    x, y, z = size
+    deck = (0.4 if timber else 0.3) * z
+
+    def arch(t: float) -> float:
+        return deck + ((0.22 * z) * (1 - (2 * t) ** 2) if timber else 0.0)
+
+    ts = np.linspace(-0.5, 0.5, 13)
+    for t0, t1 in itertools.pairwise(ts):
+        mid = (t0 + t1) / 2
+        b.box(
+            (x / 12 * 0.94, 0.92 * y, 0.05 * z),
+            (mid * x, 0, arch(mid)),
+            "light wood" if timber else "dark concrete",
+        )
+    top = 0.36 * z if timber else 0.66 * z
+    for s in (-1, 1):
+        b.tube([(t * x, s * 0.46 * y, arch(t) - 0.03 * z) for t in ts], 0.05 * z, stone, 6)
+        b.tube([(t * x, s * 0.46 * y, arch(t) + top) for t in (ts if timber else ts[1:-1])], 0.03 * z, stone, 6)
+        for k, t in enumerate(ts if timber else ts[1:-1]):
+            b.rod((t * x, s * 0.46 * y, arch(t)), (t * x, s * 0.46 * y, arch(t) + top), 0.018 * z, stone, 5)
+            if not timber and k < 10:
+                a, c = (0.0, top) if k % 2 == 0 else (top, 0.0)
+                b.rod((t * x, s * 0.46 * y, deck + a), (ts[k + 2] * x, s * 0.46 * y, deck + c), 0.02 * z, stone, 5)
+        if not timber:
+            b.rod((-0.49 * x, s * 0.46 * y, deck), (ts[1] * x, s * 0.46 * y, deck + top), 0.03 * z, stone, 6)
+            b.rod((0.49 * x, s * 0.46 * y, deck), (ts[-2] * x, s * 0.46 * y, deck + top), 0.03 * z, stone, 6)
+    for px in (-0.47, 0.47):
+        b.box((0.06 * x, y, arch(0.47)), (px * x, 0, 0), "concrete")
+    if timber:
+        for px in (-0.17, 0.17):
+            b.box((0.03 * x, 0.8 * y, arch(0.17)), (px * x, 0, 0), "dark wood")
+    else:
+        for t in ts[1:-1:2]:
+            b.rod((t * x, -0.46 * y, deck + top), (t * x, 0.46 * y, deck + top), 0.025 * z, stone, 5)
 
 
 @recipe("bridge", 3, hulls=10)
 def bridge(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A stone bridge of two arches, a timber foot bridge, a steel truss; one crosses along x."""
     size, b = size_of("bridge", variant), MeshBuilder(roughness=0.85)
-    x, y, z = size
     stone: Color = ("#a89c86", "wood", "#4f7f6a")[variant]
     if variant == 0:
-        with b.frame((0, 0, 0), (0, 0, 90)):
-            arched_wall(
-                b, 0.96 * y, x, 0.62 * z, [(-0.23 * x, 0.18 * x, 0.46 * z), (0.23 * x, 0.18 * x, 0.46 * z)], stone
-            )
-        b.profile(
-            [
-                (-0.5 * x, 0.6 * z),
-                (0.5 * x, 0.6 * z),
-                (0.5 * x, 0.66 * z),
-                (0.1 * x, 0.76 * z),
-                (-0.1 * x, 0.76 * z),
-                (-0.5 * x, 0.66 * z),
-            ],
-            0.96 * y,
-            color="#8f8a80",
-        )
-        for s in (-1, 1):
-            b.profile(
-                [
-                    (-0.5 * x, 0.62 * z),
-                    (0.5 * x, 0.62 * z),
-                    (0.5 * x, 0.86 * z),
-                    (0.1 * x, 0.97 * z),
-                    (-0.1 * x, 0.97 * z),
-                    (-0.5 * x, 0.86 * z),
-                ],
-                0.06 * y,
-                (0, s * 0.47 * y, 0),
-                stone,
-            )
-            b.convex(
-                [
-                    (u * 0.03 * x, s * (0.48 + v) * y, w)
-                    for u, v, w in (
-                        (-1, 0, 0),
-                        (1, 0, 0),
-                        (0, 0.02, 0),
-                        (-1, 0, 0.5 * z),
-                        (1, 0, 0.5 * z),
-                        (0, 0.02, 0.5 * z),
-                    )
-                ],
-                shade(stone, 0.85),
-            )
-            for px in (-0.48, 0.48):
-                b.box((0.04 * x, 0.09 * y, 0.94 * z), (px * x, s * 0.46 * y, 0), shade(stone, 1.06))
+        _stone_bridge(b, size, stone)
     else:
-        deck = (0.4, 0.3)[variant - 1] * z
-
-        def arch(t: float) -> float:
-            return deck + ((0.22 * z) * (1 - (2 * t) ** 2) if variant == 1 else 0.0)
-
-        ts = np.linspace(-0.5, 0.5, 13)
-        for t0, t1 in itertools.pairwise(ts):
-            mid = (t0 + t1) / 2
-            b.box(
-                (x / 12 * 0.94, 0.92 * y, 0.05 * z),
-                (mid * x, 0, arch(mid)),
-                "light wood" if variant == 1 else "dark concrete",
-            )
-        top = 0.36 * z if variant == 1 else 0.66 * z
-        for s in (-1, 1):
-            b.tube([(t * x, s * 0.46 * y, arch(t) - 0.03 * z) for t in ts], 0.05 * z, stone, 6)
-            b.tube(
-                [(t * x, s * 0.46 * y, arch(t) + top) for t in (ts if variant == 1 else ts[1:-1])], 0.03 * z, stone, 6
-            )
-            for k, t in enumerate(ts if variant == 1 else ts[1:-1]):
-                b.rod((t * x, s * 0.46 * y, arch(t)), (t * x, s * 0.46 * y, arch(t) + top), 0.018 * z, stone, 5)
-                if variant == 2 and k < 10:
-                    a, c = (0.0, top) if k % 2 == 0 else (top, 0.0)
-                    b.rod((t * x, s * 0.46 * y, deck + a), (ts[k + 2] * x, s * 0.46 * y, deck + c), 0.02 * z, stone, 5)
-            if variant == 2:
-                b.rod((-0.49 * x, s * 0.46 * y, deck), (ts[1] * x, s * 0.46 * y, deck + top), 0.03 * z, stone, 6)
-                b.rod((0.49 * x, s * 0.46 * y, deck), (ts[-2] * x, s * 0.46 * y, deck + top), 0.03 * z, stone, 6)
-        for px in (-0.47, 0.47):
-            b.box((0.06 * x, y, arch(0.47)), (px * x, 0, 0), "concrete")
-        if variant == 1:
-            for px in (-0.17, 0.17):
-                b.box((0.03 * x, 0.8 * y, arch(0.17)), (px * x, 0, 0), "dark wood")
-        else:
-            for t in ts[1:-1:2]:
-                b.rod((t * x, -0.46 * y, deck + top), (t * x, 0.46 * y, deck + top), 0.025 * z, stone, 5)
+        _framed_bridge(b, size, stone, timber=variant == 1)
     names = ("stone bridge of two arches", "arched timber foot bridge", "green steel truss bridge")
     return fitted(b.build(names[variant]), "bridge", size)
 

@@ -6,7 +6,7 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, shade
 from ..recipe import recipe
 from . import masonry as m
-from .fitting import fitted, size_of
+from .fitting import Size, fitted, size_of
 from .foliage import leafy
 from .greenery import small_leaves
 from .terrain import blob, boulder, dome_patch, reed, ripples
@@ -241,7 +241,7 @@ def sea(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         water = water.copy()
         sand = np.array([222, 200, 150])
-        for row in range(128):  # the picture's rows run along -x: the last are the shore
+        for row in range(128):  # the picture's rows run along -x: the first are the shore
             edge = 12 + 3 * np.sin(np.arange(128) / 9.0)
             water[row] = np.where(
                 (row < edge)[:, None], sand, np.where((row < edge + 5)[:, None], [248, 250, 250], water[row])
@@ -301,29 +301,11 @@ def dam(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"slope_deg": round(float(slope), 1)}), "dam", size)
 
 
-@recipe("waterfall", 3, hulls=8)
-def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Water over a step of rock into a pool: one broad fall, two steps, or a thin long fall."""
-    size, b = size_of("waterfall", variant), MeshBuilder(roughness=0.5)
-    x, y, z = size
-    stone: Color = ("#7d766c", "#8a7a66", "#6a6f6c")[variant]
-    wide = (0.36, 0.42, 0.2)[variant] * y
-    steps = ((0.02, 0.9),) if variant != 1 else ((0.16, 0.5), (-0.14, 0.9))
-    for k in range(24):
-        y0 = ((k % 9) - 4) * 0.115 * y
-        level = k // 9
-        px = (-0.36 + 0.14 * level + (0.12 if abs(y0) > wide / 2 else 0.0)) * x
-        tall = (
-            (0.92 - 0.26 * level - (0.1 if variant != 1 else 0.14 * level)) * z * (1.0 if abs(y0) > wide / 2 else 0.86)
-        )
-        boulder(
-            b,
-            (px, y0, 0.34 * tall),
-            (0.17 * x, 0.1 * y, 0.62 * tall),
-            shade(stone, float(rng.uniform(0.78, 1.15))),
-            rng,
-        )
-    b.box((0.5 * x, 0.9 * y, 0.7 * z), (-0.22 * x, 0, 0), shade(stone, 0.88), taper=(0.8, 0.9))
+def _falls(
+    b: MeshBuilder, size: Size, wide: float, steps: tuple[tuple[float, float], ...], rng: np.random.Generator
+) -> None:
+    """Sheets of water over lips at steps = (x, z) shares of the size, lowest first, with foam where they land."""
+    x, _, z = size
     fall = ripples("#b9d8e4", rng, 64, 0.6, 1.0).transpose(1, 0, 2)[:, ::-1]
     for k, (px, top) in enumerate(steps):
         bottom = 0.07 if k == 0 else steps[0][1]
@@ -350,6 +332,32 @@ def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 segments=7,
                 rings=4,
             )
+
+
+@recipe("waterfall", 3, hulls=8)
+def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    """Water over a step of rock into a pool: one broad fall, two steps, or a thin long fall."""
+    size, b = size_of("waterfall", variant), MeshBuilder(roughness=0.5)
+    x, y, z = size
+    stone: Color = ("#7d766c", "#8a7a66", "#6a6f6c")[variant]
+    wide = (0.36, 0.42, 0.2)[variant] * y
+    steps = ((0.02, 0.9),) if variant != 1 else ((0.16, 0.5), (-0.14, 0.9))
+    for k in range(24):
+        y0 = ((k % 9) - 4) * 0.115 * y
+        level = k // 9
+        px = (-0.36 + 0.14 * level + (0.12 if abs(y0) > wide / 2 else 0.0)) * x
+        tall = (
+            (0.92 - 0.26 * level - (0.1 if variant != 1 else 0.14 * level)) * z * (1.0 if abs(y0) > wide / 2 else 0.86)
+        )
+        boulder(
+            b,
+            (px, y0, 0.34 * tall),
+            (0.17 * x, 0.1 * y, 0.62 * tall),
+            shade(stone, float(rng.uniform(0.78, 1.15))),
+            rng,
+        )
+    b.box((0.5 * x, 0.9 * y, 0.7 * z), (-0.22 * x, 0, 0), shade(stone, 0.88), taper=(0.8, 0.9))
+    _falls(b, size, wide, steps, rng)
     pool = ripples("#5f9aa8", rng, 64, 0.3, 0.6)
     b.add(
         dome_patch((0.62 * x, 0.9 * y, 0.06 * z), blob(rng, 22, 0.1), [(1, 0), (1, 1.0), (0.5, 1.0)], 0.0, rng),
