@@ -6,7 +6,7 @@ from .. import paint
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, mix, rgb, shade
 from ..recipe import recipe
-from ..shapes import Shape
+from ..shapes import Shape, merged
 from .fitting import fitted, size_of
 from .foliage import leafy, lump
 from .greenery import small_leaves
@@ -70,17 +70,22 @@ def boulder(b: MeshBuilder, at: Point3, radii: Point3, color: Color, rng: np.ran
     b.add(flat, color, at, crease_deg=12.0)
 
 
-def reed(b: MeshBuilder, at: Point3, height: float, blade: float, rng: np.random.Generator, bulrush: bool) -> None:
-    """Three leaning leaves `blade` m wide at their foot, and a brown head on a stalk for bulrushes."""
-    for k in range(3):
-        lean = rng.normal(0, 0.3, 2) * height
-        x, y, z = at[0] + rng.normal(0, blade), at[1] + rng.normal(0, blade), at[2]
-        tip = (x + lean[0], y + lean[1], z + height * rng.uniform(0.7, 1.0))
-        green = ("#6f8f3c", "#557a34", "#8fa04a")[k]
-        b.convex([(x - blade, y - 0.3 * blade, z), (x + blade, y, z), (x, y + blade, z), tip], green)
-    if bulrush:
-        b.rod(at, (at[0], at[1], at[2] + height), 0.12 * blade, "#7f9444", 4)
-        b.cylinder(0.5 * blade, 0.22 * height, (at[0], at[1], at[2] + 0.75 * height), "#5a3a22", segments=6)
+def reeds(b: MeshBuilder, spots: np.ndarray, height: float, blade: float, rng: np.random.Generator) -> None:
+    """Clumps of three leaning leaves `blade` m wide at their foot on (n, 3) spots; almost half are bulrushes."""
+    leaves: list[list[Shape]] = [[], [], []]
+    for spot in spots:
+        tall = height * float(rng.uniform(0.8, 1.0))
+        for k in range(3):
+            foot = spot + [*rng.normal(0, blade, 2), 0.0]
+            tip = foot + [*rng.normal(0, 0.3, 2) * tall, tall * rng.uniform(0.75, 1.0)]
+            rim = foot + blade * np.array([(-1.0, -0.3, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+            leaves[k].append(Shape(np.vstack([rim, tip]), np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])))
+        if rng.random() < 0.45:
+            x, y, z = (float(v) for v in spot)
+            b.rod((x, y, z), (x, y, z + tall), 0.12 * blade, "#7f9444", 4)
+            b.cylinder(0.5 * blade, 0.22 * tall, (x, y, z + 0.75 * tall), "#5a3a22", segments=6)
+    for k, green in enumerate(("#6f8f3c", "#557a34", "#8fa04a")):
+        b.add(merged(leaves[k]), green)
 
 
 @recipe("mud patch", 3)
@@ -207,9 +212,11 @@ def wetland_area(variant: int, rng: np.random.Generator) -> BuiltAsset:
             (0.24 * x, 0.22 * y, 0.12 * z), blob(rng, 12, 0.15), [(1, 0), (0.7, 0.8), (0.3, 1)], 0.0, rng
         )
         b.add(islet, "#6a7f3f", at)
-        for _ in range((10, 11, 8)[variant]):
-            spot = (at[0] + rng.normal(0, 0.05) * x, at[1] + rng.normal(0, 0.05) * y, level)
-            reed(b, spot, 0.84 * z * float(rng.uniform(0.8, 1.0)), 0.013 * x, rng, rng.random() < 0.45)
+        count = (10, 11, 8)[variant]
+        spots = np.column_stack(
+            [rng.normal(at[0], 0.05 * x, count), rng.normal(at[1], 0.05 * y, count), np.full(count, level)]
+        )
+        reeds(b, spots, 0.84 * z, 0.013 * x, rng)
     for _ in range(10):
         at = (float(rng.uniform(-0.45, 0.45)) * x, float(rng.uniform(-0.45, 0.45)) * y, level)
         b.cylinder(0.025 * x, 0.015 * z, at, "#4f8a4a", segments=9)

@@ -9,7 +9,7 @@ from . import masonry as m
 from .fitting import Size, fitted, size_of
 from .foliage import leafy
 from .greenery import small_leaves
-from .terrain import blob, boulder, dome_patch, reed, ripples
+from .terrain import blob, boulder, dome_patch, reeds, ripples
 from .ways import kerb
 
 
@@ -94,9 +94,9 @@ def pond(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 shade("granite", float(rng.uniform(0.8, 1.2))),
                 rng,
             )
-        for k in range(12):
-            a = 2.2 + 0.1 * k + 2.6 * (k % 2)
-            reed(b, (0.4 * x * np.cos(a), 0.4 * y * np.sin(a), 0.45 * z), 0.55 * z, 0.012 * x, rng, k % 3 == 0)
+        a = 2.2 + 0.1 * np.arange(12) + 2.6 * (np.arange(12) % 2)
+        spots = np.column_stack([0.4 * x * np.cos(a), 0.4 * y * np.sin(a), np.full(12, 0.45 * z)])
+        reeds(b, spots, 0.55 * z, 0.012 * x, rng)
     _lilies(b, 0.7 * x, 0.7 * y, top, 0.035 * x, (7, 4, 4)[variant], rng)
     for k in range(2 if variant == 2 else 0):
         with b.frame((0.1 * x * k, (0.12 - 0.16 * k) * y, top), (0, 0, 60 * k), 0.06 * x):
