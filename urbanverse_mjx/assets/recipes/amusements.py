@@ -173,9 +173,9 @@ def department_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     name = ("HARTMANN'S", "GALERIA", "MARLOWE & SONS")[variant]
     hoarding(
         b,
-        (front + 0.01 * x, 0, 0.72 * z),
-        (0.44 * y, 0.1 * z),
-        np.asarray(pictures.sign(name, accent, "gold", (200, 26))),
+        (front + 0.01 * x, 0, 0.68 * z),
+        (0.56 * y, 0.18 * z),
+        np.asarray(pictures.sign(name, accent, "gold", (200, 34))),
         accent,
     )
     for s in (-1, 1):

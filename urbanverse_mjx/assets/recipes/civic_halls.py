@@ -62,6 +62,22 @@ def portico(
     m.pediment(b, x + 1.1 * deep, deep * 1.4, width * 1.1, top + 0.14 * high, rise, stone)
 
 
+def _scales(b: MeshBuilder, at: Point3, height: float) -> None:
+    """The scales of justice in bronze on a plinth."""
+    x, y, z = at
+    h = height
+    b.box((0.3 * h, 0.3 * h, 0.2 * h), at, "granite")
+    b.lathe([(0.1 * h, 0.2 * h), (0.04 * h, 0.3 * h), (0.03 * h, h)], at, "bronze", segments=8)
+    b.beam((x, y - 0.36 * h, z + 0.9 * h), (x, y + 0.36 * h, z + 0.9 * h), 0.04 * h, 0.06 * h, "bronze")
+    for s in (-1, 1):
+        side = y + s * 0.34 * h
+        for d in (-0.12, 0.12):
+            b.rod((x, side, z + 0.9 * h), (x, side + d * h, z + 0.6 * h), 0.01 * h, "brass", 4)
+        b.lathe(
+            [(0.03 * h, 0), (0.12 * h, 0.03 * h), (0.16 * h, 0.09 * h)], (x, side, z + 0.53 * h), "brass", segments=10
+        )
+
+
 @recipe("courthouse", 3, hulls=10)
 def courthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Heavy stone with columns, a pediment and steps; the second under a dome, the third of red stone."""
@@ -94,14 +110,9 @@ def courthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.13 * y, 0.12 * z, (-0.08 * x, 0, high), stone, segments=16)
         m.dome(b, (-0.08 * x, 0, high + 0.12 * z), 0.12 * y, "verdigris", 0.9)
         m.finial(b, (-0.08 * x, 0, high + 0.12 * z + 0.1 * y), 0.08 * z, "ball")
-    # Justice: a figure with scales on the pediment's tip.
-    tip = (0.47 * x, 0.0, high + (0.12 if variant == 1 else 0.16) * z)
-    b.lathe([(0.02 * z, 0), (0.012 * z, 0.05 * z), (0.006 * z, 0.07 * z)], tip, "bronze", segments=8)
-    b.beam(
-        (tip[0], -0.05 * z, tip[2] + 0.06 * z), (tip[0], 0.05 * z, tip[2] + 0.06 * z), 0.006 * z, 0.006 * z, "bronze"
-    )
-    for s in (-1, 1):
-        b.cone(0.018 * z, 0.025 * z, (tip[0], s * 0.05 * z, tip[2] + 0.03 * z), "bronze", segments=8)
+    _scales(b, (0.45 * x, -0.34 * y, 0.0), 0.42 * z)
+    b.box((0.5, 0.24 * y, 0.05 * z), (0.45 * x, 0.36 * y, 0), "granite")
+    m.board(b, "COURTHOUSE", (0.45 * x, 0.36 * y, 0.05 * z), 0.26 * y, 0.13 * z, "#3a3226", "white")
     names = (
         "neoclassical courthouse with eight columns",
         "domed county courthouse",

@@ -193,9 +193,9 @@ def train_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     m.board(
         b,
         ("CENTRAL STATION", "RAILWAY STATION", "STATION")[variant],
-        (front + 0.1 * x, 0, 0.2 * z),
-        1.1 * hall,
-        0.1 * z,
+        (front + 0.1 * x, 0, 0.19 * z),
+        1.2 * hall,
+        0.15 * z,
         "signal blue",
         "white",
     )

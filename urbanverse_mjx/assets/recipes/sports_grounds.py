@@ -234,13 +234,14 @@ def stadium(variant: int, rng: np.random.Generator) -> BuiltAsset:
     rise = 0.74 if variant == 0 else 0.8
     seats: tuple[Color, ...] = (("#2f5fa8", "white", "#2f5fa8"), ("#b5322c", "#e0c040", "#b5322c"))[variant]
     inner = np.array([(0.6, 0.52, 0.05), (0.72, 0.68, 0.28), (0.75, 0.72, 0.34), (0.95, 0.94, rise)])
-    for k, color in enumerate((seats[0], seats[1], seats[2])):
-        low, high = inner[k], inner[k + 1]
-        rows = np.stack([ring(*low), ring(*high)])
-        closed = np.concatenate([rows, rows[:, :1]], 1)
-        b.sheet(closed, color, both_sides=True)
     outer = np.stack([ring(0.98, 0.98, 0.0), ring(1.0, 1.0, 0.5 * rise), ring(0.95, 0.94, rise)])
-    b.sheet(np.concatenate([outer, outer[:, :1]], 1)[:, ::-1], ("#d8dadb", "#b9a88c")[variant], both_sides=True)
+    for sector in range(8):  # each a solid of its own, so that the collision hulls leave the pitch free
+        columns = np.arange(4 * sector, 4 * sector + 5) % 32
+        with b.solid():
+            for k, color in enumerate(seats):
+                rows = np.stack([ring(*inner[k]), ring(*inner[k + 1])])[:, columns]
+                b.sheet(rows[:, ::-1], color)
+            b.sheet(outer[:, columns], ("#d8dadb", "#b9a88c")[variant])
     for k in range(32):
         p, q = outer[0, k], outer[2, k]
         b.beam(tuple(p), tuple(q), 0.008 * x, 0.012 * x, ("white", "#8f7a60")[variant])
