@@ -10,12 +10,6 @@ from . import masonry as m
 from .fitting import fitted, size_of
 
 
-def _arch(half: float, spring: float, top: float, count: int = 8) -> list[tuple[float, float]]:
-    """Left foot over the crown to the right foot of a round-headed opening, (across, up)."""
-    a = np.linspace(np.pi, 0, count + 1)
-    return [(-half, 0.0), *((half * np.cos(t), spring + (top - spring) * np.sin(t)) for t in a), (half, 0.0)]
-
-
 def arched_wall(
     b: MeshBuilder,
     depth: float,
@@ -25,13 +19,20 @@ def arched_wall(
     color: Color,
     x: float = 0.0,
 ) -> None:
-    """A wall across y with arches (y of the middle, half width, height) cut through it along x."""
-    outline = [(-width / 2, 0.0)]
-    for y, half, top in sorted(arches):
-        outline += [(y + u, v) for u, v in _arch(half, max(top - half, 0.4 * top), top)]
-    outline += [(width / 2, 0.0), (width / 2, height), (-width / 2, height)]
-    with b.frame((x, 0, 0), (0, 0, 90)):
-        b.profile(outline, depth, color=color)
+    """A wall across y with arches (y of the middle, half width, height) cut through it along x.
+
+    Piers and what spans the openings are solids of their own, so that the collision hulls leave the passages free.
+    """
+    edge = -width / 2
+    for y, half, top in [*sorted(arches), (width / 2, 0.0, 0.0)]:
+        b.box((depth, y - half - edge, height), (x, (y - half + edge) / 2, 0), color)
+        edge = y + half
+        if half > 0:
+            spring = max(top - half, 0.4 * top)
+            a = np.linspace(np.pi, 0, 9)
+            soffit = [(y + half * np.cos(t), spring + (top - spring) * np.sin(t)) for t in a]
+            with b.frame((x, 0, 0), (0, 0, 90)):
+                b.profile([*soffit, (y + half, height), (y - half, height)], depth, color=color)
 
 
 def battlements(b: MeshBuilder, size: tuple[float, float], z: float, tooth: float, color: Color) -> None:
@@ -209,7 +210,7 @@ def triumphal_arch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "triumphal arch", size)
 
 
-@recipe("gatehouse", 3, hulls=8)
+@recipe("gatehouse", 3, hulls=14)
 def gatehouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A passage under rooms: between round towers, under a steep roof, or timber-framed."""
     size, b = size_of("gatehouse", variant), MeshBuilder(roughness=0.9)
