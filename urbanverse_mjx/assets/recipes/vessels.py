@@ -75,7 +75,7 @@ def discarded_can(variant: int, rng: np.random.Generator) -> BuiltAsset:
         variant % 3
     ]
     radius, height = (0.033, 0.1) if variant % 3 < 2 else (0.037, 0.09)
-    dent_at, dent = float(rng.uniform(0, 2 * np.pi)), (0.28, 0.6, 0.12)[variant % 3]
+    dent_at, dent = float(rng.uniform(0, 2 * np.pi)), (0.28, 0.6, 0.0)[variant % 3]
     turn = (0, 0, 0) if variant % 3 != 1 else (0, 90, 25)
     with b.frame((0, 0, 0), turn):
         u, v = np.linspace(0, 2 * np.pi, 21), np.linspace(0, 1, 9)
