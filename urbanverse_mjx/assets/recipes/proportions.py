@@ -50,7 +50,7 @@ def soft(
     turn_deg: Point3 = (0, 0, 0),
     plan: float = 6.0,
     side: float = 3.5,
-    segments: int = 20,
+    segments: int = 16,
     rings: int = 8,
 ) -> None:
     """A padded block standing on `at`: a superellipsoid of exponents `plan` seen from above and `side` from the side.

@@ -325,7 +325,7 @@ def bed(variant: int, rng: np.random.Generator) -> BuiltAsset:
         _boards(b, back, length, width, h, frame, variant % 3 == 2)
     for s in (-1, 1):
         b.box((length - 0.08, 0.035, 0.16), (0, s * (width / 2 - 0.02), 0.22), frame, bevel=0.008)
-    _pad(b, (length - 0.1, width - 0.06, 0.22), (0.02, 0, 0.3), sheet)
+    soft(b, (length - 0.1, width - 0.06, 0.22), (0.02, 0, 0.3), sheet)
     soft(b, (length * 0.66, width + 0.02, 0.2), (length * 0.16, 0, 0.36), blanket, plan=16, side=6, segments=24)
     soft(b, (0.18, width + 0.03, 0.205), (-length * 0.14, 0, 0.36), sheet, plan=12, side=6)
     count = 1 if width < 1.2 else 2
