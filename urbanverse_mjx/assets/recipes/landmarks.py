@@ -194,6 +194,7 @@ def arts_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "signal yellow",
         skins={"+x": sign("A\nR\nT\nS", "signal yellow", "black", (32, 128))},
     )
+    b.lathe([(1.3, 0), (0.8, 11.6), (1.0, 12.0), (1.0, 12.6), (0.7, 12.6)], (-7.5, 8.5, 0), "brick", segments=16)
     b.panel(sign("FACTORY OF ARTS", "charcoal", "signal yellow", (144, 18)), (9.82, 2, 3.9), 10, 1.1)
     return made(b, "an arts centre in a brick factory", (19.5, 24.5, 13.5), 0.8, style="factory")
 
@@ -372,7 +373,7 @@ def _tower(
             b.lathe([(r * 1.3, top), (r * 0.1, top + r * 2.6), (0, top + r * 2.9)], color=roof, segments=n)
         else:
             for k in range(8):
-                a = 360 / 8 * k + (22.5 if not square else 22.5)
+                a = 360 / 8 * k + 22.5
                 with b.frame((0, 0, 0), (0, 0, a)):
                     b.box((0.9, 1.3, 1.1), (r * (1.08 if not square else 0.82), 0, top), stone)
     for k in range(3):

@@ -1,4 +1,4 @@
-"""Mills and fairgrounds: what turns beside a street. Sails and entrances at +x; the Ferris wheel's axle lies along y."""
+"""Mills and fairgrounds: what turns beside a street. Sails and entrances at +x; Ferris wheels turn about y."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ CARS: tuple[Color, ...] = ("signal red", "signal yellow", "signal blue", "green"
 
 @recipe("windmill", 3)
 def windmill(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """A brick tower mill with a gallery, a white one with a conical cap, a wooden post mill; four lattice sails at +x."""
+    """A brick tower mill with a gallery, a white one with a conical cap, a wooden post mill; four sails at +x."""
     b = MeshBuilder(roughness=0.85)
     if variant % 3 == 2:
         for k in range(4):
@@ -139,12 +139,12 @@ def watermill(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 def big_wheel(
-    b: MeshBuilder, radius: float, cars: int, axle: float, color: Color, half: float, segments: int = 32
+    b: MeshBuilder, radius: float, cars: int, axle: float, color: Color, half: float, segments: int = 28
 ) -> None:
     """A wheel about an axle along y at height `axle`, with cars that hang level, on two A-frames `half` wide."""
     for side in (-half * 0.4, half * 0.4):
         b.ring(radius, radius * 0.012, (0, side, axle), color, (90, 0, 0), segments, 4)
-        b.ring(radius * 0.86, radius * 0.008, (0, side, axle), color, (90, 0, 0), segments, 4)
+        b.ring(radius * 0.86, radius * 0.008, (0, side, axle), color, (90, 0, 0), segments, 3)
         for k in range(cars):
             a = 2 * np.pi * k / cars
             b.rod(
@@ -160,7 +160,7 @@ def big_wheel(
         x, z = radius * np.cos(a), axle + radius * np.sin(a)
         s = radius * 0.14
         b.rod((x, -half * 0.42, z), (x, half * 0.42, z), radius * 0.012, "charcoal", sides=4)
-        b.box((s, half * 0.55, s * 0.5), (x, 0, z - s * 1.1), CARS[k % 6], bevel=s * 0.1)
+        b.box((s, half * 0.55, s * 0.5), (x, 0, z - s * 1.1), CARS[k % 6])
         b.box((s * 1.1, half * 0.6, s * 0.12), (x, 0, z - s * 0.15), shade(CARS[k % 6], 0.8))
         for e in (-1, 1):
             b.box((s * 0.08, half * 0.5, s * 0.5), (x + e * s * 0.44, 0, z - s * 0.62), "glass")
@@ -228,7 +228,7 @@ def coaster(
     b: MeshBuilder, at: tuple[float, float], size: tuple[float, float], height: float, color: Color, loop: bool
 ) -> None:
     """A closed track of hills on supports, with a train of four cars; one hill may be a loop."""
-    t = np.linspace(0, 2 * np.pi, 41)[:-1]
+    t = np.linspace(0, 2 * np.pi, 33)[:-1]
     x = at[0] + size[0] / 2 * np.cos(t)
     y = at[1] + size[1] / 2 * np.sin(t)
     z = height * (
@@ -236,8 +236,8 @@ def coaster(
     )
     for side in (0.97, 1.03):
         path = np.column_stack([at[0] + (x - at[0]) * side, at[1] + (y - at[1]) * side, z])
-        b.tube(path, height * 0.016, color, 4, closed=True)
-    for k in range(0, 40, 2):
+        b.tube(path, height * 0.016, color, 3, closed=True)
+    for k in range(0, 32, 2):
         b.rod((x[k], y[k], 0), (x[k], y[k], z[k]), height * 0.014, "white", sides=4)
     if loop:
         ring = [
@@ -250,7 +250,7 @@ def coaster(
         ]
         b.tube(ring, height * 0.022, color, 5)
     for k in range(4):
-        i = 8 + k
+        i = 6 + k
         yaw = float(np.degrees(np.arctan2(y[i + 1] - y[i], x[i + 1] - x[i])))
         b.box(
             (height * 0.16, height * 0.11, height * 0.09),
@@ -281,7 +281,7 @@ def amusement_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     flip = 1 if variant % 2 == 0 else -1
     b.box((65, 90, 0.3), color=("dark concrete", "sandstone")[variant % 2])
     with b.frame((-16, 26 * flip, 0.3), (0, 0, 70 * flip)):
-        big_wheel(b, 7.6, 8, 8.6, ("white", "signal yellow")[variant % 2], 2.2, 20)
+        big_wheel(b, 7.6, 8, 8.6, ("white", "signal yellow")[variant % 2], 2.2, 16)
     coaster(b, (-8, -20 * flip), (42, 40), 15.0, ("signal red", "purple")[variant % 2], True)
     carousel(b, (16, 20 * flip), 6.0, ("signal red", "signal blue")[variant % 2])
     for k in range(3):
@@ -321,7 +321,7 @@ def theme_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
             np.array([(x, y * s, z) for y, z in ((-2, 0), (2, 0), (2.6, 2.4), (-2.6, 2.4))])
             for x, s in ((-7, 0.5), (-3, 1), (4, 1), (8, 0.12))
         ]
-        b.loft([h if i else h for i, h in enumerate(hull)], "dark wood", crease_deg=20)
+        b.loft(hull, "dark wood", crease_deg=20)
         for x in (-3, 2.5):
             b.rod((x, 0, 2), (x, 0, 12), 0.2, "wood", sides=5)
             b.sheet(
@@ -337,5 +337,5 @@ def theme_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
         x, y = (float(v) for v in rng.uniform((2, -50), (40, 50)))
         if abs(y) > 8:
             b.cylinder(0.3, 2.0, (x, y, 0.3), "bark", segments=5)
-            b.ball((1.8, 1.8, 2.2), (x, y, 3.6), "leaf", segments=7, rings=5)
+            b.ball((1.8, 1.8, 2.2), (x, y, 3.6), "leaf", segments=6, rings=4)
     return made(b, "a theme park", ((85, 110, 22), (72, 95, 21))[variant % 2], 0.15, rides=4)

@@ -70,7 +70,7 @@ def pouch(
     b: MeshBuilder, size: Point3, at: Point3, color: Color, turn_deg: Point3 = (0, 0, 0), plan: float = 5.0
 ) -> None:
     """A stuffed cover lying on `at`, thick in the middle, thin at its seam (cushions, pillows)."""
-    ball = shapes.ellipsoid(1.0, 24, 10)
+    ball = shapes.ellipsoid(1.0, 20, 8)
     x, y, z = ball.vertices.T
     level = np.maximum(np.hypot(x, y), 1e-9)
     square = level / np.maximum((np.abs(x) ** plan + np.abs(y) ** plan) ** (1.0 / plan), 1e-9)

@@ -14,7 +14,7 @@ def legs(b: MeshBuilder, half_x: float, half_y: float, height: float, color: Col
     for sx in (-1, 1):
         for sy in (-1, 1):
             foot = (sx * (half_x + 0.02), sy * (half_y + 0.02), 0.0)
-            b.tube([foot, (sx * half_x, sy * half_y, height + 0.02)], [radius * 0.6, radius], color, sides=10)
+            b.tube([foot, (sx * half_x, sy * half_y, height + 0.02)], [radius * 0.6, radius], color, sides=6)
 
 
 def settee(
