@@ -82,22 +82,7 @@ def museum(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A temple front with banners, one with a dome, a modern white box museum on pillars."""
     b = MeshBuilder(roughness=0.8)
     if variant % 3 == 2:
-        b.box((26, 40, 0.4), color="concrete")
-        for x in (-9, 9):
-            for y in np.linspace(-16, 16, 6):
-                b.cylinder(0.5, 4.6, (x, float(y), 0.3), "light grey", segments=12)
-        b.box(
-            (16, 28, 4.4), (-1, 0, 0.3), "dark glass", skins=dict.fromkeys(SIDES, glazing(160, 28, 10, 1, "charcoal"))
-        )
-        picture = wall("panel", (38, 7), "white", rng, 176)
-        b.box((24, 38, 7.5), (0, 0, 4.8), "white", skins=dict.fromkeys(SIDES, picture))
-        b.box((15, 22, 2.6), (-2, 4, 12.3), "light grey", skins=dict.fromkeys(SIDES, glazing(96, 12, 12, 1, "white")))
-        b.panel(sign("MUSEUM OF ART", "white", "black", (176, 20)), (12.1, -4, 9.6), 20, 2.3)
-        b.panel(sign("MODERN\nNOW", "signal red", "white", (48, 80)), (12.1, 14, 8.5), 3.6, 6.0)
-        for k in range(3):
-            with b.frame((12.8, 9 - 0.4 * k, 0.4), (20 * k, 35 * k, 0)):
-                b.ring(1.6 + 0.3 * k, 0.22, (0, 0, 1.9), "signal red", (90, 0, 30 * k), 20, 6)
-        return made(b, "a modern museum", (28, 42, 15.0), 0.8, style="modern")
+        return _modern_museum(b, rng)
     stone, words = (("sandstone", "NATIONAL MUSEUM"), ("light grey", "MUSEUM OF HISTORY"))[variant % 3]
     picture = windowed("ashlar", stone, (44, 11), 9, 2, "grid", rng)
     block(b, (24, 46, 11), (-2, 0, 0.4), stone, picture)
@@ -122,6 +107,24 @@ def museum(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "verdigris",
     )
     return made(b, "a museum with a temple front", (32, 48, 16), 0.8, style="temple")
+
+
+def _modern_museum(b: MeshBuilder, rng: np.random.Generator) -> BuiltAsset:
+    """A white box on a glazed ground floor and pillars, with rings of red steel before it."""
+    b.box((26, 40, 0.4), color="concrete")
+    for x in (-9, 9):
+        for y in np.linspace(-16, 16, 6):
+            b.cylinder(0.5, 4.6, (x, float(y), 0.3), "light grey", segments=12)
+    b.box((16, 28, 4.4), (-1, 0, 0.3), "dark glass", skins=dict.fromkeys(SIDES, glazing(160, 28, 10, 1, "charcoal")))
+    picture = wall("panel", (38, 7), "white", rng, 176)
+    b.box((24, 38, 7.5), (0, 0, 4.8), "white", skins=dict.fromkeys(SIDES, picture))
+    b.box((15, 22, 2.6), (-2, 4, 12.3), "light grey", skins=dict.fromkeys(SIDES, glazing(96, 12, 12, 1, "white")))
+    b.panel(sign("MUSEUM OF ART", "white", "black", (176, 20)), (12.1, -4, 9.6), 20, 2.3)
+    b.panel(sign("MODERN\nNOW", "signal red", "white", (48, 80)), (12.1, 14, 8.5), 3.6, 6.0)
+    for k in range(3):
+        with b.frame((12.8, 9 - 0.4 * k, 0.4), (20 * k, 35 * k, 0)):
+            b.ring(1.6 + 0.3 * k, 0.22, (0, 0, 1.9), "signal red", (90, 0, 30 * k), 20, 6)
+    return made(b, "a modern museum", (28, 42, 15.0), 0.8, style="modern")
 
 
 @recipe("arts center", 3)

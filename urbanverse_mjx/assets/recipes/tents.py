@@ -127,59 +127,9 @@ def tent(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A walled family tent, a ridge tent, a dome tent; the door at +x."""
     b = MeshBuilder(roughness=0.9)
     if variant % 3 == 0:
-        # Vault along x: walls, then a pitched roof; the door's flaps are rolled aside.
-        half, length = 1.3, 3.0
-        section = [(-half, 0), (-half * 0.96, 1.45), (0, 2.1), (half * 0.96, 1.45), (half, 0)]
-        rows = [[(x, y, z) for y, z in reversed(section)] for x in (-length / 2, -0.75, 0, 0.75, length / 2)]
-        cloth = "dark green"
-        b.loft([np.array(r) for r in rows], "orange")
-        rows = [[(x, y * 1.06, z + 0.03) for y, z in section[1:4]] for x in (length / 2 + 0.1, -length / 2 - 0.1)]
-        b.sheet(np.array(rows), cloth, both_sides=True)
-        b.convex(
-            [(1.503, y, z) for y, z in ((-0.45, 0.02), (0.45, 0.02), (0.4, 1.5), (-0.4, 1.5))] + [(1.5, 0, 1.72)],
-            "black",
-        )
-        for side in (-1, 1):
-            b.tube([(1.53, side * 0.5, 0.02), (1.53, side * 0.45, 1.5)], 0.07, "beige")
-            for x in (-1.5, 0, 1.5):
-                b.rod((x, side * half, 1.42), (x, side * (half + 0.07), 0.02), 0.008, "off white", sides=5)
-            b.panel(
-                paint.stripes((24, 12), ("light grey", "dark glass"), 3),
-                (0, side * 1.3, 0.95),
-                0.9,
-                0.55,
-                "+y" if side > 0 else "-y",
-                back="dark glass",
-            )
-        for x in (-1.5, 1.5):
-            b.rod((x, 0, 0), (x, 0, 2.12), 0.018, "aluminium", sides=8)
-        return made(b, "a family tent", (3.2, 2.75, 2.1), style="family")
+        return _family_tent(b)
     if variant % 3 == 1:
-        half, length = 0.75, 2.1
-        rows = [
-            np.array([(x, -half, 0), (x, half, 0), (x, 0.02, 1.15), (x, -0.02, 1.15)])
-            for x in (-length / 2, length / 2)
-        ]
-        b.loft(rows, "#8a8a52")
-        b.convex(
-            [(length / 2 + 0.004, y, z) for y, z in ((-0.22, 0), (0.22, 0), (0, 0.95))] + [(length / 2, 0, 0.3)],
-            "black",
-        )
-        for side in (-1, 1):
-            b.convex(
-                [
-                    (length / 2 + s, side * y, z)
-                    for y, z, s in ((0.2, 0, 0.02), (0.46, 0, 0.09), (0.05, 0.95, 0.02), (0.3, 0.5, 0.08))
-                ],
-                shade("#8a8a52", 0.8),
-            )
-            x = side * (length / 2 + 0.02)
-            b.rod((x, 0, 0), (x, 0, 1.2), 0.016, "wood", sides=8)
-            b.rod((x, 0, 1.17), (x + side * 0.5, 0, 0), 0.006, "off white", sides=5)
-            for k in (-0.8, 0, 0.8):
-                b.rod((k, side * half * 0.6, 0.48), (k, side * (half + 0.3), 0), 0.006, "off white", sides=5)
-                b.box((0.03, 0.03, 0.1), (k, side * (half + 0.3), 0), "light wood", taper=(0.5, 0.5))
-        return made(b, "a ridge tent", (3.1, 2.15, 1.2), style="ridge")
+        return _ridge_tent(b)
     angles = np.linspace(0, np.pi / 2, 7)
     profile = [(1.1 * float(np.cos(a)) ** 0.85, 1.2 * float(np.sin(a))) for a in angles]
     for k, color in enumerate(("signal red", "light grey")):
@@ -208,6 +158,65 @@ def tent(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "dark red",
     )
     return made(b, "a dome tent", (2.6, 2.2, 1.25), style="dome")
+
+
+def _family_tent(b: MeshBuilder) -> BuiltAsset:
+    """Walls, a pitched fly sheet, windows and flaps rolled aside."""
+    # Vault along x: walls, then a pitched roof; the door's flaps are rolled aside.
+    half, length = 1.3, 3.0
+    section = [(-half, 0), (-half * 0.96, 1.45), (0, 2.1), (half * 0.96, 1.45), (half, 0)]
+    rows = [[(x, y, z) for y, z in reversed(section)] for x in (-length / 2, -0.75, 0, 0.75, length / 2)]
+    cloth = "dark green"
+    b.loft([np.array(r) for r in rows], "orange")
+    rows = [[(x, y * 1.06, z + 0.03) for y, z in section[1:4]] for x in (length / 2 + 0.1, -length / 2 - 0.1)]
+    b.sheet(np.array(rows), cloth, both_sides=True)
+    b.convex(
+        [(1.503, y, z) for y, z in ((-0.45, 0.02), (0.45, 0.02), (0.4, 1.5), (-0.4, 1.5))] + [(1.5, 0, 1.72)],
+        "black",
+    )
+    for side in (-1, 1):
+        b.tube([(1.53, side * 0.5, 0.02), (1.53, side * 0.45, 1.5)], 0.07, "beige")
+        for x in (-1.5, 0, 1.5):
+            b.rod((x, side * half, 1.42), (x, side * (half + 0.07), 0.02), 0.008, "off white", sides=5)
+        b.panel(
+            paint.stripes((24, 12), ("light grey", "dark glass"), 3),
+            (0, side * 1.3, 0.95),
+            0.9,
+            0.55,
+            "+y" if side > 0 else "-y",
+            back="dark glass",
+        )
+    for x in (-1.5, 1.5):
+        b.rod((x, 0, 0), (x, 0, 2.12), 0.018, "aluminium", sides=8)
+    return made(b, "a family tent", (3.2, 2.75, 2.1), style="family")
+
+
+def _ridge_tent(b: MeshBuilder) -> BuiltAsset:
+    """Two poles, guy ropes to pegs, a door of two flaps."""
+    half, length = 0.75, 2.1
+    rows = [
+        np.array([(x, -half, 0), (x, half, 0), (x, 0.02, 1.15), (x, -0.02, 1.15)]) for x in (-length / 2, length / 2)
+    ]
+    b.loft(rows, "#8a8a52")
+    b.convex(
+        [(length / 2 + 0.004, y, z) for y, z in ((-0.22, 0), (0.22, 0), (0, 0.95))] + [(length / 2, 0, 0.3)],
+        "black",
+    )
+    for side in (-1, 1):
+        b.convex(
+            [
+                (length / 2 + s, side * y, z)
+                for y, z, s in ((0.2, 0, 0.02), (0.46, 0, 0.09), (0.05, 0.95, 0.02), (0.3, 0.5, 0.08))
+            ],
+            shade("#8a8a52", 0.8),
+        )
+        x = side * (length / 2 + 0.02)
+        b.rod((x, 0, 0), (x, 0, 1.2), 0.016, "wood", sides=8)
+        b.rod((x, 0, 1.17), (x + side * 0.5, 0, 0), 0.006, "off white", sides=5)
+        for k in (-0.8, 0, 0.8):
+            b.rod((k, side * half * 0.6, 0.48), (k, side * (half + 0.3), 0), 0.006, "off white", sides=5)
+            b.box((0.03, 0.03, 0.1), (k, side * (half + 0.3), 0), "light wood", taper=(0.5, 0.5))
+    return made(b, "a ridge tent", (3.1, 2.15, 1.2), style="ridge")
 
 
 @recipe("stage", 3)

@@ -16,11 +16,11 @@ def barrel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     if variant % 3 == 0:
         color = ("signal blue", "dark red")[int(rng.integers(2))]
-        side: list[Point2] = [(0.27, 0.0), (0.28, 0.015), (0.28, 0.04), (0.27, 0.05)]
+        shell: list[Point2] = [(0.27, 0.0), (0.28, 0.015), (0.28, 0.04), (0.27, 0.05)]
         for z in (0.28, 0.56):
-            side += [(0.27, z - 0.02), (0.282, z), (0.27, z + 0.02)]
+            shell += [(0.27, z - 0.02), (0.282, z), (0.27, z + 0.02)]
         b.lathe(
-            [*side, (0.27, 0.8), (0.28, 0.81), (0.28, 0.84), (0.265, 0.84), (0.262, 0.825)], color=color, segments=28
+            [*shell, (0.27, 0.8), (0.28, 0.81), (0.28, 0.84), (0.265, 0.84), (0.262, 0.825)], color=color, segments=28
         )
         for x, r in ((0.17, 0.035), (-0.18, 0.022)):
             b.cylinder(r, 0.02, (x, 0, 0.825), "charcoal", segments=14)
