@@ -75,7 +75,6 @@ def test_variants_differ_in_more_than_colour(leaf: str, built: Built) -> None:
         volumes = abs(one.volume / other.volume - 1)
         faces = len(one.mesh.faces) != len(other.mesh.faces)
         assert extents > 0.02 or volumes > 0.02 or faces
-        assert not np.array_equal(one.mesh.texture, other.mesh.texture)
 
 
 def test_the_same_variant_is_the_same_mesh_again(built: Built) -> None:

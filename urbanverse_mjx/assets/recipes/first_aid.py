@@ -170,11 +170,11 @@ def first_aid_kit(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def smoke_alarm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A round puck with slots and a test button, a domed one with a ring of vents; drawn face up."""
     b = MeshBuilder(roughness=0.5)
-    b.lathe([(0.055, 0), (0.055, 0.01), (0.05, 0.012)], color="off white", segments=28)
     domed = variant % 2 == 1
+    b.lathe([(0.055, 0), (0.055, 0.01), (0.05, 0.012)], color="light grey" if domed else "off white", segments=28)
     b.lathe(
         [(0.05, 0.01), (0.052, 0.02), (0.045 if domed else 0.05, 0.036), (0.025 if domed else 0.044, 0.043)],
-        color="white",
+        color="cream" if domed else "white",
         segments=28,
     )
     for k in range(16):

@@ -202,10 +202,8 @@ def arts_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "an arts centre in a brick factory", (19.5, 24.5, 13.5), 0.8, style="factory")
 
 
-@recipe("aquarium", 3)
-def aquarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """A wave-roofed building with a fish mural and a leaping dolphin, a round tank building, a wedge with a shark."""
-    b = MeshBuilder(roughness=0.5)
+def _shoal(rng: np.random.Generator) -> Image.Image:
+    """A wall painting of many fishes."""
     mural, draw = paint.canvas((352, 132), "#1f7fae")
     for k in range(14):
         x, y, r = (float(v) for v in rng.uniform((24, 20, 10), (328, 112, 26)))
@@ -213,7 +211,14 @@ def aquarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
         draw.ellipse((x - r, y - r * 0.55, x + r, y + r * 0.55), fill=ink)
         draw.polygon([(x - r * 0.8, y), (x - r * 1.6, y - r * 0.55), (x - r * 1.6, y + r * 0.55)], fill=ink)
         draw.ellipse((x + r * 0.5, y - r * 0.25, x + r * 0.7, y - r * 0.05), fill=(10, 10, 10))
-    mural = paint.shrunk(mural, (176, 66))
+    return paint.shrunk(mural, (176, 66))
+
+
+@recipe("aquarium", 3)
+def aquarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    """A wave-roofed building with a fish mural and a leaping dolphin, a round tank building, a wedge with a shark."""
+    b = MeshBuilder(roughness=0.5)
+    mural = _shoal(rng)
     d, w, h = ((32, 45, 13), (30, 34, 16), (26, 40, 14))[variant % 3]
     b.box((d, w, 0.4), color="concrete")
     if variant % 3 == 1:

@@ -215,8 +215,8 @@ def carousel(b: MeshBuilder, at: tuple[float, float], radius: float, color: Colo
             b.sheet(np.array([rim, [(0, 0, radius * 1.15)] * 2]), tone, both_sides=True)
             b.sheet(np.array([drop, rim]), "gold", both_sides=True)
         b.cone(radius * 0.07, radius * 0.25, (0, 0, radius * 1.12), "gold", segments=8)
-        for k in range(8):
-            a = 2 * np.pi * k / 8
+        for k in range(6):
+            a = 2 * np.pi * k / 6
             x, y = 0.75 * radius * np.cos(a), 0.75 * radius * np.sin(a)
             b.rod((x, y, 0), (x, y, radius * 0.7), radius * 0.012, "gold", sides=4)
             with b.frame((x, y, radius * (0.25 + 0.06 * (k % 2))), (0, 0, float(np.degrees(a)) + 90), radius * 0.1):
@@ -237,7 +237,7 @@ def coaster(
     for side in (0.97, 1.03):
         path = np.column_stack([at[0] + (x - at[0]) * side, at[1] + (y - at[1]) * side, z])
         b.tube(path, height * 0.016, color, 3, closed=True)
-    for k in range(0, 32, 2):
+    for k in range(0, 32, 3):
         b.rod((x[k], y[k], 0), (x[k], y[k], z[k]), height * 0.014, "white", sides=4)
     if loop:
         ring = [
@@ -281,7 +281,7 @@ def amusement_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     flip = 1 if variant % 2 == 0 else -1
     b.box((65, 90, 0.3), color=("dark concrete", "sandstone")[variant % 2])
     with b.frame((-16, 26 * flip, 0.3), (0, 0, 70 * flip)):
-        big_wheel(b, 7.6, 8, 8.6, ("white", "signal yellow")[variant % 2], 2.2, 16)
+        big_wheel(b, 7.6, 8, 8.6, ("white", "signal yellow")[variant % 2], 2.2, 14)
     coaster(b, (-8, -20 * flip), (42, 40), 15.0, ("signal red", "purple")[variant % 2], True)
     carousel(b, (16, 20 * flip), 6.0, ("signal red", "signal blue")[variant % 2])
     for k in range(3):

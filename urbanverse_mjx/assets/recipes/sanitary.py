@@ -158,6 +158,7 @@ def bidet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ceramic bowl on its foot with a mixer, rounded and squared."""
     b = MeshBuilder(roughness=0.25)
     square = (2.3, 4.0)[variant % 2]
+    color = ("white", "cream")[variant % 2]
     loop = egg(0.27, 0.18, square, 24)
     b.loft(
         [
@@ -165,10 +166,10 @@ def bidet(variant: int, rng: np.random.Generator) -> BuiltAsset:
             np.column_stack([np.array(egg(0.16, 0.1, 3)), np.full(24, 0.12)]),
             np.column_stack([np.array(loop) * 0.8, np.full(24, 0.26)]),
         ],
-        "white",
+        color,
         crease_deg=60,
     )
-    basin(b, loop, 0.05, 0.13, 0.36, "white", 0.8)
+    basin(b, loop, 0.05, 0.13, 0.36, color, 0.8)
     b.cylinder(0.025, 0.004, (0.02, 0, 0.252), "aluminium", segments=14)
     tap(b, (-0.235, 0, 0.36), 0.11, 0.075)
     return made(b, "a bidet", ((0.56, 0.365, 0.4), (0.54, 0.38, 0.42))[variant % 2], squared=variant % 2 == 1)
@@ -192,14 +193,15 @@ def sink(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.035, 0.004, (0, 0.22, 0.03), "dark grey", segments=16)
         tap(b, (-0.215, 0.22, 0.18), 0.17, 0.2)
         return made(b, "a steel kitchen sink", (0.5, 0.95, 0.38), style="kitchen")
+    color = "white" if variant % 3 == 0 else "off white"
     loop = egg(0.21, 0.28, 3.0)
     high = 0.16 if variant % 3 == 0 else 0.82
-    basin(b, loop, 0.045, 0.15, high, "white", 0.55, (0.02, 0))
-    b.box((0.12, 0.46, 0.08), (-0.17, 0, high - 0.075), "white", bevel=0.02)
+    basin(b, loop, 0.045, 0.15, high, color, 0.55, (0.02, 0))
+    b.box((0.12, 0.46, 0.08), (-0.17, 0, high - 0.075), color, bevel=0.02)
     b.cylinder(0.025, 0.004, (0.02, 0, high - 0.126), "aluminium", segments=14)
     tap(b, (-0.165, 0, high), 0.13, 0.09 if variant % 3 == 0 else 0.1)
     if variant % 3 == 2:
-        b.lathe([(0.11, 0), (0.11, 0.03), (0.075, 0.1), (0.07, 0.5), (0.1, 0.7)], (-0.02, 0, 0), "white", segments=18)
+        b.lathe([(0.11, 0), (0.11, 0.03), (0.075, 0.1), (0.07, 0.5), (0.1, 0.7)], (-0.02, 0, 0), color, segments=18)
         return made(b, "a basin on a pedestal", (0.45, 0.56, 0.9), style="pedestal")
     return made(b, "a wash basin", (0.47, 0.58, 0.225), style="basin")
 
