@@ -273,8 +273,8 @@ def towel(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
             z += layer
         # Where the cloth turns over, its two layers are one round edge.
-        b.cylinder(layer, 0.29, (0.2, 0.145, z - layer + 0.002), color, turn_deg=(90, 0, 0), segments=14)
+        b.cylinder(layer * 1.02, 0.292, (0.19, 0.146, z - layer + 0.002), color, turn_deg=(90, 0, 0), segments=14)
     for x in (-0.17, -0.13):
-        b.box((0.014, 0.292, 0.003), (x, 0, z + layer * 0.14), "signal blue" if len(inks) == 1 else "brown")
+        b.box((0.014, 0.27, 0.003), (x, 0, z + layer * 0.15), "signal blue" if len(inks) == 1 else "brown")
     size = (0.45, 0.3, 0.08) if len(inks) == 1 else (0.44, 0.3, 0.165)
     return made(b, "a folded towel" if len(inks) == 1 else "a stack of towels", size, style="folded")
