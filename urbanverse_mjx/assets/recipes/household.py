@@ -261,20 +261,11 @@ def towel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     layer, z = (0.038 if len(inks) == 1 else 0.0255), 0.0
     for color in inks:
         for k in range(2):
-            soft(
-                b,
-                (0.45 - 0.005 * k, 0.3, layer * 1.16),
-                (0.002 * k, 0, z),
-                color,
-                plan=14,
-                side=3.5,
-                segments=20,
-                rings=6,
-            )
+            b.box((0.42, 0.3 - 0.004 * k, layer), (-0.015 + 0.004 * k, 0, z), color, bevel=layer * 0.3)
             z += layer
         # Where the cloth turns over, its two layers are one round edge.
-        b.cylinder(layer * 1.02, 0.292, (0.19, 0.146, z - layer + 0.002), color, turn_deg=(90, 0, 0), segments=14)
+        b.cylinder(layer, 0.294, (0.19, 0.147, z - layer), color, turn_deg=(90, 0, 0), segments=24)
     for x in (-0.17, -0.13):
-        b.box((0.014, 0.27, 0.003), (x, 0, z + layer * 0.15), "signal blue" if len(inks) == 1 else "brown")
+        b.box((0.014, 0.28, 0.002), (x, 0, z), "signal blue" if len(inks) == 1 else "brown")
     size = (0.45, 0.3, 0.08) if len(inks) == 1 else (0.44, 0.3, 0.165)
     return made(b, "a folded towel" if len(inks) == 1 else "a stack of towels", size, style="folded")
