@@ -15,7 +15,7 @@ def _sum_and_triangle(size: tuple[int, int], ground: Color, inks: list[Color]) -
     big = paint.smooth(size, 2)
     w, h = big
     image, pen = paint.canvas(big, ground)
-    paint.text(pen, "a² + b² = c²", (w * 0.06, h * 0.1, w * 0.62, h * 0.3), inks[0])
+    paint.text(pen, "y = 3x + 7", (w * 0.06, h * 0.1, w * 0.62, h * 0.3), inks[0])
     paint.text(pen, "3 x 7 = 21", (w * 0.06, h * 0.4, w * 0.5, h * 0.56), inks[0])
     paint.text(pen, "HOMEWORK: p. 42", (w * 0.06, h * 0.74, w * 0.6, h * 0.88), inks[1])
     pen.polygon([(w * 0.66, h * 0.72), (w * 0.93, h * 0.72), (w * 0.66, h * 0.28)], outline=rgb(inks[2]), width=4)
