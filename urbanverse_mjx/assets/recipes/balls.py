@@ -34,7 +34,7 @@ def painted(ground: Color, layers: Sequence[tuple[Color, np.ndarray]]) -> Image.
 
 def line(distance: np.ndarray, half: float) -> np.ndarray:
     """A soft mask where |distance| < half (rad), a pixel wide at its edge."""
-    return 0.5 + (half - np.abs(distance)) / (np.pi / HEIGHT)
+    return np.clip(0.5 + (half - np.abs(distance)) / (np.pi / HEIGHT), 0.0, 1.0)
 
 
 def sphere(b: MeshBuilder, picture: Image.Image, radius: float = 0.1, columns: int = 22, rows: int = 14) -> None:

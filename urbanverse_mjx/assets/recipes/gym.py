@@ -10,14 +10,14 @@ from ..recipe import recipe
 from .outlines import curve, rounded, sized
 
 
-def disc(b: MeshBuilder, y: float, z: float, radius: float, thick: float, color: Color, segments: int = 24) -> None:
+def disc(b: MeshBuilder, y: float, z: float, radius: float, thick: float, color: Color, segments: int = 16) -> None:
     """A weight on a bar along y, its middle at (0, y, z)."""
     with b.frame((0, y, z), (90, 0, 0)):
         rim = [(radius * 0.94, -thick / 2), (radius, -thick * 0.35), (radius, thick * 0.35), (radius * 0.94, thick / 2)]
         b.lathe(rim, color=color, segments=segments)
-        b.ring(radius * 0.8, thick * 0.12, (0, 0, thick / 2), shade(color, 1.35), segments=segments, sides=4)
-        b.ring(radius * 0.8, thick * 0.12, (0, 0, -thick / 2), shade(color, 1.35), segments=segments, sides=4)
-        b.cylinder(radius * 0.2, thick * 1.16, (0, 0, -thick * 0.58), "aluminium", segments=12)
+        for side in (-1, 1):
+            b.ring(radius * 0.8, thick * 0.12, (0, 0, side * thick / 2), shade(color, 1.35), segments=segments, sides=3)
+        b.cylinder(radius * 0.2, thick * 1.16, (0, 0, -thick * 0.58), "aluminium", segments=8)
 
 
 @recipe("barbell", 2)
@@ -53,8 +53,8 @@ def dumbbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.rod((0, -0.12, 0.07), (0, 0.12, 0.07), 0.015, "aluminium" if variant < 2 else color, sides=12)
     for s in (-1, 1):
         if style == "iron disc":
-            disc(b, 0.085 * s, 0.07, 0.07, 0.028, color, 20)
-            disc(b, 0.115 * s, 0.07, 0.055, 0.024, "signal red", 20)
+            disc(b, 0.085 * s, 0.07, 0.07, 0.028, color, 14)
+            disc(b, 0.115 * s, 0.07, 0.055, 0.024, "signal red", 14)
             b.cylinder(0.024, 0.02, (0, 0.128 * s, 0.07), "aluminium", (-90 * s, 0, 0), segments=6)
             b.rod((0, 0.12 * s, 0.07), (0, 0.155 * s, 0.07), 0.014, "aluminium", sides=10)
         else:
@@ -160,7 +160,7 @@ def training_bench(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.box((0.1, 0.05, 0.03), (-0.46, s * 0.45, 1.0), steel)
                 b.box((0.02, 0.05, 0.07), (-0.42, s * 0.45, 1.0), steel)
                 with b.frame((-0.46, 0, 0)):
-                    disc(b, s * 0.54, 1.05, 0.17, 0.05, "charcoal", 20)
+                    disc(b, s * 0.54, 1.05, 0.17, 0.05, "charcoal", 16)
             b.beam((-0.5, -0.45, 0.3), (-0.5, 0.45, 0.3), 0.05, 0.05, steel)
             b.rod((-0.46, -0.6, 1.05), (-0.46, 0.6, 1.05), 0.014, "aluminium")
         else:
@@ -243,151 +243,3 @@ def indoor_rower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.panel(screen, (screen_at[0] - 0.022, 0, screen_at[2] + 0.1), 0.15, 0.15, "-x")
     size = ((2.4, 0.58, 0.97), (2.15, 0.54, 0.75))[variant]
     return sized(b, rng, size, f"an {style} rower" if variant == 0 else f"a {style} rower", style)
-
-
-@recipe("trampoline", 3)
-def trampoline(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Garden trampoline with a net on poles, one without, small one of a gym."""
-    b = MeshBuilder(roughness=0.7)
-    style = ("netted", "low", "mini")[variant]
-    pad: Color = ("blue", "green", "black")[variant]
-    r, h = ((1.4, 0.7), (1.4, 0.75), (0.48, 0.24))[variant]
-    tube = 0.03 if variant < 2 else 0.016
-    b.cylinder(r * 0.8, 0.012, (0, 0, h - 0.012), "charcoal", segments=28)
-    b.lathe([(r * 0.8, h - 0.01), (r, h - 0.02), (r, h + 0.012), (r * 0.8, h + 0.015)], color=pad, segments=28)
-    b.ring(r * 0.985, tube, (0, 0, h - 0.03), "galvanised", segments=28, sides=5)
-    for k in range(4 if variant < 2 else 6):
-        a = 2 * np.pi * k / (4 if variant < 2 else 6) + 0.4
-        if variant == 2:
-            x, y = 0.92 * r * np.cos(a), 0.92 * r * np.sin(a)
-            b.rod((x, y, 0), (x, y, h - 0.03), tube, "galvanised", sides=6)
-            b.cylinder(0.028, 0.03, (x, y, 0), "black", segments=8)
-            continue
-        c, d = a - 0.32, a + 0.32
-        foot = [
-            (0.97 * r * np.cos(t), 0.97 * r * np.sin(t), z)
-            for t, z in ((c, h - 0.03), (c, 0.03), (d, 0.03), (d, h - 0.03))
-        ]
-        b.tube(foot, tube, "galvanised", sides=6)
-    if style == "netted":
-        for k in range(8):
-            a = 2 * np.pi * k / 8 + 0.08
-            x, y = np.cos(a), np.sin(a)
-            b.tube(
-                [
-                    (1.02 * r * x, 1.02 * r * y, h - 0.3),
-                    (1.02 * r * x, 1.02 * r * y, 1.42),
-                    (0.92 * r * x, 0.92 * r * y, 1.5),
-                ],
-                0.024,
-                pad,
-                sides=6,
-            )
-        b.ring(0.92 * r, 0.012, (0, 0, 1.48), "charcoal", segments=28, sides=4)
-        # The net is drawn by its cords, which lets one look and drop things through it.
-        for z in np.linspace(h + 0.1, 1.36, 5):
-            b.ring(0.93 * r, 0.004, (0, 0, z), "dark grey", segments=28, sides=3)
-        for k in range(32):
-            a = 2 * np.pi * k / 32
-            x, y = 0.93 * r * np.cos(a), 0.93 * r * np.sin(a)
-            b.rod((x, y, h), (x, y, 1.48), 0.004, "dark grey", sides=3)
-    else:
-        b.panel(_star(), (0, 0, h + 0.001), r * 0.7, r * 0.7, "+z")
-    size = ((2.9, 2.9, 1.55), (3.6, 3.6, 0.9), (1.0, 1.0, 0.25))[variant]
-    return sized(b, rng, size, f"a {style} trampoline", style, jitter=0.002)
-
-
-def _star() -> Image.Image:
-    image, pen = paint.canvas((64, 64), "charcoal")
-    points = [
-        (32 + r * np.sin(k * np.pi / 5), 32 - r * np.cos(k * np.pi / 5)) for k in range(10) for r in ((28, 11)[k % 2],)
-    ]
-    pen.polygon(points, fill=rgb("white"))
-    return image
-
-
-@recipe("fitness equipments", 3)
-def fitness_equipments(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Outdoor air walker, outdoor chest press with a seat, exercise bicycle."""
-    b = MeshBuilder(roughness=0.5)
-    style = ("air walker", "chest press", "exercise bicycle")[variant]
-    post: Color = ("signal blue", "green", "charcoal")[variant]
-    if style == "air walker":
-        for s in (-1, 1):
-            b.rod((0, 0.36 * s, 0), (0, 0.36 * s, 1.1), 0.045, post, sides=12)
-            b.cylinder(0.1, 0.02, (0, 0.36 * s, 0), "dark grey", segments=14)
-            swing = 0.32 * s
-            b.beam((0, 0.24 * s, 1.0), (swing, 0.24 * s, 0.16), 0.05, 0.05, "signal yellow")
-            b.box((0.42, 0.15, 0.04), (swing + 0.04, 0.22 * s, 0.12), "black", bevel=0.01)
-            b.cylinder(0.05, 0.14, (0, 0.31 * s + 0.07, 1.0), "signal yellow", (90, 0, 0), segments=12)
-        b.rod((0, -0.36, 1.0), (0, 0.36, 1.0), 0.035, "signal yellow", sides=10)
-        bar = [
-            (0, -0.36, 1.08),
-            (0.24, -0.36, 1.42),
-            (0.3, -0.2, 1.46),
-            (0.3, 0.2, 1.46),
-            (0.24, 0.36, 1.42),
-            (0, 0.36, 1.08),
-        ]
-        b.tube(bar, 0.026, post, sides=8)
-        for s in (-1, 1):
-            b.rod((0.3, 0.06 * s, 1.46), (0.3, 0.2 * s, 1.46), 0.031, "black", sides=8)
-        b.box((1.3, 0.8, 0.012), color="dark concrete")
-    elif style == "chest press":
-        b.rod((0, 0, 0), (0, 0, 1.75), 0.057, post, sides=14)
-        b.ball(0.062, (0, 0, 1.75), post, segments=12, rings=6)
-        b.cylinder(0.16, 0.02, (0, 0, 0), "dark grey", segments=16)
-        b.rod((0, 0, 0.42), (-0.5, 0, 0.42), 0.035, post, sides=10)
-        b.box((0.36, 0.38, 0.04), (-0.55, 0, 0.44), "signal yellow", bevel=0.015)
-        b.box((0.04, 0.36, 0.4), (-0.34, 0, 0.56), "signal yellow", bevel=0.015, turn_deg=(0, 8, 0))
-        b.rod((0, 0, 0.8), (-0.34, 0, 0.76), 0.03, post, sides=8)
-        for s in (-1, 1):
-            b.tube(
-                [(0, 0.06 * s, 1.55), (-0.12, 0.3 * s, 1.5), (-0.2, 0.36 * s, 1.1), (-0.36, 0.36 * s, 0.95)],
-                0.026,
-                "signal yellow",
-                sides=8,
-            )
-            b.rod((-0.36, 0.36 * s, 0.95), (-0.48, 0.36 * s, 0.9), 0.03, "black", sides=8)
-        sign, pen = paint.canvas((48, 60), "white")
-        paint.text(pen, "PRESS", (4, 3, 44, 15), "signal blue", 0.03)
-        pen.ellipse((20, 18, 28, 26), fill=rgb("signal blue"))
-        for stroke in ((24, 26, 24, 42), (24, 42, 36, 42), (36, 42, 36, 56), (24, 30, 38, 30), (18, 24, 18, 44)):
-            pen.line(stroke, fill=rgb("signal blue"), width=3)
-        b.box((0.02, 0.3, 0.38), (0.06, 0, 1.15), post)
-        b.panel(sign, (0.0725, 0, 1.34), 0.27, 0.34)
-    else:
-        b.beam((-0.5, 0, 0.05), (0.5, 0, 0.05), 0.08, 0.07, post)
-        for x in (-0.5, 0.5):
-            b.beam((x, -0.28, 0.03), (x, 0.28, 0.03), 0.08, 0.06, "black")
-        b.cylinder(0.24, 0.06, (0.34, 0.03, 0.34), "signal red", (90, 0, 0), segments=26)
-        b.ring(0.225, 0.022, (0.34, 0, 0.34), "aluminium", (90, 0, 0), segments=24, sides=5)
-        b.beam((-0.3, 0, 0.08), (-0.18, 0, 0.8), 0.06, 0.06, post)
-        b.beam((0.4, 0, 0.08), (0.24, 0, 1.05), 0.06, 0.06, post)
-        b.beam((0.3, 0, 0.3), (-0.2, 0, 0.3), 0.06, 0.08, post)
-        b.convex(
-            [
-                (-0.36, 0.11, 0.84),
-                (-0.36, -0.11, 0.84),
-                (-0.02, 0.02, 0.84),
-                (-0.02, -0.02, 0.84),
-                (-0.36, 0.08, 0.9),
-                (-0.36, -0.08, 0.9),
-                (-0.02, 0, 0.88),
-            ],
-            "black",
-        )
-        b.rod((-0.17, 0, 0.78), (-0.2, 0, 0.86), 0.02, "aluminium")
-        b.tube(
-            [(0.02, -0.2, 1.12), (0.2, -0.2, 1.1), (0.24, 0, 1.06), (0.2, 0.2, 1.1), (0.02, 0.2, 1.12)],
-            0.018,
-            "black",
-            sides=6,
-        )
-        b.box((0.04, 0.18, 0.12), (0.27, 0, 1.1), "charcoal", bevel=0.01, turn_deg=(0, -20, 0))
-        b.cylinder(0.09, 0.02, (0.0, -0.04, 0.3), "aluminium", (90, 0, 0), segments=16)
-        for s in (-1, 1):
-            b.beam((0.0, 0.07 * s, 0.3), (0.12 * s, 0.09 * s, 0.2 if s > 0 else 0.4), 0.02, 0.03, "aluminium")
-            b.box((0.1, 0.09, 0.025), (0.12 * s, 0.14 * s, 0.19 if s > 0 else 0.39), "black", bevel=0.006)
-    size = ((1.35, 0.8, 1.5), (1.15, 0.8, 1.8), (1.2, 0.56, 1.22))[variant]
-    return sized(b, rng, size, f"a fitness machine: {style}", style)

@@ -47,6 +47,9 @@ def baseball_bat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} baseball bat", style, jitter=0.002)
 
 
+_PALM = ((-0.135, 0.05, 0.0), (-0.11, 0.075, 0.0), (-0.04, 0.098, 0.0), (0.03, 0.098, 0.004), (0.06, 0.09, 0.01))
+
+
 @recipe("baseball glove", 2)
 def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Tan and dark brown gloves lying open, palm up, fingers towards +x; the dark one holds a ball."""
@@ -54,33 +57,28 @@ def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("tan", "dark with a ball")[variant]
     leather: Color = ("#b9793a", "#5c3018")[variant]
     lace: Color = ("#6e4420", "beige")[variant]
-    palm = [(0.0, 0.055, 0.02), (0.03, 0.085, 0.03), (0.1, 0.1, 0.035), (0.15, 0.085, 0.03)]
-    b.loft([section(x - 0.12, y, h, 0.035 + 0.12 * max(x - 0.08, 0), 14, 2.5) for x, y, h in palm], leather)
-    for k, (y0, y1, length) in enumerate(
-        ((0.06, 0.085, 0.13), (0.02, 0.035, 0.15), (-0.02, -0.012, 0.15), (-0.058, -0.055, 0.135))
-    ):
-        path = curve([(0.0, y0, 0.045), (0.06, (y0 + y1) / 2, 0.06), (length, y1, 0.105)], 3)
-        b.tube(
-            path,
-            [0.024, 0.025, 0.025, 0.024, 0.023, 0.021, 0.014][: len(path)],
-            shade(leather, 1.0 + 0.05 * (k % 2)),
-            sides=8,
-        )
-    thumb = curve([(-0.08, -0.075, 0.045), (-0.01, -0.115, 0.07), (0.07, -0.115, 0.11)], 3)
-    b.tube(thumb, [0.026, 0.028, 0.028, 0.027, 0.025, 0.022, 0.014][: len(thumb)], leather, sides=8)
-    for s in (0.0, 0.35, 0.7, 1.0):
-        a, c = np.array([0.07, -0.1, 0.1]), np.array([0.12, -0.06, 0.1])
-        b.rod(a + s * np.array([-0.06, 0.0, -0.025]), c + s * np.array([-0.08, 0.01, -0.045]), 0.006, lace, sides=5)
-    b.rod((0.025, -0.108, 0.085), (0.1, -0.075, 0.1), 0.006, lace, sides=5)
-    for k in range(3):
+    b.loft([section(x, y, 0.028, 0.034 + lift, 16, 2.6) for x, y, lift in _PALM], leather)
+    fingers = ((0.075, 0.125, 0.1), (0.035, 0.05, 0.135), (-0.004, -0.012, 0.14), (-0.042, -0.06, 0.125))
+    for k, (y0, y1, length) in enumerate(fingers):
+        path = curve([(0.02, y0, 0.04), (0.05 + 0.45 * length, (y0 + y1) / 2, 0.055), (0.05 + length, y1, 0.085)], 3)
+        b.tube(path, [0.02, 0.021, 0.022, 0.022, 0.022, 0.02, 0.012], shade(leather, (1.12, 0.92)[k % 2]), sides=8)
+    thumb = curve([(-0.07, -0.08, 0.045), (0.0, -0.135, 0.06), (0.1, -0.15, 0.085)], 3)
+    b.tube(thumb, [0.024, 0.025, 0.025, 0.024, 0.023, 0.021, 0.013], shade(leather, 1.12), sides=8)
+    # The web between thumb and forefinger: a lattice of laces.
+    for share in np.linspace(0.0, 1.0, 5):
         b.rod(
-            (0.02 + 0.035 * k, -0.055, 0.072 + 0.013 * k),
-            (0.02 + 0.035 * k, 0.07, 0.072 + 0.013 * k),
-            0.0045,
+            (0.03 + 0.08 * share, -0.14, 0.066 + 0.016 * share),
+            (0.05 + 0.1 * share, -0.06, 0.06 + 0.02 * share),
+            0.0055,
             lace,
             sides=5,
         )
-    b.tube([(-0.12, 0.06, 0.035), (-0.14, 0.0, 0.05), (-0.12, -0.06, 0.035)], 0.018, shade(leather, 0.85), sides=6)
+    for y in (-0.12, -0.1, -0.08):
+        b.rod((0.035, y, 0.068), (0.13, y, 0.083), 0.0055, lace, sides=5)
+    for x, z in ((0.085, 0.088), (0.12, 0.098)):
+        b.rod((x, -0.05, z), (x, 0.1, z - 0.004), 0.004, lace, sides=5)
+    b.ball((0.075, 0.06, 0.012), (-0.015, -0.02, 0.062), shade(leather, 0.6), segments=16, rings=6)
+    b.tube([(-0.12, 0.065, 0.045), (-0.135, 0.0, 0.06), (-0.12, -0.065, 0.045)], 0.014, lace, sides=6)
     if variant == 1:
         b.ball(0.037, (-0.02, 0.0, 0.095), "white", segments=14, rings=8)
         b.ring(0.0355, 0.002, (-0.02, 0.0, 0.105), "signal red", (25, 10, 0), segments=16, sides=3)
