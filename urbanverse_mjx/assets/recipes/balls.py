@@ -91,12 +91,12 @@ def _football(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _folded_seam(count: int) -> np.ndarray:
     """(count, 3) unit vectors along the one closed seam of a tennis ball or a baseball.
 
-    (1 - a) e^it + a e^-3it in the plane and 2 sqrt(a (1 - a)) cos 2t above it lie on the unit sphere for every a in
+    (1 - a) e^it + a e^-3it in the plane and 2 sqrt(a (1 - a)) sin 2t above it lie on the unit sphere for every a in
     (0, 1); a = 0.44 leaves the narrow waists of a real cover.
     """
     a, t = 0.44, np.arange(count) * (2 * np.pi / count)
     x, y = (1 - a) * np.cos(t) + a * np.cos(3 * t), (1 - a) * np.sin(t) - a * np.sin(3 * t)
-    return np.stack([x, y, 2 * (a * (1 - a)) ** 0.5 * np.cos(2 * t)], 1)
+    return np.stack([x, y, 2 * (a * (1 - a)) ** 0.5 * np.sin(2 * t)], 1)
 
 
 def _tennis_curve(p: np.ndarray, half: float) -> np.ndarray:

@@ -72,9 +72,9 @@ def drum(variant: int, rng: np.random.Generator) -> BuiltAsset:
             with b.frame((0.2, y, 0.62), (tilt, -18, 0)):
                 _drum(b, 0.155, 0.22, color, 5, 14)
         with b.frame((-0.25, -0.5, 0.3)):
-            _drum(b, 0.21, 0.32, color, 5, 16)
+            _drum(b, 0.21, 0.32, color, 4, 14)
         with b.frame((-0.25, 0.42, 0.48)):
-            _drum(b, 0.18, 0.14, "aluminium", 5, 16)
+            _drum(b, 0.18, 0.14, "aluminium", 4, 14)
         for x, y in ((-0.05, -0.5), (-0.4, -0.6), (-0.4, -0.38), (-0.25, 0.42)):
             b.rod((x, y, 0.0), (x, y, 0.48), 0.01, "aluminium", sides=5)
         for x, y, z, r in ((0.22, -0.62, 1.12, 0.24), (0.16, 0.62, 1.08, 0.22), (-0.05, 0.7, 0.8, 0.17)):
@@ -82,7 +82,7 @@ def drum(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for k in range(3):
                 a = 2 * np.pi * k / 3
                 b.rod((x, y, 0.2), (x + 0.17 * np.cos(a), y + 0.17 * np.sin(a), 0.0), 0.009, "aluminium", sides=4)
-            b.lathe([(r, 0.0), (r * 0.3, 0.022), (r * 0.2, 0.045), (0.0, 0.05)], (x, y, z), "brass", segments=12)
+            b.lathe([(r, 0.0), (r * 0.3, 0.022), (r * 0.2, 0.045), (0.0, 0.05)], (x, y, z), "brass", segments=10)
         b.cylinder(0.15, 0.08, (-0.6, 0, 0.45), "black", segments=18)
         b.cylinder(0.025, 0.45, (-0.6, 0, 0.0), "aluminium", segments=8)
     size = ((0.46, 0.45, 0.4), (1.3, 1.6, 1.15), (0.34, 0.34, 0.6))[variant]

@@ -53,8 +53,8 @@ def dumbbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.rod((0, -0.12, 0.07), (0, 0.12, 0.07), 0.015, "aluminium" if variant < 2 else color, sides=12)
     for s in (-1, 1):
         if style == "iron disc":
-            disc(b, 0.085 * s, 0.07, 0.07, 0.028, color, 14)
-            disc(b, 0.115 * s, 0.07, 0.055, 0.024, "signal red", 14)
+            disc(b, 0.085 * s, 0.07, 0.07, 0.028, color, 12)
+            disc(b, 0.115 * s, 0.07, 0.055, 0.024, "signal red", 12)
             b.cylinder(0.024, 0.02, (0, 0.128 * s, 0.07), "aluminium", (-90 * s, 0, 0), segments=6)
             b.rod((0, 0.12 * s, 0.07), (0, 0.155 * s, 0.07), 0.014, "aluminium", sides=10)
         else:

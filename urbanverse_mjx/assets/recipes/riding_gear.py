@@ -21,7 +21,8 @@ def skateboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant]
     xs = np.linspace(-0.395, 0.395, 19)
     flip, tail = ((0.045, 0.045), (0.0, 0.0), (0.0, 0.04))[variant]
-    rise = sum(lift * (np.clip(side * xs - 0.27, 0.0, None) / 0.125) ** 1.3 for side, lift in ((1, flip), (-1, tail)))
+    ahead, behind = (np.clip(side * xs - 0.27, 0.0, None) / 0.125 for side in (1, -1))
+    rise = flip * ahead**1.3 + tail * behind**1.3
     end = np.clip((0.395 - np.abs(xs)) / 0.1, 0, 1)
     half = 0.1 * np.sqrt(np.clip(1 - (1 - end) ** 2, 0.02, 1))
     if variant > 0:

@@ -50,13 +50,8 @@ def baseball_bat(variant: int, rng: np.random.Generator) -> BuiltAsset:
 _PALM = ((-0.135, 0.05, 0.0), (-0.11, 0.075, 0.0), (-0.04, 0.098, 0.0), (0.03, 0.098, 0.004), (0.06, 0.09, 0.01))
 
 
-@recipe("baseball glove", 2)
-def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Tan and dark brown gloves lying open, palm up, fingers towards +x; the dark one holds a ball."""
-    b = MeshBuilder(roughness=0.75)
-    style = ("tan", "dark with a ball")[variant]
-    leather: Color = ("#b9793a", "#5c3018")[variant]
-    lace: Color = ("#6e4420", "beige")[variant]
+def _glove(b: MeshBuilder, leather: Color, lace: Color) -> None:
+    """An open glove, its palm up and its fingers along +x."""
     b.loft([section(x, y, 0.028, 0.034 + lift, 16, 2.6) for x, y, lift in _PALM], leather)
     fingers = ((0.075, 0.125, 0.1), (0.035, 0.05, 0.135), (-0.004, -0.012, 0.14), (-0.042, -0.06, 0.125))
     for k, (y0, y1, length) in enumerate(fingers):
@@ -79,9 +74,20 @@ def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.rod((x, -0.05, z), (x, 0.1, z - 0.004), 0.004, lace, sides=5)
     b.ball((0.075, 0.06, 0.012), (-0.015, -0.02, 0.062), shade(leather, 0.6), segments=16, rings=6)
     b.tube([(-0.12, 0.065, 0.045), (-0.135, 0.0, 0.06), (-0.12, -0.065, 0.045)], 0.014, lace, sides=6)
-    if variant == 1:
-        b.ball(0.037, (-0.02, 0.0, 0.095), "white", segments=14, rings=8)
-        b.ring(0.0355, 0.002, (-0.02, 0.0, 0.105), "signal red", (25, 10, 0), segments=16, sides=3)
+
+
+@recipe("baseball glove", 2)
+def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    """Tan and dark brown gloves lying on their backs, the open palm towards +x; the dark one holds a ball."""
+    b = MeshBuilder(roughness=0.75)
+    style = ("tan", "dark with a ball")[variant]
+    leather: Color = ("#b9793a", "#5c3018")[variant]
+    lace: Color = ("#6e4420", "beige")[variant]
+    with b.frame(turn_deg=(0, -24, 180)):
+        _glove(b, leather, lace)
+        if variant == 1:
+            b.ball(0.037, (-0.02, 0.0, 0.095), "white", segments=14, rings=8)
+            b.ring(0.0355, 0.002, (-0.02, 0.0, 0.105), "signal red", (25, 10, 0), segments=16, sides=3)
     size = ((0.29, 0.235, 0.13), (0.31, 0.25, 0.145))[variant]
     return sized(b, rng, size, f"a {style} baseball glove", style)
 

@@ -297,7 +297,7 @@ def harp(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 ]
             )
         )
-    b.loft([r[::-1] for r in rows], box)
+    b.loft(rows, box)
     b.box((0.42, 0.46, 0.1), (0.2, 0, 0), frame, bevel=0.03)
     neck = curve(
         [(-0.42, 0, 1.34), (-0.3, 0, 1.36), (-0.1, 0, 1.28), (0.1, 0, 1.36), (0.28, 0, 1.58), (0.4, 0, 1.62)], 4

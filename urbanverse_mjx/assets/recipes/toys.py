@@ -12,7 +12,7 @@ from .outlines import curve, level, pairs, sized
 
 def _eyes(b: MeshBuilder, x: float, z: float, apart: float, radius: float, color: Color = "black") -> None:
     for s in (-1, 1):
-        b.ball((radius * 0.6, radius, radius * 1.15), (x, s * apart, z), color, segments=8, rings=6)
+        b.ball((radius * 0.6, radius, radius * 1.15), (x, s * apart, z), color, segments=6, rings=4)
         b.ball(
             radius * 0.32, (x + radius * 0.5, s * apart + radius * 0.3, z + radius * 0.45), "white", segments=5, rings=4
         )
@@ -41,8 +41,8 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
     head = (0.052, 0.03, 0.058)[variant]
     neck = (0.232, 0.27, 0.21)[variant]
     z = neck + head * 0.9
-    b.ball((head * 0.95, head, head * 1.02), (0, 0, z), skin, segments=16, rings=10)
-    b.ball((head * 1.0, head * 1.07, head * 1.02), (-head * 0.14, 0, z + head * 0.13), hair, segments=16, rings=10)
+    b.ball((head * 0.95, head, head * 1.02), (0, 0, z), skin, segments=12, rings=6)
+    b.ball((head * 1.0, head * 1.07, head * 1.02), (-head * 0.14, 0, z + head * 0.13), hair, segments=12, rings=6)
     _eyes(b, head * 0.88, z + head * 0.08, head * 0.36, head * 0.13)
     b.ball((head * 0.1, head * 0.2, head * 0.07), (head * 0.9, 0, z - head * 0.42), "signal red", segments=8, rings=4)
     for s in (-1, 1):
@@ -74,7 +74,7 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.rod((0, 0.025 * s, 0.02), (0, 0.025 * s, 0.11), 0.017, "white", sides=8)
             for stripe in (0.05, 0.08):
                 b.cylinder(0.0178, 0.012, (0, 0.025 * s, stripe), "signal red", segments=10)
-            b.ball((0.028, 0.019, 0.017), (0.012, 0.026 * s, 0.017), "black", segments=10, rings=6)
+            b.ball((0.028, 0.019, 0.017), (0.012, 0.026 * s, 0.017), "black", segments=8, rings=5)
         b.loft(
             [
                 level(h, x, y)
@@ -95,7 +95,7 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 skin,
                 sides=7,
             )
-            b.rod((0.0, 0.012 * s, 0.0), (0, 0.012 * s, 0.05), 0.007, skin, sides=7)
+            b.rod((0.0, 0.012 * s, 0.0), (0, 0.012 * s, 0.05), 0.007, skin, sides=6)
             b.box((0.03, 0.012, 0.008), (0.006, 0.012 * s, 0.0), "signal red", bevel=0.003)
         b.rod((0, 0, 0.25), (0, 0, 0.28), 0.008, skin, sides=8)
         rows = (
@@ -116,7 +116,7 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.ring(0.024, 0.003, (0.0, 0, z + 0.024), "gold", (0, 12, 0), segments=14, sides=4)
     else:
-        b.ball((0.052, 0.06, 0.075), (0, 0, 0.135), dress, segments=14, rings=9)
+        b.ball((0.052, 0.06, 0.075), (0, 0, 0.135), dress, segments=12, rings=6)
         b.ball((0.016, 0.026, 0.024), (0.048, 0, 0.15), "white", segments=10, rings=5)
         for s in (-1, 1):
             b.tube(
@@ -125,14 +125,14 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 dress,
                 sides=8,
             )
-            b.ball(0.018, (0.06, 0.093 * s, 0.183), skin, segments=8, rings=6)
+            b.ball(0.018, (0.06, 0.093 * s, 0.183), skin, segments=6, rings=4)
             b.tube(
                 curve([(0, 0.03 * s, 0.09), (0.03, 0.045 * s, 0.04), (0.03, 0.045 * s, 0.015)], 3),
                 [0.024, 0.024, 0.022, 0.021, 0.019, 0.018, 0.017],
                 skin,
                 sides=8,
             )
-            b.ball((0.027, 0.019, 0.016), (0.04, 0.045 * s, 0.014), skin, segments=10, rings=6)
+            b.ball((0.027, 0.019, 0.016), (0.04, 0.045 * s, 0.014), skin, segments=8, rings=5)
         b.lathe(
             [(0.009, 0.0), (0.016, 0.004), (0.016, 0.008), (0.006, 0.01)],
             (head * 0.86, 0, z - head * 0.42),
@@ -154,35 +154,35 @@ def stuffed_toy(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("light grey", "white", "light grey"),
         ("white", "white", "#26262a"),
     )[variant]
-    b.ball((0.075, 0.08, 0.09), (0, 0, 0.095), fur, segments=16, rings=10)
-    b.ball((0.03, 0.055, 0.065), (0.05, 0, 0.095), light, segments=12, rings=8)
+    b.ball((0.075, 0.08, 0.09), (0, 0, 0.095), fur, segments=12, rings=6)
+    b.ball((0.03, 0.055, 0.065), (0.05, 0, 0.095), light, segments=8, rings=5)
     z = 0.222
-    b.ball((0.066, 0.074, 0.066), (0.005, 0, z), fur, segments=16, rings=10)
-    b.ball((0.03, 0.036, 0.028), (0.06, 0, z - 0.018), light, segments=12, rings=7)
-    b.ball((0.01, 0.014, 0.01), (0.088, 0, z - 0.006), "black" if variant != 1 else "pink", segments=8, rings=6)
-    b.tube([(0.087, -0.012, z - 0.03), (0.09, 0, z - 0.024), (0.087, 0.012, z - 0.03)], 0.0022, "black", sides=4)
+    b.ball((0.066, 0.074, 0.066), (0.005, 0, z), fur, segments=12, rings=6)
+    b.ball((0.03, 0.036, 0.028), (0.06, 0, z - 0.018), light, segments=10, rings=6)
+    b.ball((0.01, 0.014, 0.01), (0.088, 0, z - 0.006), "black" if variant != 1 else "pink", segments=6, rings=4)
+    b.tube([(0.085, -0.013, z - 0.024), (0.09, 0, z - 0.031), (0.085, 0.013, z - 0.024)], 0.0022, "black", sides=4)
     if style == "panda":
         for s in (-1, 1):
-            b.ball((0.014, 0.019, 0.024), (0.057, 0.03 * s, z + 0.014), limb, (25 * s, 0, 0), segments=10, rings=6)
+            b.ball((0.014, 0.019, 0.024), (0.057, 0.03 * s, z + 0.014), limb, (25 * s, 0, 0), segments=8, rings=5)
     _eyes(b, 0.064 if variant != 2 else 0.069, z + 0.016, 0.028, 0.0085)
     for s in (-1, 1):
         if style == "rabbit":
-            b.ball((0.014, 0.02, 0.065), (-0.005, 0.035 * s, z + 0.105), fur, (-9 * s, 0, 0), segments=10, rings=8)
-            b.ball((0.006, 0.012, 0.05), (0.006, 0.036 * s, z + 0.105), "pink", (-9 * s, 0, 0), segments=8, rings=6)
+            b.ball((0.014, 0.02, 0.065), (-0.005, 0.035 * s, z + 0.105), fur, (-9 * s, 0, 0), segments=6, rings=4)
+            b.ball((0.006, 0.012, 0.05), (0.006, 0.036 * s, z + 0.105), "pink", (-9 * s, 0, 0), segments=6, rings=4)
         else:
-            b.ball((0.015, 0.028, 0.028), (0.0, 0.056 * s, z + 0.052), limb, segments=12, rings=8)
+            b.ball((0.015, 0.028, 0.028), (0.0, 0.056 * s, z + 0.052), limb, segments=8, rings=5)
             b.ball(
                 (0.008, 0.018, 0.018),
                 (0.011, 0.056 * s, z + 0.052),
                 light if variant == 0 else limb,
-                segments=10,
+                segments=7,
                 rings=6,
             )
         arm = curve([(0.015, 0.068 * s, 0.15), (0.05, 0.1 * s, 0.105), (0.08, 0.085 * s, 0.075)], 3)
-        b.tube(arm, [0.026, 0.028, 0.028, 0.028, 0.028, 0.026, 0.02], limb, sides=9)
+        b.tube(arm, [0.026, 0.028, 0.028, 0.028, 0.028, 0.026, 0.02], limb, sides=6)
         leg = curve([(0.03, 0.05 * s, 0.035), (0.08, 0.072 * s, 0.034), (0.125, 0.082 * s, 0.036)], 3)
-        b.tube(leg, [0.03, 0.033, 0.034, 0.034, 0.034, 0.033, 0.03], limb, sides=9)
-        b.ball((0.014, 0.032, 0.036), (0.128, 0.083 * s, 0.038), light if variant != 2 else limb, segments=12, rings=7)
+        b.tube(leg, [0.03, 0.033, 0.034, 0.034, 0.034, 0.033, 0.03], limb, sides=6)
+        b.ball((0.014, 0.032, 0.036), (0.128, 0.083 * s, 0.038), light if variant != 2 else limb, segments=8, rings=5)
     if style == "teddy bear":
         for s in (-1, 1):
             b.convex(
@@ -195,10 +195,10 @@ def stuffed_toy(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 ],
                 "signal red",
             )
-        b.ball((0.012, 0.012, 0.012), (0.07, 0, 0.171), "dark red", segments=8, rings=5)
-        b.ring(0.055, 0.008, (0.005, 0, 0.172), "signal red", segments=16, sides=5)
+        b.ball((0.012, 0.012, 0.012), (0.07, 0, 0.171), "dark red", segments=6, rings=4)
+        b.ring(0.055, 0.008, (0.005, 0, 0.172), "signal red", segments=12, sides=4)
     elif style == "rabbit":
-        b.ball(0.03, (-0.08, 0, 0.04), "white", segments=10, rings=7)
+        b.ball(0.03, (-0.08, 0, 0.04), "white", segments=8, rings=5)
     size = ((0.19, 0.23, 0.3), (0.2, 0.22, 0.4), (0.3, 0.34, 0.45))[variant]
     return sized(b, rng, size, f"a stuffed {style}", style)
 
