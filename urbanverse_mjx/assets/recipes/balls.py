@@ -135,7 +135,7 @@ def _ball(
     return sized(b, rng, (across, across, across), words, style, jitter=0.0)
 
 
-@recipe("basketball", 3)
+@recipe("basketball", 3, hulls=1)
 def basketball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Orange, brown leather, red-white-blue."""
     p = _tilted(directions(), 18.0)
@@ -148,7 +148,7 @@ def basketball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _ball(rng, painted(ground, layers), (0.243, 0.24, 0.2445)[variant], f"a basketball, {style}", style, 0.7)
 
 
-@recipe("football", 3)
+@recipe("football", 3, hulls=1)
 def football(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White with black pentagons, yellow with blue ones, white with red ones: balls of association football."""
     p = _tilted(directions(), 11.0)
@@ -159,7 +159,7 @@ def football(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _ball(rng, picture, (0.22, 0.2165, 0.2225)[variant], f"a football, {style}", style, 0.5)
 
 
-@recipe("volleyball", 3)
+@recipe("volleyball", 3, hulls=1)
 def volleyball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White, yellow and blue, white with red and green."""
     p = _tilted(directions(), 24.0)
@@ -174,19 +174,20 @@ def volleyball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("baseball", 2)
+@recipe("baseball", 2, hulls=1)
 def baseball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """New white ball, scuffed one; red stitches along the seam."""
     p = _tilted(directions(), 30.0)
     style = ("new", "scuffed")[variant]
     layers: list[tuple[Color, np.ndarray]] = [("light grey", _tennis_curve(p, 0.014)), ("signal red", _stitches(p))]
     if variant == 1:
-        dirt = np.kron(rng.random((HEIGHT // 8, WIDTH // 8)), np.ones((8, 8)))
-        layers.insert(0, ("brown", 0.45 * (dirt > 0.55)))
+        waves = rng.normal(0.0, 5.0, (8, 3))
+        dirt = np.cos(np.einsum("hwc,kc->hwk", p, waves) + rng.uniform(0, 2 * np.pi, 8)).sum(-1)
+        layers.insert(0, ("brown", 0.4 * np.clip(dirt - 1.2, 0.0, 1.0)))
     return _ball(rng, painted("white", layers), (0.0738, 0.0748)[variant], f"a {style} baseball", style, 0.7)
 
 
-@recipe("sports ball", 3)
+@recipe("sports ball", 3, hulls=1)
 def sports_ball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Handball in two colours, tennis ball, bowling ball with its three holes."""
     style = ("handball", "tennis ball", "bowling ball")[variant]

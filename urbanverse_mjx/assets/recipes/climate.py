@@ -23,7 +23,7 @@ def fan_grille(b: MeshBuilder, at: tuple[float, float, float], radius: float, gu
         b.rod((x + 0.02, y, z), (x + 0.02, y + p[0], z + p[1]), 0.004, guard, sides=4)
 
 
-@recipe("air conditioner", 3)
+@recipe("air conditioner", 3, hulls=1)
 def air_conditioner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Outdoor unit with its fan, indoor wall unit with louvres, window unit."""
     b = MeshBuilder(roughness=0.5)
@@ -64,7 +64,7 @@ def air_conditioner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"the {style} of an air conditioner", style)
 
 
-@recipe("radiator", 3)
+@recipe("radiator", 3, hulls=1)
 def radiator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Ribbed steel panel, cast-iron columns, ladder for towels; each with its valve."""
     b = MeshBuilder(roughness=0.45)
@@ -206,7 +206,7 @@ def _oval(x: float, half_y: float, half_z: float, z: float) -> np.ndarray:
     return np.array([(x, half_y * np.cos(a), z + half_z * np.sin(a)) for a in np.arange(14) * (2 * np.pi / 14)])
 
 
-@recipe("hand dryer", 2)
+@recipe("hand dryer", 2, hulls=1)
 def hand_dryer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wall box with a nozzle below and the sign of drying hands; tall one that hands dip into."""
     b = MeshBuilder(roughness=0.35)

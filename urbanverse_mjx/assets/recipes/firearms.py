@@ -25,7 +25,7 @@ def trigger(b: MeshBuilder, x: float, z: float, radius: float, color: Color) -> 
     )
 
 
-@recipe("handgun", 3)
+@recipe("handgun", 3, hulls=1)
 def handgun(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black pistol, silver pistol with wooden grips, revolver."""
     b = MeshBuilder(roughness=0.35, metallic=0.2)

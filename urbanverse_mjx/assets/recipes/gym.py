@@ -79,7 +79,7 @@ def dumbbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} dumbbell", style, jitter=0.0)
 
 
-@recipe("punching bag", 3)
+@recipe("punching bag", 3, hulls=1)
 def punching_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black bag on chains, red one with a white band, brown leather one; hung from their ring above."""
     b = MeshBuilder(roughness=0.55)

@@ -114,7 +114,7 @@ def hammer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("bottle opener", 2)
+@recipe("bottle opener", 2, hulls=1)
 def bottle_opener(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat steel one with its eye; wing corkscrew with levers and screw. Both lie, the working end at +x."""
     b = MeshBuilder(roughness=0.25, metallic=0.4)
@@ -176,7 +176,7 @@ _JAW: list[Point2] = [
 ]
 
 
-@recipe("pliers", 3)
+@recipe("pliers", 3, hulls=1)
 def pliers(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Combination, long-nosed and water-pump pliers with coloured grips; lying, the jaws at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -211,7 +211,7 @@ def pliers(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a pair of {style} pliers", style)
 
 
-@recipe("scissors", 3)
+@recipe("scissors", 3, hulls=1)
 def scissors(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Half-open household scissors with orange loops, all-steel ones, small blunt green ones; the points at +x."""
     b = MeshBuilder(roughness=0.3, metallic=0.2)
@@ -243,7 +243,7 @@ def scissors(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"{style} scissors", style)
 
 
-@recipe("screwdriver", 3)
+@recipe("screwdriver", 3, hulls=1)
 def screwdriver(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red and black slotted one, yellow cross-headed one, old one with a wooden handle; the tip at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -285,13 +285,13 @@ def _open_jaw(radius: float, gap: float, at: Point2, turn: float, count: int = 1
     return [(at[0] + c * x - s * y, at[1] + s * x + c * y) for x, y in (*rim, *slot)]
 
 
-@recipe("wrench", 3)
+@recipe("wrench", 3, hulls=1)
 def wrench(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Combination spanner, adjustable wrench, red pipe wrench; lying, the jaw at +x."""
     b = MeshBuilder(roughness=0.3, metallic=0.4)
     style = ("combination spanner", "adjustable wrench", "pipe wrench")[variant]
     if style == "combination spanner":
-        b.extrude(_open_jaw(0.0215, 0.019, (0.085, 0), 15), 0.0085, (0, 0, 0.0012), "aluminium")
+        b.extrude(_open_jaw(0.0215, 0.019, (0.085, 0), 15), 0.0085, (0, 0, 0.0012), "white")
         b.extrude(mirrored([(-0.088, 0.0075), (0.066, 0.009)]), 0.006, (0, 0, 0.0025), "galvanised")
         b.extrude([(-0.07, -0.003), (0.05, -0.003), (0.05, 0.003), (-0.07, 0.003)], 0.008, (0, 0, 0.0015), "light grey")
         b.extrude(
@@ -327,6 +327,15 @@ def wrench(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.0075, 0.02, (0.02, 0.006, 0.0065), "charcoal", (-90, 0, 0), segments=12)
         for k in range(4):
             b.ring(0.0076, 0.0012, (0.02, 0.009 + 0.005 * k, 0.0065), "grey", (90, 0, 0), segments=12, sides=3)
-        b.box((0.07, 0.008, 0.015), (-0.06, 0, -0.001), shade(color, 0.8))
+        if pipe:
+            b.box((0.07, 0.008, 0.015), (-0.06, 0, -0.001), shade(color, 0.8))
+        else:
+            b.extrude(
+                rounded(0.1, 0.029, 0.012),
+                0.019,
+                (-0.085, 0, -0.003),
+                "orange",
+                holes=[ellipse(0.007, 0.007, 12, (-0.038, 0))],
+            )
     size = ((0.215, 0.046, 0.011), (0.25, 0.07, 0.018), (0.45, 0.095, 0.029))[variant]
     return sized(b, rng, size, f"a {style}", style)

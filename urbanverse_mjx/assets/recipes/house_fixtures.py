@@ -47,7 +47,7 @@ def dial(b: MeshBuilder, picture: Image.Image, at: tuple[float, float, float], r
     b.add(Shape(points, faces, uv), at=at, picture=picture)
 
 
-@recipe("clock", 3)
+@recipe("clock", 3, hulls=1)
 def clock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Round wall clock, alarm clock with two bells, wooden mantel clock."""
     b = MeshBuilder(roughness=0.35)

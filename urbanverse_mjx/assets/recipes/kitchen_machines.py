@@ -51,7 +51,7 @@ def kettle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} kettle", style)
 
 
-@recipe("toaster", 3)
+@recipe("toaster", 3, hulls=1)
 def toaster(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steel, red and rounded, white four-slice; the slices stand in their slots, the lever is at one end."""
     b = MeshBuilder(roughness=0.3, metallic=0.1)
@@ -212,7 +212,7 @@ def mixer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} mixer", style)
 
 
-@recipe("induction cooker", 2)
+@recipe("induction cooker", 2, hulls=1)
 def induction_cooker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Portable plate with one ring; hob with four. The keys are at the front, +x."""
     b = MeshBuilder(roughness=0.15)

@@ -91,7 +91,7 @@ def _paper(b: MeshBuilder, points: list[tuple[float, float, float]], width: floa
     b.sheet(np.stack([path + [0, -width / 2, 0], path + [0, width / 2, 0]], 1), "white", both_sides=True)
 
 
-@recipe("printer", 3)
+@recipe("printer", 3, hulls=1)
 def printer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White inkjet with paper behind, dark laser printer, office copier on its paper drawers."""
     b = MeshBuilder(roughness=0.45)
@@ -145,7 +145,7 @@ def printer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"an {style} printer" if variant != 1 else "a laser printer", style)
 
 
-@recipe("fax machine", 2)
+@recipe("fax machine", 2, hulls=1)
 def fax_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Grey machine, black machine: handset at the left, keys at the right, paper rising out of the back."""
     b = MeshBuilder(roughness=0.5)
@@ -176,7 +176,7 @@ def fax_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} fax machine", style)
 
 
-@recipe("router or modem", 3)
+@recipe("router or modem", 3, hulls=1)
 def router_or_modem(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black router with two bent aerials, white one with three, upright modem with lights."""
     b = MeshBuilder(roughness=0.4)
@@ -292,7 +292,7 @@ def other_electronics(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("stapler", 2)
+@recipe("stapler", 2, hulls=1)
 def stapler(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black desk stapler, long-armed red one; its mouth is at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -315,7 +315,7 @@ def stapler(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} stapler", style)
 
 
-@recipe("envelope", 3)
+@recipe("envelope", 3, hulls=1)
 def envelope(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Addressed white letter with a stamp, airmail letter with its striped rim, brown one seen from its flap."""
     b = MeshBuilder(roughness=0.9)

@@ -9,7 +9,7 @@ from ..recipe import recipe
 from .outlines import curve, ellipse, section, sized
 
 
-@recipe("skateboard", 3)
+@recipe("skateboard", 3, hulls=1)
 def skateboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Popsicle deck with upturned ends, long pointed cruiser, small plastic board; wheels down, nose at +x."""
     b = MeshBuilder(roughness=0.7)
@@ -143,7 +143,7 @@ def skis(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a pair of {style} skis", style)
 
 
-@recipe("surfboard", 3)
+@recipe("surfboard", 3, hulls=1)
 def surfboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White short board with stripes, long yellow one, blue one with a rounded nose; deck up, nose at +x."""
     b = MeshBuilder(roughness=0.2)

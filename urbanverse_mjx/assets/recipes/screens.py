@@ -38,7 +38,7 @@ _SWEEPING: list[Point2] = [
 ]
 
 
-@recipe("arcade game cabinet", 3)
+@recipe("arcade game cabinet", 3, hulls=1)
 def arcade_game_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Space game with two sticks, racing game with a wheel, white one with a big screen."""
     b = MeshBuilder(roughness=0.45)
@@ -213,7 +213,7 @@ _COMPACT = [
 ]
 
 
-@recipe("keyboard", 3)
+@recipe("keyboard", 3, hulls=1)
 def keyboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Full-size black, compact white with coloured keys, old beige; the typist sits at +x."""
     b = MeshBuilder(roughness=0.6)
@@ -262,7 +262,7 @@ def laptop(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} laptop computer", style)
 
 
-@recipe("mobile phone", 3)
+@recipe("mobile phone", 3, hulls=1)
 def mobile_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dark smartphone, white one with a photograph, old one with keys; standing, screen at +x."""
     b = MeshBuilder(roughness=0.25)
@@ -296,7 +296,7 @@ def mobile_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} mobile phone", style, jitter=0.005)
 
 
-@recipe("tablet", 2)
+@recipe("tablet", 2, hulls=1)
 def tablet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dark tablet with icons, white one with a chart; standing on its long side, screen at +x."""
     b = MeshBuilder(roughness=0.25)
@@ -315,7 +315,7 @@ def tablet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} tablet computer", style, jitter=0.005)
 
 
-@recipe("projector", 3)
+@recipe("projector", 3, hulls=1)
 def projector(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White conference projector, black cinema one, slide projector with its carousel; the lens looks along +x."""
     b = MeshBuilder(roughness=0.4)

@@ -64,7 +64,7 @@ def stereo_sound_system(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a stereo sound system, {style}", style)
 
 
-@recipe("radio receiver", 3)
+@recipe("radio receiver", 3, hulls=1)
 def radio_receiver(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Portable set with handle and aerial, wooden set with cloth and a dial, small red one."""
     b = MeshBuilder(roughness=0.5)
@@ -156,7 +156,7 @@ def record_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} record player", style)
 
 
-@recipe("cd player", 2)
+@recipe("cd player", 2, hulls=1)
 def cd_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Hi-fi deck with its tray out and a disc on it; round portable one with its lid open."""
     b = MeshBuilder(roughness=0.3)
@@ -198,7 +198,7 @@ def cd_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} CD player with a disc", style)
 
 
-@recipe("camera", 3)
+@recipe("camera", 3, hulls=1)
 def camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black single-lens reflex, silver rangefinder with leather, instant camera; the lens looks along +x."""
     b = MeshBuilder(roughness=0.4)

@@ -8,7 +8,7 @@ from ..recipe import recipe
 from .outlines import curve, ellipse, pairs, rounded, section, sized
 
 
-@recipe("baseball bat", 3)
+@recipe("baseball bat", 3, hulls=1)
 def baseball_bat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Light wooden bat, dark wooden bat, blue metal bat; lying, the barrel at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -86,9 +86,9 @@ def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
     with b.frame(turn_deg=(0, -24, 180)):
         _glove(b, leather, lace)
         if variant == 1:
-            b.ball(0.037, (-0.02, 0.0, 0.095), "white", segments=14, rings=8)
+            b.ball((0.037, 0.037, 0.042), (-0.02, 0.0, 0.1), "white", segments=14, rings=8)
             b.ring(0.0355, 0.002, (-0.02, 0.0, 0.105), "signal red", (25, 10, 0), segments=16, sides=3)
-    size = ((0.29, 0.235, 0.13), (0.31, 0.25, 0.145))[variant]
+    size = ((0.29, 0.235, 0.13), (0.28, 0.255, 0.17))[variant]
     return sized(b, rng, size, f"a {style} baseball glove", style)
 
 
@@ -130,7 +130,7 @@ def tennis_racket(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} tennis racket", style)
 
 
-@recipe("table tennis", 2)
+@recipe("table tennis", 2, hulls=1)
 def table_tennis(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bat with its ball; two bats crossed with a ball."""
     b = MeshBuilder(roughness=0.6)
@@ -178,7 +178,7 @@ def table_tennis(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"table tennis: {style}", style)
 
 
-@recipe("frisbee", 3)
+@recipe("frisbee", 3, hulls=1)
 def frisbee(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White disc with a star, orange one with rings, small blue one; hollow below."""
     b = MeshBuilder(roughness=0.4)

@@ -185,16 +185,16 @@ def hurdle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"an {style} hurdle" if variant == 0 else f"a {style} hurdle", style, jitter=0.003)
 
 
-@recipe("table-tennis table", 2)
+@recipe("table-tennis table", 3)
 def table_tennis_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Blue table on wheeled legs with its net; green concrete table of a park with a steel net."""
+    """Blue table on wheeled legs with its net, green concrete table of a park, grey weatherproof one on steel bows."""
     b = MeshBuilder(roughness=0.6)
-    style = ("blue indoor", "concrete park")[variant]
-    top: Color = ("blue", "dark green")[variant]
-    thick = 0.03 if variant == 0 else 0.09
+    style = ("blue indoor", "concrete park", "grey weatherproof")[variant]
+    top: Color = ("blue", "dark green", "dark grey")[variant]
+    thick = (0.03, 0.09, 0.04)[variant]
     z = 0.76 - thick
     for s in (-1, 1):
-        b.box((1.52, 1.36, thick), (0, 0.685 * s, z), top if variant == 0 else "dark concrete", bevel=0.004)
+        b.box((1.52, 1.36, thick), (0, 0.685 * s, z), ("blue", "dark concrete", "galvanised")[variant], bevel=0.004)
     white: Color = "white"
     b.box((1.5, 2.71, 0.002), (0, 0, 0.76), top)
     for x in (-0.745, 0.745, 0.0):
@@ -218,8 +218,14 @@ def table_tennis_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((1.2, 0.04, 0.05), (0, y, 0.6), "charcoal")
         for x in (-0.6, 0.6):
             b.box((0.03, 2.3, 0.06), (x, 0, 0.67), "charcoal")
+    elif style == "grey weatherproof":
+        for y in (-0.95, 0.95):
+            bow = [(-0.62, y, 0.0), (-0.6, y * 0.75, 0.7), (0.6, y * 0.75, 0.7), (0.62, y, 0.0)]
+            b.tube(bow, 0.035, "orange", sides=8)
+            b.rod((-0.61, y * 0.9, 0.3), (0.61, y * 0.9, 0.3), 0.02, "orange", sides=6)
+        b.rod((0, -0.7, 0.69), (0, 0.7, 0.69), 0.03, "charcoal", sides=6)
     else:
         for y in (-0.8, 0.8):
             b.box((1.1, 0.24, 0.68), (0, y, 0), "concrete", bevel=0.02, taper=(1.15, 1.0))
-    size = ((1.53, 2.74, 0.755), (1.524, 2.745, 0.9))[variant]
+    size = ((1.53, 2.74, 0.755), (1.524, 2.745, 0.9), (1.52, 2.73, 0.92))[variant]
     return sized(b, rng, size, f"a {style} table for table tennis", style, jitter=0.0)

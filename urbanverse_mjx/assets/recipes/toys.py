@@ -134,9 +134,9 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
             b.ball((0.027, 0.019, 0.016), (0.04, 0.045 * s, 0.014), skin, segments=8, rings=5)
         b.lathe(
-            [(0.009, 0.0), (0.016, 0.004), (0.016, 0.008), (0.006, 0.01)],
-            (head * 0.86, 0, z - head * 0.42),
-            "signal red",
+            [(0.006, 0.0), (0.012, 0.003), (0.012, 0.006), (0.005, 0.009)],
+            (head * 0.92, 0, z - head * 0.42),
+            "signal blue",
             (0, 90, 0),
             segments=10,
         )

@@ -9,7 +9,7 @@ from ..shapes import Shape
 from .outlines import curve, sized
 
 
-@recipe("flute", 3)
+@recipe("flute", 3, hulls=1)
 def flute(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Silver concert flute with keys, wooden recorder, black piccolo; lying, the open end at +x."""
     b = MeshBuilder(roughness=0.2, metallic=0.4)
@@ -192,7 +192,7 @@ def trumpet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} trumpet", style)
 
 
-@recipe("accordion", 2)
+@recipe("accordion", 2, hulls=1)
 def accordion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red piano accordion, black button accordion with pearl: keys at the left of who looks, bellows, bass buttons."""
     b = MeshBuilder(roughness=0.25)

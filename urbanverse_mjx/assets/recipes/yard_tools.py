@@ -170,11 +170,12 @@ def toolbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} toolbox", style)
 
 
-@recipe("crutch", 2)
+@recipe("crutch", 3)
 def crutch(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Forearm crutch with cuff and grip, wooden underarm crutch; standing."""
+    """Forearm crutch with cuff and grip, wooden and aluminium underarm crutches; standing."""
     b = MeshBuilder(roughness=0.5)
-    style = ("forearm", "underarm")[variant]
+    style = ("forearm", "wooden underarm", "aluminium underarm")[variant]
+    stick, cushion = (("light grey", "charcoal"), ("light wood", "grey"), ("aluminium", "black"))[variant]
     if style == "forearm":
         b.cylinder(0.02, 0.05, (0, 0, 0), "black", top_radius=0.014, segments=12)
         b.rod((0, 0, 0.04), (0, 0, 0.5), 0.009, "light grey", sides=10)
@@ -196,16 +197,16 @@ def crutch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         for s in (-1, 1):
             path = [(0.015 * s, 0, 0.4), (0.03 * s, 0, 0.5), (0.085 * s, 0, 0.85), (0.1 * s, 0, 1.24)]
-            b.tube(curve(path, 3), 0.0115, "light wood", sides=8)
-        b.rod((0, 0, 0.05), (0, 0, 0.62), 0.014, "light wood", sides=10)
+            b.tube(curve(path, 3), 0.0115, stick, sides=8)
+        b.rod((0, 0, 0.05), (0, 0, 0.62), 0.014, stick, sides=10)
         b.cylinder(0.023, 0.06, (0, 0, 0), "black", top_radius=0.016, segments=12)
-        b.rod((-0.085, 0, 0.86), (0.085, 0, 0.86), 0.0165, "wood", sides=10)
+        b.rod((-0.085, 0, 0.86), (0.085, 0, 0.86), 0.0165, cushion if variant == 2 else "wood", sides=10)
         pad = [(-0.13, 0, 1.235), (-0.07, 0, 1.25), (0, 0, 1.243), (0.07, 0, 1.25), (0.13, 0, 1.235)]
-        b.tube(curve(pad, 3), 0.026, "grey", sides=8)
+        b.tube(curve(pad, 3), 0.026, cushion, sides=8)
         for z in (0.44, 0.6):
             b.cylinder(0.005, 0.05, (0, 0.025, z), "aluminium", (90, 0, 0), segments=8)
-    size = ((0.2, 0.088, 1.12), (0.27, 0.055, 1.28))[variant]
-    return sized(b, rng, size, f"a {style} crutch", style)
+    size = ((0.2, 0.088, 1.12), (0.27, 0.055, 1.28), (0.24, 0.06, 1.4))[variant]
+    return sized(b, rng, size, f"an {style} crutch" if variant == 2 else f"a {style} crutch", style)
 
 
 @recipe("lawn mower", 3)
