@@ -108,6 +108,58 @@ def keyboard_of_piano(b: MeshBuilder, x: float, z: float, width: float, depth: f
             b.box((depth * 0.62, pitch * 0.55, 0.012), (x - depth * 0.69, -width / 2 + (k + 1) * pitch, z), "black")
 
 
+def _grand(b: MeshBuilder, wood: Color) -> None:
+    """A grand piano with its lid up, the keys towards +x."""
+    side = [
+        (0.62, 0.72),
+        (0.62, -0.72),
+        (-0.1, -0.72),
+        (-0.32, -0.62),
+        (-0.42, -0.42),
+        (-0.52, -0.05),
+        (-0.72, 0.16),
+        (-0.84, 0.42),
+        (-0.78, 0.64),
+        (-0.62, 0.72),
+    ]
+    inner = [
+        (0.3, 0.66),
+        (0.3, -0.66),
+        (-0.1, -0.66),
+        (-0.28, -0.57),
+        (-0.37, -0.4),
+        (-0.47, -0.02),
+        (-0.66, 0.19),
+        (-0.77, 0.43),
+        (-0.72, 0.62),
+        (-0.6, 0.66),
+    ]
+    b.extrude(side, 0.06, (0, 0, 0.6), wood)
+    b.extrude(
+        side[2:] + [(0.33, 0.72), (0.33, -0.72)],
+        0.26,
+        (0, 0, 0.64),
+        wood,
+        holes=[[(x * 0.97 - 0.004, y) for x, y in inner]],
+    )
+    b.extrude(inner, 0.01, (0, 0, 0.8), "gold")
+    for k in range(14):
+        y = -0.56 + 0.088 * k
+        b.rod((0.26, y, 0.835), (max(-0.08 - 0.72 * (y + 0.56), -0.68), y + 0.04, 0.835), 0.004, "bronze", sides=3)
+    keyboard_of_piano(b, 0.6, 0.71, 1.26, 0.15)
+    for s in (-1, 1):
+        b.box((0.3, 0.05, 0.2), (0.47, 0.695 * s, 0.66), wood, bevel=0.01)
+    b.box((0.05, 1.36, 0.2), (0.42, 0, 0.68), wood)
+    with b.frame((0.0, 0.72, 0.9), (-48, 0, 0)):
+        b.extrude([(x, y - 0.72) for x, y in side[2:]] + [(0.33, 0.0), (0.33, -1.44)], 0.025, color=wood)
+    b.rod((0.1, -0.55, 0.86), (0.1, -0.2, 1.42), 0.012, wood, sides=6)
+    b.box((0.02, 0.6, 0.2), (0.3, 0, 0.9), wood, turn_deg=(0, -20, 0))
+    for x, y in ((0.45, 0.6), (0.45, -0.6), (-0.58, 0.38)):
+        b.box((0.09, 0.09, 0.54), (x, y, 0.07), wood, taper=(1.3, 1.3))
+        b.cylinder(0.035, 0.03, (x, y + 0.015, 0.035), "brass", (90, 0, 0), segments=10)
+    b.box((0.06, 0.2, 0.5), (0.3, 0, 0.12), wood)
+
+
 @recipe("piano", 3)
 def piano(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black upright, black grand with its lid up, brown upright with candle holders; who plays sits at +x."""
@@ -115,54 +167,7 @@ def piano(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("black upright", "grand", "brown upright")[variant]
     wood: Color = ("black", "black", "wood")[variant]
     if style == "grand":
-        side = [
-            (0.62, 0.72),
-            (0.62, -0.72),
-            (-0.1, -0.72),
-            (-0.32, -0.62),
-            (-0.42, -0.42),
-            (-0.52, -0.05),
-            (-0.72, 0.16),
-            (-0.84, 0.42),
-            (-0.78, 0.64),
-            (-0.62, 0.72),
-        ]
-        inner = [
-            (0.3, 0.66),
-            (0.3, -0.66),
-            (-0.1, -0.66),
-            (-0.28, -0.57),
-            (-0.37, -0.4),
-            (-0.47, -0.02),
-            (-0.66, 0.19),
-            (-0.77, 0.43),
-            (-0.72, 0.62),
-            (-0.6, 0.66),
-        ]
-        b.extrude(side, 0.06, (0, 0, 0.6), wood)
-        b.extrude(
-            side[2:] + [(0.33, 0.72), (0.33, -0.72)],
-            0.26,
-            (0, 0, 0.64),
-            wood,
-            holes=[[(x * 0.97 - 0.004, y) for x, y in inner]],
-        )
-        b.extrude(inner, 0.01, (0, 0, 0.8), "gold")
-        for k in range(14):
-            y = -0.56 + 0.088 * k
-            b.rod((0.26, y, 0.835), (max(-0.08 - 0.72 * (y + 0.56), -0.68), y + 0.04, 0.835), 0.004, "bronze", sides=3)
-        keyboard_of_piano(b, 0.6, 0.71, 1.26, 0.15)
-        for s in (-1, 1):
-            b.box((0.3, 0.05, 0.2), (0.47, 0.695 * s, 0.66), wood, bevel=0.01)
-        b.box((0.05, 1.36, 0.2), (0.42, 0, 0.68), wood)
-        with b.frame((0.0, 0.72, 0.9), (-48, 0, 0)):
-            b.extrude([(x, y - 0.72) for x, y in side[2:]] + [(0.33, 0.0), (0.33, -1.44)], 0.025, color=wood)
-        b.rod((0.1, -0.55, 0.86), (0.1, -0.2, 1.42), 0.012, wood, sides=6)
-        b.box((0.02, 0.6, 0.2), (0.3, 0, 0.9), wood, turn_deg=(0, -20, 0))
-        for x, y in ((0.45, 0.6), (0.45, -0.6), (-0.58, 0.38)):
-            b.box((0.09, 0.09, 0.54), (x, y, 0.07), wood, taper=(1.3, 1.3))
-            b.cylinder(0.035, 0.03, (x, y + 0.015, 0.035), "brass", (90, 0, 0), segments=10)
-        b.box((0.06, 0.2, 0.5), (0.3, 0, 0.12), wood)
+        _grand(b, wood)
     else:
         b.box((0.34, 1.46, 1.2), (-0.13, 0, 0.03), wood, bevel=0.01)
         b.box((0.37, 1.5, 0.04), (-0.13, 0, 1.21), wood, bevel=0.01)

@@ -128,67 +128,74 @@ def coffee_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} coffee machine", style)
 
 
+def _stand_mixer(b: MeshBuilder) -> None:
+    """A tilting head over a bowl, the whisk between."""
+    b.extrude(rounded(0.33, 0.2, 0.08), 0.03, color="teal")
+    b.loft(
+        [level(z, x, y, x=-0.1, count=16) for z, x, y in ((0.03, 0.055, 0.06), (0.12, 0.04, 0.05), (0.24, 0.05, 0.05))],
+        "teal",
+    )
+    rows = (
+        (-0.17, 0.02, 0.02),
+        (-0.15, 0.045, 0.045),
+        (-0.05, 0.058, 0.058),
+        (0.09, 0.05, 0.052),
+        (0.14, 0.02, 0.025),
+    )
+    b.loft([section(x, y, z, 0.275, 16, 2.6) for x, y, z in rows], "teal")
+    b.ring(0.032, 0.006, (0.128, 0, 0.275), "aluminium", (0, 90, 0), segments=16, sides=5)
+    b.cylinder(0.02, 0.04, (0.06, 0, 0.2), "aluminium", segments=12)
+    b.tube(
+        [(0.06, 0, 0.2), (0.085, 0, 0.17), (0.06, 0, 0.1), (0.035, 0, 0.17), (0.06, 0, 0.2)],
+        0.005,
+        "white",
+        sides=6,
+    )
+    b.lathe(
+        [(0.05, 0.0), (0.055, 0.01), (0.09, 0.05), (0.105, 0.12), (0.1, 0.12), (0.06, 0.03), (0.0, 0.025)],
+        (0.06, 0, 0.03),
+        "aluminium",
+        segments=22,
+    )
+    b.box((0.06, 0.004, 0.008), (-0.05, 0.0585, 0.26), "aluminium")
+    b.ball(0.011, (-0.08, 0.062, 0.264), "black", segments=8, rings=5)
+
+
+def _hand_mixer(b: MeshBuilder) -> None:
+    """A body with a bail handle above two beaters."""
+    rows = ((-0.1, 0.03, 0.03), (-0.06, 0.042, 0.042), (0.05, 0.042, 0.045), (0.09, 0.025, 0.03))
+    b.loft([section(x, y, z, 0.24, 14, 2.8) for x, y, z in rows], "white")
+    b.tube(
+        curve([(0.07, 0, 0.26), (0.07, 0, 0.32), (-0.03, 0, 0.33), (-0.11, 0, 0.3), (-0.09, 0, 0.24)], 3),
+        0.015,
+        "light blue",
+    )
+    b.box((0.03, 0.024, 0.012), (0.045, 0, 0.34), "charcoal", bevel=0.004)
+    for y in (-0.028, 0.028):
+        b.rod((0.045, y, 0.21), (0.045, y, 0.1), 0.005, "aluminium", sides=6)
+        for turn in (0, 90):
+            with b.frame((0.045, y, 0.0), (0, 0, turn + 45)):
+                hoop = [
+                    (0, 0, 0.11),
+                    (0.024, 0, 0.09),
+                    (0.024, 0, 0.02),
+                    (0, 0, 0.0),
+                    (-0.024, 0, 0.02),
+                    (-0.024, 0, 0.09),
+                ]
+                b.tube([*hoop, (0, 0, 0.11)], 0.003, "aluminium", sides=4)
+    b.tube(curve([(-0.1, 0, 0.23), (-0.13, 0.02, 0.15), (-0.1, 0.06, 0.1)], 3), 0.005, "black", sides=6)
+
+
 @recipe("mixer", 3)
 def mixer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Stand mixer over its bowl, hand mixer with two beaters, jug blender; the bowl is at +x."""
     b = MeshBuilder(roughness=0.3)
     style = ("stand", "hand", "jug")[variant]
     if style == "stand":
-        b.extrude(rounded(0.33, 0.2, 0.08), 0.03, color="teal")
-        b.loft(
-            [
-                level(z, x, y, x=-0.1, count=16)
-                for z, x, y in ((0.03, 0.055, 0.06), (0.12, 0.04, 0.05), (0.24, 0.05, 0.05))
-            ],
-            "teal",
-        )
-        rows = (
-            (-0.17, 0.02, 0.02),
-            (-0.15, 0.045, 0.045),
-            (-0.05, 0.058, 0.058),
-            (0.09, 0.05, 0.052),
-            (0.14, 0.02, 0.025),
-        )
-        b.loft([section(x, y, z, 0.275, 16, 2.6) for x, y, z in rows], "teal")
-        b.ring(0.032, 0.006, (0.128, 0, 0.275), "aluminium", (0, 90, 0), segments=16, sides=5)
-        b.cylinder(0.02, 0.04, (0.06, 0, 0.2), "aluminium", segments=12)
-        b.tube(
-            [(0.06, 0, 0.2), (0.085, 0, 0.17), (0.06, 0, 0.1), (0.035, 0, 0.17), (0.06, 0, 0.2)],
-            0.005,
-            "white",
-            sides=6,
-        )
-        b.lathe(
-            [(0.05, 0.0), (0.055, 0.01), (0.09, 0.05), (0.105, 0.12), (0.1, 0.12), (0.06, 0.03), (0.0, 0.025)],
-            (0.06, 0, 0.03),
-            "aluminium",
-            segments=22,
-        )
-        b.box((0.06, 0.004, 0.008), (-0.05, 0.0585, 0.26), "aluminium")
-        b.ball(0.011, (-0.08, 0.062, 0.264), "black", segments=8, rings=5)
+        _stand_mixer(b)
     elif style == "hand":
-        rows = ((-0.1, 0.03, 0.03), (-0.06, 0.042, 0.042), (0.05, 0.042, 0.045), (0.09, 0.025, 0.03))
-        b.loft([section(x, y, z, 0.24, 14, 2.8) for x, y, z in rows], "white")
-        b.tube(
-            curve([(0.07, 0, 0.26), (0.07, 0, 0.32), (-0.03, 0, 0.33), (-0.11, 0, 0.3), (-0.09, 0, 0.24)], 3),
-            0.015,
-            "light blue",
-        )
-        b.box((0.03, 0.024, 0.012), (0.045, 0, 0.34), "charcoal", bevel=0.004)
-        for y in (-0.028, 0.028):
-            b.rod((0.045, y, 0.21), (0.045, y, 0.1), 0.005, "aluminium", sides=6)
-            for turn in (0, 90):
-                with b.frame((0.045, y, 0.0), (0, 0, turn + 45)):
-                    hoop = [
-                        (0, 0, 0.11),
-                        (0.024, 0, 0.09),
-                        (0.024, 0, 0.02),
-                        (0, 0, 0.0),
-                        (-0.024, 0, 0.02),
-                        (-0.024, 0, 0.09),
-                    ]
-                    b.tube([*hoop, (0, 0, 0.11)], 0.003, "aluminium", sides=4)
-        b.tube(curve([(-0.1, 0, 0.23), (-0.13, 0.02, 0.15), (-0.1, 0.06, 0.1)], 3), 0.005, "black", sides=6)
+        _hand_mixer(b)
     else:
         b.loft(
             [level(z, x, x, count=16, power=3.5) for z, x in ((0.0, 0.085), (0.02, 0.09), (0.1, 0.07), (0.12, 0.06))],

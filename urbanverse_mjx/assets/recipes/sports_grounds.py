@@ -71,6 +71,92 @@ def _star() -> Image.Image:
     return image
 
 
+def _air_walker(b: MeshBuilder, post: Color) -> None:
+    """Two swinging footboards between two posts, a bar to hold on to."""
+    for s in (-1, 1):
+        b.rod((0, 0.36 * s, 0), (0, 0.36 * s, 1.1), 0.045, post, sides=12)
+        b.cylinder(0.1, 0.02, (0, 0.36 * s, 0), "dark grey", segments=14)
+        swing = 0.32 * s
+        b.beam((0, 0.24 * s, 1.0), (swing, 0.24 * s, 0.16), 0.05, 0.05, "signal yellow")
+        b.box((0.42, 0.15, 0.04), (swing + 0.04, 0.22 * s, 0.12), "black", bevel=0.01)
+        b.cylinder(0.05, 0.14, (0, 0.31 * s + 0.07, 1.0), "signal yellow", (90, 0, 0), segments=12)
+    b.rod((0, -0.36, 1.0), (0, 0.36, 1.0), 0.035, "signal yellow", sides=10)
+    bar = [
+        (0, -0.36, 1.08),
+        (0.24, -0.36, 1.42),
+        (0.3, -0.2, 1.46),
+        (0.3, 0.2, 1.46),
+        (0.24, 0.36, 1.42),
+        (0, 0.36, 1.08),
+    ]
+    b.tube(bar, 0.026, post, sides=8)
+    for s in (-1, 1):
+        b.rod((0.3, 0.06 * s, 1.46), (0.3, 0.2 * s, 1.46), 0.031, "black", sides=8)
+    b.box((1.3, 0.8, 0.012), color="dark concrete")
+
+
+def _chest_press(b: MeshBuilder, post: Color) -> None:
+    """A seat behind a post with two levers and a sign of how to use them."""
+    b.rod((0, 0, 0), (0, 0, 1.75), 0.057, post, sides=14)
+    b.ball(0.062, (0, 0, 1.75), post, segments=12, rings=6)
+    b.cylinder(0.16, 0.02, (0, 0, 0), "dark grey", segments=16)
+    b.rod((0, 0, 0.42), (-0.5, 0, 0.42), 0.035, post, sides=10)
+    b.box((0.36, 0.38, 0.04), (-0.55, 0, 0.44), "signal yellow", bevel=0.015)
+    b.box((0.04, 0.36, 0.4), (-0.34, 0, 0.56), "signal yellow", bevel=0.015, turn_deg=(0, 8, 0))
+    b.rod((0, 0, 0.8), (-0.34, 0, 0.76), 0.03, post, sides=8)
+    for s in (-1, 1):
+        b.tube(
+            [(0, 0.06 * s, 1.55), (-0.12, 0.3 * s, 1.5), (-0.2, 0.36 * s, 1.1), (-0.36, 0.36 * s, 0.95)],
+            0.026,
+            "signal yellow",
+            sides=8,
+        )
+        b.rod((-0.36, 0.36 * s, 0.95), (-0.48, 0.36 * s, 0.9), 0.03, "black", sides=8)
+    sign, pen = paint.canvas((48, 60), "white")
+    paint.text(pen, "PRESS", (4, 3, 44, 15), "signal blue", 0.03)
+    pen.ellipse((20, 18, 28, 26), fill=rgb("signal blue"))
+    for stroke in ((24, 26, 24, 42), (24, 42, 36, 42), (36, 42, 36, 56), (24, 30, 38, 30), (18, 24, 18, 44)):
+        pen.line(stroke, fill=rgb("signal blue"), width=3)
+    b.box((0.02, 0.3, 0.38), (0.06, 0, 1.15), post)
+    b.panel(sign, (0.0725, 0, 1.34), 0.27, 0.34)
+
+
+def _exercise_bicycle(b: MeshBuilder, post: Color) -> None:
+    """A flywheel, saddle, pedals and handlebar on two feet."""
+    b.beam((-0.5, 0, 0.05), (0.5, 0, 0.05), 0.08, 0.07, post)
+    for x in (-0.5, 0.5):
+        b.beam((x, -0.28, 0.03), (x, 0.28, 0.03), 0.08, 0.06, "black")
+    b.cylinder(0.24, 0.06, (0.34, 0.03, 0.34), "signal red", (90, 0, 0), segments=26)
+    b.ring(0.225, 0.022, (0.34, 0, 0.34), "aluminium", (90, 0, 0), segments=24, sides=5)
+    b.beam((-0.3, 0, 0.08), (-0.18, 0, 0.8), 0.06, 0.06, post)
+    b.beam((0.4, 0, 0.08), (0.24, 0, 1.05), 0.06, 0.06, post)
+    b.beam((0.3, 0, 0.3), (-0.2, 0, 0.3), 0.06, 0.08, post)
+    b.convex(
+        [
+            (-0.36, 0.11, 0.84),
+            (-0.36, -0.11, 0.84),
+            (-0.02, 0.02, 0.84),
+            (-0.02, -0.02, 0.84),
+            (-0.36, 0.08, 0.9),
+            (-0.36, -0.08, 0.9),
+            (-0.02, 0, 0.88),
+        ],
+        "black",
+    )
+    b.rod((-0.17, 0, 0.78), (-0.2, 0, 0.86), 0.02, "aluminium")
+    b.tube(
+        [(0.02, -0.2, 1.12), (0.2, -0.2, 1.1), (0.24, 0, 1.06), (0.2, 0.2, 1.1), (0.02, 0.2, 1.12)],
+        0.018,
+        "black",
+        sides=6,
+    )
+    b.box((0.04, 0.18, 0.12), (0.27, 0, 1.1), "charcoal", bevel=0.01, turn_deg=(0, -20, 0))
+    b.cylinder(0.09, 0.02, (0.0, -0.04, 0.3), "aluminium", (90, 0, 0), segments=16)
+    for s in (-1, 1):
+        b.beam((0.0, 0.07 * s, 0.3), (0.12 * s, 0.09 * s, 0.2 if s > 0 else 0.4), 0.02, 0.03, "aluminium")
+        b.box((0.1, 0.09, 0.025), (0.12 * s, 0.14 * s, 0.19 if s > 0 else 0.39), "black", bevel=0.006)
+
+
 @recipe("fitness equipments", 3)
 def fitness_equipments(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Outdoor air walker, outdoor chest press with a seat, exercise bicycle."""
@@ -78,82 +164,11 @@ def fitness_equipments(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("air walker", "chest press", "exercise bicycle")[variant]
     post: Color = ("signal blue", "green", "charcoal")[variant]
     if style == "air walker":
-        for s in (-1, 1):
-            b.rod((0, 0.36 * s, 0), (0, 0.36 * s, 1.1), 0.045, post, sides=12)
-            b.cylinder(0.1, 0.02, (0, 0.36 * s, 0), "dark grey", segments=14)
-            swing = 0.32 * s
-            b.beam((0, 0.24 * s, 1.0), (swing, 0.24 * s, 0.16), 0.05, 0.05, "signal yellow")
-            b.box((0.42, 0.15, 0.04), (swing + 0.04, 0.22 * s, 0.12), "black", bevel=0.01)
-            b.cylinder(0.05, 0.14, (0, 0.31 * s + 0.07, 1.0), "signal yellow", (90, 0, 0), segments=12)
-        b.rod((0, -0.36, 1.0), (0, 0.36, 1.0), 0.035, "signal yellow", sides=10)
-        bar = [
-            (0, -0.36, 1.08),
-            (0.24, -0.36, 1.42),
-            (0.3, -0.2, 1.46),
-            (0.3, 0.2, 1.46),
-            (0.24, 0.36, 1.42),
-            (0, 0.36, 1.08),
-        ]
-        b.tube(bar, 0.026, post, sides=8)
-        for s in (-1, 1):
-            b.rod((0.3, 0.06 * s, 1.46), (0.3, 0.2 * s, 1.46), 0.031, "black", sides=8)
-        b.box((1.3, 0.8, 0.012), color="dark concrete")
+        _air_walker(b, post)
     elif style == "chest press":
-        b.rod((0, 0, 0), (0, 0, 1.75), 0.057, post, sides=14)
-        b.ball(0.062, (0, 0, 1.75), post, segments=12, rings=6)
-        b.cylinder(0.16, 0.02, (0, 0, 0), "dark grey", segments=16)
-        b.rod((0, 0, 0.42), (-0.5, 0, 0.42), 0.035, post, sides=10)
-        b.box((0.36, 0.38, 0.04), (-0.55, 0, 0.44), "signal yellow", bevel=0.015)
-        b.box((0.04, 0.36, 0.4), (-0.34, 0, 0.56), "signal yellow", bevel=0.015, turn_deg=(0, 8, 0))
-        b.rod((0, 0, 0.8), (-0.34, 0, 0.76), 0.03, post, sides=8)
-        for s in (-1, 1):
-            b.tube(
-                [(0, 0.06 * s, 1.55), (-0.12, 0.3 * s, 1.5), (-0.2, 0.36 * s, 1.1), (-0.36, 0.36 * s, 0.95)],
-                0.026,
-                "signal yellow",
-                sides=8,
-            )
-            b.rod((-0.36, 0.36 * s, 0.95), (-0.48, 0.36 * s, 0.9), 0.03, "black", sides=8)
-        sign, pen = paint.canvas((48, 60), "white")
-        paint.text(pen, "PRESS", (4, 3, 44, 15), "signal blue", 0.03)
-        pen.ellipse((20, 18, 28, 26), fill=rgb("signal blue"))
-        for stroke in ((24, 26, 24, 42), (24, 42, 36, 42), (36, 42, 36, 56), (24, 30, 38, 30), (18, 24, 18, 44)):
-            pen.line(stroke, fill=rgb("signal blue"), width=3)
-        b.box((0.02, 0.3, 0.38), (0.06, 0, 1.15), post)
-        b.panel(sign, (0.0725, 0, 1.34), 0.27, 0.34)
+        _chest_press(b, post)
     else:
-        b.beam((-0.5, 0, 0.05), (0.5, 0, 0.05), 0.08, 0.07, post)
-        for x in (-0.5, 0.5):
-            b.beam((x, -0.28, 0.03), (x, 0.28, 0.03), 0.08, 0.06, "black")
-        b.cylinder(0.24, 0.06, (0.34, 0.03, 0.34), "signal red", (90, 0, 0), segments=26)
-        b.ring(0.225, 0.022, (0.34, 0, 0.34), "aluminium", (90, 0, 0), segments=24, sides=5)
-        b.beam((-0.3, 0, 0.08), (-0.18, 0, 0.8), 0.06, 0.06, post)
-        b.beam((0.4, 0, 0.08), (0.24, 0, 1.05), 0.06, 0.06, post)
-        b.beam((0.3, 0, 0.3), (-0.2, 0, 0.3), 0.06, 0.08, post)
-        b.convex(
-            [
-                (-0.36, 0.11, 0.84),
-                (-0.36, -0.11, 0.84),
-                (-0.02, 0.02, 0.84),
-                (-0.02, -0.02, 0.84),
-                (-0.36, 0.08, 0.9),
-                (-0.36, -0.08, 0.9),
-                (-0.02, 0, 0.88),
-            ],
-            "black",
-        )
-        b.rod((-0.17, 0, 0.78), (-0.2, 0, 0.86), 0.02, "aluminium")
-        b.tube(
-            [(0.02, -0.2, 1.12), (0.2, -0.2, 1.1), (0.24, 0, 1.06), (0.2, 0.2, 1.1), (0.02, 0.2, 1.12)],
-            0.018,
-            "black",
-            sides=6,
-        )
-        b.box((0.04, 0.18, 0.12), (0.27, 0, 1.1), "charcoal", bevel=0.01, turn_deg=(0, -20, 0))
-        b.cylinder(0.09, 0.02, (0.0, -0.04, 0.3), "aluminium", (90, 0, 0), segments=16)
-        for s in (-1, 1):
-            b.beam((0.0, 0.07 * s, 0.3), (0.12 * s, 0.09 * s, 0.2 if s > 0 else 0.4), 0.02, 0.03, "aluminium")
-            b.box((0.1, 0.09, 0.025), (0.12 * s, 0.14 * s, 0.19 if s > 0 else 0.39), "black", bevel=0.006)
+        _exercise_bicycle(b, post)
     size = ((1.35, 0.8, 1.5), (1.15, 0.8, 1.8), (1.2, 0.56, 1.22))[variant]
     return sized(b, rng, size, f"a fitness machine: {style}", style)
 

@@ -63,6 +63,63 @@ _VIOLIN: list[Point2] = [
 ]
 
 
+_PLATE: list[Point2] = [
+    (0.09, -0.03),
+    (0.1, -0.07),
+    (0.0, -0.1),
+    (-0.1, -0.1),
+    (-0.06, -0.04),
+    (-0.07, 0.04),
+    (0.09, 0.05),
+]
+
+
+def _guitar_face(b: MeshBuilder, variant: int, z: float) -> None:
+    """Sound hole and bridge of the hollow ones; plate, pickups and knobs of the electric one (variant 1)."""
+    if variant != 1:
+        b.cylinder(0.052, 0.0012, (0.075, 0, z), "dark red" if variant == 0 else "light wood", segments=24)
+        b.cylinder(0.043, 0.002, (0.075, 0, z), "black", segments=24)
+        b.box((0.03, 0.16, 0.009), (-0.12, 0, z), "#2a1c14", bevel=0.003)
+        b.box((0.004, 0.075, 0.006), (-0.115, 0, z + 0.007), "white")
+        if variant == 2:
+            b.extrude([(0.03, -0.045), (0.06, -0.1), (-0.01, -0.115), (-0.03, -0.07)], 0.0015, (0, 0, z), "black")
+    else:
+        b.extrude(
+            pairs(curve(_PLATE, 3, closed=True)),
+            0.003,
+            (0, 0, z - 0.001),
+            "white",
+        )
+        for x in (-0.05, 0.01, 0.065):
+            b.box((0.02, 0.075, 0.008), (x, 0, z), "black", bevel=0.004)
+        b.box((0.04, 0.075, 0.01), (-0.1, 0, z), "aluminium", bevel=0.002)
+        for k in range(3):
+            b.cylinder(0.011, 0.012, (-0.04 - 0.035 * k, -0.08 - 0.006 * k, z), "black", segments=12)
+
+
+def _guitar_head(b: MeshBuilder, nut: float, head: float, z: float, electric: bool, wood: Color) -> None:
+    """The head from x = `nut` to x = `head` with its six tuners, three to a side or all in line."""
+    wide = 0.03 if electric else 0.034
+    b.convex(
+        [(nut, s * 0.023, h) for s in (-1, 1) for h in (z - 0.006, z + 0.008)]
+        + [(head, s * wide, h) for s in (-1, 1) for h in (z - 0.026, z - 0.012)],
+        wood if not electric else "light wood",
+    )
+    for k in range(6):
+        s = -1 if k % 2 else 1
+        if electric:
+            s, x = 1, nut + 0.02 + 0.02 * k
+        else:
+            x = nut + 0.03 + 0.045 * (k // 2)
+        b.cylinder(0.004, 0.02, (x, s * 0.028, z - 0.012), "aluminium", (-90 * s, 0, 0), segments=6)
+        b.box(
+            (0.014, 0.012, 0.008),
+            (x, s * (0.055 if not electric else 0.05), z - 0.016),
+            "white" if not electric else "aluminium",
+            bevel=0.003,
+        )
+
+
 @recipe("guitar", 3)
 def guitar(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Classical guitar, red electric guitar, dark steel-stringed guitar."""
@@ -84,91 +141,14 @@ def guitar(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ],
         "#2a1c14",
     )
-    if not electric:
-        b.convex(
-            [
-                (x, y, h)
-                for x, y, h in (
-                    (0.22, 0.026, z),
-                    (0.22, -0.026, z),
-                    (nut, 0.022, z),
-                    (nut, -0.022, z),
-                    (0.22, 0, z - 0.045),
-                    (nut, 0, z - 0.012),
-                )
-            ],
-            side,
-        )
-    else:
-        b.convex(
-            [
-                (x, y, h)
-                for x, y, h in (
-                    (0.1, 0.026, z),
-                    (0.1, -0.026, z),
-                    (nut, 0.022, z),
-                    (nut, -0.022, z),
-                    (0.1, 0, z - 0.02),
-                    (nut, 0, z - 0.012),
-                )
-            ],
-            "light wood",
-        )
+    root, depth = (0.1, 0.02) if electric else (0.22, 0.045)
+    flat = [(x, w, z) for x, half in ((root, 0.026), (nut, 0.022)) for w in (-half, half)]
+    b.convex([*flat, (root, 0, z - depth), (nut, 0, z - 0.012)], "light wood" if electric else side)
     for k in range(12):
         x = nut - (nut - neck_start) * 0.98 * (1 - 2 ** (-k / 9.0)) / (1 - 2 ** (-11 / 9.0))
         b.box((0.002, 0.046, 0.0015), (x, 0, z + 0.0095), "light grey")
-    if not electric:
-        b.cylinder(0.052, 0.0012, (0.075, 0, z), "dark red" if variant == 0 else "light wood", segments=24)
-        b.cylinder(0.043, 0.002, (0.075, 0, z), "black", segments=24)
-        b.box((0.03, 0.16, 0.009), (-0.12, 0, z), "#2a1c14", bevel=0.003)
-        b.box((0.004, 0.075, 0.006), (-0.115, 0, z + 0.007), "white")
-        if variant == 2:
-            b.extrude([(0.03, -0.045), (0.06, -0.1), (-0.01, -0.115), (-0.03, -0.07)], 0.0015, (0, 0, z), "black")
-    else:
-        b.extrude(
-            pairs(
-                curve(
-                    [
-                        (0.09, -0.03),
-                        (0.1, -0.07),
-                        (0.0, -0.1),
-                        (-0.1, -0.1),
-                        (-0.06, -0.04),
-                        (-0.07, 0.04),
-                        (0.09, 0.05),
-                    ],
-                    3,
-                    closed=True,
-                )
-            ),
-            0.003,
-            (0, 0, z - 0.001),
-            "white",
-        )
-        for x in (-0.05, 0.01, 0.065):
-            b.box((0.02, 0.075, 0.008), (x, 0, z), "black", bevel=0.004)
-        b.box((0.04, 0.075, 0.01), (-0.1, 0, z), "aluminium", bevel=0.002)
-        for k in range(3):
-            b.cylinder(0.011, 0.012, (-0.04 - 0.035 * k, -0.08 - 0.006 * k, z), "black", segments=12)
-    wide = 0.03 if electric else 0.034
-    b.convex(
-        [(nut, s * 0.023, h) for s in (-1, 1) for h in (z - 0.006, z + 0.008)]
-        + [(head, s * wide, h) for s in (-1, 1) for h in (z - 0.026, z - 0.012)],
-        side if not electric else "light wood",
-    )
-    for k in range(6):
-        s = -1 if k % 2 else 1
-        if electric:
-            s, x = 1, nut + 0.02 + 0.02 * k
-        else:
-            x = nut + 0.03 + 0.045 * (k // 2)
-        b.cylinder(0.004, 0.02, (x, s * 0.028, z - 0.012), "aluminium", (-90 * s, 0, 0), segments=6)
-        b.box(
-            (0.014, 0.012, 0.008),
-            (x, s * (0.055 if not electric else 0.05), z - 0.016),
-            "white" if not electric else "aluminium",
-            bevel=0.003,
-        )
+    _guitar_face(b, variant, z)
+    _guitar_head(b, nut, head, z, electric, side)
     bridge = -0.115 if not electric else -0.1
     strings(b, 6, (bridge, 0.028, z + 0.014), (nut, 0.018, z + 0.011), 0.0011)
     size = ((1.02, 0.37, 0.104), (0.98, 0.33, 0.055), (1.05, 0.4, 0.125))[variant]

@@ -28,6 +28,102 @@ def _checks(size: tuple[int, int], ground: Color, ink: Color) -> Image.Image:
     return image
 
 
+def _rag_body(b: MeshBuilder, skin: Color, hair: Color, dress: Color, head: float, z: float) -> None:
+    """Plaits, soft limbs in striped stockings, a dress under an apron; the head is at z."""
+    for s in (-1, 1):
+        for k in range(4):
+            b.ball(
+                (0.014, 0.015, 0.017),
+                (-0.005, s * (head + 0.008 + 0.002 * k), z - 0.02 - 0.024 * k),
+                hair,
+                segments=8,
+                rings=5,
+            )
+        b.ball((0.012, 0.014, 0.008), (-0.005, s * (head + 0.012), z - 0.1), "signal red", segments=6, rings=4)
+        b.tube(
+            curve([(0, 0.035 * s, 0.215), (0.01, 0.075 * s, 0.18), (0.02, 0.082 * s, 0.12)], 3),
+            0.014,
+            "white",
+            sides=7,
+        )
+        b.ball(0.015, (0.022, 0.084 * s, 0.11), skin, segments=8, rings=5)
+        b.rod((0, 0.025 * s, 0.02), (0, 0.025 * s, 0.11), 0.017, "white", sides=8)
+        for stripe in (0.05, 0.08):
+            b.cylinder(0.0178, 0.012, (0, 0.025 * s, stripe), "signal red", segments=10)
+        b.ball((0.028, 0.019, 0.017), (0.012, 0.026 * s, 0.017), "black", segments=8, rings=5)
+    b.loft(
+        [
+            level(h, x, y)
+            for h, x, y in ((0.085, 0.07, 0.085), (0.17, 0.036, 0.042), (0.225, 0.026, 0.04), (0.24, 0.012, 0.02))
+        ],
+        dress,
+    )
+    apron = [
+        [(0.004 + 0.0705 * np.cos(a) * r, 0.0855 * np.sin(a) * r, h) for a in (-0.7, -0.35, 0, 0.35, 0.7)]
+        for h, r in ((0.09, 1.0), (0.15, 0.66), (0.175, 0.55))
+    ]
+    b.sheet(np.array(apron), picture=_checks((48, 32), "white", "signal red"))
+
+
+def _fashion_body(b: MeshBuilder, skin: Color, hair: Color, dress: Color, z: float) -> None:
+    """Slim limbs in a long dress, hair down the back; the head is at z."""
+    for s in (-1, 1):
+        b.tube(
+            curve([(0, 0.028 * s, 0.255), (0.0, 0.048 * s, 0.2), (0.02, 0.052 * s, 0.15)], 3),
+            [0.008, 0.0075, 0.007, 0.0065, 0.006, 0.0055, 0.007],
+            skin,
+            sides=7,
+        )
+        b.rod((0.0, 0.012 * s, 0.0), (0, 0.012 * s, 0.05), 0.007, skin, sides=6)
+        b.box((0.03, 0.012, 0.008), (0.006, 0.012 * s, 0.0), "signal red", bevel=0.003)
+    b.rod((0, 0, 0.25), (0, 0, 0.28), 0.008, skin, sides=8)
+    rows = (
+        (0.02, 0.06, 0.07),
+        (0.06, 0.052, 0.06),
+        (0.14, 0.026, 0.03),
+        (0.185, 0.016, 0.02),
+        (0.225, 0.022, 0.03),
+        (0.262, 0.014, 0.026),
+    )
+    b.loft([level(h, x, y, count=14) for h, x, y in rows], dress)
+    b.loft([level(h, x, y, count=14) for h, x, y in ((0.183, 0.018, 0.022), (0.192, 0.0185, 0.0225))], "white")
+    b.tube(
+        curve([(-0.02, 0, z + 0.02), (-0.035, 0, z - 0.02), (-0.03, 0, z - 0.08)], 3),
+        [0.02, 0.024, 0.024, 0.023, 0.02, 0.017, 0.01],
+        hair,
+        sides=8,
+    )
+    b.ring(0.024, 0.003, (0.0, 0, z + 0.024), "gold", (0, 12, 0), segments=14, sides=4)
+
+
+def _baby_body(b: MeshBuilder, skin: Color, dress: Color, head: float, z: float) -> None:
+    """Round limbs out of a romper, a dummy in the mouth; the head is at z."""
+    b.ball((0.052, 0.06, 0.075), (0, 0, 0.135), dress, segments=12, rings=6)
+    b.ball((0.016, 0.026, 0.024), (0.048, 0, 0.15), "white", segments=10, rings=5)
+    for s in (-1, 1):
+        b.tube(
+            curve([(0, 0.045 * s, 0.18), (0.02, 0.085 * s, 0.165), (0.055, 0.092 * s, 0.18)], 3),
+            0.016,
+            dress,
+            sides=8,
+        )
+        b.ball(0.018, (0.06, 0.093 * s, 0.183), skin, segments=6, rings=4)
+        b.tube(
+            curve([(0, 0.03 * s, 0.09), (0.03, 0.045 * s, 0.04), (0.03, 0.045 * s, 0.015)], 3),
+            [0.024, 0.024, 0.022, 0.021, 0.019, 0.018, 0.017],
+            skin,
+            sides=8,
+        )
+        b.ball((0.027, 0.019, 0.016), (0.04, 0.045 * s, 0.014), skin, segments=8, rings=5)
+    b.lathe(
+        [(0.006, 0.0), (0.012, 0.003), (0.012, 0.006), (0.005, 0.009)],
+        (head * 0.92, 0, z - head * 0.42),
+        "signal blue",
+        (0, 90, 0),
+        segments=10,
+    )
+
+
 @recipe("doll", 3)
 def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Rag doll with plaits and a checked apron, fashion doll in a long dress, baby doll in a romper."""
@@ -54,92 +150,11 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
             rings=4,
         )
     if style == "rag":
-        for s in (-1, 1):
-            for k in range(4):
-                b.ball(
-                    (0.014, 0.015, 0.017),
-                    (-0.005, s * (head + 0.008 + 0.002 * k), z - 0.02 - 0.024 * k),
-                    hair,
-                    segments=8,
-                    rings=5,
-                )
-            b.ball((0.012, 0.014, 0.008), (-0.005, s * (head + 0.012), z - 0.1), "signal red", segments=6, rings=4)
-            b.tube(
-                curve([(0, 0.035 * s, 0.215), (0.01, 0.075 * s, 0.18), (0.02, 0.082 * s, 0.12)], 3),
-                0.014,
-                "white",
-                sides=7,
-            )
-            b.ball(0.015, (0.022, 0.084 * s, 0.11), skin, segments=8, rings=5)
-            b.rod((0, 0.025 * s, 0.02), (0, 0.025 * s, 0.11), 0.017, "white", sides=8)
-            for stripe in (0.05, 0.08):
-                b.cylinder(0.0178, 0.012, (0, 0.025 * s, stripe), "signal red", segments=10)
-            b.ball((0.028, 0.019, 0.017), (0.012, 0.026 * s, 0.017), "black", segments=8, rings=5)
-        b.loft(
-            [
-                level(h, x, y)
-                for h, x, y in ((0.085, 0.07, 0.085), (0.17, 0.036, 0.042), (0.225, 0.026, 0.04), (0.24, 0.012, 0.02))
-            ],
-            dress,
-        )
-        apron = [
-            [(0.004 + 0.0705 * np.cos(a) * r, 0.0855 * np.sin(a) * r, h) for a in (-0.7, -0.35, 0, 0.35, 0.7)]
-            for h, r in ((0.09, 1.0), (0.15, 0.66), (0.175, 0.55))
-        ]
-        b.sheet(np.array(apron), picture=_checks((48, 32), "white", "signal red"))
+        _rag_body(b, skin, hair, dress, head, z)
     elif style == "fashion":
-        for s in (-1, 1):
-            b.tube(
-                curve([(0, 0.028 * s, 0.255), (0.0, 0.048 * s, 0.2), (0.02, 0.052 * s, 0.15)], 3),
-                [0.008, 0.0075, 0.007, 0.0065, 0.006, 0.0055, 0.007],
-                skin,
-                sides=7,
-            )
-            b.rod((0.0, 0.012 * s, 0.0), (0, 0.012 * s, 0.05), 0.007, skin, sides=6)
-            b.box((0.03, 0.012, 0.008), (0.006, 0.012 * s, 0.0), "signal red", bevel=0.003)
-        b.rod((0, 0, 0.25), (0, 0, 0.28), 0.008, skin, sides=8)
-        rows = (
-            (0.02, 0.06, 0.07),
-            (0.06, 0.052, 0.06),
-            (0.14, 0.026, 0.03),
-            (0.185, 0.016, 0.02),
-            (0.225, 0.022, 0.03),
-            (0.262, 0.014, 0.026),
-        )
-        b.loft([level(h, x, y, count=14) for h, x, y in rows], dress)
-        b.loft([level(h, x, y, count=14) for h, x, y in ((0.183, 0.018, 0.022), (0.192, 0.0185, 0.0225))], "white")
-        b.tube(
-            curve([(-0.02, 0, z + 0.02), (-0.035, 0, z - 0.02), (-0.03, 0, z - 0.08)], 3),
-            [0.02, 0.024, 0.024, 0.023, 0.02, 0.017, 0.01],
-            hair,
-            sides=8,
-        )
-        b.ring(0.024, 0.003, (0.0, 0, z + 0.024), "gold", (0, 12, 0), segments=14, sides=4)
+        _fashion_body(b, skin, hair, dress, z)
     else:
-        b.ball((0.052, 0.06, 0.075), (0, 0, 0.135), dress, segments=12, rings=6)
-        b.ball((0.016, 0.026, 0.024), (0.048, 0, 0.15), "white", segments=10, rings=5)
-        for s in (-1, 1):
-            b.tube(
-                curve([(0, 0.045 * s, 0.18), (0.02, 0.085 * s, 0.165), (0.055, 0.092 * s, 0.18)], 3),
-                0.016,
-                dress,
-                sides=8,
-            )
-            b.ball(0.018, (0.06, 0.093 * s, 0.183), skin, segments=6, rings=4)
-            b.tube(
-                curve([(0, 0.03 * s, 0.09), (0.03, 0.045 * s, 0.04), (0.03, 0.045 * s, 0.015)], 3),
-                [0.024, 0.024, 0.022, 0.021, 0.019, 0.018, 0.017],
-                skin,
-                sides=8,
-            )
-            b.ball((0.027, 0.019, 0.016), (0.04, 0.045 * s, 0.014), skin, segments=8, rings=5)
-        b.lathe(
-            [(0.006, 0.0), (0.012, 0.003), (0.012, 0.006), (0.005, 0.009)],
-            (head * 0.92, 0, z - head * 0.42),
-            "signal blue",
-            (0, 90, 0),
-            segments=10,
-        )
+        _baby_body(b, skin, dress, head, z)
     size = ((0.1, 0.165, 0.33), (0.095, 0.125, 0.3), (0.13, 0.21, 0.4))[variant]
     return sized(b, rng, size, f"a {style} doll", style)
 
