@@ -95,7 +95,7 @@ def saxophone(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(r, 0.006, (x, y, z + 0.014 + 0.0026 * k), keys, segments=12)
         b.cylinder(r * 0.5, 0.008, (x, y, z + 0.014 + 0.0026 * k), "white", segments=8)
     for s in (-1, 1):
-        b.rod((0.2, 0.03 * s + 0.0, z + 0.012), (-0.2, 0.04 * s - 0.01, z + 0.02), 0.003, keys, sides=5)
+        b.rod((0.2, 0.03 * s, z + 0.012), (-0.2, 0.04 * s - 0.01, z + 0.02), 0.003, keys, sides=5)
     for x, y in ((-0.27, 0.06), (-0.16, 0.135), (-0.08, 0.145)):
         b.cylinder(0.026, 0.008, (x, y, z + 0.036), keys, segments=14)
         b.ring(0.022, 0.002, (x, y, z + 0.045), metal, segments=14, sides=4)
