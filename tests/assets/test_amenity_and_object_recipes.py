@@ -11,7 +11,7 @@ from urbanverse_mjx.assets.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes import proportions
 
 MODULES = (
-    *("cabins", "case_furniture", "first_aid", "flags", "household", "landmarks", "light_seats", "masts", "mills"),
+    *("cabins", "case_furniture", "first_aid", "flags", "household", "leisure_places", "light_seats", "masts", "mills"),
     *("monuments", "notices", "office_furniture", "room_things", "sanitary", "street_terminals", "tents"),
     *("upholstery", "vessels", "yard_things"),
 )

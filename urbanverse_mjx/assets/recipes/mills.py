@@ -6,7 +6,7 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, shade
 from ..recipe import recipe
 from .facade_pictures import door, sign, wall, window
-from .landmarks import SIDES, windowed
+from .leisure_places import SIDES, windowed
 from .proportions import arc, made
 
 CARS: tuple[Color, ...] = ("signal red", "signal yellow", "signal blue", "green", "orange", "purple")
