@@ -86,12 +86,13 @@ def banana(variant: int, rng: np.random.Generator) -> BuiltAsset:
     flecks: tuple[Color, int] | None = ("#7a5a22", 60) if style == "ripe" else None
     line, radii = finger(21, 1.35)
     if style == "bunch":
+        t = np.linspace(0, 1, 13)
+        arch = np.column_stack([-19 * t, 0 * t, 2.2 + 3.0 * (1 - t) + 4.6 * np.sin(np.pi * t)])
         for k in range(5):
-            lean = (k - 2) * 13.0
-            with b.frame((0, 0, 3.2), (lean * 1.1, 0, (k - 2) * 5.0)):
-                body = bead([(x, 0.0, z - 3.0 + 3.2 * (abs(k - 2) < 2)) for x, z in -line], radii, 8)
+            with b.frame((9.5, (k - 2) * 0.9, 0), (0, 0, (k - 2) * 11.0)):
+                body = bead(arch * [1, 1, 1 - 0.08 * abs(k - 2)], radii, 8)
                 b.add(painted(body, 0), picture=skin(rng, colors[::-1], noise=4), crease_deg=80)
-        b.add(pillow((3.4, 4.4, 3.2), 0.6, 0.6, 12, 6), "#6f6a2c", (9.4, 0, 0.4), turn_deg=(0, -20, 0))
+        b.add(pillow((3.0, 5.4, 2.6), 0.6, 0.6, 12, 6), "#6f6a2c", (9.6, 0, 4.2), turn_deg=(0, -20, 0))
     else:
         body = bead([(x, z, 1.9) for x, z in line], radii, 9)
         b.add(painted(body, 0), picture=skin(rng, colors, noise=4, flecks=flecks), crease_deg=60)
