@@ -193,7 +193,7 @@ def whisky(variant: int, rng: np.random.Generator) -> BuiltAsset:
         filled(b, [(3.7, 0), (4.0, 0.8), (4.1, 9.2)], "#c8741c", 4.6)
         for k in range(9):
             with b.frame(turn_deg=(0, 0, 40 * k)):
-                b.box((0.3, 1.5, 3.6), (3.95, 0, 0.6), shade(GLASS, 0.9) if k % 2 else "#d08a3c", turn_deg=(45, 0, 0))
+                b.box((0.4, 1.1, 4.2), (3.9, 0, 0.2), mix(GLASS, "#c8741c", 0.6), bevel=0.15)
         for k in range(2):
             b.box(
                 (2.8, 2.8, 2.8),

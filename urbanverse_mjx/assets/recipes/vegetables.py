@@ -49,8 +49,7 @@ def carrot(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
             if style != "purple":
                 b.ball((1.5, 0.7, 0.6), tip, ("leaf", "light leaf")[leaf % 2], segments=7, rings=4)
-    size = ((18, 3.2, 3.2), (26, 8, 6), (22, 3.4, 3.4))[variant % 3]
-    size = (size[0], size[1], (3.2, 7.0, 3.4)[variant % 3])
+    size = ((18, 3.2, 3.2), (26, 8, 7), (22, 3.4, 3.4))[variant % 3]
     return finished(b, f"a {style} carrot", size, rng, {"style": style})
 
 
@@ -97,7 +96,7 @@ def eggplant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if style == "striped":
         picture[::3] = (226, 208, 222)
     body = lumpy(lying(EGGPLANT, 22), 0.01, rng)
-    b.add(painted(body), picture=picture if style != "striped" else np.repeat(picture, 1, 0), crease_deg=80)
+    b.add(painted(body), picture=picture, crease_deg=80)
     for k in range(5):
         with b.frame((18, 0, 4.2), (72 * k, 0, 0)):
             b.convex(
