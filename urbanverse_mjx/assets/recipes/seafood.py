@@ -164,19 +164,13 @@ def oyster(variant: int, rng: np.random.Generator) -> BuiltAsset:
             sides=5,
         )
     else:
-        for height, lean in ((3.4, 0.0), (2.4, 4.0)):
+        for height, lean in ((2.8, 0.0), (2.2, 5.0)):
             b.add(
                 painted(valve(height)),
                 picture=grey,
-                at=(0, 0, 0 if lean == 0 else 1.0),
+                at=(0, 0, 0 if lean == 0 else 1.5),
                 turn_deg=(0, -lean, 0),
                 crease_deg=50,
             )
-        for k in range(3):
-            rim = [
-                ((4.2 - k) * np.cos(a), (2.9 - 0.7 * k) * np.sin(a) * (1 + 0.1 * np.cos(a)), 2.75 + 0.28 * k)
-                for a in np.linspace(-2.0, 2.0, 14)
-            ]
-            b.tube(rim, 0.16, "#5f5a52", sides=4)
     size = ((9.5, 6.5, 3.3), (11, 7.2, 4.0))[variant % 2]
     return finished(b, f"an {style} oyster" if variant % 2 == 0 else "a closed oyster", size, rng, {"style": style})

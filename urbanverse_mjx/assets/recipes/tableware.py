@@ -26,7 +26,7 @@ def bowl(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.lathe(vessel(outside, 0.45 if style != "wooden" else 0.8, 1.0), color=color, segments=30)
     if style == "ceramic":
         b.ring(7.8, 0.26, (0, 0, 7.4), "#2f5f9a", segments=30, sides=6)
-        b.lathe([(6.5, 3.15), (6.75, 3.45), (6.4, 3.4)], color="#2f5f9a", segments=30)
+        b.ring(6.55, 0.2, (0, 0, 3.3), "#2f5f9a", segments=30, sides=6)
     elif style == "wooden":
         for r, z in ((6.4, 3.0), (7.35, 4.3), (7.75, 6.0)):
             b.ring(r, 0.1, (0, 0, z), shade(color, 0.7), segments=30, sides=4)
@@ -58,8 +58,8 @@ def plate(variant: int, rng: np.random.Generator) -> BuiltAsset:
         segments=36,
         crease_deg=30,
     )
-    b.lathe([(11.4, 2.02), (11.7, 2.12), (11.7, 2.2), (11.3, 2.1)], color=line, segments=36)
-    b.lathe([(7.9, 1.1), (8.15, 1.12), (8.15, 1.22), (7.9, 1.16)], color=line, segments=36)
+    b.ring(11.75, 0.16, (0, 0, 2.12), line, segments=36, sides=6)
+    b.ring(8.1, 0.12, (0, 0, 1.08), line, segments=36, sides=6)
     for k in range(12 if variant % 3 == 2 else 0):
         a = np.pi / 6 * k
         b.ball(
