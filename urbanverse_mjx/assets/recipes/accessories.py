@@ -216,7 +216,7 @@ def umbrella(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant % 3]
     n, r, h = (8, 50.0, 82.0) if style != "rainbow" else (12, 52.0, 78.0)
     with b.frame(turn_deg=(0, 0 if style != "drying" else 62, 0)):
-        steps = np.linspace(0, 1, 6)
+        steps = np.linspace(0.02, 1, 6)
         rise = h - 24 * steps**2.1
         for k in range(n):
             a = 2 * np.pi * (k + np.array([0, 0.5, 1])) / n

@@ -97,7 +97,7 @@ def ramen(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     b.cylinder(8.75, 0.3, (0, 0, 7.3), soup, segments=26)
     b.ring(9.5, 0.2, (0, 0, 9.6), shade(bowl_color, 0.7), segments=28, sides=4)
-    heap_of_noodles(b, rng, 7.4, 7.5, 1.1, ("#eed48a", "#e6c876"), 18, 0.26)
+    heap_of_noodles(b, rng, 7.4, 7.5, 1.1, ("#eed48a", "#e6c876"), 15, 0.28)
     for x, y, turn in ((3.4, 2.2, 20.0), (3.0, -1.0, -10.0)):
         with b.frame((x, y, 8.5), (0, 12, turn)):
             b.ball((1.9, 1.5, 1.2), (0, 0, 0), "#efe2cc", segments=14, rings=8)

@@ -138,7 +138,9 @@ def fork(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(tines):
         y = -1.1 + 2.2 * k / (tines - 1)
         b.tube([(3.0, y, 0.5), (4.6, y, 0.38), (6.2, y, 0.7), (7.4, y, 1.25)], [0.22, 0.22, 0.18, 0.06], STEEL, sides=6)
-    size = ((19.5, 2.6, 1.8), (21.5, 2.7, 2.0), (15, 2.2, 1.5))[variant % 3]
+    if style == "cake":  # its left tine is a blade
+        b.extrude([(3.0, 0.8), (3.0, 1.7), (6.4, 1.7), (7.2, 1.0)], 0.25, (0, 0, 0.4), STEEL, turn_deg=(0, -4, 0))
+    size = ((19.5, 2.6, 1.8), (21.5, 2.7, 2.0), (14.5, 2.6, 1.5))[variant % 3]
     return finished(b, f"a {style} fork", size, rng, {"style": style})
 
 
@@ -207,7 +209,7 @@ def knife_or_sword(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.ball(1.7 if not bend else 1.3, (-13, -1.0 * bend, 0), "gold", segments=12, rings=8)
     if bend:
         b.tube([(0, -4, 0), (-5, -5.4, 0), (-10, -4.6, 0), (-13, -1.4, 0)], [0.6, 0.45, 0.45, 0.5], "gold", sides=6)
-    size = ((62, 10, 1.8), (0, 0, 0), (92, 14, 2.4))[variant % 3]
+    size = ((62, 10, 1.8), (0, 0, 0), (92, 18, 2.6))[variant % 3]
     return finished(b, f"a {style}", size, rng, {"style": style})
 
 
