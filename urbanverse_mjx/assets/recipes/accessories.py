@@ -35,7 +35,8 @@ def hat(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 for px, pz in zip(x, z, strict=True)
             ]
             b.tube(seam, 0.18, shade("dark blue", 0.6), sides=4)
-        b.panel(label("B", "dark blue", "white", (16, 16), bold=0.1), (10.2, 0, 5.8), 4.4, 4.4, tilt_deg=24)
+        for reach, color in ((2.3, "white"), (1.6, "dark red"), (0.8, "white")):
+            b.ball((0.9 - 0.12 * reach, reach, reach), (8.7, 0, 6.0), color, turn_deg=(0, -21, 0), segments=16, rings=6)
     else:
         wide, deep = (26, 29) if style == "fedora" else (40, 42)
         woven = weave("#dcbc7c", "#c49f5c", 64, 2)

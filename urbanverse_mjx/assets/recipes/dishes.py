@@ -226,8 +226,8 @@ def sushi(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.add(slab, top, (x, y, z + 1.75))
         for k in range(3):
             b.box(
-                (0.22, 2.5, 0.1),
-                (x - 1.4 + 1.4 * k, y, z + 2.6 - 0.06 * (1.4 * k - 1.4) ** 2),
+                (0.22, 2.0, 0.1),
+                (x - 1.4 + 1.4 * k, y, z + 2.56 - 0.06 * (1.4 * k - 1.4) ** 2),
                 shade(top, 1.2),
                 turn_deg=(0, 0, 24),
             )
@@ -239,7 +239,7 @@ def sushi(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
     if style == "nigiri":
         nigiri(0, 0, 0, fish[0])
-        b.box((0.9, 2.9, 0.15), (0, 0, 2.62), "#1c2a20")
+        b.add(pillow((1.0, 2.85, 2.85), 0.3, 0.35, 16, 6), "#1c2a20", (0, 0, -0.05))
     else:
         wide, deep = (21, 12) if style == "board" else (27, 10)
         b.box((wide, deep, 1.0), (0, 0, 0.8), "light wood" if style == "board" else "#3a3f44", bevel=0.15)

@@ -143,8 +143,8 @@ def jewelry(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(6):
             with b.frame(turn_deg=(0, 0, 60 * k)):
                 b.add(pillow((1.6, 1.25, 0.5), 0.9, 0.8, 12, 6), "gold", (1.15, 0, 0.2), turn_deg=(0, -14, 0))
-                cut_stone(b, 0.3, (1.2, 0, 0.95), "#3f76c4")
-        cut_stone(b, 0.55, (0, 0, 0.9), "#c22545")
+                cut_stone(b, 0.3, (1.2, 0, 0.68), "#3f76c4")
+        cut_stone(b, 0.55, (0, 0, 0.62), "#c22545")
         b.tube([(0.4, -1.2, 0.3), (1.4, -2.0, 0.4), (2.6, -2.1, 0.3)], 0.12, "gold", sides=6)
         b.add(pillow((1.2, 0.6, 0.3), 0.7, 0.8, 12, 5), "gold", (2.4, -1.7, 0.2), turn_deg=(0, 0, 30))
     elif style == "diamond ring":

@@ -92,10 +92,10 @@ def shrimp(b: MeshBuilder, shell: np.ndarray, color: Color) -> None:
     s = np.linspace(0, 1, 9)
     turn = np.radians(20 + 210 * s)
     for k in range(8):
-        r = 3.0 - 0.24 * k
+        r = 2.7 - 0.26 * k
         c = np.array([4.6 * np.cos(turn[k]), 4.6 * np.sin(turn[k])])
         b.add(
-            painted(pillow((2.9, r, r * 0.95), 0.7, 0.9, 12, 6), 0),
+            painted(pillow((4.6 if k == 0 else 2.9, r, r * 0.95), 0.6, 0.9, 12, 6), 0),
             picture=shell,
             at=(c[0], c[1], 1.5 - r * 0.475),
             turn_deg=(0, 0, float(np.degrees(turn[k]) + 90)),
@@ -109,6 +109,8 @@ def shrimp(b: MeshBuilder, shell: np.ndarray, color: Color) -> None:
             turn_deg=(0, 0, -60 + 50 * d),
         )
     head = np.array([4.6 * np.cos(turn[0]), 4.6 * np.sin(turn[0])])
+    spike = [(head[0], head[1], 2.6), (head[0] + 0.6, head[1] - 1.6, 2.5), (head[0] + 0.7, head[1] - 4.6, 2.9)]
+    b.tube(spike, [0.7, 0.55, 0.05], shade(color, 0.9), sides=6)
     for d in (-0.4, 0.4):
         b.tube(
             [
@@ -177,13 +179,11 @@ def oyster(variant: int, rng: np.random.Generator) -> BuiltAsset:
             sides=5,
         )
     else:
-        for height, lean in ((2.8, 0.0), (2.2, 5.0)):
-            b.add(
-                painted(valve(height)),
-                picture=grey,
-                at=(0, 0, 0 if lean == 0 else 1.5),
-                turn_deg=(0, -lean, 0),
-                crease_deg=50,
-            )
+        # The lower half of a deep valve, the upper half of a flat one on its rim, a little askew.
+        low, high = valve(3.4), valve(2.6)
+        low.vertices[:, 2] = np.minimum(low.vertices[:, 2], 1.7)
+        high.vertices[:, 2] = np.maximum(high.vertices[:, 2], 1.3) - 1.3
+        b.add(painted(low), picture=grey, crease_deg=50)
+        b.add(painted(high), picture=grey, at=(0.15, 0.1, 1.66), turn_deg=(0, -1.5, 3), crease_deg=50)
     size = ((9.5, 6.5, 3.3), (11, 7.2, 4.0))[variant % 2]
     return finished(b, f"an {style} oyster" if variant % 2 == 0 else "a closed oyster", size, rng, {"style": style})

@@ -1,4 +1,4 @@
-"""Vegetables that grow as roots, bulbs, pods and gourds. Lying ones along x, stalk at the back."""
+"""Vegetables that grow as roots, bulbs, pods and gourds. Lying ones along x, stalk to the front."""
 
 from collections.abc import Sequence
 
