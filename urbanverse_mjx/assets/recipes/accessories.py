@@ -163,11 +163,11 @@ def shoe(b: MeshBuilder, upper: Color, sole: Color, style: str) -> None:
         (-12, 3),
         (-13.6, 1.4),
     ]
-    b.extrude(outline, 2.4 if style != "oxford" else 1.1, color=sole)
+    b.extrude(outline, 1.8 if style != "oxford" else 1.1, color=sole)
     if style == "oxford":
         b.add(pillow((8, 7, 2), 0.6, 0.2, 16, 4), sole, (-9.8, 0.2, -1.2))
     plan = np.array(outline) * [0.97, 0.95]
-    low = 2.2 if style != "oxford" else 1.0
+    low = 1.6 if style != "oxford" else 1.0
     top = np.interp(plan[:, 0], [-14, -6, 0, 4, 9, 14], [8.2, 7.0, 8.0, 6.8, 4.8, 2.6]) + low - 1.5
     rows = [np.column_stack([plan, np.full(len(plan), low)])]
     for share, narrow in ((0.45, 1.0), (0.8, 0.82), (1.0, 0.5)):

@@ -221,12 +221,19 @@ def grocery_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.panel(label("FRESH\nMARKET", "cardboard", "dark green", (64, 40)), (9.05, 0, 13), 20, 12, tilt_deg=-1)
         for k, (y, lean) in enumerate(((-8, -14), (-3, -6))):
             b.capsule(2.6, 34, (-2, y, 8 - 3 * k), "#c98a44", turn_deg=(lean, 6, 0), segments=10)
+        for k in range(3):
+            b.ball(3.3, (4.4, 1.0 + 5.6 * k, 27.6), ("red", "orange", "light leaf")[k], segments=12)
         for k in range(5):
-            b.ball(
-                (3.4, 3.4, 4.5), (2 + (k % 2) * 2, 2 + 2.3 * k, 29 + (k % 3)), ("leaf", "light leaf")[k % 2], segments=8
-            )
-        b.ball(3.4, (-4, 8, 28), "red", segments=10)
-        b.box((6, 8, 12), (-4, 3, 21), "off white", bevel=0.3)
+            lean = 2.2 * (k - 2)
+            leek = [
+                (-3.4, 5 + 0.6 * (k - 2), 20),
+                (-3.4, 5 + 0.5 * lean, 30),
+                (-3.4 + 0.8 * (k % 2), 5 + 1.6 * lean, 37.4 - abs(lean)),
+            ]
+            b.tube(leek, [1.5, 1.1, 0.35], ("light leaf", "leaf")[k % 2], sides=6)
+        for x in (-9, 9):  # the zigzag that the paper is cut with
+            teeth = [(-16.0, 26.6), *((-16 + 2 * k, 27 + 0.9 * (k % 2)) for k in range(17)), (16.0, 26.6)]
+            b.extrude(teeth, 0.3, (x - 0.15, 0, 0), "cardboard", turn_deg=(90, 0, 90))
     elif style == "plastic":
         b.add(pillow((16, 32, 28), 0.6, 0.55), "#e8eef0")
         b.panel(label("THANK\nYOU", "#e8eef0", "red", (40, 40)), (8.05, 0, 14), 11, 11)

@@ -236,10 +236,11 @@ def pancake(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.tube(
                 [
                     (6 * np.cos(a), 6 * np.sin(a), z),
-                    (8.5 * np.cos(a), 8.5 * np.sin(a), z - 0.2),
-                    (8.8 * np.cos(a), 8.8 * np.sin(a), z - 2),
+                    (8.2 * np.cos(a), 8.2 * np.sin(a), z + 0.05),
+                    (8.5 * np.cos(a), 8.5 * np.sin(a), z - 0.5),
+                    (8.55 * np.cos(a), 8.55 * np.sin(a), z - 2),
                 ],
-                [0.5, 0.45, 0.4],
+                [0.5, 0.5, 0.45, 0.4],
                 "#8a4210",
                 sides=6,
             )

@@ -158,6 +158,7 @@ def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
     color: Color = ("#c49a5c", "#b0854c")[variant % 2]
     picture = skin(rng, [color, shade(color, 1.1), color], noise=8, flecks=(shade(color, 0.7), 90))
+    picture[::7] = np.array(shade(color, 0.74))  # the rings where leaves sat
     arms = (
         (0, 0, 0, 5.2, 1.9),
         (2.5, 1.0, 60, 4.2, 1.5),
@@ -169,7 +170,11 @@ def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body = lumpy(pillow((2 * length, 2 * fat, 1.9 * fat), 0.85, 0.9, 16, 10), 0.12, rng, 2)
         with b.frame((x, y, 0), (0, 0, yaw)):
             b.add(painted(body, 0), picture=picture, at=(length * 0.4 if yaw else 0, 0, 0), crease_deg=80)
-    b.cylinder(1.1, 0.3, (5.9, -1.9, 1.4), "#ecd98c", turn_deg=(0, 90, -35), segments=10)
+    for x, y, z in ((1.4, 1.6, 2.4), (-1.8, 0.6, 3.2), (-4.6, -0.6, 2.2), (0.6, -1.9, 2.2), (3.0, 0.4, 3.2)):
+        knob = lumpy(shapes.ellipsoid((1.0, 0.9, 1.0), 10, 7), 0.1, rng, 2)
+        b.add(painted(knob), picture=picture, at=(x, y, z), crease_deg=80)
+    for x, y, yaw in ((7.1, -2.2, -35.0), (-6.9, 0.2, 180.0)):
+        b.ball((0.35, 0.95, 0.85), (x, y, 1.4), "#ecd98c", turn_deg=(0, 0, yaw), segments=10, rings=6)
     size = ((12.5, 7.5, 4.0), (15.5, 8.6, 4.4))[variant % 2]
     return finished(b, "a hand of ginger", size, rng, {"kind": variant % 2})
 
