@@ -225,11 +225,8 @@ def grocery_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.ball(3.3, (4.4, 1.0 + 5.6 * k, 27.6), ("red", "orange", "light leaf")[k], segments=12)
         for k in range(5):
             lean = 2.2 * (k - 2)
-            leek = [
-                (-3.4, 5 + 0.6 * (k - 2), 20),
-                (-3.4, 5 + 0.5 * lean, 30),
-                (-3.4 + 0.8 * (k % 2), 5 + 1.6 * lean, 37.4 - abs(lean)),
-            ]
+            root, fork = (-3.4, 5 + 0.3 * lean, 20), (-3.4, 5 + 0.5 * lean, 30)
+            leek = [root, fork, (-3.4 + 0.8 * (k % 2), 5 + 1.6 * lean, 37.4 - abs(lean))]
             b.tube(leek, [1.5, 1.1, 0.35], ("light leaf", "leaf")[k % 2], sides=6)
         for x in (-9, 9):  # the zigzag that the paper is cut with
             teeth = [(-16.0, 26.6), *((-16 + 2 * k, 27 + 0.9 * (k % 2)) for k in range(17)), (16.0, 26.6)]

@@ -215,10 +215,9 @@ def coconut(variant: int, rng: np.random.Generator) -> BuiltAsset:
     elif style == "half":
         bowl = [(0, 0), (4, 0.4), (6.2, 2.6), (6.7, 6.4), (6.0, 6.4), (5.6, 3.4), (3.6, 1.4), (0, 1.0)]
         b.lathe(bowl[:5], color="#5c3d24", segments=22)
-        b.lathe([(6.7, 6.2), (6.55, 6.6), (6.2, 6.62), (0, 6.62)][::1], color="#5c3d24", segments=22)
+        b.lathe([(6.7, 6.2), (6.55, 6.6), (6.2, 6.62), (0, 6.62)], color="#5c3d24", segments=22)
         b.lathe([(6.1, 6.64), (5.9, 6.75), (4.7, 6.75), (4.0, 5.4), (2.4, 4.0), (0, 3.6)], color="#f4efe2", segments=22)
         b.lathe([(0, 6.66), (4.6, 6.68), (4.4, 6.72), (0, 6.7)], color="#e3dccb", segments=22)
-        hair(b, rng, 6.6, 4.5, 24)
     else:
         body = lumpy(shapes.ellipsoid((6.7, 6.7, 6.5), 22, 14), 0.03, rng, 2)
         b.add(
@@ -279,7 +278,7 @@ def strawberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 @recipe("grapes", 3)
 def grapes(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """A bunch lying down, tapering to its tip: dark, green, red; stalk at the back."""
+    """A bunch lying down, tapering to its tip: dark, green, red; stalk to the back."""
     b = MeshBuilder(roughness=0.35)
     color: Color = ("#3a2050", "#a8bf52", "#8e2f44")[variant % 3]
     picture = skin(rng, [color, color, "#8f86a8" if variant % 3 != 1 else "#d4df94"], noise=5)

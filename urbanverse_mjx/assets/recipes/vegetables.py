@@ -173,8 +173,8 @@ def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for x, y, z in ((1.4, 1.6, 2.4), (-1.8, 0.6, 3.2), (-4.6, -0.6, 2.2), (0.6, -1.9, 2.2), (3.0, 0.4, 3.2)):
         knob = lumpy(shapes.ellipsoid((1.0, 0.9, 1.0), 10, 7), 0.1, rng, 2)
         b.add(painted(knob), picture=picture, at=(x, y, z), crease_deg=80)
-    for x, y, yaw in ((7.1, -2.2, -35.0), (-6.9, 0.2, 180.0)):
-        b.ball((0.35, 0.95, 0.85), (x, y, 1.4), "#ecd98c", turn_deg=(0, 0, yaw), segments=10, rings=6)
+    for x, y, yaw in ((6.9, -2.0, -35.0), (-5.1, 0.0, 180.0))[: 2 - variant % 2]:
+        b.ball((0.35, 0.95, 0.85), (x, y, 1.6), "#ecd98c", turn_deg=(0, 0, yaw), segments=10, rings=6)
     size = ((12.5, 7.5, 4.0), (15.5, 8.6, 4.4))[variant % 2]
     return finished(b, "a hand of ginger", size, rng, {"kind": variant % 2})
 
