@@ -6,6 +6,7 @@ import numpy as np
 
 from .bases import Colour, toned
 from .board import Board, Field, mix, smoothstep
+from .layouts import cells
 from .surface import Surface
 
 
@@ -25,8 +26,6 @@ def cracked(surface: Surface, board: Board, count: int = 4, width_m: float = 0.0
 
 def alligatored(surface: Surface, board: Board, share: float = 0.3) -> Surface:
     """A net of cracks over a share of the tile: fatigue of the layers below."""
-    from .layouts import cells
-
     across = round(board.metres / 0.16)
     net = cells(board, across, across, 0.95, bend=0.02, bend_scale=0.12)
     where = board.share(board.noise(1.6, 2.6), share, 0.7)

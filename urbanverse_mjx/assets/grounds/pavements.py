@@ -1,4 +1,4 @@
-"""How the pavements that need more than one call are laid: squares of concrete, mosaics, tactile strips, tiles, planks."""
+"""Pavements that need more than one call to lay: squares of concrete, mosaics, tactile strips, tiles, planks."""
 
 import dataclasses
 from collections.abc import Callable
@@ -70,7 +70,7 @@ def bows(strips: int, rows: int, per_row: int, matter: Matter) -> Callable[[Boar
 
 
 def calcada(figure: str) -> Callable[[Board], Surface]:
-    """Portuguese pavement: small cubes of white limestone with a figure of black basalt: "waves", "stars" or "net"."""
+    """Portuguese pavement: cubes of white limestone with a figure of black basalt: "waves", "stars" or "net"."""
     matter = sett(
         (0.80, 0.77, 0.71), (0.25, 0.25, 0.26), joint_m=0.008, dome=0.002, joint=(0.47, 0.44, 0.39), spread=0.05
     )

@@ -6,8 +6,10 @@ Stones of wearing courses are 8-11 mm, of surface dressing 10-14 mm (EN 13108-1 
 
 import dataclasses
 
+import numpy as np
+
 from . import bases, layouts
-from .board import Board
+from .board import Board, mix
 from .surface import Surface
 from .variants import Variant, brick, cast, in_courses, in_herringbone, sett
 
@@ -27,9 +29,9 @@ def _concrete_lane(name: str, colour: str, words: str, conditions: str, rgb: bas
     def make(board: Board) -> Surface:
         ground = bases.cast_concrete(board, rgb, finish, 0.06)
         pattern = layouts.courses(board, 1, 1, 0.0)
-        seal = bases.np.clip((0.010 - pattern.edge) / board.pixel + 0.5, 0.0, 1.0)
-        colour = bases.mix(ground.colour, (0.17, 0.17, 0.17), seal * 0.9)
-        stain = bases.np.exp(-pattern.edge / 0.05) * 0.10
+        seal = np.clip((0.010 - pattern.edge) / board.pixel + 0.5, 0.0, 1.0)
+        colour = mix(ground.colour, (0.17, 0.17, 0.17), seal * 0.9)
+        stain = np.exp(-pattern.edge / 0.05) * 0.10
         colour = colour * (1.0 - stain)[..., None]
         return dataclasses.replace(ground, colour=colour, height=ground.height - 0.004 * seal, joint=seal)
 
@@ -66,7 +68,8 @@ _FIELD = sett((0.52, 0.50, 0.47), (0.45, 0.43, 0.41), (0.57, 0.52, 0.45), joint_
 
 ROADS: tuple[Variant, ...] = (
     _asphalt("asphalt_new", "black", "fresh dark asphalt, fine stones under bitumen",
-             "dry wet puddled snow_tracks leaves tracked trenched", grey=0.26, chip_m=0.008, exposed=0.12, contrast=0.2),
+             "dry wet puddled snow_tracks leaves tracked trenched", grey=0.26, chip_m=0.008, exposed=0.12,
+             contrast=0.2),
     _asphalt("asphalt_used", "grey", "asphalt in use, stones just showing",
              "dry cracked patched sealed tracked stained wet puddled snow_tracks icy leaves sanded",
              grey=0.37, exposed=0.35, contrast=0.28),

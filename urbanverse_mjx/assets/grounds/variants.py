@@ -64,7 +64,8 @@ def in_courses(
 
 
 def in_herringbone(
-    name: str, family: str, matter: str, colour: str, words: str, conditions: str, width_m: float, cells: int, of: Matter
+    name: str, family: str, matter: str, colour: str, words: str, conditions: str, width_m: float, cells: int,
+    of: Matter
 ) -> Variant:  # fmt: skip
     """Units 2:1 of `width_m` in herringbone, `cells` (a multiple of 4) widths to the tile."""
 
@@ -78,7 +79,8 @@ def in_herringbone(
 
 
 def in_basket(
-    name: str, family: str, matter: str, colour: str, words: str, conditions: str, width_m: float, squares: int, of: Matter
+    name: str, family: str, matter: str, colour: str, words: str, conditions: str, width_m: float, squares: int,
+    of: Matter
 ) -> Variant:  # fmt: skip
     def make(board: Board) -> Surface:
         return bases.laid(board, layouts.basket(board, squares, 0.003), of)
