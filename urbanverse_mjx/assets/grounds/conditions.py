@@ -146,7 +146,7 @@ def wet(surface: Surface, board: Board, amount: float = 1.0) -> Surface:
 def puddled(surface: Surface, board: Board, share: float = 0.22) -> Surface:
     """Wet, and water standing in the low places: level, dark and mirror-smooth."""
     surface = wet(surface, board, 0.8)
-    low = -board.noise(1.4, 3.4) - surface.height / 0.006 * 0.25
+    low = -board.noise(1.4, 4.0) - np.clip(surface.height / 0.006, -1.5, 1.5) * 0.12
     water = board.share(low, share, 0.12)
     shore = board.share(low, share + 0.06, 0.35)
     colour = surface.colour * (1.0 - 0.12 * shore)[..., None]
@@ -161,7 +161,7 @@ def puddled(surface: Surface, board: Board, share: float = 0.22) -> Surface:
 
 def snowy(surface: Surface, board: Board, share: float, dirty: float = 0.0, tracks: bool = False) -> Surface:
     """Snow over a share of the tile: it stays in joints and hollows longest; wheels leave tracks of slush."""
-    field = board.noise(1.0, 3.0) - np.clip(surface.height / 0.004, -1.5, 1.5) * 0.3 + 0.12 * board.grain(0.04)
+    field = board.noise(1.0, 3.5) - np.clip(surface.height / 0.004, -1.5, 1.5) * 0.3 + 0.12 * board.grain(0.04)
     if tracks:
         across = board.y / board.metres + 0.006 * board.noise(1.2, 3.0)
         wheel = np.exp(-(((across - 0.28) / 0.07) ** 4)) + np.exp(-(((across - 0.72) / 0.07) ** 4))

@@ -142,8 +142,8 @@ def cells(
     second = first.copy()
     for k, (dr, dc) in enumerate(neighbours):
         number = (home_r + dr) % rows * columns + (home_c + dc) % columns
-        dx = (seed_x.ravel()[number] + (home_c + dc)) * np.float32(width) - x
-        dy = (seed_y.ravel()[number] + (home_r + dr)) * np.float32(height) - y
+        dx = (seed_x.ravel()[number] + (home_c + dc).astype(np.float32)) * np.float32(width) - x
+        dy = (seed_y.ravel()[number] + (home_r + dr).astype(np.float32)) * np.float32(height) - y
         key = ((dx * dx + dy * dy).astype(np.float32).view(np.int32) & ~15) | k
         second = np.minimum(second, np.maximum(first, key))
         first = np.minimum(first, key)

@@ -92,15 +92,18 @@ def grow(heaps: Heaps, rng: np.random.Generator) -> np.ndarray:
         turn = 2 * np.pi * (across * u + max(across // 3, 1) * w) + 2.2 * bend
         shape = (1 - 0.6 * heaps.rolls) * shape / shape.std() + heaps.rolls * np.sin(turn)
     level = np.quantile(shape[::3, ::3], 1.0 - heaps.cover)
-    inside = np.clip((shape - level) / (1.1 * float(shape.std())), -0.5, 1.0)
+    span = max(1.1 * float(shape.std()), float(np.quantile(shape[::3, ::3], 0.99) - level))
+    inside = np.clip((shape - level) / span, -0.5, 1.0)
     lumps = [_fractal(rng, 2.0, waves * 2.5), _fractal(rng, 1.7, waves * 5)]
     top = np.clip(inside, 0.0, 1.0) ** (0.55 + 0.2 * heaps.rolls)
+    # Lumps are as deep as they are wide, however tall the cloud.
+    rough = min(1.0, 800.0 / heaps.thick)
     water = np.empty((heaps.levels, CELLS, CELLS), np.float32)
     for k in range(heaps.levels):
         z = (k + 0.5) / heaps.levels
         # Two flat noises slid over each other make one that changes with height.
         lump = np.roll(lumps[0], 3 * k, 0) + 0.7 * np.roll(lumps[1], -4 * k, 1)
-        body = np.minimum((top - z) * 3.2, (inside + 0.12) * 5.0) + (0.22 + 0.45 * z) * lump * 0.8
+        body = np.minimum((top - z) * 3.2, (inside + 0.12) * 5.0) + (0.18 + 0.36 * z) * rough * lump
         body = np.where(inside > -0.12, body, -1.0)
         water[k] = np.clip(body * 1.6, 0.0, 1.0) * min(1.0, 0.45 + 2.0 * z)
     return water
@@ -203,7 +206,7 @@ def sheet_depth(directions: np.ndarray, sheet: Sheet, rng: np.random.Generator) 
     tile = sheet.size * 6
     coarse, mid, fine = (_fractal(rng, b, w) for b, w in ((3.0, 4.0), (2.2, 4.0), (1.9, 10.0)))
     u, w = along / tile / max(sheet.drawn / 2.0, 1.0), across / tile
-    bend = noise.sample(coarse, u * 0.5, w * 0.5) * 0.11
+    bend = noise.sample(coarse, u * 0.5, w * 0.5) * (0.07 - 0.045 * sheet.even)
     patches = noise.sample(coarse, u * 1.3 + 0.3, w * 1.3)
     strands = noise.sample(mid, u + bend, w * 1.6 + bend) + 0.6 * noise.sample(fine, u * 0.9 - bend, w * 2.3 + bend)
     value = patches * 0.9 + strands * 0.55

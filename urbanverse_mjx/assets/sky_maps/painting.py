@@ -1,6 +1,7 @@
 """Painting a sky: its record becomes an equirectangular image of radiance and a sun (about a third of a second)."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 
@@ -49,7 +50,7 @@ def _rows(height: int) -> tuple[np.ndarray, np.ndarray]:
     half = height // 2
     edges = 90.0 - np.arange(half + 1) * 90.0 / half
     elevations, counts = [], []
-    for top, bottom in zip(edges[:-1], edges[1:], strict=True):
+    for top, bottom in itertools.pairwise(edges):
         count = _FINER if top <= _LOW else 1
         elevations += [top + (bottom - top) * (i + 0.5) / count for i in range(count)]
         counts.append(count)
@@ -64,7 +65,7 @@ def _heaps(record: SkyRecord, rng: np.random.Generator) -> Heaps | None:
         "few_cumulus": Heaps(cover, base, 450.0, 2_800.0 * size),
         "scattered_cumulus": Heaps(cover, base, 750.0, 3_800.0 * size),
         "broken_cumulus": Heaps(cover, base, 900.0, 4_600.0 * size),
-        "towering_cumulus": Heaps(cover, base * 0.9, 2_300.0, 7_000.0 * size, density=0.04),
+        "towering_cumulus": Heaps(cover, base * 0.9, 2_300.0, 7_000.0 * size, density=0.04, levels=20),
         "cumulus_under_cirrus": Heaps(cover * 0.7, base, 700.0, 3_600.0 * size),
         "stratocumulus": Heaps(cover, base, 420.0, 3_000.0 * size, 0.35, 0.025),
         "closed_stratocumulus": Heaps(cover, base * 0.9, 480.0, 3_400.0 * size, 0.3, 0.03),
@@ -173,8 +174,7 @@ def _weather(
     below = ground * (direct * max(float(sun[2]), 0.0) / np.pi + above)
     if night:  # lamps light clouds from below
         below = below + GLOW_COLOUR * 0.022 / SUN_LUX
-    # At the horizon light has crossed all the air: that is what distance fades to.
-    far = np.broadcast_to(clear[-3:].mean(0, keepdims=True), clear.shape)
+    far = _distance_colour(clear, record.cover)
     haze = (RAYLEIGH + 0.7 * air.haze / MIE_ALBEDO) * 1.6
     # Above a sun that has just set, high clouds still stand in its light.
     lit = air.sunlight(max(float(sun[2]), 0.0) + 0.02) if not night else direct
@@ -194,6 +194,8 @@ def _weather(
         passed *= through
     heaps = _heaps(record, rng)
     if heaps is not None:
+        if record.kind == "overcast":
+            light = dataclasses.replace(light, far=np.broadcast_to(sky[-6:].mean((0, 1)), sky.shape))
         if record.weather == "rain":
             light = dataclasses.replace(
                 light, sun=light.sun * 0.02, above=light.above * 0.10 + 0.02 * light.sun, below=light.below * 0.3
@@ -201,6 +203,13 @@ def _weather(
         sky, _ = heap_clouds(sky, directions, heaps, light, rng)
         passed *= 1.0 - 0.85 * heaps.cover if heaps.cover > 0.5 else 1.0 - 0.25 * heaps.cover
     return sky, passed
+
+
+def _distance_colour(clear: np.ndarray, cover: float) -> np.ndarray:
+    """What distance fades to, as `clear`: the light of the air low over the horizon, less where clouds shade it."""
+    low = clear[-3:].mean(0, keepdims=True)
+    mean = low.mean(1, keepdims=True)
+    return np.broadcast_to((0.3 * np.minimum(low, 3.0 * mean) + 0.7 * mean) * (1.0 - 0.5 * cover), clear.shape)
 
 
 def _raised(sun: np.ndarray) -> np.ndarray:
@@ -226,7 +235,7 @@ def _developed(
     total = _irradiance(sky) + sunlight * facing
     luminance = float(total @ LUMINANCE)
     # Cameras take only part of the light's colour away, least of a sunset's.
-    kept = 0.75 if record.sun_elevation > 12 or record.kind == "overcast" else 0.85
+    kept = 0.65 if record.sun_elevation > 12 or record.kind == "overcast" else 0.85
     if record.time == "night":
         kept = 0.8
     factor = record.exposure * np.pi / luminance * (total / luminance) ** (kept - 1.0)
@@ -261,7 +270,7 @@ def with_disc(sky: SkyMap) -> np.ndarray:
     return image + (cover / weight)[..., None].astype(np.float32) * sky.sun_irradiance
 
 
-def picture(radiance: np.ndarray, gain: float = 1.9) -> np.ndarray:
+def picture(radiance: np.ndarray, gain: float = 1.6) -> np.ndarray:
     """uint8 sRGB of radiances, exposed for the sky: a film's shoulder 1 - exp(-gain x) keeps bright places."""
     shown = 1.0 - np.exp(-gain * np.maximum(radiance, 0.0))
     shown = np.where(shown <= 0.0031308, shown * 12.92, 1.055 * np.maximum(shown, 1e-6) ** (1 / 2.4) - 0.055)

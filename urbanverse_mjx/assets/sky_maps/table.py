@@ -45,7 +45,7 @@ MOMENTS: dict[str, Moment] = {
 
 @dataclasses.dataclass(frozen=True)
 class Weather:
-    """kind: clear, hazy, cumulus, cirrus, stratus or overcast; turbidity; cover of the sky in [0, 1]; words; wet: rain."""
+    """kind: clear, hazy, cumulus, cirrus, stratus or overcast; turbidity; cover of the sky in [0, 1]; words."""
 
     kind: str
     turbidity: float
@@ -58,7 +58,7 @@ WEATHERS: dict[str, Weather] = {
     "clear": Weather("clear", 1.6, 0.0, "Cloudless sky"),
     "hazy": Weather("hazy", 3.0, 0.0, "Pale hazy sky without clouds"),
     "smog": Weather("hazy", 6.0, 0.0, "Milky sky full of smog"),
-    "few_cumulus": Weather("cumulus", 1.45, 0.14, "A few small fair-weather clouds"),
+    "few_cumulus": Weather("cumulus", 1.45, 0.11, "A few small fair-weather clouds"),
     "scattered_cumulus": Weather("cumulus", 1.5, 0.32, "Scattered cumulus clouds"),
     "broken_cumulus": Weather("cumulus", 1.6, 0.58, "Broken cumulus clouds with gaps of sky"),
     "towering_cumulus": Weather("cumulus", 1.5, 0.34, "Towering cumulus clouds with dark bases"),
@@ -85,7 +85,8 @@ class SkyRecord:
       season, time: spring ... winter; dawn, morning, noon, afternoon, evening, dusk or night.
       kind: clear, hazy, cumulus, cirrus, stratus or overcast; weather: the narrower name.
       sun_elevation, sun_azimuth: of the sun (at night the moon), degrees; azimuth counter-clockwise from +x.
-      turbidity: 1 for pure air, 1.6 clear (optical depth of haze 0.065 at 550 nm), 6 smog; cover: share of the sky under clouds.
+      turbidity: 1 for pure air, 1.6 clear (optical depth of haze 0.065 at 550 nm), 6 smog.
+      cover: share of the sky under clouds.
       horizon: what stands far away: plain, hills, trees, town or towers; snow: whether the land is white.
       exposure: brightness of a white surface on the picture.
     """
@@ -116,7 +117,7 @@ def _record(moment_name: str, weather_name: str) -> SkyRecord:
     # Whole numbers drawn and divided: every machine makes the same table.
     draw = noise.generator(f"sky_maps/{uid}").integers(0, 1000, 5) / 1000.0
     horizon = ("town", "town", "towers", "trees", "trees", "hills", "plain")[int(draw[0] * 7)]
-    dark = {"rain": 0.72, "overcast": 0.85, "mist": 0.92, "closed_stratocumulus": 0.92}.get(weather_name, 1.0)
+    dark = {"rain": 0.55, "overcast": 0.75, "mist": 0.92, "closed_stratocumulus": 0.92}.get(weather_name, 1.0)
     snow = moment.season == "winter" and draw[1] < 0.4
     spread = 1.0 if abs(moment.elevation) < 5 else min(3.0, 0.1 * moment.elevation)
     land = f", {_HORIZONS[horizon]}{' under snow' if snow else ''} on the horizon"
