@@ -156,12 +156,13 @@ def heap_clouds(
     forward = 4 * np.pi * (0.7 * henyey_greenstein(cosine, 0.55) + 0.3 * henyey_greenstein(cosine, -0.15))
     passed = np.ones(sine.shape, np.float32)
     gathered = np.zeros((*sine.shape, 2), np.float32)  # of sunlight, of skylight
-    jitter = rng.random(sine.shape, dtype=np.float32)
+    offset = rng.random(2).astype(np.float32) * CELLS
+    # Its own generator: how fine the image is must not change the clouds.
+    jitter = np.random.default_rng(0).random(sine.shape, dtype=np.float32)
     seen_at = np.zeros_like(passed)
     step = heaps.thick / heaps.levels
     # What a view crosses within one level grows towards the horizon, up to a limit.
     crossed = np.minimum(step / sine, 12 * step).astype(np.float32)
-    offset = rng.random(2).astype(np.float32) * CELLS
     # What has been scattered many times came in from above: little of it under a low sun.
     deep = 0.34 * min(1.0, 0.15 + 2.5 * max(float(light.direction[2]), 0.0))
     for k in range(heaps.levels):

@@ -119,7 +119,7 @@ def _night(directions: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     yaw = np.arctan2(directions[..., 1], directions[..., 0])
     centre = rng.uniform(-np.pi, np.pi)
     height = height * (1.0 + 0.35 * np.cos(yaw - centre) * (1 - sine))
-    stars = rng.random(sine.shape)
+    stars = np.random.default_rng(1).random(sine.shape)
     bright = np.where(stars > 0.9985, (stars - 0.9985) / 0.0015, 0.0) ** 3 * 0.25 / SUN_LUX * np.clip(sine * 1.6, 0, 1)
     blue = np.array([0.30, 0.42, 0.75]) * 0.002 / SUN_LUX
     return height[..., None] * GLOW_COLOUR + blue + bright[..., None]
@@ -159,7 +159,7 @@ def paint_sky(uid: str, height: int = HEIGHT) -> SkyMap:
     sky, passed = _weather(clear, direct, directions, record, air, sun, rng)
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     sky = np.add.reduceat(sky, starts, axis=0) / counts[:, None, None]
-    return _developed(sky, direct * passed, sun, record, air, rng)
+    return _developed(sky, direct * passed, sun, record, noise.generator(f"sky_maps/land/{uid}"))
 
 
 def _weather(
@@ -227,7 +227,7 @@ def _irradiance(sky: np.ndarray) -> np.ndarray:
 
 
 def _developed(
-    sky: np.ndarray, sunlight: np.ndarray, sun: np.ndarray, record: SkyRecord, air: Air, rng: np.random.Generator
+    sky: np.ndarray, sunlight: np.ndarray, sun: np.ndarray, record: SkyRecord, rng: np.random.Generator
 ) -> SkyMap:
     """Adds the land, and exposes and balances the picture as a camera would."""
     # A camera sees walls as well as ground: a low sun counts as if it stood at 20 degrees.
