@@ -60,7 +60,7 @@ _SHEETS = {
 def build_thumbnails(
     name: str, folder: str | os.PathLike[str] | None = None, progress: Callable[[Iterable], Iterable] = iter
 ) -> pathlib.Path:
-    """Paints every thumbnail of a sheet (some two minutes) and writes it, into the asset index unless told otherwise."""
+    """Paints all thumbnails of a sheet (two minutes) and writes it, into the asset index unless told otherwise."""
     records, paint, size = _SHEETS[v.choice(name, "sheet of thumbnails", _SHEETS)]
     all_of = records()
     sheet = np.zeros((-(-len(all_of) // _COLUMNS) * size[0], _COLUMNS * size[1], 3), np.uint8)

@@ -1,9 +1,9 @@
 """Light in cloudless air: a spherical atmosphere of air molecules, haze and ozone, integrated numerically.
 
-The model is that of Bruneton and Neyret 2008 ("Precomputed Atmospheric Scattering") with the approximation of multiple
-scattering by Hillaire 2020 ("A Scalable and Production Ready Sky and Atmosphere Rendering Technique"): light scattered
-twice and more is taken as isotropic, a geometric series f = L2 / (1 - fms) tabulated over height and sun height.
-Unlike the closed formulas of Preetham 1999 and Hosek 2012, it holds for a sun at and below the horizon. Sunlight above the air is 1.
+The model is that of Bruneton and Neyret 2008 ("Precomputed Atmospheric Scattering"), multiple scattering by Hillaire
+2020 ("A Scalable and Production Ready Sky and Atmosphere Rendering Technique"): light scattered twice and more is
+taken as isotropic, a geometric series f = L2 / (1 - fms) tabulated over height and sun height. Unlike the closed
+formulas of Preetham 1999 and Hosek 2012, it holds for a sun at and below the horizon. Sunlight above the air is 1.
 """
 
 import dataclasses
@@ -14,13 +14,13 @@ from scipy import ndimage
 
 EARTH, TOP = 6_371_000.0, 60_000.0  # m
 # Scattering of sea-level air, 13.558e-6 1/m at 550 nm (Bruneton 2017's re-implementation), falls as wavelength^-4. The
-# wavelengths are the dominant ones of the display's red, green and blue: the usual 680, 550, 440 nm lie outside of what
-# sRGB shows and turn twilight purple, for at 680 nm ozone takes less than at 550, while at 612 nm it takes more.
-WAVELENGTHS = np.array([612.0, 549.0, 465.0])
+# wavelengths are where the display's red, green and blue lie: the usual 680, 550, 440 nm lie outside of what
+# sRGB shows and turn twilight purple, for at 680 nm ozone takes less than at 550, which at 630 nm it does not.
+WAVELENGTHS = np.array([630.0, 550.0, 455.0])
 RAYLEIGH = 13.558e-6 * (550.0 / WAVELENGTHS) ** 4
 #: Ozone's absorption at the peak of a tent 10-40 km high, 1/m: 1.881e-6 at 550 nm (ibid.), and by the shape of the
-#: Chappuis band (cross sections 4.6, 3.4 and 0.7e-21 cm2).
-OZONE = 1.881e-6 * np.array([4.6, 3.4, 0.7]) / 3.4
+#: Chappuis band (cross sections 3.6, 3.4 and 0.5e-21 cm2, from memory).
+OZONE = 1.881e-6 * np.array([3.6, 3.4, 0.5]) / 3.4
 RAYLEIGH_HEIGHT, MIE_HEIGHT = 8_000.0, 1_200.0
 MIE_ALBEDO = 0.9
 #: Forward peak of haze (Henyey-Greenstein); urban aerosol 0.7-0.8.

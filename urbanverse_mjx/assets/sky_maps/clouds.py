@@ -83,7 +83,7 @@ def _warped(field: np.ndarray, rng: np.random.Generator, by: float, waves: float
 def grow(heaps: Heaps, rng: np.random.Generator) -> np.ndarray:
     """(levels, 256, 256) float32 water from 0 to 1."""
     waves = heaps.tile / heaps.size
-    shape = _warped(_fractal(rng, 2.7, waves), rng, 0.35 / waves * 0.25, waves)
+    shape = _warped(_fractal(rng, 3.2 if heaps.thick > 1_500.0 else 2.7, waves), rng, 0.35 / waves * 0.25, waves)
     if heaps.rolls:
         line = (np.arange(CELLS) + 0.5) / CELLS
         u, w = np.meshgrid(line, line)

@@ -107,7 +107,8 @@ def _deck(
         cosine = np.clip(directions @ light.direction, -1.0, 1.0)
         angle = np.degrees(np.arccos(cosine))
         glow = 1.9 * np.exp(-angle / 9.0) + 0.7 * np.exp(-angle / 30.0) + 14.0 * np.exp(-((angle / 0.9) ** 2))
-        sky = sky + (light.sun / np.pi * 0.55)[None, None] * (glow * (1 + 0.6 * folds))[..., None] * 0.5
+        risen = np.clip(float(unit_to_sun(record)[2]) / 0.05, 0.0, 1.0)
+        sky = sky + light.sun / np.pi * 0.28 * risen * (glow * (1 + 0.6 * folds))[..., None]
         return sky * 0.93 + clear * 0.07, 0.06
     return sky, 0.0
 
@@ -197,9 +198,9 @@ def _weather(
         if record.kind == "overcast":
             light = dataclasses.replace(light, far=np.broadcast_to(sky[-6:].mean((0, 1)), sky.shape))
         if record.weather == "rain":
-            light = dataclasses.replace(
-                light, sun=light.sun * 0.02, above=light.above * 0.10 + 0.02 * light.sun, below=light.below * 0.3
-            )
+            # Scud below the deck: lit by the deck alone, so it is grey and darker.
+            dim = 0.45 * sky[len(sky) // 2 :].mean((0, 1))
+            light = dataclasses.replace(light, sun=np.zeros(3), above=dim, below=dim * 0.5)
         sky, _ = heap_clouds(sky, directions, heaps, light, rng)
         passed *= 1.0 - 0.85 * heaps.cover if heaps.cover > 0.5 else 1.0 - 0.25 * heaps.cover
     return sky, passed
@@ -237,7 +238,7 @@ def _developed(
     # Cameras take only part of the light's colour away, least of a sunset's.
     kept = 0.65 if record.sun_elevation > 12 or record.kind == "overcast" else 0.85
     if record.time == "night":
-        kept = 0.8
+        kept = 0.9
     factor = record.exposure * np.pi / luminance * (total / luminance) ** (kept - 1.0)
     light = _irradiance(sky) + sunlight * max(float(sun[2]), 0.0)
     dark = record.time in ("night", "dusk", "dawn")
