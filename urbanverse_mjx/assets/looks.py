@@ -83,13 +83,18 @@ def _sheet(name: str) -> dict[str, np.ndarray]:
     records, _, (height, width) = _SHEETS[name]
     path = asset_root() / name
     if not path.is_file():
-        raise v.fail(name, "no file", "the sheet of thumbnails", "`python -m urbanverse_mjx.assets.looks` builds it")
+        raise v.fail(
+            name,
+            "no file",
+            "the sheet of thumbnails",
+            "`python -m urbanverse_mjx.assets.look_sheets thumbnails` builds it",
+        )
     image = np.asarray(Image.open(path).convert("RGB"))
     uids = [record.uid for record in records()]
     needed = (-(-len(uids) // _COLUMNS) * height, _COLUMNS * width)
     if image.shape[:2] != needed:
         raise v.fail(name, f"a picture of {image.shape[:2]}", f"one of {needed}", "build the thumbnails anew")
-    cells = image.reshape(needed[0] // height, height, _COLUMNS, width, 3).swapaxes(1, 2).reshape(-1, height, width, 3)
+    cells = image.reshape(-1, height, _COLUMNS, width, 3).swapaxes(1, 2).reshape(-1, height, width, 3)
     return dict(zip(uids, cells, strict=False))
 
 
