@@ -5,6 +5,7 @@ ground, sky: writes the maps of one uid.
 """
 
 import pathlib
+from typing import Literal
 
 import numpy as np
 import tyro
@@ -21,14 +22,15 @@ from .sky_maps import paint_sky, sky_records
 _LABEL = 16  # px
 
 
-def thumbnails(out: pathlib.Path | None = None) -> None:
+def thumbnails(out: pathlib.Path | None = None, only: Literal["ground", "sky"] | None = None) -> None:
     """Paints the thumbnails of all skies and grounds (some three minutes on one core).
 
     Args:
       out: folder; the asset index unless told otherwise.
+      only: one of the two.
     """
-    for name in ("ground_thumbnails.jpg", "sky_thumbnails.jpg"):
-        path = looks.build_thumbnails(name, out, lambda records, name=name: track(records, name))
+    for kind in ("ground", "sky") if only is None else (only,):
+        path = looks.build_thumbnails(f"{kind}_thumbnails.jpg", out, lambda records, kind=kind: track(records, kind))
         Console().print(f"{path.name}: {path.stat().st_size} bytes")
 
 

@@ -10,6 +10,7 @@ gives the perspective towards the horizon; far clouds drown in haze.
 import dataclasses
 
 import numpy as np
+from scipy import ndimage
 
 from .. import noise
 from .atmosphere import EARTH, henyey_greenstein
@@ -94,7 +95,7 @@ def grow(heaps: Heaps, rng: np.random.Generator) -> np.ndarray:
     level = np.quantile(shape[::3, ::3], 1.0 - heaps.cover)
     span = max(1.1 * float(shape.std()), float(np.quantile(shape[::3, ::3], 0.99) - level))
     inside = np.clip((shape - level) / span, -0.5, 1.0)
-    lumps = [_fractal(rng, 2.0, waves * 2.5), _fractal(rng, 1.7, waves * 5)]
+    lumps = [_fractal(rng, 2.9, waves * 2.0), _fractal(rng, 2.5, waves * 4.5)]
     top = np.clip(inside, 0.0, 1.0) ** (0.55 + 0.2 * heaps.rolls)
     # Lumps are as deep as they are wide, however tall the cloud.
     rough = min(1.0, 800.0 / heaps.thick)
@@ -103,9 +104,9 @@ def grow(heaps: Heaps, rng: np.random.Generator) -> np.ndarray:
         z = (k + 0.5) / heaps.levels
         # Two flat noises slid over each other make one that changes with height.
         lump = np.roll(lumps[0], 3 * k, 0) + 0.7 * np.roll(lumps[1], -4 * k, 1)
-        body = np.minimum((top - z) * 3.2, (inside + 0.12) * 5.0) + (0.18 + 0.36 * z) * rough * lump
+        body = np.minimum((top - z) * 3.2, (inside + 0.10) * 4.0) + (0.20 + 0.50 * z) * rough * lump
         body = np.where(inside > -0.12, body, -1.0)
-        water[k] = np.clip(body * 1.6, 0.0, 1.0) * min(1.0, 0.45 + 2.0 * z)
+        water[k] = np.clip(body * 1.1, 0.0, 1.0) * min(1.0, 0.45 + 2.0 * z)
     return water
 
 
@@ -178,12 +179,20 @@ def heap_clouds(
         gathered[..., 1] += taken * (0.35 + 0.65 * (k + 0.5) / heaps.levels)
         seen_at += taken * at
         passed *= 1.0 - share
+    # The thrown steps leave grain of one pixel; no cloud has an edge as sharp as that.
+    gathered, passed, seen_at = (_softened(part) for part in (gathered, passed, seen_at))
     covered = np.maximum(1.0 - passed, 1e-6)
     glow = gathered[..., :1] * light.sun / np.pi + gathered[..., 1:] * light.above
     glow += (covered - gathered[..., 1])[..., None] * light.below
     fade = np.exp(-(seen_at / covered)[..., None] * light.haze)
     cloud = glow * fade + covered[..., None] * light.far * (1.0 - fade)
     return image * passed[..., None] + cloud, passed
+
+
+def _softened(field: np.ndarray) -> np.ndarray:
+    """Blurred by a pixel; columns wrap around."""
+    sigma = (1.0, 1.0, 0.0)[: field.ndim]
+    return ndimage.gaussian_filter(field, sigma, mode=("nearest", "wrap", "nearest")[: field.ndim], truncate=2.5)
 
 
 def _bilinear(field: np.ndarray, level: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:

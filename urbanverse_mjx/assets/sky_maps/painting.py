@@ -271,7 +271,7 @@ def with_disc(sky: SkyMap) -> np.ndarray:
     return image + (cover / weight)[..., None].astype(np.float32) * sky.sun_irradiance
 
 
-def picture(radiance: np.ndarray, gain: float = 1.6) -> np.ndarray:
+def picture(radiance: np.ndarray, gain: float = 2.0) -> np.ndarray:
     """uint8 sRGB of radiances, exposed for the sky: a film's shoulder 1 - exp(-gain x) keeps bright places."""
     shown = 1.0 - np.exp(-gain * np.maximum(radiance, 0.0))
     shown = np.where(shown <= 0.0031308, shown * 12.92, 1.055 * np.maximum(shown, 1e-6) ** (1 / 2.4) - 0.055)
