@@ -32,13 +32,20 @@ def test_there_are_as_many_as_the_paper_has() -> None:
 def test_it_tiles(uid: str) -> None:
     """The step over the seam is no larger than the largest step inside, in every map."""
     maps = paint_ground(uid)
-    for name, noise in (("albedo", 2.0), ("normal", 2.0), ("roughness", 2.0), ("height", 1e-4)):
+    for name, noise in (("albedo", 2.0), ("roughness", 2.0), ("height", 1e-4)):
         field = getattr(maps, name).astype(float)
         for axis in (0, 1):
             others = tuple(k for k in range(field.ndim) if k != axis)
             inside = np.abs(np.diff(field, axis=axis)).mean(axis=others)
             seam = np.abs(field.take(0, axis) - field.take(-1, axis)).mean()
             assert seam <= 1.15 * inside.max() + noise, (name, axis)
+    # A groove on the seam may kink the normals; they must be those of the height laid side by side.
+    pixel = maps.record.tile_size_m / 512
+    down, right = np.gradient(np.tile(maps.height.astype(float), (2, 2))[256:768, 256:768], pixel)
+    wanted = np.stack([-right, down, np.ones_like(down)], -1)
+    wanted /= np.linalg.norm(wanted, axis=-1, keepdims=True)
+    found = np.roll(maps.normal, (256, 256), (0, 1)) / 127.5 - 1
+    assert np.abs(found - wanted)[1:-1, 1:-1].max() < 0.01
     assert maps.albedo.shape == (512, 512, 3)
     assert 20 < maps.albedo.mean() < 240
     length = np.linalg.norm(maps.normal.astype(float) / 127.5 - 1, axis=-1)
@@ -47,9 +54,10 @@ def test_it_tiles(uid: str) -> None:
 
 
 def _period(field: np.ndarray, axis: int) -> int:
-    """Repetitions along an axis that explain most of a map's mean profile."""
+    """Repetitions along an axis: the lowest strong frequency of a map's mean profile (narrow joints have overtones)."""
     profile = field.mean(axis=1 - axis)
-    return int(np.abs(np.fft.rfft(profile - profile.mean()))[1:60].argmax()) + 1
+    strength = np.abs(np.fft.rfft(profile - profile.mean()))[1:60]
+    return int((strength > 0.5 * strength.max()).argmax()) + 1
 
 
 @pytest.mark.parametrize(
@@ -76,7 +84,7 @@ def test_tactile_domes_stand_67_mm_apart_and_5_mm_high() -> None:
     maps = paint_ground("sidewalk/tactile_domes_yellow")
     pixel = maps.record.tile_size_m / 512
     strip = maps.height[int(0.8 / pixel) + 2 : int(1.6 / pixel) - 2]
-    assert strip.max() == pytest.approx(0.005, abs=0.002)
+    assert 0.004 < strip.max() < 0.008, "5 mm on slabs that stand up to 2 mm higher than others"
     assert maps.record.tile_size_m / _period(strip, 1) == pytest.approx(0.4 / 6, rel=0.01)
 
 
@@ -84,8 +92,8 @@ def test_normals_lean_away_from_a_bump() -> None:
     y, x = np.mgrid[0:64, 0:64]
     bump = 0.01 * np.exp(-((x - 32) ** 2 + (y - 32) ** 2) / 50.0)
     n = normals(bump, 0.01)
-    assert n[32, 40, 0] > 0.1 > -0.1 > n[32, 24, 0], "x grows to the right"
-    assert n[24, 32, 1] > 0.1 > -0.1 > n[40, 32, 1], "y grows up the image"
+    assert n[32, 40, 0] > 0.05 > -0.05 > n[32, 24, 0], "x grows to the right"
+    assert n[24, 32, 1] > 0.05 > -0.05 > n[40, 32, 1], "y grows up the image"
     # A plane of slope 1:10 along u, by hand.
     assert normals(np.tile(np.arange(8) * 0.001, (8, 1)), 0.01)[4, 4] == pytest.approx(np.array([-1, 0, 10]) / 101**0.5)
 
