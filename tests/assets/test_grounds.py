@@ -74,7 +74,8 @@ def _period(field: np.ndarray, axis: int) -> int:
 )
 def test_joints_are_where_the_metres_say(uid: str, across: float | None, down: float | None) -> None:
     maps = paint_ground(uid)
-    low = maps.height < -0.002
+    # Joints are 5 mm deep or more; slabs stand up to 2 mm lower than others.
+    low = maps.height < -0.0035
     for axis, unit in ((1, across), (0, down)):
         if unit is not None:
             assert maps.record.tile_size_m / _period(low.astype(float), axis) == pytest.approx(unit, rel=0.01)
@@ -85,7 +86,9 @@ def test_tactile_domes_stand_67_mm_apart_and_5_mm_high() -> None:
     pixel = maps.record.tile_size_m / 512
     strip = maps.height[int(0.8 / pixel) + 2 : int(1.6 / pixel) - 2]
     assert 0.004 < strip.max() < 0.008, "5 mm on slabs that stand up to 2 mm higher than others"
-    assert maps.record.tile_size_m / _period(strip, 1) == pytest.approx(0.4 / 6, rel=0.01)
+    profile = (strip > 0.003).mean(0)
+    domes = np.abs(np.fft.rfft(profile - profile.mean())).argmax()
+    assert maps.record.tile_size_m / domes == pytest.approx(0.4 / 6, rel=0.01)
 
 
 def test_normals_lean_away_from_a_bump() -> None:
