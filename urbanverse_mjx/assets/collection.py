@@ -89,8 +89,10 @@ class Collection[R: Record]:
         """uid -> sentence, of all or of those given."""
         return {uid: self.record(uid).description for uid in (self._records if uids is None else uids)}
 
-    def get_descriptions_conditioned(self, query: str | None = None, **filters: object) -> dict[str, str]:
-        return self.get_descriptions(self.get_uids_conditioned(query, **filters))
+    def get_descriptions_conditioned(
+        self, query: str | None = None, top_k: int = 100, **filters: object
+    ) -> dict[str, str]:
+        return self.get_descriptions(self.get_uids_conditioned(query, top_k, **filters))
 
     def load_annotations(self, uids: Sequence[str] | None = None) -> dict[str, dict[str, object]]:
         """uid -> all fields of its record."""

@@ -193,7 +193,8 @@ def _march(air: Air, sine: np.ndarray, turn: np.ndarray, sun_sine: float) -> tup
     length = _to_top(np.zeros_like(sine), sine)
     toward = np.stack([cosine * np.cos(turn), cosine * np.sin(turn), sine], -1)
     sun = np.array([np.sqrt(1 - sun_sine**2), 0.0, sun_sine])
-    totals = tuple(np.zeros((*sine.shape, 3)) for _ in range(3))
+    shape = (*sine.shape, 3)
+    totals = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     clear = np.ones((*sine.shape, 3))
     edges = np.linspace(0.0, 1.0, 25) ** 2
     for near, far in itertools.pairwise(edges):
