@@ -63,7 +63,7 @@ def _sheet(tiles: dict[str, np.ndarray], path: pathlib.Path, columns: int) -> pa
         x, y = k % columns * width, k // columns * (height + _LABEL)
         sheet.paste(Image.fromarray(tile), (x, y))
         paint.text(
-            pen, uid.split("/")[-1], (x + 1, y + height + 1, x + width - 1, y + height + _LABEL - 2), "black", 11
+            pen, uid.split("/")[-1], (x + 1, y + height + 1, x + width - 1, y + height + _LABEL - 2), "black", limit=11
         )
     return write_atomically(path, lambda p: sheet.save(p, "JPEG", quality=80))
 

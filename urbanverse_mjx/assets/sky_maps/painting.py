@@ -65,7 +65,7 @@ def _heaps(record: SkyRecord, rng: np.random.Generator) -> Heaps | None:
         "few_cumulus": Heaps(cover, base, 450.0, 2_800.0 * size),
         "scattered_cumulus": Heaps(cover, base, 750.0, 3_800.0 * size),
         "broken_cumulus": Heaps(cover, base, 900.0, 4_600.0 * size),
-        "towering_cumulus": Heaps(cover, base * 0.9, 2_300.0, 7_000.0 * size, density=0.04, levels=20),
+        "towering_cumulus": Heaps(cover, base * 0.9, 2_300.0, 7_000.0 * size, density=0.04, levels=14),
         "cumulus_under_cirrus": Heaps(cover * 0.7, base, 700.0, 3_600.0 * size),
         "stratocumulus": Heaps(cover, base, 420.0, 3_000.0 * size, 0.35, 0.025),
         "closed_stratocumulus": Heaps(cover, base * 0.9, 480.0, 3_400.0 * size, 0.3, 0.03),
