@@ -12,7 +12,7 @@ import numpy as np
 
 from ..datatypes import validation as v
 from . import ground_patterns as p
-from . import noise
+from . import grounds, noise
 from .ground_patterns import SIZE
 
 
@@ -290,13 +290,29 @@ def material_ids(kind: str) -> tuple[str, ...]:
     return tuple(i for i, entry in _MATERIALS.items() if entry[0] == kind)
 
 
+def _from_maps(uid: str) -> GroundMaterial:
+    """A material of the large collection at the size that scenes use: its colour and its mean roughness."""
+    maps = grounds.paint_ground(uid)
+    finer = maps.albedo.shape[0] // SIZE
+    texture = maps.albedo.reshape(SIZE, finer, SIZE, finer, 3).mean((1, 3))
+    record, roughness = maps.record, float(maps.roughness.mean()) / 255.0
+    return GroundMaterial(
+        uid, record.description, record.kind, np.round(texture).astype(np.uint8), record.tile_size_m, roughness
+    )
+
+
 @functools.cache
 def build_material(material_id: str) -> GroundMaterial:
     """Paints a material (about 0.1 s); the same id gives the same pixels.
 
+    Args:
+      material_id: one of `material_ids`, or the uid ("road/...", "sidewalk/...") of one of the 288 of `grounds`.
+
     Raises:
       NounError: no such material.
     """
+    if material_id.startswith(("road/", "sidewalk/")):
+        return _from_maps(material_id)
     v.choice(material_id, "ground material", _MATERIALS)
     kind, tile_size_m, roughness, description, recipe = _MATERIALS[material_id]
     image = recipe(noise.generator(f"ground/{material_id}"))

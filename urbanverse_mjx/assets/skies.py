@@ -13,7 +13,7 @@ import itertools
 import numpy as np
 
 from ..datatypes import validation as v
-from . import noise
+from . import noise, sky_maps
 
 HEIGHT, WIDTH = 64, 128
 
@@ -326,12 +326,42 @@ def _tone(sky: np.ndarray, sun_light: np.ndarray, sun: np.ndarray, weather: _Wea
 
 
 @functools.cache
+def _map_uids() -> frozenset[str]:
+    return frozenset(record.uid for record in sky_maps.sky_records())
+
+
+def _from_map(uid: str) -> Sky:
+    """A sky of the large collection at the size that scenes use."""
+    painted = sky_maps.paint_sky(uid, 2 * HEIGHT)
+    record = painted.record
+    radiance = painted.radiance.reshape(HEIGHT, 2, WIDTH, 2, 3).mean((1, 3))
+    # A lamp that has set still needs a direction for renderers: a degree above the horizon, with no light.
+    x, y, z = painted.sun_direction.astype(np.float64)
+    low = np.sin(np.radians(1.0))
+    raised = max(z, low)
+    flat = np.sqrt((1 - raised**2) / max(x * x + y * y, 1e-12))
+    return Sky(
+        id=uid,
+        description=record.description,
+        tags=(record.season, record.time, record.kind, record.weather, record.horizon),
+        radiance=np.minimum(radiance, BRIGHTEST).astype(np.float32),
+        sun_direction=np.array([x * flat, y * flat, raised], np.float32),
+        sun_irradiance=painted.sun_irradiance * np.float32(z > 0),
+    )
+
+
+@functools.cache
 def build_sky(sky_id: str) -> Sky:
     """Computes a sky (about 0.1 s); the same id gives the same numbers.
+
+    Args:
+      sky_id: one of `sky_ids`, or the uid of one of the 306 skies of `sky_maps`.
 
     Raises:
       NounError: no such sky.
     """
+    if sky_id in _map_uids():
+        return _from_map(sky_id)
     weather = _WEATHER[v.choice(sky_id, "sky", sky_ids())]
     elevation, azimuth = np.radians(weather.elevation), np.radians(weather.azimuth)
     sun = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])

@@ -1,0 +1,219 @@
+"""How skies and grounds look: thumbnails, and ranking them against crops of a video as the paper does.
+
+Grounds: pixel-wise mean squared error between crop and thumbnail. Skies: HSV histograms. Thumbnails are content: two
+sheets in the asset index (`ground_thumbnails.jpg`, `sky_thumbnails.jpg`), made by `build_thumbnails`; so nothing has
+to be painted to choose.
+"""
+
+import functools
+import os
+import pathlib
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from PIL import Image
+from skimage.color import rgb2hsv
+
+from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.settings import asset_root
+
+from .collection import Collection, as_filters
+from .grounds import GroundRecord, ground_records, paint_ground
+from .sky_maps import SkyRecord, paint_sky, sky_records
+from .sky_maps.painting import picture, with_disc
+
+#: (height, width) px of a thumbnail, multiples of JPEG's 8 px blocks, so that neighbours on a sheet do not mix.
+GROUND_THUMBNAIL, SKY_THUMBNAIL = (96, 96), (80, 160)
+_COLUMNS = 18
+#: Side of the pictures whose pixels are compared.
+MATCH_SIZE = 32
+#: Saturation below which a colour has no hue worth counting; value bins of such greys, and hue, saturation and value
+#: bins of the others: 16 + 8 · 3 · 2 = 64 numbers.
+_GREY = 0.10
+_GREYS, _HUES, _SATURATIONS, _VALUES = 16, 8, (0.10, 0.25, 0.45), 2
+
+
+def ground_thumbnail(uid: str) -> np.ndarray:
+    """(96, 96, 3) uint8, painted now: the whole tile, lit from above."""
+    return _shrunk(paint_ground(uid).picture, GROUND_THUMBNAIL)
+
+
+def sky_thumbnail(uid: str) -> np.ndarray:
+    """(80, 160, 3) uint8, painted now: the panorama with the disc of its sun."""
+    sky = paint_sky(uid, 160)
+    return _shrunk(picture(with_disc(sky)), SKY_THUMBNAIL)
+
+
+def _shrunk(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    return np.asarray(Image.fromarray(image).resize((size[1], size[0]), Image.Resampling.BOX))
+
+
+_SHEETS: dict[
+    str, tuple[Callable[[], Sequence[GroundRecord | SkyRecord]], Callable[[str], np.ndarray], tuple[int, int]]
+]
+_SHEETS = {
+    "ground_thumbnails.jpg": (ground_records, ground_thumbnail, GROUND_THUMBNAIL),
+    "sky_thumbnails.jpg": (sky_records, sky_thumbnail, SKY_THUMBNAIL),
+}
+
+
+def build_thumbnails(
+    name: str, folder: str | os.PathLike[str] | None = None, progress: Callable[[Iterable], Iterable] = iter
+) -> pathlib.Path:
+    """Paints all thumbnails of a sheet (two minutes) and writes it, into the asset index unless told otherwise."""
+    records, paint, size = _SHEETS[v.choice(name, "sheet of thumbnails", _SHEETS)]
+    all_of = records()
+    sheet = np.zeros((-(-len(all_of) // _COLUMNS) * size[0], _COLUMNS * size[1], 3), np.uint8)
+    for k, record in enumerate(progress(all_of)):
+        row, column = k // _COLUMNS * size[0], k % _COLUMNS * size[1]
+        sheet[row : row + size[0], column : column + size[1]] = paint(record.uid)
+    target = pathlib.Path(folder) / name if folder else asset_root() / name
+    return v.write_atomically(
+        target, lambda p: Image.fromarray(sheet).save(p, "JPEG", quality=82, subsampling=0, optimize=True)
+    )
+
+
+@functools.cache
+def _sheet(name: str) -> dict[str, np.ndarray]:
+    """uid -> thumbnail, from the stored sheet.
+
+    Raises:
+      NounError: the sheet is missing or does not fit the table.
+    """
+    records, _, (height, width) = _SHEETS[name]
+    path = asset_root() / name
+    if not path.is_file():
+        raise v.fail(
+            name,
+            "no file",
+            "the sheet of thumbnails",
+            "`python -m urbanverse_mjx.assets.look_sheets thumbnails` builds it",
+        )
+    image = np.asarray(Image.open(path).convert("RGB"))
+    uids = [record.uid for record in records()]
+    needed = (-(-len(uids) // _COLUMNS) * height, _COLUMNS * width)
+    if image.shape[:2] != needed:
+        raise v.fail(name, f"a picture of {image.shape[:2]}", f"one of {needed}", "build the thumbnails anew")
+    cells = image.reshape(-1, height, _COLUMNS, width, 3).swapaxes(1, 2).reshape(-1, height, width, 3)
+    return dict(zip(uids, cells, strict=False))
+
+
+def _stored(name: str) -> Callable[[Sequence[str]], np.ndarray]:
+    return lambda uids: np.stack([_sheet(name)[uid] for uid in uids])
+
+
+_GROUND_FILTERS = as_filters(
+    {
+        "families": ("family", "words", "what it is laid of"),
+        "materials": ("matter", "words", "row of the table of materials"),
+        "colors": ("colour", "words", "colour of the dry surface"),
+        "conditions": ("condition_group", "words", "weather, wear and repair"),
+        "tile_size_range": ("tile_size_m", "range", "side of the tile, m"),
+        "friction_coefficient_range": ("friction", "range", "static friction of a hard sole or tyre"),
+    }
+)
+_SKY_FILTERS = as_filters(
+    {
+        "seasons": ("season", "words", "season"),
+        "times": ("time", "words", "time of day"),
+        "kinds": ("kind", "words", "kind of sky"),
+        "weathers": ("weather", "words", "narrower kind"),
+        "horizons": ("horizon", "words", "what stands far away"),
+        "sun_elevation_range": ("sun_elevation", "range", "height of the sun (at night of the moon), degrees"),
+        "turbidity_range": ("turbidity", "range", "haze: 1 pure air, 6 smog"),
+        "cover_range": ("cover", "range", "share of the sky under clouds"),
+        "snow": ("snow", "flag", "whether the land is white"),
+    }
+)
+road = Collection("road material", ground_records("road"), _GROUND_FILTERS, _stored("ground_thumbnails.jpg"))
+sidewalk = Collection(
+    "sidewalk material", ground_records("sidewalk"), _GROUND_FILTERS, _stored("ground_thumbnails.jpg")
+)
+sky = Collection("sky", sky_records(), _SKY_FILTERS, _stored("sky_thumbnails.jpg"))
+
+
+@functools.cache
+def _flat_grounds(kind: str) -> tuple[list[str], np.ndarray]:
+    """Uids, and (n, 32 · 32 · 3) float32 pixels in [0, 1] of their thumbnails."""
+    uids = [record.uid for record in ground_records(kind)]
+    thumbnails = _sheet("ground_thumbnails.jpg")
+    pixels = [_shrunk(thumbnails[uid], (MATCH_SIZE, MATCH_SIZE)).ravel() for uid in uids]
+    return uids, np.stack(pixels).astype(np.float32) / 255.0
+
+
+def rank_grounds(crops: np.ndarray | Sequence[np.ndarray], kind: str) -> list[tuple[str, float]]:
+    """All materials of a kind by pixel-wise mean squared error against crops of the ground, best first.
+
+    Args:
+      crops: one or more (h, w, 3) uint8 sRGB pictures of nothing but ground; each is brought to 32 x 32 pixels, and
+        the errors of several are averaged.
+      kind: "road" or "sidewalk".
+
+    Returns:
+      (uid, mean squared error in [0, 1]).
+
+    Raises:
+      NounError: no crop, a crop of another form, or another kind.
+    """
+    uids, thumbnails = _flat_grounds(v.choice(kind, "kind of ground", ("road", "sidewalk")))
+    flat = np.stack([_shrunk(c, (MATCH_SIZE, MATCH_SIZE)).ravel() for c in _checked(crops)]).astype(np.float32) / 255.0
+    # |a - b|^2 = |a|^2 - 2 ab + |b|^2, all pairs at once.
+    squares = (flat**2).sum(1)[:, None] - 2 * flat @ thumbnails.T + (thumbnails**2).sum(1)[None, :]
+    errors = squares.mean(0) / flat.shape[1]
+    return [(uids[i], max(float(errors[i]), 0.0)) for i in np.argsort(errors, kind="stable")]
+
+
+def _checked(crops: np.ndarray | Sequence[np.ndarray]) -> list[np.ndarray]:
+    several = [crops] if isinstance(crops, np.ndarray) and crops.ndim == 3 else list(crops)
+    if not several:
+        raise v.fail("crops", "none", "at least one picture")
+    for crop in several:
+        if not (isinstance(crop, np.ndarray) and crop.ndim == 3 and crop.shape[2] == 3 and crop.dtype == np.uint8):
+            found = f"{crop.dtype} {crop.shape}" if isinstance(crop, np.ndarray) else v.show(crop)
+            raise v.fail("crop", found, "a (h, w, 3) uint8 picture")
+    return several
+
+
+def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
+    """HSV histogram of crops of the sky as 64 numbers of 8 bits, as `SceneGraph.sky_descriptor` holds it.
+
+    16 bins of value for what is nearly grey, then 8 hues x 3 saturations x 2 values; each is the root of its share,
+    times 255, so that small shares keep their weight (Hellinger's distance compares roots).
+    """
+    bins = np.zeros(64)
+    for crop in _checked(crops):
+        hue, saturation, value = np.moveaxis(rgb2hsv(_shrunk(crop, (64, 128))), -1, 0)
+        grey = np.minimum((value * _GREYS).astype(int), _GREYS - 1)
+        deep = np.digitize(saturation, _SATURATIONS[1:])
+        colour = (np.minimum((hue * _HUES).astype(int), _HUES - 1) * 3 + deep) * _VALUES + (value >= 0.6)
+        number = np.where(saturation < _GREY, grey, _GREYS + colour)
+        counts = np.bincount(number.ravel(), minlength=64)
+        bins += counts / counts.sum()
+    return tuple(int(x) for x in np.round(np.sqrt(bins / bins.sum()) * 255))
+
+
+@functools.cache
+def _sky_descriptors() -> tuple[list[str], np.ndarray]:
+    uids = [record.uid for record in sky_records()]
+    thumbnails = _sheet("sky_thumbnails.jpg")
+    # A street camera sees the sky up to some 45 degrees: the lower half of the upper half.
+    half = SKY_THUMBNAIL[0] // 2
+    return uids, np.array([sky_descriptor(thumbnails[uid][half // 2 : half]) for uid in uids], np.float64)
+
+
+def rank_skies(descriptor: Sequence[int]) -> list[tuple[str, float]]:
+    """All skies by Hellinger's distance of HSV histograms, best first: (uid, distance in [0, 1]).
+
+    Args:
+      descriptor: 64 numbers from `sky_descriptor`.
+
+    Raises:
+      NounError: not 64 numbers.
+    """
+    wanted = np.asarray(descriptor, np.float64)
+    if wanted.shape != (64,) or not wanted.any():
+        raise v.fail("sky descriptor", f"{wanted.shape} numbers", "64 numbers of which some are above 0")
+    uids, table = _sky_descriptors()
+    overlap = (table / np.linalg.norm(table, axis=1, keepdims=True)) @ (wanted / np.linalg.norm(wanted))
+    distance = np.sqrt(np.clip(1.0 - overlap, 0.0, 1.0))
+    return [(uids[i], float(distance[i])) for i in np.argsort(distance, kind="stable")]

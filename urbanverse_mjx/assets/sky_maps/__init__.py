@@ -1,0 +1,6 @@
+"""306 skies: equirectangular radiance with sun, painted when asked for."""
+
+from .painting import SkyMap, paint_sky
+from .table import SkyRecord, sky_records
+
+__all__ = ["SkyMap", "SkyRecord", "paint_sky", "sky_records"]
