@@ -7,6 +7,7 @@ from rich.console import Console
 from rich.progress import track
 
 from .export_command import export
+from .importing.command import import_assets
 
 
 def build() -> None:
@@ -91,6 +92,7 @@ COMMANDS = {
     "hulls": hulls,
     "gallery": gallery,
     "export": export,
+    "import": import_assets,
     "catalogue": catalogue,
     "labels": labels,
 }
