@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import ontology
 from ..priors import Prior
+from .placing import misfit_of_proportions
 from .reading import Source
 from .shape import Shape
 
@@ -33,10 +34,10 @@ DEGENERATE = 0.3  # share of faces without area
 SHREDS, SHRED_FACES = 0.4, 3  # share of the area in components of so few faces
 NOISE_ANGLE, NOISE_NORMALS = 0.8, 0.7  # rad, mean bend; share of faces whose direction no other has
 HALF_OPEN = 0.12  # horizontal area vectors that nothing balances, over the whole area
-THIN = 0.02  # least over middle side
+THIN, BOARD = 0.02, 0.15  # least over middle side; boards may have one face alone
 TERRAIN_UP, TERRAIN_FLAT, TERRAIN_COVER = 0.85, 0.35, 0.6
 BASE_HEIGHT, BASE_AREA, BASE_SIDE = 0.12, 2.5, 1.6
-GAP, PARTNER = 0.04, 0.08  # of the diagonal; share of the largest cluster's box volume
+GAP, PARTNER, ALIKE = 0.04, 0.2, 0.8  # of the diagonal; shares of the largest cluster's box volume
 SLIVERS = 0.35
 CAD_WORDS = re.compile(
     r"solidworks|autodesk inventor|catia|opencascade|open cascade|freecad|step2gl|cad exchanger|onshape|fusion ?360|"
@@ -85,13 +86,26 @@ def _several(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findin
     # A thing's own loose parts lie above or around each other; others stand beside it on the ground.
     standing = np.array([low[2] < 0.1 * shape.extent[2] for low, _ in boxes])
     large = (volumes > PARTNER * volumes.max()) & standing
-    if single and large.sum() > 1:
-        yield Finding(SEVERAL, f"{int(large.sum())} things that stand apart")
+    # A rack's hoops are alike and make up a rack; two cars are alike and make up nothing as wide as they are long.
+    alike = (
+        row is not None
+        and volumes[large].min() > ALIKE * volumes.max()
+        and misfit_of_proportions(shape.extent, row) == 0
+    )
+    if single and large.sum() > 1 and not alike:
+        yield Finding(
+            SEVERAL,
+            f"{int(large.sum())} things that stand apart, of {_percent(volumes[large] / volumes.max())} of the largest",
+        )
         return
     leaves = {leaf for name in source.names if (leaf := _exact_leaf(name))}
     middles = {ontology.category_of(leaf)[1] for leaf in leaves}
     if single and len(leaves) >= 3 and len(middles) >= 3:
         yield Finding(SEVERAL, f"nodes called {', '.join(sorted(leaves)[:5])}")
+
+
+def _percent(shares: np.ndarray) -> str:
+    return ", ".join(f"{share:.0%}" for share in sorted(shares)[-2::-1][:4])
 
 
 def _exact_leaf(name: str) -> str | None:
@@ -102,15 +116,22 @@ def _exact_leaf(name: str) -> str | None:
 
 
 def _paper(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
-    flat = 1.0
-    if row:
-        sides = [np.sort([row.length[k], row.width[k], row.height[k]]) for k in range(3)]
-        flat = min(float(s[0] / s[1]) for s in sides)
+    if row and row.walkable:
+        return
+    flat = _flatness(row)
     thickness = shape.thickness
     if thickness < min(THIN, flat / 3):
         yield Finding(PAPER, f"{thickness:.4f} times as thick as wide")
     elif len(shape.faces) <= 64 and flat > THIN and _all_sheets(shape):
         yield Finding(PAPER, f"made of {int(shape.label.max()) + 1} flat sheets")
+
+
+def _flatness(row: Prior | None) -> float:
+    """Least over middle side of the flattest thing of the leaf."""
+    if row is None:
+        return 1.0
+    sides = [np.sort([row.length[k], row.width[k], row.height[k]]) for k in range(3)]
+    return min(float(s[0] / s[1]) for s in sides)
 
 
 def _all_sheets(shape: Shape) -> bool:
@@ -156,8 +177,8 @@ def _bad_mesh(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findi
             return
     # The area vectors of a closed surface sum to zero; an open underside is harmless.
     missing = float(np.linalg.norm(shape.area_vectors.sum(0)[:2]) / shape.areas.sum())
-    if missing > HALF_OPEN and shape.thickness > THIN:
-        yield Finding(BAD_MESH, "a side of it is missing")
+    if missing > HALF_OPEN and _flatness(row) > BOARD:
+        yield Finding(BAD_MESH, f"a side of it is missing ({missing:.0%} of its surface is faced by nothing)")
 
 
 def _textured(source: Source) -> bool:

@@ -30,7 +30,9 @@ STRETCHED = math.log(2.0)  # beyond them after the best scale: the proportions a
 # OBJ file mostly says nothing, and one that says z up is believed unless y up fits far better.
 Z_UP = {True: math.log(2.0), None: math.log(1.1), False: -math.log(2.0)}
 OFF_MEDIAN = 0.25  # weight of the distance from the leaf's median sizes beside the misfit
-TURN = 1.1  # one ground side over the other before a mesh is turned a quarter
+# One ground side over the other before a mesh is turned a quarter: of the leaf's median, and of the mesh. What is about
+# as long as wide (people, letter boxes) may be either way round.
+LONG, TURN = 1.5, 1.2
 MEASURED_APART = 0.1  # relative, between the scales that two annotated sides ask for
 
 
@@ -115,6 +117,12 @@ def _misfit(sides: np.ndarray, row: Prior) -> float:
     return float(np.maximum(np.maximum(low - SLACK - logs, logs - high - SLACK), 0.0).max())
 
 
+def misfit_of_proportions(extent: np.ndarray, row: Prior) -> float:
+    """log of the factor by which the worst side lies beyond the leaf's sizes at the scale that suits it best."""
+    free = float(np.exp(-_off_median(extent, row).mean()))
+    return _misfit(_sorted_sides(extent * free), row)
+
+
 def _scale(extent: np.ndarray, row: Prior, sizes: Mapping[str, float] | None) -> tuple[float, float, str]:
     """(metres per unit, misfit, what was done)."""
     sides = _sorted_sides(np.maximum(extent, 1e-12))
@@ -153,7 +161,7 @@ def _annotated_scale(sides: np.ndarray, sizes: Mapping[str, float], row: Prior) 
 def _front(extent: np.ndarray, row: Prior) -> int:
     """Quarter turns that bring the leaf's front to +x: the long side along x (a car) or along y (a bench)."""
     x, y, _ = extent
-    if row.section in ("round", "ball") or row.front == "none":
+    if row.front == "none" or row.length[1] < LONG * row.width[1]:
         return 0
     wrong = y > TURN * x if row.front == "end" else x > TURN * y
     return 3 if wrong else 0
