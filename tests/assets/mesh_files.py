@@ -53,7 +53,7 @@ def write_good(folder: pathlib.Path) -> dict[str, AssetRecord]:
     for leaf, name in GOOD_GLB.items():
         wanted[name], mesh = mesh_of(leaf)
         (folder / name).write_bytes(glb_bytes(mesh, None, LICENCE))
-    for leaf, unit in (("sedan", 100.0), ("bus shelter", 1000.0), ("dumpster", 1 / 0.0254), ("kiosk", 7.3)):
+    for leaf, unit in (("sedan", 100.0), ("bus shelter", 1000.0), ("dumpster", 1 / 0.0254), ("taxi", 5.0)):
         name = f"{leaf} x{unit:.0f}.glb"
         wanted[name], mesh = mesh_of(leaf)
         (folder / name).write_bytes(glb_bytes(scaled(mesh, unit), None, LICENCE))

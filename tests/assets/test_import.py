@@ -61,7 +61,7 @@ def test_an_imported_asset_is_the_one_it_was(street) -> None:
     for name, record in good.items():
         mine = index.get(entries[name].uid)
         assert mine.leaf == record.leaf, name
-        assert mine.extent_xyz == pytest.approx(record.extent_xyz, rel=0.02 if "x7" not in name else 0.5), name
+        assert mine.extent_xyz == pytest.approx(record.extent_xyz, rel=0.02 if "x5" not in name else 0.15), name
         mesh, hulls = build_mesh(mine), load_hulls(mine).hulls
         assert mesh.extent == pytest.approx(mine.extent_xyz, abs=1e-3)
         assert mesh.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-5)
@@ -157,7 +157,7 @@ def test_an_exported_asset_comes_back_with_its_annotation(store: pathlib.Path) -
     """OBJ with its official JSON: mass, friction and description are the annotation's, and pictures are drawn."""
     from urbanverse_mjx.assets.export import export_asset
 
-    record = load_index().by_leaf("stroller")[0]
+    record = load_index().by_leaf("trash bin")[0]
     export_asset(record, store, "obj")
     (entry,) = import_folder(store, Options(jobs=1), quiet)
     assert entry.uid, entry
@@ -189,7 +189,7 @@ def test_a_contained_function_cannot_take_the_others_with_it() -> None:
     assert contained(_stuck, bounds=Bounds(seconds=1.0)).reason == TIME
     assert contained(_hungry, bounds=Bounds(memory=2**30)).reason == MEMORY
     assert contained(os.getpid).value != os.getpid()
-    assert time.perf_counter() - start < 20
+    assert time.perf_counter() - start < 60
 
 
 def test_a_folder_without_meshes_and_a_busy_store_are_refused(store: pathlib.Path) -> None:

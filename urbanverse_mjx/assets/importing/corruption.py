@@ -35,7 +35,7 @@ SHREDS, SHRED_FACES = 0.4, 3  # share of the area in components of so few faces
 NOISE_ANGLE, NOISE_NORMALS = 0.8, 0.7  # rad, mean bend; share of faces whose direction no other has
 HALF_OPEN = 0.12  # horizontal area vectors that nothing balances, over the whole area
 THIN, BOARD = 0.02, 0.15  # least over middle side; boards may have one face alone
-TERRAIN_UP, TERRAIN_FLAT, TERRAIN_COVER = 0.85, 0.35, 0.6
+TERRAIN_UP, TERRAIN_FLAT, TERRAIN_COVER, LEVEL = 0.85, 0.35, 0.6, 0.7
 BASE_HEIGHT, BASE_AREA, BASE_SIDE = 0.12, 2.5, 1.6
 GAP, PARTNER, ALIKE = 0.04, 0.2, 0.8  # of the diagonal; shares of the largest cluster's box volume
 SLIVERS = 0.35
@@ -68,6 +68,10 @@ def _terrain(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findin
         return
     x, y, z = shape.extent
     underside = (shape.normals[:, 2] < -0.99) & (shape.vertices[shape.faces][:, :, 2].max(1) < 0.02 * z)
+    # A plate with something on it is level; land is not.
+    level = (shape.normals[:, 2] > 0.999) & (np.ptp(shape.vertices[shape.faces][:, :, 2], axis=1) < 1e-3)
+    if float(shape.areas[level].sum()) > LEVEL * x * y:
+        return
     areas, up = shape.areas[~underside], shape.area_vectors[~underside, 2]
     climbing = float(up[shape.normals[~underside, 2] > 0.3].sum())
     share = float(areas[shape.normals[~underside, 2] > 0.3].sum() / areas.sum())
@@ -83,9 +87,7 @@ def _several(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findin
         (shape.boxes[label == k, 0].min(0), shape.boxes[label == k, 1].max(0)) for k in range(int(label.max()) + 1)
     ]
     volumes = np.array([np.prod(np.maximum(high - low, 1e-4)) for low, high in boxes])
-    # A thing's own loose parts lie above or around each other; others stand beside it on the ground.
-    standing = np.array([low[2] < 0.1 * shape.extent[2] for low, _ in boxes])
-    large = (volumes > PARTNER * volumes.max()) & standing
+    large = volumes > PARTNER * volumes.max()
     # A rack's hoops are alike and make up a rack; two cars are alike and make up nothing as wide as they are long.
     alike = (
         row is not None

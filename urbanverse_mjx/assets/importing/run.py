@@ -34,7 +34,6 @@ from .work import (
     OBJECTS,
     PREVIEW,
     RECORD,
-    VIEWS,
     Made,
     Task,
     draw,
@@ -290,7 +289,7 @@ def _ask(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]
         if outcome.reason:
             notes.append(f"not annotated by the endpoint: {outcome.sentence}")
             return task, Outcome()
-    pictures = [(task.staging / view_name(k)).read_bytes() for k in range(VIEWS)]
+    pictures = [(task.staging / view_name(k)).read_bytes() for k in range(4)]
     try:
         seen, complaints = vision.annotate(options.endpoint, pictures, task.path.name)
     except vision.VisionError as error:

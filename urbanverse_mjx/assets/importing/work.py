@@ -26,7 +26,6 @@ from .shape import Shape
 
 MESH, RECORD, ANNOTATION, PREVIEW = "asset.glb", "record.json", "annotation.json", "preview.glb"
 OBJECTS = "objects"
-VIEWS = 4
 VIEW_SIZE = (256, 256)  # pixels
 
 
@@ -73,7 +72,7 @@ def make_asset(task: Task) -> Made:
     said = official_fields(task.path, source.extras)
     fields = {**task.seen, **said}
     licence = licence_of(fields, source.extras, source.copyright, task.licence)
-    leaf, findings = _leaf(task, source, fields)
+    leaf, misnamed = _leaf(task, source, fields)
     row = prior(leaf) if leaf else None
     vertices, faces, uv, texture = bake(source.parts)
     placement = None
@@ -82,7 +81,7 @@ def make_asset(task: Task) -> Made:
         used = vertices[np.unique(faces)]
         placement = place(used, source.y_up, row, sizes, fields.get("frontView"))
     upright = Shape.of(vertices @ _rotation(source, placement).T, faces)
-    findings += find_in_shape(upright, source, row)
+    findings = find_in_shape(upright, source, row) + misnamed
     if leaf and placement:
         findings += _scale_findings(placement, leaf)
     notes = [*source.notes, *(placement.steps if placement else ())]
@@ -193,10 +192,9 @@ def draw(staging: pathlib.Path, mesh_name: str) -> None:
     from PIL import Image
 
     try:
-        from ..gallery import render_row
+        from .pictures import render_views
 
-        mesh = read_glb(staging / mesh_name)
-        pictures = [render_row([mesh], VIEW_SIZE, yaw_deg=-90.0 * k) for k in range(VIEWS)]
+        pictures = render_views(read_glb(staging / mesh_name), VIEW_SIZE)
     except (ImportError, RuntimeError, AttributeError, OSError) as error:
         raise NounError(f"no pictures: {type(error).__name__}: {str(error)[:120]}; try MUJOCO_GL=egl.") from error
     for k, picture in enumerate(pictures):
