@@ -43,7 +43,7 @@ def mesh_of(leaf: str) -> tuple[AssetRecord, AssetMesh]:
     return record, build_mesh(record)
 
 
-def scaled(mesh: AssetMesh, factor: float | tuple[float, float, float]) -> AssetMesh:
+def scaled(mesh: AssetMesh, factor: float) -> AssetMesh:
     return AssetMesh(mesh.vertices * np.float32(factor), mesh.faces, mesh.uv, mesh.texture)
 
 

@@ -128,39 +128,44 @@ def leaf_in(texts: Sequence[str]) -> str | None:
     return None
 
 
-#: What files say of their licence -> its usual name. Keys are compared without case, spaces, dots and hyphens.
-LICENCES = {
-    **dict.fromkeys(("cc0", "cc0 1.0", "public domain", "creativecommons.org/publicdomain/zero/1.0"), "CC0-1.0"),
-    **dict.fromkeys(("by", "cc by", "cc by 4.0", "cc attribution", "creativecommons.org/licenses/by/4.0"), "CC-BY-4.0"),
-    **dict.fromkeys(("by sa", "cc by sa", "cc by sa 4.0", "creativecommons.org/licenses/by-sa/4.0"), "CC-BY-SA-4.0"),
-    **dict.fromkeys(("by nc", "cc by nc", "cc by nc 4.0", "creativecommons.org/licenses/by-nc/4.0"), "CC-BY-NC-4.0"),
-    **dict.fromkeys(("by nc sa", "cc by nc sa 4.0", "creativecommons.org/licenses/by-nc-sa/4.0"), "CC-BY-NC-SA-4.0"),
-    **{name: name for name in ("Apache-2.0", "MIT", "BSD-3-Clause", "ODC-BY-1.0", "CC-BY-ND-4.0", "CC-BY-NC-ND-4.0")},
-}
+_CC = re.compile(r"(?:^|cc[\s-]*|licenses/)(by(?:[\s-]*(?:nc|sa|nd))*)\b[\s/-]*v?(\d\.\d)?", re.IGNORECASE)
+_CC0 = re.compile(r"\bcc[\s-]?0\b|public\s?domain", re.IGNORECASE)
+_OTHERS = ("Apache-2.0", "MIT", "BSD-3-Clause", "ODC-BY-1.0", "GPL-3.0")
 _FORBIDDING = re.compile(r"all rights reserved|do not (?:re)?distribute|proprietary", re.IGNORECASE)
 
 
-def _plain(text: str) -> str:
-    return re.sub(r"https?://|[\s.\-_/()]", "", text.lower())
+def known_licence(text: str) -> str | None:
+    """The usual name of a licence that a text speaks of ("by-nc", "CC BY 4.0", an address of it); None where unknown.
+
+    Creative Commons without a version counts as 4.0, as in Objaverse's short names.
+    """
+    if _CC0.search(text):
+        return "CC0-1.0"
+    if found := _CC.search(text.strip()):
+        return "-".join(["CC", *re.findall(r"by|nc|sa|nd", found[1].lower()), found[2] or "4.0"]).upper()
+    return next((name for name in _OTHERS if re.search(rf"\b{re.escape(name)}\b", text, re.IGNORECASE)), None)
 
 
 def licence_of(fields: Mapping[str, Any], extras: Mapping[str, Any], copyright_text: str, default: str | None) -> str:
     """The licence that an asset is under: its annotation's, its file's, else the one the user named.
 
+    A copyright notice is a licence only where it names one.
+
     Raises:
-      RefusedFileError: none is stated, or one that forbids use.
+      RefusedFileError: none is stated, or its use is forbidden.
     """
     info = fields.get("license_info")
     stated = [info.get("license") if isinstance(info, dict) else info]
-    stated += [fields.get("license"), extras.get("license"), extras.get("licence"), copyright_text, default]
-    text = next((s.strip() for s in stated if isinstance(s, str) and s.strip()), "")
-    if not text:
+    stated += [fields.get("license"), extras.get("license"), extras.get("licence")]
+    texts = [s.strip() for s in stated if isinstance(s, str) and s.strip()]
+    texts += [copyright_text] if known_licence(copyright_text) else []
+    for text in (*texts[:1], copyright_text):
+        if _FORBIDDING.search(text):
+            raise RefusedFileError("no licence", f"forbids its use ({text[:80]!r})")
+    texts += [default] if default else []
+    if not texts:
         raise RefusedFileError("no licence", "states no licence; name the one you have with --licence")
-    if _FORBIDDING.search(text):
-        raise RefusedFileError("no licence", f"forbids its use ({text[:80]!r})")
-    known = {_plain(key): name for key, name in LICENCES.items()} | {_plain(n): n for n in LICENCES.values()}
-    found = known.get(_plain(text)) or next((n for k, n in known.items() if len(k) > 6 and k in _plain(text)), None)
-    return found or " ".join(text.split())[:200]
+    return known_licence(texts[0]) or " ".join(texts[0].split())[:200]
 
 
 @dataclasses.dataclass(frozen=True)

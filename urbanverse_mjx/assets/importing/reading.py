@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
+import trimesh.resolvers
 from PIL import Image
 from trimesh.visual.texture import TextureVisuals
 
@@ -129,8 +130,7 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
     for solid in solids:
         _check(solid)
     parts = tuple(_part(solid, kind != "obj") for solid in solids)
-    asset = tree.get("asset") if isinstance(tree.get("asset"), dict) else {}
-    extras = asset.get("extras") if isinstance(asset.get("extras"), dict) else {}
+    asset = _object(tree, "asset")
     notes = [f"found no file {name!r}" for name in neighbours.missing]
     largest = max(solids, key=lambda s: s.area)
     return Source(
@@ -139,10 +139,15 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
         _names(tree) if tree else _obj_names(path),
         str(asset.get("generator", ""))[:200],
         str(asset.get("copyright", ""))[:500],
-        extras,
+        _object(asset, "extras"),
         *_surface(largest),
         tuple(notes),
     )
+
+
+def _object(tree: dict[str, Any], name: str) -> dict[str, Any]:
+    value = tree.get(name)
+    return value if isinstance(value, dict) else {}
 
 
 def _check(solid: trimesh.Trimesh) -> None:

@@ -282,13 +282,13 @@ def _import_file(
 def _ask(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]:
     """The task with what the vision endpoint says; where it says nothing usable, the priors must do."""
     assert options.endpoint is not None
-    for step in ((write_preview, task), (draw, task.staging, PREVIEW)):
-        outcome = contained(*step, bounds=options.bounds)
-        if outcome.reason and step[0] is write_preview:
-            return task, outcome
-        if outcome.reason:
-            notes.append(f"not annotated by the endpoint: {outcome.sentence}")
-            return task, Outcome()
+    outcome = contained(write_preview, task, bounds=options.bounds)
+    if outcome.reason:
+        return task, outcome
+    drawn = contained(draw, task.staging, PREVIEW, bounds=options.bounds)
+    if drawn.reason:
+        notes.append(f"annotated from the priors: {drawn.sentence}")
+        return task, Outcome()
     pictures = [(task.staging / view_name(k)).read_bytes() for k in range(4)]
     try:
         seen, complaints = vision.annotate(options.endpoint, pictures, task.path.name)
