@@ -33,7 +33,7 @@ GOOD_GLB = {
     "picnic table": "wooden picnic table.glb",
     "jersey barrier": "jersey_barrier.glb",
     "telephone booth": "telephone booth.glb",
-    "rock": "rock.glb",
+    "rock": "a\nrock.glb",
     "manhole cover": "manhole cover.glb",
 }
 
@@ -51,7 +51,7 @@ def write_good(folder: pathlib.Path) -> dict[str, AssetRecord]:
     """20 good files; file name -> the record whose box and leaf the import must find again."""
     wanted = {}
     for leaf, name in GOOD_GLB.items():
-        wanted[name], mesh = mesh_of(leaf)
+        wanted[name.replace("\n", "\\n")], mesh = mesh_of(leaf)
         (folder / name).write_bytes(glb_bytes(mesh, None, LICENCE))
     for leaf, unit in (("sedan", 100.0), ("bus shelter", 1000.0), ("dumpster", 1 / 0.0254), ("taxi", 5.0)):
         name = f"{leaf} x{unit:.0f}.glb"
@@ -197,12 +197,18 @@ def write_hostile(folder: pathlib.Path) -> dict[str, str]:
     climbing = split_gltf(mesh, folder, "bench") | {"images": [{"uri": "..%2f../secret.png"}]}
     absolute = split_gltf(mesh, folder, "bench")
     absolute["buffers"][0]["uri"] = "file:///secret.bin"
+    bomb = split_gltf(mesh, folder, "bench") | {"images": [{"uri": "bomb.png"}]}
+    Image.new("1", (20_000, 20_000)).save(folder / "bomb.png")  # 48 kB of file, 400 million pixels
     files: dict[str, tuple[str, bytes]] = {
         "cut bench.glb": ("truncated", good[: len(good) // 2]),
         "headless bench.glb": ("truncated", good[:10]),
         "empty bench.glb": ("empty", b""),
         "text bench.glb": ("malformed", b"this is no mesh, whatever its name says"),
         "nan bench.glb": ("not finite", _quietly(nan)),
+        "chained bench.glb": ("too many nodes", patched(good, _chain)),
+        "null bench.glb": ("malformed", patched(good, lambda t: t.update(nodes=None, scenes=None))),
+        "viewless bench.glb": ("absurd numbers", patched(good, lambda t: t.update(accessors=[]))),
+        "bomb bench.gltf": ("no texture", json.dumps(bomb).encode()),
         "cyclic bench.glb": ("cyclic nodes", patched(good, _cyclic)),
         "million bench.glb": ("too many nodes", patched(good, lambda t: t.update(nodes=[{}] * 1_000_000))),
         "absurd bench.glb": ("absurd numbers", patched(good, lambda t: t["accessors"][0].update(count=2**31))),
@@ -235,6 +241,10 @@ def write_hostile(folder: pathlib.Path) -> dict[str, str]:
 
 def _triangles() -> bytes:
     return b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+
+
+def _chain(tree: dict[str, Any]) -> None:
+    tree["nodes"] = [{"children": [k + 1]} for k in range(5000)] + [{}]
 
 
 def _cyclic(tree: dict[str, Any]) -> None:

@@ -201,7 +201,7 @@ def test_a_folder_without_meshes_and_a_busy_store_are_refused(store: pathlib.Pat
 
 def test_a_changed_mesh_is_not_taken_for_the_imported_one(street) -> None:
     _, cache, _, _, entries = street
-    record = imported_index().get(entries["rock.glb"].uid)
+    record = imported_index().get(entries["a\\nrock.glb"].uid)
     path = cache / "assets" / "imported" / record.params["path"]
     body = path.read_bytes()
     path.write_bytes(body + b" ")

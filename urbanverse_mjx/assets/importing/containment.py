@@ -68,6 +68,20 @@ def contained(function: Callable[..., Any], *args: Any, bounds: Bounds = Bounds(
             process.join()
 
 
+def check_workers() -> None:
+    """Makes sure that processes start at all, before any file is blamed.
+
+    Raises:
+      NounError: they do not, as under a script on standard input or one without a main guard.
+    """
+    outcome = contained(os.getpid)
+    if outcome.reason:
+        raise NounError(
+            f"worker process: found that none starts ({outcome.sentence}), needed one; call this from a script file "
+            'under `if __name__ == "__main__":`, or use the command line.'
+        )
+
+
 def _late(bounds: Bounds) -> str:
     return f"took more than {bounds.seconds:g} s"
 

@@ -205,4 +205,4 @@ def _cad(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
 
 def _texture(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]:
     if not _textured(source) and not _coloured(source):
-        yield Finding(NO_TEXTURE, "one colour all over")
+        yield Finding(NO_TEXTURE, "; ".join(("one colour all over", *source.notes[-1:])))

@@ -132,6 +132,8 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
     parts = tuple(_part(solid, kind != "obj") for solid in solids)
     asset = _object(tree, "asset")
     notes = [f"found no file {name!r}" for name in neighbours.missing]
+    if tree.get("images") and all(part.picture is None for part in parts):
+        notes.append(f"its pictures are missing, damaged or of more than {MAX_PICTURE_PIXELS} pixels")
     largest = max(solids, key=lambda s: s.area)
     return Source(
         parts,

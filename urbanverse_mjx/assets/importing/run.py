@@ -26,7 +26,7 @@ from ..index import AssetIndex, save_index
 from ..user_store import INDEX
 from . import vision
 from .annotation import catalogue_row
-from .containment import Bounds, Outcome, contained
+from .containment import Bounds, Outcome, check_workers, contained
 from .screening import LIMITS, SUFFIXES
 from .work import (
     ANNOTATION,
@@ -99,12 +99,13 @@ def import_folder(
       progress: called with (files done, files in all, entry) as each file ends.
 
     Raises:
-      NounError: no such folder, no mesh file in it, or another import is running.
+      NounError: no such folder, no mesh file in it, another import is running, or no process can be started.
     """
     folder, root = pathlib.Path(folder).absolute(), imported_assets()
     files = list(mesh_files(folder))
     if not files:
         raise NounError(f"{folder}: found no file ending in {', '.join(SUFFIXES)}, needed at least one.")
+    check_workers()
     root.mkdir(parents=True, exist_ok=True)
     with _alone(root), (root / JOURNAL).open("a", encoding="utf-8") as journal:
         shutil.rmtree(root / "staging", ignore_errors=True)
@@ -187,7 +188,7 @@ def _run(
     entries: list[Entry] = []
 
     def one(path: pathlib.Path) -> None:
-        name = os.fsencode(path.relative_to(folder).as_posix()).decode("utf-8", "backslashreplace")
+        name = printable(path.relative_to(folder).as_posix())
         key, sha256 = _key(path, options)
         known = done.get(key)
         entry = (
@@ -211,6 +212,11 @@ def _run(
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
     return sorted(entries, key=lambda e: e.file)
+
+
+def printable(name: str) -> str:
+    """A file's name without what terminals, XML and JSON readers trip over: such characters are spelled out."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in name)
 
 
 def _key(path: pathlib.Path, options: Options) -> tuple[str, str]:
