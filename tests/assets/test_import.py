@@ -140,6 +140,7 @@ def test_a_second_import_reads_the_journal(street, monkeypatch: pytest.MonkeyPat
     (root / "journal.jsonl").write_text(journal[:-40], encoding="utf-8")
     import_folder(folder, QUICK, quiet)
     assert made == [lost]
+    assert json.loads((root / "journal.jsonl").read_text(encoding="utf-8").splitlines()[-1])["file"] == lost
     (root / "journal.jsonl").write_text(journal, encoding="utf-8")
     import_folder(folder, Options(pictures=False, licence="MIT"), quiet)
     assert len(made) == 1 + len(entries), "another licence is another import"

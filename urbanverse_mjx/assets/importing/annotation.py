@@ -21,7 +21,7 @@ from ..materials import AIR, FINISHES, HARDNESS, material
 from ..physical import GRAVITY, ONE_PERSON_PUSH, ROLLING, composition, sample_meshes
 from ..priors import COMPOSITIONS, TRAVERSABILITY, prior
 from ..user_store import FILE_RECIPE
-from .screening import RefusedFileError
+from .screening import RefusedFileError, inside
 
 Check = Callable[[Any, str], Any]
 
@@ -91,7 +91,7 @@ def checked(raw: Mapping[str, Any], where: str) -> tuple[dict[str, Any], list[st
     return fields, complaints
 
 
-def official_fields(mesh_path: pathlib.Path, extras: Mapping[str, Any]) -> dict[str, Any]:
+def official_fields(mesh_path: pathlib.Path, folder: pathlib.Path, extras: Mapping[str, Any]) -> dict[str, Any]:
     """The official annotation beside a mesh file (`name.json`), or inside it (`asset.extras`); empty without one.
 
     Raises:
@@ -99,6 +99,7 @@ def official_fields(mesh_path: pathlib.Path, extras: Mapping[str, Any]) -> dict[
     """
     path = mesh_path.with_suffix(".json")
     if path.is_file():
+        inside(folder, path.parent, f"./{path.name}")
         try:
             raw = v.read_json(path, "annotation")
         except NounError as error:

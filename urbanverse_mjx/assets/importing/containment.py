@@ -17,6 +17,9 @@ from .screening import RefusedFileError
 
 CRASHED, TIME, MEMORY, UNABLE = "crashed", "out of time", "out of memory", "not possible"
 
+#: Reasons that may lie with the machine rather than the file.
+FAILURES = (CRASHED, TIME, MEMORY, UNABLE)
+
 
 @dataclasses.dataclass(frozen=True)
 class Bounds:
@@ -57,7 +60,7 @@ def contained(function: Callable[..., Any], *args: Any, bounds: Bounds = Bounds(
     there.close()
     try:
         return here.recv() if here.poll(bounds.seconds) else Outcome(reason=TIME, sentence=_late(bounds))
-    except EOFError:  # it died before it could answer
+    except (EOFError, OSError):  # it died before it could answer
         process.join(10)
         return _death(process.exitcode, bounds)
     finally:

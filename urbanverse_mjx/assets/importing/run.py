@@ -26,7 +26,7 @@ from ..index import AssetIndex, save_index
 from ..user_store import INDEX
 from . import vision
 from .annotation import catalogue_row
-from .containment import Bounds, Outcome, check_workers, contained
+from .containment import FAILURES, Bounds, Outcome, check_workers, contained
 from .screening import LIMITS, SUFFIXES
 from .work import (
     ANNOTATION,
@@ -109,6 +109,8 @@ def import_folder(
     root.mkdir(parents=True, exist_ok=True)
     with _alone(root), (root / JOURNAL).open("a", encoding="utf-8") as journal:
         shutil.rmtree(root / "staging", ignore_errors=True)
+        if journal.tell() and not (root / JOURNAL).read_bytes().endswith(b"\n"):
+            journal.write("\n")  # the last line was cut off: the next one must not be lost with it
         done = {} if options.again else _resumable(root)
         try:
             entries = _run(files, folder, root, options, done, journal, progress)
@@ -162,7 +164,8 @@ def _alone(root: pathlib.Path) -> Iterator[None]:
 
 
 def _resumable(root: pathlib.Path) -> dict[str, Entry]:
-    """key -> entry of the journal; a line that was cut off, or whose asset is gone, does not count."""
+    """key -> entry of the journal. A line that was cut off, or whose asset is gone, does not count; nor does a refusal
+    that may be the machine's fault."""
     found: dict[str, Entry] = {}
     for line in (root / JOURNAL).read_text(encoding="utf-8", errors="replace").splitlines():
         try:
@@ -170,7 +173,7 @@ def _resumable(root: pathlib.Path) -> dict[str, Entry]:
             entry = Entry(**{**row, "findings": tuple(map(tuple, row["findings"])), "notes": tuple(row["notes"])})
         except (ValueError, TypeError, KeyError):
             continue
-        if entry.uid is None or (_home(root, entry.key) / RECORD).is_file():
+        if entry.reason not in FAILURES and (entry.uid is None or (_home(root, entry.key) / RECORD).is_file()):
             found[entry.key] = entry
     return found
 
@@ -189,7 +192,7 @@ def _run(
 
     def one(path: pathlib.Path) -> None:
         name = printable(path.relative_to(folder).as_posix())
-        key, sha256 = _key(path, options)
+        key, sha256 = _key(path, name, options)
         known = done.get(key)
         entry = (
             dataclasses.replace(known, file=name)
@@ -219,7 +222,7 @@ def printable(name: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in name)
 
 
-def _key(path: pathlib.Path, options: Options) -> tuple[str, str]:
+def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
     """(key of a file and all that decides what becomes of it, SHA-256 of the file)."""
     digest, content = hashlib.sha256(), hashlib.sha256()
     with contextlib.suppress(OSError):
@@ -230,9 +233,8 @@ def _key(path: pathlib.Path, options: Options) -> tuple[str, str]:
         else:
             content.update(f"{status.st_mode} {status.st_size}".encode())
         beside = [path.with_suffix(".json")]
-        if (
-            path.suffix.lower() != ".glb"
-        ):  # materials, buffers and pictures lie beside; a change of one shows in its time
+        # Materials, buffers and pictures lie beside other files than GLB; a change of one shows in its time.
+        if path.suffix.lower() != ".glb":
             beside = sorted(p for p in path.parent.iterdir() if p.is_file())
         for other in beside:
             if other.is_file():
@@ -240,11 +242,7 @@ def _key(path: pathlib.Path, options: Options) -> tuple[str, str]:
                     f"{other.name} {other.stat().st_size} {other.stat().st_mtime_ns}\n".encode("utf-8", "replace")
                 )
     model = options.endpoint.model if options.endpoint else ""
-    digest.update(
-        f"{VERSION} {content.hexdigest()} {path.suffix.lower()} {options.licence} {model} {path.name}".encode(
-            "utf-8", "replace"
-        )
-    )
+    digest.update(f"{VERSION} {content.hexdigest()} {options.licence} {model} {name}".encode("utf-8", "replace"))
     return digest.hexdigest()[:32], content.hexdigest()
 
 

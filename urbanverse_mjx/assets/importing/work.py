@@ -69,7 +69,7 @@ def make_asset(task: Task) -> Made:
       NounError: CoACD is needed and not installed.
     """
     source = read_source(task.path, task.folder)
-    said = official_fields(task.path, source.extras)
+    said = official_fields(task.path, task.folder, source.extras)
     fields = {**task.seen, **said}
     licence = licence_of(fields, source.extras, source.copyright, task.licence)
     leaf, misnamed = _leaf(task, source, fields)
