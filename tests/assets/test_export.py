@@ -167,6 +167,17 @@ def test_every_format_carries_the_annotation(form: str, tmp_path) -> None:
     assert not [p for p in path.parent.iterdir() if p.name.startswith(".")]
 
 
+def test_a_glb_says_what_it_is(tmp_path) -> None:
+    record, mesh = RECORDS[1], build_mesh(RECORDS[1])
+    body = export_asset(record, tmp_path, "glb").read_bytes()
+    told = json.loads(body[20 : 20 + int.from_bytes(body[12:16], "little")])["asset"]
+    assert told["copyright"] == record.licence
+    assert (told["extras"]["mass"], told["extras"]["category"]) == (record.mass, "bench")
+    again = trimesh.load_mesh(tmp_path / f"{record.uid.replace('/', '--')}.glb", process=False)
+    volume = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).volume
+    assert again.volume == pytest.approx(volume, rel=1e-5)
+
+
 def test_an_unknown_format_is_refused(tmp_path) -> None:
     with pytest.raises(NounError, match="'fbx', needed one of glb, obj, mjcf, usd"):
         export_asset(RECORDS[0], tmp_path, "fbx")
