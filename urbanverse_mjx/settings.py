@@ -7,9 +7,13 @@
 | `URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it |
 | `URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it |
 | `URBANVERSE_BANK` | the scene bank that environments load | in the cache, named by what it is made of |
+| `URBANVERSE_VISION_URL` | OpenAI-compatible endpoint that describes imported assets, up to `/v1` | none: priors |
+| `URBANVERSE_VISION_KEY` | its key, where it wants one | none |
+| `URBANVERSE_VISION_MODEL` | the model it shall use | none: needed with the address |
 | `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use |
 """
 
+import dataclasses
 import hashlib
 import os
 import pathlib
@@ -37,6 +41,37 @@ def asset_root() -> pathlib.Path:
       NounError: the folder named by `URBANVERSE_ASSET_ROOT`, or the one that belongs to the package, is not there.
     """
     return _data_root("assets_index", "URBANVERSE_ASSET_ROOT")
+
+
+def imported_assets() -> pathlib.Path:
+    """Folder of the assets that this user imported, in the cache. It is not created here."""
+    return cache_dir("assets", "imported")
+
+
+@dataclasses.dataclass(frozen=True)
+class VisionEndpoint:
+    """Where pictures are sent to be described; `key` is empty where the endpoint wants none."""
+
+    url: str
+    model: str
+    key: str = dataclasses.field(default="", repr=False)
+
+
+def vision_endpoint() -> VisionEndpoint | None:
+    """The endpoint that the environment names, or None: without an address nothing is ever sent.
+
+    Raises:
+      NounError: an address that is not http or https, or no model beside it.
+    """
+    url = os.environ.get("URBANVERSE_VISION_URL", "").strip().rstrip("/")
+    if not url:
+        return None
+    if not url.startswith(("http://", "https://")):
+        raise _fail("URBANVERSE_VISION_URL", repr(url), "an address with http or https", "unset it to use the priors")
+    model = os.environ.get("URBANVERSE_VISION_MODEL", "").strip()
+    if not model:
+        raise _fail("URBANVERSE_VISION_MODEL", "nothing", "a model's name", "or unset URBANVERSE_VISION_URL")
+    return VisionEndpoint(url, model, os.environ.get("URBANVERSE_VISION_KEY", "").strip())
 
 
 def scene_root() -> pathlib.Path:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets import build_mesh, load_index
-from urbanverse_mjx.assets.export import export_glb, read_glb
+from urbanverse_mjx.assets.export import export_glb
+from urbanverse_mjx.assets.glb import read_glb
 from urbanverse_mjx.assets.index import AssetIndex, build_index, save_index
 from urbanverse_mjx.assets.ontology import categories
 from urbanverse_mjx.datatypes import NounError

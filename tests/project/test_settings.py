@@ -11,6 +11,7 @@ ROOT = pathlib.Path(__file__).parents[2]
 VARIABLES = (
     "XDG_CACHE_HOME",
     *(f"URBANVERSE_{name}" for name in ("CACHE", "ASSET_ROOT", "SCENE_ROOT", "BANK", "THREADS")),
+    *(f"URBANVERSE_VISION_{name}" for name in ("URL", "KEY", "MODEL")),
 )
 
 
@@ -85,3 +86,18 @@ def test_threads(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv("URBANVERSE_THREADS", wrong)
         with pytest.raises(NounError, match="URBANVERSE_THREADS"):
             settings.num_threads()
+
+
+def test_a_vision_endpoint_only_where_one_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("URBANVERSE_VISION_KEY", "secret")
+    assert settings.vision_endpoint() is None
+    monkeypatch.setenv("URBANVERSE_VISION_URL", "http://127.0.0.1:8000/v1/")
+    with pytest.raises(NounError, match="URBANVERSE_VISION_MODEL"):
+        settings.vision_endpoint()
+    monkeypatch.setenv("URBANVERSE_VISION_MODEL", "a-model")
+    found = settings.vision_endpoint()
+    assert found == settings.VisionEndpoint("http://127.0.0.1:8000/v1", "a-model", "secret")
+    assert "secret" not in repr(found)
+    monkeypatch.setenv("URBANVERSE_VISION_URL", "ftp://somewhere")
+    with pytest.raises(NounError, match="URBANVERSE_VISION_URL"):
+        settings.vision_endpoint()

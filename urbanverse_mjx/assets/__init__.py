@@ -1,7 +1,7 @@
 """Metric street assets: ontology, index, parametric recipes, collision hulls, export."""
 
 from .hulls import load_hulls
-from .index import AssetIndex, build_mesh, load_index
+from .index import AssetIndex, build_mesh, full_index, imported_index, load_index
 from .ontology import UnknownLabelError, category_of, match_label, nearest_leaves
 
 __all__ = [
@@ -9,6 +9,8 @@ __all__ = [
     "UnknownLabelError",
     "build_mesh",
     "category_of",
+    "full_index",
+    "imported_index",
     "load_hulls",
     "load_index",
     "match_label",

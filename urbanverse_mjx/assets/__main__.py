@@ -6,6 +6,9 @@ import tyro
 from rich.console import Console
 from rich.progress import track
 
+from .export_command import export
+from .importing.command import import_assets
+
 
 def build() -> None:
     """Writes assets_index/index.parquet from the recipes."""
@@ -43,23 +46,6 @@ def gallery(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), columns:
     index = load_index()
     path = contact_sheet(index, out, columns=columns)
     Console().print(f"{path}: {len(index.leaves)} leaves, {path.stat().st_size} bytes")
-
-
-def export(out: pathlib.Path, leaf: str | None = None) -> None:
-    """Writes assets as GLB files.
-
-    Args:
-      out: folder to write into.
-      leaf: only this leaf.
-    """
-    from .export import export_glb
-    from .index import load_index
-
-    index = load_index()
-    records = index.records if leaf is None else index.by_leaf(leaf)
-    for record in track(records, "GLB files"):
-        export_glb(record, out / (record.uid.replace("/", "--") + ".glb"))
-    Console().print(f"{out}: {len(records)} GLB files")
 
 
 def catalogue(out: pathlib.Path | None = None) -> None:
@@ -106,6 +92,7 @@ COMMANDS = {
     "hulls": hulls,
     "gallery": gallery,
     "export": export,
+    "import": import_assets,
     "catalogue": catalogue,
     "labels": labels,
 }

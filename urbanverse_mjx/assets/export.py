@@ -1,68 +1,125 @@
-"""GLB files of assets, texture inside, for other tools; z up becomes glTF's y up."""
+"""Assets for other tools: GLB, OBJ, MJCF or USD, and beside each the annotation under the official field names.
 
-import io
+All files are in metres. GLB is y up with its front along +z, as glTF wants; OBJ, MJCF and USD keep the asset frame
+(+x front, +y left, z up, origin on the ground under the centre).
+"""
+
 import os
 import pathlib
+from collections.abc import Callable, Mapping
+from typing import Any
 
-import numpy as np
-import trimesh
-from PIL import Image
-from trimesh.exchange import gltf
-from trimesh.visual.material import PBRMaterial
-from trimesh.visual.texture import TextureVisuals
+from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes.validation import write_atomically, write_json
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError
-from urbanverse_mjx.datatypes.validation import write_atomically
-
+from .export_mjcf import mjcf_text
+from .export_usd import write_usd
+from .glb import glb_bytes
+from .hulls import load_hulls
 from .index import build_mesh
+from .obj import mtl_text, obj_text, png_bytes
 
-# glTF's frame is y up with its front along +z (glTF 2.0, section 3.4): our (x front, y left, z up) becomes (left, up,
-# front).
-_TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
-
-
-def glb_bytes(mesh: AssetMesh) -> bytes:
-    """The mesh as one binary glTF file."""
-    # trimesh counts v from the bottom, as `AssetMesh` does, and turns it over for glTF itself.
-    material = PBRMaterial(
-        baseColorTexture=Image.fromarray(mesh.texture),
-        roughnessFactor=mesh.roughness,
-        metallicFactor=mesh.metallic,
-        doubleSided=False,
-    )
-    visual = TextureVisuals(uv=mesh.uv.astype(np.float64), material=material)
-    solid = trimesh.Trimesh(mesh.vertices @ _TO_GLTF.T, mesh.faces, visual=visual, process=False)
-    return gltf.export_glb(trimesh.Scene({"asset": solid}))
+Path = str | os.PathLike[str]
+OBJ_REMARK = "metres; z up, front along +x"
 
 
-def export_glb(record: AssetRecord, path: str | os.PathLike[str]) -> pathlib.Path:
-    """Writes an asset of the index as GLB."""
-    body = glb_bytes(build_mesh(record))
+def official_annotation(record: AssetRecord) -> dict[str, Any]:
+    """What a record says, under the field names and in the units of UrbanVerse-100K's annotation files."""
+    top, middle, leaf = record.category
+    return {
+        "uid": record.uid,
+        "class_name_l1": top,
+        "class_name_l2": middle,
+        "class_name_l3": leaf,
+        "category": leaf,
+        "description": record.description,
+        "height": record.height,
+        "max_dimension": max(record.extent_xyz),
+        "length": record.length,
+        "width": record.width,
+        "materials": list(record.materials),
+        "mass": record.mass,
+        "frontView": 0,
+        "movable": record.movable,
+        "required_force": record.required_force,
+        "friction_coefficient": record.friction_coefficient,
+        "license_info": {"license": record.licence, "uri": record.provenance},
+    }
+
+
+def export_glb(record: AssetRecord, path: Path) -> pathlib.Path:
+    """Writes an asset as GLB, texture inside; `asset.extras` holds its annotation."""
+    body = glb_bytes(build_mesh(record), official_annotation(record), record.licence)
     return write_atomically(path, lambda temporary: temporary.write_bytes(body))
 
 
-def read_glb(source: bytes | str | os.PathLike[str]) -> AssetMesh:
-    """Reads a GLB of one textured mesh, as `export_glb` writes it, back into the asset frame.
+def export_obj(record: AssetRecord, path: Path) -> pathlib.Path:
+    """Writes an asset as OBJ, with its material (`.mtl`) and texture (`.png`) beside it."""
+    path, mesh = pathlib.Path(path), build_mesh(record)
+    texture, material = _beside(path, ".png"), _beside(path, ".mtl")
+    _write(texture, png_bytes(mesh.texture))
+    _write(material, mtl_text(mesh, texture.name).encode())
+    return _write(path, obj_text(mesh, material.name, f"{record.uid}; {OBJ_REMARK}").encode())
+
+
+def export_mjcf(record: AssetRecord, path: Path) -> pathlib.Path:
+    """Writes an asset as MJCF (`.xml`), with its visual mesh (`.obj`) and texture (`.png`) beside it.
 
     Raises:
-      NounError: not exactly one mesh, or a mesh without a base colour texture.
+      NounError: the asset has no collision hulls.
     """
-    body = source if isinstance(source, bytes) else pathlib.Path(source).read_bytes()
-    scene = trimesh.load_scene(io.BytesIO(body), file_type="glb", process=False)
-    solids = [g for g in scene.dump() if isinstance(g, trimesh.Trimesh)]
-    if len(solids) != 1:
-        raise NounError(f"GLB: found {len(solids)} meshes, needed one; join them in the tool that made the file.")
-    visual = solids[0].visual
-    material = getattr(visual, "material", None)
-    if not isinstance(visual, TextureVisuals) or not isinstance(material, PBRMaterial) or visual.uv is None:
-        raise NounError(
-            "GLB: found a mesh without texture coordinates, needed a textured one; bake its colours to a texture."
-        )
-    if material.baseColorTexture is None:
-        raise NounError(
-            "GLB: found a material without an image, needed a base colour texture; bake its colours to one."
-        )
-    texture = np.asarray(material.baseColorTexture.convert("RGB"))
-    roughness = 1.0 if material.roughnessFactor is None else float(material.roughnessFactor)
-    metallic = 1.0 if material.metallicFactor is None else float(material.metallicFactor)
-    return AssetMesh(solids[0].vertices @ _TO_GLTF, solids[0].faces, visual.uv, texture, roughness, metallic)
+    path, mesh, hulls = pathlib.Path(path), build_mesh(record), load_hulls(record).hulls
+    texture, visual = _beside(path, ".png"), _beside(path, ".obj")
+    _write(texture, png_bytes(mesh.texture))
+    _write(visual, obj_text(mesh, None, f"{record.uid}; {OBJ_REMARK}").encode())
+    return _write(path, mjcf_text(record, mesh, hulls, visual.name, texture.name).encode())
+
+
+def export_usd(record: AssetRecord, path: Path) -> pathlib.Path:
+    """Writes an asset as USD (`.usda` as text, `.usdc` or `.usd` in binary), with its texture (`.png`) beside it.
+
+    Raises:
+      NounError: the asset has no collision hulls, or usd-core is not installed.
+    """
+    path, mesh, hulls = pathlib.Path(path), build_mesh(record), load_hulls(record).hulls
+    texture = _beside(path, ".png")
+    _write(texture, png_bytes(mesh.texture))
+    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    try:
+        write_usd(temporary, record, mesh, hulls, texture.name)
+        return temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+#: format -> (suffix, writer).
+FORMATS: Mapping[str, tuple[str, Callable[[AssetRecord, Path], pathlib.Path]]] = {
+    "glb": (".glb", export_glb),
+    "obj": (".obj", export_obj),
+    "mjcf": (".xml", export_mjcf),
+    "usd": (".usda", export_usd),
+}
+
+
+def export_asset(record: AssetRecord, folder: Path, form: str = "glb") -> pathlib.Path:
+    """Writes an asset into a folder of its own below `folder` (a lone file for GLB), with its annotation as JSON.
+
+    Raises:
+      NounError: no such format, or the asset has no collision hulls and the format needs them.
+    """
+    if form not in FORMATS:
+        raise NounError(f"export: found the format {form!r}, needed one of {', '.join(FORMATS)}.")
+    suffix, write = FORMATS[form]
+    name = record.uid.replace("/", "--")
+    place = pathlib.Path(folder) if form == "glb" else pathlib.Path(folder) / name
+    path = write(record, place / f"{name}{suffix}")
+    write_json(place / f"{name}.json", official_annotation(record))
+    return path
+
+
+def _beside(path: pathlib.Path, suffix: str) -> pathlib.Path:
+    return path.with_suffix(suffix)
+
+
+def _write(path: pathlib.Path, body: bytes) -> pathlib.Path:
+    return write_atomically(path, lambda temporary: temporary.write_bytes(body))

@@ -19,6 +19,7 @@ from urbanverse_mjx.settings import asset_root
 
 from .index import build_mesh
 from .recipe import get_recipe
+from .user_store import FILE_RECIPE, file_hulls
 
 BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
 MILLIMETRE = 1e-3
@@ -98,8 +99,11 @@ def load_hulls(record: AssetRecord) -> HullSet:
     """The convex hulls of a record, in the asset frame at scale 1. Never runs CoACD.
 
     Raises:
-      NounError: the store holds none for this mesh; the message names the command that makes them.
+      NounError: the store (the user's, for an imported asset) holds none for this mesh; the message names the command
+        that makes them.
     """
+    if record.recipe == FILE_RECIPE:
+        return file_hulls(record)
     mesh = build_mesh(record)
     key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
     found = _store().hulls.get(key)

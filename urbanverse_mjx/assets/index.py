@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError, content_hash
 from urbanverse_mjx.datatypes.validation import write_atomically
-from urbanverse_mjx.settings import asset_root
+from urbanverse_mjx.settings import asset_root, imported_assets
 
 from . import ontology
 from .materials import AIR
@@ -21,6 +21,7 @@ from .mesh_builder import BuiltAsset
 from .physical import composition, sample_meshes
 from .priors import prior
 from .recipe import Recipe, all_recipes, get_recipe
+from .user_store import FILE_RECIPE, INDEX, file_mesh
 
 GRAVITY = 9.81  # m/s^2
 # N, what one person pushes for a moment; ISO 11228-2 tabulates 200-300 N of initial force for 90 % of adults.
@@ -168,11 +169,14 @@ def _from_prior(recipe: Recipe, uid: str, built: BuiltAsset, volume: float) -> d
 
 
 def build_mesh(record: AssetRecord) -> AssetMesh:
-    """The mesh of a record, built by its recipe.
+    """The mesh of a record: built by its recipe, or read from the user's store.
 
     Raises:
-      NounError: this version of the package has no such recipe, or builds something else under its name.
+      NounError: this version of the package has no such recipe, or builds something else under its name; or the file is
+        missing or not the one that was imported.
     """
+    if record.recipe == FILE_RECIPE:
+        return file_mesh(record)
     return _build_cached(record.recipe, record.leaf, int(record.params["variant"]), record.extent_xyz, record.uid)
 
 
@@ -211,12 +215,27 @@ def load_index(path: str | os.PathLike[str] | None = None) -> AssetIndex:
     return _load_cached(pathlib.Path(path or asset_root() / "index.parquet"))
 
 
+def imported_index() -> AssetIndex:
+    """The index of the assets that this user imported; empty where there are none."""
+    path = imported_assets() / INDEX
+    return AssetIndex(_read_index(path)) if path.is_file() else AssetIndex(())
+
+
+def full_index() -> AssetIndex:
+    """The packaged index and the imported assets as one."""
+    return AssetIndex((*load_index().records, *imported_index().records))
+
+
 @functools.lru_cache(maxsize=4)
 def _load_cached(path: pathlib.Path) -> AssetIndex:
     if not path.is_file():
         raise NounError(f"{path}: found no such file, needed the asset index; build it with `{REBUILD}`.")
+    return AssetIndex(_read_index(path))
+
+
+def _read_index(path: pathlib.Path) -> list[AssetRecord]:
     rows = pq.read_table(path).to_pylist()
-    return AssetIndex(
+    return [
         AssetRecord.from_json({**row, "params": json.loads(row["params"])}, f"{path.name}[{i}]")
         for i, row in enumerate(rows)
-    )
+    ]

@@ -1,0 +1,235 @@
+"""Loads a screened file: triangles, texture coordinates, pictures, and what the file says of itself."""
+
+import dataclasses
+import os
+import pathlib
+import re
+from typing import Any
+
+import numpy as np
+import trimesh
+import trimesh.resolvers
+from PIL import Image
+from trimesh.visual.texture import TextureVisuals
+
+from .screening import LIMITS, Limits, RefusedFileError, inside, screen
+
+MAX_PICTURE_BYTES = 256 * 2**20
+MAX_PICTURE_PIXELS = 64 * 10**6
+WHITE = (255.0, 255.0, 255.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Part:
+    """Triangles with one material, in the file's own frame and unit.
+
+    Attributes:
+      vertices: (V, 3); faces: (F, 3).
+      uv: (V, 2) from the picture's lower left corner, or None.
+      picture: (H, W, 3) uint8, or None.
+      color: (3,) sRGB 0-255, what the picture is multiplied by, or the colour itself.
+      colors: (V, 3) sRGB 0-255 of each vertex, or None.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray | None
+    picture: np.ndarray | None
+    color: tuple[float, float, float]
+    colors: np.ndarray | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Source:
+    """A file that was read.
+
+    Attributes:
+      parts: at least one.
+      y_up: whether y is up and the front along +z, as in glTF; None where an OBJ file does not say.
+      names: of its nodes, meshes and materials, outermost first.
+      generator, copyright: texts of the file; extras: its `asset.extras`.
+      roughness, metallic: of its largest part.
+      notes: what could not be read.
+    """
+
+    parts: tuple[Part, ...]
+    y_up: bool | None
+    names: tuple[str, ...]
+    generator: str
+    copyright: str
+    extras: dict[str, Any]
+    roughness: float
+    metallic: float
+    notes: tuple[str, ...]
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """(V, 3) of all parts."""
+        return np.concatenate([p.vertices for p in self.parts])
+
+    @property
+    def faces(self) -> np.ndarray:
+        """(F, 3) of all parts."""
+        starts = np.cumsum([0, *[len(p.vertices) for p in self.parts[:-1]]])
+        return np.concatenate([p.faces + start for p, start in zip(self.parts, starts, strict=True)])
+
+
+class _Neighbours(trimesh.resolvers.Resolver):
+    """Gives the reader files of the imported folder and no others; remembers what it refused."""
+
+    def __init__(self, folder: pathlib.Path, base: pathlib.Path) -> None:
+        self.folder, self.base = folder, base
+        self.refused: RefusedFileError | None = None
+        self.missing: list[str] = []
+
+    def get(self, name: str) -> bytes:
+        try:
+            path = inside(self.folder, self.base, name.strip())
+        except RefusedFileError as error:
+            self.refused = error
+            raise
+        if not path.is_file() or path.stat().st_size > MAX_PICTURE_BYTES:
+            self.missing.append(name[:80])
+            raise FileNotFoundError(name)
+        return path.read_bytes()
+
+    def keys(self) -> list[str]:
+        return []
+
+    def namespaced(self, namespace: str) -> "_Neighbours":
+        return self
+
+    def write(self, name: str, data: Any) -> None:
+        raise RefusedFileError("path trick", f"wants to write {name[:80]!r}")
+
+
+def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMITS) -> Source:
+    """Screens and loads one GLB, glTF or OBJ file.
+
+    Raises:
+      RefusedFileError: it must not be read, cannot be, or holds no triangles or no finite ones.
+    """
+    tree = screen(path, folder, limits)
+    Image.MAX_IMAGE_PIXELS = MAX_PICTURE_PIXELS // 2  # PIL raises at twice this
+    neighbours = _Neighbours(folder, path.parent)
+    kind = path.suffix.lower().removeprefix(".")
+    try:
+        with path.open("rb") as file:
+            scene = trimesh.load_scene(file, file_type=kind, resolver=neighbours, process=False)
+        solids = [g for g in scene.dump() if isinstance(g, trimesh.Trimesh) and len(g.faces)]
+    except (MemoryError, RefusedFileError):
+        raise
+    except Exception as error:  # the reader's own errors come in every type
+        raise neighbours.refused or RefusedFileError(
+            "malformed", f"cannot be read ({type(error).__name__}: {str(error)[:100]})"
+        ) from error
+    if neighbours.refused:
+        raise neighbours.refused
+    if not solids:
+        raise RefusedFileError("malformed", "holds no triangles")
+    for solid in solids:
+        _check(solid)
+    parts = tuple(_part(solid, kind != "obj") for solid in solids)
+    asset = _object(tree, "asset")
+    notes = [f"found no file {name!r}" for name in neighbours.missing]
+    if tree.get("images") and all(part.picture is None for part in parts):
+        notes.append(f"its pictures are missing, damaged or of more than {MAX_PICTURE_PIXELS} pixels")
+    largest = max(solids, key=lambda s: s.area)
+    return Source(
+        parts,
+        True if kind != "obj" else _obj_up(path),
+        _names(tree) if tree else _obj_names(path),
+        str(asset.get("generator", ""))[:200],
+        str(asset.get("copyright", ""))[:500],
+        _object(asset, "extras"),
+        *_surface(largest),
+        tuple(notes),
+    )
+
+
+def _object(tree: dict[str, Any], name: str) -> dict[str, Any]:
+    value = tree.get(name)
+    return value if isinstance(value, dict) else {}
+
+
+def _check(solid: trimesh.Trimesh) -> None:
+    if not np.isfinite(solid.vertices).all():
+        raise RefusedFileError("not finite", "has vertices that are no finite numbers")
+    if np.abs(solid.vertices).max(initial=0.0) > 1e9:
+        raise RefusedFileError("absurd numbers", "has vertices further out than 1e9")
+    if len(solid.vertices) == 0 or solid.faces.min() < 0 or solid.faces.max() >= len(solid.vertices):
+        raise RefusedFileError("absurd numbers", "has faces of vertices that it does not have")
+
+
+def _part(solid: trimesh.Trimesh, linear: bool) -> Part:
+    vertices = np.asarray(solid.vertices, np.float64)
+    faces = np.asarray(solid.faces, np.int64)
+    visual: Any = solid.visual
+    if isinstance(visual, TextureVisuals):
+        material = visual.material
+        image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
+        picture = None if image is None else _opaque(image)
+        uv = None if visual.uv is None else np.asarray(visual.uv, np.float64)
+        if uv is not None and not (uv.shape == (len(vertices), 2) and np.isfinite(uv).all()):
+            uv = None
+        factor = getattr(material, "baseColorFactor", None) if linear else getattr(material, "diffuse", None)
+        color = WHITE if factor is None else _srgb(np.asarray(factor, float)[:3], linear)
+        return Part(vertices, faces, uv, picture if uv is not None else None, color, None)
+    colors = None
+    if visual is not None and visual.kind == "vertex":
+        colors = np.asarray(visual.vertex_colors, np.float64)[:, :3]
+    elif visual is not None and visual.kind == "face":
+        vertices, faces, colors = _per_face(vertices, faces, np.asarray(visual.face_colors, np.float64)[:, :3])
+    return Part(vertices, faces, None, None, WHITE, colors)
+
+
+def _per_face(vertices: np.ndarray, faces: np.ndarray, colors: np.ndarray) -> tuple[np.ndarray, ...]:
+    return vertices[faces.ravel()], np.arange(3 * len(faces)).reshape(-1, 3), np.repeat(colors, 3, axis=0)
+
+
+def _opaque(image: Image.Image) -> np.ndarray:
+    """(H, W, 3) uint8; what is transparent takes the mean colour of what is not."""
+    pixels = np.asarray(image.convert("RGBA"), np.float64)
+    alpha = pixels[..., 3:] / 255.0
+    seen = alpha.sum()
+    mean = (pixels[..., :3] * alpha).sum((0, 1)) / seen if seen > 0 else np.full(3, 128.0)
+    return np.round(pixels[..., :3] * alpha + mean * (1 - alpha)).astype(np.uint8)
+
+
+def _srgb(color: np.ndarray, linear: bool) -> tuple[float, float, float]:
+    """0-255; glTF's factors are linear light (glTF 2.0, section 3.9.2), OBJ's are not."""
+    share = np.clip(color / (255.0 if color.max() > 1.0 else 1.0), 0.0, 1.0)
+    if linear:
+        share = np.where(share <= 0.0031308, 12.92 * share, 1.055 * share ** (1 / 2.4) - 0.055)
+    r, g, b = (float(255.0 * c) for c in share)
+    return r, g, b
+
+
+def _surface(solid: trimesh.Trimesh) -> tuple[float, float]:
+    material = getattr(solid.visual, "material", None)
+    values = [getattr(material, name, None) for name in ("roughnessFactor", "metallicFactor")]
+    # A file without the factors, or with a texture in their place, is taken for painted plastic.
+    roughness, metallic = (d if v is None else float(np.clip(v, 0, 1)) for v, d in zip(values, (0.8, 0.0), strict=True))
+    return roughness, metallic
+
+
+def _names(tree: dict[str, Any]) -> tuple[str, ...]:
+    found = [row.get("name") for key in ("scenes", "nodes", "meshes", "materials") for row in tree.get(key, [])]
+    return tuple(dict.fromkeys(str(n)[:120] for n in found if isinstance(n, str)))[:200]
+
+
+def _obj_up(path: pathlib.Path) -> bool | None:
+    """Whether y is up, by a remark at the head of the file; None where it has none."""
+    with path.open("rb") as file:
+        remarks = b" ".join(line.lower() for line in (file.readline(1000) for _ in range(10)) if line[:1] == b"#")
+    axis = re.search(rb"\b([yz])[ -]up\b", remarks)
+    return None if axis is None else axis.group(1) == b"y"
+
+
+def _obj_names(path: pathlib.Path) -> tuple[str, ...]:
+    found: list[str] = []
+    with path.open("rb") as file:
+        for line in file:
+            if line[:2] in (b"o ", b"g ") and len(found) < 200:
+                found.append(os.fsdecode(line[2:].strip())[:120])
+    return tuple(dict.fromkeys(found))

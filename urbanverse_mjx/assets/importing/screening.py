@@ -1,0 +1,276 @@
+"""Looks at a mesh file's structure before any reader does, and refuses what would hurt: cheap, and in few bytes.
+
+A glTF file is checked against its own numbers: lengths of chunks, buffers, views and accessors, the tree of nodes, and
+the files it asks for. Only what passes is handed to the reader.
+"""
+
+import dataclasses
+import json
+import pathlib
+import re
+import stat
+import struct
+import urllib.parse
+from collections.abc import Iterator
+from typing import Any
+
+from urbanverse_mjx.datatypes import NounError
+
+SUFFIXES = (".glb", ".gltf", ".obj")
+# Bytes of one element by component type, and elements by kind (glTF 2.0, section 3.6.2).
+COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+ELEMENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+# Required extensions that change the look alone; others (compressed geometry) need a reader that is not here.
+HARMLESS = re.compile(r"KHR_materials_\w+|KHR_lights_punctual")
+
+
+@dataclasses.dataclass(frozen=True)
+class Limits:
+    """The largest file that is taken. 3 million vertices are 400 times a shipped asset's most."""
+
+    file_bytes: int = 512 * 2**20
+    json_bytes: int = 32 * 2**20
+    nodes: int = 20_000
+    depth: int = 200
+    vertices: int = 3_000_000
+    indices: int = 18_000_000
+
+
+LIMITS = Limits()
+
+
+class RefusedFileError(NounError):
+    """A file that is not read; `reason` is one of a few fixed words, the message one sentence."""
+
+    def __init__(self, reason: str, sentence: str) -> None:
+        self.reason, self.sentence = reason, sentence
+        super().__init__(reason, sentence)
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
+def inside(folder: pathlib.Path, base: pathlib.Path, name: str) -> pathlib.Path:
+    """The file that a mesh file in `base` asks for, which must lie in the imported folder.
+
+    Raises:
+      RefusedFileError: an address, an absolute path, or one that leads out of the folder, also through a link.
+    """
+    if "\0" in name or re.match(r"^[A-Za-z][\w+.-]*:", name) or name.startswith(("/", "\\", "~")):
+        raise RefusedFileError(
+            "path trick", f"asks for the file {name[:80]!r}; needed one beside it, by a relative path"
+        )
+    path = (base / name.replace("\\", "/")).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise RefusedFileError("path trick", f"asks for the file {name[:80]!r}, which lies outside the imported folder")
+    return path
+
+
+def screen(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMITS) -> dict[str, Any]:
+    """Checks one file; returns its glTF tree (empty for OBJ).
+
+    Args:
+      path: the file.
+      folder: the imported folder, which no file may leave.
+
+    Raises:
+      RefusedFileError: it must not be read.
+    """
+    if not path.resolve().is_relative_to(folder.resolve()):
+        raise RefusedFileError("path trick", "is a link that leads outside the imported folder")
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):
+        raise RefusedFileError("not a file", "is a device, pipe or socket, needed a plain file")
+    if status.st_size == 0:
+        raise RefusedFileError("empty", "holds 0 bytes")
+    if status.st_size > limits.file_bytes:
+        raise RefusedFileError("too large", f"holds {status.st_size} bytes, at most {limits.file_bytes} are read")
+    if path.suffix.lower() == ".obj":
+        _screen_obj(path, limits)
+        return {}
+    text, chunk = _glb_json(path, limits) if path.suffix.lower() == ".glb" else (_head(path, limits), None)
+    tree = _parse(text)
+    _screen_tree(tree, path, folder, chunk, limits)
+    return tree
+
+
+def _head(path: pathlib.Path, limits: Limits) -> bytes:
+    if path.stat().st_size > 4 * limits.json_bytes:  # buffers may stand in the text
+        raise RefusedFileError("too large", f"holds {path.stat().st_size} bytes of JSON")
+    return path.read_bytes()
+
+
+def _glb_json(path: pathlib.Path, limits: Limits) -> tuple[bytes, int]:
+    """The JSON chunk, and the bytes of the binary chunk (GLB: 12 bytes of header, 8 before each chunk)."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(20)
+        if len(head) < 20:
+            raise RefusedFileError("truncated", f"holds {size} bytes, a GLB file begins with 20")
+        magic, version, length, json_length, kind = struct.unpack("<4sIII4s", head)
+        if magic != b"glTF" or version != 2 or kind != b"JSON":
+            raise RefusedFileError("malformed", "does not begin as a GLB 2.0 file does")
+        if length > size or 20 + json_length > size:
+            raise RefusedFileError("truncated", f"holds {size} bytes and says it has {max(length, 20 + json_length)}")
+        if json_length > limits.json_bytes:
+            raise RefusedFileError("too large", f"holds {json_length} bytes of JSON")
+        text, chunk = file.read(json_length), file.read(8)
+        binary = struct.unpack("<I", chunk[:4])[0] if len(chunk) == 8 else 0
+        if 28 + json_length + binary > size and binary:
+            raise RefusedFileError("truncated", f"holds {size} bytes, its binary chunk alone says {binary}")
+    return text, binary
+
+
+def _parse(text: bytes) -> dict[str, Any]:
+    try:
+        tree = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise RefusedFileError("malformed", f"holds no readable JSON ({str(error)[:80]})") from error
+    if not isinstance(tree, dict):
+        raise RefusedFileError("malformed", "holds JSON that is no object")
+    return tree
+
+
+def _rows(tree: dict[str, Any], name: str) -> list[dict[str, Any]]:
+    rows = tree.get(name, [])
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise RefusedFileError("malformed", f"has {name} that are no list of objects")
+    return rows
+
+
+def _whole(row: dict[str, Any], key: str, default: int | None, below: int, what: str) -> int:
+    value = row.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < below:
+        raise RefusedFileError("absurd numbers", f"has {what} with {key} {str(value)[:30]}, needed 0 to {below - 1}")
+    return value
+
+
+def _screen_tree(
+    tree: dict[str, Any], path: pathlib.Path, folder: pathlib.Path, chunk: int | None, limits: Limits
+) -> None:
+    for name in tree.get("extensionsRequired", []):
+        if not HARMLESS.fullmatch(str(name)):
+            raise RefusedFileError("unsupported", f"needs the glTF extension {str(name)[:60]!r}; export it without")
+    _screen_nodes(_rows(tree, "nodes"), limits)
+    views = _screen_buffers(tree, path, folder, chunk, limits)
+    counts = _screen_accessors(_rows(tree, "accessors"), views, limits)
+    _screen_meshes(tree, counts, limits)
+    for image in _rows(tree, "images"):
+        if isinstance(image.get("uri"), str) and not image["uri"].startswith("data:"):
+            inside(folder, path.parent, urllib.parse.unquote(image["uri"]))
+        elif "bufferView" in image:
+            _whole(image, "bufferView", None, len(views), "an image")
+
+
+def _screen_nodes(nodes: list[dict[str, Any]], limits: Limits) -> None:
+    """At most so many nodes, each with one parent at most, no cycle, no endless chain."""
+    if len(nodes) > limits.nodes:
+        raise RefusedFileError("too many nodes", f"has {len(nodes)} nodes, at most {limits.nodes} are read")
+    parent = [-1] * len(nodes)
+    for k, node in enumerate(nodes):
+        children = node.get("children", [])
+        if not isinstance(children, list) or len(children) > len(nodes):
+            raise RefusedFileError("malformed", f"has a node {k} whose children are no list of nodes")
+        for child in children:
+            child = _whole({"child": child}, "child", None, len(nodes), f"a node {k}")
+            if parent[child] >= 0:
+                raise RefusedFileError("cyclic nodes", f"has a node {child} with two parents")
+            parent[child] = k
+    for k in range(len(nodes)):
+        at, steps = k, 0
+        while parent[at] >= 0:
+            at, steps = parent[at], steps + 1
+            if steps > min(limits.depth, len(nodes)):
+                reason = "cyclic nodes" if steps > len(nodes) else "too many nodes"
+                raise RefusedFileError(reason, f"has a chain of more than {steps - 1} nodes above node {k}")
+
+
+def _screen_buffers(
+    tree: dict[str, Any], path: pathlib.Path, folder: pathlib.Path, chunk: int | None, limits: Limits
+) -> list[tuple[int, int]]:
+    """(bytes, stride or 0) of each buffer view."""
+    lengths = []
+    for k, buffer in enumerate(_rows(tree, "buffers")):
+        length = _whole(buffer, "byteLength", None, limits.file_bytes + 1, f"buffer {k}")
+        uri = buffer.get("uri")
+        if uri is None:
+            held = chunk or 0
+        elif not isinstance(uri, str):
+            raise RefusedFileError("malformed", f"has a buffer {k} whose uri is no text")
+        elif uri.startswith("data:"):
+            held = len(uri) * 3 // 4
+        else:
+            file = inside(folder, path.parent, urllib.parse.unquote(uri))
+            if not file.is_file():
+                raise RefusedFileError("missing file", f"asks for the file {uri[:80]!r}, which is not there")
+            held = file.stat().st_size
+        if held < length:
+            raise RefusedFileError("truncated", f"has a buffer {k} of {held} bytes and says it has {length}")
+        lengths.append(length)
+    views = []
+    for k, view in enumerate(_rows(tree, "bufferViews")):
+        buffer = _whole(view, "buffer", None, len(lengths), f"buffer view {k}")
+        offset = _whole(view, "byteOffset", 0, lengths[buffer] + 1, f"buffer view {k}")
+        size = _whole(view, "byteLength", None, lengths[buffer] - offset + 1, f"buffer view {k}")
+        views.append((size, _whole(view, "byteStride", 0, 253, f"buffer view {k}")))
+    return views
+
+
+def _screen_accessors(accessors: list[dict[str, Any]], views: list[tuple[int, int]], limits: Limits) -> list[int]:
+    """Elements of each accessor, all of them inside their view."""
+    counts = []
+    for k, accessor in enumerate(accessors):
+        what = f"accessor {k}"
+        count = _whole(accessor, "count", None, limits.indices + 1, what)
+        if accessor.get("componentType") not in COMPONENT_BYTES or accessor.get("type") not in ELEMENTS:
+            raise RefusedFileError("malformed", f"has {what} of no known type")
+        size = COMPONENT_BYTES[accessor["componentType"]] * ELEMENTS[accessor["type"]]
+        if "bufferView" in accessor:
+            held, stride = views[_whole(accessor, "bufferView", None, len(views), what)]
+            offset = _whole(accessor, "byteOffset", 0, held + 1, what)
+            if count and offset + (stride or size) * (count - 1) + size > held:
+                raise RefusedFileError("absurd numbers", f"has {what} of {count} elements in a view of {held} bytes")
+        counts.append(count)
+    return counts
+
+
+def _screen_meshes(tree: dict[str, Any], counts: list[int], limits: Limits) -> None:
+    """Vertices and indices of all that the nodes show, each as often as it is shown."""
+    shown = [0] * len(_rows(tree, "meshes"))
+    for node in _rows(tree, "nodes"):
+        if "mesh" in node:
+            shown[_whole(node, "mesh", None, len(shown), "a node")] += 1
+    vertices = indices = 0
+    for times, mesh in zip(shown, _rows(tree, "meshes"), strict=True):
+        for primitive in _rows(mesh, "primitives"):
+            attributes = primitive.get("attributes")
+            if not isinstance(attributes, dict) or "POSITION" not in attributes:
+                raise RefusedFileError("malformed", "has a mesh without positions")
+            for name in attributes:
+                _whole(attributes, name, None, len(counts), "a mesh")
+            vertices += max(times, 1) * counts[attributes["POSITION"]]
+            if "indices" in primitive:
+                indices += max(times, 1) * counts[_whole(primitive, "indices", None, len(counts), "a mesh")]
+    if vertices > limits.vertices or indices > limits.indices:
+        raise RefusedFileError("too large", f"shows {vertices} vertices and {indices} indices")
+
+
+def _screen_obj(path: pathlib.Path, limits: Limits) -> None:
+    vertices = faces = 0
+    for line in _lines(path):
+        vertices += line.startswith(b"v ")
+        faces += line.startswith(b"f ")
+        if b"\0" in line:
+            raise RefusedFileError("malformed", "holds binary data, an OBJ file is text")
+    if not faces:
+        raise RefusedFileError("malformed", f"holds {vertices} vertices and no face")
+    if vertices > limits.vertices or 3 * faces > limits.indices:
+        raise RefusedFileError("too large", f"holds {vertices} vertices and {faces} faces")
+
+
+def _lines(path: pathlib.Path, longest: int = 2**20) -> Iterator[bytes]:
+    with path.open("rb") as file:
+        while line := file.readline(longest):
+            if len(line) == longest:
+                raise RefusedFileError("malformed", f"holds a line of more than {longest} bytes")
+            yield line
