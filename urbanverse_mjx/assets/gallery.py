@@ -2,16 +2,16 @@
 
 import os
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import mujoco
 import numpy as np
 from PIL import Image
 
-from urbanverse_mjx.datatypes import AssetMesh
+from urbanverse_mjx.datatypes import AssetMesh, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically
 
-from . import paint
+from . import ontology, paint
 from .index import AssetIndex, build_mesh
 
 LABEL_HEIGHT = 22  # pixels
@@ -153,3 +153,34 @@ def contact_sheet(
     # Five bits a channel: the file stays under 2 MB, which a picture of 256 colours would buy with dull greens.
     reduced = Image.fromarray(np.asarray(sheet) // 8 * 8 + 4)
     return write_atomically(path, lambda p: reduced.save(p, optimize=True))
+
+
+def middle_sheets(
+    index: AssetIndex,
+    folder: str | os.PathLike[str],
+    middles: Sequence[str] | None = None,
+    progress: Callable[[Sequence[str]], Iterable[str]] = iter,
+) -> list[pathlib.Path]:
+    """Writes a contact sheet per middle category (59 of them, or those given) that has leaves with shapes.
+
+    Args:
+      folder: gets one PNG each, `<top>-<middle>.png`.
+      progress: wraps the list of categories, e.g. in a progress bar.
+
+    Raises:
+      NounError: no such middle category.
+    """
+    leaves: dict[str, list[str]] = {}
+    tops: dict[str, str] = {}
+    for leaf, (top, middle, _) in ontology.categories().items():
+        tops[middle] = top
+        if index.by_leaf(leaf):
+            leaves.setdefault(middle, []).append(leaf)
+    stray = [name for name in middles or () if name not in tops]
+    if stray:
+        raise NounError(f"middle category: found {stray[0]!r}, needed one of {', '.join(tops)}.")
+    paths = []
+    for middle in progress([name for name in middles or tops if name in leaves]):
+        path = pathlib.Path(folder) / f"{tops[middle]}-{middle}.png".replace(" ", "_")
+        paths.append(contact_sheet(index, path, leaves[middle], columns=min(4, len(leaves[middle]))))
+    return paths

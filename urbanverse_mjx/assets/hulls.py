@@ -17,7 +17,8 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root
 
-from .index import build_mesh
+from . import instances
+from .index import base_mesh
 from .recipe import get_recipe
 
 BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
@@ -95,12 +96,13 @@ def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
 
 
 def load_hulls(record: AssetRecord) -> HullSet:
-    """The convex hulls of a record, in the asset frame at scale 1. Never runs CoACD.
+    """The convex hulls of a record, in the asset frame at scale 1 (an instance's: those of its base shape, scaled).
+    Never runs CoACD.
 
     Raises:
       NounError: the store holds none for this mesh; the message names the command that makes them.
     """
-    mesh = build_mesh(record)
+    mesh = base_mesh(record)
     key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
     found = _store().hulls.get(key)
     if found is None:
@@ -108,4 +110,7 @@ def load_hulls(record: AssetRecord) -> HullSet:
             f"asset {record.uid!r}: found no collision hulls for its mesh ({key}), needed them in {store_path().name}; "
             f"build the missing ones with `{BUILD_COMMAND}`."
         )
-    return HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in found))
+    hulls = HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in found))
+    if instances.KEY not in record.params:
+        return hulls
+    return instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])
