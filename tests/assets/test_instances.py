@@ -14,6 +14,8 @@ from urbanverse_mjx.assets.instances import (
     STRETCH,
     STRETCH_ROLLING,
     UP,
+    Proportion,
+    _scales,
     palette_cells,
     place,
     proportion,
@@ -113,12 +115,21 @@ def test_no_shape_is_bent_further_than_its_kind_allows(leaf: str) -> None:
 
 
 def test_the_largest_side_is_the_drawn_one() -> None:
-    """People are as tall, cars as long as their priors say."""
-    for leaf, axis in (("pedestrian adult", "height"), ("sedan", "length"), ("street light", "height")):
+    """Where axes are tied: people are as tall, cars as long as their priors say."""
+    for leaf, axis in (("pedestrian adult", "height"), ("sedan", "length"), ("bollard", "height")):
         uids = [leaf_uid(leaf, k) for k in range(300)]
         placed = place(leaf, uids, np.array([r.extent_xyz for r in INDEX.by_leaf(leaf)]))
         found = placed.extent[:, 2] if axis == "height" else placed.extent[:, :2].max(1)
         assert found == pytest.approx(getattr(sample_uids(leaf, uids), axis), abs=1.01e-4)
+
+
+def test_a_box_within_the_stretch_is_met_exactly() -> None:
+    """Free axes: a third more of one side is no problem, double is shared between the sides."""
+    rule = Proportion(1.35, (), LONG)
+    assert _scales(rule, np.array([1.3, 1.0, 1.1])) == pytest.approx([1.3, 1.0, 1.1])
+    assert _scales(rule, np.array([2.0, 1.0, 1.0])) == pytest.approx(np.sqrt([2 * 1.35, 2 / 1.35, 2 / 1.35]))
+    assert _scales(Proportion(1.12, (LONG, UP), LONG), np.array([2.0, 1.0, 1.0])) == pytest.approx([2.0, 2 / 1.12, 2.0])
+    assert _scales(Proportion(1.0, (LONG, SHORT, UP), UP), np.array([2.0, 1.0, 3.0])) == pytest.approx([3.0] * 3)
 
 
 def test_kinds_of_proportion() -> None:

@@ -13,18 +13,22 @@ def build(out: pathlib.Path | None = None) -> None:
     Args:
       out: file to write.
     """
-    from .store import build_store, load_store, recorded_content
+    from .store import build_store, load_store, recorded_content, shipped_content
 
     path = build_store(out)
     table = load_store(path)
-    meshes = table.num_rows - table["recipe"].null_count
-    Console().print(
-        f"{path}: {table.num_rows} records, {meshes} with a mesh, content {recorded_content(table)}", soft_wrap=True
-    )
+    meshes, content = table.num_rows - table["recipe"].null_count, recorded_content(table)
+    Console().print(f"{path}: {table.num_rows} records, {meshes} with a mesh, content {content}", soft_wrap=True)
+    if content != shipped_content():
+        Console(stderr=True).print(
+            f"the committed content is {shipped_content()}: the tables or the code have changed since; "
+            "`urbanverse assets index` writes it anew.",
+            soft_wrap=True,
+        )
 
 
 def index(jobs: int = 2) -> None:
-    """Writes assets_index/index.parquet and shapes.parquet from the recipes: the base shapes and their measures.
+    """Writes what assets_index/ holds of the recipes: base shapes, their measures, the hash of the catalogue they give.
 
     Args:
       jobs: processes at once.
@@ -33,13 +37,16 @@ def index(jobs: int = 2) -> None:
 
     from .base_build import build_base
     from .base_shapes import save_shapes
+    from .catalogue import build_catalogue
     from .index import save_index
+    from .store import save_content
 
     with Progress() as bar:
         line = bar.add_task("base shapes", total=None)
         records, shapes = build_base(jobs, lambda done, total: bar.update(line, completed=done, total=total))
     path = save_index(records)
     measures = save_shapes(shapes)
+    save_content(build_catalogue(records))
     content = records.content_hash()[:16]
     Console().print(
         f"{path.name}, {measures.name}: {len(records.records)} records of {len(records.leaves)} leaves, "

@@ -71,7 +71,16 @@ SCHEMA = pa.schema(
 )
 # The clearance of the official example (a 6.1 m long car) is 1.5 m; a bollard is passed at an arm's width.
 CLEARANCE_LEAST, CLEARANCE_PER_METRE, CLEARANCE_MOST = 0.2, 0.25, 1.5
-SAME_MAKE = 0.1  # shared share of the materials below which two makes are alike
+SAME_MAKE = 0.05  # shared share of the materials below which two makes are alike
+# Materials that count as one when a base shape's make is looked for.
+_KIN = {
+    "green wood": "wood",
+    "hardwood": "wood",
+    "PVC": "plastic",
+    "ABS": "plastic",
+    "clay": "terracotta",
+    "metal": "steel",
+}
 CLEARANCE_ALIVE = 0.5  # m, what people keep from each other in passing
 
 
@@ -126,14 +135,18 @@ def _makes_of(row: Prior, bases: Sequence[AssetRecord], extent: Any, volume: Any
     """Which make of the leaf each base shape shows: the one that shares most of its materials, the first ones counting
     most; where several do, the one whose mass is nearest to the recipe's."""
     by_mass = sample_meshes(row.leaf, [r.uid for r in bases], extent, volume, [r.mass for r in bases]).make
-    shared = np.array(
-        [
-            [sum(make.shares.get(name, 0.0) / (k + 1) for k, name in enumerate(r.materials)) for make in row.makes]
-            for r in bases
-        ]
-    )
+    shared = np.array([[_shared(make.shares, r.materials) for make in row.makes] for r in bases])
     alike = shared >= shared.max(1, keepdims=True) - SAME_MAKE
     return np.where(alike[np.arange(len(bases)), by_mass], by_mass, shared.argmax(1))
+
+
+def _shared(shares: Mapping[str, float], materials: Sequence[str]) -> float:
+    """Share of a make that the named materials cover, the second counting half, the third a third."""
+    found = 0.0
+    for rank, name in enumerate(materials, 1):
+        kin = _KIN.get(name, name)
+        found += sum(share for other, share in shares.items() if _KIN.get(other, other) == kin) / rank
+    return found
 
 
 def build_catalogue(index: AssetIndex, progress: Callable[[Sequence[str]], Iterator[str]] = iter) -> pa.Table:

@@ -4,9 +4,8 @@ A leaf's sizes are drawn from its prior; the base shape that fits best takes the
 
     scale = box / box of the base,  volume = volume of the base * product of the scale.
 
-The leaf's largest side is met exactly. Along the other axes the scale differs from that one by at most the square
-root of the leaf's `stretch`, so no axis is stretched by more than `stretch` relative to another; where a thing would
-look wrong at once (people, signs, wheels) the axes concerned share one scale. Only + - * / and square roots are used.
+No axis is stretched by more than the leaf's `stretch` relative to another; where a thing would look wrong at once
+(people, signs, wheels) the axes concerned share one scale. Only + - * / and square roots are used.
 """
 
 import dataclasses
@@ -59,7 +58,7 @@ class Proportion:
     Attributes:
       stretch: most that one axis may be stretched relative to another.
       tied: the axes (of LONG, SHORT, UP) that share one scale.
-      anchor: the axis that meets the drawn size exactly.
+      anchor: the leaf's largest side, which meets the drawn size exactly where axes are tied.
     """
 
     stretch: float
@@ -136,14 +135,20 @@ def place(leaf: str, uids: Sequence[str], extents: Floats) -> Placed:
 
 
 def _scales(rule: Proportion, ratio: Floats) -> Floats:
-    """(..., 3) scales for (..., 3) wanted over base sizes, by the rule."""
-    anchor = ratio[..., rule.anchor : rule.anchor + 1]
-    slack = np.sqrt(rule.stretch)
-    scale = np.clip(ratio, anchor / slack, anchor * slack)
+    """(..., 3) scales for (..., 3) wanted over base sizes, by the rule.
+
+    With axes tied, the anchor's size is met exactly and the other one comes as near as the stretch lets it; with three
+    free axes that ask for more than the stretch, the miss is spread evenly.
+    """
+    ratio = ratio.copy()
     if rule.tied:
         lead = rule.anchor if rule.anchor in rule.tied else rule.tied[0]
-        scale[..., list(rule.tied)] = scale[..., lead : lead + 1]
-    return scale
+        ratio[..., list(rule.tied)] = ratio[..., lead : lead + 1]
+        anchor = ratio[..., rule.anchor : rule.anchor + 1]
+        return np.clip(ratio, anchor / rule.stretch, anchor * rule.stretch)
+    middle = np.sqrt(ratio.min(-1, keepdims=True) * ratio.max(-1, keepdims=True))
+    slack = np.sqrt(rule.stretch)
+    return np.clip(ratio, middle / slack, middle * slack)
 
 
 def instance_params(variant: int, base: str, scale: Sequence[float], tint: Sequence[float]) -> dict[str, Any]:

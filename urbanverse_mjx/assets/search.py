@@ -296,7 +296,7 @@ class ObjectLibrary:
         scores = by_leaf[codes]
         for column in ("dominant_colors", "dominant_materials"):
             entries, parents, words = self._entries(column)
-            said = [k for word, k in words.items() if word in ontology.normalised(query)]
+            said = [k for word, k in words.items() if f" {word} " in f" {ontology.normalised(query)} "]
             bonus = np.zeros(len(scores))
             bonus[parents[np.isin(entries, said)]] = SAID
             scores = scores + np.where(scores > 0.0, bonus, 0.0)

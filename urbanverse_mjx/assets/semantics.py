@@ -21,8 +21,9 @@ from . import ontology
 from .labels import mapped_labels
 from .ontology import UnknownLabelError
 
-#: Scores of what needs no embedding; a cosine is at most 1, so these rank first.
+#: Scores of what needs no embedding; these rank first.
 EXACT, GUESSED = 1.0, 0.9
+MOST_EMBEDDED = 0.79  # below a guess by more than what a query may add for colours and materials
 LETTERS = (3, 4, 5)
 WORD_WEIGHT = 2.0  # a whole word in common says more than its letters
 
@@ -96,7 +97,7 @@ def rank_leaves(label: str, count: int = 5, embedder: TextEmbedder | None = None
       UnknownLabelError: nothing in common with any name.
     """
     if embedder is None:
-        scores = np.minimum(default_index().scores(label), 0.899)
+        scores = np.minimum(default_index().scores(label), MOST_EMBEDDED)
     else:
         scores = _embedded(embedder, label)
     leaves = default_index().leaves
@@ -116,7 +117,7 @@ def rank_leaves(label: str, count: int = 5, embedder: TextEmbedder | None = None
 def _embedded(embedder: TextEmbedder, label: str) -> np.ndarray:
     leaves = default_index().leaves
     (query,) = embedder([label])
-    return np.clip(_leaf_vectors(embedder) @ query, 0.0, 0.899)[: len(leaves)]
+    return np.clip(_leaf_vectors(embedder) @ query, 0.0, MOST_EMBEDDED)[: len(leaves)]
 
 
 @functools.lru_cache(maxsize=2)

@@ -26,6 +26,7 @@ from .catalogue import SCHEMA, build_catalogue, catalogue_hash
 from .index import load_index
 
 BUILD_COMMAND = "urbanverse assets build"
+CONTENT_FILE = "catalogue.json"
 _DATA = ("index.parquet", "shapes.parquet", "priors.csv", "materials.csv", "ontology.json")
 _CODE = ("base_shapes", "catalogue", "index", "instances", "materials", "physical", "priors", "record_texts", "tints")
 _CONTENT = b"urbanverse.content"  # key of the file's metadata that holds the content's hash
@@ -86,6 +87,20 @@ def _load_cached(path: pathlib.Path) -> pa.Table:
     if table.schema.remove_metadata() != SCHEMA:
         raise NounError(f"{path}: found other columns, needed the catalogue's; build it with `{BUILD_COMMAND}`.")
     return table
+
+
+def shipped_content() -> str:
+    """The content hash that is committed with the tables; empty where none is."""
+    path = asset_root() / CONTENT_FILE
+    return json.loads(path.read_text(encoding="utf-8"))["content"] if path.is_file() else ""
+
+
+def save_content(table: pa.Table) -> pathlib.Path:
+    """Writes what the tables give today into `assets_index/catalogue.json`, to be committed with them."""
+    meshes = table.num_rows - table["recipe"].null_count
+    body = {"content": catalogue_hash(table), "records": table.num_rows, "with_mesh": meshes}
+    text = json.dumps(body, indent=2) + "\n"
+    return write_atomically(asset_root() / CONTENT_FILE, lambda p: p.write_text(text, encoding="utf-8"))
 
 
 def forget() -> None:

@@ -58,10 +58,10 @@ MEANING_LEAVES = frozenset(
 )
 #: Colours of matter rather than paint.
 _MATTER = (
-    *("skin light", "skin medium", "skin dark", "glass", "dark glass", "mirror", "lamp", "amber", "light red"),
+    *("skin light", "skin medium", "skin dark", "glass", "dark glass", "lamp", "amber", "light red"),
     *("light green", "leaf", "dark leaf", "light leaf", "yellow leaf", "grass", "bark", "soil", "water", "wood"),
     *("light wood", "dark wood", "grey wood", "brick", "terracotta", "sandstone", "rust", "bronze", "brass", "gold"),
-    *("cardboard", "concrete"),
+    "cardboard",
 )
 # Distance of chromaticities (r, g, b over their sum) below which a colour counts as the matter's, its shades included;
 # our lightest skin and our beige paint lie 0.03 apart.
