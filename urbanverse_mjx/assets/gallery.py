@@ -1,8 +1,9 @@
 """Pictures of assets by MuJoCo's renderer: a tile per leaf with its variants, and a contact sheet of all."""
 
+import contextlib
 import os
 import pathlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import mujoco
 import numpy as np
@@ -93,6 +94,22 @@ def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: floa
     Returns:
       (height, width, 3) uint8.
     """
+    with _seen(meshes, size, yaw_deg) as renderer:
+        return renderer.render()
+
+
+def render_masked(mesh: AssetMesh, size: tuple[int, int], yaw_deg: float = -32.0) -> tuple[np.ndarray, np.ndarray]:
+    """A picture of one mesh, (height, width, 3) uint8, and where in it the mesh is seen, (height, width) bool."""
+    with _seen([mesh], size, yaw_deg) as renderer:
+        picture = renderer.render()
+        renderer.enable_segmentation_rendering()
+        geom = renderer.render()[:, :, 0]
+    return picture, geom == 1  # the floor is geom 0
+
+
+@contextlib.contextmanager
+def _seen(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float) -> Iterator[mujoco.Renderer]:
+    """A renderer that looks at meshes in a row."""
     model, bounds = scene_of(meshes, np.radians(yaw_deg))
     model.vis.global_.fovy = 20.0
     width, height = size
@@ -107,7 +124,7 @@ def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: floa
     mujoco.mj_forward(model, data)
     with mujoco.Renderer(model, height, width) as renderer:
         renderer.update_scene(data, camera)
-        return renderer.render()
+        yield renderer
 
 
 def _distance(bounds: np.ndarray, camera: mujoco.MjvCamera, fovy: float, aspect: float) -> float:

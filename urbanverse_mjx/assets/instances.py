@@ -44,8 +44,9 @@ _KNOWN_MIDDLES = frozenset(
 )
 _KNOWN_TOPS = frozenset({"vehicle"})
 _RIGID_MIDDLES = frozenset({"traffic signs", "sports equipments", "animal", "person"})
-# Base shapes whose box comes this near to the best one's are as good; which one is taken then falls to the uid.
-_AS_GOOD = 1.15
+# Base shapes whose box comes this near to the best one's are as good; which one is taken then falls to the uid. Shapes
+# that are not bent at all differ by pose (a stride is longer than a stance), so more of a miss is forgiven.
+_AS_GOOD, _AS_GOOD_RIGID = 1.15, 1.6
 LEAST_PAINT = 0.02  # share of the surface below which a colour is a detail that keeps its meaning
 #: Key of `AssetRecord.params` that makes a record an instance.
 KEY = "instance"
@@ -120,10 +121,11 @@ def place(leaf: str, uids: Sequence[str], extents: Floats) -> Placed:
     # The base's longer ground side takes the length, whichever way its front looks.
     lies_across = extents[:, 1] > extents[:, 0]
     sides = np.where(lies_across[:, None], extents[:, [1, 0, 2]], extents)  # (b, 3) as LONG, SHORT, UP
-    scale = _scales(proportion(leaf), wanted[:, None] / sides)  # (n, b, 3)
+    rule = proportion(leaf)
+    scale = _scales(rule, wanted[:, None] / sides)  # (n, b, 3)
     miss = wanted[:, None] / (sides * scale)
     cost = np.maximum(miss, 1.0 / miss).prod(-1)
-    good = cost <= _AS_GOOD * cost.min(1, keepdims=True)
+    good = cost <= (_AS_GOOD_RIGID if rule.stretch == 1.0 else _AS_GOOD) * cost.min(1, keepdims=True)
     draw = uniforms([f"{uid}#shape" for uid in uids])[:, 0]
     turn = np.floor(draw * good.sum(1)).astype(np.int64)  # the turn-th of the good ones
     base = (good & (good.cumsum(1) == turn[:, None] + 1)).argmax(1)

@@ -40,7 +40,9 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
         print(f"no asset of this leaf yet; the nearest leaves with assets are {', '.join(near)}")
 
 
-def show(label: Annotated[str, tyro.conf.Positional], as_json: bool = False) -> None:
+def show(
+    label: Annotated[str, tyro.conf.Positional], as_json: Annotated[bool, tyro.conf.arg(name="json")] = False
+) -> None:
     """Show the leaf that a free label means: its records, median sizes and mass, and what they can be filtered by.
 
     Args:
