@@ -28,10 +28,12 @@ def semantic(seed: int = 0) -> dict[str, Any]:
     order = sorted(rows)
     random.Random(seed).shuffle(order)
     held = order[: len(order) // HELD_OUT]
-    index = NgramIndex([pair for pair in known_names() if pair not in set(held)])
+    away = set(held)
+    index = NgramIndex([pair for pair in known_names() if pair not in away])
     ranks = []
     for label, leaf in held:
-        ranks.append(int((index.scores(label) > index.scores(label)[index.leaves.index(leaf)]).sum()))
+        scores = index.scores(label)
+        ranks.append(int((scores > scores[index.leaves.index(leaf)]).sum()))
     return {"held_out_labels": len(held), **_recall(ranks, (1, 5, 20))}
 
 

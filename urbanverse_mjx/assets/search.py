@@ -55,7 +55,9 @@ class ObjectLibrary:
 
     def __init__(self, table: pa.Table | None = None) -> None:
         self.table = load_store() if table is None else table
-        self._rows = {uid: k for k, uid in enumerate(self.table["uid"].to_pylist())}
+        uids = self.table["uid"].to_pylist()
+        self._rows = {uid: k for k, uid in enumerate(uids)}
+        self._all = np.array(uids, dtype=object)  # texts made once: making them costs more than any filter
         self._filters: dict[str, Callable[[Any], Mask]] = {
             **{name: functools.partial(self._in_range, column, name) for name, column in RANGES.items()},
             **{name: functools.partial(self._is, name) for name in FLAGS},
@@ -109,12 +111,11 @@ class ObjectLibrary:
         """
         mask = self.mask(**conditions)
         if query is None:
-            uids = self.table["uid"]
-            return uids.filter(pa.array(mask)).to_pylist() if not mask.all() else uids.to_pylist()
+            return self._all[mask].tolist()
         rows = np.flatnonzero(mask)
         score = self._query_scores(query, embedding_model)[rows]
         best = rows[np.argsort(-score, kind="stable")[:top_k]]
-        return [uid for uid, s in zip(self._uids(best), np.sort(-score)[:top_k], strict=True) if s < 0.0]
+        return [uid for uid, s in zip(self._all[best], np.sort(-score)[:top_k], strict=True) if s < 0.0]
 
     def mask(self, **conditions: Any) -> Mask:
         """(n,) which records meet all conditions.
@@ -273,9 +274,6 @@ class ObjectLibrary:
         ontology.category_of(leaf)
         codes, names = self._codes("category")
         return np.flatnonzero(codes == names[leaf]) if leaf in names else np.zeros(0, np.int64)
-
-    def _uids(self, rows: NDArray) -> list[str]:
-        return self.table["uid"].take(pa.array(rows)).to_pylist()
 
     def _take(self, uids: Sequence[str]) -> list[dict[str, Any]]:
         stray = [uid for uid in uids if uid not in self._rows]
