@@ -121,6 +121,8 @@ def test_a_query_ranks_leaf_then_looks(objects: ObjectLibrary) -> None:
     assert {r["category"] for r in objects.load_annotations(found).values()} == {"car"}
     sedans = objects.load_annotations(objects.get_uids_conditioned(query="red sedan", top_k=4)).values()
     assert all("red" in row["colors"][:2] for row in sedans)
+    wooden = objects.load_annotations(objects.get_uids_conditioned(query="a wooden chair", top_k=4)).values()
+    assert all("wood" in row["materials"][:3] for row in wooden)
     assert objects.get_uids_conditioned(query="bench", categories=["vehicle"], mass_range=(0, 1e-6)) == []
 
 

@@ -292,15 +292,19 @@ class ObjectLibrary:
             if leaf in names:
                 by_leaf[names[leaf]] = score
         scores = by_leaf[codes]
+        words_of_query = [MATERIAL_WORDS.get(word, word) for word in ontology.normalised(query).split()]
+        text = f" {' '.join(words_of_query)} "
         for column in ("dominant_colors", "dominant_materials"):
             entries, parents, words = self._entries(column)
-            said = [k for word, k in words.items() if f" {word} " in f" {ontology.normalised(query)} "]
+            said = [k for word, k in words.items() if f" {word} " in text]
             bonus = np.zeros(len(scores))
             bonus[parents[np.isin(entries, said)]] = SAID
             scores = scores + np.where(scores > 0.0, bonus, 0.0)
         return scores
 
 
+#: What people call a material in a query.
+MATERIAL_WORDS = {"wooden": "wood", "metal": "steel", "metallic": "steel", "woollen": "wool"}
 SAID = 0.05  # less than between a leaf that is named and one that only reads alike
 
 
