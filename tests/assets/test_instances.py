@@ -224,7 +224,7 @@ def test_measures_are_those_of_the_mesh() -> None:
     """On failure: `python -m urbanverse_mjx.assets index`."""
     for leaf in PLACED[:6]:
         record = INDEX.by_leaf(leaf)[-1]
-        found = measure(record.uid, get_recipe(record.recipe, leaf).build(record.params["variant"]))
+        found = measure(record.uid, get_recipe(record.recipe, leaf).build(record.params["variant"]), True)
         stored = shape_of(record)
         assert stored.extent == pytest.approx(found.extent, abs=1e-6)
         assert stored.volume == pytest.approx(found.volume, rel=1e-6)

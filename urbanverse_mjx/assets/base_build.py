@@ -38,4 +38,4 @@ def _work(task: tuple[str, str, int]) -> tuple[AssetRecord, BaseShape]:
     recipe = get_recipe(name, leaf)
     built = recipe.build(variant)
     record = make_record(recipe, variant, built)
-    return record, measure(record.uid, built)
+    return record, measure(record.uid, built, recipe.physics is not None or built.mass is not None)

@@ -40,6 +40,7 @@ SCHEMA = pa.schema(
         ("uid", pa.string()),
         ("extent", pa.list_(_REAL)),
         ("volume", _REAL),
+        ("make_known", pa.bool_()),
         ("colors", pa.list_(pa.uint8())),
         ("share", _REALS),
         ("light", _REALS),
@@ -57,6 +58,7 @@ class BaseShape:
     Attributes:
       uid: of its record in the base index.
       extent: (3,) m, exact box of the mesh; volume: m^3, `enclosed_volume`.
+      make_known: whether the recipe says what it is made of or weighs; else that was drawn from the leaf's prior.
       colors: (C, 3) uint8 what one sees of it, most first; share: (C,) of the visible area, sums to 1.
       light: (C,) how bright the renderer's light falls on it; paint: (C,) which take a tint in full.
       layouts: (V, 16) uint8 filled share of the silhouette's 4x4 cells, row by row from the top, per view of `YAWS`.
@@ -66,6 +68,7 @@ class BaseShape:
     uid: str
     extent: NDArray[np.float64]
     volume: float
+    make_known: bool
     colors: NDArray[np.uint8]
     share: NDArray[np.float64]
     light: NDArray[np.float64]
@@ -108,7 +111,7 @@ def _closed(corners: NDArray, faces: NDArray, count: int) -> float:
     return float(enclosed[~is_open].sum())
 
 
-def measure(uid: str, built: BuiltAsset) -> BaseShape:
+def measure(uid: str, built: BuiltAsset, make_known: bool) -> BaseShape:
     """Measures a built asset. Deterministic: surface points are spread by a fixed sequence."""
     mesh = built.mesh
     points, normals, which = _surface(mesh, SAMPLES)
@@ -128,6 +131,7 @@ def measure(uid: str, built: BuiltAsset) -> BaseShape:
         uid,
         mesh.vertices.astype(np.float64).max(0) - mesh.vertices.astype(np.float64).min(0),
         enclosed_volume(mesh, built.part_faces),
+        make_known,
         colors[kept],
         count / count.sum(),
         seen[kept, 1] / count,
@@ -232,6 +236,7 @@ def _load_cached(path: pathlib.Path) -> Mapping[str, BaseShape]:
             row["uid"],
             np.array(row["extent"]),
             row["volume"],
+            row["make_known"],
             np.array(row["colors"], np.uint8).reshape(-1, 3),
             np.array(row["share"], np.float64),
             np.array(row["light"], np.float64),

@@ -123,8 +123,10 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
     if uids:
         placed = place(leaf, uids, np.array([s.extent for s in shapes]))
         volume = np.array([s.volume for s in shapes])[placed.base] * placed.scale.prod(1)
-        # What a shape looks made of, its instances are made of.
-        measured = Measured(placed.extent, volume, values.make[placed.base])
+        # What a shape is made of by its recipe, its instances are made of; where it says nothing, each draws its own.
+        known = np.array([s.make_known for s in shapes])[placed.base]
+        make = np.where(known, values.make[placed.base], sample_uids(leaf, uids).make)
+        measured = Measured(placed.extent, volume, make)
         looks = zip(placed.base, placed.scale, tints(uids), strict=True)
         shown = [Shown(bases[b], shapes[b], scale, tint) for b, scale, tint in looks]
         tables.append(_table(row, uids, sample_uids(leaf, uids, measured), shown))
