@@ -58,11 +58,11 @@ def scale_of(record) -> np.ndarray:
     return np.array(record.params["instance"]["scale"])
 
 
-_PARTS: dict[tuple[str, int], tuple[int, ...]] = {}
+_PARTS: dict[tuple[str, str, int], tuple[int, ...]] = {}
 
 
 def parts_of(record) -> tuple[int, ...]:
-    key = record.recipe, record.params["variant"]
+    key = record.recipe, record.leaf, record.params["variant"]
     if key not in _PARTS:
         _PARTS[key] = get_recipe(record.recipe, record.leaf).build(record.params["variant"]).part_faces
     return _PARTS[key]
