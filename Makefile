@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 ARGS ?=
 LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
-.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets doctor lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets base thumbnails gallery doctor lock wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -55,9 +55,18 @@ scenes: setup ## compile the shipped streets into a scene bank in the cache, whe
 bench: setup ## measure throughput; prints one JSON line
 	@$(BIN)/python -m benchmarks.throughput --impl jax --num-envs 64 --pixels 36x64 --json $(ARGS)
 
-assets: setup-dev ## build the asset index and the missing hulls anew (CoACD: minutes to hours)
-	@$(BIN)/urbanverse assets build
+assets: setup ## write the catalogue of 102,444 asset records into the cache
+	@$(BIN)/urbanverse assets build $(ARGS)
+
+base: setup-dev ## make the base shapes, their measures and missing hulls anew from the recipes (CoACD: minutes to hours)
+	@$(BIN)/urbanverse assets index
 	@$(BIN)/urbanverse assets hulls $(ARGS)
+
+thumbnails: setup ## draw the thumbnails of all base shapes into the cache; goes on where it stopped
+	@MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/urbanverse assets thumbnails $(ARGS)
+
+gallery: setup ## draw a contact sheet per middle category into the cache (ARGS="--out FOLDER")
+	@MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/urbanverse assets gallery $(ARGS)
 
 doctor: setup ## say what this machine has and how to mend what is missing
 	@$(BIN)/urbanverse doctor $(ARGS)

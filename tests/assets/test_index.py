@@ -19,7 +19,7 @@ def rebuilt() -> AssetIndex:
 
 
 def test_the_committed_index_is_what_the_recipes_build(rebuilt: AssetIndex) -> None:
-    """On failure: `python -m urbanverse_mjx.assets build`, then `hulls`."""
+    """On failure: `python -m urbanverse_mjx.assets index`, then `hulls`."""
     stale = [r.uid for r in INDEX.records if r.uid not in {x.uid for x in rebuilt.records}]
     changed = [r.uid for r in rebuilt.records if r.uid in {x.uid for x in INDEX.records} and r != INDEX.get(r.uid)]
     assert (stale, changed) == ([], [])

@@ -8,16 +8,54 @@ from rich.progress import track
 
 from .export_command import export
 from .importing.command import import_assets
+from .look_sheets import COMMANDS as LOOKS
 
 
-def build() -> None:
-    """Writes assets_index/index.parquet from the recipes."""
-    from .index import build_index, save_index
+def build(out: pathlib.Path | None = None) -> None:
+    """Writes the catalogue of all 102,444 records as Parquet, into the cache unless told otherwise.
 
-    index = build_index()
-    path = save_index(index)
-    content = index.content_hash()[:16]
-    Console().print(f"{path.name}: {len(index.records)} records of {len(index.leaves)} leaves, content {content}")
+    Args:
+      out: file to write.
+    """
+    from .store import build_store, load_store, recorded_content, shipped_content
+
+    path = build_store(out)
+    table = load_store(path)
+    meshes, content = table.num_rows - table["recipe"].null_count, recorded_content(table)
+    Console().print(f"{path}: {table.num_rows} records, {meshes} with a mesh, content {content}", soft_wrap=True)
+    if content != shipped_content():
+        Console(stderr=True).print(
+            f"the committed content is {shipped_content()}: the tables or the code have changed since; "
+            "`urbanverse assets index` writes it anew.",
+            soft_wrap=True,
+        )
+
+
+def index(jobs: int = 2) -> None:
+    """Writes what assets_index/ holds of the recipes: base shapes, their measures, the hash of the catalogue they give.
+
+    Args:
+      jobs: processes at once.
+    """
+    from rich.progress import Progress
+
+    from .base_build import build_base
+    from .base_shapes import save_shapes
+    from .catalogue import build_catalogue
+    from .index import save_index
+    from .store import save_content
+
+    with Progress() as bar:
+        line = bar.add_task("base shapes", total=None)
+        records, shapes = build_base(jobs, lambda done, total: bar.update(line, completed=done, total=total))
+    path = save_index(records)
+    measures = save_shapes(shapes)
+    save_content(build_catalogue(records))
+    content = records.content_hash()[:16]
+    Console().print(
+        f"{path.name}, {measures.name}: {len(records.records)} records of {len(records.leaves)} leaves, "
+        f"content {content}"
+    )
 
 
 def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
@@ -33,41 +71,55 @@ def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
     build_missing(jobs, leaf, again, Console().print)
 
 
-def gallery(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), columns: int = 8) -> None:
-    """Draws the contact sheet of all leaves (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
+def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
+    """Draws a contact sheet per middle category (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
+
+    Args:
+      out: folder to write into; the cache unless told otherwise.
+      middle: only this category.
+    """
+    from urbanverse_mjx.settings import cache_dir
+
+    from .gallery import middle_sheets
+    from .index import load_index
+
+    folder = out or cache_dir("assets", "gallery")
+    wanted = None if middle is None else [middle]
+    paths = middle_sheets(load_index(), folder, wanted, lambda names: track(names, "contact sheets"))
+    Console().print(f"{folder}: {len(paths)} contact sheets", soft_wrap=True)
+
+
+def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), columns: int = 8) -> None:
+    """Draws one contact sheet of all leaves (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
 
     Args:
       out: PNG to write.
       columns: tiles in a row.
     """
-    from .gallery import contact_sheet
+    from . import gallery
     from .index import load_index
 
-    index = load_index()
-    path = contact_sheet(index, out, columns=columns)
-    Console().print(f"{path}: {len(index.leaves)} leaves, {path.stat().st_size} bytes")
+    records = load_index()
+    path = gallery.contact_sheet(records, out, columns=columns)
+    Console().print(f"{path}: {len(records.leaves)} leaves, {path.stat().st_size} bytes")
 
 
-def catalogue(out: pathlib.Path | None = None) -> None:
-    """Writes the table of all 102,444 records as Parquet, into the cache unless told otherwise.
+def thumbnails(leaf: str | None = None) -> None:
+    """Draws the thumbnail of every base shape that has none in the cache yet; may be interrupted and called again.
 
     Args:
-      out: file to write.
+      leaf: only this leaf.
     """
-    import pyarrow.parquet as pq
+    from rich.progress import Progress
 
-    from urbanverse_mjx.datatypes.validation import write_atomically
-    from urbanverse_mjx.settings import cache_dir
-
-    from .catalogue import build_catalogue, catalogue_hash
     from .index import load_index
+    from .thumbnails import draw_missing, folder
 
-    table = build_catalogue(load_index(), lambda leaves: iter(track(leaves, "records")))
-    built = table.num_rows - table["recipe"].null_count
-    path = write_atomically(out or cache_dir("assets", "catalogue.parquet"), lambda p: pq.write_table(table, p))
-    Console().print(
-        f"{path}: {table.num_rows} records, {built} with a mesh, content {catalogue_hash(table)[:16]}", soft_wrap=True
-    )
+    records = load_index().records if leaf is None else load_index().by_leaf(leaf)
+    with Progress() as bar:
+        line = bar.add_task("thumbnails", total=None)
+        drawn, there = draw_missing(records, lambda done, total: bar.update(line, completed=done, total=total))
+    Console().print(f"{folder()}: {drawn} drawn, {there} were there", soft_wrap=True)
 
 
 def labels(folder: pathlib.Path | None = None) -> None:
@@ -86,14 +138,17 @@ def labels(folder: pathlib.Path | None = None) -> None:
     Console().print(f"{path.name}: {len(rows)} labels, {empty} of them without a leaf")
 
 
-#: Also behind `urbanverse assets`.
+#: Also behind `urbanverse assets`; one line a command.
 COMMANDS = {
     "build": build,
+    "index": index,
     "hulls": hulls,
+    "thumbnails": thumbnails,
     "gallery": gallery,
+    "contact-sheet": contact_sheet,
     "export": export,
     "import": import_assets,
-    "catalogue": catalogue,
+    **{f"looks-{name}": function for name, function in LOOKS.items()},
     "labels": labels,
 }
 

@@ -1,11 +1,13 @@
 """All 102,444 records as one table: as many per leaf as UrbanVerse-100K has, with the official field names, SI units.
 
-A record that a recipe can build carries its `recipe` and the measured box. The others are drawn from the prior of their
-leaf: their sizes, matter, mass, force and affordances are there and agree, `recipe` is null, and no field pretends to
-know a mesh (colours, views, quality and class-specific attributes are absent until one is built). `movable` means, as
-in `AssetRecord`, that one person can move it.
+The first records of a leaf are its base shapes as the recipes build them; the others are instances of them, with boxes
+drawn from the prior of the leaf (`instances`). A leaf without any base shape has records drawn from the prior alone:
+their sizes, matter, mass, force and affordances are there and agree, `recipe` is null, and no field pretends to know a
+mesh. Everything physical follows from the measured box and volume and the leaf's row, so that the fields of a record
+agree; the base index's own masses (`AssetIndex`, what streets weigh) stay as they are. `movable` means, as in
+`AssetRecord`, that one person can move it.
 
-Record `index` of a leaf is the same whatever else the table holds: it depends on the leaf, the index and the row alone.
+A record's uid holds its leaf and number alone. It depends on nothing else in the table but its leaf's base shapes.
 """
 
 import hashlib
@@ -15,25 +17,32 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from urbanverse_mjx.datatypes import AssetRecord, NounError
 
 from . import ontology
+from .base_shapes import shape_of
 from .index import LICENCE, PROVENANCE, AssetIndex
+from .instances import instance_params, place
 from .materials import AIR, material, materials
 from .physical import (
     GRAVITY,
     MASS_STEP,
     ONE_PERSON_PUSH,
     ROLLING,
+    Measured,
     Physical,
     composition,
     sample_meshes,
     sample_uids,
 )
-from .priors import Make, Prior, prior
+from .priors import Prior, prior
+from .record_texts import Shown, attributes, descriptions, main_colors
+from .tints import tints
 
 PRIOR_PROVENANCE = "urbanverse_mjx priors (sizes and matter drawn from the leaf's row; no mesh)"
+INSTANCE_PROVENANCE = f"{PROVENANCE}, scaled to a box drawn from the leaf's prior and tinted"
 _TEXT, _TEXTS, _REAL, _REALS = pa.string(), pa.list_(pa.string()), pa.float64(), pa.list_(pa.float64())
 SCHEMA = pa.schema(
     [
@@ -43,6 +52,8 @@ SCHEMA = pa.schema(
         ("extent_xyz", _REALS),
         ("materials", _TEXTS),
         ("materials_composition", _REALS),
+        ("colors", _TEXTS),
+        ("colors_composition", _REALS),
         *[(name, pa.bool_()) for name in ("receptacle", "movable", "walkable", "enterable", "support_surface")],
         ("required_force", _REAL),
         *[(name, _TEXTS) for name in ("affordances", "interactive_parts", "traversable_by")],
@@ -53,12 +64,23 @@ SCHEMA = pa.schema(
         ("frontView", pa.int8()),
         ("recipe", _TEXT),
         ("params", _TEXT),
+        ("attributes", _TEXT),
         ("license", _TEXT),
         ("provenance", _TEXT),
     ]
 )
 # The clearance of the official example (a 6.1 m long car) is 1.5 m; a bollard is passed at an arm's width.
 CLEARANCE_LEAST, CLEARANCE_PER_METRE, CLEARANCE_MOST = 0.2, 0.25, 1.5
+SAME_MAKE = 0.05  # shared share of the materials below which two makes are alike
+# Materials that count as one when a base shape's make is looked for.
+_KIN = {
+    "green wood": "wood",
+    "hardwood": "wood",
+    "PVC": "plastic",
+    "ABS": "plastic",
+    "clay": "terracotta",
+    "metal": "steel",
+}
 CLEARANCE_ALIVE = 0.5  # m, what people keep from each other in passing
 
 
@@ -68,7 +90,7 @@ def leaf_counts() -> dict[str, int]:
 
 
 def leaf_uid(leaf: str, index: int) -> str:
-    """uid of a leaf's record that no recipe builds."""
+    """uid of a leaf's record whose box is drawn from the leaf's prior."""
     return f"{leaf.replace(' ', '-')}/prior/{index:05d}"
 
 
@@ -88,17 +110,45 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
     count = leaf_counts()[leaf] if count is None else count
     if count < 1:
         raise NounError(f"records of {leaf!r}: found {count}, needed at least 1.")
-    built = index.by_leaf(leaf)[:count]
-    tables = []
-    if built:
-        extent = np.array([r.extent_xyz for r in built])
-        volume, mass = np.array([r.volume for r in built]), [r.mass for r in built]
-        values = sample_meshes(leaf, [r.uid for r in built], extent, volume, mass)
-        tables.append(_table(row, [r.uid for r in built], values, built))
-    if count > len(built):
-        uids = [leaf_uid(leaf, k) for k in range(len(built), count)]
-        tables.append(_table(row, uids, sample_uids(leaf, uids), ()))
+    bases = index.by_leaf(leaf)
+    uids = [leaf_uid(leaf, k) for k in range(min(len(bases), count), count)]
+    if not bases:
+        return _table(row, uids, sample_uids(leaf, uids), [])
+    shapes = [shape_of(r) for r in bases]
+    extent, volume = np.array([r.extent_xyz for r in bases]), np.array([s.volume for s in shapes])
+    names = [r.uid for r in bases]
+    values = sample_uids(leaf, names, Measured(extent, volume, _makes_of(row, bases, extent, volume)))
+    shown = [Shown(r, s, None, None) for r, s in zip(bases, shapes, strict=True)]
+    tables = [_table(row, names, values, shown).slice(0, count)]
+    if uids:
+        placed = place(leaf, uids, np.array([s.extent for s in shapes]))
+        volume = np.array([s.volume for s in shapes])[placed.base] * placed.scale.prod(1)
+        # What a shape is made of by its recipe, its instances are made of; where it says nothing, each draws its own.
+        known = np.array([s.make_known for s in shapes])[placed.base]
+        make = np.where(known, values.make[placed.base], sample_uids(leaf, uids).make)
+        measured = Measured(placed.extent, volume, make)
+        looks = zip(placed.base, placed.scale, tints(uids), strict=True)
+        shown = [Shown(bases[b], shapes[b], scale, tint) for b, scale, tint in looks]
+        tables.append(_table(row, uids, sample_uids(leaf, uids, measured), shown))
     return pa.concat_tables(tables)
+
+
+def _makes_of(row: Prior, bases: Sequence[AssetRecord], extent: Any, volume: Any) -> NDArray[np.int64]:
+    """Which make of the leaf each base shape shows: the one that shares most of its materials, the first ones counting
+    most; where several do, the one whose mass is nearest to the recipe's."""
+    by_mass = sample_meshes(row.leaf, [r.uid for r in bases], extent, volume, [r.mass for r in bases]).make
+    shared = np.array([[_shared(make.shares, r.materials) for make in row.makes] for r in bases])
+    alike = shared >= shared.max(1, keepdims=True) - SAME_MAKE
+    return np.where(alike[np.arange(len(bases)), by_mass], by_mass, shared.argmax(1))
+
+
+def _shared(shares: Mapping[str, float], materials: Sequence[str]) -> float:
+    """Share of a make that the named materials cover, the second counting half, the third a third."""
+    found = 0.0
+    for rank, name in enumerate(materials, 1):
+        kin = _KIN.get(name, name)
+        found += sum(share for other, share in shares.items() if _KIN.get(other, other) == kin) / rank
+    return found
 
 
 def build_catalogue(index: AssetIndex, progress: Callable[[Sequence[str]], Iterator[str]] = iter) -> pa.Table:
@@ -164,19 +214,24 @@ def catalogue_hash(table: pa.Table) -> str:
     return digest.hexdigest()
 
 
-def _table(row: Prior, uids: Sequence[str], values: Physical, built: Sequence[AssetRecord]) -> pa.Table:
+def _table(row: Prior, uids: Sequence[str], values: Physical, shown: Sequence[Shown]) -> pa.Table:
     top, middle, leaf = ontology.category_of(row.leaf)
     count = len(uids)
     makes = [row.makes[k] for k in values.make]
     surfaces = [material(make.surface) for make in makes]
     shares = [composition(m, s, v) for m, s, v in zip(makes, values.solid, values.volume, strict=True)]
+    none = [None] * count
+    colors, color_shares = main_colors(row.leaf, shown) if shown else (none, none)
     columns: dict[str, Any] = {
         "uid": uids,
         "class_name_l1": [top] * count,
         "class_name_l2": [middle] * count,
         "class_name_l3": [leaf] * count,
         "category": [leaf] * count,
-        "description": [r.description for r in built] or _descriptions(row, makes, values),
+        "description": [
+            shown[k].record.description if shown and shown[k].scale is None else text
+            for k, text in enumerate(descriptions(row, makes, values, colors))
+        ],
         "extent_xyz": list(values.extent),
         "max_dimension": values.extent.max(1),
         "materials": [list(s) for s in shares],
@@ -189,10 +244,13 @@ def _table(row: Prior, uids: Sequence[str], values: Physical, built: Sequence[As
         "surface_finish": [s.finish for s in surfaces],
         "surface_roughness": [s.roughness for s in surfaces],
         "frontView": [0] * count,  # by our convention every front looks along +x, which view 0 sees
-        "recipe": [r.recipe for r in built] or [None] * count,
-        "params": [json.dumps(r.params, sort_keys=True) for r in built] or [None] * count,
+        "colors": colors,
+        "colors_composition": color_shares,
+        "recipe": [s.record.recipe for s in shown] or none,
+        "params": [_params(s) for s in shown] or none,
+        "attributes": [attributes(s.record) for s in shown] or none,
         "license": [LICENCE] * count,
-        "provenance": [PROVENANCE if built else PRIOR_PROVENANCE] * count,
+        "provenance": [_provenance(s) for s in shown] or [PRIOR_PROVENANCE] * count,
     }
     columns |= {name: getattr(values, name) for name in ("height", "length", "width", "volume", "mass")}
     for name in ("reflectivity", "index_of_refraction", "youngs_modulus", "bounciness"):
@@ -226,24 +284,12 @@ def _traversable_by(row: Prior) -> list[str]:
     return who
 
 
-def _descriptions(row: Prior, makes: Sequence[Make], values: Physical) -> list[str]:
-    texts = []
-    sizes = zip(makes, values.length, values.width, values.height, values.mass, strict=True)
-    for make, length, width, height, mass in sizes:
-        matter = [name for name, share in make.shares.items() if share >= 0.15 and name not in row.leaf][:2]
-        of = f" of {' and '.join(matter)}" if matter and row.rest != "alive" else ""
-        unit, scale = ("m", 1.0) if max(length, height) >= 1.0 else ("cm", 100.0)
-        sides = [f"{_digits(scale * side)} {unit}" for side in (length, width, height)]
-        texts.append(f"{row.leaf}{of}, {sides[0]} long, {sides[1]} wide and {sides[2]} high, {_weight(mass)}")
-    return texts
+def _params(shown: Shown) -> str:
+    params = shown.record.params
+    if shown.scale is not None and shown.tint is not None:
+        params = instance_params(int(params["variant"]), shown.record.uid, shown.scale.tolist(), shown.tint.tolist())
+    return json.dumps(params, sort_keys=True)
 
 
-def _weight(mass: float) -> str:
-    if mass >= 2000.0:
-        return f"{_digits(mass / 1000.0)} t"
-    return f"{_digits(mass)} kg" if mass >= 1.0 else f"{_digits(1000.0 * mass)} g"
-
-
-def _digits(value: float) -> str:
-    """Three digits and no exponent: 7190, 45.3, 0.137."""
-    return f"{float(f'{value:.3g}'):.10g}"
+def _provenance(shown: Shown) -> str:
+    return PROVENANCE if shown.scale is None else INSTANCE_PROVENANCE

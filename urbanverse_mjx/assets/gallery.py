@@ -1,17 +1,18 @@
 """Pictures of assets by MuJoCo's renderer: a tile per leaf with its variants, and a contact sheet of all."""
 
+import contextlib
 import os
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import mujoco
 import numpy as np
 from PIL import Image
 
-from urbanverse_mjx.datatypes import AssetMesh
+from urbanverse_mjx.datatypes import AssetMesh, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically
 
-from . import paint
+from . import ontology, paint
 from .index import AssetIndex, build_mesh
 
 LABEL_HEIGHT = 22  # pixels
@@ -93,6 +94,22 @@ def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: floa
     Returns:
       (height, width, 3) uint8.
     """
+    with _seen(meshes, size, yaw_deg) as renderer:
+        return renderer.render()
+
+
+def render_masked(mesh: AssetMesh, size: tuple[int, int], yaw_deg: float = -32.0) -> tuple[np.ndarray, np.ndarray]:
+    """A picture of one mesh, (height, width, 3) uint8, and where in it the mesh is seen, (height, width) bool."""
+    with _seen([mesh], size, yaw_deg) as renderer:
+        picture = renderer.render()
+        renderer.enable_segmentation_rendering()
+        geom = renderer.render()[:, :, 0]
+    return picture, geom == 1  # the floor is geom 0
+
+
+@contextlib.contextmanager
+def _seen(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float) -> Iterator[mujoco.Renderer]:
+    """A renderer that looks at meshes in a row."""
     model, bounds = scene_of(meshes, np.radians(yaw_deg))
     model.vis.global_.fovy = 20.0
     width, height = size
@@ -107,7 +124,7 @@ def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: floa
     mujoco.mj_forward(model, data)
     with mujoco.Renderer(model, height, width) as renderer:
         renderer.update_scene(data, camera)
-        return renderer.render()
+        yield renderer
 
 
 def _distance(bounds: np.ndarray, camera: mujoco.MjvCamera, fovy: float, aspect: float) -> float:
@@ -153,3 +170,34 @@ def contact_sheet(
     # Five bits a channel: the file stays under 2 MB, which a picture of 256 colours would buy with dull greens.
     reduced = Image.fromarray(np.asarray(sheet) // 8 * 8 + 4)
     return write_atomically(path, lambda p: reduced.save(p, optimize=True))
+
+
+def middle_sheets(
+    index: AssetIndex,
+    folder: str | os.PathLike[str],
+    middles: Sequence[str] | None = None,
+    progress: Callable[[Sequence[str]], Iterable[str]] = iter,
+) -> list[pathlib.Path]:
+    """Writes a contact sheet per middle category (59 of them, or those given) that has leaves with shapes.
+
+    Args:
+      folder: gets one PNG each, `<top>-<middle>.png`.
+      progress: wraps the list of categories, e.g. in a progress bar.
+
+    Raises:
+      NounError: no such middle category.
+    """
+    leaves: dict[str, list[str]] = {}
+    tops: dict[str, str] = {}
+    for leaf, (top, middle, _) in ontology.categories().items():
+        tops[middle] = top
+        if index.by_leaf(leaf):
+            leaves.setdefault(middle, []).append(leaf)
+    stray = [name for name in middles or () if name not in tops]
+    if stray:
+        raise NounError(f"middle category: found {stray[0]!r}, needed one of {', '.join(tops)}.")
+    paths = []
+    for middle in progress([name for name in middles or tops if name in leaves]):
+        path = pathlib.Path(folder) / f"{tops[middle]}-{middle}.png".replace(" ", "_")
+        paths.append(contact_sheet(index, path, leaves[middle], columns=min(4, len(leaves[middle]))))
+    return paths

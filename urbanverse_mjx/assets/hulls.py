@@ -17,7 +17,8 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root
 
-from .index import build_mesh
+from . import instances
+from .index import base_mesh
 from .recipe import get_recipe
 from .user_store import FILE_RECIPE, file_hulls
 
@@ -96,7 +97,8 @@ def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
 
 
 def load_hulls(record: AssetRecord) -> HullSet:
-    """The convex hulls of a record, in the asset frame at scale 1. Never runs CoACD.
+    """The convex hulls of a record, in the asset frame at scale 1 (an instance's: those of its base shape, scaled).
+    Never runs CoACD.
 
     Raises:
       NounError: the store (the user's, for an imported asset) holds none for this mesh; the message names the command
@@ -104,7 +106,7 @@ def load_hulls(record: AssetRecord) -> HullSet:
     """
     if record.recipe == FILE_RECIPE:
         return file_hulls(record)
-    mesh = build_mesh(record)
+    mesh = base_mesh(record)
     key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
     found = _store().hulls.get(key)
     if found is None:
@@ -112,4 +114,7 @@ def load_hulls(record: AssetRecord) -> HullSet:
             f"asset {record.uid!r}: found no collision hulls for its mesh ({key}), needed them in {store_path().name}; "
             f"build the missing ones with `{BUILD_COMMAND}`."
         )
-    return HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in found))
+    hulls = HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in found))
+    if instances.KEY not in record.params:
+        return hulls
+    return instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])

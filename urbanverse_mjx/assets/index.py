@@ -15,7 +15,7 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError, content_
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root, imported_assets
 
-from . import ontology
+from . import instances, ontology
 from .materials import AIR
 from .mesh_builder import BuiltAsset
 from .physical import composition, sample_meshes
@@ -28,7 +28,7 @@ GRAVITY = 9.81  # m/s^2
 ONE_PERSON_PUSH = 300.0
 LICENCE = "Apache-2.0"
 PROVENANCE = "urbanverse_mjx parametric recipe"
-REBUILD = "python -m urbanverse_mjx.assets build"
+REBUILD = "python -m urbanverse_mjx.assets index"
 SCHEMA = pa.schema(
     [
         ("uid", pa.string()),
@@ -169,7 +169,8 @@ def _from_prior(recipe: Recipe, uid: str, built: BuiltAsset, volume: float) -> d
 
 
 def build_mesh(record: AssetRecord) -> AssetMesh:
-    """The mesh of a record: built by its recipe, or read from the user's store.
+    """The mesh of a record: built by its recipe, or read from the user's store; an instance's is its base shape, scaled
+    and tinted.
 
     Raises:
       NounError: this version of the package has no such recipe, or builds something else under its name; or the file is
@@ -177,18 +178,30 @@ def build_mesh(record: AssetRecord) -> AssetMesh:
     """
     if record.recipe == FILE_RECIPE:
         return file_mesh(record)
-    return _build_cached(record.recipe, record.leaf, int(record.params["variant"]), record.extent_xyz, record.uid)
+    mesh = base_mesh(record)
+    if instances.KEY in record.params:
+        inner = record.params[instances.KEY]
+        mesh = instances.scaled_mesh(mesh, inner["scale"], inner["tint"], record.leaf)
+    if np.abs(mesh.extent - np.asarray(record.extent_xyz)).max() > 1e-3:
+        raise NounError(
+            f"asset {record.uid!r}: found a mesh of {np.round(mesh.extent, 3)} m, needed {list(record.extent_xyz)} m "
+            f"as indexed; rebuild the index with `{REBUILD}`."
+        )
+    return mesh
+
+
+def base_mesh(record: AssetRecord) -> AssetMesh:
+    """The mesh that a record's recipe builds, before an instance scales it.
+
+    Raises:
+      NounError: this version of the package has no such recipe.
+    """
+    return _build_cached(record.recipe, record.leaf, int(record.params["variant"]))
 
 
 @functools.lru_cache(maxsize=512)
-def _build_cached(name: str, leaf: str, variant: int, extent: tuple[float, ...], uid: str) -> AssetMesh:
-    mesh = get_recipe(name, leaf).build(variant).mesh
-    if np.abs(mesh.extent - np.asarray(extent)).max() > 1e-3:
-        raise NounError(
-            f"asset {uid!r}: found a mesh of {np.round(mesh.extent, 3)} m, needed {list(extent)} m as indexed; "
-            f"rebuild the index with `{REBUILD}`."
-        )
-    return mesh
+def _build_cached(name: str, leaf: str, variant: int) -> AssetMesh:
+    return get_recipe(name, leaf).build(variant).mesh
 
 
 def build_index() -> AssetIndex:

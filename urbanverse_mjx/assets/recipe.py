@@ -119,6 +119,6 @@ def get_recipe(name: str, leaf: str) -> Recipe:
     if (name, leaf) not in _REGISTER:
         raise NounError(
             f"asset recipe: found {name!r} for {leaf!r} in the index, needed one of this package's recipes; "
-            "rebuild the index with `python -m urbanverse_mjx.assets build`."
+            "rebuild the index with `python -m urbanverse_mjx.assets index`."
         )
     return _REGISTER[name, leaf]

@@ -1,14 +1,15 @@
 """`urbanverse assets`: look into the asset index, and rebuild what it holds."""
 
 import difflib
+import json
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
 
 def list_assets(leaf: str | None = None) -> None:
-    """List the assets, or those of one leaf category.
+    """List the base shapes, or those of one leaf category.
 
     Args:
       leaf: a leaf of the ontology, e.g. "bollard".
@@ -20,7 +21,7 @@ def list_assets(leaf: str | None = None) -> None:
 
 
 def find(label: Annotated[str, tyro.conf.Positional]) -> None:
-    """Show which leaf a label of a scene graph is matched to, and the assets it may become.
+    """Show which leaf a label of a scene graph is matched to, and the base shapes it may become.
 
     Args:
       label: what a detector or a person calls the thing, e.g. "trash can".
@@ -39,6 +40,93 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
         print(f"no asset of this leaf yet; the nearest leaves with assets are {', '.join(near)}")
 
 
+def show(
+    label: Annotated[str, tyro.conf.Positional], as_json: Annotated[bool, tyro.conf.arg(name="json")] = False
+) -> None:
+    """Show the leaf that a free label means: its records, median sizes and mass, and what they can be filtered by.
+
+    Args:
+      label: free text, e.g. "cafe parasol".
+      as_json: print JSON instead.
+    """
+    from ..assets.overview import overview
+
+    found = overview(label)
+    if as_json:
+        print(json.dumps(found, ensure_ascii=False))
+        return
+    size = " x ".join(f"{found['median'][side]:.3g}" for side in ("length", "width", "height"))
+    print(f"{label!r} is the leaf {found['leaf']!r} ({' / '.join(found['category'][:2])}), score {found['score']:.2f}")
+    print(f"records: {found['records']}, of them {found['base_shapes']} base shapes as the recipes make them")
+    print(f"median: {size} m (length x width x height), {found['median']['mass']:.3g} kg")
+    for name, (low, high) in found["ranges"].items():
+        print(f"  {name:<12} {low:.3g} to {high:.3g}")
+    for name, counts in found["values"].items():
+        print(f"  {name:<20} " + ", ".join(f"{word} {n}" for word, n in counts.items()))
+    if found["others"]:
+        print("also near: " + ", ".join(f"{leaf} {score:.2f}" for leaf, score in found["others"]))
+
+
+def search(
+    query: Annotated[str | None, tyro.conf.Positional] = None,
+    filters: Annotated[str, tyro.conf.arg(aliases=["-f"])] = "{}",
+    count: int = 20,
+) -> None:
+    """Search all records by free text and filters.
+
+    Args:
+      query: free text, e.g. "a red wooden chair".
+      filters: JSON object of filters, e.g. '{"mass_range": [1, 5], "movable": true}'.
+      count: how many to print.
+    """
+    from ..assets.search import library
+    from ..datatypes import NounError
+
+    try:
+        conditions: Any = json.loads(filters)
+    except ValueError as error:
+        raise NounError(f"--filters: found {filters!r}, needed a JSON object ({error}).") from error
+    if not isinstance(conditions, dict):
+        raise NounError(f"--filters: found {filters!r}, needed a JSON object.")
+    objects = library()
+    uids = objects.get_uids_conditioned(query=query, top_k=count, **conditions)
+    _print_rows(objects.load_annotations(uids[:count]).values())
+    if query is None:
+        print(f"{len(uids)} records; filters are {', '.join(objects.filters())}")
+
+
+def match(label: Annotated[str, tyro.conf.Positional], size: tuple[float, float, float], count: int = 5) -> None:
+    """Match an object of a scene graph: label and box to the assets that fit best.
+
+    Args:
+      label: free text.
+      size: along its heading, across and up, m.
+      count: how many.
+    """
+    from ..assets.matching import Matcher
+
+    for found in Matcher().match(label, size, count=count):
+        print(f"{found.uid:<44} distortion {found.distortion:.3f}  yaw {found.yaw:.2f} rad")
+
+
+def check(repair: bool = False) -> None:
+    """Check what is built of the index on this machine.
+
+    Args:
+      repair: also make anew what is damaged.
+    """
+    from ..assets import integrity
+
+    problems = integrity.repair() if repair else integrity.problems()
+    print("\n".join(problems) or "all is well")
+
+
+def _print_rows(rows: Any) -> None:
+    for row in rows:
+        size = " x ".join(f"{side:.2f}" for side in row["extent_xyz"])
+        print(f"{row['uid']:<44} {size:<22} {row['mass']:>9.1f}  {row['description']}")
+
+
 def _print_table(records: Sequence) -> None:
     print(f"{'uid':<44} {'along x across x up, m':<22} {'mass, kg':>9}  description")
     for r in records:
@@ -46,10 +134,22 @@ def _print_table(records: Sequence) -> None:
         print(f"{r.uid:<44} {size:<22} {r.mass:>9.1f}  {r.description}")
 
 
+#: What looks into the index; `assets.__main__.COMMANDS` holds what makes it. One line a command.
+COMMANDS = {
+    "list": list_assets,
+    "find": find,
+    "show": show,
+    "search": search,
+    "match": match,
+    "check": check,
+}
+
+
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse assets`."""
     from ..assets import __main__ as maintenance
 
-    commands = {"list": list_assets, "find": find, **maintenance.COMMANDS}
-    tyro.extras.subcommand_cli_from_dict(commands, args=list(argv), prog="urbanverse assets")
+    tyro.extras.subcommand_cli_from_dict(
+        {**COMMANDS, **maintenance.COMMANDS}, args=list(argv), prog="urbanverse assets"
+    )
     return 0

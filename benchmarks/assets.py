@@ -1,0 +1,194 @@
+"""The asset index in figures: what it holds, whether it agrees with itself and with published things, how fast it is.
+
+    python -m benchmarks.assets --json
+
+builds the catalogue into a temporary file, so its time is measured; renders are left out unless asked for
+(`--renders 120`, needs an OpenGL that renders off screen).
+"""
+
+import collections
+import json
+import pathlib
+import tempfile
+import time
+from typing import Annotated, Any
+
+import numpy as np
+import pyarrow as pa
+import tyro
+from rich.console import Console
+
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.assets.catalogue import disagreements, leaf_counts
+from urbanverse_mjx.assets.hulls import HullStore
+from urbanverse_mjx.assets.hulls import store_path as hulls_path
+from urbanverse_mjx.assets.matching import Matcher
+from urbanverse_mjx.assets.materials import sources
+from urbanverse_mjx.assets.priors import prior
+from urbanverse_mjx.assets.published import QUANTITIES, published
+from urbanverse_mjx.assets.search import ObjectLibrary
+from urbanverse_mjx.assets.store import build_store, forget, load_store, recorded_content
+
+from . import _asset_steps
+from ._report import machine
+
+#: One value for every filter, so that each is timed.
+FILTERS: dict[str, Any] = {
+    "categories": ["furniture", "bench", "vehicle"],
+    **{f"{name}_range": (0.2, 2.0) for name in ("height", "length", "width", "max_dimension")},
+    "mass_range": (1.0, 50.0),
+    "required_force_range": (0.0, 300.0),
+    **{f"{name}_range": (0.2, 0.6) for name in ("surface_roughness", "reflectivity", "friction_coefficient")},
+    "index_of_refraction_range": (1.3, 1.6),
+    "youngs_modulus_range": (1000.0, None),
+    "bounciness_range": (0.1, 0.4),
+    "recommended_clearance_range": (0.2, 1.0),
+    **dict.fromkeys(("receptacle", "movable", "walkable", "enterable", "support_surface"), True),
+    "dominant_materials": ["wood", "steel"],
+    "dominant_colors": ["red", "blue"],
+    "affordances": ["sittable"],
+    "interactive_parts": ["lid", "lever"],
+    "surface_hardness": "hard",
+    "surface_finish": ["glossy", "smooth"],
+    "asset_composition_type": "single",
+}
+RANGE_STEP = 1e-3  # relative, forgiven at the ends of a range
+
+
+def counts(table: pa.Table) -> dict[str, Any]:
+    """How many there are of everything, and which leaves have another number of records than the authors'."""
+    found = collections.Counter(table["category"].to_pylist())
+    index = load_index()
+    return {
+        "level_1": len(set(table["class_name_l1"].to_pylist())),
+        "level_2": len(set(table["class_name_l2"].to_pylist())),
+        "level_3": len(found),
+        "records": table.num_rows,
+        "records_with_mesh": table.num_rows - table["recipe"].null_count,
+        "base_shapes": len(index.records),
+        "leaves_with_base_shapes": len(index.leaves),
+        "leaves_with_other_count_than_ontology": sum(found[leaf] != n for leaf, n in leaf_counts().items()),
+    }
+
+
+def agreement(table: pa.Table) -> dict[str, Any]:
+    """Share of the records whose fields agree, and of those with meshes that lie within their leaf's ranges."""
+    inside = {}
+    shown = np.array([name is not None for name in table["recipe"].to_pylist()])
+    rows = [prior(leaf) for leaf in table["category"].to_pylist()]
+    for name in QUANTITIES:
+        values = table[name].to_numpy()
+        low, high = (np.array([getattr(row, name)[k] for row in rows]) for k in (0, 2))
+        within = (values >= low * (1 - RANGE_STEP)) & (values <= high * (1 + RANGE_STEP))
+        inside[name] = round(float(within[shown].mean()), 4) if shown.any() else None
+    agreeing = 1.0 - len(disagreements(table)) / table.num_rows
+    return {"fields_agree": round(agreeing, 6), "with_mesh_within_prior_range": inside}
+
+
+def hulls() -> dict[str, Any]:
+    """The shipped collision hulls."""
+    sets = list(HullStore.load(hulls_path()).hulls.values())
+    number, corners = [len(s) for s in sets], [len(h) for s in sets for h in s]
+    return {
+        "meshes": len(sets),
+        "hulls": len(corners),
+        "per_mesh_median": float(np.median(number)),
+        "per_mesh_most": max(number),
+        "corners_most": max(corners),
+        "bytes": hulls_path().stat().st_size,
+    }
+
+
+def against_published(table: pa.Table) -> dict[str, Any]:
+    """Mean absolute relative errors of the leaves' median records, and of the priors' medians; rows with a page apart
+    from `typical` ones."""
+    medians: dict[str, dict[str, float]] = {}
+    leaves = np.array(table["category"].to_pylist())
+    result: dict[str, Any] = {}
+    for kind in ("sourced", "typical"):
+        rows = [r for r in published() if bool(sources()[r.source].address) == (kind == "sourced")]
+        errors: dict[str, list[float]] = collections.defaultdict(list)
+        for row in rows:
+            if row.leaf not in medians:
+                pick = leaves == row.leaf
+                medians[row.leaf] = {q: float(np.median(table[q].to_numpy()[pick])) for q in QUANTITIES}
+            for quantity in QUANTITIES:
+                page = getattr(row, quantity)
+                if page is not None:
+                    errors[f"{quantity}_of_records"].append(abs(medians[row.leaf][quantity] / page - 1.0))
+                    errors[f"{quantity}_of_priors"].append(abs(getattr(prior(row.leaf), quantity)[1] / page - 1.0))
+        result[kind] = {"rows": len(rows), "leaves": len({r.leaf for r in rows})}
+        result[kind] |= {name: round(float(np.mean(x)), 4) for name, x in sorted(errors.items())}
+    return result
+
+
+def filter_latencies(objects: ObjectLibrary, repeats: int = 5) -> dict[str, Any]:
+    """ms of each filter, the first time (its column is decoded) and the median of later ones."""
+    first, later = {}, {}
+    for name, value in FILTERS.items():
+        spent = []
+        for _ in range(repeats + 1):
+            start = time.perf_counter()
+            objects.get_uids_conditioned(**{name: value})
+            spent.append(1000 * (time.perf_counter() - start))
+        first[name], later[name] = spent[0], float(np.median(spent[1:]))
+    slowest = max(later, key=lambda name: later[name])
+    return {
+        "filters": len(FILTERS),
+        "first_most_ms": round(max(first.values()), 1),
+        "later_most_ms": round(later[slowest], 1),
+        "slowest": slowest,
+    }
+
+
+def measure(renders: int, matches: int) -> dict[str, Any]:
+    """All figures."""
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        path = build_store(pathlib.Path(folder) / "catalogue.parquet", show_progress=False)
+        built = time.perf_counter() - start
+        size = path.stat().st_size
+        start = time.perf_counter()
+        table = load_store(path)
+        objects = ObjectLibrary(table)
+        opened = time.perf_counter() - start
+        forget()
+    matcher = Matcher(objects)
+    result = {
+        "machine": machine(),
+        "content": recorded_content(table),
+        "counts": counts(table),
+        "agreement": agreement(table),
+        "hulls": hulls(),
+        "published": against_published(table),
+        "build_s": round(built, 1),
+        "open_s": round(opened, 2),
+        "store_bytes": size,
+        "filter": filter_latencies(objects),
+        "match": _asset_steps.latencies(objects, matcher, matches),
+        "semantic": _asset_steps.semantic(),
+        "geometric": _asset_steps.geometric(objects, matcher, matches),
+    }
+    if renders:
+        result["appearance"] = _asset_steps.appearance(objects, matcher, renders)
+    return result
+
+
+def main(as_json: Annotated[bool, tyro.conf.arg(name="json")] = False, renders: int = 0, matches: int = 300) -> None:
+    """Measures the asset index.
+
+    Args:
+      as_json: print one line of JSON.
+      renders: pictures to look up again; 0 leaves the appearance step out (it needs OpenGL).
+      matches: matches to time.
+    """
+    result = measure(renders, matches)
+    if as_json:
+        print(json.dumps(result))
+        return
+    for name, value in result.items():
+        Console().print(f"[bold]{name}[/bold]: {json.dumps(value)}", soft_wrap=True, highlight=False)
+
+
+if __name__ == "__main__":
+    tyro.cli(main)

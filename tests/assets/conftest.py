@@ -1,0 +1,20 @@
+"""What several modules of this folder need and one run makes once."""
+
+import pyarrow as pa
+import pytest
+
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.assets.catalogue import build_catalogue
+from urbanverse_mjx.assets.search import ObjectLibrary
+
+
+@pytest.fixture(scope="session")
+def catalogue() -> pa.Table:
+    """All 102,444 records."""
+    return build_catalogue(load_index())
+
+
+@pytest.fixture(scope="session")
+def objects(catalogue: pa.Table) -> ObjectLibrary:
+    """The search over them."""
+    return ObjectLibrary(catalogue)

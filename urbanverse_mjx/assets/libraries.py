@@ -1,0 +1,67 @@
+"""What every collection of the index offers, whatever it holds: objects, skies, roads, sidewalks.
+
+The names are those that users of the official toolkit know. A module joins by a line in `MODULES` and a function
+`library()` that returns an object with these methods.
+"""
+
+import importlib
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from urbanverse_mjx.datatypes import NounError
+
+
+@runtime_checkable
+class Library(Protocol):
+    """One collection, addressed by uid."""
+
+    def get_uids_all(self) -> list[str]:
+        """Every uid, in a fixed order."""
+        ...
+
+    def load_annotations(self, uids: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """uid -> field -> value, official names, SI units."""
+        ...
+
+    def load_thumbnails(self, uids: Sequence[str]) -> dict[str, np.ndarray]:
+        """uid -> (H, W, 3) uint8."""
+        ...
+
+    def explain_annotation(self, field: str) -> str:
+        """What a field means, its unit and where its values come from."""
+        ...
+
+    def check_integrity(self) -> list[str]:
+        """One sentence per thing that is missing or damaged; empty where all is well."""
+        ...
+
+    def repair(self) -> list[str]:
+        """Makes anew what `check_integrity` finds; returns what it still finds afterwards."""
+        ...
+
+
+#: name of a collection -> module of this room with a function `library() -> Library`.
+MODULES: Mapping[str, str] = {
+    "object": "search",
+    "sky": "skies",
+    "road": "ground_materials",
+    "sidewalk": "ground_materials",
+}
+
+
+def library(name: str) -> Library:
+    """The collection of that name; where a module serves several, its `library` takes the name.
+
+    Raises:
+      NounError: no such collection, or one that this version cannot search.
+    """
+    if name not in MODULES:
+        raise NounError(f"library: found {name!r}, needed one of {', '.join(MODULES)}.")
+    module = importlib.import_module(f"{__package__}.{MODULES[name]}")
+    make = getattr(module, "library", None)
+    if make is None:
+        raise NounError(f"library: found no search over {name!r} in this version, needed {module.__name__}.library.")
+    several = list(MODULES.values()).count(MODULES[name]) > 1
+    return make(name) if several else make()

@@ -1,0 +1,138 @@
+"""From a free label to leaves, without a network: names and synonyms first, then letters and words in common.
+
+The text embedding is TF-IDF over words and runs of 3 to 5 letters within words; every name that is known for a leaf
+(its own, its synonyms, the labels of public vocabularies) is one document, and a leaf is as near as its nearest one.
+"""
+
+import collections
+import functools
+import json
+import math
+import re
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from scipy import sparse
+
+from urbanverse_mjx.settings import asset_root
+
+from . import ontology
+from .labels import mapped_labels
+from .ontology import UnknownLabelError
+
+#: Scores of what needs no embedding; these rank first.
+EXACT, GUESSED = 1.0, 0.9
+MOST_EMBEDDED = 0.79  # below a guess by more than what a query may add for colours and materials
+LETTERS = (3, 4, 5)
+WORD_WEIGHT = 2.0  # a whole word in common says more than its letters
+
+
+class TextEmbedder(Protocol):
+    """Turns texts into vectors of length 1."""
+
+    def __call__(self, texts: Sequence[str]) -> np.ndarray:
+        """(n, d)."""
+        ...
+
+
+class NgramIndex:
+    """Leaves by the letters and words of their names."""
+
+    def __init__(self, names: Sequence[tuple[str, str]]) -> None:
+        """Args: names: (name, leaf) documents."""
+        self.leaves = tuple(ontology.categories())
+        place = {leaf: k for k, leaf in enumerate(self.leaves)}
+        self._leaf_of = np.array([place[leaf] for _, leaf in names])
+        counts = [_features(ontology.normalised(name)) for name, _ in names]
+        frequency = collections.Counter(feature for count in counts for feature in count)
+        self._column = {feature: k for k, feature in enumerate(frequency)}
+        self._idf = np.array([math.log((1 + len(names)) / (1 + n)) + 1.0 for n in frequency.values()])
+        self._documents = sparse.vstack([self._vector(count) for count in counts], format="csr")
+
+    def scores(self, label: str) -> np.ndarray:
+        """(659,) cosine with the nearest name of each leaf."""
+        query = self._vector(_features(ontology.normalised(label)))
+        cosine = np.asarray((self._documents @ query.T).todense()).ravel()
+        best = np.zeros(len(self.leaves))
+        np.maximum.at(best, self._leaf_of, cosine)
+        return best
+
+    def _vector(self, count: dict[str, float]) -> sparse.csr_matrix:
+        known = [(self._column[f], x) for f, x in count.items() if f in self._column]
+        columns = np.array([k for k, _ in known], dtype=np.int64)
+        weights = np.array([x for _, x in known]) * self._idf[columns] if known else np.zeros(0)
+        norm = math.sqrt(float((weights**2).sum())) or 1.0
+        return sparse.csr_matrix((weights / norm, (np.zeros(len(known), np.int64), columns)), (1, len(self._column)))
+
+
+def known_names() -> list[tuple[str, str]]:
+    """Every (name, leaf) that is written down: leaves, synonyms, labels of vocabularies."""
+    synonyms: dict[str, list[str]] = json.loads((asset_root() / "synonyms.json").read_text(encoding="utf-8"))
+    names = [(leaf, leaf) for leaf in ontology.categories()]
+    names += [(name, leaf) for leaf, others in synonyms.items() for name in others]
+    for row in mapped_labels().values():
+        if row.leaf is not None:
+            names.append((row.label.rpartition("=")[2], row.leaf))
+    return list(dict.fromkeys((ontology.normalised(name), leaf) for name, leaf in names))
+
+
+@functools.cache
+def default_index() -> NgramIndex:
+    """The index of all known names."""
+    return NgramIndex(known_names())
+
+
+def rank_leaves(label: str, count: int = 5, embedder: TextEmbedder | None = None) -> list[tuple[str, float]]:
+    """The leaves that a label most likely speaks of, with scores, best first.
+
+    A name or synonym scores 1, the noun of a phrase 0.9; all others by the embedding.
+
+    Args:
+      label: free text.
+      count: how many.
+      embedder: None for letters and words; see `neural.SentenceEmbedder`.
+
+    Raises:
+      UnknownLabelError: nothing in common with any name.
+    """
+    if embedder is None:
+        scores = np.minimum(default_index().scores(label), MOST_EMBEDDED)
+    else:
+        scores = _embedded(embedder, label)
+    leaves = default_index().leaves
+    place = {leaf: k for k, leaf in enumerate(leaves)}
+    try:
+        scores[place[ontology.match_label(label)]] = EXACT
+    except UnknownLabelError:
+        try:
+            scores[place[ontology.guess_leaf(label)]] = GUESSED
+        except UnknownLabelError:
+            if scores.max() <= 0.0:
+                raise
+    order = np.argsort(-scores, kind="stable")[:count]
+    return [(leaves[k], float(scores[k])) for k in order if scores[k] > 0.0]
+
+
+def _embedded(embedder: TextEmbedder, label: str) -> np.ndarray:
+    leaves = default_index().leaves
+    (query,) = embedder([label])
+    return np.clip(_leaf_vectors(embedder) @ query, 0.0, MOST_EMBEDDED)[: len(leaves)]
+
+
+@functools.lru_cache(maxsize=2)
+def _leaf_vectors(embedder: TextEmbedder) -> np.ndarray:
+    return embedder([f"{leaf}, {middle}" for leaf, (_, middle, _) in ontology.categories().items()])
+
+
+def _features(text: str) -> dict[str, float]:
+    """Words and the runs of letters in them, ends marked, with their weights."""
+    found: dict[str, float] = collections.defaultdict(float)
+    for word in re.findall(r"[^\W_]+", text):
+        stem = word[:-1] if len(word) > 3 and word.endswith("s") and not word.endswith("ss") else word
+        found[f"w:{stem}"] += WORD_WEIGHT
+        marked = f"<{stem}>"
+        for length in LETTERS:
+            for start in range(len(marked) - length + 1):
+                found[marked[start : start + length]] += 1.0 / len(LETTERS)
+    return {feature: 1.0 + math.log(x) if x > 1.0 else x for feature, x in found.items()}

@@ -1,0 +1,143 @@
+"""The catalogue as a Parquet file in the cache: written once by `urbanverse assets build`, mapped into memory on use.
+
+The file is named by what it is made of (the tables of `assets_index/` and the code that turns them into records), so a
+stale one is never found.
+"""
+
+import functools
+import hashlib
+import json
+import os
+import pathlib
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+from rich.console import Console
+from rich.progress import track
+
+from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes.validation import write_atomically
+from urbanverse_mjx.settings import asset_root, cache_dir
+
+from .catalogue import SCHEMA, build_catalogue, catalogue_hash
+from .index import load_index
+
+BUILD_COMMAND = "urbanverse assets build"
+CONTENT_FILE = "catalogue.json"
+_DATA = ("index.parquet", "shapes.parquet", "priors.csv", "materials.csv", "ontology.json")
+_CODE = ("base_shapes", "catalogue", "index", "instances", "materials", "physical", "priors", "record_texts", "tints")
+_CONTENT = b"urbanverse.content"  # key of the file's metadata that holds the content's hash
+
+
+@functools.cache
+def inputs_key() -> str:
+    """16 hexadecimal digits over the bytes of all that the catalogue is made of."""
+    digest = hashlib.sha256()
+    here = pathlib.Path(__file__).parent
+    for path in (*(asset_root() / name for name in _DATA), *(here / f"{name}.py" for name in _CODE)):
+        digest.update(f"{path.name}\0".encode())
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:16]
+
+
+def store_path() -> pathlib.Path:
+    """Where the catalogue of today's tables and code lies, or will lie."""
+    return cache_dir("assets", f"catalogue-{inputs_key()}.parquet")
+
+
+def build_store(path: str | os.PathLike[str] | None = None, show_progress: bool = True) -> pathlib.Path:
+    """Makes all records and writes them; the file appears whole or not at all."""
+    console = Console(file=sys.stderr)
+
+    def progress(leaves: Sequence[str]) -> Iterator[str]:
+        return iter(track(leaves, "asset records", console=console, disable=not show_progress))
+
+    table = build_catalogue(load_index(), progress)
+    table = table.replace_schema_metadata({_CONTENT: catalogue_hash(table).encode()})
+    # One row group and no dictionary: the whole table is read at once, and numbers are mapped rather than decoded.
+    write = functools.partial(pq.write_table, table, compression="zstd", row_group_size=table.num_rows)
+    return write_atomically(path or store_path(), lambda p: write(p))
+
+
+def load_store(path: str | os.PathLike[str] | None = None) -> pa.Table:
+    """The table of all records; made first where the cache holds none.
+
+    Raises:
+      NounError: a path is given and there is no such file, or the file is not a catalogue.
+    """
+    if path is None and not store_path().is_file():
+        build_store(show_progress=sys.stderr.isatty())
+    return _load_cached(pathlib.Path(path or store_path()))
+
+
+@functools.lru_cache(maxsize=2)
+def _load_cached(path: pathlib.Path) -> pa.Table:
+    if not path.is_file():
+        raise NounError(f"{path}: found no such file, needed the catalogue; build it with `{BUILD_COMMAND}`.")
+    try:
+        table = pq.read_table(path)
+    except (pa.ArrowInvalid, OSError) as error:
+        raise NounError(
+            f"{path}: found a file that is not whole ({str(error).splitlines()[0][:80]}), needed the catalogue; "
+            f"build it again with `{BUILD_COMMAND}`."
+        ) from error
+    if table.schema.remove_metadata() != SCHEMA:
+        raise NounError(f"{path}: found other columns, needed the catalogue's; build it with `{BUILD_COMMAND}`.")
+    return table
+
+
+def shipped_content() -> str:
+    """The content hash that is committed with the tables; empty where none is."""
+    path = asset_root() / CONTENT_FILE
+    return json.loads(path.read_text(encoding="utf-8"))["content"] if path.is_file() else ""
+
+
+def save_content(table: pa.Table) -> pathlib.Path:
+    """Writes what the tables give today into `assets_index/catalogue.json`, to be committed with them."""
+    meshes = table.num_rows - table["recipe"].null_count
+    body = {"content": catalogue_hash(table), "records": table.num_rows, "with_mesh": meshes}
+    text = json.dumps(body, indent=2) + "\n"
+    return write_atomically(asset_root() / CONTENT_FILE, lambda p: p.write_text(text, encoding="utf-8"))
+
+
+def forget() -> None:
+    """Drops the table that is held in memory, after the file has changed."""
+    _load_cached.cache_clear()
+
+
+def recorded_content(table: pa.Table) -> str:
+    """The content hash that was written with the table; empty where none was."""
+    return (table.schema.metadata or {}).get(_CONTENT, b"").decode()
+
+
+def record_of(row: Mapping[str, Any]) -> AssetRecord:
+    """The `AssetRecord` of a row of the table, to build, place and export.
+
+    Raises:
+      NounError: the row has no mesh.
+    """
+    if row["recipe"] is None:
+        raise NounError(
+            f"asset {row['uid']!r}: found no base shape of {row['category']!r}, needed a recipe for that leaf; "
+            "choose another leaf, or one that stands in for it (`AssetIndex.by_label`)."
+        )
+    return AssetRecord(
+        uid=row["uid"],
+        category=(row["class_name_l1"], row["class_name_l2"], row["class_name_l3"]),
+        description=row["description"],
+        recipe=row["recipe"],
+        params=json.loads(row["params"]),
+        extent_xyz=tuple(row["extent_xyz"]),
+        materials=tuple(name for name in row["materials"] if name != "air"),
+        licence=row["license"],
+        **{
+            name: row[name]
+            for name in (
+                *("length", "width", "height", "volume", "mass", "friction_coefficient", "movable"),
+                *("required_force", "provenance"),
+            )
+        },
+    )
