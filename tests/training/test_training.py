@@ -14,7 +14,14 @@ from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.training import brax_compat
 from urbanverse_mjx.training.config import batch_shape, default_ppo_config
-from urbanverse_mjx.training.policy import initial_params, latest_policy, load_params, load_policy, make_policy_function
+from urbanverse_mjx.training.policy import (
+    export_actor,
+    initial_params,
+    latest_policy,
+    load_params,
+    load_policy,
+    make_policy_function,
+)
 from urbanverse_mjx.training.run import train
 
 CPU_REWARDS = {
@@ -85,6 +92,15 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     np.testing.assert_array_equal(act(obs, jax.random.key(0)), direct(obs, jax.random.key(0)))
     one = act(jax.tree.map(lambda x: x[1], obs), jax.random.key(0))
     np.testing.assert_allclose(one, act(obs, jax.random.key(0))[1], atol=1e-5)
+
+    actor = export_actor(tmp_path, tmp_path / "exported" / "checkpoints" / "actor")
+    alone, exported = load_policy(actor)
+    assert exported == spec
+    np.testing.assert_array_equal(alone(obs, jax.random.key(0)), act(obs, jax.random.key(0)))
+    with pytest.raises(NounError, match="empty folder"):
+        export_actor(tmp_path, actor)
+    with pytest.raises(NounError, match="without its critic"):
+        train("CocoNav", env, longer, tmp_path / "exported", resume=True, quiet=True)
 
 
 @pytest.mark.slow

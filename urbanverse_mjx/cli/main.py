@@ -19,6 +19,7 @@ COMMANDS = {
     "train": ("train", "train a policy and evaluate it on streets it has never seen"),
     "evaluate": ("evaluate", "run a trained or scripted policy over fixed episodes and write a report"),
     "play": ("play", "drive one episode and write it as a video"),
+    "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
     "assets": ("assets", "list, search and export the asset index"),
     "list-envs": ("list_envs", "list the registered environments and their presets"),
@@ -28,7 +29,7 @@ COMMANDS = {
 
 def usage() -> str:
     """The text of --help."""
-    lines = [f"  {name:<10} {line}" for name, (_, line) in COMMANDS.items()]
+    lines = [f"  {name:<13} {line}" for name, (_, line) in COMMANDS.items()]
     return "\n".join(
         [
             "usage: urbanverse [--version] [--help] <command> ...",

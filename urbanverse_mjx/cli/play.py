@@ -30,6 +30,7 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse play`."""
     args = tyro.cli(PlayArgs, args=list(argv), prog="urbanverse play")
     from ..envs import registry
+    from ..envs.randomization import OFF
     from ..evaluation import BASELINES, Rollout, fixed_episodes
     from ..viz.video import write_rollout_video
     from .scene import ensure_default_bank
@@ -43,7 +44,7 @@ def main(argv: Sequence[str]) -> int:
         if args.policy is None:
             raise NounError("--policy: found nothing, needed a policy or run folder for --agent trained.")
         agent, spec = load_policy(args.policy)
-        config = registry.with_overrides(ConfigDict(spec.env_config), {"scenes": args.scenes})
+        config = registry.with_overrides(ConfigDict(spec.env_config), {"scenes": args.scenes, "randomization": OFF})
         env = registry.load(spec.environment, config=config, bank=ensure_default_bank())
     elif args.agent in BASELINES:
         agent = BASELINES[args.agent]

@@ -3,6 +3,8 @@
 import dataclasses
 import functools
 import pathlib
+import shutil
+import tempfile
 from collections.abc import Callable
 from importlib import metadata
 from typing import Any
@@ -91,6 +93,25 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
     writer.save(path, jax.tree.map(np.asarray, plain), force=True)
     spec.save(path)
     return path
+
+
+def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
+    """Writes the newest policy under `source` without its critic to the folder `out`: half the bytes, to be driven and
+    not to be trained further.
+
+    Raises:
+      NounError: no policy there, or something is in `out` already.
+    """
+    folder = latest_policy(source)
+    if out.exists() and any(out.iterdir()):
+        raise NounError(f"export-policy: found files in {out}, needed a new or empty folder.")
+    normaliser, actor, _ = load_params(folder)
+    out.absolute().parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out.absolute().parent, prefix=".policy-") as work:
+        made = save_policy(pathlib.Path(work), (normaliser, actor, {}), PolicySpec.load(folder))
+        shutil.rmtree(out, ignore_errors=True)
+        made.rename(out)
+    return out
 
 
 def load_params(folder: pathlib.Path) -> Any:

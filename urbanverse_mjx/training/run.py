@@ -41,7 +41,10 @@ def _start_of(folder: pathlib.Path, resume: bool) -> tuple[int, Any]:
             raise NounError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
         return 0, None
     path = latest_policy(checkpoints)
-    return PolicySpec.load(path).steps, load_params(path)
+    params = load_params(path)
+    if not params[2]:
+        raise NounError(f"--resume: found a policy without its critic in {path}, needed a checkpoint of a training.")
+    return PolicySpec.load(path).steps, params
 
 
 def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
