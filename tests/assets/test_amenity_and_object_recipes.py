@@ -10,6 +10,9 @@ from urbanverse_mjx.assets import ontology, priors, recipe, shapes
 from urbanverse_mjx.assets.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes import proportions
 
+#: Every mesh of some hundred leaves: minutes. `test_index` looks at every ninth leaf each time.
+pytestmark = pytest.mark.slow
+
 MODULES = (
     *("cabins", "case_furniture", "first_aid", "flags", "household", "leisure_places", "light_seats", "masts", "mills"),
     *("monuments", "notices", "office_furniture", "room_things", "sanitary", "street_terminals", "tents"),

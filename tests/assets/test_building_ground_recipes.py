@@ -9,6 +9,9 @@ from urbanverse_mjx.assets import ontology, recipe
 from urbanverse_mjx.assets.mesh_builder import BuiltAsset
 from urbanverse_mjx.assets.priors import Prior, prior
 
+#: Every mesh of some hundred leaves: minutes. `test_index` looks at every ninth leaf each time.
+pytestmark = pytest.mark.slow
+
 TOPS = ("building", "road", "nature")
 RECIPES = {r.leaf: r for r in recipe.all_recipes() if r.physics is None and ontology.category_of(r.leaf)[0] in TOPS}
 LEAVES = sorted(RECIPES)

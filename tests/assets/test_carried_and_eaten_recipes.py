@@ -10,6 +10,9 @@ from urbanverse_mjx.assets.index import make_record
 from urbanverse_mjx.assets.mesh_builder import BuiltAsset
 from urbanverse_mjx.assets.priors import prior
 
+#: Every mesh of some hundred leaves: minutes. `test_index` looks at every ninth leaf each time.
+pytestmark = pytest.mark.slow
+
 MIDDLES = ("personal item", "fruits", "vegetables", "drinks", "food", "kitchenware", "personal care product")
 LEAVES = [leaf for middle in MIDDLES for leaf in ontology.tree()["urban object"][middle]]
 #: (leaf, axis) whose first variant is not within 6 % of the median, and why.

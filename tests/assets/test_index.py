@@ -3,23 +3,36 @@
 import numpy as np
 import pytest
 
+from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, load_index
 from urbanverse_mjx.assets.export import export_glb
 from urbanverse_mjx.assets.glb import read_glb
-from urbanverse_mjx.assets.index import AssetIndex, build_index, save_index
+from urbanverse_mjx.assets.index import build_index, make_record, save_index
 from urbanverse_mjx.assets.ontology import categories
+from urbanverse_mjx.assets.physical import ROLLING
+from urbanverse_mjx.assets.priors import prior
+from urbanverse_mjx.assets.recipe import all_recipes
 from urbanverse_mjx.datatypes import NounError
 
 INDEX = load_index()
 
 
-@pytest.fixture(scope="module")
-def rebuilt() -> AssetIndex:
-    return build_index()
-
-
-def test_the_committed_index_is_what_the_recipes_build(rebuilt: AssetIndex) -> None:
+def test_sampled_records_are_what_the_recipes_build() -> None:
     """On failure: `python -m urbanverse_mjx.assets index`, then `hulls`."""
+    leaves = always(INDEX.leaves)
+    found = [make_record(r, k) for r in all_recipes() if r.leaf in leaves for k in range(r.variants)]
+    assert sorted(r.uid for r in found) == sorted(r.uid for leaf in leaves for r in INDEX.by_leaf(leaf))
+    assert [r.uid for r in found if r != INDEX.get(r.uid)] == []
+
+
+def test_every_variant_of_every_recipe_has_a_record() -> None:
+    assert len(INDEX.records) == sum(r.variants for r in all_recipes())
+    assert set(INDEX.leaves) == set(categories()), "all 659 leaves"
+
+
+@pytest.mark.slow
+def test_the_committed_index_is_what_the_recipes_build() -> None:
+    rebuilt = build_index()
     stale = [r.uid for r in INDEX.records if r.uid not in {x.uid for x in rebuilt.records}]
     changed = [r.uid for r in rebuilt.records if r.uid in {x.uid for x in INDEX.records} and r != INDEX.get(r.uid)]
     assert (stale, changed) == ([], [])
@@ -31,7 +44,7 @@ def test_at_least_sixty_leaves_with_three_variants() -> None:
     assert min(len(INDEX.by_leaf(leaf)) for leaf in INDEX.leaves) >= 2
 
 
-@pytest.mark.parametrize("leaf", INDEX.leaves)
+@pytest.mark.parametrize("leaf", leaf_params(INDEX.leaves))
 def test_meshes_of_a_leaf(leaf: str) -> None:
     """Extent, frame, budget of triangles, texture, and outward faces, for every record of the leaf."""
     for record in INDEX.by_leaf(leaf):
@@ -48,14 +61,14 @@ def test_meshes_of_a_leaf(leaf: str) -> None:
         assert 0 <= mesh.uv.min() <= mesh.uv.max() <= 1
 
 
-def test_variants_differ_visibly() -> None:
+@pytest.mark.parametrize("leaf", leaf_params(INDEX.leaves))
+def test_variants_differ_visibly(leaf: str) -> None:
     """No two records of a leaf share both their mesh and their texture."""
-    for leaf in INDEX.leaves:
-        seen = set()
-        for record in INDEX.by_leaf(leaf):
-            mesh = build_mesh(record)
-            seen.add((mesh.vertices.tobytes(), mesh.texture.tobytes()))
-        assert len(seen) == len(INDEX.by_leaf(leaf)), leaf
+    seen = set()
+    for record in INDEX.by_leaf(leaf):
+        mesh = build_mesh(record)
+        seen.add((mesh.vertices.tobytes(), mesh.texture.tobytes()))
+    assert len(seen) == len(INDEX.by_leaf(leaf))
 
 
 # Front and sides by hand: who sits on a bench looks along +x and has its back behind, at -x.
@@ -92,11 +105,14 @@ def test_masses_are_plausible() -> None:
     assert all(1 <= r.mass <= 7 and r.movable for r in cone)
     assert max(r.mass for r in barrier) > 1000
     assert not any(r.movable for r in barrier)
+    own = {r.leaf for r in all_recipes() if r.physics is not None}
     for record in INDEX.records:
-        assert record.required_force == pytest.approx(record.friction_coefficient * record.mass * 9.81, abs=0.1)
+        rolls = record.leaf not in own and prior(record.leaf).rest == "rolls"
+        coefficient = ROLLING if rolls else record.friction_coefficient
+        assert record.required_force == pytest.approx(coefficient * record.mass * 9.81, abs=0.1, rel=2e-3), record.uid
 
 
-@pytest.mark.parametrize("leaf", INDEX.leaves)
+@pytest.mark.parametrize("leaf", leaf_params(INDEX.leaves))
 def test_every_asset_exports_and_reloads(leaf: str, tmp_path) -> None:
     for record in INDEX.by_leaf(leaf):
         mesh = build_mesh(record)

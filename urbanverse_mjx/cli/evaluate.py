@@ -33,9 +33,8 @@ def main(argv: Sequence[str]) -> int:
     from .scene import ensure_default_bank
 
     policy = latest_policy(args.policy)
-    scenes = args.scenes if args.scenes in ("test", "train", "all") else args.scenes.split(",")
     out = args.out or policy / "evaluation"
     bank = ensure_default_bank(quiet=args.quiet)
-    summary = evaluate_policy(policy, bank, out, args.num_episodes, args.seed, args.video, args.quiet, scenes)
+    summary = evaluate_policy(policy, bank, out, args.num_episodes, args.seed, args.video, args.quiet, args.scenes)
     print(json.dumps({**summary, "folder": str(out)}))
     return 0

@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import dataclasses
+import fnmatch
 import json
 import multiprocessing
 import pathlib
@@ -62,6 +63,8 @@ class JoinArgs:
     """Bank files; no scene may stand in two of them."""
     out: pathlib.Path
     """Bank file to write."""
+    split: tuple[str, ...] = ()
+    """NAME=PATTERN puts the scenes whose ids fit a shell pattern into a split of that name: "held_out=bench_*_15?"."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -144,9 +147,21 @@ def _bank(args: BankArgs) -> int:
 def _join(args: JoinArgs) -> int:
     from ..datatypes.bank_join import join
 
-    bank = join([SceneBank.load(path) for path in args.banks])
+    bank = _with_splits(join([SceneBank.load(path) for path in args.banks]), args.split)
     bank.save(args.out)
     return _say_bank(args.out, bank)
+
+
+def _with_splits(bank: SceneBank, wanted: Sequence[str]) -> SceneBank:
+    splits = list(bank.meta["splits"])
+    for text in wanted:
+        name, equals, pattern = text.partition("=")
+        rows = [i for i, scene in enumerate(bank.scene_ids) if fnmatch.fnmatchcase(scene, pattern)]
+        if not (name and equals and rows):
+            raise v.NounError(f"--split: found {text!r}, needed NAME=PATTERN that fits some scene of the banks.")
+        for i in rows:
+            splits[i] = name
+    return dataclasses.replace(bank, meta={**bank.meta, "splits": splits})
 
 
 def _say_bank(path: pathlib.Path, bank: SceneBank) -> int:

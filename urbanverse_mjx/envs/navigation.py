@@ -28,20 +28,20 @@ def typed_key(key: jax.Array) -> jax.Array:
 
 
 def _select_scenes(bank: SceneBank, which: Any) -> np.ndarray:
-    """(n,) i32 rows of the bank named by a split ("train", "test", "all") or by a list of scene ids."""
+    """(n,) i32 rows of the bank named by a split ("train", "test", ...), "all", or ids (a list, or with commas)."""
     if isinstance(which, str) and which == "all":
-        rows = np.arange(bank.num_scenes, dtype=np.int32)
-    elif isinstance(which, str):
-        rows = bank.scenes_of(which)
-    else:
-        unknown = [s for s in which if s not in bank.scene_ids]
-        if unknown:
-            known = ", ".join(bank.scene_ids)
-            raise NounError(f"config.scenes: found {unknown[0]!r}, needed scenes of the bank ({known}).")
-        rows = np.array([bank.scene_ids.index(s) for s in which], np.int32)
-    if not len(rows):
-        raise NounError(f"config.scenes: found {which!r}, which names no scene, needed 'train', 'test', 'all' or ids.")
-    return rows
+        return np.arange(bank.num_scenes, dtype=np.int32)
+    if isinstance(which, str) and which in bank.meta["splits"]:
+        return bank.scenes_of(which)
+    ids = which.split(",") if isinstance(which, str) else list(which)
+    unknown = [s for s in ids if s not in bank.scene_ids] or ([which] if not ids else [])
+    if unknown:
+        splits, known = ", ".join(sorted(set(bank.meta["splits"]))), ", ".join(bank.scene_ids[:20])
+        raise NounError(
+            f"config.scenes: found {unknown[0]!r}, which names no scene, needed 'all', a split ({splits}) or "
+            f"ids of its {bank.num_scenes} scenes ({known})."
+        )
+    return np.array([bank.scene_ids.index(s) for s in ids], np.int32)
 
 
 def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
