@@ -189,13 +189,14 @@ def draw(staging: pathlib.Path, mesh_name: str) -> None:
     Raises:
       NounError: no off-screen OpenGL.
     """
+    import mujoco
     from PIL import Image
 
     try:
         from .pictures import render_views
 
         pictures = render_views(read_glb(staging / mesh_name), VIEW_SIZE)
-    except (ImportError, RuntimeError, AttributeError, OSError) as error:
+    except (ImportError, RuntimeError, AttributeError, OSError, mujoco.FatalError) as error:
         raise NounError(f"no pictures: {type(error).__name__}: {str(error)[:120]}; try MUJOCO_GL=egl.") from error
     for k, picture in enumerate(pictures):
         Image.fromarray(picture).save(staging / view_name(k))
