@@ -1,6 +1,7 @@
 """Brax PPO end to end on a kinematic engine: it learns, it resumes, its policies load as they were trained."""
 
 import json
+import os
 import pathlib
 
 import jax
@@ -94,7 +95,7 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     np.testing.assert_allclose(one, act(obs, jax.random.key(0))[1], atol=1e-5)
 
     actor = export_actor(tmp_path, tmp_path / "exported" / "checkpoints" / "actor")
-    alone, exported = load_policy(actor)
+    alone, exported = load_policy(pathlib.Path(os.path.relpath(actor)))
     assert exported == spec
     np.testing.assert_array_equal(alone(obs, jax.random.key(0)), act(obs, jax.random.key(0)))
     with pytest.raises(NounError, match="empty folder"):

@@ -120,7 +120,8 @@ def load_params(folder: pathlib.Path) -> Any:
 
     if not (folder / "policy.json").is_file():
         raise NounError(f"policy: found no policy.json in {folder}, needed a policy folder; see `urbanverse train`.")
-    return checkpoint.load(folder)
+    # Orbax takes no relative paths.
+    return checkpoint.load(folder.absolute())
 
 
 def latest_policy(folder: pathlib.Path) -> pathlib.Path:
