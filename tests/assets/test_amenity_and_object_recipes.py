@@ -10,7 +10,7 @@ from urbanverse_mjx.assets import ontology, priors, recipe, shapes
 from urbanverse_mjx.assets.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes import proportions
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every ninth leaf each time.
+#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow
 
 MODULES = (

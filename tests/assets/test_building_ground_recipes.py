@@ -9,7 +9,7 @@ from urbanverse_mjx.assets import ontology, recipe
 from urbanverse_mjx.assets.mesh_builder import BuiltAsset
 from urbanverse_mjx.assets.priors import Prior, prior
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every ninth leaf each time.
+#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow
 
 TOPS = ("building", "road", "nature")

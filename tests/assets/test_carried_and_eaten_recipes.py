@@ -10,7 +10,7 @@ from urbanverse_mjx.assets.index import make_record
 from urbanverse_mjx.assets.mesh_builder import BuiltAsset
 from urbanverse_mjx.assets.priors import prior
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every ninth leaf each time.
+#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow
 
 MIDDLES = ("personal item", "fruits", "vegetables", "drinks", "food", "kitchenware", "personal care product")

@@ -15,7 +15,7 @@ from urbanverse_mjx.assets.recipes import fitted, limbs, speed_limits
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.settings import asset_root
 
-#: Every mesh of some hundred leaves: minutes. `test_index` looks at every ninth leaf each time.
+#: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow
 
 Variants = Callable[[str], list[BuiltAsset]]

@@ -61,7 +61,7 @@ def test_drives_are_those_of_c_mujoco(impl: str, drive: str) -> None:
     assert (~np.isnan(report.after)).sum() >= 10
 
 
-@pytest.mark.parametrize("impl", ["jax", "warp"])
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
 def test_heavy_robots_on_slippery_ground_are_those_of_c_mujoco(impl: str) -> None:
     """Mass and friction of the env, not of the bank: the same drives, another path, in all engines alike."""
     robot, bank, drives, light = driven("differential", 3, 14)

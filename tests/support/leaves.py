@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 #: Of so many leaves one is always tested; its meshes take a second or so.
-EVERY = 9
+EVERY = 18
 
 
 def leaf_params(leaves: Sequence[str]) -> list[Any]:
