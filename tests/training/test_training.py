@@ -94,6 +94,8 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     one = act(jax.tree.map(lambda x: x[1], obs), jax.random.key(0))
     np.testing.assert_allclose(one, act(obs, jax.random.key(0))[1], atol=1e-5)
 
+    files = [f for f in second.policy.rglob("*") if f.is_file()]
+    assert not [f for f in files if str(tmp_path).encode() in f.read_bytes()], "a policy names no folder of its machine"
     actor = export_actor(tmp_path, tmp_path / "exported" / "checkpoints" / "actor")
     alone, exported = load_policy(pathlib.Path(os.path.relpath(actor)))
     assert exported == spec

@@ -91,6 +91,8 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
     normaliser, *rest = params
     plain = (flax.serialization.to_state_dict(normaliser), *rest)
     writer.save(path, jax.tree.map(np.asarray, plain), force=True)
+    # Orbax's mark that it is done names the folder on this machine; `policy.json`, which comes last, is ours.
+    (path / "commit_success.txt").unlink(missing_ok=True)
     spec.save(path)
     return path
 
