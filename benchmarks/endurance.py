@@ -41,11 +41,13 @@ class Compilations:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """The run; every count in the result is of the whole of it."""
-    size = Case(pixels=arguments.pixels).size
-    overrides: dict[str, Any] = {"preset": arguments.preset, "impl": arguments.impl, "scenes": "all"}
-    overrides |= {"episode_length": arguments.episode_length, "vision": size is not None}
-    if size is not None:
-        overrides |= {"vision_config.height": size[0], "vision_config.width": size[1]}
+    case = Case(
+        preset=arguments.preset,
+        impl=arguments.impl,
+        pixels=arguments.pixels,
+        overrides={"scenes": "all", "episode_length": arguments.episode_length},
+    )
+    overrides = case.config_overrides(registry.get_default_config("CocoNav", arguments.preset).ctrl_dt)
     bank = None if arguments.bank is None else SceneBank.load(arguments.bank)
     env = wrap_for_training(registry.load("CocoNav", config_overrides=overrides, bank=bank), arguments.episode_length)
     n = arguments.num_envs

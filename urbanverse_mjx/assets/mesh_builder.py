@@ -48,6 +48,11 @@ class BuiltAsset:
     mass: float | None = None
     part_faces: tuple[int, ...] = ()
 
+    def scaled(self, scale: np.ndarray) -> "BuiltAsset":
+        """The asset with its axes scaled by (3,) factors; what it weighs, where it says so, stays."""
+        mesh = dataclasses.replace(self.mesh, vertices=self.mesh.vertices * scale)
+        return dataclasses.replace(self, mesh=mesh, volume=self.volume * float(np.prod(scale)))
+
 
 @dataclasses.dataclass(frozen=True)
 class _Part:

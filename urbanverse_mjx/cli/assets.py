@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import tyro
 
+from ._options import json_object
+
 
 def list_assets(leaf: str | None = None) -> None:
     """List the base shapes, or those of one leaf category.
@@ -80,14 +82,8 @@ def search(
       count: how many to print.
     """
     from ..assets.search import library
-    from ..datatypes import NounError
 
-    try:
-        conditions: Any = json.loads(filters)
-    except ValueError as error:
-        raise NounError(f"--filters: found {filters!r}, needed a JSON object ({error}).") from error
-    if not isinstance(conditions, dict):
-        raise NounError(f"--filters: found {filters!r}, needed a JSON object.")
+    conditions = json_object(filters, "--filters")
     objects = library()
     uids = objects.get_uids_conditioned(query=query, top_k=count, **conditions)
     _print_rows(objects.load_annotations(uids[:count]).values())
@@ -129,9 +125,7 @@ def _print_rows(rows: Any) -> None:
 
 def _print_table(records: Sequence) -> None:
     print(f"{'uid':<44} {'along x across x up, m':<22} {'mass, kg':>9}  description")
-    for r in records:
-        size = " x ".join(f"{side:.2f}" for side in r.extent_xyz)
-        print(f"{r.uid:<44} {size:<22} {r.mass:>9.1f}  {r.description}")
+    _print_rows(r.to_json() for r in records)
 
 
 #: What looks into the index; `assets.__main__.COMMANDS` holds what makes it. One line a command.

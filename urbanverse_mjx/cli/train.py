@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from ..datatypes import NounError
+from ._options import json_object
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,16 +60,6 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def _json_object(text: str, option: str) -> dict[str, Any]:
-    try:
-        value = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise NounError(f"{option}: found {text!r}, which is not JSON ({error}), needed a JSON object.") from error
-    if not isinstance(value, dict):
-        raise NounError(f"{option}: found {text!r}, needed a JSON object such as '{{\"key\": 1}}'.")
-    return value
-
-
 def run(args: TrainArgs) -> dict[str, Any]:
     """Trains and evaluates; returns what is printed."""
     from ..envs import registry
@@ -81,8 +71,8 @@ def run(args: TrainArgs) -> dict[str, Any]:
     begin = time.monotonic()
     if args.coordinator is not None:
         join_processes(args.coordinator, args.num_processes, args.process_id)
-    env_overrides = _json_object(args.env_overrides, "--playground-config-overrides")
-    ppo = registry.with_overrides(default_ppo_config(args.preset), _json_object(args.ppo_overrides, "--ppo-overrides"))
+    env_overrides = json_object(args.env_overrides, "--playground-config-overrides")
+    ppo = registry.with_overrides(default_ppo_config(args.preset), json_object(args.ppo_overrides, "--ppo-overrides"))
     chosen = {"num_timesteps": args.num_timesteps, "num_envs": args.num_envs, "seed": args.seed}
     ppo = registry.with_overrides(ppo, {k: x for k, x in chosen.items() if x is not None})
     folder = args.resume or args.logdir / _name(args)

@@ -18,7 +18,7 @@ from ..datatypes import NounError, RobotSpec, SceneBank
 from .render_model import build_render_model
 from .render_settings import NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
 from .street_batch import StreetBatch, Streets
-from .warp_bridge import RecentBatches, batched_call, device_lock, register, registered
+from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
 
 __all__ = ["OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
 
@@ -106,7 +106,7 @@ class Renderer:
         self._model = build_render_model(bank, robot)
         self.num_bodies = self._model.num_bodies
         self.camera = None if robot is None else self._find_camera(camera or robot.camera)
-        self._devices: dict[str, tuple[Streets, RecentBatches[StreetBatch]]] = {}
+        self._devices: DeviceStore[Streets, StreetBatch] = DeviceStore()
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
         self._number = register(self)
         self._view = batched_call(_batch_function(self._number, self.settings))
@@ -170,7 +170,7 @@ class Renderer:
     @property
     def num_contexts(self) -> int:
         """Batches for which a render context is kept; made when a batch of a new size is first drawn."""
-        return sum(len(batches) for _, batches in self._devices.values())
+        return self._devices.num_batches
 
     def _render(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
         """Draws a batch of worlds, on the CPU in several threads; called by Warp with its device set.
@@ -199,10 +199,7 @@ class Renderer:
                 waiting.result()
 
     def _batch(self, device: Any, total: int) -> tuple[Streets, StreetBatch]:
-        name = str(device)
-        if name not in self._devices:
-            self._devices[name] = Streets(self.bank, self._model, self.settings), RecentBatches(device)
-        assets, batches = self._devices[name]
+        assets, batches = self._devices.get_or_make(device, lambda: Streets(self.bank, self._model, self.settings))
         threads = self.threads if device.is_cpu else 1
         return assets, batches.get_or_make(total, lambda: StreetBatch(assets, total, threads))
 

@@ -77,6 +77,22 @@ class RecentBatches[Batch](collections.OrderedDict[Any, Batch]):
         return self[key]
 
 
+class DeviceStore[Shared, Batch](dict[str, tuple[Shared, RecentBatches[Batch]]]):
+    """What stands on each Warp device, by its name: what all batches there share, and the batches used last."""
+
+    def get_or_make(self, device: Any, make: Callable[[], Shared]) -> tuple[Shared, RecentBatches[Batch]]:
+        """The device's own, made where the device is new."""
+        name = str(device)
+        if name not in self:
+            self[name] = make(), RecentBatches(device)
+        return self[name]
+
+    @property
+    def num_batches(self) -> int:
+        """Batches that are kept on all devices."""
+        return sum(len(batches) for _, batches in self.values())
+
+
 def batched_call(batch: Callable[..., Any]) -> Callable[..., Any]:
     """Makes a per-world function of one that takes exactly one leading world axis.
 

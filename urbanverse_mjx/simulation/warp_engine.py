@@ -19,7 +19,7 @@ from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from .engine_base import EngineBase, Substeps
 from .warp_batch import WorldBatch
-from .warp_bridge import RecentBatches, batched_call, device_lock, register, registered
+from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
 from .warp_model import DeviceModel, build_robot_model
 
 __all__ = ["WarpEngine"]
@@ -90,7 +90,7 @@ class WarpEngine(EngineBase):
             v.integer(line_steps, "engine.line_steps", 1),
         )
         self.graphs = graphs
-        self._devices: dict[str, tuple[DeviceModel, RecentBatches[WorldBatch]]] = {}
+        self._devices: DeviceStore[DeviceModel, WorldBatch] = DeviceStore()
         number = register(self)
         model = self.physics.model
         sizes = (model.nq, model.nv, model.nbody)
@@ -109,7 +109,7 @@ class WarpEngine(EngineBase):
     @property
     def num_contexts(self) -> int:
         """Batches for which data is kept; made when a batch of a new size is first stepped."""
-        return sum(len(batches) for _, batches in self._devices.values())
+        return self._devices.num_batches
 
     def _advance(self, call: Any, state: SimState, ctrl: Any) -> tuple[SimState, Any, Any]:
         # Warp does not check indices; JAX's own gathers clamp them.
@@ -148,10 +148,9 @@ class WarpEngine(EngineBase):
             batch.control_step(inputs, outputs, self.num_substeps)
 
     def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch:
-        name = str(device)
-        if name not in self._devices:
-            self._devices[name] = DeviceModel(self.bank, self._robot_model, self.reach), RecentBatches(device)
-        shared, batches = self._devices[name]
+        shared, batches = self._devices.get_or_make(
+            device, lambda: DeviceModel(self.bank, self._robot_model, self.reach)
+        )
         sizes = (self.num_slots, self.num_prism_slots, self.num_contacts)
         return batches.get_or_make((total, recorded), lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs))
 

@@ -1,7 +1,5 @@
 """Brings a finished asset to the length, width and height of its kind."""
 
-import dataclasses
-
 import numpy as np
 
 from urbanverse_mjx.datatypes import NounError
@@ -30,5 +28,4 @@ def fitted(built: BuiltAsset, size: Point3) -> BuiltAsset:
             f"{built.description!r}: found a box of {extent.round(2)} m to be fitted to {wanted} m, needed the same "
             f"proportions within a factor of {GREATEST_DISTORTION}; draw the parts nearer to that size."
         )
-    mesh = dataclasses.replace(built.mesh, vertices=built.mesh.vertices * scale)
-    return dataclasses.replace(built, mesh=mesh, volume=built.volume * float(np.prod(scale)))
+    return built.scaled(scale)

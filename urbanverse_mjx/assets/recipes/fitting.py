@@ -5,8 +5,6 @@ import dataclasses
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from urbanverse_mjx.datatypes import AssetMesh
-
 from ..mesh_builder import BuiltAsset
 from ..priors import FORMS, Range, prior
 
@@ -37,8 +35,5 @@ def fitted(built: BuiltAsset, leaf: str, size: Size) -> BuiltAsset:
     Recipes draw nearly the right size, so that circles stay round; the fit takes up what eaves and steps add.
     """
     scale = np.asarray(size) / np.maximum(built.mesh.extent, 1e-9)
-    vertices = built.mesh.vertices * scale
-    old = built.mesh
-    mesh = AssetMesh(vertices, old.faces, old.uv, old.texture, old.roughness, old.metallic)
-    volume = min(float(ConvexHull(vertices).volume), FORMS[prior(leaf).form] * float(np.prod(size)))
-    return dataclasses.replace(built, mesh=mesh, volume=volume)
+    volume = float(ConvexHull(built.mesh.vertices * scale).volume)
+    return dataclasses.replace(built.scaled(scale), volume=min(volume, FORMS[prior(leaf).form] * float(np.prod(size))))

@@ -4,7 +4,6 @@ Small things are drawn in centimetres, near enough to their proportions; `finish
 in metres.
 """
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -31,9 +30,7 @@ def finished(
     """The asset of what was drawn, its bounding box brought to `size_cm` = (x, y, z), give or take `SPREAD`."""
     asset = b.build(description, params)
     size = 0.01 * np.asarray(size_cm, float) * rng.uniform(1 - SPREAD, 1 + SPREAD)
-    factor = size / asset.mesh.extent.astype(float)
-    mesh = dataclasses.replace(asset.mesh, vertices=asset.mesh.vertices * factor)
-    return dataclasses.replace(asset, mesh=mesh, volume=asset.volume * float(np.prod(factor)))
+    return asset.scaled(size / asset.mesh.extent.astype(float))
 
 
 # Shapes ---------------------------------------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 """Outlines and paths that household things are drawn with, and the last step that gives a drawn thing its size."""
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -88,6 +87,4 @@ def sized(
 ) -> BuiltAsset:
     """Builds what was drawn and stretches it to size (x, y, z), m, give or take `jitter`; params hold the style."""
     built = b.build(description, {"style": style})
-    scale = np.asarray(size) * (1.0 + rng.uniform(-jitter, jitter, 3)) / built.mesh.extent
-    mesh = dataclasses.replace(built.mesh, vertices=built.mesh.vertices * scale)
-    return dataclasses.replace(built, mesh=mesh, volume=built.volume * float(np.prod(scale)))
+    return built.scaled(np.asarray(size) * (1.0 + rng.uniform(-jitter, jitter, 3)) / built.mesh.extent)

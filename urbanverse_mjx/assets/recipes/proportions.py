@@ -6,8 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from urbanverse_mjx.datatypes import AssetMesh
-
 from .. import shapes
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color
@@ -34,12 +32,10 @@ def made(
     wanted = [s / e if s else None for s, e in zip(size, built.mesh.extent, strict=True)]
     mean = float(np.mean([s for s in wanted if s is not None]))
     scale = np.array([mean if s is None else s for s in wanted])
-    old = built.mesh
-    mesh = AssetMesh(old.vertices * scale, old.faces, old.uv, old.texture, old.roughness, old.metallic)
-    volume = built.volume * float(scale.prod())
-    if fill is not None:
-        volume = float(ConvexHull(mesh.vertices).volume) * fill
-    return dataclasses.replace(built, mesh=mesh, volume=volume)
+    made_to_size = built.scaled(scale)
+    if fill is None:
+        return made_to_size
+    return dataclasses.replace(made_to_size, volume=float(ConvexHull(made_to_size.mesh.vertices).volume) * fill)
 
 
 def soft(
