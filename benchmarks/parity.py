@@ -9,6 +9,9 @@ difference before the first contact and one second after it, in which scene, dri
 between the onsets, and what differs otherwise. The exit status is 1 where a tolerance of the design is broken: 1 mm
 before contact, onset within one physics step, one second later 5 mm in the median and 50 mm at most, no hit in one
 engine alone, and no episode that would end for another reason.
+
+    python -m benchmarks.parity --keep FOLDER                     # C MuJoCo's part, where scenes can be compiled
+    python -m benchmarks.parity --kept FOLDER --impl warp --json # on a GPU machine, which needs the runtime alone
 """
 
 import argparse
@@ -22,12 +25,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import mujoco
+import numpy as np
 
-from urbanverse_mjx.cli.scene import compile_graph, shipped_scenes
 from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.scene import pack_bank
-from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation import truth
 from urbanverse_mjx.simulation.engines import make_engine
 
@@ -46,6 +47,28 @@ class Suite:
     drives: truth.Drives
     expected: truth.Trace
 
+    def save(self, folder: pathlib.Path) -> None:
+        """Writes `bank.npz` and `truth.npz`."""
+        folder.mkdir(parents=True, exist_ok=True)
+        self.bank.save(folder / "bank.npz")
+        truth_ = {**vars(self.expected), "driven": self.expected.qpos}
+        truth_["objects"] = json.dumps([sorted(o) for o in self.expected.objects])
+        np.savez_compressed(folder / "truth.npz", **{**truth_, **vars(self.drives)})
+
+    @staticmethod
+    def load(folder: pathlib.Path) -> "Suite":
+        """Raises `NounError` where the folder was not written by `save`."""
+        try:
+            with np.load(folder / "truth.npz") as file:
+                kept = {name: file[name] for name in file.files}
+            drives = truth.Drives(kept["scene"], kept["qpos"], kept["ctrl"], tuple(str(k) for k in kept["kind"]))
+            objects = tuple(frozenset(o) for o in json.loads(str(kept["objects"])))
+            trace = truth.Trace(kept["driven"], kept["hit"], objects, kept["ground"], kept["met"])
+        except (OSError, KeyError, ValueError) as error:
+            needed = "a folder written by `python -m benchmarks.parity --keep`"
+            raise NounError(f"{folder} holds no kept suite ({error}); {needed} is needed.") from error
+        return Suite(SceneBank.load(folder / "bank.npz"), drives, trace)
+
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.parity", description=__doc__)
@@ -57,6 +80,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--boxes", type=int, default=20, help="box streets, one drive each; 0 leaves them out")
     parser.add_argument("--seconds", type=float, default=4.0, help="of each drive")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", type=pathlib.Path, help="folder for the suites and C MuJoCo's part; no engine runs")
+    parser.add_argument("--kept", type=pathlib.Path, help="folder that --keep wrote, instead of driving in C MuJoCo")
     parser.add_argument("--json", action="store_true", help="print one JSON line")
     arguments = parser.parse_args(argv)
     if min(arguments.drives, arguments.boxes) < 0 or arguments.drives + arguments.boxes < 1:
@@ -75,8 +100,14 @@ def make_suite(
     return Suite(bank, drives, truth.drive_truth(models, robot, drives, CONTROL_DT))
 
 
+# What compiles scenes is imported where it is needed: a machine with kept suites lacks it.
+
+
 def street_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
     """Drives in scene graphs, compiled into a folder that is gone afterwards."""
+    from urbanverse_mjx.cli.scene import compile_graph, shipped_scenes
+    from urbanverse_mjx.scene import pack_bank
+
     graphs, splits = shipped_scenes()
     if arguments.graphs:
         graphs, splits = arguments.graphs, ["train"] * len(arguments.graphs)
@@ -93,6 +124,7 @@ def street_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
 def box_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
     """As many worlds as scenes, all at once."""
     from tests.support.box_bank import box_bank, box_scenes
+    from urbanverse_mjx.scene.mjcf import scene_spec
 
     scenes = [scene_spec(scene) for scene in box_scenes(arguments.boxes, arguments.seed)]
     bank = box_bank(arguments.boxes, arguments.seed)
@@ -112,11 +144,22 @@ def judge(suite: Suite, found: truth.Trace, robot: RobotSpec) -> dict[str, Any]:
     return {**figures, "kinds": dict(collections.Counter(suite.drives.kind)), "broken": broken}
 
 
+def make_suites(arguments: argparse.Namespace, robot: RobotSpec) -> dict[str, Suite]:
+    """The suites by name, kept ones where there are."""
+    makers = {"boxes": (arguments.boxes, box_suite), "streets": (arguments.drives, street_suite)}
+    asked = {name: make for name, (count, make) in makers.items() if count}
+    if arguments.kept is not None:
+        return {name: Suite.load(arguments.kept / name) for name in asked}
+    return {name: make(arguments, robot) for name, make in asked.items()}
+
+
 def measure(arguments: argparse.Namespace) -> dict[str, Any]:
     robot = make_coco(arguments.robot)
-    suites = {"boxes": box_suite(arguments, robot)} if arguments.boxes else {}
-    if arguments.drives:
-        suites["streets"] = street_suite(arguments, robot)
+    suites = make_suites(arguments, robot)
+    if arguments.keep is not None:
+        for name, suite in suites.items():
+            suite.save(arguments.keep / name)
+        return {"benchmark": "parity", "robot": robot.name, "kept": str(arguments.keep), "engines": {}, "broken": []}
     result: dict[str, Any] = {"benchmark": "parity", "robot": robot.name, "engines": {}}
     for impl in ("warp", "jax") if arguments.impl == "all" else (arguments.impl,):
         result["engines"][impl] = {}
@@ -167,7 +210,7 @@ def main(argv: list[str] | None = None) -> int:
             for suite, figures in parts.items():
                 print(f"{impl}, {suite}:")
                 print("\n".join(f"  {name}: {value}" for name, value in figures.items()))
-        print("\n".join(f"largest difference, {name}: {text}" for name, text in result["largest"].items()))
+        print("\n".join(f"largest difference, {name}: {text}" for name, text in result.get("largest", {}).items()))
         print(f"broken: {', '.join(result['broken']) or 'none'}")
     return 1 if result["broken"] else 0
 

@@ -1,6 +1,7 @@
 """The parity benchmark: one tiny run of the whole, its verdicts, its complaints."""
 
 import json
+import pathlib
 
 import pytest
 
@@ -9,8 +10,10 @@ from benchmarks import parity
 TINY = ["--impl", "warp", "--drives", "0", "--boxes", "3", "--seconds", "1", "--json"]
 
 
-def test_a_tiny_run_says_what_differs_and_where(capsys: pytest.CaptureFixture[str]) -> None:
-    assert parity.main(TINY) == 0
+def test_a_tiny_run_says_what_differs_and_where(capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path) -> None:
+    """C MuJoCo's part is kept first, as for a machine that cannot compile scenes."""
+    assert parity.main([*TINY, "--keep", str(tmp_path)]) == 0
+    assert parity.main([*TINY, "--kept", str(tmp_path)]) == 0
     result = json.loads(capsys.readouterr().out.splitlines()[-1])
     figures = result["engines"]["warp"]["boxes"]
     assert figures["drives"] == 3
@@ -29,6 +32,11 @@ def test_a_broken_tolerance_is_the_exit_status(
     assert parity.main(TINY) == 1
     result = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert result["broken"] == ["warp boxes: before_contact_max_mm"]
+
+
+def test_a_folder_without_suites_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path) -> None:
+    assert parity.main([*TINY, "--kept", str(tmp_path / "nothing")]) == 2
+    assert "holds no kept suite" in capsys.readouterr().err
 
 
 def test_the_largest_is_found_over_engines_and_suites() -> None:

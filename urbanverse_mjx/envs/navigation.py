@@ -9,6 +9,7 @@ import numpy as np
 from ml_collections import ConfigDict
 
 from ..datatypes import GROUND_KINDS, NounError, RobotSpec, SceneBank, traversable
+from ..simulation.precision import full_precision
 from . import terms
 from .randomization import Randomization
 from .schedule import EpisodeSchedule
@@ -166,6 +167,7 @@ class NavEnv:
         new = self.begin_at(key, *self._schedule.draw(draw, nav.age, episodes))
         return new._replace(age=nav.age, episodes=episodes)
 
+    @full_precision
     def begin_at(self, key: jax.Array, scene: jax.Array, row: jax.Array) -> NavState:
         """A new episode from a given row of a given scene's episode table."""
         start = self._episodes["episode_start"][scene, row]
@@ -206,6 +208,7 @@ class NavEnv:
             look=self._randomization.look(key),
         )
 
+    @full_precision
     def advance(self, nav: NavState, action: jax.Array) -> tuple[NavState, jax.Array, jax.Array, dict[str, jax.Array]]:
         """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
@@ -246,6 +249,7 @@ class NavEnv:
         metrics = self._metrics(new, done_f, rewards)
         return new, reward, done_f, metrics
 
+    @full_precision
     def observe(self, nav: NavState) -> dict[str, jax.Array]:
         """Observations of a state; the only place that renders."""
         position, quaternion = nav.sim.xpos[self._root], nav.sim.xquat[self._root]

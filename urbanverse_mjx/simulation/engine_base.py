@@ -8,6 +8,7 @@ from mujoco import mjx
 from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from .physics_model import make_physics_model
+from .precision import full_precision
 
 
 class Substeps(NamedTuple):
@@ -59,6 +60,7 @@ class EngineBase:
         """Pairs of a sphere of the robot and a slot."""
         return (self.num_slots + self.num_prism_slots) * len(self.physics.spheres.radius)
 
+    @full_precision
     def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
         """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,)."""
         scene = jnp.asarray(scene, jnp.int32)

@@ -19,6 +19,7 @@ from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from . import constraint, hull_contact, slots
 from .engine_base import EngineBase, Substeps
+from .precision import full_precision
 
 
 class EngineTables(NamedTuple):
@@ -90,6 +91,7 @@ class JaxEngine(EngineBase):
         """One control step with the commands `ctrl` (nu,) held."""
         return self.step_and_record(state, ctrl)[0]
 
+    @full_precision
     def step_and_record(self, state: SimState, ctrl: Any) -> tuple[SimState, Substeps]:
         """`step`, and what happened on the way."""
         centre = state.xpos[self.physics.root]

@@ -15,6 +15,7 @@ import warp as wp
 
 from .. import settings as process
 from ..datatypes import NounError, RobotSpec, SceneBank
+from .precision import full_precision
 from .render_model import build_render_model
 from .render_settings import NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
 from .street_batch import StreetBatch, Streets
@@ -117,6 +118,7 @@ class Renderer:
             raise NounError(f"camera: found {name!r}; needed a camera of the robot ({known}); mend its spelling")
         return self._model.cameras[name]
 
+    @full_precision
     def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0) -> dict[str, jax.Array]:
         """One frame through the robot's camera; pure, works alone, under jit and any nesting of vmap.
 
