@@ -9,6 +9,7 @@ import numpy as np
 from ml_collections import ConfigDict
 
 from ..datatypes import RobotSpec, SceneBank
+from ..robots.gait import sensor_frame
 from .heights import GroundHeights
 from .joystick_draws import Body, draw_body, draw_command, draw_noise, draw_push
 from .joystick_terms import CONTACT_FORCE, Motion, terms
@@ -26,8 +27,8 @@ _LYING = 0.12
 _RIM = 1.0
 #: m in front of and beside the trunk, where critics are told the ground's height: (63, 2).
 SCAN = np.array([(x, y) for x in np.linspace(-0.6, 0.75, 9) for y in np.linspace(-0.45, 0.45, 7)], np.float32)
-#: Units that bring observations near 1: yaw rates, joint speeds (legged_gym's scales 0.25 and 0.05), forces (N).
-_RATE, _JOINT_RATE, _FORCE = 0.25, 0.05, 0.01
+#: Unit that brings forces (N) near 1.
+_FORCE = 0.01
 
 
 class GaitState(NamedTuple):
@@ -69,9 +70,8 @@ class JoystickEnv:
     """Walks with the commanded velocity; every env on ground of its own kind and level.
 
     Observation (dict):
-      history: (H * (9 + 3 J),) f32, the last H steps, newest first: yaw rates (body frame, rad/s / 4), gravity's
-        direction (body frame), joint angles less the standing pose (rad), joint speeds (rad/s / 20), all noisy; command
-        (m/s, m/s, rad/s); last action. What a real robot's sensors tell: no velocity, no ground.
+      history: (H * (9 + 3 J),) f32, the last H steps of `robots.gait.sensor_frame`, newest first, with noise: what a
+        real robot's sensors tell, no velocity and no ground.
       privileged: (P,) f32 for critics and tests only.
     Action: (J,) in [-1, 1], joint angles about the standing pose by `config.action_scale` rad, for position servos.
     Reward: the control step times the sum of `reward_config.scales` times `joystick_terms.terms`.
@@ -283,9 +283,7 @@ class JoystickEnv:
         sensed = self._sensed(sim) + draw_noise(key, self._config.noise, self._legs.number)
         n = self._legs.number
         joints = sensed[6 : 6 + n] + body.joint_bias - self._legs.stand
-        return jnp.concatenate(
-            [_RATE * sensed[:3], sensed[3:6], joints, _JOINT_RATE * sensed[6 + n :], command, action]
-        )
+        return sensor_frame(jnp, sensed[:3], sensed[3:6], joints, sensed[6 + n :], command, action)
 
     def _sensed(self, sim: Any) -> jax.Array:
         """(6 + 2 J,) angular velocity (rad/s) and gravity's direction in the body frame, joint angles and speeds."""
@@ -333,17 +331,13 @@ class JoystickEnv:
         """What a critic may know: the sensors without noise, velocity, feet, the ground around, this robot's body."""
         sim, legs, n = gait.sim, self._legs, self._legs.number
         sensed = self._sensed(sim)
+        bend = sensed[6 : 6 + n] - legs.stand
         position, yaw = sim.xpos[legs.root], yaw_of(sim.xquat[legs.root])
         around = self._heights(sim.scene, position[:2] + to_world(jnp.asarray(SCAN), yaw))
         soles = gait.feet[:, 2] - legs.sole - self._heights(sim.scene, gait.feet[:, :2])
         body = gait.body
         parts = [
-            _RATE * sensed[:3],
-            sensed[3:6],
-            sensed[6 : 6 + n] - legs.stand,
-            _JOINT_RATE * sensed[6 + n :],
-            gait.command,
-            gait.action,
+            sensor_frame(jnp, sensed[:3], sensed[3:6], bend, sensed[6 + n :], gait.command, gait.action),
             to_body(sim.qvel[:2], yaw),
             sim.qvel[2:3],
             _FORCE * sim.contacts.foot_force,

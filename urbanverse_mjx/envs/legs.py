@@ -24,7 +24,8 @@ class Legs:
         if model.nu != len(joints) or (model.actuator_trnid[:, 0] != joints).any() or not model.nkey:
             raise NounError(
                 f"robot {robot.name!r}: found {model.nu} actuators for {len(joints)} joints and {model.nkey} "
-                "keyframes, needed a position servo for each joint, in their order, and the standing pose as the first keyframe."
+                "keyframes, needed a position servo for each joint, in their order, and the standing pose as the first "
+                "keyframe."
             )
         self.model, self.root = model, model.body(robot.root_body).id
         self.stand = jnp.asarray(model.key_qpos[0, 7:], jnp.float32)
