@@ -17,7 +17,7 @@ def _fast() -> ConfigDict:
             "robot": "go2",
             "ctrl_dt": 0.02,  # 50 Hz
             "sim_dt": 0.005,
-            "episode_length": 1000,  # 20 s
+            "episode_length": 500,  # 10 s: harder ground is met sooner than after the usual 20 s
             "action_repeat": 1,
             "impl": "auto",
             "engine": {"num_prism_slots": 8, "num_contacts": 12, "iterations": 6, "line_steps": 8},
@@ -27,7 +27,7 @@ def _fast() -> ConfigDict:
             "terrain": {
                 # Shares of episodes; a kind that the bank does not have is left out.
                 "shares": {"flat": 0.2, "kerbs": 0.4, "stairs": 0.1, "slopes": 0.15, "rough": 0.15},
-                "first_levels": 2,  # an env's first level of each kind is below
+                "first_levels": 5,  # an env's first level of each kind is below
                 "start_range": 3.0,  # m from the middle of a scene
                 "promote": 0.75,  # share of the way commanded that was gone
                 "demote": 0.4,
@@ -78,7 +78,7 @@ def _fast() -> ConfigDict:
                     "joint_limits": -5.0,
                     "foot_clearance": -2.0,
                     "foot_slip": -0.1,
-                    "air_time": 1.0,
+                    "air_time": 2.0,
                     "touch": -1.0,
                     "fall": -100.0,
                 },
@@ -102,7 +102,7 @@ def _cpu() -> ConfigDict:
         "push_turn": 0.0,
         "push_every": 6.0,
     }
-    config.episode_length = 250
+    config.episode_length = 250  # 5 s
     return config
 
 

@@ -184,8 +184,17 @@ def make_joystick_env(config: ConfigDict, bank: SceneBank) -> JoystickEnv:
     """A `JoystickEnv` with the engine its config asks for; nothing is drawn."""
     from ..simulation.engines import make_engine
 
-    robot, impl = make_robot(config), {"impl": config.impl, "control_dt": config.ctrl_dt, "physics_dt": config.sim_dt}
-    return JoystickEnv(config, bank, robot, make_engine(bank, robot, num_slots=0, **impl, **config.engine))
+    robot = make_robot(config)
+    engine = make_engine(
+        bank,
+        robot,
+        impl=config.impl,
+        control_dt=config.ctrl_dt,
+        physics_dt=config.sim_dt,
+        num_slots=0,
+        **config.engine,
+    )
+    return JoystickEnv(config, bank, robot, engine)
 
 
 register_environment("CocoNav", make_nav_env, default_config)

@@ -73,13 +73,15 @@ def _flat(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
 
 
 def _kerbs(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
-    height = 0.0
+    climbed: list[float] = []
     while True:
+        height = sum(climbed)
         yield rng.uniform(*KERB_APART), height, height
-        step = _kerb_height(rng, difficulty)
-        # Up from the street; down, or once more up, from one pavement.
-        up = height == 0.0 or (height < KERB[1] and rng.random() < 0.3)
-        height = height + step if up else 0.0 if rng.random() < 0.7 else max(height - step, 0.0)
+        # Up from the street; down, or once more up, from one pavement: every edge is a kerb of a height drawn.
+        if not climbed or (len(climbed) == 1 and rng.random() < 0.3):
+            climbed.append(_kerb_height(rng, difficulty))
+        else:
+            climbed.pop()
 
 
 def _stairs(rng: np.random.Generator, difficulty: float) -> Iterator[Strip]:
