@@ -23,6 +23,10 @@ from .types import Result, State
 _FALLEN = 0.3
 #: m, trunk above the ground, below which it lies.
 _LYING = 0.12
+#: m/s or rad/s, beyond which physics has come apart (the fastest motor turns at 30 rad/s).
+_BLOWN_UP = 1e3
+#: The least reward of a step: no single impact shall outweigh a fall many times.
+_WORST = -5.0
 #: m from the rim of a scene, where an episode ends.
 _RIM = 1.0
 #: m in front of and beside the trunk, where critics are told the ground's height: (63, 2).
@@ -38,10 +42,10 @@ class GaitState(NamedTuple):
       key: typed PRNG key. sim: the engine's `SimState`. body: see `Body`.
       kind: () i32, row of the terrain kinds; levels: (T,) i32, the env's level of each, which outlives an episode.
       command: (3,) m/s, m/s, rad/s; hold: () s until the next one.
-      target, last_target: (J,) rad, what the last two actions asked of the servos.
-      action: (J,) the last one. joint_speed: (J,) rad/s before the last step.
+      target: (J,) rad, what the last action asked of the servos; action: (J,) the action itself.
+      joint_speed: (J,) rad/s at the end of the last step.
       history: (H, 9 + 3 J) what the sensors said, newest first.
-      feet: (F, 3) m; air_time: (F,) s; motion: of the last step.
+      feet: (F, 3) m; air_time: (F,) s.
       way, way_asked: () m along the commands, gone and asked for.
       steps: () i32; result: () i32, see `Result`.
     """
@@ -54,7 +58,6 @@ class GaitState(NamedTuple):
     command: Any
     hold: Any
     target: Any
-    last_target: Any
     action: Any
     joint_speed: Any
     history: Any
@@ -168,7 +171,6 @@ class JoystickEnv:
             command=wanted,
             hold=hold,
             target=legs.stand,
-            last_target=legs.stand,
             action=still,
             joint_speed=sim.qvel[6:],
             history=jnp.tile(frame, (int(config.history), 1)),
@@ -194,7 +196,7 @@ class JoystickEnv:
         ctrl = angles + gait.body.strength * (asked - gait.body.joint_bias - angles)
         kick = draw_push(push, config.randomization, self.dt)
         sim = self.engine.step(gait.sim._replace(qvel=gait.sim.qvel.at[:6].add(kick)), ctrl)
-        finite = jnp.isfinite(sim.qpos).all() & jnp.isfinite(sim.qvel).all()
+        finite = jnp.isfinite(sim.qpos).all() & (jnp.abs(sim.qvel) < _BLOWN_UP).all()
         sim = jax.tree.map(lambda a, b: jnp.where(finite, a, b), sim, gait.sim)
         motion = self._motion(gait, sim, action, ctrl)
         steps = gait.steps + 1
@@ -212,7 +214,6 @@ class JoystickEnv:
             command=wanted,
             hold=jnp.where(change, hold, gait.hold - self.dt),
             target=target,
-            last_target=gait.target,
             action=action,
             joint_speed=sim.qvel[6:],
             history=jnp.concatenate([frame[None], gait.history[:-1]]),
@@ -225,7 +226,8 @@ class JoystickEnv:
         )
         values = terms(motion, config.reward_config, legs.stand, legs.limits)
         rewards = {n: jnp.float32(self.dt * s) * values[n] for n, s in config.reward_config.scales.items()}
-        return new, sum(rewards.values(), jnp.float32(0.0)), done, self._metrics(new, motion, rewards)
+        total = jnp.maximum(sum(rewards.values(), jnp.float32(0.0)), _WORST)
+        return new, total, done, self._metrics(new, motion, rewards)
 
     def observe(self, gait: GaitState) -> dict[str, jax.Array]:
         """Observations of a state."""
