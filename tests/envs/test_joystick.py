@@ -1,4 +1,4 @@
-"""Go2Joystick: the promises every environment keeps, rewards by hand, levels, disturbances that change what they should."""
+"""Go2Joystick: the promises every environment keeps, rewards by hand, levels, disturbances that do what they should."""
 
 import functools
 from typing import Any

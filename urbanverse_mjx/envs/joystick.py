@@ -345,7 +345,7 @@ class JoystickEnv:
             _FORCE * sim.contacts.foot_force,
             10.0 * soles,
             gait.air_time,
-            5.0 * jnp.clip(position[2] - around, -1.0, 1.0),
+            5.0 * jnp.clip(position[2] - around - self.robot.spawn_height, -1.0, 1.0),
             jnp.stack([body.friction_scale, body.mass_scale, body.strength, body.delay]),
             gait.steps[None] / self._config.episode_length,
         ]
