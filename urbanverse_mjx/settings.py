@@ -105,6 +105,15 @@ def default_bank_path() -> pathlib.Path:
     return cache_dir("banks", f"bank-{digest.hexdigest()[:16]}.npz")
 
 
+def terrain_bank_path() -> pathlib.Path:
+    """File of the terrain that robots learn to walk on; the name changes with the code that makes it."""
+    digest = hashlib.sha256()
+    for room in ("scene", "datatypes"):
+        for path in sorted((_PACKAGE / room).rglob("*.py")):
+            digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return cache_dir("banks", f"terrain-{digest.hexdigest()[:16]}.npz")
+
+
 def num_threads() -> int:
     """Worker threads to use on the CPU, at least 1.
 

@@ -11,7 +11,7 @@ from urbanverse_mjx.envs import NavEnv, default_config
 from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.robots import make_coco
 
-NOTHING = Contacts(jnp.bool_(False), jnp.int32(-1), jnp.bool_(False), jnp.float32(0.0), jnp.float32(0.0))
+NOTHING = Contacts(jnp.bool_(False), jnp.int32(-1), jnp.bool_(False), jnp.float32(0.0), jnp.float32(0.0), jnp.zeros(0))
 
 
 def unicycle_robot() -> RobotSpec:

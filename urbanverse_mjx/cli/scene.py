@@ -1,4 +1,4 @@
-"""`urbanverse scene compile` and `urbanverse scene bank`: graph -> layout -> compiled scene -> bank."""
+"""`urbanverse scene ...`: graph -> layout -> compiled scene -> bank; banks joined; terrain to walk on."""
 
 import concurrent.futures
 import dataclasses
@@ -67,11 +67,26 @@ class JoinArgs:
     """NAME=PATTERN puts the scenes whose ids fit a shell pattern into a split of that name: "held_out=bench_*_15?"."""
 
 
+@dataclasses.dataclass(frozen=True)
+class TerrainArgs:
+    """Build the terrain that robots learn to walk on (kerbs, stairs, slopes, rough ground); prints one JSON line."""
+
+    out: pathlib.Path | None = None
+    """Bank file; default: the one that environments load."""
+    seed: int = 0
+    levels: int = 10
+    """Levels of difficulty of each kind."""
+
+
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse scene ...`."""
     args = tyro.extras.subcommand_cli_from_dict(
-        {"compile": CompileArgs, "bank": BankArgs, "join": JoinArgs}, args=list(argv), prog="urbanverse scene"
+        {"compile": CompileArgs, "bank": BankArgs, "join": JoinArgs, "terrain": TerrainArgs},
+        args=list(argv),
+        prog="urbanverse scene",
     )
+    if isinstance(args, TerrainArgs):
+        return _terrain(args)
     if isinstance(args, CompileArgs):
         return _compile(args)
     return _join(args) if isinstance(args, JoinArgs) else _bank(args)
@@ -144,6 +159,15 @@ def _bank(args: BankArgs) -> int:
     return _say_bank(out, bank)
 
 
+def _terrain(args: TerrainArgs) -> int:
+    from ..scene.terrain import terrain_bank
+
+    out = args.out or settings.terrain_bank_path()
+    bank = terrain_bank(args.seed, args.levels)
+    bank.save(out)
+    return _say_bank(out, bank)
+
+
 def _join(args: JoinArgs) -> int:
     from ..datatypes.bank_join import join
 
@@ -188,6 +212,16 @@ def ensure_default_bank(quiet: bool = False) -> SceneBank:
     path = settings.default_bank_path()
     if not path.is_file():
         build_bank(*shipped_scenes(), seed=0, quiet=quiet).save(path)
+    return SceneBank.load(path)
+
+
+def ensure_terrain_bank() -> SceneBank:
+    """The terrain that robots learn to walk on, built into the cache where it is missing."""
+    path = settings.terrain_bank_path()
+    if not path.is_file():
+        from ..scene.terrain import terrain_bank
+
+        terrain_bank().save(path)
     return SceneBank.load(path)
 
 

@@ -12,6 +12,7 @@ class Contacts(NamedTuple):
       hit_ground: () bool, a geom that is no foot touched the ground.
       hit_force: () f32 N, largest normal force of such a touch over the physics steps.
       hit_fraction: () f32, share of the physics steps with such a touch.
+      foot_force: (F,) f32 N, normal force on each of the robot's `foot_geoms`, the mean over the physics steps.
     """
 
     hit: Any
@@ -19,6 +20,7 @@ class Contacts(NamedTuple):
     hit_ground: Any
     hit_force: Any
     hit_fraction: Any
+    foot_force: Any
 
 
 class SimState(NamedTuple):

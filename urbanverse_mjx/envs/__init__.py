@@ -1,20 +1,25 @@
-"""The navigation task: begin, advance, observe; its terms, presets, wrapper, registry and check."""
+"""The navigation and the walking task: begin, advance, observe; its terms, presets, wrapper, registry and check."""
 
 from .checks import EnvCheckError, check_env
 from .config import PRESETS, default_config
+from .joystick import JoystickEnv
+from .joystick_config import JOYSTICK_PRESETS, joystick_config
 from .navigation import NavEnv
 from .types import NavState, Result, State
 from .wrappers import AutoResetEnv, wrap_for_training
 
 __all__ = [
+    "JOYSTICK_PRESETS",
     "PRESETS",
     "AutoResetEnv",
     "EnvCheckError",
+    "JoystickEnv",
     "NavEnv",
     "NavState",
     "Result",
     "State",
     "check_env",
     "default_config",
+    "joystick_config",
     "wrap_for_training",
 ]

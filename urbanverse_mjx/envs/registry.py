@@ -2,32 +2,51 @@
 
 import difflib
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from ml_collections import ConfigDict
 
 from .. import settings
 from ..datatypes import NounError, RobotSpec, SceneBank
 from .config import default_config
+from .joystick import JoystickEnv
+from .joystick_config import joystick_config
 from .navigation import NavEnv
 
 EnvMaker = Callable[[ConfigDict, SceneBank], Any]
 ConfigMaker = Callable[[str], ConfigDict]
+BankLoader = Callable[[], SceneBank]
 
-_REGISTRY: dict[str, tuple[EnvMaker, ConfigMaker]] = {}
+
+class _Entry(NamedTuple):
+    make: EnvMaker
+    make_config: ConfigMaker
+    load_bank: BankLoader
+    preset: str
 
 
-def register_environment(name: str, make: EnvMaker, make_config: ConfigMaker) -> None:
+_REGISTRY: dict[str, _Entry] = {}
+
+
+def register_environment(
+    name: str,
+    make: EnvMaker,
+    make_config: ConfigMaker,
+    load_bank: BankLoader | None = None,
+    default_preset: str = "paper",
+) -> None:
     """Adds an environment.
 
     Args:
       name: CamelCase, new.
       make: (config, bank) -> environment.
       make_config: preset name -> a fresh config.
+      load_bank: -> the bank where the user gives none; default: the shipped streets.
+      default_preset: where the user names none.
     """
     if name in _REGISTRY:
         raise NounError(f"environment {name!r}: found it registered already, needed a new name.")
-    _REGISTRY[name] = (make, make_config)
+    _REGISTRY[name] = _Entry(make, make_config, load_bank or load_default_bank, default_preset)
 
 
 def all_envs() -> tuple[str, ...]:
@@ -41,7 +60,7 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(name)
 
 
-def _entry(name: str) -> tuple[EnvMaker, ConfigMaker]:
+def _entry(name: str) -> _Entry:
     if name not in _REGISTRY:
         near = difflib.get_close_matches(name, _REGISTRY, 1, 0.4)
         hint = f"did you mean {near[0]!r}?" if near else "see registry.ALL_ENVS"
@@ -49,9 +68,10 @@ def _entry(name: str) -> tuple[EnvMaker, ConfigMaker]:
     return _REGISTRY[name]
 
 
-def get_default_config(name: str, preset: str = "paper") -> ConfigDict:
-    """A fresh, locked config."""
-    return _entry(name)[1](preset)
+def get_default_config(name: str, preset: str | None = None) -> ConfigDict:
+    """A fresh, locked config; None takes the environment's own default preset."""
+    entry = _entry(name)
+    return entry.make_config(preset or entry.preset)
 
 
 def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDict:
@@ -75,15 +95,15 @@ def load(
 
     Args:
       name: a registered name, e.g. "CocoNav".
-      config: from `get_default_config`; None takes the default of the preset in `config_overrides` or "paper".
+      config: from `get_default_config`; None takes the default of the preset in `config_overrides`, or of its own.
       config_overrides: flat dotted keys; "preset" picks the base when `config` is None.
-      bank: scenes; None loads the bank that `urbanverse scene bank` built last.
+      bank: scenes; None loads the bank that `urbanverse scene bank` (to walk: `scene terrain`) built last.
     """
-    make, make_config = _entry(name)
+    entry = _entry(name)
     overrides = dict(config_overrides or {})
     if config is None:
-        config = make_config(overrides.pop("preset", "paper"))
-    return make(with_overrides(config, overrides), bank if bank is not None else load_default_bank())
+        config = entry.make_config(overrides.pop("preset", entry.preset))
+    return entry.make(with_overrides(config, overrides), bank if bank is not None else entry.load_bank())
 
 
 def load_default_bank() -> SceneBank:
@@ -100,12 +120,26 @@ def load_default_bank() -> SceneBank:
     return SceneBank.load(path)
 
 
+def load_terrain_bank() -> SceneBank:
+    """The terrain in the cache.
+
+    Raises:
+      NounError: it has not been built on this machine.
+    """
+    path = settings.terrain_bank_path()
+    if not path.is_file():
+        raise NounError(f"terrain: found none at {path}, needed a bank; run `urbanverse scene terrain`.")
+    return SceneBank.load(path)
+
+
 def make_robot(config: ConfigDict) -> RobotSpec:
     """The robot a config names."""
-    from ..robots import make_coco
+    from ..robots import make_coco, make_go2
 
+    if config.robot == "go2":
+        return make_go2()
     if config.robot != "coco":
-        raise NounError(f"config.robot: found {config.robot!r}, needed 'coco'.")
+        raise NounError(f"config.robot: found {config.robot!r}, needed 'coco' or 'go2'.")
     return make_coco(drive=config.drive)
 
 
@@ -146,4 +180,22 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     return NavEnv(config, bank, robot, engine, renderer)
 
 
+def make_joystick_env(config: ConfigDict, bank: SceneBank) -> JoystickEnv:
+    """A `JoystickEnv` with the engine its config asks for; nothing is drawn."""
+    from ..simulation.engines import make_engine
+
+    robot = make_robot(config)
+    engine = make_engine(
+        bank,
+        robot,
+        impl=config.impl,
+        control_dt=config.ctrl_dt,
+        physics_dt=config.sim_dt,
+        num_slots=0,
+        **config.engine,
+    )
+    return JoystickEnv(config, bank, robot, engine)
+
+
 register_environment("CocoNav", make_nav_env, default_config)
+register_environment("Go2Joystick", make_joystick_env, joystick_config, load_terrain_bank, "fast")

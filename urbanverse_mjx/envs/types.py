@@ -1,7 +1,7 @@
 """What an environment hands out (`State`), carries inside (`NavState`) and how episodes end (`Result`)."""
 
 import enum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import jax
 from flax import struct
@@ -17,6 +17,34 @@ class Result(enum.IntEnum):
     FALL = 4
     NON_FINITE = 5
     TIMEOUT = 6
+
+
+class StagedEnv(Protocol):
+    """What `wrap_for_training` asks of an environment; the carried state is a pytree of the environment's own."""
+
+    @property
+    def config(self) -> Any: ...
+    @property
+    def action_size(self) -> int: ...
+    @property
+    def observation_size(self) -> Any: ...
+    @property
+    def backend(self) -> str: ...
+    def begin(self, key: jax.Array) -> Any:
+        """The first episode of an env."""
+        ...
+
+    def renew(self, carried: Any, /) -> Any:
+        """The episode after that of `carried`."""
+        ...
+
+    def advance(self, carried: Any, action: jax.Array, /) -> tuple[Any, jax.Array, jax.Array, dict[str, jax.Array]]:
+        """One control step: next state, reward, done, metrics."""
+        ...
+
+    def observe(self, carried: Any, /) -> dict[str, jax.Array]: ...
+    def zero_metrics(self) -> dict[str, jax.Array]: ...
+    def info_of(self, carried: Any, /) -> dict[str, jax.Array]: ...
 
 
 class NavState(NamedTuple):
@@ -63,14 +91,14 @@ class State:
     """State of an environment, with the fields users of MuJoCo Playground know.
 
     Attributes:
-      data: `NavState`.
+      data: `NavState`, or what another environment carries.
       obs: dict of observations.
       reward: () f32; done: () f32, 1 when the episode ended with this step.
       metrics: dict of () f32, the same keys from reset on.
       info: dict of further values: scene, episode, result, steps, truncation, time_out.
     """
 
-    data: NavState
+    data: Any
     obs: dict[str, jax.Array]
     reward: jax.Array
     done: jax.Array
@@ -78,6 +106,6 @@ class State:
     info: dict[str, Any]
 
     @property
-    def pipeline_state(self) -> NavState:
+    def pipeline_state(self) -> Any:
         """Brax's name of `data`."""
         return self.data

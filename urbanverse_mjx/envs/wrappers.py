@@ -12,12 +12,11 @@ import jax
 import jax.numpy as jnp
 
 from ..datatypes import NounError
-from .navigation import NavEnv
-from .types import State
+from .types import StagedEnv, State
 
 
 class AutoResetEnv:
-    """A batch of `NavEnv`s: advance, begin anew where done (all carried state replaced), then observe once.
+    """A batch of staged envs: advance, begin anew where done (all carried state replaced), then observe once.
 
     `reset(keys)` and `step(state, actions)` take a leading batch axis. Beside the env's own info the state holds
     what Brax reads: steps, truncation, time_out, episode_done, episode_metrics (sums over the running episode).
@@ -25,7 +24,7 @@ class AutoResetEnv:
     the step that ended; Brax's GAE never looks across `done`.
     """
 
-    def __init__(self, env: NavEnv, episode_length: int):
+    def __init__(self, env: StagedEnv, episode_length: int):
         if episode_length != env.config.episode_length:
             raise NounError(
                 f"episode_length: found {episode_length}, needed the environment's {env.config.episode_length}; "
@@ -46,7 +45,7 @@ class AutoResetEnv:
         return self.env.backend
 
     @property
-    def unwrapped(self) -> NavEnv:
+    def unwrapped(self) -> StagedEnv:
         return self.env
 
     def reset(self, keys: jax.Array) -> State:
@@ -80,7 +79,7 @@ class AutoResetEnv:
 
 
 def wrap_for_training(
-    env: NavEnv,
+    env: StagedEnv,
     episode_length: int,
     action_repeat: int = 1,
     randomization_fn: Callable[..., Any] | None = None,

@@ -1,5 +1,6 @@
 """Robots as data."""
 
 from .coco import make_coco
+from .go2 import make_go2
 
-__all__ = ["make_coco"]
+__all__ = ["make_coco", "make_go2"]

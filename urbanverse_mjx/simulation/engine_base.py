@@ -67,7 +67,7 @@ class EngineBase:
         qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
         no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
-        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()))
+        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()), jnp.zeros(len(self.robot.foot_geoms)))
         zero, one = jnp.zeros((), jnp.int32), jnp.ones(())
         warm = jnp.zeros_like(qvel)
         return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one)

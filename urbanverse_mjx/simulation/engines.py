@@ -18,6 +18,7 @@ def make_engine(
     control_dt: float = 0.2,
     physics_dt: float | None = None,
     num_slots: int = 16,
+    **sizes: int,
 ) -> Any:
     """A `Simulator` over a bank.
 
@@ -26,6 +27,7 @@ def make_engine(
       impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), or "auto": "warp" on CUDA, else "jax".
       control_dt: s, one control step; physics_dt: s, one physics step, default the robot's.
       num_slots: object hulls streamed per control step.
+      sizes: of the engine, such as num_prism_slots, num_contacts, iterations, line_steps; default its own.
 
     Raises:
       NounError: unknown engine or steps that do not divide.
@@ -38,10 +40,10 @@ def make_engine(
         # Warp takes a second to import, and says so: only those who use it pay.
         from .warp_engine import WarpEngine
 
-        return WarpEngine(bank, robot, control_dt=control_dt, num_slots=num_slots)
+        return WarpEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, **sizes)
     from .jax_engine import JaxEngine
 
-    return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots)
+    return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, **sizes)
 
 
 def choose_impl(impl: str) -> str:

@@ -45,6 +45,7 @@ class _Touch(NamedTuple):
     ground: Any
     count: Any
     missed: Any
+    foot: Any
 
 
 class JaxEngine(EngineBase):
@@ -108,7 +109,8 @@ class JaxEngine(EngineBase):
             return after, Substeps(after[0].at[self._root_qpos].add(origin), after[3].count > carry[3].count)
 
         zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
-        touch = _Touch(jnp.zeros(()), none, jnp.zeros((), bool), zero, zero)
+        feet = jnp.zeros(len(self.robot.foot_geoms))
+        touch = _Touch(jnp.zeros(()), none, jnp.zeros((), bool), zero, zero, feet)
         start = (state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch)
         (qpos, qvel, warm, touch), record = jax.lax.scan(substep, start, None, length=self.num_substeps)
         qpos = qpos.at[self._root_qpos].add(origin)
@@ -119,6 +121,7 @@ class JaxEngine(EngineBase):
             hit_ground=touch.ground,
             hit_force=touch.force,
             hit_fraction=touch.count / self.num_substeps,
+            foot_force=touch.foot / self.num_substeps,
         )
         missed = overflow + touch.missed
         after = state._replace(
@@ -181,10 +184,13 @@ class JaxEngine(EngineBase):
         """Adds the contacts of one physics step: robot against object, and no foot against the ground."""
         owner = nearby.owner[found.slot]
         touching = found.distance < 0
-        on_ground = touching & (owner < 0) & ~jnp.asarray(self.physics.spheres.is_foot)[found.sphere]
+        foot = jnp.asarray(self.physics.spheres.foot)[found.sphere]
+        on_ground = touching & (owner < 0) & (foot < 0)
         hit = (touching & (owner >= 0)) | on_ground
         strength = jnp.where(hit, force, -1.0)
         best = jnp.argmax(strength)
+        # A product with zeros and ones is faster than a scatter.
+        loads = force @ (foot[:, None] == jnp.arange(len(self.robot.foot_geoms))).astype(force.dtype)
         stronger = (strength[best] > touch.force) | ((touch.count == 0) & hit.any())
         return _Touch(
             force=jnp.maximum(touch.force, strength[best]),
@@ -192,4 +198,5 @@ class JaxEngine(EngineBase):
             ground=touch.ground | on_ground.any(),
             count=touch.count + hit.any().astype(jnp.int32),
             missed=jnp.maximum(touch.missed, found.missed),
+            foot=touch.foot + loads,
         )

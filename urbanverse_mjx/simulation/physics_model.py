@@ -31,7 +31,7 @@ class SphereTable:
       name: (n,) names of the geoms.
       geom: (n,) geom numbers; body: (n,) body numbers.
       radius: (n,) m.
-      is_foot: (n,) bool, may touch the ground.
+      foot: (n,) which of `RobotSpec.foot_geoms`, which may touch the ground, it is; -1 = none.
       friction: (n,) of the sphere; own_friction: (n,) bool, the sphere's counts alone (it has the higher priority),
         else the larger of both; slippery: (n,) bool, no friction at all (condim 1 counts).
       solref: (n, 2), solimp: (n, 5), mixed with the world's.
@@ -43,7 +43,7 @@ class SphereTable:
     geom: np.ndarray
     body: np.ndarray
     radius: np.ndarray
-    is_foot: np.ndarray
+    foot: np.ndarray
     friction: np.ndarray
     own_friction: np.ndarray
     slippery: np.ndarray
@@ -141,7 +141,7 @@ def _sphere_table(robot: RobotSpec, model: mujoco.MjModel) -> SphereTable:
         geom=np.arange(model.ngeom),
         body=bodies.copy(),
         radius=model.geom_size[:, 0].copy(),
-        is_foot=np.array([n in robot.foot_geoms for n in names]),
+        foot=np.array([robot.foot_geoms.index(n) if n in robot.foot_geoms else -1 for n in names], np.int32),
         friction=model.geom_friction[:, 0].copy(),
         own_friction=own,
         # Of two geoms of equal priority the larger condim counts, and the world's is 3.

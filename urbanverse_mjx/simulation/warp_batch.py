@@ -60,6 +60,7 @@ class WorldBatch:
         self.touch.force = wp.zeros(number, dtype=float)
         for name in ("owner", "ground", "count", "missed"):
             setattr(self.touch, name, wp.zeros(number, dtype=int))
+        self.touch.foot = wp.zeros((number, shared.num_feet), dtype=float)
         self.origin = wp.zeros(number, dtype=wp.vec3)
         self.step_number, self.seen = wp.zeros(number, dtype=int), wp.zeros(number, dtype=int)
         self.path = wp.zeros((number, recorded, model.nq), dtype=float)
@@ -115,10 +116,10 @@ class WorldBatch:
             self._substep()
         self._kinematics()
         after = [*state[:3], data.xpos, data.xquat, self.origin, root, self.touch, self.nearby]
-        launch(kernels.finish, dim=n, inputs=after, outputs=list(outputs[:7]))
+        launch(kernels.finish, dim=n, inputs=after, outputs=list(outputs[:8]))
         if self.recorded:
-            wp.copy(outputs[7], self.path)
-            wp.copy(outputs[8], self.hit)
+            wp.copy(outputs[8], self.path)
+            wp.copy(outputs[9], self.hit)
 
     def _physics_step(self) -> None:
         """MuJoCo Warp's own step but for the collision, which is ours; see docs/decisions/warp_engine.md."""
@@ -135,7 +136,7 @@ class WorldBatch:
         mjw.fwd_acceleration(model, data, factorize=True)
         mjw.solve(model, data)
         mjw.euler(model, data)
-        touches = [shared.is_foot, self.slots, data.efc.force, self.places, self.touch]
+        touches = [shared.foot_of, self.slots, data.efc.force, self.places, self.touch]
         wp.launch(kernels.note, dim=self.number, inputs=touches)
         if self.recorded:
             path = [data.qpos, self.origin, shared.robot.root, self.touch, self.step_number, self.seen]

@@ -42,11 +42,12 @@ def _step(
     xquat: wp.array2d[wp.vec4],
     force: wp.array[wp.float32],
     touch: wp.array2d[wp.int32],
+    feet: wp.array2d[wp.float32],
     path: wp.array3d[wp.float32],
     hit: wp.array2d[wp.int32],
 ) -> None:
     """What JAX calls; path and hit have no physics step where none is asked for."""
-    outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, path, hit)
+    outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, feet, path, hit)
     registered(owner)._run((scene, centre, qpos, qvel, warm, ctrl, friction, mass), outputs)
 
 
@@ -93,7 +94,7 @@ class WarpEngine(EngineBase):
         self._devices: DeviceStore[DeviceModel, WorldBatch] = DeviceStore()
         number = register(self)
         model = self.physics.model
-        sizes = (model.nq, model.nv, model.nbody)
+        sizes = (model.nq, model.nv, model.nbody, len(robot.foot_geoms))
         self._call = batched_call(_batch_function(number, sizes, 0))
         self._call_and_record = batched_call(_batch_function(number, sizes, self.num_substeps))
 
@@ -117,7 +118,7 @@ class WarpEngine(EngineBase):
         arrays = (state.xpos[self.physics.root], state.qpos, state.qvel, state.carry, ctrl)
         arrays += (state.friction_scale, state.mass_scale)
         out = call(scene, *(jnp.asarray(x, jnp.float32) for x in arrays))
-        qpos, qvel, warm, xpos, xquat, force, touch, path, hit = out
+        qpos, qvel, warm, xpos, xquat, force, touch, feet, path, hit = out
         owner, ground, count, overflow = (touch[i] for i in range(4))
         contacts = Contacts(
             hit=count > 0,
@@ -125,6 +126,7 @@ class WarpEngine(EngineBase):
             hit_ground=ground > 0,
             hit_force=force,
             hit_fraction=count / self.num_substeps,
+            foot_force=feet / self.num_substeps,
         )
         after = state._replace(
             qpos=qpos, qvel=qvel, xpos=xpos, xquat=xquat, contacts=contacts, slot_overflow=overflow, carry=warm
@@ -137,8 +139,9 @@ class WarpEngine(EngineBase):
         Args:
           inputs: scene (n,) int, the root body's place (n,) vec3, qpos (n, nq), qvel (n, nv), warm start (n, nv),
             ctrl (n, nu), factors on friction and mass (n,).
-          outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 4), path
-            (n, S, nq) and hit (n, S), S = 0 where no physics step is asked for; see `warp_kernels.finish`, `record`.
+          outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 4), feet
+            (n, F), path (n, S, nq) and hit (n, S), S = 0 where no physics step is asked for; see
+            `warp_kernels.finish`, `record`.
         """
         scene = inputs[0]
         if scene.shape[0] == 0:
@@ -155,17 +158,17 @@ class WarpEngine(EngineBase):
         return batches.get_or_make((total, recorded), lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs))
 
 
-def _batch_function(number: int, sizes: tuple[int, int, int], recorded: int) -> Any:
+def _batch_function(number: int, sizes: tuple[int, int, int, int], recorded: int) -> Any:
     """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number."""
-    nq, nv, nbody = sizes
+    nq, nv, nbody, feet = sizes
     # Batches are made when a call first runs, which a graph capture around it would not allow; they capture their own
     # graphs.
-    function = wp.jax_callable(_step, num_outputs=9, graph_mode=wp.JaxCallableGraphMode.NONE)
+    function = wp.jax_callable(_step, num_outputs=10, graph_mode=wp.JaxCallableGraphMode.NONE)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> Any:
         n = scene.shape[0]
         shapes: dict[str, tuple[int, ...]] = {"qpos_out": (n, nq), "qvel_out": (n, nv), "warm_out": (n, nv)}
-        shapes |= {"xpos": (n, nbody), "xquat": (n, nbody), "force": (n,), "touch": (n, 4)}
+        shapes |= {"xpos": (n, nbody), "xquat": (n, nbody), "force": (n,), "touch": (n, 4), "feet": (n, feet)}
         shapes |= {"path": (n, recorded, nq), "hit": (n, recorded)}
         return function(number, scene, *arrays, output_dims=shapes)
 

@@ -55,13 +55,17 @@ class Nearby:
 
 @wp.struct
 class Touch:
-    """Touches of n worlds summed over the physics steps of a control step; see `Contacts`. missed: contacts dropped."""
+    """Touches of n worlds summed over the physics steps of a control step; see `Contacts`. missed: contacts dropped.
+
+    foot (n, F): N, normal forces on the feet.
+    """
 
     force: wp.array[float]
     owner: wp.array[int]
     ground: wp.array[int]
     count: wp.array[int]
     missed: wp.array[int]
+    foot: wp.array2d[float]
 
 
 @wp.struct
@@ -215,13 +219,15 @@ def begin(
     touch.ground[w] = 0
     touch.count[w] = 0
     touch.missed[w] = 0
+    for f in range(touch.foot.shape[1]):
+        touch.foot[w, f] = 0.0
     step[w] = 0
 
 
 @wp.kernel
-def note(is_foot: wp.array[int], slots: Slots, row_force: wp.array2d[float], places: Places, touch: Touch):
+def note(foot_of: wp.array[int], slots: Slots, row_force: wp.array2d[float], places: Places, touch: Touch):
     """Adds the touches of one physics step, robot against object and no foot against the ground, and clears the places
-    of the contacts; dim n."""
+    of the contacts; foot_of: which foot a geom is, -1 = none; dim n."""
     w = wp.tid()
     count = places.count[w]
     touched = int(0)
@@ -231,10 +237,13 @@ def note(is_foot: wp.array[int], slots: Slots, row_force: wp.array2d[float], pla
         k = w * places.room + number
         places.type[k] = 0
         thing = slots.owner[w, places.slot[k]]
-        if thing >= 0 or is_foot[places.geom[k][0]] == 0:
-            force = float(0.0)
-            for i in range(wp.max(2 * (places.dim[k] - 1), 1)):
-                force += row_force[w, places.address[k, i]]
+        foot = foot_of[places.geom[k][0]]
+        force = float(0.0)
+        for i in range(wp.max(2 * (places.dim[k] - 1), 1)):
+            force += row_force[w, places.address[k, i]]
+        if foot >= 0:
+            touch.foot[w, foot] += force
+        if thing >= 0 or foot < 0:
             touched = 1
             if thing < 0:
                 touch.ground[w] = 1
@@ -296,8 +305,10 @@ def finish(
     xquat_out: wp.array2d[wp.vec4],
     force_out: wp.array[float],
     touch_out: wp.array2d[int],
+    foot_out: wp.array2d[float],
 ):
-    """Writes the new states; touch_out (n, 4): object, ground, physics steps with a touch, overflow; dim n."""
+    """Writes the new states; touch_out (n, 4): object, ground, physics steps with a touch, overflow; foot_out (n, F):
+    N, sums over the physics steps; dim n."""
     w = wp.tid()
     here = origin[w]
     for i in range(qpos.shape[1]):
@@ -318,4 +329,6 @@ def finish(
     touch_out[w, 0] = touch.owner[w]
     touch_out[w, 1] = touch.ground[w]
     touch_out[w, 2] = touch.count[w]
+    for f in range(touch.foot.shape[1]):
+        foot_out[w, f] = touch.foot[w, f]
     touch_out[w, 3] = nearby.missing[w, 0] + nearby.missing[w, 1] + touch.missed[w]

@@ -83,9 +83,10 @@ class DeviceModel:
         self.model = mjw.put_model(robot.model)
         # Contacts that find no place are counted by `warp_contact`, and become `slot_overflow`.
         self.model.opt.warn_overflow = 0
-        is_foot = np.zeros(robot.model.ngeom, np.int32)
-        is_foot[robot.sphere_geom] = robot.physics.spheres.is_foot
-        self.is_foot = wp.array(is_foot, dtype=int)
+        foot_of = np.full(robot.model.ngeom, -1, np.int32)
+        foot_of[robot.sphere_geom] = robot.physics.spheres.foot
+        self.foot_of = wp.array(foot_of, dtype=int)
+        self.num_feet = len(robot.physics.spec.foot_geoms)
         self.masses = kernels.Robot()
         self.masses.mass = wp.array(robot.model.body_mass, dtype=float)
         self.masses.inertia = wp.array(robot.model.body_inertia, dtype=wp.vec3)

@@ -142,9 +142,14 @@ def latest_policy(folder: pathlib.Path) -> pathlib.Path:
 
 def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
     """The network factory of a training config, for `ppo.train` and for loading."""
+    network = ppo_config.network
+    if "actor_hidden" in network:
+        from .mlp_networks import make_mlp_networks
+
+        hidden = {name: tuple(int(n) for n in network[name]) for name in ("actor_hidden", "critic_hidden")}
+        return functools.partial(make_mlp_networks, **hidden)
     from .networks import make_networks
 
-    network = ppo_config.network
     layers = [(int(depth), int(kernel), int(stride)) for depth, kernel, stride in network.layers]
     return functools.partial(
         make_networks,

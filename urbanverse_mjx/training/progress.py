@@ -59,9 +59,7 @@ class TrainingLog:
                 rate = (done - self._last[1]) / max(now - self._last[0], 1e-9)
                 self.rates.append((done, rate))
                 values["steps_per_second"] = rate
-                success = values.get("episode/success", 0.0)
-                route = values.get("episode/route_completion", 0.0)
-                note = f"{rate:,.0f} steps/s  success {success:.0%}  route {route:.0%}"
+                note = f"{rate:,.0f} steps/s  {_how_it_goes(values)}"
                 self._bar.update(self._task, completed=done, note=note)
             self._last = (now, done)
         record = {"step": done, "seconds": round(now - self._begin, 3), **values}
@@ -74,6 +72,12 @@ class TrainingLog:
         self._bar.stop()
         self._file.close()
         self._board.close()
+
+
+def _how_it_goes(values: Mapping[str, float]) -> str:
+    if "episode/success" in values:
+        return f"success {values['episode/success']:.0%}  route {values.get('episode/route_completion', 0.0):.0%}"
+    return f"return {values.get('episode/sum_reward', 0.0):.2f}  length {values.get('episode/length', 0.0):.0f}"
 
 
 def _tidy(name: str) -> str:

@@ -1,0 +1,252 @@
+"""The trials of `benchmarks.go2_gait`: grounds, commands and what counts as success; all seeded.
+
+Every trial is a batch of robots in C MuJoCo (`evaluation.gait_walks`) on ground made of the prisms that streets have.
+"""
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from urbanverse_mjx.datatypes import GroundRegion, RobotSpec
+from urbanverse_mjx.evaluation.gait_walks import Commander, Walk, walk
+from urbanverse_mjx.robots import go2_body
+from urbanverse_mjx.robots.gait import Gait
+from urbanverse_mjx.scene.mjcf import scene_spec
+from urbanverse_mjx.scene.terrain import region_scene, strips_regions
+from urbanverse_mjx.simulation.truth import truth_model
+
+#: Random commands: m/s, m/s, rad/s (the issue's ranges); each is held so long (s).
+RANGE, HOLD = np.array([1.0, 0.5, 1.0]), 5.0
+#: s after a new command in which the error does not count; s over which velocities are averaged: two strides or so.
+SETTLE, WINDOW = 1.0, 0.5
+#: m, and share of the height (up) at which a robot has passed a kerb that lies at x = 0.
+PASSED = 0.7
+KERBS = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20)
+SLOPES = (1 / 12, 1 / 8, 0.2, 0.3)
+#: rad and m/s: how a kerb or a ramp is met; m before it where a robot starts.
+ANGLE, SPEED, RUN_UP = np.pi / 4, (0.5, 1.0), 1.0
+#: 1/s. A commander that wants to go straight turns a robot back by this much yaw rate a radian (mjlab's 0.5).
+HEADING_GAIN = 0.5
+PUSH, PUSH_AT = 0.5, 2.0  # m/s, s
+#: Robots that are in memory at once.
+CHUNK = 100
+#: m, side of a ground; 20 s at 1.1 m/s straight ahead do not leave it.
+SIDE = 60.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Judge:
+    """What all trials share: the robot, the gait, how many threads step it."""
+
+    robot: RobotSpec
+    gait: Gait
+    threads: int
+
+    @property
+    def speed_limit(self) -> np.ndarray:
+        """(J,) rad/s of the motors."""
+        return np.tile([go2_body.MOTORS[joint].speed for joint in go2_body.JOINTS], len(go2_body.LEGS))
+
+    def model(self, regions: list[GroundRegion]) -> mujoco.MjModel:
+        """The robot on a ground."""
+        return truth_model(scene_spec(region_scene("ground", regions)), self.robot)
+
+    def start(self, model: mujoco.MjModel, places: np.ndarray, yaws: np.ndarray) -> np.ndarray:
+        """(N, nq) robots standing at places (N, 3) m of the ground."""
+        qpos = np.tile(model.qpos0, (len(places), 1))
+        qpos[:, :3] = places + np.array([0.0, 0.0, self.robot.spawn_height])
+        qpos[:, 3:7] = np.stack([np.cos(yaws / 2), 0 * yaws, 0 * yaws, np.sin(yaws / 2)], 1)
+        qpos[:, 7:] = self.gait.stand
+        return qpos
+
+    def run(
+        self,
+        model: mujoco.MjModel,
+        qpos: np.ndarray,
+        commander: Any,
+        seconds: float,
+        kick: tuple[float, np.ndarray] | None = None,
+    ) -> Walk:
+        """Walks robots in chunks; commander: rows -> `Commander` of these robots; kick: s and (N, 2) m/s."""
+        parts = []
+        steps = round(seconds / self.gait.control_dt)
+        for rows in np.array_split(np.arange(len(qpos)), -(-len(qpos) // CHUNK)):
+            kicks = {round(kick[0] / self.gait.control_dt): kick[1][rows]} if kick else None
+            parts.append(
+                walk(
+                    [model],
+                    np.zeros(len(rows), int),
+                    self.robot,
+                    self.gait,
+                    qpos[rows],
+                    commander(rows),
+                    steps,
+                    self.speed_limit,
+                    kicks,
+                    self.threads,
+                )
+            )
+        names = [f.name for f in dataclasses.fields(Walk)]
+        return Walk(**{n: np.concatenate([getattr(p, n) for p in parts]) for n in names})
+
+
+def flat() -> list[GroundRegion]:
+    """One level square."""
+    return strips_regions(iter([(SIDE, 0.0, 0.0)]), SIDE)
+
+
+def kerb(low: float, high: float) -> list[GroundRegion]:
+    """Ground at a height of `low` m, then at `high` from x = 0 on."""
+    return strips_regions(iter([(SIDE / 2, low, low), (SIDE / 2, high, high)]), SIDE)
+
+
+def ramp(slope: float) -> list[GroundRegion]:
+    """Level, 3 m up from x = 0, 2 m level, 3 m down, level."""
+    top = 3.0 * slope
+    strips = [(SIDE / 2, 0.0, 0.0), (3.0, 0.0, top), (2.0, top, top), (3.0, top, 0.0), (SIDE, 0.0, 0.0)]
+    return strips_regions(iter(strips), SIDE)
+
+
+def _wandering(seed: int, number: int, seconds: float) -> Any:
+    """Commands drawn anew every `HOLD` s, the same for every gait."""
+    count = int(np.ceil(seconds / HOLD)) + 1
+    drawn = np.random.default_rng([seed, 1]).uniform(-RANGE, RANGE, (number, count, 3))
+
+    def of(rows: np.ndarray) -> Commander:
+        return lambda places, yaws, time: drawn[rows, int(time / HOLD)]
+
+    return of
+
+
+def _straight(speed: np.ndarray, heading: np.ndarray) -> Any:
+    """Ahead at a speed (N,) with a heading (N,) that is kept."""
+
+    def of(rows: np.ndarray) -> Commander:
+        def command(_: np.ndarray, yaws: np.ndarray, __: float) -> np.ndarray:
+            off = (heading[rows] - yaws + np.pi) % (2 * np.pi) - np.pi
+            turn = np.clip(HEADING_GAIN * off, -RANGE[2], RANGE[2])
+            return np.stack([speed[rows], 0.0 * turn, turn], 1)
+
+        return command
+
+    return of
+
+
+def settled_errors(found: Walk, control_dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of linear (m/s) and angular (rad/s) velocity averaged over `WINDOW`, where a command has been held.
+
+    Returns:
+      (n,) each, over all robots and times at which they count.
+    """
+    window, hold, settle = (round(s / control_dt) for s in (WINDOW, HOLD, SETTLE))
+    kernel = np.ones(window) / window
+    smooth = np.apply_along_axis(lambda x: np.convolve(x, kernel, "valid"), 1, found.velocity)
+    command = found.command[:, window - 1 :]
+    time = np.arange(window - 1, found.command.shape[1]) % hold
+    counts = time >= settle + window - 1
+    off = (command - smooth)[:, counts].reshape(-1, 3)
+    off = off[np.isfinite(off).all(1)]
+    return np.linalg.norm(off[:, :2], axis=1), np.abs(off[:, 2])
+
+
+def judge_flat(judge: Judge, episodes: int, seconds: float, seed: int) -> dict[str, Any]:
+    """Random commands on level ground: errors, falls, cost of transport, slip, limits."""
+    model = judge.model(flat())
+    yaws = np.random.default_rng([seed, 0]).uniform(-np.pi, np.pi, episodes)
+    found = judge.run(
+        model, judge.start(model, np.zeros((episodes, 3)), yaws), _wandering(seed, episodes, seconds), seconds
+    )
+    linear, angular = settled_errors(found, judge.gait.control_dt)
+    speed = np.linalg.norm(found.velocity[..., :2], axis=-1)
+    moving = (np.linalg.norm(found.command[..., :2], axis=-1) > 0.3) & np.isfinite(speed)
+    mass = float(model.body_subtreemass[1])
+    instant = found.command - found.velocity
+    return {
+        "episodes": episodes,
+        "seconds": seconds,
+        "error_linear_m_s": _mean(linear),
+        "error_angular_rad_s": _mean(angular),
+        "error_linear_instant_m_s": _mean(np.linalg.norm(instant[..., :2], axis=-1)),
+        "error_angular_instant_rad_s": _mean(np.abs(instant[..., 2])),
+        "falls_percent": 100.0 * float(found.fell.mean()),
+        "cost_of_transport": float(found.power[moving].sum() / (mass * 9.81 * speed[moving].sum()))
+        if moving.any()
+        else None,
+        "slip_m_s": _mean(found.slip[moving]),
+        "touch_percent": 100.0 * float(found.touch.mean()),
+        "torque_share_p99": _quantile(found.torque, 0.99),
+        "torque_share_max": _quantile(found.torque, 1.0),
+        "speed_share_p99": _quantile(found.speed, 0.99),
+        "speed_share_max": _quantile(found.speed, 1.0),
+        "beyond_range_max_rad": _quantile(found.beyond, 1.0),
+    }
+
+
+def judge_pushes(judge: Judge, episodes: int, seed: int) -> dict[str, Any]:
+    """A kick of `PUSH` m/s from a random side while walking; 5 s later the robot must be on its feet."""
+    model, rng = judge.model(flat()), np.random.default_rng([seed, 2])
+    angle, yaws = rng.uniform(-np.pi, np.pi, (2, episodes))
+    kick = PUSH * np.stack([np.cos(angle), np.sin(angle)], 1)
+    start = judge.start(model, np.zeros((episodes, 3)), yaws)
+    seconds = PUSH_AT + 5.0
+    found = judge.run(model, start, _wandering(seed, episodes, seconds), seconds, (PUSH_AT, kick))
+    return {"episodes": episodes, "kick_m_s": PUSH, "survived_percent": 100.0 * float((~found.fell).mean())}
+
+
+def _crossing(
+    judge: Judge, regions: list[GroundRegion], height: float, length: float, episodes: int, rng: Any
+) -> np.ndarray:
+    """(episodes,) bool: from `RUN_UP` m before x = 0 to `PASSED` m behind `length` without a fall, in time."""
+    model = judge.model(regions)
+    heading, speed = rng.uniform(-ANGLE, ANGLE, episodes), rng.uniform(*SPEED, episodes)
+    places = np.stack([np.full(episodes, -RUN_UP), np.zeros(episodes), np.full(episodes, height)], 1)
+    # Twice the time that the way takes at the speed commanded.
+    way = (RUN_UP + length + PASSED) / np.cos(ANGLE)
+    found = judge.run(model, judge.start(model, places, heading), _straight(speed, heading), 2.0 * way / SPEED[0])
+    x = np.where(np.isfinite(found.position[..., 0]), found.position[..., 0], -np.inf)
+    late = 2.0 * way / speed / judge.gait.control_dt
+    in_time = np.arange(x.shape[1]) <= late[:, None]
+    behind = (x > length + PASSED) & in_time
+    return behind.any(1) & ~_fell_before(found, behind)
+
+
+def _fell_before(found: Walk, behind: np.ndarray) -> np.ndarray:
+    """(N,) bool, a fall before the way was done; later ones belong to another trial."""
+    first = np.where(behind.any(1), behind.argmax(1), behind.shape[1])
+    end = np.isfinite(found.yaw).sum(1)
+    return found.fell & (end <= first)
+
+
+def judge_kerbs(judge: Judge, episodes: int, seed: int, heights: Sequence[float] = KERBS) -> Iterator[dict[str, Any]]:
+    """Kerbs up and down, met at up to `ANGLE` and at `SPEED`."""
+    for height in heights:
+        for way, regions, begin in (("up", kerb(0.0, height), 0.0), ("down", kerb(height, 0.0), height)):
+            rng = np.random.default_rng([seed, 3, round(1e3 * height), way == "up"])
+            passed = _crossing(judge, regions, begin, 0.0, episodes, rng)
+            yield {
+                "height_m": height,
+                "way": way,
+                "episodes": episodes,
+                "passed_percent": 100.0 * float(passed.mean()),
+            }
+
+
+def judge_ramps(judge: Judge, episodes: int, seed: int, slopes: Sequence[float] = SLOPES) -> Iterator[dict[str, Any]]:
+    """Ramps up and down again."""
+    for slope in slopes:
+        rng = np.random.default_rng([seed, 4, round(1e3 * slope)])
+        passed = _crossing(judge, ramp(slope), 0.0, 8.0, episodes, rng)
+        yield {"slope": round(slope, 4), "episodes": episodes, "passed_percent": 100.0 * float(passed.mean())}
+
+
+def _mean(values: np.ndarray) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if known.size else None
+
+
+def _quantile(values: np.ndarray, share: float) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(np.quantile(known, share)) if known.size else None

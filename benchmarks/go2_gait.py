@@ -1,0 +1,110 @@
+"""How well a gait walks, judged in C MuJoCo and not in the engine it was trained in.
+
+    python -m benchmarks.go2_gait --json
+
+walks the shipped gait of the Go2 (or `--gait`, a gait file): random commands on level ground (velocity error, falls,
+cost of transport, foot slip, torque, speed and joint limits), kicks, kerbs up and down by height, ramps. One JSON line
+says what was found and which of the issue's goals hold; the exit status is 1 where one does not.
+
+Published figures of others that were measured as these are, we found none: see docs/decisions/go2.md.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import sys
+import time
+from typing import Any
+
+from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.robots import make_go2
+from urbanverse_mjx.robots.gait import Gait
+
+from ._gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps
+
+#: What a gait has to reach (issue 8): at most, or at least. Kerbs in both ways, every ramp of a street (1:8).
+AT_MOST = {"error_linear_m_s": 0.1, "error_angular_rad_s": 0.15, "falls_percent": 1.0}
+KERB_GOALS = {0.12: 90.0, 0.15: 70.0}
+PUSH_GOAL, RAMP_GOAL = 95.0, 100.0
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.go2_gait", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--gait", type=pathlib.Path, help="gait file (default: the shipped one)")
+    parser.add_argument("--episodes", type=int, default=1000, help="on level ground")
+    parser.add_argument("--trials", type=int, default=100, help="of each kerb, ramp, and half of the kicks")
+    parser.add_argument("--seconds", type=float, default=20.0, help="of an episode on level ground")
+    parser.add_argument("--kerbs", type=float, nargs="*", default=KERBS, help="heights, m")
+    parser.add_argument("--slopes", type=float, nargs="*", default=SLOPES)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--json", action="store_true", help="print one JSON line")
+    arguments = parser.parse_args(argv)
+    if min(arguments.episodes, arguments.trials, arguments.threads) < 1 or arguments.seconds < 2.0:
+        parser.error("--episodes, --trials and --threads must be at least 1, --seconds at least 2")
+    return arguments
+
+
+def shipped_gait() -> pathlib.Path:
+    """Where the gait that comes with the package is."""
+    import urbanverse_mjx.robots as room
+
+    return pathlib.Path(room.__file__).parent / "go2_gait.npz"
+
+
+def judge_all(arguments: argparse.Namespace) -> dict[str, Any]:
+    """All trials of a gait."""
+    path, begin = arguments.gait or shipped_gait(), time.monotonic()
+    judge = Judge(make_go2(), Gait.load(path), arguments.threads)
+    found: dict[str, Any] = {"gait": path.name, "meta": judge.gait.meta, "seed": arguments.seed}
+    found["flat"] = judge_flat(judge, arguments.episodes, arguments.seconds, arguments.seed)
+    _say("level ground", found["flat"])
+    found["pushes"] = judge_pushes(judge, 2 * arguments.trials, arguments.seed)
+    _say("kicks", found["pushes"])
+    found["kerbs"] = []
+    for row in judge_kerbs(judge, arguments.trials, arguments.seed, arguments.kerbs):
+        found["kerbs"].append(row)
+        _say("kerb", row)
+    found["ramps"] = []
+    for row in judge_ramps(judge, arguments.trials, arguments.seed, arguments.slopes):
+        found["ramps"].append(row)
+        _say("ramp", row)
+    found["goals"] = goals(found)
+    found["wall_seconds"] = round(time.monotonic() - begin, 1)
+    return found
+
+
+def goals(found: dict[str, Any]) -> dict[str, bool]:
+    """Which of the goals hold, of those that were tried."""
+    flat = found["flat"]
+    reached = {name: flat[name] is not None and flat[name] <= limit for name, limit in AT_MOST.items()}
+    reached["kicks_survived"] = found["pushes"]["survived_percent"] >= PUSH_GOAL
+    for row in found["kerbs"]:
+        if row["height_m"] in KERB_GOALS:
+            name = f"kerb_{row['height_m']:g}_{row['way']}"
+            reached[name] = row["passed_percent"] >= KERB_GOALS[row["height_m"]]
+    for row in found["ramps"]:
+        reached[f"ramp_{row['slope']:g}"] = row["passed_percent"] >= RAMP_GOAL
+    return reached
+
+
+def _say(what: str, row: dict[str, Any]) -> None:
+    text = ", ".join(f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items())
+    print(f"{what}: {text}", file=sys.stderr, flush=True)
+
+
+def main(argv: list[str] | None = None) -> int:
+    arguments = parse(argv)
+    try:
+        found = judge_all(arguments)
+    except NounError as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(json.dumps(found) if arguments.json else json.dumps(found, indent=2))
+    return 0 if all(found["goals"].values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,181 @@
+"""Go2Joystick: the promises every environment keeps, rewards by hand, levels, disturbances that do what they should."""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs import JoystickEnv, Result, check_env, joystick_config, registry
+from urbanverse_mjx.envs import joystick_terms as terms
+from urbanverse_mjx.envs.joystick_draws import draw_command, draw_push
+from urbanverse_mjx.envs.terrain_levels import TerrainLevels
+from urbanverse_mjx.robots.gait import sensor_frame
+from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
+
+
+@functools.cache
+def small_bank() -> SceneBank:
+    """Two levels of level ground and of kerbs."""
+    names = [(kind, level) for kind in ("flat", "kerbs") for level in (0, 1)]
+    return pack_regions([region_scene(f"{k}-{n}", terrain_regions(k, n)) for k, n in names])
+
+
+def load(**overrides: Any) -> JoystickEnv:
+    return registry.load("Go2Joystick", config_overrides={"impl": "jax", **overrides}, bank=small_bank())
+
+
+@pytest.fixture(scope="module")
+def calm() -> JoystickEnv:
+    """Level ground, nothing random about the robot."""
+    return load(preset="cpu", **{"noise.scale": 0.0})
+
+
+@pytest.mark.slow
+def test_it_keeps_every_promise() -> None:
+    check_env(load(preset="fast", **{"terrain.first_levels": 2}), num_envs=4, num_steps=6)
+
+
+def test_standing_still_earns_more_than_falling(calm: JoystickEnv) -> None:
+    """A robot that holds its pose lasts and stays where it is; one that lies down has fallen."""
+    step = jax.jit(jax.vmap(calm.step))
+    state = jax.jit(jax.vmap(calm.reset))(jax.random.split(jax.random.key(0), 2))
+    # The second folds its legs: thighs back, knees bent.
+    fold = jnp.tile(jnp.array([0.0, 1.0, -1.0]), 4)
+    action = jnp.stack([jnp.zeros(12), fold])
+    first = np.asarray(state.data.sim.xpos[:, 1])
+    rewards, ended = [], np.zeros(2, bool)
+    for _ in range(40):
+        state = step(state, action)
+        rewards.append(np.where(ended, 0.0, np.asarray(state.reward)))
+        ended |= np.asarray(state.done) > 0
+    assert list(ended) == [False, True]
+    assert int(state.data.result[0]) == Result.RUNNING
+    assert np.sum(rewards, 0)[0] > np.sum(rewards, 0)[1]
+    now = np.asarray(state.data.sim.xpos[:, 1])
+    assert np.linalg.norm(now[0, :2] - first[0, :2]) < 0.15
+    assert 0.25 < now[0, 2] < 0.33
+    # The four feet carry the robot: 15.2 kg.
+    assert float(state.data.sim.contacts.foot_force[0].sum()) == pytest.approx(15.206 * 9.81, rel=0.1)
+
+
+def test_what_the_policy_sees_is_the_sensor_frame(calm: JoystickEnv) -> None:
+    state = jax.jit(calm.reset)(jax.random.key(3))
+    sim = state.data.sim
+    x = np.asarray(sim.xquat[1], np.float64)
+    up = [2 * (x[1] * x[3] - x[0] * x[2]), 2 * (x[2] * x[3] + x[0] * x[1]), 1 - 2 * (x[1] ** 2 + x[2] ** 2)]
+    stand = calm.mj_model.key_qpos[0, 7:]
+    frame = sensor_frame(
+        np, sim.qvel[3:6], -np.array(up), sim.qpos[7:] - stand, sim.qvel[6:], state.data.command, np.zeros(12)
+    )
+    np.testing.assert_allclose(np.asarray(state.obs["history"]).reshape(5, 45), np.tile(frame, (5, 1)), atol=1e-5)
+
+
+def test_terms_by_hand() -> None:
+    stand, limits = jnp.zeros(12), jnp.tile(jnp.array([-1.0, 1.0]), (12, 1))
+    motion = terms.Motion(
+        linear=jnp.array([0.5, 0.0, 0.1]),
+        angular=jnp.array([0.2, 0.0, 0.3]),
+        up=jnp.array([0.1, 0.0, 0.995]),
+        height=jnp.float32(0.28),
+        joints=jnp.zeros(12).at[0].set(0.97),
+        joint_speed=jnp.zeros(12),
+        joint_acceleration=jnp.full(12, 10.0),
+        torque=jnp.full(12, 2.0),
+        foot_height=jnp.array([0.0, 0.04, 0.2, 0.0]),
+        foot_speed=jnp.array([0.1, 1.0, 1.0, 0.0]),
+        contact=jnp.array([True, False, False, True]),
+        air_time=jnp.array([0.0, 0.1, 0.1, 0.4]),
+        landed=jnp.array([False, False, False, True]),
+        touch=jnp.float32(0.25),
+        action=jnp.full(12, 0.1),
+        last_action=jnp.zeros(12),
+        fell=jnp.bool_(False),
+        command=jnp.array([1.0, 0.0, 0.3]),
+    )
+    config = joystick_config().reward_config
+    found = {name: float(x) for name, x in terms.terms(motion, config, stand, limits).items()}
+    assert set(found) == set(config.scales)
+    expected = {
+        "track_linear": np.exp(-0.25 / 0.25),
+        "track_angular": 1.0,
+        "vertical_speed": 0.01,
+        "roll_pitch_rate": 0.04,
+        "tilt": 0.01,
+        "trunk_height": 0.0004,
+        "torque": 48.0,
+        "acceleration": 1200.0,
+        "action_rate": 0.12,
+        "pose": np.exp(-(0.97**2)),
+        "stand_still": 0.0,
+        "joint_limits": 0.02,
+        "foot_clearance": 0.1 * 0.1 + 0.06 * 1.0,
+        "foot_slip": 0.01,
+        "air_time": 0.2,
+        "touch": 0.25,
+        "fall": 0.0,
+    }
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, rel=1e-4, abs=1e-6), name
+
+
+def test_commands_are_what_the_config_says() -> None:
+    config = joystick_config().command
+    command, hold = jax.vmap(lambda k: draw_command(k, config))(jax.random.split(jax.random.key(0), 4000))
+    command, still = np.asarray(command), np.asarray((command == 0).all(1))
+    assert still.mean() == pytest.approx(0.1, abs=0.02)
+    ahead = (command[:, 1] == 0) & ~still
+    assert ahead.mean() == pytest.approx(0.4, abs=0.03)
+    assert command[ahead, 0].min() >= 0.4
+    assert (np.abs(command).max(0) <= [1.0, 0.5, 1.0]).all()
+    assert (np.abs(command).max(0) > [0.98, 0.48, 0.98]).all()
+    assert 3.0 <= float(hold.min()) < float(hold.max()) <= 8.0
+
+
+def test_pushes_come_as_often_and_as_hard_as_asked() -> None:
+    config = joystick_config().randomization
+    kicks = np.asarray(jax.vmap(lambda k: draw_push(k, config, 0.02))(jax.random.split(jax.random.key(1), 60_000)))
+    hit = np.abs(kicks).any(1)
+    assert hit.mean() == pytest.approx(0.02 / 6.0, rel=0.2)
+    speed = np.linalg.norm(kicks[hit, :2], axis=1)
+    assert 0.6 < speed.max() <= 0.8
+    assert (kicks[:, 2:5] == 0).all()
+
+
+def test_levels_rise_and_fall() -> None:
+    levels = TerrainLevels(small_bank(), joystick_config().terrain)
+    assert levels.kinds == ("flat", "kerbs")
+    now = jnp.array([0, 1], jnp.int32)
+
+    def after(kind: int, lasted: bool, way: float, asked: float) -> list[int]:
+        found = levels.after(jax.random.key(0), now, jnp.int32(kind), jnp.bool_(lasted), way, asked)
+        return [int(x) for x in found]
+
+    assert after(0, True, 4.0, 5.0) == [1, 1]
+    assert after(0, True, 3.0, 5.0) == [0, 1]
+    assert after(1, True, 1.0, 5.0) == [0, 0]
+    assert after(1, False, 5.0, 5.0) == [0, 0]
+    assert after(1, True, 1.0, 1.0) == [0, 1], "a short way says nothing"
+    assert after(0, False, 0.0, 5.0) == [0, 1], "there is nothing below the first level"
+    assert after(1, True, 5.0, 5.0)[1] in (0, 1), "behind the last level any may come"
+
+
+def test_episodes_are_on_the_kinds_and_levels_chosen() -> None:
+    levels = TerrainLevels(small_bank(), joystick_config().terrain)
+    keys = jax.random.split(jax.random.key(0), 600)
+    kind, scene = jax.vmap(levels.choose, (0, None))(keys, jnp.array([1, 0], jnp.int32))
+    # Shares 0.2 and 0.4 of kinds that the bank has.
+    assert float(jnp.mean(kind == 1)) == pytest.approx(2 / 3, abs=0.06)
+    names = [small_bank().scene_ids[int(s)] for s in scene]
+    assert set(names) == {"flat-1", "kerbs-0"}
+    with pytest.raises(NounError, match="needed terrains"):
+        TerrainLevels(pack_regions([region_scene("flat-1", terrain_regions("flat", 1))]), joystick_config().terrain)
+
+
+def test_presets() -> None:
+    assert registry.get_default_config("Go2Joystick").preset == "fast"
+    with pytest.raises(NounError, match="needed one of fast, cpu"):
+        registry.get_default_config("Go2Joystick", "paper")

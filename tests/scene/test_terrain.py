@@ -1,0 +1,96 @@
+"""Terrain to walk on: heights as promised, none kept for the test, the same ground in the bank and in C MuJoCo."""
+
+import itertools
+
+import mujoco
+import numpy as np
+import pytest
+
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs.heights import build_heights
+from urbanverse_mjx.scene import terrain
+from urbanverse_mjx.scene.mjcf import scene_spec
+
+
+def _height(plane: tuple[float, ...], x: float) -> float:
+    return plane[0] * x + plane[2]
+
+
+def _edges(kind: str, level: int, seed: int = 0) -> np.ndarray:
+    """(n,) m, steps between neighbouring strips."""
+    regions = terrain.terrain_regions(kind, level, seed)
+    ends = [max(p[0] for p in r.polygon) for r in regions]
+    return np.array(
+        [
+            _height(b.plane, x) - _height(a.plane, x)
+            for (a, b), x in zip(itertools.pairwise(regions), ends, strict=False)
+        ]
+    )
+
+
+@pytest.mark.parametrize("kind", terrain.KINDS)
+@pytest.mark.parametrize("level", [0, terrain.LEVELS - 1])
+def test_scenes_are_full_squares(kind: str, level: int) -> None:
+    area = sum(np.prod(np.ptp(np.array(r.polygon), axis=0)) for r in terrain.terrain_regions(kind, level))
+    assert area == pytest.approx(terrain.SIDE**2)
+
+
+def test_kerbs_grow_with_the_level_and_leave_the_tests_heights_out() -> None:
+    steps = {level: np.abs(np.concatenate([_edges("kerbs", level, seed) for seed in range(6)])) for level in range(10)}
+    for level, found in steps.items():
+        high = 0.03 + (0.22 - 0.03) * level / 9
+        assert len(found) > 40
+        assert 0.7 * high - 1e-9 <= found.min() <= found.max() <= high + 1e-9
+        assert np.abs(found[:, None] - np.array([0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20])).min() > 0.0029
+
+
+def test_stairs_rise_and_fall_by_one_height() -> None:
+    steps = np.abs(_edges("stairs", 9))
+    np.testing.assert_allclose(steps, 0.17, atol=1e-6)
+
+
+def test_slopes_have_no_edge_and_the_slope_of_their_level() -> None:
+    np.testing.assert_allclose(_edges("slopes", 9)[:-1], 0.0, atol=1e-9)
+    slopes = {round(abs(r.plane[0]), 6) for r in terrain.terrain_regions("slopes", 9)}
+    assert slopes == {0.0, 0.45}
+
+
+def test_unknown_kinds_and_levels_are_refused() -> None:
+    with pytest.raises(NounError, match="terrain kind"):
+        terrain.terrain_regions("moon", 0)
+    with pytest.raises(NounError, match="terrain level"):
+        terrain.terrain_regions("flat", terrain.LEVELS)
+
+
+@pytest.fixture(scope="module")
+def kerbs() -> tuple[terrain.SceneGeometry, SceneBank]:
+    scene = terrain.region_scene("kerbs-5", terrain.terrain_regions("kerbs", 5))
+    return scene, terrain.pack_regions([scene])
+
+
+def test_heights_of_the_bank_are_those_of_c_mujoco(kerbs: tuple[terrain.SceneGeometry, SceneBank]) -> None:
+    """Rays from above, at the centres of random cells."""
+    scene, bank = kerbs
+    heights, origin = build_heights(bank)
+    model = scene_spec(scene).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    rng, geom = np.random.default_rng(0), np.zeros(1, np.int32)
+    for i, j in rng.integers(2, np.array(heights.shape[1:]) - 2, (200, 2)):
+        point = np.array([*(origin[0] + (np.array([i, j]) + 0.5) * 0.05), 5.0])
+        down = mujoco.mj_ray(model, data, point, np.array([0.0, 0.0, -1.0]), None, 1, -1, geom)
+        assert heights[0, i, j] == pytest.approx(5.0 - down, abs=1e-5)
+
+
+def test_every_place_finds_its_ground_among_the_nearest_prisms(
+    kerbs: tuple[terrain.SceneGeometry, SceneBank],
+) -> None:
+    """Eight slots hold all prisms within reach of a Go2 (0.72 m), on the roughest ground, too."""
+    rough = terrain.pack_regions([terrain.region_scene("rough-0", terrain.terrain_regions("rough", 0))])
+    rng = np.random.default_rng(0)
+    for bank, limit in ((kerbs[1], 8), (rough, 9)):
+        box = bank.hull_box[bank.prism_hull[0]]
+        centre, half = box[:, 0] + bank.prism_position[0], box[:, 1]
+        for place in rng.uniform(-8.0, 8.0, (200, 2)):
+            apart = np.linalg.norm(np.maximum(np.abs(place - centre[:, :2]) - half[:, :2], 0.0), axis=1)
+            assert (apart < 0.72).sum() <= limit

@@ -1,0 +1,368 @@
+"""`JoystickEnv`: a legged robot follows velocity commands over uneven ground without seeing it."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from ml_collections import ConfigDict
+
+from ..datatypes import RobotSpec, SceneBank
+from ..robots.gait import sensor_frame
+from .heights import GroundHeights
+from .joystick_draws import Body, draw_body, draw_command, draw_noise, draw_push
+from .joystick_terms import CONTACT_FORCE, Motion, terms
+from .legs import Legs, rotate
+from .navigation import typed_key
+from .terms import to_body, to_world, yaw_of
+from .terrain_levels import TerrainLevels
+from .types import Result, State
+
+#: The world's up axis in the body's frame, below which a robot counts as fallen (72 degrees).
+_FALLEN = 0.3
+#: m, trunk above the ground, below which it lies.
+_LYING = 0.12
+#: m/s or rad/s, beyond which physics has come apart (the fastest motor turns at 30 rad/s).
+_BLOWN_UP = 1e3
+#: The least reward of a step: no single impact shall outweigh a fall many times.
+_WORST = -5.0
+#: m from the rim of a scene, where an episode ends.
+_RIM = 1.0
+#: m in front of and beside the trunk, where critics are told the ground's height: (63, 2).
+SCAN = np.array([(x, y) for x in np.linspace(-0.6, 0.75, 9) for y in np.linspace(-0.45, 0.45, 7)], np.float32)
+#: Unit that brings forces (N) near 1.
+_FORCE = 0.01
+
+
+class GaitState(NamedTuple):
+    """Everything one env carries from step to step; J joints, F feet, T terrain kinds, H steps of history.
+
+    Attributes:
+      key: typed PRNG key. sim: the engine's `SimState`. body: see `Body`.
+      kind: () i32, row of the terrain kinds; levels: (T,) i32, the env's level of each, which outlives an episode.
+      command: (3,) m/s, m/s, rad/s; hold: () s until the next one.
+      target: (J,) rad, what the last action asked of the servos; action: (J,) the action itself.
+      joint_speed: (J,) rad/s at the end of the last step.
+      history: (H, 9 + 3 J) what the sensors said, newest first.
+      feet: (F, 3) m; air_time: (F,) s.
+      way, way_asked: () m along the commands, gone and asked for.
+      steps: () i32; result: () i32, see `Result`.
+    """
+
+    key: Any
+    sim: Any
+    body: Body
+    kind: Any
+    levels: Any
+    command: Any
+    hold: Any
+    target: Any
+    action: Any
+    joint_speed: Any
+    history: Any
+    feet: Any
+    air_time: Any
+    way: Any
+    way_asked: Any
+    steps: Any
+    result: Any
+
+
+class JoystickEnv:
+    """Walks with the commanded velocity; every env on ground of its own kind and level.
+
+    Observation (dict):
+      history: (H * (9 + 3 J),) f32, the last H steps of `robots.gait.sensor_frame`, newest first, with noise: what a
+        real robot's sensors tell, no velocity and no ground.
+      privileged: (P,) f32 for critics and tests only.
+    Action: (J,) in [-1, 1], joint angles about the standing pose by `config.action_scale` rad, for position servos.
+    Reward: the control step times the sum of `reward_config.scales` times `joystick_terms.terms`.
+    Ends: FALL (tilt or trunk on the ground), NON_FINITE, TIMEOUT (also at the rim of a scene; a truncation).
+
+        env = registry.load("Go2Joystick", config_overrides={"preset": "cpu"}, bank=terrain_bank())
+    """
+
+    def __init__(self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Any) -> None:
+        self._config, self.bank, self.robot, self.engine = config, bank, robot, engine
+        self._legs = Legs(robot, tuple(config.action_scale))
+        self._heights = GroundHeights(bank)
+        self._levels = TerrainLevels(bank, config.terrain)
+        self.scenes = np.unique(self._levels.scenes).astype(np.int32)
+
+    # What users of Playground and Brax ask an environment.
+
+    @property
+    def config(self) -> ConfigDict:
+        return self._config
+
+    @property
+    def action_size(self) -> int:
+        return self._legs.number
+
+    @property
+    def observation_size(self) -> dict[str, tuple[int, ...]]:
+        shapes = jax.eval_shape(self.reset, jax.random.key(0)).obs
+        return {name: tuple(x.shape) for name, x in shapes.items()}
+
+    @property
+    def dt(self) -> float:
+        """Control step (s)."""
+        return float(self._config.ctrl_dt)
+
+    @property
+    def sim_dt(self) -> float:
+        """Physics step (s)."""
+        return float(self._config.sim_dt)
+
+    @property
+    def n_substeps(self) -> int:
+        return round(self.dt / self.sim_dt)
+
+    @property
+    def mj_model(self) -> mujoco.MjModel:
+        """The robot's own model, without ground."""
+        return self._legs.model
+
+    @property
+    def backend(self) -> str:
+        return "mjx"
+
+    @property
+    def unwrapped(self) -> "JoystickEnv":
+        return self
+
+    # The stages.
+
+    def begin(self, key: jax.Array) -> GaitState:
+        """The first episode of an env, at low levels."""
+        key, draw = jax.random.split(typed_key(key))
+        return self.begin_at(key, self._levels.first(draw))
+
+    def renew(self, gait: GaitState) -> GaitState:
+        """The episode after that of `gait`: harder ground of its kind where it went well, easier where it fell."""
+        key, draw = jax.random.split(gait.key)
+        lasted = gait.result == Result.TIMEOUT
+        levels = self._levels.after(draw, gait.levels, gait.kind, lasted, gait.way, gait.way_asked)
+        return self.begin_at(key, levels)
+
+    def begin_at(self, key: jax.Array, levels: jax.Array) -> GaitState:
+        """A new episode at the given level (T,) of each kind."""
+        config, legs = self._config, self._legs
+        key, where, pose, body, command, noise = jax.random.split(typed_key(key), 6)
+        choose, place, turn = jax.random.split(where, 3)
+        kind, scene = self._levels.choose(choose, levels)
+        reach = config.terrain.start_range
+        middle = 0.5 * (self._heights.low[scene] + self._heights.high[scene])
+        p_xy = middle + jax.random.uniform(place, (2,), jnp.float32, -reach, reach)
+        yaw = jax.random.uniform(turn, (), jnp.float32, -jnp.pi, jnp.pi)
+        sim = self._stand(scene, p_xy, yaw, pose)
+        drawn = draw_body(body, config.randomization, legs.number)
+        sim = sim._replace(friction_scale=drawn.friction_scale, mass_scale=drawn.mass_scale)
+        wanted, hold = draw_command(command, config.command)
+        zero, still = jnp.float32(0.0), jnp.zeros(legs.number)
+        frame = self._frame(sim, wanted, still, drawn, noise)
+        return GaitState(
+            key=key,
+            sim=sim,
+            body=drawn,
+            kind=kind,
+            levels=levels,
+            command=wanted,
+            hold=hold,
+            target=legs.stand,
+            action=still,
+            joint_speed=sim.qvel[6:],
+            history=jnp.tile(frame, (int(config.history), 1)),
+            feet=legs.feet(sim),
+            air_time=jnp.zeros(len(legs.foot_body)),
+            way=zero,
+            way_asked=zero,
+            steps=jnp.int32(0),
+            result=jnp.int32(Result.RUNNING),
+        )
+
+    def advance(
+        self, gait: GaitState, action: jax.Array
+    ) -> tuple[GaitState, jax.Array, jax.Array, dict[str, jax.Array]]:
+        """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
+        config, legs = self._config, self._legs
+        key, push, noise, command = jax.random.split(gait.key, 4)
+        action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
+        target = jnp.clip(legs.stand + legs.scale * action, legs.limits[:, 0], legs.limits[:, 1])
+        asked = jnp.where(gait.body.delay > 0, gait.target, target)
+        angles = gait.sim.qpos[7:]
+        # The servo believes its encoder, which says joint_bias too much.
+        ctrl = angles + gait.body.strength * (asked - gait.body.joint_bias - angles)
+        kick = draw_push(push, config.randomization, self.dt)
+        sim = self.engine.step(gait.sim._replace(qvel=gait.sim.qvel.at[:6].add(kick)), ctrl)
+        finite = jnp.isfinite(sim.qpos).all() & (jnp.abs(sim.qvel) < _BLOWN_UP).all()
+        sim = jax.tree.map(lambda a, b: jnp.where(finite, a, b), sim, gait.sim)
+        motion = self._motion(gait, sim, action, ctrl)
+        steps = gait.steps + 1
+        result = self._result(sim, motion, finite, steps)
+        done = (result != Result.RUNNING).astype(jnp.float32)
+        fresh, hold = draw_command(command, config.command)
+        change = gait.hold <= self.dt
+        wanted = jnp.where(change, fresh, gait.command)
+        frame = self._frame(sim, wanted, action, gait.body, noise)
+        speed = jnp.linalg.norm(gait.command[:2])
+        along = motion.linear[:2] @ gait.command[:2] / jnp.maximum(speed, 1e-6)
+        new = gait._replace(
+            key=key,
+            sim=sim,
+            command=wanted,
+            hold=jnp.where(change, hold, gait.hold - self.dt),
+            target=target,
+            action=action,
+            joint_speed=sim.qvel[6:],
+            history=jnp.concatenate([frame[None], gait.history[:-1]]),
+            feet=legs.feet(sim),
+            air_time=jnp.where(motion.contact, 0.0, gait.air_time + self.dt),
+            way=gait.way + self.dt * jnp.minimum(along, speed),
+            way_asked=gait.way_asked + self.dt * speed,
+            steps=steps,
+            result=result,
+        )
+        values = terms(motion, config.reward_config, legs.stand, legs.limits)
+        rewards = {n: jnp.float32(self.dt * s) * values[n] for n, s in config.reward_config.scales.items()}
+        total = jnp.maximum(sum(rewards.values(), jnp.float32(0.0)), _WORST)
+        return new, total, done, self._metrics(new, motion, rewards)
+
+    def observe(self, gait: GaitState) -> dict[str, jax.Array]:
+        """Observations of a state."""
+        return {"history": gait.history.reshape(-1), "privileged": self._privileged(gait)}
+
+    # The environment as a whole.
+
+    def reset(self, key: jax.Array) -> State:
+        """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
+        gait = self.begin(key)
+        zero = jnp.float32(0.0)
+        return State(gait, self.observe(gait), zero, zero, self.zero_metrics(), self.info_of(gait))
+
+    def step(self, state: State, action: jax.Array) -> State:
+        """One control step without auto-reset."""
+        gait, reward, done, metrics = self.advance(state.data, action)
+        return State(gait, self.observe(gait), reward, done, metrics, self.info_of(gait))
+
+    def info_of(self, gait: GaitState) -> dict[str, jax.Array]:
+        """Where the env is and how its episode ended."""
+        timeout = (gait.result == Result.TIMEOUT).astype(jnp.float32)
+        return {
+            "scene": gait.sim.scene,
+            "episode": jnp.int32(0),
+            "result": gait.result,
+            "steps": gait.steps.astype(jnp.float32),
+            "truncation": timeout,
+            "time_out": timeout,
+        }
+
+    def zero_metrics(self) -> dict[str, jax.Array]:
+        """The metrics of a first state."""
+        names = [f"reward/{name}" for name in self._config.reward_config.scales]
+        names += ["error_linear", "error_angular", "fall", "timeout", "non_finite", "touch", "slot_overflow"]
+        names += [f"level_{kind}" for kind in self._levels.kinds]
+        return {name: jnp.float32(0.0) for name in names}
+
+    # Inside.
+
+    def _stand(self, scene: jax.Array, p_xy: jax.Array, yaw: jax.Array, key: jax.Array) -> Any:
+        """The engine's state of a robot that stands about in its pose, no foot in the ground."""
+        legs = self._legs
+        bend, move = jax.random.split(key)
+        joints = legs.stand + jax.random.uniform(bend, legs.stand.shape, jnp.float32, -0.1, 0.1)
+        joints = jnp.clip(joints, legs.limits[:, 0], legs.limits[:, 1])
+        ground = self._heights(scene, p_xy + to_world(jnp.asarray(SCAN), yaw)).max()
+        z, half = ground + self.robot.spawn_height + 0.02, 0.5 * yaw
+        zero = 0.0 * half
+        pose = jnp.stack([p_xy[0], p_xy[1], z, jnp.cos(half), zero, zero, jnp.sin(half)])
+        qvel = jnp.zeros(self.mj_model.nv).at[:6].set(jax.random.uniform(move, (6,), jnp.float32, -0.3, 0.3))
+        return self.engine.init(scene, jnp.concatenate([pose, joints]), qvel)
+
+    def _frame(self, sim: Any, command: jax.Array, action: jax.Array, body: Body, key: jax.Array) -> jax.Array:
+        """(9 + 3 J,) what the sensors say of a state, with their noise."""
+        sensed = self._sensed(sim) + draw_noise(key, self._config.noise, self._legs.number)
+        n = self._legs.number
+        joints = sensed[6 : 6 + n] + body.joint_bias - self._legs.stand
+        return sensor_frame(jnp, sensed[:3], sensed[3:6], joints, sensed[6 + n :], command, action)
+
+    def _sensed(self, sim: Any) -> jax.Array:
+        """(6 + 2 J,) angular velocity (rad/s) and gravity's direction in the body frame, joint angles and speeds."""
+        turn_back = sim.xquat[self._legs.root] * jnp.array([1.0, -1.0, -1.0, -1.0])
+        gravity = rotate(turn_back, jnp.array([0.0, 0.0, -1.0]))
+        return jnp.concatenate([sim.qvel[3:6], gravity, sim.qpos[7:], sim.qvel[6:]])
+
+    def _motion(self, gait: GaitState, sim: Any, action: jax.Array, ctrl: jax.Array) -> Motion:
+        legs = self._legs
+        quaternion, feet = sim.xquat[legs.root], legs.feet(sim)
+        up = rotate(quaternion * jnp.array([1.0, -1.0, -1.0, -1.0]), jnp.array([0.0, 0.0, 1.0]))
+        under = self._heights(sim.scene, feet[:, :2])
+        contact = sim.contacts.foot_force > CONTACT_FORCE
+        speed = sim.qvel[6:]
+        return Motion(
+            linear=jnp.append(to_body(sim.qvel[:2], yaw_of(quaternion)), sim.qvel[2]),
+            angular=sim.qvel[3:6],
+            up=up,
+            height=sim.xpos[legs.root, 2] - under.mean(),
+            joints=sim.qpos[7:],
+            joint_speed=speed,
+            joint_acceleration=(speed - gait.joint_speed) / self.dt,
+            torque=legs.torque(ctrl, sim.qpos, sim.qvel),
+            foot_height=feet[:, 2] - legs.sole - under,
+            foot_speed=jnp.linalg.norm(feet[:, :2] - gait.feet[:, :2], axis=-1) / self.dt,
+            contact=contact,
+            air_time=gait.air_time,
+            landed=contact & (gait.air_time > 0.0),
+            touch=sim.contacts.hit_fraction,
+            action=action,
+            last_action=gait.action,
+            fell=(up[2] < _FALLEN) | (sim.xpos[legs.root, 2] - under.min() < _LYING),
+            command=gait.command,
+        )
+
+    def _result(self, sim: Any, motion: Motion, finite: jax.Array, steps: jax.Array) -> jax.Array:
+        p_xy = sim.xpos[self._legs.root, :2]
+        low, high = self._heights.low[sim.scene] + _RIM, self._heights.high[sim.scene] - _RIM
+        late = (steps >= self._config.episode_length) | (p_xy < low).any() | (p_xy > high).any()
+        result = jnp.where(late, Result.TIMEOUT, Result.RUNNING)
+        result = jnp.where(motion.fell, Result.FALL, result)
+        return jnp.where(finite, result, Result.NON_FINITE).astype(jnp.int32)
+
+    def _privileged(self, gait: GaitState) -> jax.Array:
+        """What a critic may know: the sensors without noise, velocity, feet, the ground around, this robot's body."""
+        sim, legs, n = gait.sim, self._legs, self._legs.number
+        sensed = self._sensed(sim)
+        bend = sensed[6 : 6 + n] - legs.stand
+        position, yaw = sim.xpos[legs.root], yaw_of(sim.xquat[legs.root])
+        around = self._heights(sim.scene, position[:2] + to_world(jnp.asarray(SCAN), yaw))
+        soles = gait.feet[:, 2] - legs.sole - self._heights(sim.scene, gait.feet[:, :2])
+        body = gait.body
+        parts = [
+            sensor_frame(jnp, sensed[:3], sensed[3:6], bend, sensed[6 + n :], gait.command, gait.action),
+            to_body(sim.qvel[:2], yaw),
+            sim.qvel[2:3],
+            _FORCE * sim.contacts.foot_force,
+            10.0 * soles,
+            gait.air_time,
+            5.0 * jnp.clip(position[2] - around - self.robot.spawn_height, -1.0, 1.0),
+            jnp.stack([body.friction_scale, body.mass_scale, body.strength, body.delay]),
+            gait.steps[None] / self._config.episode_length,
+        ]
+        return jnp.concatenate(parts).astype(jnp.float32)
+
+    def _metrics(self, gait: GaitState, motion: Motion, rewards: dict[str, jax.Array]) -> dict[str, jax.Array]:
+        def ended(code: Result) -> jax.Array:
+            return (gait.result == code).astype(jnp.float32)
+
+        return {
+            **{f"reward/{name}": value for name, value in rewards.items()},
+            "error_linear": jnp.linalg.norm(motion.command[:2] - motion.linear[:2]),
+            "error_angular": jnp.abs(motion.command[2] - motion.angular[2]),
+            "fall": ended(Result.FALL),
+            "timeout": ended(Result.TIMEOUT),
+            "non_finite": ended(Result.NON_FINITE),
+            "touch": motion.touch,
+            "slot_overflow": gait.sim.slot_overflow.astype(jnp.float32),
+            **{f"level_{kind}": gait.levels[i].astype(jnp.float32) for i, kind in enumerate(self._levels.kinds)},
+        }

@@ -1,0 +1,118 @@
+"""Configurations of the walking task: a fresh, locked `ConfigDict` from `joystick_config(preset)` each time.
+
+Which public task each number follows, and where it differs, stands in docs/decisions/go2.md.
+"""
+
+from ml_collections import ConfigDict
+
+from ..datatypes import NounError
+
+JOYSTICK_PRESETS = ("fast", "cpu")
+
+
+def _fast() -> ConfigDict:
+    return ConfigDict(
+        {
+            "preset": "fast",
+            "robot": "go2",
+            "ctrl_dt": 0.02,  # 50 Hz
+            "sim_dt": 0.005,
+            "episode_length": 500,  # 10 s: harder ground is met sooner than after the usual 20 s
+            "action_repeat": 1,
+            "impl": "auto",
+            "engine": {"num_prism_slots": 8, "num_contacts": 12, "iterations": 6, "line_steps": 8},
+            # rad that an action of 1 turns hip, thigh and calf away from the standing pose.
+            "action_scale": (0.4, 1.0, 1.0),
+            "history": 5,  # control steps that the policy sees
+            "terrain": {
+                # Shares of episodes; a kind that the bank does not have is left out.
+                "shares": {"flat": 0.2, "kerbs": 0.4, "stairs": 0.1, "slopes": 0.15, "rough": 0.15},
+                "first_levels": 5,  # an env's first level of each kind is below
+                "start_range": 3.0,  # m from the middle of a scene
+                "promote": 0.75,  # share of the way commanded that was gone
+                "demote": 0.4,
+            },
+            "command": {
+                "linear_x": (-1.0, 1.0),  # m/s
+                "linear_y": (-0.5, 0.5),
+                "angular": (-1.0, 1.0),  # rad/s
+                "stand_share": 0.1,
+                "forward_share": 0.4,
+                "forward_speed": (0.4, 1.0),  # m/s
+                "forward_angular": (-0.3, 0.3),
+                "hold": (3.0, 8.0),  # s
+            },
+            "noise": {
+                "scale": 1.0,
+                "angular_velocity": 0.2,  # rad/s
+                "gravity": 0.05,
+                "joint_position": 0.01,  # rad
+                "joint_velocity": 1.5,  # rad/s
+            },
+            "randomization": {
+                "friction_scale": (0.5, 1.5),
+                "mass_scale": (0.9, 1.15),
+                "strength": (0.9, 1.1),
+                "joint_bias": 0.015,  # rad
+                "delay_share": 0.5,
+                "push_speed": 0.8,  # m/s
+                "push_turn": 0.5,  # rad/s
+                "push_every": 6.0,  # s, mean
+            },
+            "reward_config": {
+                "tracking_width": 0.25,  # (m/s)² and (rad/s)²
+                "foot_clearance": 0.10,  # m
+                "trunk_height": 0.30,  # m
+                "scales": {
+                    "track_linear": 1.5,
+                    "track_angular": 0.75,
+                    "vertical_speed": -1.0,
+                    "roll_pitch_rate": -0.05,
+                    "tilt": -0.5,
+                    "trunk_height": -5.0,
+                    "torque": -1e-4,
+                    "acceleration": -2.5e-7,
+                    "action_rate": -0.05,
+                    "pose": 0.3,
+                    "stand_still": -0.5,
+                    "joint_limits": -5.0,
+                    "foot_clearance": -2.0,
+                    "foot_slip": -0.1,
+                    "air_time": 2.0,
+                    "touch": -1.0,
+                    "fall": -100.0,
+                },
+            },
+        }
+    )
+
+
+def _cpu() -> ConfigDict:
+    """The same robot on flat ground without disturbances, for two cores."""
+    config = _fast()
+    config.preset = "cpu"
+    config.terrain.shares = {"flat": 1.0, "kerbs": 0.0, "stairs": 0.0, "slopes": 0.0, "rough": 0.0}
+    config.randomization = {
+        "friction_scale": (1.0, 1.0),
+        "mass_scale": (1.0, 1.0),
+        "strength": (1.0, 1.0),
+        "joint_bias": 0.0,
+        "delay_share": 0.0,
+        "push_speed": 0.0,
+        "push_turn": 0.0,
+        "push_every": 6.0,
+    }
+    config.episode_length = 250  # 5 s
+    return config
+
+
+def joystick_config(preset: str = "fast") -> ConfigDict:
+    """A fresh configuration.
+
+    Raises:
+      NounError: unknown preset.
+    """
+    makers = {"fast": _fast, "cpu": _cpu}
+    if preset not in makers:
+        raise NounError(f"preset: found {preset!r}, needed one of {', '.join(JOYSTICK_PRESETS)}.")
+    return makers[preset]().lock()

@@ -1,0 +1,80 @@
+"""What chance decides in the walking task: commands, what differs between robots, pushes, noise of the sensors."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from ml_collections import ConfigDict
+
+
+class Body(NamedTuple):
+    """What differs between the robots of two episodes.
+
+    Attributes:
+      friction_scale, mass_scale: (), see `SimState`.
+      strength: () factor on the servos' stiffness.
+      joint_bias: (12,) rad, what each encoder says too much.
+      delay: () f32, 1 where commands reach the servos one control step late.
+    """
+
+    friction_scale: Any
+    mass_scale: Any
+    strength: Any
+    joint_bias: Any
+    delay: Any
+
+
+def draw_body(key: jax.Array, config: ConfigDict, num_joints: int) -> Body:
+    """By `config.randomization`."""
+    keys = jax.random.split(key, 5)
+
+    def within(i: int, name: str) -> jax.Array:
+        low, high = config[name]
+        return jax.random.uniform(keys[i], (), jnp.float32, low, high)
+
+    return Body(
+        friction_scale=within(0, "friction_scale"),
+        mass_scale=within(1, "mass_scale"),
+        strength=within(2, "strength"),
+        joint_bias=config.joint_bias * jax.random.uniform(keys[3], (num_joints,), jnp.float32, -1.0, 1.0),
+        delay=(jax.random.uniform(keys[4]) < config.delay_share).astype(jnp.float32),
+    )
+
+
+def draw_command(key: jax.Array, config: ConfigDict) -> tuple[jax.Array, jax.Array]:
+    """(3,) forward and left speed (m/s) and yaw rate (rad/s), and () s for which it holds; by `config.command`.
+
+    A share of the commands is to stand, another to walk ahead in a slight bend; the rest is uniform.
+    """
+    kind, any_, ahead, hold = jax.random.split(key, 4)
+    spans = jnp.array([config.linear_x, config.linear_y, config.angular])
+    free = jax.random.uniform(any_, (3,), jnp.float32, spans[:, 0], spans[:, 1])
+    forward = jnp.array([config.forward_speed, (0.0, 0.0), config.forward_angular])
+    straight = jax.random.uniform(ahead, (3,), jnp.float32, forward[:, 0], forward[:, 1])
+    u = jax.random.uniform(kind)
+    moving = jnp.where(u < config.stand_share + config.forward_share, straight, free)
+    command = jnp.where(u < config.stand_share, 0.0, moving)
+    return command, jax.random.uniform(hold, (), jnp.float32, *config.hold)
+
+
+def draw_push(key: jax.Array, config: ConfigDict, dt: float) -> jax.Array:
+    """(6,) change of the trunk's velocity (m/s, rad/s): mostly 0, now and then a kick; by `config.randomization`."""
+    when, how, turn = jax.random.split(key, 3)
+    heading, speed = jax.random.uniform(how, (2,)) * jnp.array([2.0 * jnp.pi, config.push_speed])
+    spin = jax.random.uniform(turn, (), jnp.float32, -1.0, 1.0) * config.push_turn
+    zero = jnp.float32(0.0)
+    kick = jnp.stack([speed * jnp.cos(heading), speed * jnp.sin(heading), zero, zero, zero, spin])
+    return jnp.where(jax.random.uniform(when) < dt / config.push_every, kick, 0.0)
+
+
+def draw_noise(key: jax.Array, config: ConfigDict, num_joints: int) -> jax.Array:
+    """(6 + 2 joints,) for yaw rates, gravity, joint angles and speeds, uniform; by `config.noise`."""
+    width = jnp.concatenate(
+        [
+            jnp.full(3, config.angular_velocity),
+            jnp.full(3, config.gravity),
+            jnp.full(num_joints, config.joint_position),
+            jnp.full(num_joints, config.joint_velocity),
+        ]
+    )
+    return config.scale * width * jax.random.uniform(key, width.shape, jnp.float32, -1.0, 1.0)

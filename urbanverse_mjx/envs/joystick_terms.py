@@ -1,0 +1,91 @@
+"""Terms of the walking task's reward: pure functions of what happened in one control step.
+
+Their forms are those of public tasks, see docs/decisions/go2.md.
+"""
+
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from ml_collections import ConfigDict
+
+#: N, a foot with less on it is in the air.
+CONTACT_FORCE = 1.0
+#: m/s and rad/s: below it a command means to stand.
+STANDING = 0.1
+#: s, a step shorter than the first is punished, one longer than the second earns no more.
+SHORT_STEP, LONG_STEP = 0.2, 0.5
+#: Weights on a leg's deviations from the standing pose (Playground: 1, 1, 0.1; its thighs are freer here, for kerbs).
+POSE_WEIGHTS = (1.0, 0.2, 0.1)
+#: A joint within this share of half its range from the middle is free.
+SOFT_LIMIT = 0.95
+
+
+class Motion(NamedTuple):
+    """What a control step made of the robot; J joints, 4 feet.
+
+    Attributes:
+      linear: (3,) m/s of the trunk, heading frame; angular: (3,) rad/s, body frame.
+      up: (3,) the world's up in the body frame.
+      height: () m, trunk above the ground under the feet.
+      joints: (J,) rad; joint_speed: (J,) rad/s; joint_acceleration: (J,) rad/s²; torque: (J,) N m.
+      foot_height: (4,) m of the soles above the ground; foot_speed: (4,) m/s over ground.
+      contact: (4,) bool; air_time: (4,) s that each foot was in the air before this step; landed: (4,) bool.
+      touch: () share of the step in which something that is no foot touched.
+      action, last_action: (J,). fell: () bool. command: (3,).
+    """
+
+    linear: Any
+    angular: Any
+    up: Any
+    height: Any
+    joints: Any
+    joint_speed: Any
+    joint_acceleration: Any
+    torque: Any
+    foot_height: Any
+    foot_speed: Any
+    contact: Any
+    air_time: Any
+    landed: Any
+    touch: Any
+    action: Any
+    last_action: Any
+    fell: Any
+    command: Any
+
+
+def is_moving(command: Any) -> Any:
+    """() f32: 1 where a command (3,) asks for more than standing."""
+    return (jnp.linalg.norm(command) > STANDING).astype(jnp.float32)
+
+
+def terms(m: Motion, config: ConfigDict, stand: Any, limits: Any) -> dict[str, Any]:
+    """Each term by its name, unweighted; stand (J,) rad, limits (J, 2) rad, `config` is the env's reward_config."""
+    moving = is_moving(m.command)
+    deviation = m.joints - stand
+    weights = jnp.tile(jnp.array(POSE_WEIGHTS), len(stand) // len(POSE_WEIGHTS))
+    middle, half = limits.mean(1), 0.5 * (limits[:, 1] - limits[:, 0])
+    beyond = jnp.maximum(jnp.abs(m.joints - middle) - SOFT_LIMIT * half, 0.0)
+    error = m.command[:2] - m.linear[:2]
+    low = jnp.maximum(config.foot_clearance - m.foot_height, 0.0)
+    step = jnp.minimum(m.air_time, LONG_STEP) - SHORT_STEP
+    contact = m.contact.astype(jnp.float32)
+    return {
+        "track_linear": jnp.exp(-jnp.sum(error**2) / config.tracking_width),
+        "track_angular": jnp.exp(-((m.command[2] - m.angular[2]) ** 2) / config.tracking_width),
+        "vertical_speed": m.linear[2] ** 2,
+        "roll_pitch_rate": jnp.sum(m.angular[:2] ** 2),
+        "tilt": jnp.sum(m.up[:2] ** 2),
+        "trunk_height": (m.height - config.trunk_height) ** 2,
+        "torque": jnp.sum(m.torque**2),
+        "acceleration": jnp.sum(m.joint_acceleration**2),
+        "action_rate": jnp.sum((m.action - m.last_action) ** 2),
+        "pose": jnp.exp(-jnp.sum(weights * deviation**2)),
+        "stand_still": jnp.sum(jnp.abs(deviation)) * (1.0 - moving),
+        "joint_limits": jnp.sum(beyond),
+        "foot_clearance": jnp.sum(low * m.foot_speed) * moving,
+        "foot_slip": jnp.sum(contact * m.foot_speed**2),
+        "air_time": jnp.sum(step * m.landed) * moving,
+        "touch": m.touch,
+        "fall": m.fell.astype(jnp.float32),
+    }

@@ -1,0 +1,58 @@
+"""What a walking task must know of a legged robot, read from its MJCF: joints, servos, feet."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from ..datatypes import NounError, RobotSpec
+
+
+class Legs:
+    """What the env asks of a robot's model: joints, servos and feet, all constant arrays.
+
+    Raises:
+      NounError: servos that are no position servos, one for each joint in order.
+    """
+
+    def __init__(self, robot: RobotSpec, scale: tuple[float, ...]) -> None:
+        model = mujoco.MjModel.from_xml_string(robot.mjcf)
+        joints = np.arange(1, model.njnt)
+        kp = model.actuator_gainprm[:, 0]
+        if model.nu != len(joints) or (model.actuator_trnid[:, 0] != joints).any() or not model.nkey:
+            raise NounError(
+                f"robot {robot.name!r}: found {model.nu} actuators for {len(joints)} joints and {model.nkey} "
+                "keyframes, needed a position servo for each joint, in their order, and the standing pose as the first "
+                "keyframe."
+            )
+        self.model, self.root = model, model.body(robot.root_body).id
+        self.stand = jnp.asarray(model.key_qpos[0, 7:], jnp.float32)
+        self.limits = jnp.asarray(model.jnt_range[1:], jnp.float32)
+        self.kp, self.kd = jnp.asarray(kp, jnp.float32), jnp.asarray(model.dof_damping[6:], jnp.float32)
+        self.max_torque = jnp.asarray(model.actuator_forcerange[:, 1], jnp.float32)
+        self.scale = jnp.tile(jnp.array(scale, jnp.float32), model.nu // len(scale))
+        feet = [model.geom(name) for name in robot.foot_geoms]
+        self.foot_body = np.array([g.bodyid[0] for g in feet])
+        self.foot_place = jnp.asarray(np.array([g.pos for g in feet]), jnp.float32)
+        self.sole = jnp.asarray(np.array([g.size[0] for g in feet]), jnp.float32)
+
+    @property
+    def number(self) -> int:
+        return self.model.nu
+
+    def feet(self, sim: Any) -> jax.Array:
+        """(F, 3) m, centres of the feet."""
+        return sim.xpos[self.foot_body] + rotate(sim.xquat[self.foot_body], self.foot_place)
+
+    def torque(self, ctrl: jax.Array, qpos: jax.Array, qvel: jax.Array) -> jax.Array:
+        """(J,) N m of the servos, damping included."""
+        push = jnp.clip(self.kp * (ctrl - qpos[7:]), -self.max_torque, self.max_torque)
+        return push - self.kd * qvel[6:]
+
+
+def rotate(quaternion: jax.Array, vector: jax.Array) -> jax.Array:
+    """Vectors (..., 3) turned by unit quaternions (..., 4) wxyz."""
+    w, u = quaternion[..., :1], quaternion[..., 1:]
+    return vector + 2.0 * jnp.cross(u, jnp.cross(u, vector) + w * vector)

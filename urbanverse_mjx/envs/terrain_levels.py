@@ -1,0 +1,80 @@
+"""Which ground an env walks on: a kind by its share, at a level of the env's own that follows what it can do."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from ml_collections import ConfigDict
+
+from ..datatypes import NounError, SceneBank
+
+#: m; an episode that asked for a shorter way says nothing about the level.
+_SHORT = 2.0
+
+
+class TerrainLevels:
+    """Scenes "<kind>-<level>" of a bank, by `config.terrain` of a walking task.
+
+    Attributes:
+      kinds: T names. scenes: (T, L) i32 rows of the bank.
+
+    Raises:
+      NounError: scenes of other names, or kinds with different levels.
+    """
+
+    def __init__(self, bank: SceneBank, config: ConfigDict) -> None:
+        self._config = config
+        self.kinds, self.scenes, shares = _terrain_table(bank, config.shares)
+        self._rows, self._ends = jnp.asarray(self.scenes), jnp.cumsum(shares)
+
+    def first(self, key: jax.Array) -> jax.Array:
+        """(T,) i32, low levels to begin with."""
+        highest = min(int(self._config.first_levels), self.scenes.shape[1])
+        return jax.random.randint(key, (len(self.kinds),), 0, highest, jnp.int32)
+
+    def choose(self, key: jax.Array, levels: jax.Array) -> tuple[jax.Array, jax.Array]:
+        """() i32 kind and () i32 scene of the next episode, for levels (T,)."""
+        kind = jnp.searchsorted(self._ends, jax.random.uniform(key)).astype(jnp.int32)
+        kind = jnp.minimum(kind, len(self.kinds) - 1)
+        return kind, self._rows[kind, levels[kind]]
+
+    def after(
+        self, key: jax.Array, levels: jax.Array, kind: jax.Array, lasted: jax.Array, way: jax.Array, asked: jax.Array
+    ) -> jax.Array:
+        """(T,) levels after an episode on `kind`: harder where it went well, easier where it did not.
+
+        Args:
+          lasted: () bool, it ended by its time alone. way, asked: () m along the commands, gone and asked for.
+        """
+        count = self.scenes.shape[1]
+        share, long = way / jnp.maximum(asked, 1e-3), asked > _SHORT
+        up = long & lasted & (share > self._config.promote)
+        down = ~lasted | (long & (share < self._config.demote))
+        level = levels[kind] + up.astype(jnp.int32) - down.astype(jnp.int32)
+        # Who has done the last level goes on at any, so that none is forgotten.
+        level = jnp.where(level >= count, jax.random.randint(key, (), 0, count, jnp.int32), jnp.maximum(level, 0))
+        return levels.at[kind].set(level)
+
+
+def _terrain_table(bank: SceneBank, shares: Any) -> tuple[tuple[str, ...], np.ndarray, jax.Array]:
+    """Kinds of terrain in a bank, (T, L) i32 its scenes by kind and level, (T,) shares of episodes.
+
+    Raises:
+      NounError: scenes that are not named "<kind>-<level>", or none of a kind that is asked for.
+    """
+    rows: dict[str, dict[int, int]] = {}
+    for scene, name in enumerate(bank.scene_ids):
+        kind, _, level = name.rpartition("-")
+        if kind in shares and level.isdigit() and shares[kind] > 0.0:
+            rows.setdefault(kind, {})[int(level)] = scene
+    numbers = {len(levels) for levels in rows.values()}
+    if len(numbers) != 1 or any(sorted(levels) != list(range(len(levels))) for levels in rows.values()):
+        raise NounError(
+            f"bank: found scenes {', '.join(bank.scene_ids[:5])}, needed terrains '<kind>-<level>' of the kinds "
+            f"{', '.join(shares)}, all with the same levels; build one with `urbanverse scene terrain`."
+        )
+    kinds = tuple(rows)
+    table = np.array([[rows[kind][level] for level in sorted(rows[kind])] for kind in kinds], np.int32)
+    weights = np.array([shares[kind] for kind in kinds], np.float32)
+    return kinds, table, jnp.asarray(weights / weights.sum())

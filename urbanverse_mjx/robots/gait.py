@@ -1,0 +1,101 @@
+"""A gait: the small network that turns what a legged robot feels and a velocity command into joint angles.
+
+In:   what sensors say, a command.
+Out:  joint angles for position servos.
+When: 50 times a second, inside jit (xp = jax.numpy) or on the host (xp = numpy).
+
+The walking task, whoever judges a gait, and the navigation task on top of it all use the functions of this file, so an
+observation cannot mean two things.
+"""
+
+import dataclasses
+import json
+import os
+from typing import Any
+
+import numpy as np
+
+from ..datatypes import validation as v
+
+SCHEMA = "urbanverse.gait/1"
+#: Units that bring what is felt near 1: angular velocity in 4 rad/s, joint speed in 20 rad/s (legged_gym's scales).
+RATE_UNIT, JOINT_RATE_UNIT = 0.25, 0.05
+
+
+def sensor_frame(xp: Any, angular: Any, gravity: Any, bend: Any, joint_speed: Any, command: Any, action: Any) -> Any:
+    """(..., 9 + 3 J) one control step of what a gait sees.
+
+    Args:
+      xp: numpy or jax.numpy.
+      angular: (..., 3) rad/s and gravity: (..., 3) unit, both in the body frame.
+      bend: (..., J) rad, joint angles less those of the standing pose; joint_speed: (..., J) rad/s.
+      command: (..., 3) m/s forward, m/s left, rad/s; action: (..., J), the last one.
+    """
+    parts = [RATE_UNIT * angular, gravity, bend, JOINT_RATE_UNIT * joint_speed, command, action]
+    return xp.concatenate(parts, axis=-1)
+
+
+@dataclasses.dataclass(frozen=True)
+class Gait:
+    """A trained gait.
+
+    Attributes:
+      kernels, biases: of its dense layers, (n_in, n_out) and (n_out,) f32; ELU between them, tanh behind the last.
+      stand: (J,) rad; scale: (J,) rad that an action of 1 turns a joint away from there.
+      history: control steps that it sees; control_dt: s.
+      meta: robot, and how it came to be (command, seed, steps, versions).
+    """
+
+    kernels: tuple[np.ndarray, ...]
+    biases: tuple[np.ndarray, ...]
+    stand: np.ndarray
+    scale: np.ndarray
+    history: int
+    control_dt: float
+    meta: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        width = self.history * (9 + 3 * len(self.stand))
+        if self.kernels[0].shape[0] != width or self.kernels[-1].shape[1] != len(self.stand):
+            found = f"layers {self.kernels[0].shape[0]} to {self.kernels[-1].shape[1]}"
+            raise v.fail("gait", found, f"{width} to {len(self.stand)}", "export it again")
+
+    def action(self, xp: Any, seen: Any) -> Any:
+        """(..., J) in [-1, 1] for what was seen: (..., H * (9 + 3 J)), newest step first."""
+        x = seen
+        for kernel, bias in zip(self.kernels[:-1], self.biases[:-1], strict=True):
+            x = x @ kernel + bias
+            x = xp.where(x > 0, x, xp.expm1(xp.minimum(x, 0.0)))
+        return xp.tanh(x @ self.kernels[-1] + self.biases[-1])
+
+    def target(self, action: Any) -> Any:
+        """(..., J) rad that an action asks of the servos."""
+        return self.stand + self.scale * action
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        head = {"schema": SCHEMA, "history": self.history, "control_dt": self.control_dt, "meta": self.meta}
+        arrays: dict[str, Any] = {"head": np.frombuffer(json.dumps(head).encode("utf-8"), np.uint8)}
+        arrays |= {"stand": self.stand, "scale": self.scale}
+        for i, (kernel, bias) in enumerate(zip(self.kernels, self.biases, strict=True)):
+            arrays |= {f"kernel_{i}": kernel, f"bias_{i}": bias}
+        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, **arrays))
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> "Gait":
+        """Reads a gait file.
+
+        Raises:
+          NounError: no such file, or no gait in it.
+        """
+        if not os.path.isfile(path):
+            raise v.fail(str(path), "no such file", "a gait", "export one with `urbanverse export-gait`")
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+            head = json.loads(arrays.pop("head").tobytes().decode("utf-8"))
+        except (OSError, ValueError, KeyError, EOFError) as error:
+            raise v.fail(str(path), f"an unreadable file ({error})", "a gait", "export it again") from error
+        v.choice(head.pop("schema", None), f"{path}: schema", (SCHEMA,))
+        layers = range(sum(name.startswith("kernel_") for name in arrays))
+        kernels, biases = (tuple(arrays[f"{part}_{i}"] for i in layers) for part in ("kernel", "bias"))
+        return Gait(kernels, biases, arrays["stand"], arrays["scale"], **head)
