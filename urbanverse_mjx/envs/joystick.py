@@ -10,6 +10,7 @@ from ml_collections import ConfigDict
 
 from ..datatypes import RobotSpec, SceneBank
 from ..robots.gait import sensor_frame
+from ..simulation.precision import full_precision
 from .heights import GroundHeights
 from .joystick_draws import Body, draw_body, draw_command, draw_noise, draw_push
 from .joystick_terms import CONTACT_FORCE, Motion, terms
@@ -146,6 +147,7 @@ class JoystickEnv:
         levels = self._levels.after(draw, gait.levels, gait.kind, lasted, gait.way, gait.way_asked)
         return self.begin_at(key, levels)
 
+    @full_precision
     def begin_at(self, key: jax.Array, levels: jax.Array) -> GaitState:
         """A new episode at the given level (T,) of each kind."""
         config, legs = self._config, self._legs
@@ -182,6 +184,7 @@ class JoystickEnv:
             result=jnp.int32(Result.RUNNING),
         )
 
+    @full_precision
     def advance(
         self, gait: GaitState, action: jax.Array
     ) -> tuple[GaitState, jax.Array, jax.Array, dict[str, jax.Array]]:
@@ -229,6 +232,7 @@ class JoystickEnv:
         total = jnp.maximum(sum(rewards.values(), jnp.float32(0.0)), _WORST)
         return new, total, done, self._metrics(new, motion, rewards)
 
+    @full_precision
     def observe(self, gait: GaitState) -> dict[str, jax.Array]:
         """Observations of a state."""
         return {"history": gait.history.reshape(-1), "privileged": self._privileged(gait)}

@@ -18,7 +18,7 @@ def make_engine(
     control_dt: float = 0.2,
     physics_dt: float | None = None,
     num_slots: int = 16,
-    **sizes: int,
+    **sizes: Any,
 ) -> Any:
     """A `Simulator` over a bank.
 

@@ -65,7 +65,7 @@ def make_mlp_networks(
     del preprocess_observations_fn
     sizes: Any = observation_size
     actor = GaussianActor(tuple(actor_hidden), action_size)
-    critic = Perceptron(tuple(critic_hidden), 1)
+    critic: Any = Perceptron(tuple(critic_hidden), 1)
     policy = networks.FeedForwardNetwork(
         init=lambda key: actor.init(key, jnp.zeros((1, *sizes[actor_sees]))),
         apply=lambda _, params, obs: actor.apply(params, obs[actor_sees]),
