@@ -142,4 +142,17 @@ def _meta(banks: Sequence[SceneBank], categories: list[str], slots: int) -> dict
         "object_ids": [[*names, *[""] * (slots - len(names))] for names in rows("object_ids")],
         "hashes": hashes,
         "grid_reach": banks[0].meta["grid_reach"],
+        "agents": _agents(banks, categories),
     }
+
+
+def _agents(banks: Sequence[SceneBank], categories: list[str]) -> dict[str, list[Any]]:
+    """The looks of the first bank that has any: all banks carry the same few."""
+    before = 0
+    for bank in banks:
+        looks = bank.agents
+        if looks["kind"]:
+            names = [categories.index(bank.meta["categories"][c]) for c in looks["category"]]
+            return {**looks, "mesh": [mesh + before for mesh in looks["mesh"]], "category": names}
+        before += bank.num_meshes
+    return banks[0].agents

@@ -8,9 +8,12 @@
 
 import warp as wp
 
+from .agent_slots import FIRST_OWNER
 from .warp_contact import Places, Slots, outside_box
 
 _EMPTY = wp.constant(-1)
+#: `Slots.owner` of the ground; what is less is an agent, see `agent_slots.FIRST_OWNER`.
+_GROUND, _FIRST_AGENT = wp.constant(-1), wp.constant(FIRST_OWNER)
 
 wp.set_module_options({"enable_backward": False, "fast_math": False})
 
@@ -55,13 +58,16 @@ class Nearby:
 
 @wp.struct
 class Touch:
-    """Touches of n worlds summed over the physics steps of a control step; see `Contacts`. missed: contacts dropped."""
+    """Touches of n worlds summed over the physics steps of a control step; see `Contacts`. missed: contacts dropped;
+    agent, agent_force: the agent that was touched hardest, and how hard."""
 
     force: wp.array[float]
     owner: wp.array[int]
     ground: wp.array[int]
     count: wp.array[int]
     missed: wp.array[int]
+    agent: wp.array[int]
+    agent_force: wp.array[float]
 
 
 @wp.struct
@@ -215,13 +221,15 @@ def begin(
     touch.ground[w] = 0
     touch.count[w] = 0
     touch.missed[w] = 0
+    touch.agent[w] = _EMPTY
+    touch.agent_force[w] = 0.0
     step[w] = 0
 
 
 @wp.kernel
 def note(is_foot: wp.array[int], slots: Slots, row_force: wp.array2d[float], places: Places, touch: Touch):
-    """Adds the touches of one physics step, robot against object and no foot against the ground, and clears the places
-    of the contacts; dim n."""
+    """Adds the touches of one physics step, robot against object or agent and no foot against the ground, and clears
+    the places of the contacts; dim n."""
     w = wp.tid()
     count = places.count[w]
     touched = int(0)
@@ -231,13 +239,16 @@ def note(is_foot: wp.array[int], slots: Slots, row_force: wp.array2d[float], pla
         k = w * places.room + number
         places.type[k] = 0
         thing = slots.owner[w, places.slot[k]]
-        if thing >= 0 or is_foot[places.geom[k][0]] == 0:
+        if thing != _GROUND or is_foot[places.geom[k][0]] == 0:
             force = float(0.0)
             for i in range(wp.max(2 * (places.dim[k] - 1), 1)):
                 force += row_force[w, places.address[k, i]]
             touched = 1
-            if thing < 0:
+            if thing == _GROUND:
                 touch.ground[w] = 1
+            if thing <= _FIRST_AGENT and (force > touch.agent_force[w] or touch.agent[w] < 0):
+                touch.agent[w] = _FIRST_AGENT - thing
+                touch.agent_force[w] = force
             if force > strength:
                 strength = force
                 strongest = thing
@@ -297,7 +308,8 @@ def finish(
     force_out: wp.array[float],
     touch_out: wp.array2d[int],
 ):
-    """Writes the new states; touch_out (n, 4): object, ground, physics steps with a touch, overflow; dim n."""
+    """Writes the new states; touch_out (n, 5): object, ground, physics steps with a touch, overflow, agent;
+    dim n."""
     w = wp.tid()
     here = origin[w]
     for i in range(qpos.shape[1]):
@@ -315,7 +327,8 @@ def finish(
         else:
             xpos_out[w, b] = xpos[w, b] + here
     force_out[w] = touch.force[w]
-    touch_out[w, 0] = touch.owner[w]
+    touch_out[w, 0] = wp.max(touch.owner[w], _EMPTY)
     touch_out[w, 1] = touch.ground[w]
     touch_out[w, 2] = touch.count[w]
+    touch_out[w, 4] = touch.agent[w]
     touch_out[w, 3] = nearby.missing[w, 0] + nearby.missing[w, 1] + touch.missed[w]
