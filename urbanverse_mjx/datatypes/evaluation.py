@@ -7,7 +7,7 @@ from typing import Any
 from . import validation as v
 
 SCHEMA = "urbanverse.benchmark_report/1"
-RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout")
+RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent")
 
 
 @dataclasses.dataclass(frozen=True)
