@@ -1,4 +1,4 @@
-"""The scenarios of a street, by UrbanSim's names: `clean` without objects, `static` as it stands, `dynamic` with people.
+"""Scenarios of a street by UrbanSim's names: `clean` without objects, `static` as it stands, `dynamic` with people.
 
 `dynamic` has what `config.crowd` says; see `living`.
 """
@@ -13,7 +13,7 @@ from ..datatypes import NounError, SceneBank
 SCENARIOS = ("clean", "static", "dynamic")
 
 
-def scenario_of(config: dict) -> str:
+def scenario_of(config: Any) -> str:
     """The scenario of an environment's config; "static" where it names none (policies trained before there were any).
 
     Raises:
