@@ -63,7 +63,7 @@ def join(banks: Sequence[SceneBank]) -> SceneBank:
     for bank, part in zip(banks, parts, strict=True):
         rows = np.array([*(categories.index(name) for name in bank.meta["categories"]), -1], np.int32)
         part["slot_category"] = rows[bank.slot_category]
-    arrays = {name: parts[0][name] if name in _SCALARS else _joined(name, parts) for name in parts[0]}
+    arrays = {name: parts[0][name] if name in _SCALARS else joined(name, parts) for name in parts[0]}
     return SceneBank(**arrays, meta=_meta(banks, categories, arrays["slot_mesh"].shape[1]))
 
 
@@ -82,7 +82,8 @@ def _coarse_map(bank: SceneBank, resolution: float) -> dict[str, np.ndarray]:
     }
 
 
-def _joined(name: str, parts: Sequence[dict[str, np.ndarray]]) -> np.ndarray:
+def joined(name: str, parts: Sequence[dict[str, np.ndarray]]) -> np.ndarray:
+    """One array of several banks; each of `parts` also holds the tables that its indices count."""
     arrays = [part[name] for part in parts]
     if name in _INDICES:
         before = np.cumsum([0, *(len(part[_INDICES[name]]) for part in parts)])

@@ -1,12 +1,13 @@
 """Packing: many `SceneGeometry` become one `SceneBank`. Equal hulls, meshes and textures are stored once."""
 
+import dataclasses
 import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ..datatypes import AgentLook, AssetMesh, SceneBank
+from ..datatypes import AgentLook, AssetMesh, SceneBank, bank_join
 from ..datatypes import validation as v
 from ..datatypes.ground import GROUND_KINDS
 from . import grids
@@ -74,7 +75,6 @@ def pack(
     splits: Sequence[str],
     skies: Mapping[str, Sky],
     hashes: Mapping[str, str] | None = None,
-    agents: Sequence[AgentLook] = (),
 ) -> SceneBank:
     """One bank of all scenes.
 
@@ -82,7 +82,6 @@ def pack(
       scenes: at least one, ids unique. splits: "train" or "test" for each.
       skies: by id, every sky a scene names, all of one image size.
       hashes: recorded in the bank's meta.
-      agents: how moving people and vehicles look.
 
     Raises:
       NounError: no scene, an id twice, a missing sky, or skies of different sizes.
@@ -96,7 +95,6 @@ def pack(
     hull_rows = [_hull_rows(s, hulls) for s in scenes]
     mesh_rows = [np.array([_mesh_row(m, meshes) for m in s.meshes], np.int32) for s in scenes]
     slots, object_slots, object_ids = _slots(scenes, mesh_rows, categories)
-    looks = _agent_rows(agents, meshes, categories)
     arrays = {
         **hull_table(hulls.items),
         **_instances(scenes, hull_rows, object_slots),
@@ -116,9 +114,27 @@ def pack(
         "object_ids": object_ids,
         "hashes": dict(hashes or {}),
         "grid_reach": grids.REACH,
-        "agents": looks,
     }
     return SceneBank(**arrays, meta=meta)
+
+
+def with_agents(bank: SceneBank, looks: Sequence[AgentLook]) -> SceneBank:
+    """The bank with the looks of moving people and vehicles in place of those it had.
+
+    Raises:
+      NounError: no look.
+    """
+    if not looks:
+        raise v.fail("bank agents", "no look", "at least one")
+    arrays, extra = bank.arrays(), _mesh_arrays([look.mesh for look in looks])
+    names = list(dict.fromkeys([*bank.meta["categories"], *(look.category for look in looks)]))
+    agents = {
+        "kind": [look.kind for look in looks],
+        "mesh": [bank.num_meshes + i for i in range(len(looks))],
+        "category": [names.index(look.category) for look in looks],
+    }
+    joined = {name: bank_join.joined(name, [arrays, extra]) for name in extra}
+    return dataclasses.replace(bank, **joined, meta={**bank.meta, "categories": names, "agents": agents})
 
 
 def _hull_rows(scene: SceneGeometry, library: _Library) -> np.ndarray:
@@ -132,12 +148,6 @@ def _hull_rows(scene: SceneGeometry, library: _Library) -> np.ndarray:
 def _mesh_row(mesh: AssetMesh, library: _Library) -> int:
     surface = np.array([mesh.roughness, mesh.metallic], np.float32)
     return library.row(_fingerprint(mesh.vertices, mesh.faces, mesh.uv, mesh.texture, surface), lambda: mesh)
-
-
-def _agent_rows(agents: Sequence[AgentLook], meshes: _Library, categories: _Library) -> dict[str, list[Any]]:
-    """`meta["agents"]`: lists with a row for each look."""
-    rows = [(a.kind, _mesh_row(a.mesh, meshes), categories.row(a.category, lambda a=a: a.category)) for a in agents]
-    return {name: [row[i] for row in rows] for i, name in enumerate(("kind", "mesh", "category"))}
 
 
 def _instances(scenes: Any, hull_rows: Any, object_slots: Any) -> dict[str, np.ndarray]:

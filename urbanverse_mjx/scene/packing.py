@@ -7,7 +7,7 @@ from ..assets.agents import agent_looks
 from ..assets.skies import build_sky
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
-from .bank import pack
+from .bank import pack, with_agents
 from .compiler import CompiledScene
 
 
@@ -26,4 +26,4 @@ def pack_bank(folders: Sequence[str | os.PathLike[str]], splits: Sequence[str]) 
     scenes = [c.geometry for c in compiled]
     skies = {name: build_sky(name) for name in {s.sky for s in scenes}}
     hashes = {c.layout.id: c.metadata["hashes"]["layout"] for c in compiled}
-    return pack(scenes, splits, skies, hashes, agent_looks())
+    return with_agents(pack(scenes, splits, skies, hashes), agent_looks())
