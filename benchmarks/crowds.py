@@ -8,8 +8,8 @@ steps crowds on a wrapped square, everybody under way in some direction, and pri
 half-planes and the programs take when run alone over the same state. It needs numpy and jax, no bank and no scene.
 
 `--environment` measures, instead, env-steps/s of CocoNav with the crowd of its scenario `dynamic` and without, in turn
-in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl). `--minutes 10000` lets crowds without robot live for
-so many agent-minutes, and tells how deep bodies overlap, how many stand inside an obstacle and how many are stuck.
+in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl). `--minutes 10000` lets crowds without robot live
+for so many agent-minutes, and tells how deep bodies overlap, how many stand inside an obstacle and how many are stuck.
 Both need a bank (--bank, or the one that `urbanverse scene bank` built).
 
 `--mix walkers` are pedestrians; in `--mix street` an eighth of the agents are wheelchairs,

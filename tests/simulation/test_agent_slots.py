@@ -1,4 +1,4 @@
-"""Agents in the engines: the shape's distance, runs against C MuJoCo's mocap bodies, and nothing where there are none."""
+"""Agents in the engines: distances, runs against C MuJoCo's mocap bodies, and nothing where there are none."""
 
 import functools
 from typing import Any
