@@ -2,11 +2,11 @@
 
     python -m benchmarks.crosswalk --scene park_edge --out docs/crosswalk.mp4
 
-drives COCO in the environment's own physics along an episode's route that uses a crosswalk, while four people come over
-it towards the robot and the rest of the street lives as in the scenario `dynamic`. Nothing learnt drives: a rule that is
-told where everybody is follows the route, stops at the kerb while somebody is on the crosswalk or a vehicle nears it,
-and stops for whoever is right ahead. The picture shows what the robot's camera sees and the crosswalk from above. The
-last line of stdout is one JSON object: how long it waited, what it touched, how near it came to people.
+drives COCO in the environment's own physics along an episode's route that uses a crosswalk, while four people come
+over it towards the robot and the rest of the street lives as in the scenario `dynamic`. Nothing learnt drives: a rule
+that is told where everybody is follows the route, stops at the kerb while somebody is on the crosswalk or a vehicle
+nears it, and stops for whoever is right ahead. The picture shows what the robot's camera sees and the crosswalk from
+above. The last line of stdout is one JSON object: how long it waited, how it ended, how near it came to people.
 """
 
 import argparse
@@ -120,8 +120,8 @@ class Driver:
         ahead = p_xy + terms.to_world(jnp.array([[0.6, 0.0], [1.1, 0.0]]), yaw)
         blocked = self.living.gaps(nav.crowd, ahead).min() < _STOP - 0.6
         stop = blocked | (waits & (line - arc < 0.1))
-        # Half a metre ahead in 0.1 s is full speed; what it aims at is walking pace.
-        return jnp.where(stop, 0.0, terms.limit_norm(way, 1.0) * 0.12), waits | blocked
+        # A waypoint 1 m ahead means 2 m/s: this is at most 1.1 m/s, less where it is to stop.
+        return jnp.where(stop, 0.0, terms.limit_norm(way, 0.55)), waits | blocked
 
 
 def drive(env: NavEnv, driver: Driver, nav: Any, steps: int) -> tuple[Any, Any]:

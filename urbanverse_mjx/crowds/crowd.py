@@ -169,7 +169,8 @@ class CrowdModel:
         )
         if script is not None:
             crowd = _follow(crowd, script)
-            wanted = wanted.at[: script.mode.shape[0]].min(script.mode == ROAM)
+            rows = script.mode.shape[0]
+            wanted = wanted.at[:rows].set(wanted[:rows] & (script.mode == ROAM))
         for group, rows in self._groups.items():
             if not len(rows):
                 continue
