@@ -245,8 +245,10 @@ def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
 
 def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, looks: Sequence[int]) -> np.ndarray:
     """Adds a geom for each agent, which looks like row `looks[i]` of the bank's agents; (A, 2, 3) their boxes."""
-    boxes = []
+    boxes, known = [], len(bank.agents["mesh"])
     for look in looks:
+        if not 0 <= look < known:
+            raise NounError(f"renderer agents: found look {look}; needed one of the bank's {known}; build it again")
         mesh = bank.agents["mesh"][look]
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
@@ -270,7 +272,7 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence
       looks: row of the bank's agents for each agent.
 
     Raises:
-      NounError: the bank shows nothing, or the robot has a visual geom without a surface.
+      NounError: the bank shows nothing, the robot has a visual geom without a surface, or the bank has no such look.
     """
     if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
         raise NounError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
