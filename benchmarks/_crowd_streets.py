@@ -34,6 +34,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
             num_envs=arguments.envs,
             pixels=arguments.pixels,
             bank=arguments.bank,
+            scenes=arguments.scenes,
             overrides={"scenario": scenario, "scenes": "all"},
             measure=("step",),
             steps=arguments.env_steps,

@@ -109,7 +109,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--impl", default="auto", help="engine of --environment")
     parser.add_argument("--minutes", type=float, default=0.0, help="agent-minutes of crowds without robot")
     parser.add_argument("--crowd-envs", type=int, default=64, help="envs of --minutes")
-    parser.add_argument("--scenes", type=int, default=None, help="first so many scenes of the bank, of --minutes")
+    parser.add_argument("--scenes", type=int, default=None, help="first so many scenes of the bank")
     parser.add_argument("--json", action="store_true", help="print JSON lines")
     arguments = parser.parse_args(argv)
     sizes = arguments.sizes or (CPU_SIZES if jax.default_backend() == "cpu" else GPU_SIZES)

@@ -146,7 +146,7 @@ def test_distances_are_those_of_c_mujoco() -> None:
             assert gap[a] <= 0.0 or gap[a] == pytest.approx(nearest, abs=2e-5)
 
 
-@pytest.mark.parametrize("impl", ["jax", "warp"])
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
 def test_runs_into_agents_are_those_of_c_mujoco(impl: str) -> None:
     """Onset within one physics step; 1 mm before it; 1 s after it 5 mm in the median and 50 mm at most (design 3)."""
     truth_places, touched, _ = in_c_mujoco()

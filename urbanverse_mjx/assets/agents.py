@@ -23,8 +23,7 @@ _LOOKS = (
     ("wheelchair", "wheelchair user", (0, 1)),
     ("scooter", "electric scooter rider", (0, 1)),
     ("cyclist", "cyclist", (0, 1)),
-    ("car", "sedan", (0, 1)),
-    ("car", "hatchback car", (1,)),
+    ("car", "sedan", (0, 1, 2)),
 )
 #: m, length and width of the kinds that are fitted: 2 (half_length + radius) and 2 radius in `crowds.kinds`.
 _SIDES = {"car": (4.74, 1.76), "cyclist": (1.80, 0.75)}
