@@ -133,9 +133,12 @@ class LivingStreet:
         x, y = jnp.nan_to_num(sim.xpos[root, :2])
         vx, vy = jnp.nan_to_num(sim.qvel[:2])
         watcher = Watcher(x, y, jnp.nan_to_num(terms.yaw_of(sim.xquat[root])), jnp.array(True))
-        key, crowd = jax.random.fold_in(nav.key, _STEP + nav.steps), nav.crowd
-        for k in range(self._crowd_steps):
-            crowd = self.model.step(crowd, sim.scene, watcher, (vx, vy), jax.random.fold_in(key, k))
+        key = jax.random.fold_in(nav.key, _STEP + nav.steps)
+
+        def step(k: Any, crowd: Crowd) -> Crowd:
+            return self.model.step(crowd, sim.scene, watcher, (vx, vy), jax.random.fold_in(key, k))
+
+        crowd = jax.lax.fori_loop(0, self._crowd_steps, step, nav.crowd)
         return crowd, (self.motion(nav.crowd, crowd, sim.scene),)
 
     def places(self, crowd: Crowd, scene: Any) -> AgentMotion:
