@@ -10,7 +10,9 @@ import pytest
 from ml_collections import ConfigDict
 
 from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.crowds import Bodies
 from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
+from urbanverse_mjx.crowds.crowd import Crowd
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
 from urbanverse_mjx.envs.encounters import ENCOUNTERS, Encounters, route_pose
@@ -33,6 +35,7 @@ def begun(env: NavEnv) -> Any:
     return jax.jit(jax.vmap(env.begin))(jax.random.split(jax.random.key(0), 24))
 
 
+@pytest.mark.slow
 def test_people_are_there_and_meet_the_route(env: NavEnv, begun: Any) -> None:
     """Near the robot, apart from it and from each other, on the ground, some with a script and some roaming."""
     crowd, start = begun.crowd, np.asarray(begun.start)
@@ -51,6 +54,7 @@ def test_people_are_there_and_meet_the_route(env: NavEnv, begun: Any) -> None:
     np.testing.assert_allclose(np.asarray(motion.position)[there][:, 2].max(), 0.15, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_motion_carries_agents_from_state_to_state(env: NavEnv, begun: Any) -> None:
     living = env.living
     assert living is not None
@@ -66,10 +70,10 @@ def test_motion_carries_agents_from_state_to_state(env: NavEnv, begun: Any) -> N
     assert not np.asarray(living.motion(crowd, elsewhere, begun.sim.scene[0]).present).any(), "who appears is absent"
 
 
-def test_gaps_and_metrics_by_hand(env: NavEnv, begun: Any) -> None:
+def test_gaps_and_metrics_by_hand(env: NavEnv) -> None:
     living = env.living
     assert living is not None
-    crowd = jax.tree.map(lambda x: x[0], begun.crowd)
+    crowd = Crowd(Bodies(*[jnp.zeros(9)] * 5), *[jnp.zeros(9)] * (len(Crowd._fields) - 1))
     only = crowd._replace(
         present=jnp.arange(9) == 4, bodies=crowd.bodies._replace(x=jnp.full(9, 10.0), y=jnp.full(9, 6.0))
     )
@@ -85,6 +89,7 @@ def test_gaps_and_metrics_by_hand(env: NavEnv, begun: Any) -> None:
     np.testing.assert_allclose(near, [[0.5 - 0.27, 2.0], [2.0, 2.0]], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_touching_a_person_is_a_result_of_its_own(env: NavEnv, begun: Any) -> None:
     """The robot is put where somebody stands; one env touches, the others do not."""
     state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 24))
@@ -111,10 +116,12 @@ def test_static_streets_carry_nothing_of_it(small_bank: SceneBank) -> None:
     assert not set(PEOPLE_METRICS) & set(state.metrics)
 
 
+@pytest.mark.slow
 def test_check_env_accepts_living_streets(env: NavEnv) -> None:
     check_env(env, num_envs=4, num_steps=6)
 
 
+@pytest.mark.slow
 def test_evaluation_counts_people(env: NavEnv) -> None:
     results, trajectory = Rollout(env, chunk=12).run({"go": go_to_goal, "zero": zero}, fixed_episodes(env, 6))
     assert all(r.people_distance is not None and 0.0 <= r.people_distance <= FAR for r in results)
