@@ -33,6 +33,8 @@ from urbanverse_mjx.viz.video import write_video
 HEIGHT, WIDTH, FOV = 180, 320, 0.9
 #: m: how far ahead of the robot it aims, before the crosswalk it waits, and within which it stops for people ahead.
 _AHEAD, _LINE, _STOP = 0.8, 0.7, 1.3
+#: m of route that a row has at least before its crosswalk (and twice that at most) and behind it.
+_BEFORE, _BEHIND = 4.5, 2.6
 #: m from a crosswalk at which a vehicle under way keeps the robot from it, and the slowest (m/s) that counts.
 _VEHICLE, _ROLLING = 12.0, 0.8
 
@@ -46,13 +48,14 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--seconds", type=float, default=24.0, help="longest drive")
     parser.add_argument("--impl", default="auto", help="engine")
     parser.add_argument("--every", type=int, default=1, help="control steps (0.1 s) for each frame")
+    parser.add_argument("--quality", type=float, default=4.0, help="of the video, 0 to 10")
     parser.add_argument("--seed", type=int, default=0)
     return parser.parse_args(argv)
 
 
 def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]:
-    """Rows of a scene's episode table whose route uses a crosswalk: row, where it begins and ends there (m), nearest
-    beginning first."""
+    """Rows of a scene's episode table whose route uses a crosswalk: row, where it begins and ends there (m), those first
+    that cross the straightest."""
     origin, side = bank.map_origin[scene], float(bank.map_resolution)
     rows = []
     for row in range(int(bank.num_episodes[scene])):
@@ -62,23 +65,28 @@ def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]
         xy = np.stack([np.interp(arc, np.concatenate([[0.0], np.cumsum(step)]), points[:, k]) for k in (0, 1)], -1)
         cell = np.clip(np.floor((xy - origin) / side).astype(int), 0, np.array(bank.map_kind.shape[1:]) - 1)
         on = arc[bank.map_kind[scene, cell[:, 0], cell[:, 1]] == KIND_INDEX["crosswalk"]]
-        if len(on) and on[0] > 3.0:
-            rows.append((row, float(on[0]), float(on[on < on[0] + 15.0][-1])))
+        if not len(on) or on[0] < _BEFORE:
+            continue
+        first, last = float(on[0]), float(on[on < on[0] + 15.0][-1])
+        if first > 2.0 * _BEFORE or arc[-1] < last + _BEHIND:
+            continue
+        ends = [xy[int(round(a / side))] for a in (first - 1.5, last + 1.5)]
+        rows.append(((last - first + 3.0) / float(np.linalg.norm(ends[1] - ends[0])), (row, first, last)))
     if not rows:
         raise NounError(f"--scene: found no route over a crosswalk in {bank.scene_ids[scene]}, needed one.")
-    return sorted(rows, key=lambda r: r[1])
+    return [row for _, row in sorted(rows)]
 
 
 def people_coming(start: Any, waypoints: Any, first: float, last: float) -> behaviours.Script:
-    """Four who start behind the far kerb and come over the crosswalk, two on either side of the route."""
+    """Four who start on the far pavement, two on either side of the route, and come over the crosswalk."""
     scripts = []
-    for back, left in ((0.8, 0.5), (1.4, -0.6), (2.2, 0.9), (2.9, -0.2)):
+    for back, left in ((1.2, 2.0), (1.6, -2.2), (2.2, 1.0), (2.6, -1.2)):
         far, near = (route_pose(start, waypoints, arc) for arc in (last + back, max(first - 3.0, 0.5)))
         aside = np.copysign(1.2, left)
         x, y = (far[0] - left * jnp.sin(far[2]), far[1] + left * jnp.cos(far[2]))
         to = (near[0] - aside * jnp.sin(near[2]), near[1] + aside * jnp.cos(near[2]))
         one = [jnp.reshape(v, (1,)) for v in (x, y, *to)]
-        scripts.append(behaviours.go(*one, 1.25))
+        scripts.append(behaviours.go(*one, 1.1))
     return behaviours.together(*scripts)
 
 
@@ -180,7 +188,8 @@ def main(argv: list[str] | None = None) -> int:
     script = people_coming(driver.start, driver.waypoints, first, last)
     crowd = jax.jit(lambda k: driver.living.model.init(k, jnp.int32(scene), watcher, None, script))(key)
     nav, path = drive(env, driver, nav._replace(crowd=crowd), round(arguments.seconds / env.dt))
-    write_video(arguments.out, film(env, driver, path, arguments.every), 1.0 / (env.dt * arguments.every))
+    frames = film(env, driver, path, arguments.every)
+    write_video(arguments.out, frames, 1.0 / (env.dt * arguments.every), quality=arguments.quality)
     waits, distance = path[3:]
     print(
         json.dumps(

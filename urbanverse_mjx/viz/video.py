@@ -58,8 +58,10 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
     return np.asarray(image)
 
 
-def write_video(path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_second: float) -> None:
-    """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play.
+def write_video(
+    path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_second: float, quality: float = 7.0
+) -> None:
+    """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play; quality: imageio's, 0 to 10.
 
     Raises:
       NounError: no frames, or sizes that differ or are odd.
@@ -72,7 +74,12 @@ def write_video(path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_sec
         # imageio's annotations do not know the methods of its ffmpeg plugin.
         writer: Any
         with imageio.get_writer(
-            temporary, fps=frames_per_second, codec="libx264", pixelformat="yuv420p", quality=7, macro_block_size=2
+            temporary,
+            fps=frames_per_second,
+            codec="libx264",
+            pixelformat="yuv420p",
+            quality=quality,
+            macro_block_size=2,
         ) as writer:
             for frame in frames:
                 writer.append_data(frame)
