@@ -25,8 +25,9 @@ def first_scenes(bank: SceneBank, count: int) -> SceneBank:
 
 
 def _without_unseen_meshes(bank: SceneBank) -> SceneBank:
-    """The bank with the meshes alone that some slot shows."""
-    used = np.unique(bank.slot_mesh[bank.slot_mesh >= 0])
+    """The bank with the meshes alone that some slot or agent shows."""
+    looks = bank.agents
+    used = np.unique(np.concatenate([bank.slot_mesh[bank.slot_mesh >= 0], np.array(looks["mesh"], np.int32)]))
     number = np.full(bank.num_meshes + 1, -1, np.int32)
     number[used] = np.arange(len(used), dtype=np.int32)
     fields = {"slot_mesh": number[bank.slot_mesh], "mesh_material": bank.mesh_material[used]}
@@ -35,7 +36,8 @@ def _without_unseen_meshes(bank: SceneBank) -> SceneBank:
         rows = np.concatenate([np.arange(bounds[m], bounds[m + 1]) for m in used])
         fields |= {name: getattr(bank, name)[rows] for name in names}
         fields[start] = np.concatenate([[0], np.cumsum(np.diff(bounds)[used])]).astype(bounds.dtype)
-    return dataclasses.replace(bank, **fields)
+    agents = {**looks, "mesh": [int(number[mesh]) for mesh in looks["mesh"]]}
+    return dataclasses.replace(bank, **fields, meta={**bank.meta, "agents": agents})
 
 
 def with_hulls(bank: SceneBank, count: int, seed: int = 0) -> SceneBank:

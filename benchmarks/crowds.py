@@ -1,4 +1,4 @@
-"""Throughput of the crowd's avoidance alone: agent-steps per second.
+"""Throughput of crowds: of their avoidance alone, in agent-steps per second, and of environments with them.
 
     python -m benchmarks.crowds --json
 
@@ -7,12 +7,18 @@ steps crowds on a wrapped square, everybody under way in some direction, and pri
 (slowest - fastest) / median), seconds to compile, and with --parts the seconds of a step that looking around, building
 half-planes and the programs take when run alone over the same state. It needs numpy and jax, no bank and no scene.
 
+`--environment` measures, instead, env-steps/s of CocoNav with the crowd of its scenario `dynamic` and without, in turn
+in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl). `--minutes 10000` lets crowds without robot live
+for so many agent-minutes, and tells how deep bodies overlap, how many stand inside an obstacle and how many are stuck.
+Both need a bank (--bank, or the one that `urbanverse scene bank` built).
+
 `--mix walkers` are pedestrians; in `--mix street` an eighth of the agents are wheelchairs,
 scooters, cyclists and cars, which pays for capsules and controls; `--walls 4` adds as many flats around every agent.
 """
 
 import argparse
 import dataclasses
+import functools
 import json
 import sys
 from typing import Any
@@ -94,6 +100,16 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--dt", type=float, default=0.1, help="seconds of a step")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--parts", action="store_true", help="time the parts of a step, too")
+    parser.add_argument("--environment", action="store_true", help="env-steps/s of CocoNav with a crowd and without")
+    parser.add_argument("--bank", help="bank file of --environment and --minutes; default: the shipped streets")
+    parser.add_argument("--envs", type=int, default=1024, help="of --environment")
+    parser.add_argument("--pixels", default="135x240", help="HxW or none, of --environment")
+    parser.add_argument("--env-steps", type=int, default=20, help="control steps in one timed run of --environment")
+    parser.add_argument("--preset", default="paper", help="of --environment")
+    parser.add_argument("--impl", default="auto", help="engine of --environment")
+    parser.add_argument("--minutes", type=float, default=0.0, help="agent-minutes of crowds without robot")
+    parser.add_argument("--crowd-envs", type=int, default=64, help="envs of --minutes")
+    parser.add_argument("--scenes", type=int, default=None, help="first so many scenes of the bank")
     parser.add_argument("--json", action="store_true", help="print JSON lines")
     arguments = parser.parse_args(argv)
     sizes = arguments.sizes or (CPU_SIZES if jax.default_backend() == "cpu" else GPU_SIZES)
@@ -108,7 +124,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
         parser.error(f"--sizes: found {' '.join(sizes)!r}, needed ENVSxAGENTSxNEIGHBOURS such as 4096x32x8")
     if any(min(c.envs, c.agents - 1, c.neighbours) < 1 for c in arguments.cases):
         parser.error("--sizes: needed at least 1 env, 2 agents and 1 neighbour")
-    if min(arguments.steps, arguments.repeats) < 1 or arguments.density <= 0:
+    if (
+        min(arguments.steps, arguments.repeats, arguments.envs, arguments.env_steps, arguments.crowd_envs) < 1
+        or arguments.density <= 0
+    ):
         parser.error("--steps, --repeats and --density must be positive")
     return arguments
 
@@ -219,9 +238,16 @@ def measure(case: Case, arguments: argparse.Namespace) -> dict[str, Any]:
 
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
-    for case in arguments.cases:
+    jobs = [functools.partial(measure, case, arguments) for case in arguments.cases]
+    if arguments.environment or arguments.minutes > 0.0:
+        from benchmarks import _crowd_streets
+
+        jobs = [functools.partial(_crowd_streets.environment, arguments)] if arguments.environment else []
+        if arguments.minutes > 0.0:
+            jobs.append(functools.partial(_crowd_streets.agent_minutes, arguments))
+    for job in jobs:
         try:
-            result = measure(case, arguments)
+            result = job()
         except NounError as error:
             print(f"error: {error}", file=sys.stderr)
             return 2

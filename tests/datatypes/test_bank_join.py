@@ -7,6 +7,7 @@ import pathlib
 import numpy as np
 import pytest
 
+from tests.support.agent_looks import BOXES, with_box_agents
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.datatypes.bank_join import join
@@ -132,3 +133,18 @@ def test_the_command_joins_and_makes_splits(
     np.testing.assert_array_equal(SceneBank.load(out).scenes_of("held_out"), np.arange(n, 2 * n))
     assert main(["scene", "join", *files, "--out", str(out), "--split", "held_out=nothing"]) == 2
     assert "NAME=PATTERN" in capsys.readouterr().err
+
+
+def test_looks_of_agents_survive_a_join(small_bank: SceneBank) -> None:
+    """Those of the first bank that has any, with their meshes and categories, wherever these now stand."""
+    looking = with_box_agents(renamed(small_bank, "_b"))
+    joined = join([small_bank, looking])
+    assert joined.agents["kind"] == list(BOXES)
+    for i, kind in enumerate(BOXES):
+        new, old = (mesh(b, b.agents["mesh"][i]) for b in (joined, looking))
+        for x, y in zip(new, old, strict=True):
+            np.testing.assert_array_equal(x, y)
+        assert joined.meta["categories"][joined.agents["category"][i]] == f"agent:{kind}"
+    assert join([small_bank]).agents["kind"] == []
+    assert looking.num_meshes == small_bank.num_meshes + len(BOXES)
+    assert_same_scene(small_bank, 1, looking, 1)

@@ -76,3 +76,6 @@ def test_result_precedence() -> None:
     assert code(off_traversable=True, at_goal=True) == Result.OFF_TRAVERSABLE
     assert code(finite=False, hit=True) == Result.NON_FINITE
     assert code(out_of_time=True) == Result.TIMEOUT
+    assert code(hit=True, hit_agent=True, fallen=True) == Result.HIT_AGENT
+    # Where hits end no episode, touching a person ends none either.
+    assert code(hit_agent=True) == Result.RUNNING

@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from urbanverse_mjx.datatypes import Contacts, RobotSpec, SceneBank, SimState
+from urbanverse_mjx.datatypes import AgentMotion, Contacts, RobotSpec, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, default_config
 from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.robots import make_coco
@@ -20,23 +20,31 @@ def unicycle_robot() -> RobotSpec:
 
 
 class UnicycleEngine:
-    """`Simulator` of a point that obeys (v, omega) at once; a hit whenever x passes `wall` (m)."""
+    """`Simulator` of a point that obeys (v, omega) at once; a hit whenever x passes `wall` (m).
 
-    def __init__(self, robot: RobotSpec, control_dt: float, wall: float = jnp.inf):
+    With agents it also hits the nearest of them within `TOUCH` of its centre at the end of a step.
+    """
+
+    TOUCH = 0.6
+
+    def __init__(self, robot: RobotSpec, control_dt: float, wall: float = jnp.inf, agents: bool = False):
         self._dt = control_dt
         self._wall = wall
         self._height = robot.spawn_height
+        self._agents = agents
 
-    def _state(self, scene: Any, qpos: Any, qvel: Any, hit: Any) -> SimState:
+    def _state(self, scene: Any, qpos: Any, qvel: Any, hit: Any, agent: Any = -1) -> SimState:
         xpos = jnp.zeros((2, 3)).at[1].set(qpos[:3])
         xquat = jnp.zeros((2, 4)).at[:, 0].set(1.0).at[1].set(qpos[3:7])
         contacts = NOTHING._replace(hit=hit, hit_fraction=hit.astype(jnp.float32))
+        if self._agents:
+            contacts = contacts._replace(hit_agent=jnp.int32(agent))
         return SimState(scene, qpos, qvel, xpos, xquat, contacts, jnp.int32(0), (), jnp.float32(1.0), jnp.float32(1.0))
 
     def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
         return self._state(scene, qpos, qvel, jnp.bool_(False))
 
-    def step(self, state: SimState, ctrl: Any) -> SimState:
+    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
         v, omega = ctrl
         yaw = 2.0 * jnp.arctan2(state.qpos[6], state.qpos[3]) + omega * self._dt
         velocity = v * jnp.stack([jnp.cos(yaw), jnp.sin(yaw)])
@@ -44,14 +52,20 @@ class UnicycleEngine:
         turn = jnp.stack([jnp.cos(yaw / 2), 0.0 * yaw, 0.0 * yaw, jnp.sin(yaw / 2)])
         qpos = state.qpos.at[:2].set(xy).at[3:7].set(turn)
         qvel = state.qvel.at[:2].set(velocity).at[5].set(omega)
-        return self._state(state.scene, qpos, qvel, xy[0] > self._wall)
+        if agents is None:
+            return self._state(state.scene, qpos, qvel, xy[0] > self._wall)
+        away = jnp.linalg.norm((agents.position + self._dt * agents.velocity)[:, :2] - xy, axis=-1)
+        away = jnp.where(agents.present, away, jnp.inf)
+        nearest = jnp.argmin(away)
+        met = away[nearest] < self.TOUCH
+        return self._state(state.scene, qpos, qvel, met | (xy[0] > self._wall), jnp.where(met, nearest, -1))
 
 
 class GoalPicture:
     """A renderer whose picture shows where the robot stands: enough to see frames change."""
 
-    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0) -> dict[str, Any]:
-        del look
+    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: Any = None) -> dict[str, Any]:
+        del look, agents
         rows = jnp.arange(12)[:, None, None] + scene * 7 + xpos[1, 0] * 10.0
         frame = (rows + jnp.arange(16)[None, :, None] * 3 + xquat[1, 3] * 50.0 + jnp.zeros((12, 16, 3))) % 256
         return {"rgb": frame.astype(jnp.uint8)}
@@ -63,7 +77,7 @@ def unicycle_env(
     """`CocoNav`'s task on the kinematic engine."""
     config = with_overrides(default_config("paper"), {"scenes": "all", **(overrides or {})})
     robot = unicycle_robot()
-    engine = UnicycleEngine(robot, config.ctrl_dt, wall)
+    engine = UnicycleEngine(robot, config.ctrl_dt, wall, agents=config.scenario == "dynamic")
     return NavEnv(config, bank, robot, engine, GoalPicture() if vision else None)
 
 

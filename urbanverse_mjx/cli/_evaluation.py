@@ -11,7 +11,9 @@ from rich.progress import Progress, TaskID
 
 from ..datatypes import SceneBank
 from ..envs import NavEnv, registry
+from ..envs.living import slot_looks
 from ..envs.randomization import OFF
+from ..envs.scenarios import scenario_of
 from ..evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
 
 
@@ -21,9 +23,18 @@ class _CoveredCamera:
     def __init__(self, height: int, width: int):
         self._frame = {"rgb": jnp.zeros((height, width, 3), jnp.uint8), "depth": jnp.zeros((height, width))}
 
-    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0) -> dict[str, Any]:
-        del scene, xpos, xquat, look
+    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: Any = None) -> dict[str, Any]:
+        del scene, xpos, xquat, look, agents
         return self._frame
+
+
+def _config(spec: Any, scenes: Any, dynamic: bool) -> ConfigDict:
+    """The config a policy was trained with, everything as the bank describes it; with people where `dynamic`."""
+    values = dict(spec.env_config)
+    if dynamic:
+        fresh = registry.get_default_config(spec.environment, values["preset"]).to_dict()
+        values = {**values, "scenario": "dynamic", "crowd": values.get("crowd", fresh["crowd"])}
+    return registry.with_overrides(ConfigDict(values), {"scenes": scenes, "randomization": OFF})
 
 
 def evaluate_policy(
@@ -35,11 +46,12 @@ def evaluate_policy(
     video: bool,
     quiet: bool,
     scenes: Any = "test",
+    dynamic: bool = False,
 ) -> dict[str, Any]:
     """Drives the same episodes by four agents, writes report and video, returns agent -> metrics.
 
     Agents: `untrained` (the same networks before training), `trained`, `go_to_goal` (straight ahead, sees nothing)
-    and `trained_blank_image` (the trained policy with its camera covered).
+    and `trained_blank_image` (the trained policy with its camera covered). `dynamic` fills the streets with people.
     """
     from ..training.policy import initial_params, load_policy, make_policy_function
 
@@ -47,8 +59,8 @@ def evaluate_policy(
     ppo = ConfigDict(spec.ppo_config)
     start = initial_params(spec.observations, spec.action_size, ppo, ppo.seed)
     untrained = make_policy_function(spec.observations, spec.action_size, ppo, start)
-    # Everything as the bank describes it: the same episodes for every policy, however it was trained.
-    config = registry.with_overrides(ConfigDict(spec.env_config), {"scenes": scenes, "randomization": OFF})
+    # The same episodes for every policy, however it was trained.
+    config = _config(spec, scenes, dynamic)
     seeing = registry.load(spec.environment, config=config, bank=bank)
     view = config.vision_config
     blind = NavEnv(config, bank, seeing.robot, seeing.engine, _CoveredCamera(view.height, view.width))
@@ -71,6 +83,7 @@ def evaluate_policy(
         "policy": str(policy),
         "steps": spec.steps,
         "preset": config.preset,
+        "scenario": scenario_of(config),
         "scenes": ", ".join(bank.scene_ids[i] for i in seeing.scenes),
         "seed": seed,
         "hashes": bank.meta.get("hashes", {}),
@@ -92,6 +105,7 @@ def evaluate_policy(
             scenes=[int(episodes.scenes[i]) for i in chosen[:3]],
             goals=[bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in chosen[:3]],
             frames_per_second=round(1 / seeing.dt),
+            looks=slot_looks(seeing.living.kinds, bank) if seeing.living is not None else (),
         )
     if not quiet:
         print(f"report: {folder / 'report.md'}", file=sys.stderr)

@@ -172,6 +172,12 @@ def _join(args: JoinArgs) -> int:
     from ..datatypes.bank_join import join
 
     bank = _with_splits(join([SceneBank.load(path) for path in args.banks]), args.split)
+    if not bank.agents["kind"]:
+        # Banks from before there were any.
+        from ..assets.agents import agent_looks
+        from ..scene.bank import with_agents
+
+        bank = with_agents(bank, agent_looks())
     bank.save(args.out)
     return _say_bank(args.out, bank)
 

@@ -50,7 +50,8 @@ def _stay(x: Any, y: Any, face: Any) -> Script:
     return Script(mode, x, y, face, jnp.zeros_like(x), x, y, face)
 
 
-def _go(x: Any, y: Any, to_x: Any, to_y: Any, speed: Any) -> Script:
+def go(x: Any, y: Any, to_x: Any, to_y: Any, speed: Any) -> Script:
+    """People at places (n,) m who walk straight to other places at () or (n,) m/s."""
     heading = jnp.arctan2(to_y - y, to_x - x)
     speed = jnp.broadcast_to(jnp.asarray(speed, x.dtype), x.shape)
     return Script(jnp.full(x.shape, GO, jnp.int32), x, y, heading, speed, to_x, to_y, heading)
@@ -84,14 +85,14 @@ def head_on(x: Any, y: Any, heading: Any, distance: float, speed: float = 1.34, 
     x, y = x - beside * sin, y + beside * cos
     ends = [jnp.reshape(x + d * cos, (1,)) for d in (distance, -distance)]
     ends += [jnp.reshape(y + d * sin, (1,)) for d in (distance, -distance)]
-    return _go(ends[0], ends[2], ends[1], ends[3], speed)
+    return go(ends[0], ends[2], ends[1], ends[3], speed)
 
 
 def overtaken(x: Any, y: Any, heading: Any, distance: float, speed: float = 0.6) -> Script:
     """One slow person `distance` m ahead of a pose who goes the same way for 30 m."""
     cos, sin = jnp.cos(heading), jnp.sin(heading)
     near, far = ((jnp.reshape(x + d * cos, (1,)), jnp.reshape(y + d * sin, (1,))) for d in (distance, distance + 30.0))
-    return _go(*near, *far, speed)
+    return go(*near, *far, speed)
 
 
 def cross(x: Any, y: Any, heading: Any, distance: float, aside: float = 4.0, speed: float = 1.34) -> Script:
@@ -101,7 +102,7 @@ def cross(x: Any, y: Any, heading: Any, distance: float, aside: float = 4.0, spe
     def end(side: float) -> tuple[Any, Any]:
         return jnp.reshape(x + distance * cos - side * sin, (1,)), jnp.reshape(y + distance * sin + side * cos, (1,))
 
-    return _go(*end(aside), *end(-aside), speed)
+    return go(*end(aside), *end(-aside), speed)
 
 
 def together(*scripts: Script) -> Script:

@@ -16,7 +16,7 @@ import numpy as np
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
 from . import behaviours, crossings, flats, free_space, goal_fields, patience, spawning
-from .behaviours import ROAM, Script
+from .behaviours import GO, ROAM, Script
 from .bodies import Bodies, Traits, Wish, num_wheeled, traits_of
 from .goal_fields import RULE_OF_KIND, RULES
 from .kinds import KINDS, SURFACES, AgentKind
@@ -26,6 +26,8 @@ from .spawning import Watcher
 
 #: m from a goal (and half a vehicle's length) at which one has arrived.
 _ARRIVED = 1.0
+#: s, after which somebody who is held up forgets where its script sent it.
+_GIVES_UP = 8.0
 #: s, how far ahead of its front a vehicle reads its way.
 _PREVIEW = 0.4
 
@@ -98,8 +100,14 @@ class CrowdModel:
         dt: float = 0.1,
         num_neighbours: int = 8,
         robot: Robot | None = None,
+        reach: float | None = None,
     ) -> None:
-        """`kinds`: names in `KINDS`, one a slot; those who walk first.
+        """A crowd's rules.
+
+        Args:
+          kinds: names in `KINDS`, one a slot; those who walk first.
+          reach: m; agents appear nearer to the robot than this where they can, and who is half as far again away and
+            out of its sight appears elsewhere: few agents fill the street around it. None: the whole scene.
 
         Raises:
           NounError: an unknown kind, or walkers after vehicles.
@@ -108,7 +116,7 @@ class CrowdModel:
             v.choice(name, f"crowd kinds[{i}]", KINDS)
         self.tables, self.dt = tables, dt
         self.kinds: tuple[AgentKind, ...] = tuple(KINDS[name] for name in kinds)
-        self.robot = robot or Robot()
+        self.robot, self.reach = robot or Robot(), reach
         options = Options(
             dt, num_neighbours, num_wheeled(self.kinds), discs_only=all(k.half_length == 0 for k in self.kinds)
         )
@@ -133,7 +141,7 @@ class CrowdModel:
         Args:
           scene: () i32, row of the tables. watcher: where the robot is.
           count: () i32 or None: how many slots, chosen at random, are filled; the others are absent.
-          script: rows for the first slots, who do as it says instead of roaming.
+          script: rows for the first slots, who do as it says; rows whose mode is `ROAM` say nothing.
         """
         keys = jax.random.split(key, 5)
         number = self.num_agents
@@ -161,7 +169,8 @@ class CrowdModel:
         )
         if script is not None:
             crowd = _follow(crowd, script)
-            wanted = wanted.at[: script.mode.shape[0]].set(False)
+            rows = script.mode.shape[0]
+            wanted = wanted.at[:rows].set(wanted[:rows] & (script.mode == ROAM))
         for group, rows in self._groups.items():
             if not len(rows):
                 continue
@@ -184,7 +193,7 @@ class CrowdModel:
         others = crowd.present & (jnp.arange(self.num_agents) != who)
         bodies = crowd.bodies
         place, found = spawning.choose(
-            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, size, others, watcher, hidden
+            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, size, others, watcher, hidden, self.reach
         )
         found &= wanted & (ways.num_goals[scene] > 0)
         x, y = ways.place[scene, place]
@@ -238,7 +247,11 @@ class CrowdModel:
         )
 
     def _next_errands(self, crowd: Crowd, scene: Any, watcher: Watcher, key: Any) -> Crowd:
-        """Who has reached its goal gets another; a vehicle appears elsewhere once it is out of sight."""
+        """Who has reached its goal gets another; a vehicle appears elsewhere once it is out of sight, and so does who
+        is far from the robot where there is a `reach`. Who has gone where its script said roams from there."""
+        at_anchor = (crowd.bodies.x - crowd.anchor_x) ** 2 + (crowd.bodies.y - crowd.anchor_y) ** 2 < 0.5**2
+        given_up = (crowd.mode == GO) & (at_anchor | (crowd.still > _GIVES_UP))
+        crowd = crowd._replace(mode=jnp.where(given_up, ROAM, crowd.mode))
         for group, rows in self._groups.items():
             if not len(rows):
                 continue
@@ -248,6 +261,10 @@ class CrowdModel:
             near = _ARRIVED + self._traits.half_length[some]
             there = (x - goal[:, 0]) ** 2 + (y - goal[:, 1]) ** 2 < near * near
             there &= crowd.present[some] & (crowd.mode[some] == ROAM)
+            far = jnp.zeros(some.shape, bool)
+            if self.reach is not None:
+                away = (x - watcher.x) ** 2 + (y - watcher.y) ** 2
+                far = crowd.present[some] & watcher.present & (away > (1.5 * self.reach) ** 2)
             keys = jax.random.split(jax.random.fold_in(key, int(rows[0])), 2)
             if RULES[group].from_middle is None:
                 other = jax.random.randint(keys[0], some.shape, 0, jnp.maximum(ways.num_goals[scene], 1))
@@ -255,11 +272,18 @@ class CrowdModel:
                 crowd = crowd._replace(
                     goal=crowd.goal.at[some].set(chosen), arrived=crowd.arrived.at[some].add(there.astype(jnp.int32))
                 )
+                gone = far
             else:
-                gone = there & ~spawning.in_sight(watcher, x, y)
-                who = some[jnp.argmax(gone)]
+                gone = there | far
+            if RULES[group].from_middle is None and self.reach is None:
+                continue
+            gone &= ~spawning.in_sight(watcher, x, y)
+            who = some[jnp.argmax(gone)]
+            luck = keys[1]
+            if RULES[group].from_middle is not None:
+                luck = keys[0]
                 crowd = crowd._replace(arrived=crowd.arrived.at[who].add(gone.any().astype(jnp.int32)))
-                crowd = self._appear(crowd, who, gone.any(), keys[0], group, scene, watcher, True)
+            crowd = self._appear(crowd, who, gone.any(), luck, group, scene, watcher, True)
         return crowd
 
     def _courses(self, crowd: Crowd, scene: Any) -> Any:
@@ -357,8 +381,10 @@ def _follow(crowd: Crowd, script: Script) -> Crowd:
     rows = script.mode.shape[0]
     zero = jnp.zeros(rows)
 
+    acts = script.mode != ROAM
+
     def put(column: Any, value: Any) -> Any:
-        return column.at[:rows].set(value)
+        return column.at[:rows].set(jnp.where(acts, value, column[:rows]))
 
     places = (script.x, script.y, zero, zero, script.heading)
     return crowd._replace(

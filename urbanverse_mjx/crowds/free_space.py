@@ -91,6 +91,18 @@ def _touched(corners: np.ndarray, origin: np.ndarray, shape: tuple[int, int]) ->
     return i[inside], j[inside]
 
 
+def ground_height(bank: SceneBank, scene: int) -> np.ndarray:
+    """(X, Y) m, height of the ground in cells of `CELL` from the map's origin on; that of the nearest where none is."""
+    pool = round(CELL / float(bank.map_resolution))
+    shape = (bank.map_kind.shape[1] // pool, bank.map_kind.shape[2] // pool)
+    height = _ground(bank, scene, np.asarray(bank.map_origin[scene], np.float64), shape)
+    missing = np.isnan(height)
+    if missing.all():
+        return np.zeros(shape)
+    i, j = ndimage.distance_transform_edt(missing, return_distances=False, return_indices=True)
+    return height[i, j]
+
+
 def _ground(bank: SceneBank, scene: int, origin: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     """(X, Y) m, height of the prisms' tops; NaN where there is none."""
     height = np.full(shape, np.nan)

@@ -33,6 +33,7 @@ class AgentKind:
       turn_radius: m, least radius of its path; pivot: rad/s, how fast it turns on the spot; turn_rate: rad/s, largest;
       lateral: m/s², largest in a curve.
       horizon: s, how far ahead it avoids others; wall_horizon: s, the same for what stands still.
+      height: m, of the body that a robot runs into.
       yielding: how much of a pair's avoidance it takes on, relative to the other's number.
     """
 
@@ -54,6 +55,7 @@ class AgentKind:
     lateral: float
     horizon: float
     wall_horizon: float
+    height: float
     yielding: float = 1.0
 
     def __post_init__(self) -> None:
@@ -101,6 +103,9 @@ PEDESTRIAN = AgentKind(
     horizon=3.0,
     # Shorter towards walls, as in the examples of the published library: one walks along them, not away from them.
     wall_horizon=0.8,
+    # NCD Risk Factor Collaboration, eLife 5 (2016): women and men born in 1996 average about 1.65 and 1.77 m in
+    # much of Europe and North America; a body is as high as its shape here.
+    height=1.72,
 )
 WHEELCHAIR = AgentKind(
     "wheelchair",
@@ -125,6 +130,8 @@ WHEELCHAIR = AgentKind(
     lateral=1.5,
     horizon=3.0,
     wall_horizon=1.0,
+    # ISO 7193: at most 1.09 m for the chair; a seated person's head reaches about 1.3 m.
+    height=1.3,
 )
 SCOOTER = AgentKind(
     "scooter",
@@ -150,6 +157,8 @@ SCOOTER = AgentKind(
     lateral=2.5,
     horizon=3.0,
     wall_horizon=1.2,
+    # A pedestrian on a deck 0.15 m above the road.
+    height=1.85,
 )
 CYCLIST = AgentKind(
     "cyclist",
@@ -174,6 +183,8 @@ CYCLIST = AgentKind(
     lateral=2.5,
     horizon=3.5,
     wall_horizon=2.0,
+    # AASHTO (2012): the operating height is 2.5 m with clearance; the rider's eyes are at 1.5 m, the head above.
+    height=1.7,
 )
 CAR = AgentKind(
     "car",
@@ -197,5 +208,7 @@ CAR = AgentKind(
     lateral=2.0,
     horizon=4.0,
     wall_horizon=2.5,
+    # FGSV design vehicle (2005).
+    height=1.51,
 )
 KINDS = {kind.name: kind for kind in (PEDESTRIAN, WHEELCHAIR, SCOOTER, CYCLIST, CAR)}

@@ -39,7 +39,16 @@ def in_sight(watcher: Watcher, x: Any, y: Any) -> Any:
 
 
 def choose(
-    key: Any, place: Any, size: Any, x: Any, y: Any, their_size: Any, present: Any, watcher: Watcher, hidden: bool
+    key: Any,
+    place: Any,
+    size: Any,
+    x: Any,
+    y: Any,
+    their_size: Any,
+    present: Any,
+    watcher: Watcher,
+    hidden: bool,
+    reach: float | None = None,
 ) -> tuple[Any, Any]:
     """One of the places (S, 2) m at random among those that will do.
 
@@ -47,16 +56,19 @@ def choose(
       size: () m, radius of who appears; a place must be clear of the present bodies (B,) at x, y of radii `their_size`
         by a step (0.5 m).
       hidden: the place must be out of the watcher's sight; at reset anywhere a body's length away from it will do.
+      reach: m; places nearer to the watcher than this come first.
 
     Returns:
       () i32 and () bool: there is such a place.
     """
     gap = jnp.sqrt((place[:, :1] - x) ** 2 + (place[:, 1:] - y) ** 2) - their_size - size
     clear = jnp.all((gap > 0.5) | ~present, axis=1)
+    away = jnp.sqrt((place[:, 0] - watcher.x) ** 2 + (place[:, 1] - watcher.y) ** 2) - size
     if hidden:
         clear &= ~in_sight(watcher, place[:, 0], place[:, 1])
     else:
-        away = jnp.sqrt((place[:, 0] - watcher.x) ** 2 + (place[:, 1] - watcher.y) ** 2) - size
         clear &= (away > 1.5) | ~watcher.present
     luck = jax.random.uniform(key, clear.shape)
+    if reach is not None:
+        luck += watcher.present & (away < reach)
     return jnp.argmax(jnp.where(clear, luck, -1.0)).astype(jnp.int32), clear.any()

@@ -1,6 +1,6 @@
 """The nouns that the stages exchange: frozen, validated, each with a file form."""
 
-from .asset import AssetMesh, AssetRecord, HullSet
+from .asset import AgentLook, AssetMesh, AssetRecord, HullSet
 from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
@@ -8,7 +8,7 @@ from .robot import RobotSpec
 from .scene_bank import SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
-from .simulation import Contacts, SimState, Simulator
+from .simulation import AgentMotion, AgentShapes, Contacts, SimState, Simulator
 from .validation import NounError
 
 __all__ = [
@@ -17,6 +17,9 @@ __all__ = [
     "PAINT_KINDS",
     "RESULTS",
     "TRAVERSABLE_KINDS",
+    "AgentLook",
+    "AgentMotion",
+    "AgentShapes",
     "AssetMesh",
     "AssetRecord",
     "BenchmarkReport",

@@ -132,6 +132,19 @@ class AssetMesh:
 
 
 @dataclasses.dataclass(frozen=True)
+class AgentLook:
+    """How one kind of moving agent may look: its mesh stands on the ground, its front along +x.
+
+    Attributes:
+      kind: row of `crowds.KINDS`. category: leaf of the ontology.
+    """
+
+    kind: str
+    category: str
+    mesh: AssetMesh
+
+
+@dataclasses.dataclass(frozen=True)
 class HullSet:
     """Convex hulls of one asset, in the asset frame at scale 1.
 

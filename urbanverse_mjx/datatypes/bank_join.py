@@ -63,7 +63,7 @@ def join(banks: Sequence[SceneBank]) -> SceneBank:
     for bank, part in zip(banks, parts, strict=True):
         rows = np.array([*(categories.index(name) for name in bank.meta["categories"]), -1], np.int32)
         part["slot_category"] = rows[bank.slot_category]
-    arrays = {name: parts[0][name] if name in _SCALARS else _joined(name, parts) for name in parts[0]}
+    arrays = {name: parts[0][name] if name in _SCALARS else joined(name, parts) for name in parts[0]}
     return SceneBank(**arrays, meta=_meta(banks, categories, arrays["slot_mesh"].shape[1]))
 
 
@@ -82,7 +82,8 @@ def _coarse_map(bank: SceneBank, resolution: float) -> dict[str, np.ndarray]:
     }
 
 
-def _joined(name: str, parts: Sequence[dict[str, np.ndarray]]) -> np.ndarray:
+def joined(name: str, parts: Sequence[dict[str, np.ndarray]]) -> np.ndarray:
+    """One array of several banks; each of `parts` also holds the tables that its indices count."""
     arrays = [part[name] for part in parts]
     if name in _INDICES:
         before = np.cumsum([0, *(len(part[_INDICES[name]]) for part in parts)])
@@ -142,4 +143,17 @@ def _meta(banks: Sequence[SceneBank], categories: list[str], slots: int) -> dict
         "object_ids": [[*names, *[""] * (slots - len(names))] for names in rows("object_ids")],
         "hashes": hashes,
         "grid_reach": banks[0].meta["grid_reach"],
+        "agents": _agents(banks, categories),
     }
+
+
+def _agents(banks: Sequence[SceneBank], categories: list[str]) -> dict[str, list[Any]]:
+    """The looks of the first bank that has any: all banks carry the same few."""
+    before = 0
+    for bank in banks:
+        looks = bank.agents
+        if looks["kind"]:
+            names = [categories.index(bank.meta["categories"][c]) for c in looks["category"]]
+            return {**looks, "mesh": [mesh + before for mesh in looks["mesh"]], "category": names}
+        before += bank.num_meshes
+    return banks[0].agents

@@ -7,7 +7,7 @@ from typing import Any
 from . import validation as v
 
 SCHEMA = "urbanverse.benchmark_report/1"
-RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout")
+RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -23,6 +23,9 @@ class EpisodeResult:
       hit_time: share of the episode's time in contact with an object, [0, 1].
       path_length: m driven; route_length: m of the geodesic route.
       slot_overflow: hulls within reach that found no slot, summed over the episode (0 = physics complete).
+      people_distance: m, least distance from the disc around the robot to a person's body; intimate_time: share of the
+        episode's time within 0.45 m, [0, 1]; speed_near_people: m/s, mean within 1.2 m, None where never so near.
+        All None in a street without people.
     """
 
     agent: str
@@ -38,6 +41,9 @@ class EpisodeResult:
     path_length: float
     route_length: float
     slot_overflow: int
+    people_distance: float | None = None
+    intimate_time: float | None = None
+    speed_near_people: float | None = None
 
     def __post_init__(self) -> None:
         where = f"episode {self.scene!r}/{self.episode}"
@@ -52,6 +58,9 @@ class EpisodeResult:
             v.number(getattr(self, name), f"{where}.{name}", 0.0, 1.0)
         for name in ("duration", "distance_to_goal", "path_length", "route_length"):
             v.number(getattr(self, name), f"{where}.{name}", 0.0)
+        for name in ("people_distance", "intimate_time", "speed_near_people"):
+            if getattr(self, name) is not None:
+                v.number(getattr(self, name), f"{where}.{name}", 0.0)
 
     @property
     def success(self) -> bool:
@@ -67,7 +76,9 @@ class EpisodeResult:
 
     @staticmethod
     def from_json(value: Any, where: str = "episode") -> "EpisodeResult":
-        return EpisodeResult(**v.mapping(value, where, [f.name for f in dataclasses.fields(EpisodeResult)]))
+        fields = dataclasses.fields(EpisodeResult)
+        required = [f.name for f in fields if f.default is dataclasses.MISSING]
+        return EpisodeResult(**v.mapping(value, where, required, [f.name for f in fields]))
 
 
 @dataclasses.dataclass(frozen=True)

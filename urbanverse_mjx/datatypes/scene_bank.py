@@ -70,7 +70,8 @@ class SceneBank:
       sky_sun_irradiance (S, 3) f32; scene_sky (Z,) i32, scene_sky_yaw (Z,) f32.
 
     meta: {"schema", "scene_ids": [Z], "splits": [Z] "train"|"test", "categories": [A], "skies": [S],
-      "object_ids": [Z][..], "hashes": {...}, "grid_reach": m}.
+      "object_ids": [Z][..], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
+      the last being how moving people and vehicles may look: names of kinds, rows of the meshes and categories.
     """
 
     hull_vertices: np.ndarray
@@ -157,6 +158,11 @@ class SceneBank:
     @property
     def scene_ids(self) -> tuple[str, ...]:
         return tuple(self.meta["scene_ids"])
+
+    @property
+    def agents(self) -> dict[str, list[Any]]:
+        """Looks of moving agents, see `meta`; empty lists in a bank that carries none."""
+        return self.meta.get("agents", {"kind": [], "mesh": [], "category": []})
 
     def scenes_of(self, split: str) -> np.ndarray:
         """(n,) i32: numbers of the scenes of a split ("train" or "test")."""

@@ -7,12 +7,13 @@ class Contacts(NamedTuple):
     """What touched what during the last control step.
 
     Attributes:
-      hit: () bool, any robot geom touched an object, or a geom that is no foot touched the ground.
-      hit_object: () i32, the object (visual slot) of the strongest touch, -1 = none or the ground.
+      hit: () bool, any robot geom touched an object or an agent, or a geom that is no foot touched the ground.
+      hit_object: () i32, the object (visual slot) of the strongest touch, -1 = none, the ground or an agent.
       hit_ground: () bool, a geom that is no foot touched the ground.
       hit_force: () f32 N, largest normal force of such a touch over the physics steps.
       hit_fraction: () f32, share of the physics steps with such a touch.
       foot_force: (F,) f32 N, normal force on each of the robot's `foot_geoms`, the mean over the physics steps.
+      hit_agent: () i32, the agent of the strongest touch of an agent, -1 = none; None where the engine has no agents.
     """
 
     hit: Any
@@ -21,6 +22,35 @@ class Contacts(NamedTuple):
     hit_force: Any
     hit_fraction: Any
     foot_force: Any
+    hit_agent: Any = None
+
+
+class AgentShapes(NamedTuple):
+    """What A agents are to a robot that runs into them: upright prisms over a disc drawn along the heading; (A,) m.
+
+    Attributes:
+      radius: of the disc. half_length: from the middle to the centre of the front disc. height: above the ground.
+    """
+
+    radius: Any
+    half_length: Any
+    height: Any
+
+
+class AgentMotion(NamedTuple):
+    """How A agents move through one control step: evenly, pushed by nothing.
+
+    Attributes:
+      position: (A, 3) m of the middle of the footprint, heading: (A,) rad, both at the beginning.
+      velocity: (A, 3) m/s; turn_rate: (A,) rad/s.
+      present: (A,) bool.
+    """
+
+    position: Any
+    heading: Any
+    velocity: Any
+    turn_rate: Any
+    present: Any
 
 
 class SimState(NamedTuple):
@@ -58,6 +88,9 @@ class Simulator(Protocol):
         """State at rest in the given scene with kinematics computed and no contact recorded."""
         ...
 
-    def step(self, state: SimState, ctrl: Any) -> SimState:
-        """One control step (`num_substeps` physics steps) with the actuator commands `ctrl` (nu,) held."""
+    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
+        """One control step (`num_substeps` physics steps) with the actuator commands `ctrl` (nu,) held.
+
+        agents: how the engine's agents move meanwhile; None if and only if it has none.
+        """
         ...

@@ -4,6 +4,8 @@ Sources: the paper's appendix "Details of Training and Evaluation Setup" and "De
 for `urbansim_v0_1` the released code as tabulated in docs/decisions/presets.md.
 """
 
+from typing import Any
+
 from ml_collections import ConfigDict
 
 from ..datatypes import NounError
@@ -39,6 +41,9 @@ def _paper() -> ConfigDict:
                 "mass_scale": (0.8, 1.25),
                 "appearance": 0.2,
             },
+            # clean, static or dynamic, UrbanSim's scenario types (see scenarios.py); `crowd` is for dynamic alone.
+            "scenario": "static",
+            "crowd": _crowd(),
             "action_mode": "waypoint",
             "goal_mode": "final",
             "goal_observation_limit": 0.0,  # m, 0 = as far as the goal is
@@ -71,6 +76,36 @@ def _paper() -> ConfigDict:
             },
         }
     )
+
+
+def _crowd() -> dict[str, Any]:
+    """Who moves in the streets of `dynamic`; the sizes are those for which throughput is reported."""
+    return {
+        # Agent slots of an env, by kind: 16 around the robot.
+        "slots": {"pedestrian": 11, "wheelchair": 1, "scooter": 1, "cyclist": 1, "car": 2},
+        # Share of the slots in use by scene family (what its id begins with): shopping streets are fuller than homes.
+        "filled": {
+            "default": 0.75,
+            "commercial": 1.0,
+            "tourist": 1.0,
+            "park": 0.8,
+            "construction": 0.6,
+            "residential": 0.5,
+        },
+        # m around the robot where agents are put, about as far as one sees a person at 135 rows (crowds/spawning.py).
+        "reach": 30.0,
+        # What share of avoiding each other people leave to the robot: 0 = all theirs, 1 = as to one another.
+        "yielding": 0.5,
+        # Probability in an episode, each near its route (encounters.py).
+        "encounters": {
+            "head_on": 0.5,
+            "cross": 0.4,
+            "obstruct": 0.4,
+            "overtaken": 0.3,
+            "talk": 0.4,
+            "queue": 0.3,
+        },
+    }
 
 
 def _urbansim_v0_1() -> ConfigDict:

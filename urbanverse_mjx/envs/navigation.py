@@ -11,7 +11,9 @@ from ml_collections import ConfigDict
 from ..datatypes import GROUND_KINDS, NounError, RobotSpec, SceneBank, traversable
 from ..simulation.precision import full_precision
 from . import terms
+from .living import PEOPLE_METRICS, LivingStreet
 from .randomization import Randomization
+from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
 from .surroundings import Surroundings
 from .types import NavState, Result, State
@@ -26,23 +28,6 @@ ACTION_MODES = ("waypoint", "velocity", "joint")
 def typed_key(key: jax.Array) -> jax.Array:
     """Accepts raw uint32 and typed keys; returns a typed one."""
     return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
-
-
-def _select_scenes(bank: SceneBank, which: Any) -> np.ndarray:
-    """(n,) i32 rows of the bank named by a split ("train", "test", ...), "all", or ids (a list, or with commas)."""
-    if isinstance(which, str) and which == "all":
-        return np.arange(bank.num_scenes, dtype=np.int32)
-    if isinstance(which, str) and which in bank.meta["splits"]:
-        return bank.scenes_of(which)
-    ids = which.split(",") if isinstance(which, str) else list(which)
-    unknown = [s for s in ids if s not in bank.scene_ids] or ([which] if not ids else [])
-    if unknown:
-        splits, known = ", ".join(sorted(set(bank.meta["splits"]))), ", ".join(bank.scene_ids[:20])
-        raise NounError(
-            f"config.scenes: found {unknown[0]!r}, which names no scene, needed 'all', a split ({splits}) or "
-            f"ids of its {bank.num_scenes} scenes ({known})."
-        )
-    return np.array([bank.scene_ids.index(s) for s in ids], np.int32)
 
 
 def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
@@ -98,7 +83,7 @@ class NavEnv:
         self._qpos0 = jnp.asarray(model.qpos0, jnp.float32)
         self._nv = model.nv
         self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
-        self.scenes = _select_scenes(bank, config.scenes)
+        self.scenes = select_scenes(bank, config.scenes)
         self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
         self._randomization = Randomization(config.randomization)
         self._episodes = {
@@ -110,6 +95,10 @@ class NavEnv:
         self._map_resolution = float(bank.map_resolution)
         self._traversable = jnp.asarray(traversable(np.arange(len(GROUND_KINDS))))
         self._surroundings = Surroundings(bank, robot.planner_height)
+        #: The crowd of the scenario dynamic; None in the others.
+        self.living: LivingStreet | None = None
+        if scenario_of(config) == "dynamic":
+            self.living = LivingStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
 
     # What users of Playground and Brax ask an environment.
 
@@ -187,6 +176,9 @@ class NavEnv:
         )
         key = typed_key(key)
         sim = self.engine.init(scene, self._qpos0.at[:7].set(pose), jnp.zeros(self._nv))
+        crowd = None
+        if self.living is not None:
+            crowd = self.living.begin(key, scene, start, waypoints, self._surroundings.distances)
         zero = jnp.float32(0.0)
         return NavState(
             key=key,
@@ -206,13 +198,15 @@ class NavEnv:
             last_action=jnp.zeros(self.action_size),
             result=jnp.int32(Result.RUNNING),
             look=self._randomization.look(key),
+            crowd=crowd,
         )
 
     @full_precision
     def advance(self, nav: NavState, action: jax.Array) -> tuple[NavState, jax.Array, jax.Array, dict[str, jax.Array]]:
         """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
-        sim = self.engine.step(nav.sim, self._control(action))
+        crowd, agents = (None, ()) if self.living is None else self.living.advance(nav, self._root)
+        sim = self.engine.step(nav.sim, self._control(action), *agents)
         finite = jnp.isfinite(sim.qpos).all() & jnp.isfinite(sim.qvel).all()
         position = jnp.where(finite, sim.xpos[self._root], nav.sim.xpos[self._root])
         quaternion = jnp.where(finite, sim.xquat[self._root], nav.sim.xquat[self._root])
@@ -222,6 +216,7 @@ class NavEnv:
         steps = nav.steps + 1
         hit = sim.contacts.hit & finite
         config = self._config
+        person = {} if self.living is None else {"hit_agent": sim.contacts.hit_agent >= 0}
         result = terms.result_of(
             finite=finite,
             fallen=terms.up_of(quaternion) < _UPRIGHT,
@@ -229,6 +224,7 @@ class NavEnv:
             off_traversable=(~self.is_traversable(sim.scene, p_xy)) & config.terminate_off_traversable,
             at_goal=(distance < config.success_radius) & (steps > config.success_after_step),
             out_of_time=steps >= config.episode_length,
+            **person,
         )
         done = result != Result.RUNNING
         done_f = done.astype(jnp.float32)
@@ -243,10 +239,13 @@ class NavEnv:
             age=nav.age + 1,
             last_action=action,
             result=result,
+            crowd=crowd,
         )
         rewards = self._rewards(nav, new, velocity, hit)
         reward = sum(rewards.values(), jnp.float32(0.0))
         metrics = self._metrics(new, done_f, rewards)
+        if self.living is not None:
+            metrics |= self.living.metrics(crowd, result, p_xy, velocity)
         return new, reward, done_f, metrics
 
     @full_precision
@@ -271,7 +270,7 @@ class NavEnv:
             ]
         )
         probes = position[:2] + terms.to_world(jnp.asarray(PROBES), yaw)
-        around = self._surroundings.distances(nav.sim.scene, probes).reshape(-1)
+        around = self._distances(nav, probes).reshape(-1)
         privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
         if self.renderer is not None:
@@ -318,6 +317,7 @@ class NavEnv:
             "hit_time_per_step",
             "slot_overflow",
         ]
+        names += PEOPLE_METRICS if self.living is not None else ()
         return {name: jnp.float32(0.0) for name in names}
 
     def is_traversable(self, scene: jax.Array, p_xy: jax.Array) -> jax.Array:
@@ -352,7 +352,7 @@ class NavEnv:
             "velocity_cosine": terms.reward_velocity_cosine(velocity, to_goal),
             "velocity_dot": terms.reward_velocity_dot(velocity, to_goal),
             "progress": terms.reward_progress(old.goal_distance, new.goal_distance),
-            "near_object": terms.reward_near_object(self._surroundings.distances(new.sim.scene, position[:2])[0]),
+            "near_object": terms.reward_near_object(self._distances(new, position[:2])[0]),
         }
         factor = self.dt if self._config.reward_config.multiply_by_dt else 1.0
         return {
@@ -378,10 +378,16 @@ class NavEnv:
             "slot_overflow": nav.sim.slot_overflow.astype(jnp.float32),
         }
 
+    def _distances(self, nav: NavState, p_xy: Any) -> Any:
+        """(..., 2) m from places (..., 2) to the next hull or agent and to the edge of the walkable ground."""
+        found = self._surroundings.distances(nav.sim.scene, p_xy)
+        return found if self.living is None else self.living.nearer(found, nav.crowd, p_xy)
+
     def _pixels(self, nav: NavState) -> jax.Array:
         assert self.renderer is not None
         look = (nav.look,) if self._randomization.looks else ()
-        frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat, *look)
+        moving = {} if self.living is None else {"agents": self.living.places(nav.crowd, nav.sim.scene)}
+        frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat, *look, **moving)
         if not self._config.vision_config.depth:
             return frame["rgb"]
         # The renderer writes 0 where nothing was hit: as far as one can say.

@@ -11,7 +11,9 @@ from ..datatypes import NounError, RobotSpec, SceneBank
 from .config import default_config
 from .joystick import JoystickEnv
 from .joystick_config import joystick_config
+from .living import slot_kinds, slot_looks, slot_shapes
 from .navigation import NavEnv
+from .scenarios import bank_for, scenario_of
 
 EnvMaker = Callable[[ConfigDict, SceneBank], Any]
 ConfigMaker = Callable[[str], ConfigDict]
@@ -147,6 +149,9 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     """A `NavEnv` with the engine and the renderer its config asks for."""
     from ..simulation.engines import make_engine
 
+    scenario = scenario_of(config)
+    bank = bank_for(scenario, bank)
+    kinds = slot_kinds(config.crowd) if scenario == "dynamic" else ()
     robot = make_robot(config)
     if abs(config.ctrl_dt / config.sim_dt - round(config.ctrl_dt / config.sim_dt)) > 1e-6:
         raise NounError(
@@ -159,6 +164,7 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
         control_dt=config.ctrl_dt,
         physics_dt=config.sim_dt,
         num_slots=config.num_slots,
+        agents=slot_shapes(kinds) if kinds else None,
     )
     renderer = None
     if config.vision:
@@ -176,6 +182,7 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
             shadows=view.shadows,
             shading=view.shading,
             appearance=config.randomization.appearance,
+            agents=slot_looks(kinds, bank),
         )
     return NavEnv(config, bank, robot, engine, renderer)
 

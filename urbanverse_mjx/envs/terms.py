@@ -4,6 +4,8 @@ Distances are on the ground plane. Rewards follow the paper's appendix; where th
 authors' released terms are used, each named in its docstring.
 """
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 
@@ -120,8 +122,12 @@ def result_of(
     off_traversable: jax.Array,
     at_goal: jax.Array,
     out_of_time: jax.Array,
+    hit_agent: Any = False,
 ) -> jax.Array:
     """() i32 result code; when several hold, the first of non-finite, hit, fall, off, goal, timeout counts.
+
+    Args:
+      hit_agent: what was hit is, or is among others, an agent.
 
     A robot that touches something while it arrives has not arrived without collision (paper, SR).
     """
@@ -132,6 +138,7 @@ def result_of(
         (off_traversable, Result.OFF_TRAVERSABLE),
         (fallen, Result.FALL),
         (hit, Result.HIT),
+        (hit & hit_agent, Result.HIT_AGENT),
         (~finite, Result.NON_FINITE),
     ):
         code = jnp.where(flag, jnp.int32(value), code)

@@ -8,7 +8,7 @@ from flax import struct
 
 
 class Result(enum.IntEnum):
-    """How an episode ended; RUNNING while it has not."""
+    """How an episode ended; RUNNING while it has not. HIT is a touch of an object or of the ground by the body."""
 
     RUNNING = 0
     GOAL = 1
@@ -17,6 +17,7 @@ class Result(enum.IntEnum):
     FALL = 4
     NON_FINITE = 5
     TIMEOUT = 6
+    HIT_AGENT = 7
 
 
 class StagedEnv(Protocol):
@@ -65,6 +66,7 @@ class NavState(NamedTuple):
       last_action: (action_size,) f32.
       result: () i32, see `Result`.
       look: () i32, see `Renderer.__call__`.
+      crowd: the agents' `Crowd` in the scenario dynamic, else None.
     """
 
     key: Any
@@ -84,6 +86,7 @@ class NavState(NamedTuple):
     last_action: Any
     result: Any
     look: Any
+    crowd: Any = None
 
 
 @struct.dataclass

@@ -3,6 +3,10 @@
 SR: share of episodes that reach the goal without a hit. CT: mean share of episode time in contact (the paper's
 definition; near 0 where an episode ends at contact, so the share of episodes with a hit stands beside it).
 RC: mean share of the route reached. DTG: mean distance to the goal at the end, m. SPL: Anderson et al. 2018.
+
+With people (scenario dynamic): agent_hits, share of episodes that end by touching an agent; people_distance, mean over
+episodes of the least distance to a person, m; IT, mean share of time within 0.45 m of one (Hall's intimate distance);
+speed_near_people, mean speed within 1.2 m of one, m/s, over the episodes that have such time.
 """
 
 import math
@@ -50,12 +54,20 @@ def summarise(results: Sequence[EpisodeResult]) -> dict[str, object]:
         scaled = [factor * x for x in values]
         return _entry(float(np.mean(scaled)), bootstrap_interval(scaled), digits)
 
-    return {
+    found: dict[str, object] = {
         "SR": share([r.success for r in results]),
         "CT": mean([r.hit_time for r in results], 100.0, 2),
         "RC": mean([r.route_completion for r in results], 100.0),
         "DTG": mean([r.distance_to_goal for r in results], 1.0, 2),
-        "hit_episodes": share([r.result == "hit" for r in results]),
+        "hit_episodes": share([r.result in ("hit", "hit_agent") for r in results]),
         "SPL": mean([r.spl for r in results], 100.0),
         "n": len(results),
     }
+    distances = [r.people_distance for r in results if r.people_distance is not None]
+    if distances:
+        speeds = [r.speed_near_people for r in results if r.speed_near_people is not None]
+        found["agent_hits"] = share([r.result == "hit_agent" for r in results])
+        found["people_distance"] = mean(distances, 1.0, 2)
+        found["IT"] = mean([r.intimate_time for r in results if r.intimate_time is not None], 100.0, 2)
+        found["speed_near_people"] = mean(speeds, 1.0, 2) if speeds else None
+    return found

@@ -17,7 +17,9 @@ def make_report(title: str, results: Sequence[EpisodeResult], record: dict[str, 
     return BenchmarkReport(title, summary, tuple(results), record)
 
 
-def _cell(entry: dict[str, float]) -> str:
+def _cell(entry: dict[str, float] | None) -> str:
+    if entry is None:
+        return "-"
     return f"{entry['mean']:g} [{entry['low']:g}, {entry['high']:g}]"
 
 
@@ -29,6 +31,7 @@ def to_markdown(report: BenchmarkReport) -> str:
     for agent, values in report.summary.items():
         cells = " | ".join(_cell(values[m]) for m in metrics)
         lines.append(f"| {agent} | {cells} | {values['n']} |")
+    lines += _people_table(report)
     lines += [
         "",
         "How the episodes ended:",
@@ -55,6 +58,18 @@ def to_markdown(report: BenchmarkReport) -> str:
     lines += ["", "Made by:", ""]
     lines += [f"* {key}: {value}" for key, value in report.record.items()]
     return "\n".join(lines) + "\n"
+
+
+def _people_table(report: BenchmarkReport) -> list[str]:
+    """Lines about people; none for streets without them."""
+    metrics = ("agent_hits", "people_distance", "IT", "speed_near_people")
+    if not all("people_distance" in values for values in report.summary.values()):
+        return []
+    lines = ["", "People: episodes that ended by touching one in %, least distance in m, time within 0.45 m in %,"]
+    lines += ["speed within 1.2 m in m/s:", "", "| agent | " + " | ".join(metrics) + " |", "|---" * 5 + "|"]
+    for agent, values in report.summary.items():
+        lines.append(f"| {agent} | " + " | ".join(_cell(values[m]) for m in metrics) + " |")
+    return lines
 
 
 def write_report(report: BenchmarkReport, folder: pathlib.Path) -> None:

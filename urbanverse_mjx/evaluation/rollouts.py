@@ -8,9 +8,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..datatypes import RESULTS, EpisodeResult, NounError
+from ..datatypes import RESULTS, AgentMotion, EpisodeResult, NounError
 from ..envs import NavEnv, NavState
 from .agents import Agent
+from .people import counted, no_people, people_fields
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,12 +51,13 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
 
 
 class _Tally(NamedTuple):
-    """What is counted along the way, per env."""
+    """What is counted along the way, per env; people: `PeopleTally`, None where there are none."""
 
     hit_time: Any
     path_length: Any
     slot_overflow: Any
     key: Any
+    people: Any
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,11 +67,13 @@ class Trajectory:
     Attributes:
       xpos: (T, n, nbody, 3) m, xquat: (T, n, nbody, 4) wxyz of the robot's bodies.
       running: (T, n) bool, the episode had not ended.
+      agents: places of moving agents, fields (T, n, A, ...); None where there are none.
     """
 
     xpos: np.ndarray
     xquat: np.ndarray
     running: np.ndarray
+    agents: AgentMotion | None
 
 
 class Rollout:
@@ -103,7 +107,8 @@ class Rollout:
         who = jnp.repeat(jnp.arange(count), n)
         nav = self._begin(keys, jnp.asarray(scenes), jnp.asarray(rows))
         zero = jnp.zeros(n * count)
-        tally = _Tally(zero, zero, zero.astype(jnp.int32), keys)
+        people = None if self.env.living is None else no_people(n * count)
+        tally = _Tally(zero, zero, zero.astype(jnp.int32), keys, people)
         chunk = self._chunk_of(list(agents.values()))
         seen = []
         for _ in range(-(-self.env.config.episode_length // self._chunk)):
@@ -114,7 +119,7 @@ class Rollout:
                 on_progress(ended, n * count)
             if ended == n * count:
                 break
-        trajectory = Trajectory(*(np.concatenate(part) for part in zip(*seen, strict=True)))
+        trajectory = Trajectory(*jax.tree.map(lambda *part: np.concatenate(part), *seen))
         results = []
         for i, name in enumerate(agents):
             part = slice(i * n, (i + 1) * n)
@@ -136,6 +141,7 @@ class Rollout:
                 tally.path_length + jnp.nan_to_num(moved),
                 tally.slot_overflow + new.sim.slot_overflow,
                 key,
+                None if tally.people is None else counted(tally.people, metrics),
             )
             # An ended episode stands still as it ended.
             return jax.tree.map(lambda a, b: jnp.where(running, a, b), (new, new_tally), (nav, tally))
@@ -144,7 +150,10 @@ class Rollout:
             def step(carry: Any, _: None) -> tuple[Any, Any]:
                 nav, tally = carry
                 obs = jax.vmap(env.observe)(nav)
-                return jax.vmap(one)(nav, tally, obs, who), (nav.sim.xpos, nav.sim.xquat, nav.result == 0)
+                agents = None
+                if env.living is not None:
+                    agents = jax.vmap(env.living.places)(nav.crowd, nav.sim.scene)
+                return jax.vmap(one)(nav, tally, obs, who), (nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents)
 
             return jax.lax.scan(step, (nav, tally), None, length=self._chunk)
 
@@ -170,6 +179,7 @@ class Rollout:
                 path_length=float(path[i]),
                 route_length=float(length[i]),
                 slot_overflow=int(tally.slot_overflow[i]),
+                **({} if tally.people is None else people_fields(tally.people, steps, i)),
             )
             for i in range(len(episodes))
         ]

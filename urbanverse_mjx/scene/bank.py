@@ -1,12 +1,13 @@
 """Packing: many `SceneGeometry` become one `SceneBank`. Equal hulls, meshes and textures are stored once."""
 
+import dataclasses
 import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ..datatypes import AssetMesh, SceneBank
+from ..datatypes import AgentLook, AssetMesh, SceneBank, bank_join
 from ..datatypes import validation as v
 from ..datatypes.ground import GROUND_KINDS
 from . import grids
@@ -115,6 +116,25 @@ def pack(
         "grid_reach": grids.REACH,
     }
     return SceneBank(**arrays, meta=meta)
+
+
+def with_agents(bank: SceneBank, looks: Sequence[AgentLook]) -> SceneBank:
+    """The bank with the looks of moving people and vehicles in place of those it had.
+
+    Raises:
+      NounError: no look.
+    """
+    if not looks:
+        raise v.fail("bank agents", "no look", "at least one")
+    arrays, extra = bank.arrays(), _mesh_arrays([look.mesh for look in looks])
+    names = list(dict.fromkeys([*bank.meta["categories"], *(look.category for look in looks)]))
+    agents = {
+        "kind": [look.kind for look in looks],
+        "mesh": [bank.num_meshes + i for i in range(len(looks))],
+        "category": [names.index(look.category) for look in looks],
+    }
+    joined = {name: bank_join.joined(name, [arrays, extra]) for name in extra}
+    return dataclasses.replace(bank, **joined, meta={**bank.meta, "categories": names, "agents": agents})
 
 
 def _hull_rows(scene: SceneGeometry, library: _Library) -> np.ndarray:

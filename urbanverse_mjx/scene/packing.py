@@ -3,10 +3,11 @@
 import os
 from collections.abc import Sequence
 
+from ..assets.agents import agent_looks
 from ..assets.skies import build_sky
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
-from .bank import pack
+from .bank import pack, with_agents
 from .compiler import CompiledScene
 
 
@@ -24,4 +25,5 @@ def pack_bank(folders: Sequence[str | os.PathLike[str]], splits: Sequence[str]) 
     compiled = [CompiledScene.load(folder) for folder in folders]
     scenes = [c.geometry for c in compiled]
     skies = {name: build_sky(name) for name in {s.sky for s in scenes}}
-    return pack(scenes, splits, skies, {c.layout.id: c.metadata["hashes"]["layout"] for c in compiled})
+    hashes = {c.layout.id: c.metadata["hashes"]["layout"] for c in compiled}
+    return with_agents(pack(scenes, splits, skies, hashes), agent_looks())

@@ -5,10 +5,13 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from mujoco import mjx
 
-from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
+from ..datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from .physics_model import make_physics_model
 from .precision import full_precision
+
+#: Pairs of a sphere and an agent that may touch at once: one who stands against a flat side of COCO touches three.
+AGENT_CONTACTS = 6
 
 
 class Substeps(NamedTuple):
@@ -31,9 +34,17 @@ class EngineBase:
     """
 
     def __init__(
-        self, bank: SceneBank, robot: RobotSpec, control_dt: float, num_slots: int, num_prism_slots: int
+        self,
+        bank: SceneBank,
+        robot: RobotSpec,
+        control_dt: float,
+        num_slots: int,
+        num_prism_slots: int,
+        agents: AgentShapes | None,
     ) -> None:
         self.robot = robot
+        #: Shapes of the agent slots; None where there are none.
+        self.agents = agents if agents is not None and len(agents.radius) else None
         self.physics = make_physics_model(robot)
         self.control_dt = v.number(control_dt, "engine.control_dt", above=0.0)
         self.num_substeps = round(control_dt / robot.physics_timestep)
@@ -55,10 +66,25 @@ class EngineBase:
             )
         self._data = mjx.make_data(self.physics.model)
 
+    def check_agents(self, motion: AgentMotion | None) -> None:
+        """Refuses agents without slots, slots without agents, and other numbers of both."""
+        given, wanted = (0 if x is None else len(x[0]) for x in (motion, self.agents))
+        if given != wanted:
+            raise v.fail("engine.step: agents", f"{given} of them", f"as many as the engine has slots ({wanted})")
+
+    @property
+    def num_agent_contacts(self) -> int:
+        """Pairs of a sphere and an agent that may touch at once."""
+        return 0 if self.agents is None else min(AGENT_CONTACTS, len(self.agents.radius) * self.num_spheres)
+
+    @property
+    def num_spheres(self) -> int:
+        return len(self.physics.spheres.radius)
+
     @property
     def num_pairs(self) -> int:
         """Pairs of a sphere of the robot and a slot."""
-        return (self.num_slots + self.num_prism_slots) * len(self.physics.spheres.radius)
+        return (self.num_slots + self.num_prism_slots) * self.num_spheres
 
     @full_precision
     def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
@@ -67,7 +93,9 @@ class EngineBase:
         qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
         no, none = jnp.zeros((), bool), jnp.full((), -1, jnp.int32)
-        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()), jnp.zeros(len(self.robot.foot_geoms)))
+        nobody = None if self.agents is None else none
+        feet = jnp.zeros(len(self.robot.foot_geoms))
+        contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()), feet, nobody)
         zero, one = jnp.zeros((), jnp.int32), jnp.ones(())
         warm = jnp.zeros_like(qvel)
         return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one)

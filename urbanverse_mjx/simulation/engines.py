@@ -6,7 +6,7 @@ from typing import Any
 
 import jax
 
-from ..datatypes import NounError, RobotSpec, SceneBank
+from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
 
 IMPLS = ("auto", "jax", "warp")
 
@@ -18,6 +18,7 @@ def make_engine(
     control_dt: float = 0.2,
     physics_dt: float | None = None,
     num_slots: int = 16,
+    agents: AgentShapes | None = None,
     **sizes: Any,
 ) -> Any:
     """A `Simulator` over a bank.
@@ -27,6 +28,7 @@ def make_engine(
       impl: "jax" (MJX, any device), "warp" (MuJoCo Warp, CUDA and CPU), or "auto": "warp" on CUDA, else "jax".
       control_dt: s, one control step; physics_dt: s, one physics step, default the robot's.
       num_slots: object hulls streamed per control step.
+      agents: shapes of moving agents; None = none.
       sizes: of the engine, such as num_prism_slots, num_contacts, iterations, line_steps; default its own.
 
     Raises:
@@ -40,10 +42,10 @@ def make_engine(
         # Warp takes a second to import, and says so: only those who use it pay.
         from .warp_engine import WarpEngine
 
-        return WarpEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, **sizes)
+        return WarpEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, **sizes)
     from .jax_engine import JaxEngine
 
-    return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, **sizes)
+    return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, **sizes)
 
 
 def choose_impl(impl: str) -> str:

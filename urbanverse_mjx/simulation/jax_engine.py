@@ -15,9 +15,9 @@ import jax
 import jax.numpy as jnp
 from mujoco import mjx
 
-from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
+from ..datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
-from . import constraint, hull_contact, slots
+from . import agent_slots, constraint, hull_contact, slots
 from .engine_base import EngineBase, Substeps
 from .precision import full_precision
 
@@ -46,6 +46,8 @@ class _Touch(NamedTuple):
     count: Any
     missed: Any
     foot: Any
+    agent: Any = None
+    agent_force: Any = None
 
 
 class JaxEngine(EngineBase):
@@ -59,6 +61,7 @@ class JaxEngine(EngineBase):
       num_prism_slots: ground prisms looked at per control step.
       num_contacts: pairs of a sphere and a hull that may touch at once.
       iterations, line_steps: of the constraint solver.
+      agents: shapes of moving agents, which `step` is then told of; None = none.
 
     Raises:
       NounError: a control period that is no multiple of the time step, too many or no slots, or a bank whose grids
@@ -75,8 +78,9 @@ class JaxEngine(EngineBase):
         num_contacts: int = 12,
         iterations: int = 10,
         line_steps: int = 8,
+        agents: AgentShapes | None = None,
     ) -> None:
-        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots)
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents)
         self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, self.num_pairs)
         self.iterations = v.integer(iterations, "engine.iterations", 1)
         self.line_steps = v.integer(line_steps, "engine.line_steps", 1)
@@ -88,13 +92,16 @@ class JaxEngine(EngineBase):
         first = int(self.physics.model.jnt_qposadr[self.physics.model.body_jntadr[self.physics.root]])
         self._root_qpos = slice(first, first + 3)
 
-    def step(self, state: SimState, ctrl: Any) -> SimState:
+    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""
-        return self.step_and_record(state, ctrl)[0]
+        return self.step_and_record(state, ctrl, agents)[0]
 
     @full_precision
-    def step_and_record(self, state: SimState, ctrl: Any) -> tuple[SimState, Substeps]:
+    def step_and_record(
+        self, state: SimState, ctrl: Any, agents: AgentMotion | None = None
+    ) -> tuple[SimState, Substeps]:
         """`step`, and what happened on the way."""
+        self.check_agents(agents)
         centre = state.xpos[self.physics.root]
         nearby, overflow = self.find_slots(state.scene, centre)
         ctrl = jnp.asarray(ctrl, jnp.float32)
@@ -103,25 +110,32 @@ class JaxEngine(EngineBase):
         origin = jnp.round(centre).at[2].set(0.0)
         nearby = nearby._replace(position=nearby.position - origin)
         model = self._scaled_model(state.mass_scale)
+        if agents is not None:
+            agents = agents._replace(position=agents.position - origin)
 
-        def substep(carry: Any, _: None) -> tuple[Any, Substeps]:
-            after = self._physics_step(model, state.friction_scale, nearby, ctrl, *carry)
+        def substep(carry: Any, number: Any) -> tuple[Any, Substeps]:
+            met = None if agents is None else agent_slots.moved(agents, number * self.robot.physics_timestep)
+            after = self._physics_step(model, state.friction_scale, nearby, met, ctrl, *carry)
             return after, Substeps(after[0].at[self._root_qpos].add(origin), after[3].count > carry[3].count)
 
         zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
         feet = jnp.zeros(len(self.robot.foot_geoms))
         touch = _Touch(jnp.zeros(()), none, jnp.zeros((), bool), zero, zero, feet)
+        numbers = None
+        if agents is not None:
+            touch, numbers = touch._replace(agent=none, agent_force=jnp.zeros(())), jnp.arange(self.num_substeps)
         start = (state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch)
-        (qpos, qvel, warm, touch), record = jax.lax.scan(substep, start, None, length=self.num_substeps)
+        (qpos, qvel, warm, touch), record = jax.lax.scan(substep, start, numbers, length=self.num_substeps)
         qpos = qpos.at[self._root_qpos].add(origin)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
         contacts = Contacts(
             hit=touch.count > 0,
-            hit_object=touch.owner,
+            hit_object=touch.owner if agents is None else jnp.maximum(touch.owner, -1),
             hit_ground=touch.ground,
             hit_force=touch.force,
             hit_fraction=touch.count / self.num_substeps,
             foot_force=touch.foot / self.num_substeps,
+            hit_agent=touch.agent,
         )
         missed = overflow + touch.missed
         after = state._replace(
@@ -154,6 +168,7 @@ class JaxEngine(EngineBase):
         model: Any,
         friction_scale: Any,
         nearby: slots.Slots,
+        agents: AgentMotion | None,
         ctrl: Any,
         qpos: Any,
         qvel: Any,
@@ -166,9 +181,11 @@ class JaxEngine(EngineBase):
             data = stage(model, data)
         data = mjx.fwd_acceleration(model, mjx.fwd_actuation(model, data))
         radii = jnp.asarray(spheres.radius, jnp.float32)
-        found = hull_contact.find_contacts(
-            data.geom_xpos[spheres.geom], radii, nearby, self.tables.hulls, self.num_contacts
-        )
+        places = data.geom_xpos[spheres.geom]
+        found = hull_contact.find_contacts(places, radii, nearby, self.tables.hulls, self.num_contacts)
+        if agents is not None and self.agents is not None:
+            room = self.num_agent_contacts
+            found, nearby = agent_slots.with_agents(found, places, radii, agents, self.agents, nearby, room)
         centre = data.subtree_com[self.physics.root]
         grip = nearby.friction, friction_scale
         rows = constraint.contact_rows(found, spheres, *grip, data.cdof, centre, qvel, dt)
@@ -177,7 +194,7 @@ class JaxEngine(EngineBase):
         mass = mjx.full_m(model, data)
         qacc, force = constraint.solve(mass, data.qacc_smooth, warm, rows, self.iterations, self.line_steps)
         data = mjx.euler(model, data.replace(qacc=qacc, qfrc_constraint=force @ rows.jacobian))
-        normal_force = force[: 4 * self.num_contacts].reshape(-1, 4).sum(1)
+        normal_force = force[: 4 * len(found.sphere)].reshape(-1, 4).sum(1)
         return data.qpos, data.qvel, qacc, self._note(touch, found, nearby, normal_force)
 
     def _note(self, touch: _Touch, found: hull_contact.SphereContacts, nearby: slots.Slots, force: Any) -> _Touch:
@@ -187,12 +204,17 @@ class JaxEngine(EngineBase):
         foot = jnp.asarray(self.physics.spheres.foot)[found.sphere]
         on_ground = touching & (owner < 0) & (foot < 0)
         hit = (touching & (owner >= 0)) | on_ground
+        if self.agents is not None:
+            met = touching & (owner <= agent_slots.FIRST_OWNER)
+            on_ground &= ~met
+            hit |= met
+            touch = agent_slots.noted(touch, met, owner, force)
         strength = jnp.where(hit, force, -1.0)
         best = jnp.argmax(strength)
         # A product with zeros and ones is faster than a scatter.
         loads = force @ (foot[:, None] == jnp.arange(len(self.robot.foot_geoms))).astype(force.dtype)
         stronger = (strength[best] > touch.force) | ((touch.count == 0) & hit.any())
-        return _Touch(
+        return touch._replace(
             force=jnp.maximum(touch.force, strength[best]),
             owner=jnp.where(stronger, owner[best], touch.owner),
             ground=touch.ground | on_ground.any(),

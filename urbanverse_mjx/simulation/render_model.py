@@ -5,11 +5,13 @@ Hulls are not in it, because the renderer builds a search tree for every mesh it
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 
 from ..datatypes import NounError, RobotSpec, SceneBank
+from .render_settings import AGENT_LABEL, ROBOT_LABEL
 from .render_shapes import primitive_mesh
 
 #: MJCF geom group of what is seen of a robot (its collision spheres are in group 3, as in MuJoCo Menagerie).
@@ -43,13 +45,16 @@ class RenderModel:
     """What the renderer draws.
 
     Attributes:
-      model: compiled; geoms [0, N) are the slots, [N, N + R) the robot's visual geoms; all are meshes.
+      model: compiled; geoms [0, N) are the slots, [N, N + R) what moves: the robot's visual geoms, then one geom for
+        each agent; all are meshes.
       vertices (ΣV, 3), normals (ΣVn, 3) f32: `model.mesh_vert` and `mesh_normal` turned back into the frames in
         which the meshes were authored (the compiler moves every mesh to its inertial frame).
       num_slots: N. absent_material: a material nobody sees, for empty slots.
       robot_body (R,) i32, robot_position (R, 3) f32, robot_rotation (R, 3, 3) f32: T_body_geom.
       robot_half (R, 2, 3) f32: centre and half size of the box around each robot geom in the geom's frame.
-      num_bodies: bodies of the robot's model, the world included; 1 without a robot.
+      labels (R, 2) i32: "object" and "category" of what moves.
+      num_bodies: bodies of the robot's model, the world included (1 without a robot), and behind them the agents.
+      num_agents: how many of the bodies are agents.
       cameras: the robot's cameras by name.
     """
 
@@ -62,7 +67,9 @@ class RenderModel:
     robot_position: np.ndarray
     robot_rotation: np.ndarray
     robot_half: np.ndarray
+    labels: np.ndarray
     num_bodies: int
+    num_agents: int
     cameras: dict[str, RobotCamera]
 
 
@@ -236,11 +243,36 @@ def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
     }
 
 
-def build_render_model(bank: SceneBank, robot: RobotSpec | None) -> RenderModel:
-    """Builds the render model of a bank and, if given, a robot.
+def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, looks: Sequence[int]) -> np.ndarray:
+    """Adds a geom for each agent, which looks like row `looks[i]` of the bank's agents; (A, 2, 3) their boxes."""
+    boxes, known = [], len(bank.agents["mesh"])
+    for look in looks:
+        if not 0 <= look < known:
+            raise NounError(f"renderer agents: found look {look}; needed one of the bank's {known}; build it again")
+        mesh = bank.agents["mesh"][look]
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=f"bank/{mesh}",
+            material=f"bank/{bank.mesh_material[mesh]}",
+            contype=0,
+            conaffinity=0,
+            group=SLOT_GROUP,
+            rgba=_INHERIT,
+        )
+        corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]]
+        low, high = corners.min(0), corners.max(0)
+        boxes.append([(low + high) / 2, (high - low) / 2])
+    return np.array(boxes, np.float64).reshape(-1, 2, 3)
+
+
+def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence[int] = ()) -> RenderModel:
+    """Builds the render model of a bank and, if given, a robot and agents.
+
+    Args:
+      looks: row of the bank's agents for each agent.
 
     Raises:
-      NounError: the bank shows nothing, or the robot has a visual geom without a surface.
+      NounError: the bank shows nothing, the robot has a visual geom without a surface, or the bank has no such look.
     """
     if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
         raise NounError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
@@ -252,6 +284,7 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None) -> RenderModel:
     _add_bank(spec, bank)
     robot_model = None if robot is None else mujoco.MjModel.from_xml_string(robot.mjcf)
     geoms = [] if robot_model is None else _add_robot(spec, robot_model)
+    agent_boxes = _add_agents(spec, bank, looks)
     spec.worldbody.add_camera(name="eye")
     spec.worldbody.add_light(name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=True, dir=(0, 0, -1))
     model = spec.compile()
@@ -261,16 +294,21 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None) -> RenderModel:
         body = robot_model.geom_bodyid[geoms].astype(np.int32)
         position, quaternion = robot_model.geom_pos[geoms], robot_model.geom_quat[geoms]
         boxes = [_geom_box(robot_model, g) for g in geoms]
+    bodies, number = 1 if robot_model is None else robot_model.nbody, len(looks)
+    labels = [[ROBOT_LABEL, ROBOT_LABEL]] * len(geoms) + [[AGENT_LABEL, bank.agents["category"][i]] for i in looks]
+    rotation = np.concatenate([rotation_matrices(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
     return RenderModel(
         model=model,
         vertices=vertices,
         normals=normals,
         num_slots=bank.slot_mesh.shape[1],
         absent_material=len(bank.material_rgba),
-        robot_body=body,
-        robot_position=position.astype(np.float32).reshape(-1, 3),
-        robot_rotation=rotation_matrices(quaternion.reshape(-1, 4)).astype(np.float32),
-        robot_half=np.array(boxes, np.float32).reshape(-1, 2, 3),
-        num_bodies=1 if robot_model is None else robot_model.nbody,
+        robot_body=np.concatenate([body, bodies + np.arange(number)]).astype(np.int32),
+        robot_position=np.concatenate([position.reshape(-1, 3), np.zeros((number, 3))]).astype(np.float32),
+        robot_rotation=rotation.astype(np.float32),
+        robot_half=np.concatenate([np.array(boxes).reshape(-1, 2, 3), agent_boxes]).astype(np.float32),
+        labels=np.array(labels, np.int32).reshape(-1, 2),
+        num_bodies=bodies + number,
+        num_agents=number,
         cameras={} if robot_model is None else _cameras(robot_model),
     )

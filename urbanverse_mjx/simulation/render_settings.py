@@ -4,6 +4,8 @@ import dataclasses
 
 #: Label of the robot's own pixels in "object" and "category"; -1 is the sky.
 ROBOT_LABEL = -2
+#: "object" of a moving agent; its "category" is that of its look.
+AGENT_LABEL = -3
 #: "pbr": glTF materials as mujoco-warp-pbr shows them; "matte": the same light without highlights.
 SHADINGS = ("pbr", "matte")
 OUTPUTS = ("rgb", "depth", "category", "object", "normal")

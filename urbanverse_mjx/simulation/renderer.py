@@ -14,14 +14,14 @@ import numpy as np
 import warp as wp
 
 from .. import settings as process
-from ..datatypes import NounError, RobotSpec, SceneBank
+from ..datatypes import AgentMotion, NounError, RobotSpec, SceneBank
 from .precision import full_precision
 from .render_model import build_render_model
-from .render_settings import NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
+from .render_settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
 from .street_batch import StreetBatch, Streets
 from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
 
-__all__ = ["OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
+__all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
 
 SKY_LABEL = -1
 
@@ -50,7 +50,8 @@ class Renderer:
     """Draws scenes of a bank, with or without a robot in them.
 
     Pixel rows go from top to bottom. Depth is planar: the distance along the camera's axis, 0 where nothing was hit.
-    "object" is the visual slot and "category" the row of `bank.meta["categories"]`; -1 is the sky, -2 the robot.
+    "object" is the visual slot and "category" the row of `bank.meta["categories"]`; -1 is the sky, -2 the robot;
+    agents are -3 in "object" and have a category.
     Normals are unit and in the world's frame, 0 for the sky. Colours are sRGB, and depend on nothing but the scene,
     the robot's pose and the camera.
 
@@ -68,6 +69,7 @@ class Renderer:
         a third more frames on a CPU).
       appearance: by what share looks may differ: a frame drawn with a `look` other than 0 shows every object, and the
         light, brighter or darker and in another tone by up to this share. 0 leaves that out.
+      agents: row of the bank's agents (`SceneBank.agents`) that each moving agent looks like.
 
     Raises:
       NounError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
@@ -87,6 +89,7 @@ class Renderer:
         samples: int = 1,
         shading: str = "pbr",
         appearance: float = 0.0,
+        agents: Sequence[int] = (),
     ) -> None:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
@@ -104,8 +107,8 @@ class Renderer:
         self.bank = bank
         self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance)
         self.threads = threads or process.num_threads()
-        self._model = build_render_model(bank, robot)
-        self.num_bodies = self._model.num_bodies
+        self._model = build_render_model(bank, robot, agents)
+        self.num_bodies = self._model.num_bodies - len(agents)
         self.camera = None if robot is None else self._find_camera(camera or robot.camera)
         self._devices: DeviceStore[Streets, StreetBatch] = DeviceStore()
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
@@ -119,12 +122,15 @@ class Renderer:
         return self._model.cameras[name]
 
     @full_precision
-    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0) -> dict[str, jax.Array]:
+    def __call__(
+        self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: AgentMotion | None = None
+    ) -> dict[str, jax.Array]:
         """One frame through the robot's camera; pure, works alone, under jit and any nesting of vmap.
 
         Args:
           scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
           look: () i32, 0 = as the bank says; other numbers stand for other looks, see `appearance`.
+          agents: where they are (position, heading, present); None leaves them out.
 
         Returns:
           the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
@@ -136,7 +142,7 @@ class Renderer:
         body = self.camera.body
         eye = xpos[body] + _rotate(xquat[body], jnp.asarray(self.camera.position))
         turn = _multiply(xquat[body], jnp.asarray(self.camera.quaternion))
-        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look)
+        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look, agents)
 
     def view(
         self,
@@ -147,6 +153,7 @@ class Renderer:
         xpos: Any = None,
         xquat: Any = None,
         look: Any = 0,
+        agents: AgentMotion | None = None,
     ) -> dict[str, jax.Array]:
         """One frame through a free camera.
 
@@ -155,7 +162,7 @@ class Renderer:
           position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
           fovy: () vertical field of view, rad.
           xpos, xquat: the robot's bodies; None leaves the robot out of the picture, far below the ground.
-          look: () i32, see `__call__`.
+          look: () i32, agents: see `__call__`.
         """
         bodies = self.num_bodies
         if xpos is None:
@@ -165,9 +172,21 @@ class Renderer:
         for name, array, shape in zip(("xpos", "xquat", "position", "quaternion", "fovy"), arrays, wanted, strict=True):
             if array.shape != shape:
                 raise NounError(f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more")
+        if self._model.num_agents:
+            arrays[:2] = [jnp.concatenate(x) for x in zip(arrays[:2], self._agent_bodies(agents), strict=True)]
         # Warp does not check indices; JAX's own gathers clamp them.
         scene = jnp.clip(jnp.asarray(scene, jnp.int32), 0, self.bank.num_scenes - 1)
         return self._view(scene, *arrays, jnp.asarray(look, jnp.int32))
+
+    def _agent_bodies(self, agents: AgentMotion | None) -> tuple[jax.Array, jax.Array]:
+        """Places (A, 3) and quaternions (A, 4); who is not there is far below the ground."""
+        number = self._model.num_agents
+        hidden = jnp.tile(jnp.array([0.0, 0.0, NOWHERE]), (number, 1))
+        if agents is None:
+            return hidden, jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))
+        half, none = 0.5 * agents.heading, jnp.zeros(number)
+        place = jnp.where(agents.present[:, None], agents.position, hidden)
+        return place, jnp.stack([jnp.cos(half), none, none, jnp.sin(half)], -1)
 
     @property
     def num_contexts(self) -> int:

@@ -13,7 +13,7 @@ from ..datatypes import SceneBank
 from . import street_draw
 from .render_model import FAR, RenderModel, rotation_matrices
 from .render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
-from .render_settings import NOWHERE, ROBOT_LABEL, Settings
+from .render_settings import NOWHERE, Settings
 from .street_kernels import Street, Views, place
 from .street_shade import Skies
 from .street_tree import Trees, as_floats, build_trees, joined
@@ -131,7 +131,7 @@ class Streets:
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
         self.street.things, self.street.num_objects = self._keep(things), len(mesh)
         label = np.stack([number, bank.slot_category[scene, number]], -1)
-        self.labels = wp.array(np.concatenate([label, np.full((len(geoms), 2), ROBOT_LABEL)]), dtype=wp.vec2i)
+        self.labels = wp.array(np.concatenate([label, model.labels]), dtype=wp.vec2i)
         self.textures = wp.array(textures, dtype=wp.Texture2D)
 
     def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:

@@ -10,6 +10,8 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
+from ..datatypes import AgentShapes
+from . import warp_agents
 from . import warp_contact as contact
 from . import warp_kernels as kernels
 from .warp_model import DeviceModel
@@ -27,6 +29,7 @@ class WorldBatch:
       num_contacts: contacts a world can hold.
       recorded: physics steps per control step that are recorded; 0 records none.
       graphs: whether the physics step is captured once and replayed, or launched kernel by kernel every time.
+      agents: shapes of the agent slots behind those of hulls; None = none.
     """
 
     def __init__(
@@ -38,6 +41,7 @@ class WorldBatch:
         num_contacts: int,
         recorded: int,
         graphs: bool,
+        agents: AgentShapes | None,
     ) -> None:
         self.shared, self.number, self.recorded = shared, number, recorded
         self.num_objects, self.num_prisms = num_objects, num_prisms
@@ -45,9 +49,13 @@ class WorldBatch:
         limits = int(np.count_nonzero(model.jnt_limited))
         self.data = mjw.make_data(model, nworld=number, nconmax=num_contacts, njmax=4 * num_contacts + limits)
         shape = (number, num_objects + num_prisms)
+        self.agents = None if agents is None else self._make_agents(agents, shape[1], model.opt.timestep)
         self.nearby = kernels.Nearby()
         self.nearby.row, self.nearby.distance = wp.empty(shape, dtype=int), wp.empty(shape, dtype=float)
         self.nearby.missing = wp.empty((number, 2), dtype=int)
+        self.num_hulls = shape[1]
+        if agents is not None:
+            shape = (number, shape[1] + len(agents.radius))
         self.slots = contact.Slots()
         # Nothing stands anywhere before the first call.
         self.slots.hull, self.slots.owner = wp.full(shape, -1, dtype=int), wp.full(shape, -1, dtype=int)
@@ -57,8 +65,8 @@ class WorldBatch:
         self.masses, self.model = self._make_masses(model.nbody)
         self.places = self._make_places(num_contacts)
         self.touch = kernels.Touch()
-        self.touch.force = wp.zeros(number, dtype=float)
-        for name in ("owner", "ground", "count", "missed"):
+        self.touch.force, self.touch.agent_force = wp.zeros(number, dtype=float), wp.zeros(number, dtype=float)
+        for name in ("owner", "ground", "count", "missed", "agent"):
             setattr(self.touch, name, wp.zeros(number, dtype=int))
         self.touch.foot = wp.zeros((number, shared.num_feet), dtype=float)
         self.origin = wp.zeros(number, dtype=wp.vec3)
@@ -83,6 +91,14 @@ class WorldBatch:
         out.address = found.efc_address
         return out
 
+    def _make_agents(self, shapes: AgentShapes, hulls: int, timestep: float) -> Any:
+        out, size = warp_agents.Agents(), (self.number, len(shapes.radius))
+        out.place, out.velocity = wp.zeros(size, dtype=wp.vec3), wp.zeros(size, dtype=wp.vec3)
+        out.turn, out.turn_rate = wp.zeros(size, dtype=float), wp.zeros(size, dtype=float)
+        out.present, out.hulls, out.dt = wp.zeros(size, dtype=int), hulls, timestep
+        out.radius, out.half, out.height = (wp.array(a, dtype=float) for a in shapes)
+        return out
+
     def _make_masses(self, bodies: int) -> tuple[Any, Any]:
         """Masses of the robot in each world, and the shared model that looks for them there."""
         masses, model = kernels.Masses(), copy.copy(self.shared.model)
@@ -99,16 +115,19 @@ class WorldBatch:
 
     def control_step(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array], substeps: int) -> None:
         """Reads states, finds slots, runs the physics and writes the new states; see `WarpEngine._run`."""
-        scene, centre, qpos, qvel, warm, ctrl, friction, mass = inputs
+        scene, centre, qpos, qvel, warm, ctrl, friction, mass, *agents = inputs
         tables, data, n = self.shared.tables, self.data, self.number
         launch = functools.partial(wp.launch, device=self.shared.device)
         where = [tables, scene, centre, self.num_objects]
         launch(kernels.find_slots, dim=(n, 2), inputs=[*where, self.num_prisms, self.nearby])
-        launch(kernels.place_slots, dim=self.slots.hull.shape, inputs=[*where, self.nearby, self.slots])
+        launch(kernels.place_slots, dim=(n, self.num_hulls), inputs=[*where, self.nearby, self.slots])
         state, root = [data.qpos, data.qvel, data.qacc_warmstart, data.ctrl], self.shared.robot.root
         scales = [friction, mass, self.shared.masses, self.slots, self.masses]
         here = [root, *state, self.origin, self.touch, self.step_number]
         launch(kernels.begin, dim=n, inputs=[centre, qpos, qvel, warm, ctrl, *scales, *here])
+        if self.agents is not None:
+            moving = [*agents, self.origin, self.slots, self.agents]
+            launch(warp_agents.begin_agents, dim=self.agents.present.shape, inputs=moving)
         # The solver reads a little past the last row, times zero: a NaN left there by another state would come back.
         data.efc.J.zero_()
         data.efc.D.zero_()
@@ -128,9 +147,12 @@ class WorldBatch:
             stage(model, data)
         wp.launch(
             contact.find_contacts,
-            dim=self.slots.hull.shape,
+            dim=(self.number, self.num_hulls),
             inputs=[shared.hulls, shared.spheres, self.slots, data.geom_xpos, self.places],
         )
+        if self.agents is not None:
+            meeting = [shared.spheres, self.slots, self.agents, data.geom_xpos, self.places]
+            wp.launch(warp_agents.find_agent_contacts, dim=self.agents.present.shape, inputs=meeting)
         for stage in (mjw.make_constraint, mjw.transmission, mjw.fwd_velocity, mjw.fwd_actuation):
             stage(model, data)
         mjw.fwd_acceleration(model, data, factorize=True)

@@ -148,6 +148,33 @@ def _write(places: Places, k: int, c: int, geom: int, ground: int, distance: flo
         places.address[k, i] = -1
 
 
+@wp.func
+def put_contact(
+    spheres: Spheres,
+    slots: Slots,
+    places: Places,
+    w: int,
+    s: int,
+    c: int,
+    distance: float,
+    point: wp.vec3,
+    inward: wp.vec3,
+):
+    """A contact of sphere s with what stands in slot c, if world w has a place left; all are counted."""
+    number = wp.atomic_add(places.count, w, 1)
+    if number < places.room:
+        k = w * places.room + number
+        _write(places, k, c, spheres.geom[s], spheres.ground, distance, point, inward)
+        friction = float(spheres.friction[s])
+        if spheres.own_friction[s] == 0:
+            friction = wp.max(friction, slots.friction[w, c])
+        friction *= slots.friction_scale[w]
+        places.dim[k] = 3 - 2 * spheres.slippery[s]
+        places.friction[k] = vec5(friction, friction, _TORSION, _ROLLING, _ROLLING)
+        places.solref[k] = spheres.solref[s]
+        places.solimp[k] = spheres.solimp[s]
+
+
 @wp.kernel
 def find_contacts(hulls: Hulls, spheres: Spheres, slots: Slots, geom_xpos: wp.array2d[wp.vec3], places: Places):
     """Writes the contacts of all pairs; dim (n, C)."""
@@ -158,24 +185,13 @@ def find_contacts(hulls: Hulls, spheres: Spheres, slots: Slots, geom_xpos: wp.ar
     position, rotation = slots.position[w, c], slots.rotation[w, c]
     middle, half = hulls.centre[hull], hulls.half[hull]
     for s in range(spheres.geom.shape[0]):
-        radius, geom = spheres.radius[s], spheres.geom[s]
-        centre = geom_xpos[w, geom]
+        radius = spheres.radius[s]
+        centre = geom_xpos[w, spheres.geom[s]]
         local = wp.transpose(rotation) @ (centre - position)
         if outside_box(local, middle, half) < radius:
             found = hull_distance(hulls, hull, local, radius)
             distance = found[3] - radius
             if distance < 0.0:
-                number = wp.atomic_add(places.count, w, 1)
-                if number < places.room:
-                    k = w * places.room + number
-                    inward = rotation @ wp.vec3(-found[0], -found[1], -found[2])
-                    point = centre + inward * (radius + 0.5 * distance)
-                    _write(places, k, c, geom, spheres.ground, distance, point, inward)
-                    friction = float(spheres.friction[s])
-                    if spheres.own_friction[s] == 0:
-                        friction = wp.max(friction, slots.friction[w, c])
-                    friction *= slots.friction_scale[w]
-                    places.dim[k] = 3 - 2 * spheres.slippery[s]
-                    places.friction[k] = vec5(friction, friction, _TORSION, _ROLLING, _ROLLING)
-                    places.solref[k] = spheres.solref[s]
-                    places.solimp[k] = spheres.solimp[s]
+                inward = rotation @ wp.vec3(-found[0], -found[1], -found[2])
+                point = centre + inward * (radius + 0.5 * distance)
+                put_contact(spheres, slots, places, w, s, c, distance, point, inward)

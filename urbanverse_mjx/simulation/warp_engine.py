@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 import warp as wp
 
-from ..datatypes import Contacts, RobotSpec, SceneBank, SimState
+from ..datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from .engine_base import EngineBase, Substeps
 from .warp_batch import WorldBatch
@@ -51,6 +51,37 @@ def _step(
     registered(owner)._run((scene, centre, qpos, qvel, warm, ctrl, friction, mass), outputs)
 
 
+def _step_with_agents(
+    owner: int,
+    scene: wp.array[wp.int32],
+    centre: wp.array[wp.vec3],
+    qpos: wp.array2d[wp.float32],
+    qvel: wp.array2d[wp.float32],
+    warm: wp.array2d[wp.float32],
+    ctrl: wp.array2d[wp.float32],
+    friction: wp.array[wp.float32],
+    mass: wp.array[wp.float32],
+    position: wp.array2d[wp.vec3],
+    heading: wp.array2d[wp.float32],
+    velocity: wp.array2d[wp.vec3],
+    turn_rate: wp.array2d[wp.float32],
+    present: wp.array2d[wp.int32],
+    qpos_out: wp.array2d[wp.float32],
+    qvel_out: wp.array2d[wp.float32],
+    warm_out: wp.array2d[wp.float32],
+    xpos: wp.array2d[wp.vec3],
+    xquat: wp.array2d[wp.vec4],
+    force: wp.array[wp.float32],
+    touch: wp.array2d[wp.int32],
+    feet: wp.array2d[wp.float32],
+    path: wp.array3d[wp.float32],
+    hit: wp.array2d[wp.int32],
+) -> None:
+    """The same with agents, see `AgentMotion`."""
+    inputs = (scene, centre, qpos, qvel, warm, ctrl, friction, mass, position, heading, velocity, turn_rate, present)
+    registered(owner)._run(inputs, (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, feet, path, hit))
+
+
 class WarpEngine(EngineBase):
     """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
 
@@ -63,6 +94,7 @@ class WarpEngine(EngineBase):
       num_contacts: pairs of a sphere and a hull that may touch at once.
       iterations, line_steps: of the constraint solver.
       graphs: whether physics steps are captured once and replayed; off for looking into them.
+      agents: shapes of moving agents, which `step` is then told of; None = none.
 
     Raises:
       NounError: a control period that is no multiple of the time step, too many or no slots, or a bank whose grids
@@ -80,8 +112,9 @@ class WarpEngine(EngineBase):
         iterations: int = 8,
         line_steps: int = 10,
         graphs: bool = True,
+        agents: AgentShapes | None = None,
     ) -> None:
-        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots)
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents)
         self.bank = bank
         self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), self.num_pairs)
         self._robot_model = build_robot_model(
@@ -95,16 +128,19 @@ class WarpEngine(EngineBase):
         number = register(self)
         model = self.physics.model
         sizes = (model.nq, model.nv, model.nbody, len(robot.foot_geoms))
-        self._call = batched_call(_batch_function(number, sizes, 0))
-        self._call_and_record = batched_call(_batch_function(number, sizes, self.num_substeps))
+        run = _step if self.agents is None else _step_with_agents
+        self._call = batched_call(_batch_function(run, number, sizes, 0))
+        self._call_and_record = batched_call(_batch_function(run, number, sizes, self.num_substeps))
 
-    def step(self, state: SimState, ctrl: Any) -> SimState:
+    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""
-        return self._advance(self._call, state, ctrl)[0]
+        return self._advance(self._call, state, ctrl, agents)[0]
 
-    def step_and_record(self, state: SimState, ctrl: Any) -> tuple[SimState, Substeps]:
+    def step_and_record(
+        self, state: SimState, ctrl: Any, agents: AgentMotion | None = None
+    ) -> tuple[SimState, Substeps]:
         """`step`, and what happened on the way."""
-        after, path, hit = self._advance(self._call_and_record, state, ctrl)
+        after, path, hit = self._advance(self._call_and_record, state, ctrl, agents)
         return after, Substeps(path, hit > 0)
 
     @property
@@ -112,14 +148,18 @@ class WarpEngine(EngineBase):
         """Batches for which data is kept; made when a batch of a new size is first stepped."""
         return self._devices.num_batches
 
-    def _advance(self, call: Any, state: SimState, ctrl: Any) -> tuple[SimState, Any, Any]:
+    def _advance(self, call: Any, state: SimState, ctrl: Any, agents: AgentMotion | None) -> tuple[SimState, Any, Any]:
+        self.check_agents(agents)
         # Warp does not check indices; JAX's own gathers clamp them.
         scene = jnp.clip(jnp.asarray(state.scene, jnp.int32), 0, self.bank.num_scenes - 1)
         arrays = (state.xpos[self.physics.root], state.qpos, state.qvel, state.carry, ctrl)
         arrays += (state.friction_scale, state.mass_scale)
-        out = call(scene, *(jnp.asarray(x, jnp.float32) for x in arrays))
+        moving = ()
+        if agents is not None:
+            moving = (*(jnp.asarray(x, jnp.float32) for x in agents[:-1]), jnp.asarray(agents.present, jnp.int32))
+        out = call(scene, *(jnp.asarray(x, jnp.float32) for x in arrays), *moving)
         qpos, qvel, warm, xpos, xquat, force, touch, feet, path, hit = out
-        owner, ground, count, overflow = (touch[i] for i in range(4))
+        owner, ground, count, overflow, agent = (touch[i] for i in range(5))
         contacts = Contacts(
             hit=count > 0,
             hit_object=owner,
@@ -127,6 +167,7 @@ class WarpEngine(EngineBase):
             hit_force=force,
             hit_fraction=count / self.num_substeps,
             foot_force=feet / self.num_substeps,
+            hit_agent=None if self.agents is None else agent,
         )
         after = state._replace(
             qpos=qpos, qvel=qvel, xpos=xpos, xquat=xquat, contacts=contacts, slot_overflow=overflow, carry=warm
@@ -138,8 +179,8 @@ class WarpEngine(EngineBase):
 
         Args:
           inputs: scene (n,) int, the root body's place (n,) vec3, qpos (n, nq), qvel (n, nv), warm start (n, nv),
-            ctrl (n, nu), factors on friction and mass (n,).
-          outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 4), feet
+            ctrl (n, nu), factors on friction and mass (n,); the fields of `AgentMotion` where there are agents.
+          outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 5), feet
             (n, F), path (n, S, nq) and hit (n, S), S = 0 where no physics step is asked for; see
             `warp_kernels.finish`, `record`.
         """
@@ -154,21 +195,23 @@ class WarpEngine(EngineBase):
         shared, batches = self._devices.get_or_make(
             device, lambda: DeviceModel(self.bank, self._robot_model, self.reach)
         )
-        sizes = (self.num_slots, self.num_prism_slots, self.num_contacts)
-        return batches.get_or_make((total, recorded), lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs))
+        sizes = (self.num_slots, self.num_prism_slots, self.num_contacts + self.num_agent_contacts)
+        return batches.get_or_make(
+            (total, recorded), lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs, self.agents)
+        )
 
 
-def _batch_function(number: int, sizes: tuple[int, int, int, int], recorded: int) -> Any:
+def _batch_function(run: Any, number: int, sizes: tuple[int, int, int, int], recorded: int) -> Any:
     """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number."""
     nq, nv, nbody, feet = sizes
     # Batches are made when a call first runs, which a graph capture around it would not allow; they capture their own
     # graphs.
-    function = wp.jax_callable(_step, num_outputs=10, graph_mode=wp.JaxCallableGraphMode.NONE)
+    function = wp.jax_callable(run, num_outputs=10, graph_mode=wp.JaxCallableGraphMode.NONE)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> Any:
         n = scene.shape[0]
         shapes: dict[str, tuple[int, ...]] = {"qpos_out": (n, nq), "qvel_out": (n, nv), "warm_out": (n, nv)}
-        shapes |= {"xpos": (n, nbody), "xquat": (n, nbody), "force": (n,), "touch": (n, 4), "feet": (n, feet)}
+        shapes |= {"xpos": (n, nbody), "xquat": (n, nbody), "force": (n,), "touch": (n, 5), "feet": (n, feet)}
         shapes |= {"path": (n, recorded, nq), "hit": (n, recorded)}
         return function(number, scene, *arrays, output_dims=shapes)
 

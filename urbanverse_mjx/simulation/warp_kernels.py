@@ -8,9 +8,12 @@
 
 import warp as wp
 
+from .agent_slots import FIRST_OWNER
 from .warp_contact import Places, Slots, outside_box
 
 _EMPTY = wp.constant(-1)
+#: `Slots.owner` of the ground; what is less is an agent, see `agent_slots.FIRST_OWNER`.
+_GROUND, _FIRST_AGENT = wp.constant(-1), wp.constant(FIRST_OWNER)
 
 wp.set_module_options({"enable_backward": False, "fast_math": False})
 
@@ -55,9 +58,8 @@ class Nearby:
 
 @wp.struct
 class Touch:
-    """Touches of n worlds summed over the physics steps of a control step; see `Contacts`. missed: contacts dropped.
-
-    foot (n, F): N, normal forces on the feet.
+    """Touches of n worlds summed over the physics steps of a control step; see `Contacts`. missed: contacts dropped;
+    foot (n, F): N, normal forces on the feet; agent, agent_force: the agent that was touched hardest, and how hard.
     """
 
     force: wp.array[float]
@@ -66,6 +68,8 @@ class Touch:
     count: wp.array[int]
     missed: wp.array[int]
     foot: wp.array2d[float]
+    agent: wp.array[int]
+    agent_force: wp.array[float]
 
 
 @wp.struct
@@ -221,13 +225,15 @@ def begin(
     touch.missed[w] = 0
     for f in range(touch.foot.shape[1]):
         touch.foot[w, f] = 0.0
+    touch.agent[w] = _EMPTY
+    touch.agent_force[w] = 0.0
     step[w] = 0
 
 
 @wp.kernel
 def note(foot_of: wp.array[int], slots: Slots, row_force: wp.array2d[float], places: Places, touch: Touch):
-    """Adds the touches of one physics step, robot against object and no foot against the ground, and clears the places
-    of the contacts; foot_of: which foot a geom is, -1 = none; dim n."""
+    """Adds the touches of one physics step, robot against object or agent and no foot against the ground, and clears
+    the places of the contacts; foot_of: which foot a geom is, -1 = none; dim n."""
     w = wp.tid()
     count = places.count[w]
     touched = int(0)
@@ -243,10 +249,13 @@ def note(foot_of: wp.array[int], slots: Slots, row_force: wp.array2d[float], pla
             force += row_force[w, places.address[k, i]]
         if foot >= 0:
             touch.foot[w, foot] += force
-        if thing >= 0 or foot < 0:
+        if thing != _GROUND or foot < 0:
             touched = 1
-            if thing < 0:
+            if thing == _GROUND:
                 touch.ground[w] = 1
+            if thing <= _FIRST_AGENT and (force > touch.agent_force[w] or touch.agent[w] < 0):
+                touch.agent[w] = _FIRST_AGENT - thing
+                touch.agent_force[w] = force
             if force > strength:
                 strength = force
                 strongest = thing
@@ -307,8 +316,8 @@ def finish(
     touch_out: wp.array2d[int],
     foot_out: wp.array2d[float],
 ):
-    """Writes the new states; touch_out (n, 4): object, ground, physics steps with a touch, overflow; foot_out (n, F):
-    N, sums over the physics steps; dim n."""
+    """Writes the new states; touch_out (n, 5): object, ground, physics steps with a touch, overflow, agent; foot_out
+    (n, F): N, sums over the physics steps; dim n."""
     w = wp.tid()
     here = origin[w]
     for i in range(qpos.shape[1]):
@@ -326,9 +335,10 @@ def finish(
         else:
             xpos_out[w, b] = xpos[w, b] + here
     force_out[w] = touch.force[w]
-    touch_out[w, 0] = touch.owner[w]
+    touch_out[w, 0] = wp.max(touch.owner[w], _EMPTY)
     touch_out[w, 1] = touch.ground[w]
     touch_out[w, 2] = touch.count[w]
+    touch_out[w, 4] = touch.agent[w]
     for f in range(touch.foot.shape[1]):
         foot_out[w, f] = touch.foot[w, f]
     touch_out[w, 3] = nearby.missing[w, 0] + nearby.missing[w, 1] + touch.missed[w]

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from PIL import Image, ImageDraw
 
-from ..datatypes import RobotSpec, SceneBank
+from ..datatypes import AgentMotion, RobotSpec, SceneBank
 from ..datatypes import validation as v
 from ..simulation.renderer import Renderer
 from .pictures import look_at
@@ -46,6 +46,10 @@ def _batched(function: Any, *columns: np.ndarray) -> np.ndarray:
     return np.concatenate(out)
 
 
+def _agents(fields: Sequence[Any]) -> AgentMotion | None:
+    return AgentMotion(*fields) if fields else None
+
+
 def _caption(frame: np.ndarray, text: str) -> np.ndarray:
     image = Image.fromarray(frame)
     draw = ImageDraw.Draw(image)
@@ -54,8 +58,10 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
     return np.asarray(image)
 
 
-def write_video(path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_second: float) -> None:
-    """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play.
+def write_video(
+    path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_second: float, quality: float = 7.0
+) -> None:
+    """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play; quality: imageio's, 0 to 10.
 
     Raises:
       NounError: no frames, or sizes that differ or are odd.
@@ -68,7 +74,12 @@ def write_video(path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_sec
         # imageio's annotations do not know the methods of its ffmpeg plugin.
         writer: Any
         with imageio.get_writer(
-            temporary, fps=frames_per_second, codec="libx264", pixelformat="yuv420p", quality=7, macro_block_size=2
+            temporary,
+            fps=frames_per_second,
+            codec="libx264",
+            pixelformat="yuv420p",
+            quality=quality,
+            macro_block_size=2,
         ) as writer:
             for frame in frames:
                 writer.append_data(frame)
@@ -85,6 +96,7 @@ def write_rollout_video(
     scenes: Sequence[int],
     goals: Sequence[np.ndarray],
     frames_per_second: float,
+    looks: Sequence[int] = (),
 ) -> None:
     """Draws some envs of an evaluation, one after the other: from behind on the left, the robot's view on the right.
 
@@ -94,18 +106,20 @@ def write_rollout_video(
       trajectory: an `evaluation.Trajectory`.
       columns: which envs of it; scenes: their rows of the bank; goals: their (3,) m goals.
       frames_per_second: the control rate shows it in real time.
+      looks: row of the bank's agents for each moving agent of the trajectory.
     """
-    renderer = Renderer(bank, robot, HEIGHT, WIDTH, shadows=True)
-    front = jax.jit(jax.vmap(lambda s, p, q: renderer(s, p, q)["rgb"]))
-    chase = jax.jit(jax.vmap(lambda s, e, t, p, q: renderer.view(s, e, t, _CHASE_FOV, p, q)["rgb"]))
+    renderer = Renderer(bank, robot, HEIGHT, WIDTH, shadows=True, agents=looks)
+    front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
+    chase = jax.jit(jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, _CHASE_FOV, p, q, 0, _agents(a))["rgb"]))
     frames: list[np.ndarray] = []
     for column, scene, goal in zip(columns, scenes, goals, strict=True):
         length = int(trajectory.running[:, column].sum())
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
         eye, turn = (x.astype(np.float32) for x in _chase_cameras(xpos, xquat))
-        left = _batched(chase, where, eye, turn, xpos, xquat)
-        right = _batched(front, where, xpos, xquat)
+        moving = [] if trajectory.agents is None else [x[:length, column] for x in trajectory.agents]
+        left = _batched(chase, where, eye, turn, xpos, xquat, *moving)
+        right = _batched(front, where, xpos, xquat, *moving)
         for t in range(length):
             away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)

@@ -1,0 +1,214 @@
+"""A robot that waits for people at a crosswalk, as a video.
+
+    python -m benchmarks.crosswalk --scene park_edge --out docs/crosswalk.mp4
+
+drives COCO in the environment's own physics along an episode's route that uses a crosswalk, while four people come
+over it towards the robot and the rest of the street lives as in the scenario `dynamic`. Nothing learnt drives: a rule
+that is told where everybody is follows the route, stops at the kerb while somebody is on the crosswalk or a vehicle
+nears it, and stops for whoever is right ahead. The picture shows what the robot's camera sees and the crosswalk from
+above. The last line of stdout is one JSON object: how long it waited, how it ended, how near it came to people.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from urbanverse_mjx.crowds import behaviours
+from urbanverse_mjx.crowds.crossings import crossing_at
+from urbanverse_mjx.crowds.spawning import Watcher
+from urbanverse_mjx.datatypes import KIND_INDEX, NounError, SceneBank
+from urbanverse_mjx.envs import NavEnv, Result, registry, terms
+from urbanverse_mjx.envs.encounters import route_pose
+from urbanverse_mjx.envs.living import slot_looks
+from urbanverse_mjx.simulation.renderer import Renderer
+from urbanverse_mjx.viz.pictures import look_at
+from urbanverse_mjx.viz.video import write_video
+
+HEIGHT, WIDTH, FOV = 180, 320, 0.9
+#: m: how far ahead of the robot it aims, before the crosswalk it waits, and within which it stops for people ahead.
+_AHEAD, _LINE, _STOP = 0.8, 0.7, 1.3
+#: m of route that a row has at least before its crosswalk (and twice that at most) and behind it.
+_BEFORE, _BEHIND = 4.5, 2.6
+#: m from a crosswalk at which a vehicle under way keeps the robot from it, and the slowest (m/s) that counts.
+_VEHICLE, _ROLLING = 12.0, 0.8
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.crosswalk", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--bank", help="bank file; default: the shipped streets")
+    parser.add_argument("--scene", default="park_edge")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="mp4 to write")
+    parser.add_argument("--seconds", type=float, default=24.0, help="longest drive")
+    parser.add_argument("--impl", default="auto", help="engine")
+    parser.add_argument("--every", type=int, default=1, help="control steps (0.1 s) for each frame")
+    parser.add_argument("--quality", type=float, default=4.0, help="of the video, 0 to 10")
+    parser.add_argument("--seed", type=int, default=0)
+    return parser.parse_args(argv)
+
+
+def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]:
+    """Rows of a scene's episode table whose route uses a crosswalk: row, where it begins and ends there (m), those first
+    that cross the straightest."""
+    origin, side = bank.map_origin[scene], float(bank.map_resolution)
+    rows = []
+    for row in range(int(bank.num_episodes[scene])):
+        points = np.concatenate([bank.episode_start[scene, row, None, :2], bank.episode_waypoints[scene, row, :, :2]])
+        step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        arc = np.arange(0.0, step.sum(), side)
+        xy = np.stack([np.interp(arc, np.concatenate([[0.0], np.cumsum(step)]), points[:, k]) for k in (0, 1)], -1)
+        cell = np.clip(np.floor((xy - origin) / side).astype(int), 0, np.array(bank.map_kind.shape[1:]) - 1)
+        on = arc[bank.map_kind[scene, cell[:, 0], cell[:, 1]] == KIND_INDEX["crosswalk"]]
+        if not len(on) or on[0] < _BEFORE:
+            continue
+        first, last = float(on[0]), float(on[on < on[0] + 15.0][-1])
+        if first > 2.0 * _BEFORE or arc[-1] < last + _BEHIND:
+            continue
+        ends = [xy[int(round(a / side))] for a in (first - 1.5, last + 1.5)]
+        rows.append(((last - first + 3.0) / float(np.linalg.norm(ends[1] - ends[0])), (row, first, last)))
+    if not rows:
+        raise NounError(f"--scene: found no route over a crosswalk in {bank.scene_ids[scene]}, needed one.")
+    return [row for _, row in sorted(rows)]
+
+
+def people_coming(start: Any, waypoints: Any, first: float, last: float) -> behaviours.Script:
+    """Four who start on the far pavement, two on either side of the route, and come over the crosswalk."""
+    scripts = []
+    for back, left in ((1.2, 2.0), (1.6, -2.2), (2.2, 1.0), (2.6, -1.2)):
+        far, near = (route_pose(start, waypoints, arc) for arc in (last + back, max(first - 3.0, 0.5)))
+        aside = np.copysign(1.2, left)
+        x, y = (far[0] - left * jnp.sin(far[2]), far[1] + left * jnp.cos(far[2]))
+        to = (near[0] - aside * jnp.sin(near[2]), near[1] + aside * jnp.cos(near[2]))
+        one = [jnp.reshape(v, (1,)) for v in (x, y, *to)]
+        scripts.append(behaviours.go(*one, 1.1))
+    return behaviours.together(*scripts)
+
+
+class Driver:
+    """The rule; an action for a state of one env."""
+
+    def __init__(self, env: NavEnv, scene: int, row: int, first: float, last: float) -> None:
+        assert env.living is not None, "the scenario is dynamic"
+        self.env, self.living, self.first = env, env.living, first
+        self.start, self.waypoints = (
+            jnp.asarray(a[scene, row]) for a in (env.bank.episode_start, env.bank.episode_waypoints)
+        )
+        self.table = self.living.model.tables.crossings
+        x, y, _ = route_pose(self.start, self.waypoints, 0.5 * (first + last))
+        self.scene, self.number = scene, crossing_at(self.table, scene, x, y)
+        self.middle, self.half = jnp.stack([x, y]), 0.5 * (last - first)
+        self.drives = jnp.array([k.surface == "road" for k in self.living.model.kinds])
+
+    def taken(self, crowd: Any) -> Any:
+        """() bool: somebody is on the crosswalk or about to be, or a vehicle under way nears it."""
+        body = crowd.bodies
+        reach = jnp.array([0.0, 0.8])[:, None]
+        x, y = (p + reach * f(body.heading) for p, f in ((body.x, jnp.cos), (body.y, jnp.sin)))
+        on = (crossing_at(self.table, self.scene, x, y) == self.number).any(0)
+        away = jnp.hypot(body.x - self.middle[0], body.y - self.middle[1])
+        nears = self.drives & (away < _VEHICLE) & (jnp.hypot(body.vx, body.vy) > _ROLLING)
+        return (crowd.present & (on | nears)).any()
+
+    def __call__(self, nav: Any) -> tuple[Any, Any]:
+        """Action (2,), and () bool: it waits."""
+        root = self.env.mj_model.body(self.env.robot.root_body).id
+        p_xy, yaw = nav.sim.xpos[root, :2], terms.yaw_of(nav.sim.xquat[root])
+        arc = terms.route_position(p_xy, self.start[:3], self.waypoints)
+        line = self.first - _LINE - self.env.robot.planner_radius
+        waits = (arc < line + 0.3) & self.taken(nav.crowd)
+        aim = jnp.where(waits, jnp.minimum(arc + _AHEAD, line), arc + _AHEAD)
+        x, y, _ = route_pose(self.start, self.waypoints, aim)
+        way = terms.to_body(jnp.stack([x, y]) - p_xy, yaw)
+        ahead = p_xy + terms.to_world(jnp.array([[0.6, 0.0], [1.1, 0.0]]), yaw)
+        blocked = self.living.gaps(nav.crowd, ahead).min() < _STOP - 0.6
+        stop = blocked | (waits & (line - arc < 0.1))
+        # A waypoint 1 m ahead means 2 m/s: this is at most 1.1 m/s, less where it is to stop.
+        return jnp.where(stop, 0.0, terms.limit_norm(way, 0.55)), waits | blocked
+
+
+def drive(env: NavEnv, driver: Driver, nav: Any, steps: int) -> tuple[Any, Any]:
+    """The last state, and places, waiting and people's distance at each step."""
+    step = jax.jit(env.advance)
+    act, where = jax.jit(driver), jax.jit(driver.living.places)
+    path = []
+    for _ in range(steps):
+        action, waits = act(nav)
+        here = (nav.sim.xpos, nav.sim.xquat, where(nav.crowd, nav.sim.scene))
+        nav, _, done, metrics = step(nav, action)
+        path.append(jax.device_get((*here, waits, metrics["people_distance"])))
+        if done:
+            break
+    return nav, jax.tree.map(lambda *x: np.stack(x), *path)
+
+
+def film(env: NavEnv, driver: Driver, path: Any, every: int) -> list[np.ndarray]:
+    """What the robot sees, beside the crosswalk from above."""
+    assert env.living is not None, "the scenario is dynamic"
+    looks = slot_looks(env.living.kinds, env.bank)
+    renderer = Renderer(env.bank, env.robot, HEIGHT, WIDTH, shadows=True, agents=looks)
+    middle = np.asarray(driver.middle)
+    along = np.asarray(driver.waypoints[-1, :2] - driver.start[:2])
+    side = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+    eye = np.array([*(middle - 9.0 * side), 9.0])
+    turn = look_at(eye, np.array([*middle, 0.4]))
+    seen = jax.jit(lambda p, q, a: renderer(driver.scene, p, q, 0, a)["rgb"])
+    above = jax.jit(lambda p, q, a: renderer.view(driver.scene, eye, turn, FOV, p, q, 0, a)["rgb"])
+    xpos, xquat, agents = path[:3]
+    frames = []
+    for t in range(0, len(xpos), every):
+        now = (xpos[t], xquat[t], jax.tree.map(lambda x, t=t: x[t], agents))
+        frames.append(np.concatenate([np.asarray(seen(*now)), np.asarray(above(*now))], axis=1))
+    return frames
+
+
+def main(argv: list[str] | None = None) -> int:
+    arguments = parse(argv)
+    bank = SceneBank.load(arguments.bank) if arguments.bank else registry.load_default_bank()
+    overrides = {
+        "scenario": "dynamic",
+        "scenes": arguments.scene,
+        "vision": False,
+        "impl": arguments.impl,
+        "ctrl_dt": 0.1,
+        "episode_length": 10_000,
+    }
+    env = registry.load("CocoNav", config_overrides=overrides, bank=bank)
+    scene = int(env.scenes[0])
+    row, first, last = crossing_rows(bank, scene)[0]
+    driver = Driver(env, scene, row, first, last)
+    key = jax.random.key(arguments.seed)
+    nav = jax.jit(env.begin_at)(key, jnp.int32(scene), jnp.int32(row))
+    watcher = Watcher(*(driver.start[i] for i in (0, 1, 3)), jnp.array(True))
+    script = people_coming(driver.start, driver.waypoints, first, last)
+    crowd = jax.jit(lambda k: driver.living.model.init(k, jnp.int32(scene), watcher, None, script))(key)
+    nav, path = drive(env, driver, nav._replace(crowd=crowd), round(arguments.seconds / env.dt))
+    frames = film(env, driver, path, arguments.every)
+    write_video(arguments.out, frames, 1.0 / (env.dt * arguments.every), quality=arguments.quality)
+    waits, distance = path[3:]
+    print(
+        json.dumps(
+            {
+                "video": str(arguments.out),
+                "bytes": arguments.out.stat().st_size,
+                "scene": arguments.scene,
+                "episode": row,
+                "seconds": round(len(waits) * env.dt, 1),
+                "waited_s": round(float(waits.sum()) * env.dt, 1),
+                "ended": Result(int(nav.result)).name,
+                "nearest_person_m": round(float(distance.min()), 2),
+                "route_done_m": round(float(nav.route_done), 1),
+                "crosswalk_m": [round(first, 1), round(last, 1)],
+            }
+        )
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

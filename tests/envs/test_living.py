@@ -1,0 +1,193 @@
+"""Living streets in the environment: who is there, what happens near the route, how the robot stands to people."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from ml_collections import ConfigDict
+
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.crowds import Bodies
+from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
+from urbanverse_mjx.crowds.crowd import Crowd
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
+from urbanverse_mjx.envs.encounters import ENCOUNTERS, Encounters, route_pose
+from urbanverse_mjx.envs.living import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_kinds, slot_looks
+from urbanverse_mjx.envs.scenarios import bank_for
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal, make_report, to_markdown
+from urbanverse_mjx.evaluation.agents import zero
+
+WALKERS = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist", "car")}
+DYNAMIC = {"scenario": "dynamic", "crowd.slots.pedestrian": 9, "terminate_off_traversable": False, **WALKERS}
+
+
+@pytest.fixture(scope="module")
+def env(small_bank: SceneBank) -> NavEnv:
+    return unicycle_env(small_bank, {**DYNAMIC, "episode_length": 12})
+
+
+@pytest.fixture(scope="module")
+def begun(env: NavEnv) -> Any:
+    return jax.jit(jax.vmap(env.begin))(jax.random.split(jax.random.key(0), 24))
+
+
+@pytest.mark.slow
+def test_people_are_there_and_meet_the_route(env: NavEnv, begun: Any) -> None:
+    """Near the robot, apart from it and from each other, on the ground, some with a script and some roaming."""
+    crowd, start = begun.crowd, np.asarray(begun.start)
+    there = np.asarray(crowd.present)
+    assert 0.5 < there.mean() <= 1.0
+    x, y = np.asarray(crowd.bodies.x), np.asarray(crowd.bodies.y)
+    away = np.hypot(x - start[:, :1], y - start[:, 1:2])[there]
+    assert away.min() > 1.2
+    assert np.mean(away < 30.0) > 0.9
+    gap = np.hypot(x[:, :, None] - x[:, None], y[:, :, None] - y[:, None])
+    both = there[:, :, None] & there[:, None] & ~np.eye(9, dtype=bool)
+    assert gap[both].min() > 2 * 0.27
+    mode = np.asarray(crowd.mode)[there]
+    assert {GO, STAY, ROAM} == set(mode.tolist())
+    motion = jax.vmap(env.living.places)(crowd, begun.sim.scene)  # type: ignore[union-attr]
+    np.testing.assert_allclose(np.asarray(motion.position)[there][:, 2].max(), 0.15, atol=1e-3)
+
+
+@pytest.mark.slow
+def test_motion_carries_agents_from_state_to_state(env: NavEnv, begun: Any) -> None:
+    living = env.living
+    assert living is not None
+    after, (motion,) = jax.jit(jax.vmap(lambda nav: living.advance(nav, 1)))(begun)
+    end = np.asarray(motion.position + env.dt * motion.velocity)
+    where = np.asarray(motion.present)
+    assert where.mean() > 0.5
+    reached = np.stack([np.asarray(after.bodies.x), np.asarray(after.bodies.y)], -1)
+    np.testing.assert_allclose(end[where][:, :2], reached[where], atol=1e-4)
+    assert np.linalg.norm(np.asarray(motion.velocity), axis=-1)[where].max() < 2.5
+    crowd = jax.tree.map(lambda x: x[0], begun.crowd)
+    elsewhere = crowd._replace(bodies=crowd.bodies._replace(x=crowd.bodies.x + 20.0))
+    assert not np.asarray(living.motion(crowd, elsewhere, begun.sim.scene[0]).present).any(), "who appears is absent"
+
+
+def test_gaps_and_metrics_by_hand(env: NavEnv) -> None:
+    living = env.living
+    assert living is not None
+    crowd = Crowd(Bodies(*[jnp.zeros(9)] * 5), *[jnp.zeros(9)] * (len(Crowd._fields) - 1))
+    only = crowd._replace(
+        present=jnp.arange(9) == 4, bodies=crowd.bodies._replace(x=jnp.full(9, 10.0), y=jnp.full(9, 6.0))
+    )
+    gap = 1.0 - 0.27 - env.robot.planner_radius
+    values = living.metrics(only, Result.RUNNING, jnp.array([10.0, 7.0]), jnp.array([0.3, 0.4]))
+    assert tuple(values) == PEOPLE_METRICS
+    assert float(values["people_distance"]) == pytest.approx(gap, abs=1e-5)
+    assert [float(values[f"{n}_time_per_step"]) for n in ("intimate", "personal")] == [gap < INTIMATE, gap < PERSONAL]
+    assert float(values["personal_speed_per_step"]) == pytest.approx(0.5)
+    nobody = living.metrics(only._replace(present=jnp.zeros(9, bool)), Result.HIT_AGENT, jnp.zeros(2), jnp.ones(2))
+    assert [float(x) for x in nobody.values()] == [1.0, FAR, 0.0, 0.0, 0.0]
+    near = living.nearer(jnp.full((2, 2), 2.0), only, jnp.array([[10.0, 6.5], [10.0, 20.0]]))
+    np.testing.assert_allclose(near, [[0.5 - 0.27, 2.0], [2.0, 2.0]], atol=1e-6)
+
+
+@pytest.mark.slow
+def test_touching_a_person_is_a_result_of_its_own(env: NavEnv, begun: Any) -> None:
+    """The robot is put where somebody stands; one env touches, the others do not."""
+    state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 24))
+    nav = state.data
+    who = int(np.argmax(np.asarray(nav.crowd.present[3])))
+    place = jnp.array([nav.crowd.bodies.x[3, who], nav.crowd.bodies.y[3, who]])
+    qpos = nav.sim.qpos.at[3, :2].set(place)
+    state = dataclasses.replace(state, data=nav._replace(sim=nav.sim._replace(qpos=qpos)))
+    after = jax.jit(jax.vmap(env.step))(state, jnp.tile(jnp.array([-1.0, 0.0]), (24, 1)) * 0.0)
+    result = np.asarray(after.info["result"])
+    assert result[3] == Result.HIT_AGENT
+    assert (np.delete(result, 3) == Result.RUNNING).all()
+    assert float(after.metrics["hit_agent"][3]) == 1.0
+    assert float(after.metrics["hit"][3]) == 0.0
+    assert float(after.metrics["people_distance"][3]) == 0.0
+    assert float(after.metrics["reward/hit"][3]) == -200.0
+
+
+def test_static_streets_carry_nothing_of_it(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank)
+    state = env.reset(jax.random.key(0))
+    assert env.living is None
+    assert state.data.crowd is None
+    assert not set(PEOPLE_METRICS) & set(state.metrics)
+
+
+@pytest.mark.slow
+def test_check_env_accepts_living_streets(env: NavEnv) -> None:
+    check_env(env, num_envs=4, num_steps=6)
+
+
+@pytest.mark.slow
+def test_evaluation_counts_people(env: NavEnv) -> None:
+    results, trajectory = Rollout(env, chunk=12).run({"go": go_to_goal, "zero": zero}, fixed_episodes(env, 6))
+    assert all(r.people_distance is not None and 0.0 <= r.people_distance <= FAR for r in results)
+    assert all(0.0 <= r.intimate_time <= 1.0 for r in results if r.intimate_time is not None)
+    assert trajectory.agents is not None
+    assert trajectory.agents.position.shape == (12, 12, 9, 3)
+    report = make_report("living", results, {})
+    assert "| agent | agent_hits | people_distance | IT | speed_near_people |" in to_markdown(report)
+
+
+def test_route_poses_lie_on_the_route() -> None:
+    start = jnp.array([1.0, 2.0, 0.0])
+    waypoints = jnp.array([[4.0, 2.0, 0.0], [4.0, 6.0, 0.0], [4.0, 6.0, 0.0]])
+    for arc, wanted in ((0.0, (1.0, 2.0, 0.0)), (2.0, (3.0, 2.0, 0.0)), (5.0, (4.0, 4.0, np.pi / 2))):
+        np.testing.assert_allclose(route_pose(start, waypoints, arc), wanted, atol=1e-5)
+    np.testing.assert_allclose(route_pose(start, waypoints, 99.0), (4.0, 6.0, np.pi / 2), atol=1e-5)
+
+
+def test_every_encounter_takes_place_where_there_is_room_and_nowhere_else() -> None:
+    every = Encounters(ConfigDict(dict.fromkeys(ENCOUNTERS, 1.0)), walkers=9)
+    start, waypoints = jnp.array([0.0, 0.0, 0.0, 0.0]), jnp.array([[30.0, 0.0, 0.0]])
+    keys = jax.random.split(jax.random.key(0), 200)
+
+    def draw(free: float) -> Any:
+        return jax.vmap(lambda k: every.draw(k, start, waypoints, lambda p: jnp.full(p.shape, free)))(keys)
+
+    script = draw(2.0)
+    assert script.mode.shape == (200, 9)
+    assert (np.asarray(script.mode) != ROAM).mean(0).min() > 0.6, "most take place; some would stand in another"
+    assert not (np.asarray(draw(0.1).mode) != ROAM).any()
+    head_on, cross = (script.mode[:, 0] == GO), (script.mode[:, 1] == GO)
+    assert np.abs(np.asarray(script.y[:, 0])[np.asarray(head_on)]).max() < 0.5, "on the route"
+    assert (np.asarray(script.anchor_x - script.x)[:, 0] < -10.0).all(), "towards the robot and past it"
+    ends = np.stack([np.asarray(script.y[:, 1]), np.asarray(script.anchor_y[:, 1])])[:, np.asarray(cross)]
+    np.testing.assert_allclose(np.abs(ends), 2.5, atol=1e-5)
+    np.testing.assert_allclose(ends.sum(0), 0.0, atol=1e-5)
+    assert (ends[0] > 0).mean() == pytest.approx(0.5, abs=0.2), "from both sides"
+    few = Encounters(ConfigDict(dict.fromkeys(ENCOUNTERS, 1.0)), walkers=2)
+    assert few.draw(keys[0], start, waypoints, lambda p: jnp.ones(p.shape)).mode.shape == (2,)  # type: ignore[union-attr]
+    assert Encounters(ConfigDict({"talk": 0.0}), 9).draw(keys[0], start, waypoints, None) is None
+    with pytest.raises(NounError, match="'dance'"):
+        Encounters(ConfigDict({"dance": 0.5}), 9)
+
+
+def test_slots_are_sorted_and_looked_up(small_bank: SceneBank) -> None:
+    config = default_config().crowd
+    kinds = slot_kinds(config)
+    assert len(kinds) == 16
+    assert kinds[-2:] == ("car", "car")
+    with pytest.raises(NounError, match="no look of a pedestrian"):
+        slot_looks(kinds, small_bank)
+    looks = {"kind": ["car", "pedestrian", "pedestrian"], "mesh": [0, 1, 2], "category": [0, 0, 0]}
+    bank = dataclasses.replace(small_bank, meta={**small_bank.meta, "agents": looks})
+    assert slot_looks(("pedestrian", "pedestrian", "pedestrian", "car"), bank) == (1, 2, 1, 0)
+    with pytest.raises(NounError, match="scenario"):
+        unicycle_env(small_bank, {"scenario": "busy"})
+
+
+def test_clean_streets_hold_ground_alone(small_bank: SceneBank) -> None:
+    clean = bank_for("clean", small_bank)
+    assert (clean.inst_hull < 0).all()
+    assert (clean.hull_grid < 0).all()
+    names = np.array(clean.meta["categories"])[clean.slot_category[clean.slot_mesh >= 0]]
+    assert all(name.startswith("ground:") for name in names)
+    assert len(names) == sum(
+        str(small_bank.meta["categories"][c]).startswith("ground:")
+        for c in small_bank.slot_category[small_bank.slot_mesh >= 0]
+    )
+    np.testing.assert_array_equal(clean.prism_hull, small_bank.prism_hull)

@@ -1,0 +1,139 @@
+"""Encounters: what people do on and beside an episode's route, as `crowds.behaviours` has it.
+
+In:   the route, how much room there is, `config.crowd.encounters`.
+Out:  a `Script` for the first walkers of a crowd.
+When: when an episode begins, inside jit, per env.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from ml_collections import ConfigDict
+
+from ..crowds import KINDS, behaviours
+from ..crowds.behaviours import ROAM, Script
+from ..datatypes import NounError
+
+#: m that one who starts somewhere keeps from things, and others' centres from each other.
+_ROOM, _APART = KINDS["pedestrian"].radius + 0.1, 0.75
+#: m from the robot's start within which nobody is put.
+_START = 2.2
+#: m/s, about what a robot drives: who cuts its way sets out so that both may meet.
+_PACE = 1.2
+
+Pose = tuple[Any, Any, Any]
+Ranges = tuple[float, float]
+
+
+def route_pose(start: Any, waypoints: Any, arc: Any) -> Pose:
+    """() x, y m and heading rad at an arc length () m of the route start (3+,), waypoints (W, 3); its end beyond."""
+    points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
+    span = jnp.diff(points, axis=0)
+    length = jnp.linalg.norm(span, axis=-1)
+    before = jnp.cumsum(length) - length
+    # The last segment that begins before the place; repeated waypoints are no segments.
+    row = jnp.max(jnp.where((before <= arc) & (length > 1e-6), jnp.arange(len(length)), 0))
+    way = span[row] / jnp.maximum(length[row], 1e-6)
+    x, y = points[row] + jnp.clip(arc - before[row], 0.0, length[row]) * way
+    return x, y, jnp.arctan2(way[1], way[0])
+
+
+def _beside(pose: Pose, left: Any, ahead: Any = 0.0) -> Pose:
+    x, y, heading = pose
+    cos, sin = jnp.cos(heading), jnp.sin(heading)
+    return x + ahead * cos - left * sin, y + ahead * sin + left * cos, heading
+
+
+def _head_on(pose: Pose, left: Any) -> Script:
+    return behaviours.head_on(*_beside(pose, 0.3 * left, -6.0), distance=6.0)
+
+
+def _cross(pose: Pose, left: Any) -> Script:
+    # From the side that the draw says: turned about, the left is the right.
+    x, y, heading = pose
+    return behaviours.cross(x, y, heading + jnp.where(left > 0.0, 0.0, jnp.pi), distance=0.0, aside=2.5)
+
+
+def _obstruct(pose: Pose, left: Any) -> Script:
+    x, y, heading = _beside(pose, 0.2 * left)
+    return behaviours.obstruct(x, y, heading + jnp.pi)
+
+
+def _overtaken(pose: Pose, left: Any) -> Script:
+    return behaviours.overtaken(*_beside(pose, 0.3 * left), distance=0.0)
+
+
+def _talk(pose: Pose, left: Any) -> Script:
+    x, y, heading = _beside(pose, left)
+    return behaviours.talk(x, y, 2, heading)
+
+
+def _queue(pose: Pose, left: Any) -> Script:
+    x, y, heading = _beside(pose, left)
+    return behaviours.queue(x, y, heading, 3)
+
+
+#: Name -> rows, where along the route its middle lies (m), and what makes the script of a pose of the route and how
+#: far aside it is (m, left positive, drawn from [-1.2, 1.2]).
+ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Any], Script]]] = {
+    "head_on": (1, (8.0, 16.0), _head_on),
+    # Who crosses has 2.5 m at 1.34 m/s to the route, in which a robot covers 2.2 m.
+    "cross": (1, (2.5 * _PACE / 1.34 + 1.0, 2.5 * _PACE / 1.34 + 3.0), _cross),
+    "obstruct": (1, (4.0, 14.0), _obstruct),
+    "overtaken": (1, (3.0, 6.0), _overtaken),
+    "talk": (2, (4.0, 20.0), _talk),
+    "queue": (3, (5.0, 20.0), _queue),
+}
+
+
+class Encounters:
+    """Draws who does what.
+
+    Args:
+      config: probability of each of `ENCOUNTERS` in an episode.
+      walkers: slots of pedestrians; encounters that do not fit behind those before them are left out.
+
+    Raises:
+      NounError: an unknown encounter or no probability.
+    """
+
+    def __init__(self, config: ConfigDict, walkers: int) -> None:
+        for name, chance in config.items():
+            if name not in ENCOUNTERS or not 0.0 <= chance <= 1.0:
+                raise NounError(
+                    f"config.crowd.encounters: found {name!r}: {chance}, needed shares in [0, 1] of {list(ENCOUNTERS)}."
+                )
+        self._drawn: list[tuple[str, float]] = []
+        rows = 0
+        for name, (number, *_) in ENCOUNTERS.items():
+            if config.get(name, 0.0) > 0.0 and rows + number <= walkers:
+                self._drawn.append((name, float(config[name])))
+                rows += number
+
+    def draw(self, key: Any, start: Any, waypoints: Any, clearance: Any) -> Script | None:
+        """The script of an episode, `ROAM` in the rows of what does not take place; None where nothing ever does.
+
+        Args:
+          key: typed, used up. start: (3+,) m; waypoints: (W, 3) m.
+          clearance: (n, 2) m -> (n, 2) m to the next hull and the walkable edge.
+        """
+        length = jnp.linalg.norm(jnp.diff(jnp.concatenate([start[None, :2], waypoints[:, :2]]), axis=0), axis=-1).sum()
+        scripts: list[Script] = []
+        for i, (name, chance) in enumerate(self._drawn):
+            _, (low, high), make = ENCOUNTERS[name]
+            keys = jax.random.split(jax.random.fold_in(key, i), 3)
+            arc = jax.random.uniform(keys[0], (), minval=low, maxval=jnp.maximum(low, jnp.minimum(high, length - 1.0)))
+            left = jax.random.uniform(keys[1], (), minval=-1.2, maxval=1.2)
+            script = make(route_pose(start, waypoints, arc), left)
+            here = jnp.stack([script.x, script.y], -1)
+            room = clearance(here).min() > _ROOM
+            apart = jnp.linalg.norm(here - start[:2], axis=-1).min() > _START
+            for other in scripts:
+                there = jnp.stack([other.x, other.y], -1)
+                near = jnp.linalg.norm(here[:, None] - there, axis=-1) < _APART
+                apart &= ~(near & (other.mode != ROAM)).any()
+            takes_place = (jax.random.uniform(keys[2]) < chance) & room & apart
+            scripts.append(script._replace(mode=jnp.where(takes_place, script.mode, ROAM)))
+        return behaviours.together(*scripts) if scripts else None

@@ -1,0 +1,195 @@
+"""Living streets: the crowd of an env, what it does near the route, and how near the robot comes to people.
+
+In:   the bank, `config.crowd`, the robot's pose.
+Out:  `Crowd` states, `AgentMotion` for engines and renderer, distances to people.
+When: tables at construction; the rest every control step, inside jit, per env.
+"""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from ml_collections import ConfigDict
+
+from ..crowds import KINDS
+from ..crowds.behaviours import Script
+from ..crowds.crowd import Crowd, CrowdModel
+from ..crowds.crowd import Robot as RobotBody
+from ..crowds.free_space import CELL
+from ..crowds.motion import wrapped
+from ..crowds.spawning import Watcher
+from ..datatypes import AgentMotion, AgentShapes, NounError, RobotSpec, SceneBank
+from . import encounters, terms
+from .living_tables import POOL, kept_tables
+from .types import NavState, Result
+
+#: s, at most, between two steps of a crowd: those for which `crowds` was measured.
+_CROWD_DT = 0.1
+#: m/s that nobody exceeds: who covers more ground in a control step has appeared elsewhere.
+_TELEPORT = 12.0
+#: m between body and body that Hall (The Hidden Dimension, 1966) calls intimate and personal distance.
+INTIMATE, PERSONAL = 0.45, 1.2
+#: m; distances to people are not told beyond.
+FAR = 30.0
+#: Numbers that a key is folded with, so that what is drawn here leaves all other draws as they were.
+_BEGIN, _STEP = 201, 1000
+
+
+#: Metrics of a control step: the episode ended by touching an agent; m from the disc around the robot to the nearest
+#: person's body, at most `FAR` and 0 where they overlap (people are all but those in cars); whether that was within
+#: intimate or personal distance; the speed (m/s) where it was within personal distance.
+PEOPLE_METRICS = (
+    "hit_agent",
+    "people_distance",
+    "intimate_time_per_step",
+    "personal_time_per_step",
+    "personal_speed_per_step",
+)
+
+
+def slot_kinds(config: ConfigDict) -> tuple[str, ...]:
+    """The kind of every agent slot of `config.crowd.slots`, those who walk first.
+
+    Raises:
+      NounError: an unknown kind, a negative number, or nobody.
+    """
+    for name, number in config.slots.items():
+        if name not in KINDS or number < 0:
+            raise NounError(f"config.crowd.slots: found {name!r}: {number}, needed numbers from 0 on of {list(KINDS)}.")
+    names = [name for name in KINDS for _ in range(config.slots.get(name, 0))]
+    if not names:
+        raise NounError("config.crowd.slots: found nobody, needed an agent; set scenario to 'static' for none.")
+    return tuple(sorted(names, key=lambda name: KINDS[name].wheeled))
+
+
+def slot_shapes(kinds: tuple[str, ...]) -> AgentShapes:
+    """What a robot runs into, for slots of these kinds."""
+    fields = AgentShapes._fields
+    return AgentShapes(*(np.array([getattr(KINDS[k], f) for k in kinds], np.float32) for f in fields))
+
+
+def slot_looks(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]:
+    """Row of the bank's agents that each slot looks like, the looks of a kind in turn.
+
+    Raises:
+      NounError: the bank carries no look of a kind.
+    """
+    rows = []
+    for i, kind in enumerate(kinds):
+        known = [row for row, name in enumerate(bank.agents["kind"]) if name == kind]
+        if not known:
+            raise NounError(
+                f"bank.meta.agents: found no look of a {kind}, needed one for scenario 'dynamic'; "
+                "build the bank again with `urbanverse scene bank`."
+            )
+        rows.append(known[kinds[:i].count(kind) % len(known)])
+    return tuple(rows)
+
+
+class LivingStreet:
+    """A crowd in every env.
+
+    Args:
+      bank: the scenes; scenes: (n,) rows of it in use.
+      config: `config.crowd` of an environment.
+      ctrl_dt: s, the control step. robot: whom people see.
+
+    Raises:
+      NounError: see `slot_kinds`; a share outside [0, 1].
+    """
+
+    def __init__(self, bank: SceneBank, scenes: np.ndarray, config: ConfigDict, ctrl_dt: float, robot: RobotSpec):
+        self.kinds = slot_kinds(config)
+        self.shapes = slot_shapes(self.kinds)
+        self._dt, self._crowd_steps = ctrl_dt, max(1, round(ctrl_dt / _CROWD_DT))
+        tables = kept_tables(bank, scenes)
+        self._height, self._origin = tables.height, tables.origin
+        self._robot_radius = robot.planner_radius
+        seen = RobotBody(robot.planner_radius, config.yielding)
+        dt = ctrl_dt / self._crowd_steps
+        self.model = CrowdModel(tables.crowd, self.kinds, dt, robot=seen, reach=config.reach)
+        self._filled = jnp.asarray([_filled(config.filled, name) for name in bank.scene_ids], jnp.float32)
+        self._people = jnp.array([kind != "car" for kind in self.kinds])
+        self._encounters = encounters.Encounters(config.encounters, self.kinds.count("pedestrian"))
+
+    def begin(self, key: Any, scene: Any, start: Any, waypoints: Any, clearance: Any) -> Crowd:
+        """The crowd of a new episode.
+
+        Args:
+          key: typed, not used up. start: (4,) x, y, z, yaw; waypoints: (W, 3) m.
+          clearance: (scene, (n, 2) m) -> (n, 2) m to the next hull and the walkable edge.
+        """
+        keys = jax.random.split(jax.random.fold_in(key, _BEGIN), 3)
+        watcher = Watcher(start[0], start[1], start[3], jnp.array(True))
+        number = self.model.num_agents
+        share = jnp.clip(self._filled[scene] + jax.random.uniform(keys[0], (), minval=-0.15, maxval=0.15), 0.0, 1.0)
+        script: Script = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
+        return self.model.init(keys[2], scene, watcher, jnp.round(share * number).astype(jnp.int32), script)
+
+    def advance(self, nav: NavState, root: int) -> tuple[Crowd, tuple[AgentMotion]]:
+        """The crowd one control step after `nav`, and how its agents move in it; root: the robot's body."""
+        sim = nav.sim
+        x, y = jnp.nan_to_num(sim.xpos[root, :2])
+        vx, vy = jnp.nan_to_num(sim.qvel[:2])
+        watcher = Watcher(x, y, jnp.nan_to_num(terms.yaw_of(sim.xquat[root])), jnp.array(True))
+        key = jax.random.fold_in(nav.key, _STEP + nav.steps)
+
+        def step(k: Any, crowd: Crowd) -> Crowd:
+            return self.model.step(crowd, sim.scene, watcher, (vx, vy), jax.random.fold_in(key, k))
+
+        crowd = jax.lax.fori_loop(0, self._crowd_steps, step, nav.crowd)
+        return crowd, (self.motion(nav.crowd, crowd, sim.scene),)
+
+    def places(self, crowd: Crowd, scene: Any) -> AgentMotion:
+        """Where everybody is, standing still."""
+        body = crowd.bodies
+        origin, side = self._origin[scene], POOL * CELL
+        cell = jnp.floor((jnp.stack([body.x, body.y], -1) - origin) / side).astype(jnp.int32)
+        cell = jnp.clip(cell, 0, jnp.array(self._height.shape[1:]) - 1)
+        z = self._height[scene, cell[:, 0], cell[:, 1]]
+        zero = jnp.zeros_like(body.x)
+        return AgentMotion(
+            jnp.stack([body.x, body.y, z], -1), body.heading, jnp.zeros((len(z), 3)), zero, crowd.present
+        )
+
+    def motion(self, before: Crowd, after: Crowd, scene: Any) -> AgentMotion:
+        """How everybody moves from one state to the next; who appears elsewhere is absent meanwhile."""
+        start, end = self.places(before, scene), self.places(after, scene)
+        velocity = (end.position - start.position) / self._dt
+        there = jnp.sum(velocity * velocity, -1) < _TELEPORT**2
+        return start._replace(
+            velocity=jnp.where(there[:, None], velocity, 0.0),
+            turn_rate=wrapped(end.heading - start.heading) / self._dt,
+            present=start.present & end.present & there,
+        )
+
+    def gaps(self, crowd: Crowd, p_xy: Any) -> Any:
+        """(..., A) m from points (..., 2) to the bodies of those present, negative inside; infinite for the absent."""
+        body, half = crowd.bodies, jnp.asarray(self.shapes.half_length)
+        dx, dy = p_xy[..., :1] - body.x, p_xy[..., 1:] - body.y
+        cos, sin = jnp.cos(body.heading), jnp.sin(body.heading)
+        along = jnp.clip(cos * dx + sin * dy, -half, half)
+        distance = jnp.sqrt((dx - along * cos) ** 2 + (dy - along * sin) ** 2) - jnp.asarray(self.shapes.radius)
+        return jnp.where(crowd.present, distance, jnp.inf)
+
+    def nearer(self, found: Any, crowd: Crowd, p_xy: Any) -> Any:
+        """Distances (..., 2) m to hulls and edges from places (..., 2) with those to agents taken for hulls."""
+        return found.at[..., 0].min(jnp.maximum(self.gaps(crowd, p_xy).min(-1), 0.0))
+
+    def metrics(self, crowd: Crowd, result: Any, p_xy: Any, velocity: Any) -> dict[str, Any]:
+        """`PEOPLE_METRICS` of a robot at (2,) m that drives (2,) m/s; result: () i32."""
+        gap = jnp.min(jnp.where(self._people, self.gaps(crowd, p_xy), jnp.inf)) - self._robot_radius
+        gap = jnp.clip(gap, 0.0, FAR)
+        near = gap < PERSONAL
+        values = (result == Result.HIT_AGENT, gap, gap < INTIMATE, near, near * jnp.linalg.norm(velocity))
+        return {name: jnp.asarray(x, jnp.float32) for name, x in zip(PEOPLE_METRICS, values, strict=True)}
+
+
+def _filled(table: ConfigDict, scene: str) -> float:
+    """The share of a scene: that of the longest family name its id begins with."""
+    known = [name for name in table if scene.startswith(name)]
+    share = float(table[max(known, key=len)] if known else table["default"])
+    if not 0.0 <= share <= 1.0:
+        raise NounError(f"config.crowd.filled: found {share} for {scene!r}, needed a share in [0, 1].")
+    return share

@@ -1,0 +1,86 @@
+"""What the scenes of a bank mean to a crowd, and how high their ground is: made once per bank and kept in the cache."""
+
+import hashlib
+import inspect
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from .. import settings
+from ..crowds import crossings, flats, free_space, goal_fields, kinds
+from ..crowds.crowd import CrowdTables, make_tables
+from ..datatypes import SceneBank
+from ..datatypes.validation import write_atomically
+
+#: Cells of the free space along a cell of the height map: 0.2 m, in which a ramp of 1:12 rises by 2 cm.
+POOL = 2
+_SOURCES = (crossings, flats, free_space, goal_fields, kinds)
+_ARRAYS = ("inst_hull", "inst_position", "inst_rotation", "hull_vertices", "prism_hull", "prism_position", "map_kind")
+
+
+class LivingTables(NamedTuple):
+    """Attributes:
+    crowd: see `CrowdTables`; rows are those of the bank. height: (Z, X, Y) f32 m; origin: (Z, 2) m of its cells.
+    """
+
+    crowd: CrowdTables
+    height: Any
+    origin: Any
+
+
+def _parts() -> dict[str, tuple[type, Sequence[str]]]:
+    """Name of each part of `CrowdTables`, its class and fields."""
+    rows = {f"flats/{name}": flats.Flats for name in kinds.SURFACES}
+    rows |= {f"ways/{name}": goal_fields.Ways for name in goal_fields.RULES}
+    rows["crossings"] = crossings.Crossings
+    return {name: (cls, cls._fields) for name, cls in rows.items()}
+
+
+def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray]:
+    """Arrays by name; rows of scenes that are not among `scenes` stay empty: they are not simulated."""
+    tables = make_tables(bank, scenes)
+    groups: dict[str, Any] = {f"flats/{n}": t for n, t in tables.flats.items()}
+    groups |= {f"ways/{n}": t for n, t in tables.ways.items()}
+    groups["crossings"] = tables.crossings
+    found = {
+        f"{name}/{field}": np.asarray(getattr(groups[name], field))
+        for name, (_, fields) in _parts().items()
+        for field in fields
+    }
+    found["height"] = np.stack([free_space.ground_height(bank, z)[::POOL, ::POOL] for z in scenes]).astype(np.float32)
+    out = {}
+    for name, rows in found.items():
+        out[name] = np.zeros((bank.num_scenes, *rows.shape[1:]), rows.dtype)
+        out[name][np.asarray(scenes)] = rows
+    return out
+
+
+def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
+    """`build_tables`, from the cache where they were built before."""
+    digest = hashlib.sha256(repr((POOL, sorted(int(z) for z in scenes))).encode())
+    for module in _SOURCES:
+        digest.update(inspect.getsource(module).encode())
+    for name in _ARRAYS:
+        digest.update(np.ascontiguousarray(getattr(bank, name)).data)
+    path = settings.cache_dir("crowds", f"{digest.hexdigest()[:24]}.npz")
+    try:
+        with np.load(path) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (OSError, ValueError, KeyError):
+        arrays = build_tables(bank, scenes)
+        try:
+            write_atomically(path, lambda temporary: np.savez_compressed(temporary, **arrays))
+        except OSError:
+            pass  # a cache that cannot be written costs time at the next start, nothing else
+    parts = {
+        name: cls(*(jnp.asarray(arrays[f"{name}/{field}"]) for field in fields))
+        for name, (cls, fields) in _parts().items()
+    }
+    crowd = CrowdTables(
+        flats={name: parts[f"flats/{name}"] for name in kinds.SURFACES},
+        ways={name: parts[f"ways/{name}"] for name in goal_fields.RULES},
+        crossings=parts["crossings"],
+    )
+    return LivingTables(crowd, jnp.asarray(arrays["height"]), jnp.asarray(bank.map_origin, jnp.float32))

@@ -1,0 +1,56 @@
+"""Scenarios of a street by UrbanSim's names: `clean` without objects, `static` as it stands, `dynamic` with people.
+
+`dynamic` has what `config.crowd` says; see `living`.
+"""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from ..datatypes import NounError, SceneBank
+
+SCENARIOS = ("clean", "static", "dynamic")
+
+
+def scenario_of(config: Any) -> str:
+    """The scenario of an environment's config; "static" where it names none (policies trained before there were any).
+
+    Raises:
+      NounError: an unknown one.
+    """
+    name = config.get("scenario", "static")
+    if name not in SCENARIOS:
+        raise NounError(f"config.scenario: found {name!r}, needed one of {', '.join(SCENARIOS)}.")
+    return name
+
+
+def bank_for(scenario: str, bank: SceneBank) -> SceneBank:
+    """The bank as a scenario has it: `clean` keeps ground, sky and episodes alone; nothing hides or blocks the way."""
+    if scenario != "clean":
+        return bank
+    ground = np.array([name.startswith("ground:") for name in bank.meta["categories"]] + [False])[bank.slot_category]
+    return dataclasses.replace(
+        bank,
+        inst_hull=np.full_like(bank.inst_hull, -1),
+        inst_object=np.full_like(bank.inst_object, -1),
+        hull_grid=np.full_like(bank.hull_grid[..., :1], -1),
+        slot_mesh=np.where(ground, bank.slot_mesh, -1),
+    )
+
+
+def select_scenes(bank: SceneBank, which: Any) -> np.ndarray:
+    """(n,) i32 rows of the bank named by a split ("train", "test", ...), "all", or ids (a list, or with commas)."""
+    if isinstance(which, str) and which == "all":
+        return np.arange(bank.num_scenes, dtype=np.int32)
+    if isinstance(which, str) and which in bank.meta["splits"]:
+        return bank.scenes_of(which)
+    ids = which.split(",") if isinstance(which, str) else list(which)
+    unknown = [s for s in ids if s not in bank.scene_ids] or ([which] if not ids else [])
+    if unknown:
+        splits, known = ", ".join(sorted(set(bank.meta["splits"]))), ", ".join(bank.scene_ids[:20])
+        raise NounError(
+            f"config.scenes: found {unknown[0]!r}, which names no scene, needed 'all', a split ({splits}) or "
+            f"ids of its {bank.num_scenes} scenes ({known})."
+        )
+    return np.array([bank.scene_ids.index(s) for s in ids], np.int32)

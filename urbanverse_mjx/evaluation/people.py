@@ -1,0 +1,49 @@
+"""How near a robot came to people in an episode, counted along the way."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..envs.living import FAR
+
+
+class PeopleTally(NamedTuple):
+    """Sums over the control steps of each env, see `envs.living.PEOPLE_METRICS`.
+
+    Attributes:
+      nearest: m, least distance to a person. intimate, personal: steps within these distances.
+      speed: m/s, summed over the steps within personal distance.
+    """
+
+    nearest: Any
+    intimate: Any
+    personal: Any
+    speed: Any
+
+
+def no_people(number: int) -> PeopleTally:
+    """Before the first step of `number` envs."""
+    zero = jnp.zeros(number)
+    return PeopleTally(zero + FAR, zero, zero, zero)
+
+
+def counted(tally: PeopleTally, metrics: Mapping[str, Any]) -> PeopleTally:
+    """With one more control step of one env."""
+    return PeopleTally(
+        jnp.minimum(tally.nearest, metrics["people_distance"]),
+        tally.intimate + metrics["intimate_time_per_step"],
+        tally.personal + metrics["personal_time_per_step"],
+        tally.speed + metrics["personal_speed_per_step"],
+    )
+
+
+def people_fields(tally: PeopleTally, steps: np.ndarray, row: int) -> dict[str, float | None]:
+    """The fields of `EpisodeResult` about people; steps: (n,) of each env."""
+    nearest, intimate, personal, speed = (float(np.asarray(x)[row]) for x in tally)
+    return {
+        "people_distance": nearest,
+        "intimate_time": min(intimate / float(steps[row]), 1.0),
+        "speed_near_people": speed / personal if personal else None,
+    }
