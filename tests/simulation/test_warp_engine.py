@@ -236,7 +236,7 @@ def test_contacts_are_those_of_the_mjx_engine(small_bank: SceneBank, room: int) 
     expected, friction, owner = jax.device_get(jax.jit(jax.vmap(reference))(scene, place, balls, origin))
     with wp.ScopedDevice("cpu"):
         shared = DeviceModel(engine.bank, engine._robot_model, engine.reach)
-        batch = WorldBatch(shared, n, engine.num_slots, engine.num_prism_slots, room, 0, graphs=False)
+        batch = WorldBatch(shared, n, engine.num_slots, engine.num_prism_slots, room, 0, graphs=False, agents=None)
         where = [shared.tables, wp.array(scene, dtype=int), wp.array(place, dtype=wp.vec3), engine.num_slots]
         wp.launch(warp_kernels.find_slots, dim=(n, 2), inputs=[*where, engine.num_prism_slots, batch.nearby])
         wp.launch(warp_kernels.place_slots, dim=batch.slots.hull.shape, inputs=[*where, batch.nearby, batch.slots])
