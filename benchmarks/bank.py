@@ -24,13 +24,14 @@ import numpy as np
 
 from benchmarks import _banks, _cutting, _streets
 from urbanverse_mjx.assets import AssetIndex, load_hulls, load_index
+from urbanverse_mjx.assets.agents import agent_looks
 from urbanverse_mjx.assets.index import build_mesh
 from urbanverse_mjx.assets.skies import build_sky
 from urbanverse_mjx.datatypes import AssetRecord, HullSet, NounError, SceneBank, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.materialisation.choice import pick
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.scene.bank import pack
+from urbanverse_mjx.scene.bank import pack, with_agents
 from urbanverse_mjx.scene.compiler import AssetSource, scene_geometry
 from urbanverse_mjx.scene.drive import Drive
 from urbanverse_mjx.scene.episodes import EpisodeRules, build_episodes
@@ -125,7 +126,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
             progress(number + 1, options.layouts)
     hashes["bank"] = content_hash({"options": dataclasses.asdict(options), "layouts": hashes})
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
-    bank = pack(scenes, ["train"] * len(scenes), skies, hashes)
+    bank = with_agents(pack(scenes, ["train"] * len(scenes), skies, hashes), agent_looks())
     if options.hulls_per_scene is not None:
         bank = _banks.with_hulls(bank, options.hulls_per_scene, options.seed)
     return bank

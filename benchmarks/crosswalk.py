@@ -54,8 +54,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
 
 
 def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]:
-    """Rows of a scene's episode table whose route uses a crosswalk: row, where it begins and ends there (m), those first
-    that cross the straightest."""
+    """Rows of a scene's episode table whose route uses a crosswalk: row, where it begins and ends there (m), first
+    those that cross the straightest."""
     origin, side = bank.map_origin[scene], float(bank.map_resolution)
     rows = []
     for row in range(int(bank.num_episodes[scene])):
@@ -70,7 +70,7 @@ def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]
         first, last = float(on[0]), float(on[on < on[0] + 15.0][-1])
         if first > 2.0 * _BEFORE or arc[-1] < last + _BEHIND:
             continue
-        ends = [xy[int(round(a / side))] for a in (first - 1.5, last + 1.5)]
+        ends = [xy[round(a / side)] for a in (first - 1.5, last + 1.5)]
         rows.append(((last - first + 3.0) / float(np.linalg.norm(ends[1] - ends[0])), (row, first, last)))
     if not rows:
         raise NounError(f"--scene: found no route over a crosswalk in {bank.scene_ids[scene]}, needed one.")

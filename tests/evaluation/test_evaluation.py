@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.cli._evaluation import evaluation_config
 from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
+from urbanverse_mjx.envs import default_config
+from urbanverse_mjx.envs.scenarios import scenario_of
 from urbanverse_mjx.evaluation import (
     Rollout,
     blank_image,
@@ -128,3 +131,38 @@ def test_report_round_trip_and_files(tmp_path: pathlib.Path) -> None:
 def test_too_many_episodes_is_said(small_bank: SceneBank) -> None:
     with pytest.raises(NounError, match="episodes: found"):
         fixed_episodes(unicycle_env(small_bank), 100_000)
+
+
+def test_a_policy_from_before_there_were_people_meets_the_crowd_of_its_preset() -> None:
+    """The shipped policy's config names no scenario; as it was trained, its streets stay still."""
+    path = pathlib.Path(__file__).parents[2] / "benchmarks" / "policies" / "coco_paper" / "policy.json"
+    trained = json.loads(path.read_text(encoding="utf-8"))["env_config"]
+    assert "scenario" not in trained
+    still = evaluation_config("CocoNav", trained, "test", dynamic=False)
+    assert scenario_of(still) == "static"
+    living = evaluation_config("CocoNav", trained, "park_edge", dynamic=True)
+    assert scenario_of(living) == "dynamic"
+    assert living.crowd.to_dict() == default_config(trained["preset"]).crowd.to_dict()
+    assert (living.scenes, living.reward_config.to_dict()) == ("park_edge", still.reward_config.to_dict())
+    own = {**living.to_dict(), "crowd": {**living.crowd.to_dict(), "yielding": 0.0}}
+    assert evaluation_config("CocoNav", own, "test", dynamic=True).crowd.yielding == 0.0, "a trained crowd is kept"
+
+
+def test_people_in_the_summary_by_hand() -> None:
+    people = [
+        _result(people_distance=0.5, intimate_time=0.1, speed_near_people=0.8),
+        _result(result="hit_agent", people_distance=0.0, intimate_time=0.3, speed_near_people=1.2),
+        _result(people_distance=4.0, intimate_time=0.0),
+    ]
+    s = summarise(people)
+    assert s["agent_hits"]["mean"] == pytest.approx(33.3)  # type: ignore[index]
+    assert s["hit_episodes"]["mean"] == pytest.approx(33.3)  # type: ignore[index]
+    assert s["people_distance"]["mean"] == 1.5  # type: ignore[index]
+    assert s["IT"]["mean"] == pytest.approx(13.33)  # type: ignore[index]
+    assert s["speed_near_people"]["mean"] == 1.0  # type: ignore[index]
+    assert "IT" not in summarise([_result()])
+    report = make_report("people", people, {})
+    assert "| a | 33.3 [" in to_markdown(report)
+    assert BenchmarkReport.from_json(json.loads(json.dumps(report.to_json()))) == report
+    old = {k: x for k, x in report.to_json()["episodes"][0].items() if "people" not in k and k != "intimate_time"}
+    assert EpisodeResult.from_json(old).people_distance is None, "reports from before there were people"

@@ -2,6 +2,7 @@
 
 import pathlib
 import sys
+from collections.abc import Mapping
 from typing import Any
 
 import jax.numpy as jnp
@@ -28,11 +29,14 @@ class _CoveredCamera:
         return self._frame
 
 
-def _config(spec: Any, scenes: Any, dynamic: bool) -> ConfigDict:
-    """The config a policy was trained with, everything as the bank describes it; with people where `dynamic`."""
-    values = dict(spec.env_config)
+def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any, dynamic: bool) -> ConfigDict:
+    """The config a policy was trained with, everything as the bank describes it; with people where `dynamic`.
+
+    Policies from before there were people know nothing of a crowd: they meet that of their preset.
+    """
+    values = dict(trained)
     if dynamic:
-        fresh = registry.get_default_config(spec.environment, values["preset"]).to_dict()
+        fresh = registry.get_default_config(environment, values["preset"]).to_dict()
         values = {**values, "scenario": "dynamic", "crowd": values.get("crowd", fresh["crowd"])}
     return registry.with_overrides(ConfigDict(values), {"scenes": scenes, "randomization": OFF})
 
@@ -60,7 +64,7 @@ def evaluate_policy(
     start = initial_params(spec.observations, spec.action_size, ppo, ppo.seed)
     untrained = make_policy_function(spec.observations, spec.action_size, ppo, start)
     # The same episodes for every policy, however it was trained.
-    config = _config(spec, scenes, dynamic)
+    config = evaluation_config(spec.environment, spec.env_config, scenes, dynamic)
     seeing = registry.load(spec.environment, config=config, bank=bank)
     view = config.vision_config
     blind = NavEnv(config, bank, seeing.robot, seeing.engine, _CoveredCamera(view.height, view.width))
