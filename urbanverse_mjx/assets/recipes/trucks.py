@@ -80,9 +80,9 @@ def _big_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_wi
 def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4, metallic=0.05)
     color, band, line, length = (
-        ("signal red", "white", "12 CENTRAL STATION", 10.5),
-        ("#3f7fae", "white", "7 HARBOUR", 9.2),
-        ("#e8e4d6", "dark green", "104 UNIVERSITY", 10.5),
+        ("signal red", "white", "12 CENTRAL STATION", 12.0),
+        ("#3f7fae", "white", "7 HARBOUR", 10.5),
+        ("#e8e4d6", "dark green", "104 UNIVERSITY", 12.0),
     )[variant]
     axles = (-length * 0.25, length * 0.29)
     shape = _box_shape(length, 3.0, 0.22, 0.47, axles, 1.42)
