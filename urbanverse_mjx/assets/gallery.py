@@ -3,7 +3,7 @@
 import contextlib
 import os
 import pathlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -24,7 +24,7 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
     Args:
       meshes: at least one.
       yaw: how far each mesh is turned about its own z, rad.
-      gap: space between two, as a share of the widest.
+      gap: space between two, as a share of the widest, and half of it of the highest: masts do not melt into one.
 
     Returns:
       the model, and (2, 3) least and greatest corner of the row, m.
@@ -41,7 +41,7 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], rgba=[0.62, 0.64, 0.66, 1])
     # The row runs from left to right as the camera, on the +x side, sees it: along +y; every mesh is turned by itself.
     turned = [_turned_box(m, yaw) for m in meshes]
-    step = gap * max(high[1] - low[1] for low, high in turned)
+    step = gap * max(max(high[1] - low[1], 0.5 * (high[2] - low[2])) for low, high in turned)
     y = 0.0
     for k, (mesh, (low, high)) in enumerate(zip(meshes, turned, strict=True)):
         _add_visual(spec, f"asset{k}", mesh, (0.0, y - low[1], 0.0), yaw)
@@ -141,33 +141,40 @@ def _distance(bounds: np.ndarray, camera: mujoco.MjvCamera, fovy: float, aspect:
     return float((np.maximum(across, up) - offset @ forward).max() * 1.06)
 
 
-def leaf_tile(leaf: str, meshes: Sequence[AssetMesh], size: tuple[int, int]) -> Image.Image:
-    """The row of a leaf's variants with its name underneath."""
+def leaf_tile(name: str, meshes: Sequence[AssetMesh], size: tuple[int, int]) -> Image.Image:
+    """A row of a leaf's variants with a name underneath."""
     width, height = size
     tile, pen = paint.canvas(size, "white")
     tile.paste(Image.fromarray(render_row(meshes, (width, height - LABEL_HEIGHT))), (0, 0))
-    paint.text(pen, leaf, (4, height - LABEL_HEIGHT + 3, width - 4, height - 5), "black", limit=14)
+    paint.text(pen, name, (4, height - LABEL_HEIGHT + 3, width - 4, height - 5), "black", limit=14)
     return tile
 
 
 def contact_sheet(
     index: AssetIndex,
     path: str | os.PathLike[str],
-    leaves: Sequence[str] | None = None,
+    names: Mapping[str, str],
+    columns: int,
     tile: tuple[int, int] = (340, 200),
-    columns: int = 8,
     variants: int = 4,
-    progress: Callable[[str], object] = lambda leaf: None,
+    progress: Callable[[Sequence[str]], Iterable[str]] = iter,
 ) -> pathlib.Path:
-    """Writes one PNG with a tile for every leaf (or those given), in alphabetical order."""
-    leaves = sorted(leaves or index.leaves)
-    rows = -(-len(leaves) // columns)
+    """Writes one PNG with a tile for each of the leaves given, in their order.
+
+    Args:
+      path: PNG to write.
+      names: leaf -> what stands under its tile.
+      columns: tiles in a row.
+      tile: (width, height) pixels of one.
+      variants: most base shapes in a tile.
+      progress: wraps the list of leaves, e.g. in a progress bar.
+    """
+    rows = -(-len(names) // columns)
     sheet = Image.new("RGB", (columns * tile[0], rows * tile[1]), "white")
-    for k, leaf in enumerate(leaves):
-        progress(leaf)
+    for k, leaf in enumerate(progress(list(names))):
         meshes = [build_mesh(r) for r in index.by_leaf(leaf)[:variants]]
-        sheet.paste(leaf_tile(leaf, meshes, tile), ((k % columns) * tile[0], (k // columns) * tile[1]))
-    # Five bits a channel: the file stays under 2 MB, which a picture of 256 colours would buy with dull greens.
+        sheet.paste(leaf_tile(names[leaf], meshes, tile), ((k % columns) * tile[0], (k // columns) * tile[1]))
+    # Five bits a channel halve the file; a picture of 256 colours would do so with dull greens.
     reduced = Image.fromarray(np.asarray(sheet) // 8 * 8 + 4)
     return write_atomically(path, lambda p: reduced.save(p, optimize=True))
 
@@ -199,5 +206,18 @@ def middle_sheets(
     paths = []
     for middle in progress([name for name in middles or tops if name in leaves]):
         path = pathlib.Path(folder) / f"{tops[middle]}-{middle}.png".replace(" ", "_")
-        paths.append(contact_sheet(index, path, leaves[middle], columns=min(4, len(leaves[middle]))))
+        names = {leaf: leaf for leaf in sorted(leaves[middle])}
+        paths.append(contact_sheet(index, path, names, columns=min(4, len(names))))
     return paths
+
+
+def overview_leaves(index: AssetIndex) -> dict[str, str]:
+    """leaf -> name of its middle category and its own: of every middle category the leaf with the most records that
+    has base shapes."""
+    best: dict[str, tuple[int, str]] = {}
+    for middles in ontology.tree().values():
+        for middle, counts in middles.items():
+            known = [(-count, leaf) for leaf, count in counts.items() if index.by_leaf(leaf)]
+            if known:
+                best[middle] = min(known)
+    return {leaf: f"{middle}: {leaf}" for middle, (_, leaf) in best.items()}
