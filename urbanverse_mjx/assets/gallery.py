@@ -16,6 +16,9 @@ from . import ontology, paint
 from .index import AssetIndex, build_mesh
 
 LABEL_HEIGHT = 22  # pixels
+ELEVATION = 14.0  # degrees, of the camera over the horizon
+#: A leaf of courts, crossings or knives, lower than this share of its length, is seen from further above on a sheet.
+FLAT, ELEVATION_FLAT = 0.2, 42.0
 
 
 def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -> tuple[mujoco.MjModel, np.ndarray]:
@@ -38,7 +41,9 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, dir=[-0.5, 0.45, -1.0], diffuse=[0.62, 0.6, 0.56], castshadow=True
     )
-    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], rgba=[0.62, 0.64, 0.66, 1])
+    # Without gloss: on a plane of few and large faces a highlight shows their edges.
+    spec.add_material(name="floor", rgba=[0.62, 0.64, 0.66, 1], specular=0.0, shininess=0.0)
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], material="floor")
     # The row runs from left to right as the camera, on the +x side, sees it: along +y; every mesh is turned by itself.
     turned = [_turned_box(m, yaw) for m in meshes]
     step = gap * max(max(high[1] - low[1], 0.5 * (high[2] - low[2])) for low, high in turned)
@@ -84,17 +89,20 @@ def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Seque
     )
 
 
-def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float = -32.0) -> np.ndarray:
+def render_row(
+    meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float = -32.0, elevation_deg: float = ELEVATION
+) -> np.ndarray:
     """A picture of meshes side by side, seen from the front at a slant.
 
     Args:
       size: (width, height) pixels.
       yaw_deg: how far each mesh is turned away from the camera.
+      elevation_deg: of the camera over the horizon.
 
     Returns:
       (height, width, 3) uint8.
     """
-    with _seen(meshes, size, yaw_deg) as renderer:
+    with _seen(meshes, size, yaw_deg, elevation_deg) as renderer:
         return renderer.render()
 
 
@@ -108,14 +116,16 @@ def render_masked(mesh: AssetMesh, size: tuple[int, int], yaw_deg: float = -32.0
 
 
 @contextlib.contextmanager
-def _seen(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float) -> Iterator[mujoco.Renderer]:
+def _seen(
+    meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float, elevation_deg: float = ELEVATION
+) -> Iterator[mujoco.Renderer]:
     """A renderer that looks at meshes in a row."""
     model, bounds = scene_of(meshes, np.radians(yaw_deg))
     model.vis.global_.fovy = 20.0
     width, height = size
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     camera = mujoco.MjvCamera()
-    camera.azimuth, camera.elevation = 180.0, -14.0
+    camera.azimuth, camera.elevation = 180.0, -elevation_deg
     camera.lookat = bounds.mean(0)
     camera.distance = _distance(bounds, camera, np.radians(model.vis.global_.fovy), width / height)
     model.vis.map.znear = 0.02 / max(model.stat.extent, 1e-3)
@@ -145,7 +155,10 @@ def leaf_tile(name: str, meshes: Sequence[AssetMesh], size: tuple[int, int]) -> 
     """A row of a leaf's variants with a name underneath."""
     width, height = size
     tile, pen = paint.canvas(size, "white")
-    tile.paste(Image.fromarray(render_row(meshes, (width, height - LABEL_HEIGHT))), (0, 0))
+    flat = all(m.extent[2] < FLAT * max(m.extent[:2]) for m in meshes)
+    elevation = ELEVATION_FLAT if flat else ELEVATION
+    row = render_row(meshes, (width, height - LABEL_HEIGHT), elevation_deg=elevation)
+    tile.paste(Image.fromarray(row), (0, 0))
     paint.text(pen, name, (4, height - LABEL_HEIGHT + 3, width - 4, height - 5), "black", limit=14)
     return tile
 
