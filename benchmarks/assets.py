@@ -23,9 +23,8 @@ from urbanverse_mjx.assets.catalogue import disagreements, leaf_counts
 from urbanverse_mjx.assets.hulls import HullStore
 from urbanverse_mjx.assets.hulls import store_path as hulls_path
 from urbanverse_mjx.assets.matching import Matcher
-from urbanverse_mjx.assets.materials import sources
 from urbanverse_mjx.assets.priors import prior
-from urbanverse_mjx.assets.published import QUANTITIES, published
+from urbanverse_mjx.assets.published import QUANTITIES, errors, published, set_aside, truths
 from urbanverse_mjx.assets.search import ObjectLibrary
 from urbanverse_mjx.assets.store import build_store, forget, load_store, recorded_content
 
@@ -100,25 +99,21 @@ def hulls() -> dict[str, Any]:
 
 
 def against_published(table: pa.Table) -> dict[str, Any]:
-    """Mean absolute relative errors of the leaves' median records, and of the priors' medians; rows with a page apart
-    from `typical` ones."""
-    medians: dict[str, dict[str, float]] = {}
-    leaves = np.array(table["category"].to_pylist())
-    result: dict[str, Any] = {}
-    for kind in ("sourced", "typical"):
-        rows = [r for r in published() if bool(sources()[r.source].address) == (kind == "sourced")]
-        errors: dict[str, list[float]] = collections.defaultdict(list)
-        for row in rows:
-            if row.leaf not in medians:
-                pick = leaves == row.leaf
-                medians[row.leaf] = {q: float(np.median(table[q].to_numpy()[pick])) for q in QUANTITIES}
-            for quantity in QUANTITIES:
-                page = getattr(row, quantity)
-                if page is not None:
-                    errors[f"{quantity}_of_records"].append(abs(medians[row.leaf][quantity] / page - 1.0))
-                    errors[f"{quantity}_of_priors"].append(abs(getattr(prior(row.leaf), quantity)[1] / page - 1.0))
-        result[kind] = {"rows": len(rows), "leaves": len({r.leaf for r in rows})}
-        result[kind] |= {name: round(float(np.mean(x)), 4) for name, x in sorted(errors.items())}
+    """Mean absolute relative errors against the pages' figures: of the leaves' median records, and of the priors'
+    medians."""
+    leaves, wanted = np.array(table["category"].to_pylist()), truths(published())
+    columns = {q: table[q].to_numpy() for q in QUANTITIES}
+    records = {leaf: {q: float(np.median(x[leaves == leaf])) for q, x in columns.items()} for leaf in wanted}
+    priors = {leaf: {q: getattr(prior(leaf), q)[1] for q in QUANTITIES} for leaf in wanted}
+    result: dict[str, Any] = {
+        "rows": len(published()),
+        "leaves": len(wanted),
+        "figures_set_aside": sum(len(row.figures) for row in set_aside()),
+    }
+    for kind, medians in (("records", records), ("priors", priors)):
+        for quantity, found in errors(published(), medians).items():
+            result[f"{quantity}_of_{kind}"] = round(float(np.mean(list(found.values()))), 4)
+    result["leaves_by_quantity"] = {q: len(found) for q, found in errors(published(), priors).items()}
     return result
 
 

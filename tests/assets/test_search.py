@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import integrity, store
+from urbanverse_mjx.assets import integrity, looks, store
 from urbanverse_mjx.assets.annotations import explain
 from urbanverse_mjx.assets.libraries import MODULES, Library
 from urbanverse_mjx.assets.libraries import library as named_library
@@ -159,6 +159,55 @@ def test_collections_plug_in_by_one_function(objects: ObjectLibrary) -> None:
     assert set(MODULES) == {"object", "sky", "road", "sidewalk"}
     with pytest.raises(NounError, match="'tree'"):
         named_library("tree")
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "classes", "conditions"),
+    [
+        ("sky", 306, "overcast", {"seasons": ["winter"], "snow": True}),
+        ("road", 98, "asphalt", {"conditions": ["wet"]}),
+        ("sidewalk", 190, "brick", {"families": ["brick", "setts"], "friction_coefficient_range": (0.3, None)}),
+    ],
+)
+def test_skies_and_grounds_answer_as_objects_do(name: str, number: int, classes: str, conditions: dict) -> None:
+    library = named_library(name)
+    assert isinstance(library, Library)
+    uids = library.get_uids_all()
+    assert len(set(uids)) == number
+    assert classes in library.categories(1)
+    assert len(library.categories(2)) > 1
+    with pytest.raises(NounError, match="needed 1 to 2"):
+        library.categories(3)
+    found = library.get_uids_conditioned(**conditions)
+    assert 0 < len(found) < number
+    assert set(conditions) < set(library.filters())
+    rows = library.load_annotations(found[:2])
+    assert list(rows) == found[:2]
+    pictures = library.load_thumbnails(found[:2])
+    assert all(picture.dtype == np.uint8 and picture.std() > 1.0 for picture in pictures.values())
+    for field in rows[found[0]]:
+        assert library.explain_annotation(field).startswith(f"{field}: ")
+    with pytest.raises(NounError, match="'taste'"):
+        library.explain_annotation("taste")
+    best = library.get_uids_conditioned(query=rows[found[0]]["description"], top_k=1)
+    assert library.load_annotations(best)[best[0]]["description"] == rows[found[0]]["description"]
+    assert library.check_integrity() == []
+
+
+def test_a_damaged_sheet_of_thumbnails_is_found_and_mended(tmp_path, monkeypatch) -> None:
+    skies = named_library("sky")
+    whole = (looks.asset_root() / "sky_thumbnails.jpg").read_bytes()
+    path = tmp_path / "sky_thumbnails.jpg"
+    monkeypatch.setattr(looks, "asset_root", lambda: tmp_path)
+    try:
+        assert "no file" in skies.check_integrity()[0]
+        path.write_bytes(whole[: len(whole) // 2])
+        assert "no whole picture" in skies.check_integrity()[0]
+        monkeypatch.setattr(looks, "build_thumbnails", lambda name: path.write_bytes(whole))  # painting takes minutes
+        assert skies.repair() == []
+    finally:
+        monkeypatch.undo()
+        assert skies.check_integrity() == []  # and the packaged sheet is held again
 
 
 def test_a_damaged_catalogue_is_found_and_mended(tmp_path, monkeypatch, catalogue) -> None:

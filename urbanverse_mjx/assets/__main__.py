@@ -89,8 +89,8 @@ def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
     Console().print(f"{folder}: {len(paths)} contact sheets", soft_wrap=True)
 
 
-def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), columns: int = 8) -> None:
-    """Draws one contact sheet of all leaves (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
+def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), columns: int = 6) -> None:
+    """Draws a tile per middle category, of the leaf with the most records (needs an OpenGL that renders off screen).
 
     Args:
       out: PNG to write.
@@ -100,8 +100,11 @@ def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), co
     from .index import load_index
 
     records = load_index()
-    path = gallery.contact_sheet(records, out, columns=columns)
-    Console().print(f"{path}: {len(records.leaves)} leaves, {path.stat().st_size} bytes")
+    names = gallery.overview_leaves(records)
+    path = gallery.contact_sheet(
+        records, out, names, columns, (270, 160), progress=lambda leaves: track(leaves, "middle categories")
+    )
+    Console().print(f"{path}: {len(names)} middle categories, {path.stat().st_size} bytes")
 
 
 def thumbnails(leaf: str | None = None) -> None:

@@ -1,14 +1,14 @@
 """One way to search anything that has a uid, a description and named values: skies, roads, sidewalks.
 
-The names are the official toolkit's (`get_uids_all`, `get_uids_conditioned`, `load_annotations`, `load_thumbnails`,
-`get_descriptions` ...): filters are joined by AND, the entries of one list by OR.
+The names are the official toolkit's (`get_uids_all`, `categories`, `get_uids_conditioned`, `load_annotations`,
+`load_thumbnails`, `explain_annotation` ...): filters are joined by AND, the entries of one list by OR.
 """
 
 import dataclasses
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -37,27 +37,69 @@ class Filter:
     meaning: str
 
 
+class Pictures(Protocol):
+    """Where a collection's thumbnails lie."""
+
+    def load(self, uids: Sequence[str]) -> np.ndarray:
+        """(n, h, w, 3) uint8."""
+        ...
+
+    def problems(self) -> list[str]:
+        """One sentence per thing that is missing or damaged."""
+        ...
+
+    def repair(self) -> None:
+        """Makes the thumbnails anew."""
+        ...
+
+
 class Collection[R: Record]:
     """Records in a fixed order with filters, a text query, and thumbnails.
 
     Args:
       noun: what one record is, for messages.
       records: at least one.
+      levels: fields that class the records, the wider first.
       filters: what may be asked for.
-      thumbnails: (uids) -> (n, h, w, 3) uint8.
+      meanings: field -> what it means, of the fields that no filter speaks of.
+      pictures: where thumbnails come from.
+
+    Raises:
+      NounError: a field of the records that neither a filter nor a meaning explains.
     """
 
     def __init__(
-        self, noun: str, records: Sequence[R], filters: Sequence[Filter],
-        thumbnails: Callable[[Sequence[str]], np.ndarray],
+        self, noun: str, records: Sequence[R], levels: Sequence[str], filters: Sequence[Filter],
+        meanings: Mapping[str, str], pictures: Pictures,
     ) -> None:  # fmt: skip
         self.noun = noun
         self._records = {record.uid: record for record in records}
-        self.filters = {f.name: f for f in filters}
-        self._thumbnails = thumbnails
+        self._levels = tuple(levels)
+        self._filters = {f.name: f for f in filters}
+        self._meanings = dict(meanings)
+        self._pictures = pictures
+        known = {f.field for f in filters} | set(meanings)
+        stray = [name for name in dataclasses.asdict(records[0]) if name not in known]  # pyright: ignore[reportArgumentType]
+        if stray:
+            raise v.fail(f"field of a {noun}", repr(stray[0]), "a meaning", "add one beside the filters")
 
     def get_uids_all(self) -> list[str]:
+        """Every uid, in the table's order."""
         return list(self._records)
+
+    def categories(self, level: int = 1) -> list[str]:
+        """The names of a level, the widest being 1, in the table's order.
+
+        Raises:
+          NounError: another level.
+        """
+        if level not in range(1, len(self._levels) + 1):
+            raise v.fail(f"level of a {self.noun}", v.show(level), f"1 to {len(self._levels)}")
+        return list(dict.fromkeys(getattr(record, self._levels[level - 1]) for record in self._records.values()))
+
+    def filters(self) -> list[str]:
+        """The names that `get_uids_conditioned` takes."""
+        return [*self._filters, "query"]
 
     def record(self, uid: str) -> R:
         """One record.
@@ -103,25 +145,43 @@ class Collection[R: Record]:
         wanted = list(self._records if uids is None else uids)
         for uid in wanted:
             self.record(uid)
-        return dict(zip(wanted, self._thumbnails(wanted), strict=True))
+        return dict(zip(wanted, self._pictures.load(wanted), strict=True))
+
+    def check_integrity(self) -> list[str]:
+        """One sentence per thing that is missing or damaged; empty where all is well."""
+        return self._pictures.problems()
+
+    def repair(self) -> list[str]:
+        """Paints the thumbnails anew where they are not whole (minutes); returns what is still wrong."""
+        if self._pictures.problems():
+            self._pictures.repair()
+        return self._pictures.problems()
 
     def explain_annotation(self, name: str | None = None) -> str:
-        """What a filter means and which values there are; all of them without a name."""
+        """What a field or a filter means and which values there are; all filters without a name.
+
+        Raises:
+          NounError: no such field and no such filter.
+        """
+        if name in self._meanings:
+            return f"{name}: {self._meanings[name]}"
+        by_field = {f.field: f for f in self._filters.values()}
+        chosen = list(self._filters.values()) if name is None else [by_field.get(name) or self._filter(name)]
         lines = []
-        for f in self.filters.values() if name is None else [self._filter(name)]:
+        for f in chosen:
             values = [getattr(record, f.field) for record in self._records.values()]
             if f.kind == "range":
                 numbers = [x for x in values if x is not None]
                 there = f"from {min(numbers):g} to {max(numbers):g}"
             else:
                 there = ", ".join(str(x) for x in dict.fromkeys(values))
-            lines.append(f"{f.name}: {f.meaning} ({there})")
+            lines.append(f"{f.name if name is None else name}: {f.meaning} ({there})")
         return "\n".join(lines)
 
     def _filter(self, name: str) -> Filter:
-        if name not in self.filters:
-            raise v.fail(f"filter of a {self.noun}", repr(name), "one of " + ", ".join(self.filters))
-        return self.filters[name]
+        if name not in self._filters:
+            raise v.fail(f"filter of a {self.noun}", repr(name), "one of " + ", ".join(self._filters))
+        return self._filters[name]
 
     def _meets(self, record: R, name: str, wanted: object) -> bool:
         f = self._filter(name)

@@ -3,7 +3,7 @@
 import contextlib
 import os
 import pathlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -16,6 +16,9 @@ from . import ontology, paint
 from .index import AssetIndex, build_mesh
 
 LABEL_HEIGHT = 22  # pixels
+ELEVATION = 14.0  # degrees, of the camera over the horizon
+#: A leaf of courts, crossings or knives, lower than this share of its length, is seen from further above on a sheet.
+FLAT, ELEVATION_FLAT = 0.2, 42.0
 
 
 def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -> tuple[mujoco.MjModel, np.ndarray]:
@@ -24,7 +27,7 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
     Args:
       meshes: at least one.
       yaw: how far each mesh is turned about its own z, rad.
-      gap: space between two, as a share of the widest.
+      gap: space between two, as a share of the widest, and half of it of the highest: masts do not melt into one.
 
     Returns:
       the model, and (2, 3) least and greatest corner of the row, m.
@@ -38,10 +41,12 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, dir=[-0.5, 0.45, -1.0], diffuse=[0.62, 0.6, 0.56], castshadow=True
     )
-    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], rgba=[0.62, 0.64, 0.66, 1])
+    # Without gloss: on a plane of few and large faces a highlight shows their edges.
+    spec.add_material(name="floor", rgba=[0.62, 0.64, 0.66, 1], specular=0.0, shininess=0.0)
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], material="floor")
     # The row runs from left to right as the camera, on the +x side, sees it: along +y; every mesh is turned by itself.
     turned = [_turned_box(m, yaw) for m in meshes]
-    step = gap * max(high[1] - low[1] for low, high in turned)
+    step = gap * max(max(high[1] - low[1], 0.5 * (high[2] - low[2])) for low, high in turned)
     y = 0.0
     for k, (mesh, (low, high)) in enumerate(zip(meshes, turned, strict=True)):
         _add_visual(spec, f"asset{k}", mesh, (0.0, y - low[1], 0.0), yaw)
@@ -84,17 +89,20 @@ def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Seque
     )
 
 
-def render_row(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float = -32.0) -> np.ndarray:
+def render_row(
+    meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float = -32.0, elevation_deg: float = ELEVATION
+) -> np.ndarray:
     """A picture of meshes side by side, seen from the front at a slant.
 
     Args:
       size: (width, height) pixels.
       yaw_deg: how far each mesh is turned away from the camera.
+      elevation_deg: of the camera over the horizon.
 
     Returns:
       (height, width, 3) uint8.
     """
-    with _seen(meshes, size, yaw_deg) as renderer:
+    with _seen(meshes, size, yaw_deg, elevation_deg) as renderer:
         return renderer.render()
 
 
@@ -108,14 +116,16 @@ def render_masked(mesh: AssetMesh, size: tuple[int, int], yaw_deg: float = -32.0
 
 
 @contextlib.contextmanager
-def _seen(meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float) -> Iterator[mujoco.Renderer]:
+def _seen(
+    meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float, elevation_deg: float = ELEVATION
+) -> Iterator[mujoco.Renderer]:
     """A renderer that looks at meshes in a row."""
     model, bounds = scene_of(meshes, np.radians(yaw_deg))
     model.vis.global_.fovy = 20.0
     width, height = size
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     camera = mujoco.MjvCamera()
-    camera.azimuth, camera.elevation = 180.0, -14.0
+    camera.azimuth, camera.elevation = 180.0, -elevation_deg
     camera.lookat = bounds.mean(0)
     camera.distance = _distance(bounds, camera, np.radians(model.vis.global_.fovy), width / height)
     model.vis.map.znear = 0.02 / max(model.stat.extent, 1e-3)
@@ -141,34 +151,44 @@ def _distance(bounds: np.ndarray, camera: mujoco.MjvCamera, fovy: float, aspect:
     return float((np.maximum(across, up) - offset @ forward).max() * 1.06)
 
 
-def leaf_tile(leaf: str, meshes: Sequence[AssetMesh], size: tuple[int, int]) -> Image.Image:
-    """The row of a leaf's variants with its name underneath."""
+def leaf_tile(name: str, meshes: Sequence[AssetMesh], size: tuple[int, int]) -> Image.Image:
+    """A row of a leaf's variants with a name underneath."""
     width, height = size
     tile, pen = paint.canvas(size, "white")
-    tile.paste(Image.fromarray(render_row(meshes, (width, height - LABEL_HEIGHT))), (0, 0))
-    paint.text(pen, leaf, (4, height - LABEL_HEIGHT + 3, width - 4, height - 5), "black", limit=14)
+    flat = all(m.extent[2] < FLAT * max(m.extent[:2]) for m in meshes)
+    elevation = ELEVATION_FLAT if flat else ELEVATION
+    row = render_row(meshes, (width, height - LABEL_HEIGHT), elevation_deg=elevation)
+    tile.paste(Image.fromarray(row), (0, 0))
+    paint.text(pen, name, (4, height - LABEL_HEIGHT + 3, width - 4, height - 5), "black", limit=14)
     return tile
 
 
 def contact_sheet(
     index: AssetIndex,
     path: str | os.PathLike[str],
-    leaves: Sequence[str] | None = None,
+    names: Mapping[str, str],
+    columns: int,
     tile: tuple[int, int] = (340, 200),
-    columns: int = 8,
     variants: int = 4,
-    progress: Callable[[str], object] = lambda leaf: None,
+    progress: Callable[[Sequence[str]], Iterable[str]] = iter,
 ) -> pathlib.Path:
-    """Writes one PNG with a tile for every leaf (or those given), in alphabetical order."""
-    leaves = sorted(leaves or index.leaves)
-    rows = -(-len(leaves) // columns)
+    """Writes one PNG with a tile for each of the leaves given, in their order.
+
+    Args:
+      path: PNG to write.
+      names: leaf -> what stands under its tile.
+      columns: tiles in a row.
+      tile: (width, height) pixels of one.
+      variants: most base shapes in a tile.
+      progress: wraps the list of leaves, e.g. in a progress bar.
+    """
+    rows = -(-len(names) // columns)
     sheet = Image.new("RGB", (columns * tile[0], rows * tile[1]), "white")
-    for k, leaf in enumerate(leaves):
-        progress(leaf)
+    for k, leaf in enumerate(progress(list(names))):
         meshes = [build_mesh(r) for r in index.by_leaf(leaf)[:variants]]
-        sheet.paste(leaf_tile(leaf, meshes, tile), ((k % columns) * tile[0], (k // columns) * tile[1]))
-    # Five bits a channel: the file stays under 2 MB, which a picture of 256 colours would buy with dull greens.
-    reduced = Image.fromarray(np.asarray(sheet) // 8 * 8 + 4)
+        sheet.paste(leaf_tile(names[leaf], meshes, tile), ((k % columns) * tile[0], (k // columns) * tile[1]))
+    # Six bits a channel make the file smaller; a picture of 256 colours would do so with dull greens.
+    reduced = Image.fromarray(np.asarray(sheet) // 4 * 4 + 2)
     return write_atomically(path, lambda p: reduced.save(p, optimize=True))
 
 
@@ -199,5 +219,18 @@ def middle_sheets(
     paths = []
     for middle in progress([name for name in middles or tops if name in leaves]):
         path = pathlib.Path(folder) / f"{tops[middle]}-{middle}.png".replace(" ", "_")
-        paths.append(contact_sheet(index, path, leaves[middle], columns=min(4, len(leaves[middle]))))
+        names = {leaf: leaf for leaf in sorted(leaves[middle])}
+        paths.append(contact_sheet(index, path, names, columns=min(4, len(names))))
     return paths
+
+
+def overview_leaves(index: AssetIndex) -> dict[str, str]:
+    """leaf -> name of its middle category and its own: of every middle category the leaf with the most records that
+    has base shapes."""
+    best: dict[str, tuple[int, str]] = {}
+    for middles in ontology.tree().values():
+        for middle, counts in middles.items():
+            known = [(-count, leaf) for leaf, count in counts.items() if index.by_leaf(leaf)]
+            if known:
+                best[middle] = min(known)
+    return {leaf: f"{middle}: {leaf}" for middle, (_, leaf) in best.items()}

@@ -1,7 +1,12 @@
 """What every collection of the index offers, whatever it holds: objects, skies, roads, sidewalks.
 
+    from urbanverse_mjx.assets.libraries import library
+
+    skies = library("sky")
+    uids = skies.get_uids_conditioned(seasons=["winter"], snow=True)
+
 The names are those that users of the official toolkit know. A module joins by a line in `MODULES` and a function
-`library()` that returns an object with these methods.
+`library` that returns an object with these methods.
 """
 
 import importlib
@@ -19,6 +24,18 @@ class Library(Protocol):
 
     def get_uids_all(self) -> list[str]:
         """Every uid, in a fixed order."""
+        ...
+
+    def categories(self, level: int = 1) -> list[str]:
+        """The names of a level of its classes, the widest being 1."""
+        ...
+
+    def filters(self) -> list[str]:
+        """The names that `get_uids_conditioned` takes."""
+        ...
+
+    def get_uids_conditioned(self, *, query: str | None = None, top_k: int = 100, **conditions: Any) -> list[str]:
+        """The uids that meet all conditions; with a query the `top_k` nearest, best first."""
         ...
 
     def load_annotations(self, uids: Sequence[str]) -> dict[str, dict[str, Any]]:
@@ -42,26 +59,18 @@ class Library(Protocol):
         ...
 
 
-#: name of a collection -> module of this room with a function `library() -> Library`.
-MODULES: Mapping[str, str] = {
-    "object": "search",
-    "sky": "skies",
-    "road": "ground_materials",
-    "sidewalk": "ground_materials",
-}
+#: name of a collection -> module of this room with a function `library`.
+MODULES: Mapping[str, str] = {"object": "search", "sky": "looks", "road": "looks", "sidewalk": "looks"}
 
 
 def library(name: str) -> Library:
     """The collection of that name; where a module serves several, its `library` takes the name.
 
     Raises:
-      NounError: no such collection, or one that this version cannot search.
+      NounError: no such collection.
     """
     if name not in MODULES:
         raise NounError(f"library: found {name!r}, needed one of {', '.join(MODULES)}.")
     module = importlib.import_module(f"{__package__}.{MODULES[name]}")
-    make = getattr(module, "library", None)
-    if make is None:
-        raise NounError(f"library: found no search over {name!r} in this version, needed {module.__name__}.library.")
     several = list(MODULES.values()).count(MODULES[name]) > 1
-    return make(name) if several else make()
+    return module.library(name) if several else module.library()

@@ -5,15 +5,17 @@ sheets in the asset index (`ground_thumbnails.jpg`, `sky_thumbnails.jpg`), made 
 to be painted to choose.
 """
 
+import dataclasses
 import functools
 import os
 import pathlib
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 from skimage.color import rgb2hsv
 
+from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.settings import asset_root
 
@@ -78,28 +80,52 @@ def _sheet(name: str) -> dict[str, np.ndarray]:
     """uid -> thumbnail, from the stored sheet.
 
     Raises:
-      NounError: the sheet is missing or does not fit the table.
+      NounError: the sheet is missing, damaged, or does not fit the table.
     """
     records, _, (height, width) = _SHEETS[name]
     path = asset_root() / name
+    cure = "`python -m urbanverse_mjx.assets.look_sheets thumbnails` builds it"
     if not path.is_file():
-        raise v.fail(
-            name,
-            "no file",
-            "the sheet of thumbnails",
-            "`python -m urbanverse_mjx.assets.look_sheets thumbnails` builds it",
-        )
-    image = np.asarray(Image.open(path).convert("RGB"))
+        raise v.fail(name, "no file", "the sheet of thumbnails", cure)
+    try:
+        image = np.asarray(Image.open(path).convert("RGB"))
+    except (OSError, UnidentifiedImageError) as error:
+        raise v.fail(name, f"no whole picture ({error})", "the sheet of thumbnails", cure) from error
     uids = [record.uid for record in records()]
     needed = (-(-len(uids) // _COLUMNS) * height, _COLUMNS * width)
     if image.shape[:2] != needed:
-        raise v.fail(name, f"a picture of {image.shape[:2]}", f"one of {needed}", "build the thumbnails anew")
+        raise v.fail(name, f"a picture of {image.shape[:2]}", f"one of {needed}", cure)
     cells = image.reshape(-1, height, _COLUMNS, width, 3).swapaxes(1, 2).reshape(-1, height, width, 3)
     return dict(zip(uids, cells, strict=False))
 
 
-def _stored(name: str) -> Callable[[Sequence[str]], np.ndarray]:
-    return lambda uids: np.stack([_sheet(name)[uid] for uid in uids])
+@dataclasses.dataclass(frozen=True)
+class StoredSheet:
+    """The thumbnails of a sheet in the asset index, by its file's name."""
+
+    name: str
+
+    def load(self, uids: Sequence[str]) -> np.ndarray:
+        """(n, h, w, 3) uint8.
+
+        Raises:
+          NounError: the sheet is missing, damaged, or does not fit the table.
+        """
+        return np.stack([_sheet(self.name)[uid] for uid in uids])
+
+    def problems(self) -> list[str]:
+        """What is wrong with the file as it is now."""
+        _sheet.cache_clear()
+        try:
+            _sheet(self.name)
+        except NounError as error:
+            return [str(error)]
+        return []
+
+    def repair(self) -> None:
+        """Paints the sheet anew (some two minutes)."""
+        build_thumbnails(self.name)
+        _sheet.cache_clear()
 
 
 _GROUND_FILTERS = as_filters(
@@ -125,11 +151,36 @@ _SKY_FILTERS = as_filters(
         "snow": ("snow", "flag", "whether the land is white"),
     }
 )
-road = Collection("road material", ground_records("road"), _GROUND_FILTERS, _stored("ground_thumbnails.jpg"))
-sidewalk = Collection(
-    "sidewalk material", ground_records("sidewalk"), _GROUND_FILTERS, _stored("ground_thumbnails.jpg")
+_SAID = {"uid": "name that stays the same over versions", "description": "one sentence, written from the other fields"}
+_GROUND_MEANINGS = _SAID | {
+    "kind": "road or sidewalk",
+    "condition": "name of the weather or wear; `conditions` asks for the wider word",
+    "unit_m": "spacing of bricks, slabs ... along u and v, m; nothing where there are none or lengths vary",
+    "friction_reason": "how the friction follows from the dry material and the condition",
+}
+_SKY_MEANINGS = _SAID | {
+    "sun_azimuth": "direction of the sun (at night of the moon), degrees counter-clockwise from +x; drawn from the uid",
+    "exposure": "brightness of a white surface on the picture, 0 to 1; of the time of day, darker under rain clouds",
+}
+_GROUND_LEVELS, _SKY_LEVELS = ("family", "matter"), ("kind", "weather")
+_GROUND_SHEET, _SKY_SHEET = StoredSheet("ground_thumbnails.jpg"), StoredSheet("sky_thumbnails.jpg")
+road, sidewalk = (
+    Collection(
+        f"{kind} material", ground_records(kind), _GROUND_LEVELS, _GROUND_FILTERS, _GROUND_MEANINGS, _GROUND_SHEET
+    )
+    for kind in ("road", "sidewalk")
 )
-sky = Collection("sky", sky_records(), _SKY_FILTERS, _stored("sky_thumbnails.jpg"))
+sky = Collection("sky", sky_records(), _SKY_LEVELS, _SKY_FILTERS, _SKY_MEANINGS, _SKY_SHEET)
+
+
+def library(name: str) -> Collection:
+    """The collection "sky", "road" or "sidewalk".
+
+    Raises:
+      NounError: another name.
+    """
+    collections = {"sky": sky, "road": road, "sidewalk": sidewalk}
+    return collections[v.choice(name, "collection", collections)]
 
 
 @functools.cache

@@ -1,18 +1,20 @@
-"""Published dimensions and masses of real things, each with the page it was read on, and how far the priors are off.
+"""Published dimensions and masses of real things, each with the page it was read on, and how far the records are off.
 
-`assets_index/published.csv`: an empty cell is a figure that the page does not give.
+`assets_index/published.csv`: an empty cell is a figure that the page does not give. Where several pages speak of a
+leaf, the median of their figures counts as the truth of the leaf. A figure that does not count stands in
+`published_set_aside.csv` with the reason: the page measures something else than the box of the leaf's thing.
 """
 
 import dataclasses
 import functools
-from collections.abc import Sequence
+import statistics
+from collections.abc import Mapping, Sequence
 
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.settings import asset_root
 
 from . import ontology
 from .materials import number, read_rows, sources
-from .priors import prior
 
 QUANTITIES = ("length", "width", "height", "mass")
 
@@ -35,31 +37,79 @@ class Published:
     source: str
 
 
+@dataclasses.dataclass(frozen=True)
+class SetAside:
+    """Figures of a page that do not count (m and kg by quantity), where it is and why."""
+
+    leaf: str
+    thing: str
+    figures: Mapping[str, float]
+    title: str
+    address: str
+    reason: str
+
+
 @functools.cache
 def published() -> tuple[Published, ...]:
-    """All rows.
+    """All rows that count.
 
     Raises:
       NounError: a row without any figure, or whose source is no page; a leaf that does not exist.
     """
     rows = []
     for where, row in read_rows(asset_root() / "published.csv", ("leaf", "thing", *QUANTITIES, "source")):
-        ontology.category_of(row["leaf"])
-        values = {k: number(row[k], f"{where} {k}", 1e-6) if row[k] else None for k in QUANTITIES}
-        if all(value is None for value in values.values()):
-            raise NounError(f"{where}: found no figure, needed a length, width, height or mass.")
+        figures = _figures(row, where)
         if row["source"] not in sources() or not sources()[row["source"]].address:
             raise NounError(f"{where}: found the source {row['source']!r}, needed the key of a page in sources.csv.")
+        values = {quantity: figures.get(quantity) for quantity in QUANTITIES}
         rows.append(Published(row["leaf"], row["thing"], **values, source=row["source"]))
     return tuple(rows)
 
 
-def errors(rows: Sequence[Published]) -> dict[str, list[float]]:
-    """quantity -> relative errors of the leaves' medians against the rows that give it."""
-    found: dict[str, list[float]] = {quantity: [] for quantity in QUANTITIES}
+@functools.cache
+def set_aside() -> tuple[SetAside, ...]:
+    """The figures that were looked up and do not count.
+
+    Raises:
+      NounError: a row without any figure, address or reason; a leaf that does not exist.
+    """
+    columns = ("leaf", "thing", *QUANTITIES, "title", "address", "reason")
+    rows = []
+    for where, row in read_rows(asset_root() / "published_set_aside.csv", columns):
+        figures = _figures(row, where)
+        if not row["address"].startswith("http") or not row["reason"]:
+            raise NounError(f"{where}: found no address or no reason, needed both.")
+        rows.append(SetAside(row["leaf"], row["thing"], figures, row["title"], row["address"], row["reason"]))
+    return tuple(rows)
+
+
+def _figures(row: Mapping[str, str], where: str) -> dict[str, float]:
+    """quantity -> figure, of the cells that hold one."""
+    ontology.category_of(row["leaf"])
+    figures = {k: number(row[k], f"{where} {k}", 1e-6) for k in QUANTITIES if row[k]}
+    if not figures:
+        raise NounError(f"{where}: found no figure, needed a length, width, height or mass.")
+    return figures
+
+
+def truths(rows: Sequence[Published]) -> dict[str, dict[str, float]]:
+    """leaf -> quantity -> median of what the pages give."""
+    found: dict[str, dict[str, list[float]]] = {}
     for row in rows:
         for quantity in QUANTITIES:
             page = getattr(row, quantity)
             if page is not None:
-                found[quantity].append(abs(getattr(prior(row.leaf), quantity)[1] / page - 1.0))
+                found.setdefault(row.leaf, {}).setdefault(quantity, []).append(page)
+    return {
+        leaf: {quantity: statistics.median(pages) for quantity, pages in quantities.items()}
+        for leaf, quantities in found.items()
+    }
+
+
+def errors(rows: Sequence[Published], medians: Mapping[str, Mapping[str, float]]) -> dict[str, dict[str, float]]:
+    """quantity -> leaf -> absolute relative error of the medians (leaf -> quantity -> m or kg) against the pages."""
+    found: dict[str, dict[str, float]] = {quantity: {} for quantity in QUANTITIES}
+    for leaf, quantities in truths(rows).items():
+        for quantity, page in quantities.items():
+            found[quantity][leaf] = abs(medians[leaf][quantity] / page - 1.0)
     return found

@@ -3,11 +3,14 @@
 import difflib
 import json
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
 from ._options import json_object
+
+#: The collections of `assets.libraries`.
+Kind = Literal["object", "sky", "road", "sidewalk"]
 
 
 def list_assets(leaf: str | None = None) -> None:
@@ -71,24 +74,42 @@ def show(
 
 def search(
     query: Annotated[str | None, tyro.conf.Positional] = None,
+    library: Kind = "object",
     filters: Annotated[str, tyro.conf.arg(aliases=["-f"])] = "{}",
     count: int = 20,
 ) -> None:
-    """Search all records by free text and filters.
+    """Search all objects, skies or ground materials by free text and filters.
 
     Args:
       query: free text, e.g. "a red wooden chair".
+      library: what to search.
       filters: JSON object of filters, e.g. '{"mass_range": [1, 5], "movable": true}'.
       count: how many to print.
     """
-    from ..assets.search import library
+    from ..assets import libraries
 
     conditions = json_object(filters, "--filters")
-    objects = library()
-    uids = objects.get_uids_conditioned(query=query, top_k=count, **conditions)
-    _print_rows(objects.load_annotations(uids[:count]).values())
+    chosen = libraries.library(library)
+    uids = chosen.get_uids_conditioned(query=query, top_k=count, **conditions)
+    rows = chosen.load_annotations(uids[:count]).values()
+    if library == "object":
+        _print_rows(rows)
+    else:
+        print("\n".join(f"{row['uid']:<44} {row['description']}" for row in rows))
     if query is None:
-        print(f"{len(uids)} records; filters are {', '.join(objects.filters())}")
+        print(f"{len(uids)} records; filters are {', '.join(chosen.filters())}")
+
+
+def explain(field: Annotated[str, tyro.conf.Positional], library: Kind = "object") -> None:
+    """Say what a field of an annotation means, its unit and where its values come from.
+
+    Args:
+      field: its name, e.g. "required_force", or "turbidity" of a sky.
+      library: whose field.
+    """
+    from ..assets import libraries
+
+    print(libraries.library(library).explain_annotation(field))
 
 
 def match(label: Annotated[str, tyro.conf.Positional], size: tuple[float, float, float], count: int = 5) -> None:
@@ -111,10 +132,14 @@ def check(repair: bool = False) -> None:
     Args:
       repair: also make anew what is damaged.
     """
-    from ..assets import integrity
+    from ..assets import integrity, libraries
 
+    # A damaged catalogue cannot be opened, so the objects are checked without it.
     problems = integrity.repair() if repair else integrity.problems()
-    print("\n".join(problems) or "all is well")
+    for name in ("sky", "road", "sidewalk"):
+        collection = libraries.library(name)
+        problems += collection.repair() if repair else collection.check_integrity()
+    print("\n".join(dict.fromkeys(problems)) or "all is well")
 
 
 def _print_rows(rows: Any) -> None:
@@ -134,6 +159,7 @@ COMMANDS = {
     "find": find,
     "show": show,
     "search": search,
+    "explain": explain,
     "match": match,
     "check": check,
 }

@@ -7,7 +7,7 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, rgb, shade
 from ..recipe import recipe
 from ..shapes import Point2, Point3
-from .animals import _ring as ring
+from .animals import ring
 from .fitted import fitted
 
 

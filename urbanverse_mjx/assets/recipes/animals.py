@@ -21,7 +21,7 @@ _BIRD = Physics(
 )
 
 
-def _ring(
+def ring(
     x: float, z: float, half_width: float, half_height: float, pitch_deg: float = 0.0, points: int = 12
 ) -> np.ndarray:
     """A cross section of a body, tilted by the pitch of its axis."""
@@ -72,10 +72,10 @@ def _quadruped(
         (half * 0.9, mid + 0.03 * s, 0.92, 1.12),
         (half + 0.10 * s, mid + 0.10 * s, 0.60, 0.80),
     ]
-    b.loft([_ring(x, z, r * w, r * h) for x, z, w, h in trunk], coat.back, crease_deg=60)
+    b.loft([ring(x, z, r * w, r * h) for x, z, w, h in trunk], coat.back, crease_deg=60)
     if coat.belly != coat.back:
         b.loft(
-            [_ring(x, z - r * 0.16, r * w * 0.96, r * h * 0.92) for x, z, w, h in trunk[2:7]], coat.belly, crease_deg=60
+            [ring(x, z - r * 0.16, r * w * 0.96, r * h * 0.92) for x, z, w, h in trunk[2:7]], coat.belly, crease_deg=60
         )
     neck_end = np.array([half + (0.30 if cat else 0.34) * s, 0.0, top + (0.10 if cat else 0.24) * s])
     neck = [
@@ -129,7 +129,7 @@ def _head(b: MeshBuilder, s: float, at: np.ndarray, muzzle: float, coat: _Coat, 
         m = muzzle * s
         b.loft(
             [
-                _ring(x, z, w, h)
+                ring(x, z, w, h)
                 for x, z, w, h in (
                     (r * 0.55, -0.18 * r, 0.62 * r, 0.55 * r),
                     (r * 0.9 + m * 0.4, -0.28 * r, 0.46 * r, 0.42 * r),
@@ -284,7 +284,7 @@ def bird(variant: int, rng: np.random.Generator) -> BuiltAsset:
             (0.075, 0.155, 0.045, 0.050),
             (0.095, 0.185, 0.028, 0.03),
         ]
-        b.loft([_ring(x, z, w, h, 22) for x, z, w, h in rows], belly, crease_deg=60)
+        b.loft([ring(x, z, w, h, 22) for x, z, w, h in rows], belly, crease_deg=60)
         b.tube([(0.08, 0, 0.165), (0.10, 0, 0.205), (0.108, 0, 0.225)], [0.034, 0.027, 0.025], head, sides=9)
         b.ball((0.033, 0.027, 0.029), (0.115, 0, 0.238), head, segments=10, rings=7)
         b.convex(
@@ -296,7 +296,7 @@ def bird(variant: int, rng: np.random.Generator) -> BuiltAsset:
             # Folded wings, their tips crossing over the tail; a dark bar on the pigeon's.
             b.loft(
                 [
-                    _ring(x, z, w, h) + [0, side * y, 0]
+                    ring(x, z, w, h) + [0, side * y, 0]
                     for x, z, w, h, y in (
                         (-0.19, 0.128, 0.004, 0.006, 0.018),
                         (-0.10, 0.142, 0.012, 0.030, 0.044),

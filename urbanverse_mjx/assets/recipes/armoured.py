@@ -5,7 +5,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import shade
 from ..recipe import recipe
-from .carts import _solid_wheel as solid_wheel
+from .carts import solid_wheel
 from .fitted import fitted
 
 

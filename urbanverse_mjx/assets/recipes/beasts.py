@@ -7,7 +7,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, mix, shade
 from ..recipe import recipe
-from .animals import _ring as ring
+from .animals import ring
 from .fitted import fitted
 
 Row = tuple[float, float, float, float]

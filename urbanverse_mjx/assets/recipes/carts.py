@@ -40,9 +40,10 @@ _ROBOT = Physics(
 )
 
 
-def _solid_wheel(
+def solid_wheel(
     b: MeshBuilder, at: tuple[float, float, float], radius: float, width: float, rim: Color = "light grey"
 ) -> None:
+    """A solid rubber tyre on a disc, upright across y; `at` is its centre."""
     y0 = at[1] + width / 2
     b.ring(radius - width * 0.5, width * 0.5, at, "rubber", (90, 0, 0), segments=16, sides=6)
     b.cylinder(radius - width * 0.6, width * 0.6, (at[0], y0 - width * 0.2, at[2]), rim, (90, 0, 0), segments=12)
@@ -70,8 +71,8 @@ def wheelchair(variant: int, rng: np.random.Generator) -> BuiltAsset:
             spoked_wheel(b, (-0.20, s * (half + 0.055), 0.305), 0.305, 0.016, "aluminium", 8)
             b.ring(0.265, 0.008, (-0.20, s * (half + 0.085), 0.305), "aluminium", (90, 0, 0), 18, 4)
         else:
-            _solid_wheel(b, (-0.18, s * (half + 0.05), 0.17), 0.17, 0.08, "dark grey")
-        _solid_wheel(b, (0.26, s * (half - 0.02), 0.09), 0.09, 0.035)
+            solid_wheel(b, (-0.18, s * (half + 0.05), 0.17), 0.17, 0.08, "dark grey")
+        solid_wheel(b, (0.26, s * (half - 0.02), 0.09), 0.09, 0.035)
         b.rod((0.26, s * (half - 0.02), 0.10), (0.24, s * (half - 0.02), 0.45), 0.012, frame, sides=6)
     if variant == 1:  # a powered chair: battery box and joystick
         b.box((0.48, 0.38, 0.22), (-0.04, 0, 0.16), "charcoal", bevel=0.04)
@@ -105,11 +106,11 @@ def stroller(variant: int, rng: np.random.Generator) -> BuiltAsset:
             sides=6,
         )
         b.tube([(0.02, y, 0.52), (-0.30, y, 0.14)], 0.013, "aluminium", sides=6)
-        _solid_wheel(b, (-0.30, s * (half + 0.04), 0.14), 0.14, 0.045)
+        solid_wheel(b, (-0.30, s * (half + 0.04), 0.14), 0.14, 0.045)
         if variant != 2:
-            _solid_wheel(b, (0.40, s * (half - 0.03), 0.11), 0.11, 0.04)
+            solid_wheel(b, (0.40, s * (half - 0.03), 0.11), 0.11, 0.04)
     if variant == 2:
-        _solid_wheel(b, (0.52, 0.0, 0.15), 0.15, 0.05)
+        solid_wheel(b, (0.52, 0.0, 0.15), 0.15, 0.05)
         b.tube(
             [(0.34, half, 0.20), (0.52, 0.06, 0.16), (0.52, -0.06, 0.16), (0.34, -half, 0.20)],
             0.014,
@@ -172,7 +173,7 @@ def handcart(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.tube(
                 [(-0.35, s * 0.2, 1.15), (-0.20, s * 0.2, 1.18), (-0.06, s * 0.2, 0.10)], 0.016, "signal red", sides=6
             )
-            _solid_wheel(b, (-0.14, s * 0.25, 0.13), 0.13, 0.06, "signal yellow")
+            solid_wheel(b, (-0.14, s * 0.25, 0.13), 0.13, 0.06, "signal yellow")
             b.rod((-0.35, s * 0.2, 1.15), (-0.27, s * 0.2, 1.17), 0.022, "black", sides=6)
         for z in (0.25, 0.6, 0.95):
             x = -0.06 - 0.13 * (z - 0.1)
@@ -204,7 +205,7 @@ def handcart(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.95, 0.60, 0.04), (0, 0, 0.22), "signal blue", bevel=0.01)
         for x in (-0.34, 0.34):
             for s in (-1, 1):
-                _solid_wheel(b, (x, s * 0.22, 0.09), 0.09, 0.045)
+                solid_wheel(b, (x, s * 0.22, 0.09), 0.09, 0.045)
                 b.box((0.05, 0.05, 0.12), (x, s * 0.22, 0.12), "dark grey")
         b.tube(
             [(-0.45, 0.27, 0.24), (-0.52, 0.27, 0.95), (-0.52, -0.27, 0.95), (-0.45, -0.27, 0.24)],
@@ -226,9 +227,9 @@ def handcart(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def tricycle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     if variant == 0:  # a child's tricycle
-        _solid_wheel(b, (0.32, 0, 0.15), 0.15, 0.05, "signal yellow")
+        solid_wheel(b, (0.32, 0, 0.15), 0.15, 0.05, "signal yellow")
         for s in (-1, 1):
-            _solid_wheel(b, (-0.22, s * 0.19, 0.11), 0.11, 0.045, "signal yellow")
+            solid_wheel(b, (-0.22, s * 0.19, 0.11), 0.11, 0.045, "signal yellow")
             b.rod((0.32, s * 0.04, 0.15), (0.32, s * 0.13, 0.10 if s > 0 else 0.20), 0.010, "aluminium", sides=5)
             b.box((0.07, 0.07, 0.02), (0.32, s * 0.14, 0.09 if s > 0 else 0.19), "black")
             b.rod((0.24, s * 0.02, 0.52), (0.20, s * 0.18, 0.55), 0.012, "aluminium", sides=6)
@@ -313,7 +314,7 @@ def delivery_robot(variant: int, rng: np.random.Generator) -> BuiltAsset:
         length, width, low, high, wheels = 0.70, 0.52, 0.14, 0.52, ((-0.25, 0.11), (0.0, 0.11), (0.25, 0.11))
     for x, r in wheels:
         for s in (-1, 1):
-            _solid_wheel(b, (x, s * (width / 2 - 0.02), r), r, 0.075, accent)
+            solid_wheel(b, (x, s * (width / 2 - 0.02), r), r, 0.075, accent)
     with_taper = (0.88, 0.86)
     b.box(
         (length, width * 0.86, (high - low) * 0.55),

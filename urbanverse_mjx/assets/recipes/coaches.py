@@ -9,7 +9,7 @@ from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
 from ..palette import Color, shade
 from ..recipe import recipe
 from .fitted import fitted
-from .trucks import _box_shape as box_shape
+from .trucks import box_shape
 from .vehicle_body import Body, BodyShape
 from .wheels import number_plate, rim_picture, wheel
 

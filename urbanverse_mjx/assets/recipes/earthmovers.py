@@ -6,7 +6,7 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, shade
 from ..recipe import recipe
 from .armoured import tracks
-from .carts import _solid_wheel as solid_wheel
+from .carts import solid_wheel
 from .coaches import lettering, road_wheels
 from .fitted import fitted
 from .road_service import farm_wheel

@@ -5,7 +5,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..recipe import recipe
 from .bicycles import spoked_wheel
-from .carts import _solid_wheel as solid_wheel
+from .carts import solid_wheel
 from .coaches import lettering
 from .fitted import fitted
 from .small_vehicles import handlebar

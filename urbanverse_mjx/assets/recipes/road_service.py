@@ -6,12 +6,12 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, shade
 from ..recipe import recipe
 from .car_shapes import PICKUP, PICKUP_PLACES
-from .carts import _solid_wheel as solid_wheel
+from .carts import solid_wheel
 from .coaches import lettering, road_wheels
 from .fitted import fitted
 from .road_cars import Trim, assembled
 from .service_trucks import blade, chassis, chequer, light_bar, tall_van
-from .trucks import _cab as forward_cab
+from .trucks import forward_cab
 from .wheels import number_plate, rim_picture, wheel
 
 

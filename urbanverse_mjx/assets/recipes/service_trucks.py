@@ -12,8 +12,7 @@ from .car_shapes import PICKUP, PICKUP_PLACES, VAN, VAN_PLACES
 from .coaches import lettering, road_wheels
 from .fitted import fitted
 from .road_cars import Trim, assembled
-from .trucks import _box_shape as box_shape
-from .trucks import _cab as forward_cab
+from .trucks import box_shape, forward_cab
 from .vehicle_body import Body
 from .wheels import number_plate
 

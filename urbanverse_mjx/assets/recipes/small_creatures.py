@@ -6,7 +6,7 @@ from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, mix, shade
 from ..recipe import recipe
 from ..shapes import Point3, Points3
-from .animals import _ring as ring
+from .animals import ring
 from .fitted import fitted
 
 

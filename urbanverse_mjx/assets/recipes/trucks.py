@@ -25,7 +25,7 @@ _FOOD_TRUCK = Physics(
 _BOX_SECTION = ((0.25, 0.965), (0.55, 0.99), (1.0, 1.0), (1.35, 0.995), (2.75, 0.965), (3.3, 0.94))
 
 
-def _box_shape(
+def box_shape(
     length: float, height: float, nose: float, wheel_radius: float, axles: tuple[float, ...], belt: float
 ) -> BodyShape:
     """A bus-like outline: upright back, flat roof, a windscreen that leans back by `nose` metres."""
@@ -80,12 +80,12 @@ def _big_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_wi
 def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4, metallic=0.05)
     color, band, line, length = (
-        ("signal red", "white", "12 CENTRAL STATION", 10.5),
-        ("#3f7fae", "white", "7 HARBOUR", 9.2),
-        ("#e8e4d6", "dark green", "104 UNIVERSITY", 10.5),
+        ("signal red", "white", "12 CENTRAL STATION", 12.0),
+        ("#3f7fae", "white", "7 HARBOUR", 10.5),
+        ("#e8e4d6", "dark green", "104 UNIVERSITY", 12.0),
     )[variant]
     axles = (-length * 0.25, length * 0.29)
-    shape = _box_shape(length, 3.0, 0.22, 0.47, axles, 1.42)
+    shape = box_shape(length, 3.0, 0.22, 0.47, axles, 1.42)
     body = Body(b, shape)
     body.shell(color)
     f, r = length / 2, -length / 2
@@ -134,7 +134,7 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"line": line, "length": length})
 
 
-def _cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) -> None:
+def forward_cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) -> None:
     """A forward-control truck cab whose back is at x - 0.95 and whose front is at x + 0.95."""
     shape = BodyShape(
         upper=(
@@ -188,7 +188,7 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("safety orange", "TP 810", 2.05),
         ("dark blue", "MV 7002", 2.55),
     )[variant]
-    _cab(b, front, color, 0.45, plate)
+    forward_cab(b, front, color, 0.45, plate)
     back = -front - 0.55
     deck = front - 1.05
     length = deck - back
@@ -257,7 +257,7 @@ def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("#e8c24a", "charcoal", "BURGERS", "BURGER 7\nFRIES 3\nCOLA 2"),
     )[variant]
     length = 6.2
-    shape = _box_shape(length, 2.75, 0.55, 0.37, (-1.75, 1.95), 1.45)
+    shape = box_shape(length, 2.75, 0.55, 0.37, (-1.75, 1.95), 1.45)
     body = Body(b, dataclasses.replace(shape, width=2.1, sill=0.32))
     body.shell(color)
     f, r = length / 2, -length / 2
