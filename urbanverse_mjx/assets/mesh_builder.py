@@ -383,6 +383,7 @@ class MeshBuilder:
         whole = shapes.joined([p.shape for p in self._parts], uvs)
         sizes = [len(p.shape.faces) for p in self._parts]
         split = shapes.split_at_creases(whole, np.repeat([p.crease_deg for p in self._parts], sizes), sizes)
+        assert split.uv is not None, "`joined` gives texture coordinates"
         points = split.vertices
         if recenter:
             low, high = points.min(0), points.max(0)
