@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory --no-builtin-rules
 .DELETE_ON_ERROR:
-# Without bytecode every process compiles ten seconds' worth of packages anew, and tests start dozens of them.
+# Without bytecode every process compiles the packages it imports anew, for seconds; tests start dozens of processes.
 unexport PYTHONDONTWRITEBYTECODE
 
 VENV := .venv
