@@ -3,11 +3,16 @@
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory --no-builtin-rules
 .DELETE_ON_ERROR:
+# Without bytecode every process compiles the packages it imports anew, for seconds; tests start dozens of processes.
+unexport PYTHONDONTWRITEBYTECODE
 
 VENV := .venv
 BIN := $(VENV)/bin
 # Options for the command behind a target: make train ARGS="--preset paper"
 ARGS ?=
+# Test processes: one for each core, at most 4 (each holds 2 to 3 GB). TEST_WORKERS=0 runs them in one, as --pdb needs.
+TEST_WORKERS ?= logical
+PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
 .PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets base thumbnails gallery doctor lock wheel clean distclean
@@ -31,10 +36,10 @@ train: setup ## train the small policy, evaluate it on unseen streets; the last 
 	@$(BIN)/urbanverse train $(ARGS)
 
 test: setup-dev ## run the tests
-	@$(BIN)/python -m pytest -q $(ARGS)
+	@$(BIN)/python $(PYTEST) $(ARGS)
 
 test-slow: setup-dev ## run the tests that take minutes
-	@$(BIN)/python -m pytest -q -m "slow and not gpu" $(ARGS)
+	@$(BIN)/python $(PYTEST) -m "slow and not gpu" $(ARGS)
 
 test-gpu: setup-dev ## run the tests that need a CUDA device
 	@$(BIN)/python -m pytest -q -m gpu $(ARGS)

@@ -1,8 +1,11 @@
 """Fixtures shared by all rooms."""
 
+import fcntl
+
 import pytest
 
 from tests.support.box_bank import box_bank
+from urbanverse_mjx import settings
 from urbanverse_mjx.cli.scene import ensure_default_bank
 from urbanverse_mjx.datatypes import SceneBank
 
@@ -15,5 +18,9 @@ def small_bank() -> SceneBank:
 
 @pytest.fixture(scope="session")
 def bank() -> SceneBank:
-    """The six shipped streets: from the cache, or built into it by the first test that asks."""
-    return ensure_default_bank(quiet=True)
+    """The six shipped streets: from the cache, or built into it by the first test that asks; other processes wait."""
+    folder = settings.cache_dir("banks")
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "tests.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return ensure_default_bank(quiet=True)

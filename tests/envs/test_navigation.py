@@ -9,17 +9,19 @@ import pytest
 
 from tests.support.unicycle import drive_to_goal, unicycle_env
 from urbanverse_mjx.datatypes import NounError, SceneBank
-from urbanverse_mjx.envs import Result, check_env, default_config, registry, wrap_for_training
+from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, registry, wrap_for_training
 from urbanverse_mjx.envs.checks import EnvCheckError
+from urbanverse_mjx.envs.types import NavState
 
 
 def test_check_env_accepts_the_task(small_bank: SceneBank) -> None:
     check_env(unicycle_env(small_bank, {"episode_length": 40}, vision=True))
 
 
-def test_check_env_accepts_the_registered_task(small_bank: SceneBank) -> None:
+@pytest.mark.parametrize("impl", ["warp", pytest.param("jax", marks=pytest.mark.slow)])
+def test_check_env_accepts_the_registered_task(small_bank: SceneBank, impl: str) -> None:
     """The real engine and renderer, as `registry.load` makes them."""
-    overrides = {"preset": "cpu", "scenes": "all", "vision_config.height": 12, "vision_config.width": 20}
+    overrides = {"preset": "cpu", "scenes": "all", "vision_config.height": 12, "vision_config.width": 20, "impl": impl}
     check_env(registry.load("CocoNav", config_overrides=overrides, bank=small_bank), num_envs=4, num_steps=6)
 
 
@@ -35,10 +37,21 @@ def test_joint_actions_are_shares_of_the_control_range(small_bank: SceneBank) ->
         ctrl = np.asarray(env._control(jnp.full(5, action)))
         np.testing.assert_allclose(ctrl, [*(action * wheels), steer], atol=1e-6)
     by_velocity = registry.load("CocoNav", config_overrides={**overrides, "action_mode": "velocity"}, bank=small_bank)
-    key = jax.random.key(3)
-    straight = jax.jit(by_velocity.step)(by_velocity.reset(key), jnp.array([1.0, 0.0]))
-    joints = jax.jit(env.step)(env.reset(key), jnp.array([1.0, 1.0, 1.0, 1.0, 0.0]))
-    np.testing.assert_array_equal(np.asarray(straight.data.sim.qpos), np.asarray(joints.data.sim.qpos))
+    nav = jax.jit(env.begin)(jax.random.key(3))
+    wheels_turn = sent(env, nav, jnp.array([1.0, 1.0, 1.0, 1.0, 0.0]))
+    np.testing.assert_array_equal(sent(by_velocity, nav, jnp.array([1.0, 0.0])), wheels_turn)
+
+
+def sent(env: NavEnv, nav: NavState, action: jax.Array) -> jax.Array:
+    """What an env commands its engine in one step."""
+
+    def advance(nav: NavState) -> jax.Array:
+        ctrl = []
+        env.engine.step = lambda sim, command: ctrl.append(command) or sim
+        env.advance(nav, action)
+        return ctrl.pop()
+
+    return jax.jit(advance)(nav._replace(last_action=jnp.zeros(env.action_size)))
 
 
 def test_check_env_finds_a_constant_observation(small_bank: SceneBank) -> None:
@@ -81,8 +94,7 @@ def test_driving_straight_on_open_ground_reaches_the_goal_with_the_papers_reward
 def test_hit_ends_the_episode_or_is_only_measured(small_bank: SceneBank) -> None:
     for terminate in (True, False):
         env = unicycle_env(small_bank, {"terminate_on_hit": terminate, "terminate_off_traversable": False}, wall=-1e9)
-        state = env.reset(jax.random.key(0))
-        state = env.step(state, jnp.array([0.0, 0.0]))
+        state = jax.jit(lambda key, env=env: env.step(env.reset(key), jnp.array([0.0, 0.0])))(jax.random.key(0))
         assert bool(state.done) == terminate
         assert float(state.metrics["hit_time_per_step"]) == 1.0
         assert float(state.metrics["reward/hit"]) == -200.0
@@ -90,33 +102,34 @@ def test_hit_ends_the_episode_or_is_only_measured(small_bank: SceneBank) -> None
 
 def test_leaving_the_pavement_ends_the_episode(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
-    state = env.reset(jax.random.key(1))
+    state = jax.jit(env.reset)(jax.random.key(1))
     qpos = state.data.sim.qpos.at[:2].set(jnp.array([-50.0, 0.0]))
     state = dataclasses.replace(
         state, data=state.data._replace(sim=env.engine.init(state.data.sim.scene, qpos, state.data.sim.qvel))
     )
-    state = env.step(state, jnp.zeros(2))
+    state = jax.jit(env.step)(state, jnp.zeros(2))
     assert int(state.info["result"]) == Result.OFF_TRAVERSABLE
 
 
 def test_non_finite_physics_is_a_result_and_never_reaches_reward_or_neighbours(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
-    state = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3))
-    clean = jax.vmap(env.step)(state, jnp.zeros((3, 2)))
+    state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3))
+    step = jax.jit(jax.vmap(env.step))
+    clean = step(state, jnp.zeros((3, 2)))
     sim = state.data.sim
     broken = sim._replace(qpos=sim.qpos.at[1].set(jnp.nan))
-    after = jax.vmap(env.step)(dataclasses.replace(state, data=state.data._replace(sim=broken)), jnp.zeros((3, 2)))
+    after = step(dataclasses.replace(state, data=state.data._replace(sim=broken)), jnp.zeros((3, 2)))
     assert int(after.info["result"][1]) == Result.NON_FINITE
     assert np.isfinite(np.asarray(after.reward)).all()
     assert all(np.isfinite(np.asarray(m)).all() for m in after.metrics.values())
     for i in (0, 2):
         assert float(after.reward[i]) == float(clean.reward[i])
     wrapped = wrap_for_training(env, env.config.episode_length)
-    first = wrapped.reset(jax.random.split(jax.random.key(0), 3))
+    first = jax.jit(wrapped.reset)(jax.random.split(jax.random.key(0), 3))
     first = dataclasses.replace(
         first, data=first.data._replace(sim=first.data.sim._replace(qpos=first.data.sim.qpos.at[1].set(jnp.nan)))
     )
-    after = wrapped.step(first, jnp.zeros((3, 2)))
+    after = jax.jit(wrapped.step)(first, jnp.zeros((3, 2)))
     assert all(np.isfinite(np.asarray(x)).all() for x in after.obs.values())
 
 
@@ -153,11 +166,11 @@ def test_brax_autoreset_does_not_fit() -> None:
 
     env = unicycle_env(box_bank(3, 0), {"episode_length": 2, "terminate_off_traversable": False})
     theirs = AutoResetWrapper(VmapWrapper(env))  # type: ignore[arg-type]
-    state = theirs.reset(jax.random.split(jax.random.key(0), 2))
+    state = jax.jit(theirs.reset)(jax.random.split(jax.random.key(0), 2))
     # It keeps the first state of each env to restore it at every end: one scene, start and goal for the whole run.
     assert "first_pipeline_state" in state.info
     with pytest.raises(KeyError, match="first_pipeline_state"):
-        theirs.step(state, jnp.zeros((2, 2)))
+        jax.eval_shape(theirs.step, state, jnp.zeros((2, 2)))
 
 
 def test_overrides_and_errors(small_bank: SceneBank) -> None:

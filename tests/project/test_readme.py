@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from urbanverse_mjx.cli.main import COMMANDS
-from urbanverse_mjx.cli.scene import ensure_default_bank
+from urbanverse_mjx.datatypes import SceneBank
 
 ROOT = pathlib.Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -18,8 +18,8 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", TEXT, flags=re.MULTILINE | re.DOTALL)
 
 
-def test_the_python_example_runs_and_sees_eight_pictures() -> None:
-    ensure_default_bank(quiet=True)
+def test_the_python_example_runs_and_sees_eight_pictures(bank: SceneBank) -> None:
+    del bank  # it lies in the cache, where the example looks for it
     (code,) = blocks("python")
     lines = [line for line in code.splitlines() if line.strip()]
     assert len(lines) <= 10

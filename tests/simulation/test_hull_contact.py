@@ -16,6 +16,7 @@ from urbanverse_mjx.simulation import hull_contact
 from urbanverse_mjx.simulation.slots import Slots
 
 NUM_HULLS, SPHERES_PER_HULL = 60, 12
+find_contacts = jax.jit(hull_contact.find_contacts, static_argnums=4)
 
 
 def random_corners(rng: np.random.Generator) -> np.ndarray:
@@ -171,7 +172,7 @@ def two_plates(gap: float) -> tuple[Slots, hull_contact.HullTable]:
 @pytest.mark.parametrize("x", [-0.03, -0.002, 0.0, 0.001, 0.05])
 def test_a_wheel_on_a_seam_stands_on_level_ground(x: float) -> None:
     slots, table = two_plates(0.0)
-    found = hull_contact.find_contacts(jnp.array([[x, 0.2, 0.1095]]), jnp.array([0.11]), slots, table, 2)
+    found = find_contacts(jnp.array([[x, 0.2, 0.1095]]), jnp.array([0.11]), slots, table, 2)
     nearest = int(jnp.argmin(found.distance))
     np.testing.assert_allclose(found.distance[nearest], -0.0005, atol=1e-6)
     np.testing.assert_allclose(found.normal[nearest], (0, 0, 1), atol=1e-6)
@@ -181,10 +182,10 @@ def test_pairs_beyond_the_number_of_contacts_are_counted() -> None:
     slots, table = two_plates(0.0)
     centres = jnp.array([[x, y, 0.1] for x in (-0.5, 0.5) for y in (-0.5, 0.0, 0.5)])
     radii = jnp.full(6, 0.11)
-    enough = hull_contact.find_contacts(centres, radii, slots, table, 8)
+    enough = find_contacts(centres, radii, slots, table, 8)
     assert int(enough.missed) == 0
     assert int((enough.distance < 0).sum()) == 6
-    few = hull_contact.find_contacts(centres, radii, slots, table, 4)
+    few = find_contacts(centres, radii, slots, table, 4)
     assert int(few.missed) == 2
     assert int((few.distance < 0).sum()) == 4
 
@@ -192,7 +193,7 @@ def test_pairs_beyond_the_number_of_contacts_are_counted() -> None:
 def test_empty_slots_touch_nothing() -> None:
     slots, table = two_plates(0.0)
     slots = slots._replace(valid=jnp.zeros(2, bool))
-    found = hull_contact.find_contacts(jnp.zeros((3, 3)), jnp.full(3, 0.11), slots, table, 4)
+    found = find_contacts(jnp.zeros((3, 3)), jnp.full(3, 0.11), slots, table, 4)
     assert (found.distance == jnp.inf).all()
     assert jnp.isfinite(found.position).all()
     assert jnp.isfinite(found.normal).all()

@@ -10,54 +10,35 @@ import pytest
 
 from tests.support.box_bank import box_bank
 from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
-from urbanverse_mjx.datatypes import NounError, SceneBank, SimState
+from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 
 
-@pytest.fixture(scope="module")
-def engine(small_bank: SceneBank) -> JaxEngine:
-    return JaxEngine(small_bank, make_coco("differential"), control_dt=CONTROL_DT)
-
-
-@pytest.fixture(scope="module")
-def traces() -> list[int]:
-    """One entry per trace of `batched`."""
-    return []
-
-
-@pytest.fixture(scope="module")
-def batched(engine: JaxEngine, traces: list[int]) -> Any:
-    def step(state: SimState, ctrl: Any) -> SimState:
-        traces.append(1)
-        return jax.vmap(engine.step)(state, ctrl)
-
-    return jax.jit(step)
-
-
 def test_changing_scenes_compiles_nothing(
-    engine: JaxEngine, small_bank: SceneBank, batched: Any, traces: list[int]
+    jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any, jax_traces: list[int]
 ) -> None:
-    state, ctrl = starts(engine, small_bank)
-    batched(state, ctrl)
+    state, ctrl = starts(jax_engine, small_bank)
+    jax_step(state, ctrl)
+    made = len(jax_traces)
     for shift in range(small_bank.num_scenes):
-        batched(state._replace(scene=(state.scene + shift) % small_bank.num_scenes), ctrl)
-    assert len(traces) == 1
+        jax_step(state._replace(scene=(state.scene + shift) % small_bank.num_scenes), ctrl)
+    assert len(jax_traces) == made
 
 
-def test_the_scene_decides_what_is_hit(engine: JaxEngine, small_bank: SceneBank, batched: Any) -> None:
+def test_the_scene_decides_what_is_hit(jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any) -> None:
     """Robots stand where an object of the first scene stands: there they hit that object, elsewhere not that one."""
     clear = [
         k
         for k in range(40)
         if np.linalg.norm(small_bank.inst_position[1:, :, :2] - small_bank.inst_position[0, k, :2], axis=-1).min() > 2.5
     ]
-    place = small_bank.inst_position[0, clear[0]] + (0.0, 0.0, engine.robot.spawn_height + 0.05)
-    qpos = np.zeros((NUM_ENVS, engine.physics.model.nq), np.float32)
+    place = small_bank.inst_position[0, clear[0]] + (0.0, 0.0, jax_engine.robot.spawn_height + 0.05)
+    qpos = np.zeros((NUM_ENVS, jax_engine.physics.model.nq), np.float32)
     qpos[:, :3], qpos[:, 3] = place, 1.0
     scenes = np.arange(NUM_ENVS) % small_bank.num_scenes
-    state = jax.jit(jax.vmap(engine.init))(scenes, qpos, np.zeros((NUM_ENVS, engine.physics.model.nv)))
-    state = batched(state, np.zeros((NUM_ENVS, engine.physics.model.nu), np.float32))
+    state = jax.jit(jax.vmap(jax_engine.init))(scenes, qpos, np.zeros((NUM_ENVS, jax_engine.physics.model.nv)))
+    state = jax_step(state, np.zeros((NUM_ENVS, jax_engine.physics.model.nu), np.float32))
     np.testing.assert_array_equal(state.contacts.hit, scenes == 0)
     owner = small_bank.inst_object[0, clear[0]]
     np.testing.assert_array_equal(state.contacts.hit_object, np.where(scenes == 0, owner, -1))
@@ -65,10 +46,10 @@ def test_the_scene_decides_what_is_hit(engine: JaxEngine, small_bank: SceneBank,
     assert (np.array(state.contacts.hit_force)[scenes == 0] > 100).all()
 
 
-def test_vmap_equals_a_loop(engine: JaxEngine, small_bank: SceneBank, batched: Any) -> None:
-    state, ctrl = starts(engine, small_bank)
-    together = roll(batched, state, ctrl, 8)
-    alone = jax.jit(engine.step)
+def test_vmap_equals_a_loop(jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any) -> None:
+    state, ctrl = starts(jax_engine, small_bank)
+    together = roll(jax_step, state, ctrl, 8)
+    alone = jax.jit(jax_engine.step)
     for i in range(NUM_ENVS):
         one = roll(alone, jax.tree.map(lambda x, i=i: x[i], state), ctrl[i], 8)
         # Batched matrix products add up in another order.
@@ -77,28 +58,28 @@ def test_vmap_equals_a_loop(engine: JaxEngine, small_bank: SceneBank, batched: A
         assert int(one.contacts.hit_object) == int(together.contacts.hit_object[i])
 
 
-def test_step_is_pure_and_envs_are_independent(engine: JaxEngine, small_bank: SceneBank, batched: Any) -> None:
-    state, ctrl = starts(engine, small_bank)
+def test_step_is_pure_and_envs_are_independent(jax_engine: JaxEngine, small_bank: SceneBank, jax_step: Any) -> None:
+    state, ctrl = starts(jax_engine, small_bank)
     copy = jax.tree.map(lambda x: np.array(x), state)
-    first = roll(batched, state, ctrl, 5)
+    first = roll(jax_step, state, ctrl, 5)
     assert_equal(copy, state)
-    roll(batched, *starts(engine, small_bank, seed=1), 3)  # another batch in between
-    assert_equal(first, roll(batched, state, ctrl, 5))
+    roll(jax_step, *starts(jax_engine, small_bank, seed=1), 3)  # another batch in between
+    assert_equal(first, roll(jax_step, state, ctrl, 5))
     # Shuffled envs give the shuffled result.
     order = np.array([3, 5, 0, 1, 4, 2])
-    shuffled = roll(batched, jax.tree.map(lambda x: x[order], state), ctrl[order], 5)
+    shuffled = roll(jax_step, jax.tree.map(lambda x: x[order], state), ctrl[order], 5)
     assert_equal(jax.tree.map(lambda x: x[order], first), shuffled)
     # A neighbour that is all NaN changes nothing.
     nan = {name: jnp.asarray(getattr(state, name)).at[2].set(jnp.nan) for name in ("qpos", "qvel", "xpos")}
-    spoilt = roll(batched, state._replace(**nan), ctrl, 5)
+    spoilt = roll(jax_step, state._replace(**nan), ctrl, 5)
     well = np.array([0, 1, 3, 4, 5])
     assert_equal(jax.tree.map(lambda x: x[well], first), jax.tree.map(lambda x: x[well], spoilt))
     assert np.isnan(np.array(spoilt.qpos[2])).any()  # and the ill one stays ill, so that the env sees it
 
 
-def test_init_reports_kinematics_and_no_contact(engine: JaxEngine, small_bank: SceneBank) -> None:
-    state, _ = starts(engine, small_bank)
-    root = engine.physics.root
+def test_init_reports_kinematics_and_no_contact(jax_engine: JaxEngine, small_bank: SceneBank) -> None:
+    state, _ = starts(jax_engine, small_bank)
+    root = jax_engine.physics.root
     np.testing.assert_allclose(state.xpos[:, root], state.qpos[:, :3])
     np.testing.assert_allclose(state.xquat[:, root], state.qpos[:, 3:7], atol=1e-6)
     assert not np.array(state.contacts.hit).any()
@@ -106,11 +87,13 @@ def test_init_reports_kinematics_and_no_contact(engine: JaxEngine, small_bank: S
     assert (np.array(state.slot_overflow) == 0).all()
 
 
-def test_far_from_everything_nothing_is_hit_and_the_robot_falls(engine: JaxEngine, batched: Any) -> None:
-    qpos = np.zeros((NUM_ENVS, engine.physics.model.nq), np.float32)
+def test_far_from_everything_nothing_is_hit_and_the_robot_falls(jax_engine: JaxEngine, jax_step: Any) -> None:
+    qpos = np.zeros((NUM_ENVS, jax_engine.physics.model.nq), np.float32)
     qpos[:, :4] = 500.0, -300.0, 5.0, 1.0
-    state = jax.jit(jax.vmap(engine.init))(np.zeros(NUM_ENVS, int), qpos, np.zeros((NUM_ENVS, engine.physics.model.nv)))
-    state = batched(state, np.zeros((NUM_ENVS, engine.physics.model.nu), np.float32))
+    state = jax.jit(jax.vmap(jax_engine.init))(
+        np.zeros(NUM_ENVS, int), qpos, np.zeros((NUM_ENVS, jax_engine.physics.model.nv))
+    )
+    state = jax_step(state, np.zeros((NUM_ENVS, jax_engine.physics.model.nu), np.float32))
     # Ten Euler steps of 10 ms: v = -g t, z = sum of v dt.
     np.testing.assert_allclose(state.qvel[:, 2], -9.81 * 0.1, rtol=1e-4)
     np.testing.assert_allclose(state.qpos[:, 2], 5.0 - 9.81 * 0.01**2 * 55, rtol=1e-5)
@@ -139,13 +122,13 @@ def test_hulls_without_a_slot_are_counted(slots: int) -> None:
     assert int(jax.jit(engine.find_slots)(0, place + jnp.array([10.0, 0, 0]))[1]) == 0
 
 
-def test_every_hull_within_reach_has_a_slot(engine: JaxEngine, small_bank: SceneBank) -> None:
+def test_every_hull_within_reach_has_a_slot(jax_engine: JaxEngine, small_bank: SceneBank) -> None:
     """10,000 poses, against brute force over all hulls of the scene."""
     rng = np.random.default_rng(0)
     count = 10_000
     scene = rng.integers(small_bank.num_scenes, size=count)
     place = rng.uniform([0, -8, 0.2], [60, 8, 0.6], (count, 3)).astype(np.float32)
-    nearby, missing = jax.jit(jax.vmap(engine.find_slots))(scene, place)
+    nearby, missing = jax.jit(jax.vmap(jax_engine.find_slots))(scene, place)
     assert int(missing.max()) == 0
     valid, owner = np.array(nearby.valid), np.array(nearby.owner)
     for z in range(small_bank.num_scenes):
@@ -154,7 +137,7 @@ def test_every_hull_within_reach_has_a_slot(engine: JaxEngine, small_bank: Scene
         box = small_bank.hull_box[hull]
         offset = place[here, None] - small_bank.inst_position[z]
         local = np.einsum("qij,nqi->nqj", small_bank.inst_rotation[z], offset) - box[:, 0]
-        reachable = np.linalg.norm(np.maximum(np.abs(local) - box[:, 1], 0), axis=-1) < engine.reach - 1e-4
+        reachable = np.linalg.norm(np.maximum(np.abs(local) - box[:, 1], 0), axis=-1) < jax_engine.reach - 1e-4
         for row, objects in zip(here, reachable & (hull >= 0), strict=True):
             wanted = set(small_bank.inst_object[z][objects])
             assert wanted <= set(owner[row][valid[row]])

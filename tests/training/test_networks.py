@@ -46,15 +46,16 @@ def test_gradients_equal_flax() -> None:
 @pytest.mark.parametrize("lead", [(), (3,), (4, 3)])
 def test_factory_takes_any_leading_axes(critic_sees: str, lead: tuple[int, ...]) -> None:
     nets = make_networks(SIZES, 2, layers=LAYERS, critic_sees=critic_sees)
-    policy, value = nets.policy_network.init(jax.random.key(0)), nets.value_network.init(jax.random.key(1))
+    policy = jax.eval_shape(nets.policy_network.init, jax.random.key(0))
+    value = jax.eval_shape(nets.value_network.init, jax.random.key(1))
     obs = {k: jnp.ones((*lead, *s), jnp.uint8 if k.startswith("pixels") else jnp.float32) for k, s in SIZES.items()}
-    assert nets.policy_network.apply(None, policy, obs).shape == (*lead, 4)
-    assert nets.value_network.apply(None, value, obs).shape == lead
+    assert jax.eval_shape(nets.policy_network.apply, None, policy, obs).shape == (*lead, 4)
+    assert jax.eval_shape(nets.value_network.apply, None, value, obs).shape == lead
 
 
 def test_policy_sees_pixels_and_where_they_are() -> None:
     nets = make_networks(SIZES, 2, layers=LAYERS)
-    params = nets.policy_network.init(jax.random.key(0))
+    params = jax.jit(nets.policy_network.init)(jax.random.key(0))
     obs = {
         "pixels/front": jnp.zeros((27, 48, 3), jnp.uint8),
         "goal": jnp.array([10.0, 0.0]),
@@ -62,7 +63,8 @@ def test_policy_sees_pixels_and_where_they_are() -> None:
     }
     left = obs["pixels/front"].at[8:16, 4:12].set(255)
     right = obs["pixels/front"].at[8:16, 36:44].set(255)
-    outs = [nets.policy_network.apply(None, params, {**obs, "pixels/front": p}) for p in (left, right)]
+    apply = jax.jit(nets.policy_network.apply)
+    outs = [apply(None, params, {**obs, "pixels/front": p}) for p in (left, right)]
     # A pooled network could not tell the same blob on the left from one on the right.
     assert float(jnp.abs(outs[0] - outs[1]).max()) > 1e-6
 
@@ -71,12 +73,12 @@ def test_asymmetric_critic_has_no_cnn_and_the_policy_no_privileges() -> None:
     nets = make_networks(SIZES, 2, layers=LAYERS, critic_sees="privileged")
     names = {
         jax.tree_util.keystr(path)
-        for path, _ in jax.tree_util.tree_leaves_with_path(nets.value_network.init(jax.random.key(0)))
+        for path, _ in jax.tree_util.tree_leaves_with_path(jax.eval_shape(nets.value_network.init, jax.random.key(0)))
     }
     assert not any("encoder" in name for name in names)
     names = {
         jax.tree_util.keystr(path)
-        for path, _ in jax.tree_util.tree_leaves_with_path(nets.policy_network.init(jax.random.key(0)))
+        for path, _ in jax.tree_util.tree_leaves_with_path(jax.eval_shape(nets.policy_network.init, jax.random.key(0)))
     }
     assert not any("privileged" in name for name in names)
 
@@ -93,9 +95,9 @@ def test_both_convolutions_give_the_same_network() -> None:
         "pixels/front": jax.random.randint(jax.random.key(2), (3, 27, 48, 3), 0, 256).astype(jnp.uint8),
         "goal": jnp.array([[10.0, 0.0], [3.0, -2.0], [0.1, 0.2]]),
     }
-    params = make_networks(SIZES, 2, layers=LAYERS).policy_network.init(jax.random.key(0))
+    params = jax.jit(make_networks(SIZES, 2, layers=LAYERS).policy_network.init)(jax.random.key(0))
     outputs = [
-        make_networks(SIZES, 2, layers=LAYERS, convolution=name).policy_network.apply(None, params, obs)
+        jax.jit(make_networks(SIZES, 2, layers=LAYERS, convolution=name).policy_network.apply)(None, params, obs)
         for name in ("matmul", "xla")
     ]
     np.testing.assert_allclose(*outputs, atol=1e-5)

@@ -371,26 +371,25 @@ class MeshBuilder:
         """Packs the texture, splits vertices at creases, centres the footprint and puts the bottom on z = 0."""
         colors = sorted({p.color for p in self._parts if p.color is not None})
         packed = pack(colors, self._pictures)
-        vertices, faces, uvs, offset = [], [], [], 0
+        uvs = []
         for part in self._parts:
-            shape = shapes.split_at_creases(part.shape, part.crease_deg)
             if part.color is not None:
-                uv = np.broadcast_to(packed.cells[colors.index(part.color)], (len(shape.vertices), 2))
-            elif part.picture is not None and shape.uv is not None:
+                cell = packed.cells[colors.index(part.color)]
+                uvs.append(np.broadcast_to(cell, (len(part.shape.vertices), 2)))
+            elif part.picture is not None and part.shape.uv is not None:
                 u0, v0, u1, v1 = packed.rectangles[part.picture]
-                uv = np.array([u0, v0]) + shape.uv * np.array([u1 - u0, v1 - v0])
-            vertices.append(shape.vertices)
-            faces.append(shape.faces + offset)
-            uvs.append(uv)
-            offset += len(shape.vertices)
-        points = np.concatenate(vertices)
+                uvs.append(np.array([u0, v0]) + part.shape.uv * np.array([u1 - u0, v1 - v0]))
+        # All parts at once: no edge leads from one to another, and a call each would cost more than the work.
+        whole = shapes.joined([p.shape for p in self._parts], uvs)
+        sizes = [len(p.shape.faces) for p in self._parts]
+        split = shapes.split_at_creases(whole, np.repeat([p.crease_deg for p in self._parts], sizes), sizes)
+        assert split.uv is not None, "`joined` gives texture coordinates"
+        points = split.vertices
         if recenter:
             low, high = points.min(0), points.max(0)
             points = points - np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-        mesh = AssetMesh(
-            points, np.concatenate(faces), np.concatenate(uvs), packed.texture, self._roughness, self._metallic
-        )
+        mesh = AssetMesh(points, split.faces, split.uv, packed.texture, self._roughness, self._metallic)
         volume = sum(shapes.volume(p.shape) for p in self._parts)
-        solids = itertools.groupby(zip(self._parts, faces, strict=True), key=lambda pair: pair[0].solid)
-        part_faces = tuple(sum(len(f) for _, f in group) for _, group in solids)
+        solids = itertools.groupby(self._parts, key=lambda part: part.solid)
+        part_faces = tuple(sum(len(part.shape.faces) for part in group) for _, group in solids)
         return BuiltAsset(mesh, description, dict(params or {}), volume, mass, part_faces)

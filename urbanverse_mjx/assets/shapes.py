@@ -235,8 +235,20 @@ def _clean(shape: Shape) -> Shape:
     return Shape(shape.vertices, shape.faces[keep], shape.uv)
 
 
-def split_at_creases(shape: Shape, crease_deg: float) -> Shape:
-    """Vertices shared only between faces joined by edges that bend less than the crease; unused ones dropped."""
+def joined(parts: Sequence[Shape], uvs: Sequence[np.ndarray]) -> Shape:
+    """The parts as one shape, with other texture coordinates, (n, 2) for each part."""
+    starts = np.cumsum([0, *(len(p.vertices) for p in parts[:-1])])
+    faces = [p.faces + start for p, start in zip(parts, starts, strict=True)]
+    return Shape(np.concatenate([p.vertices for p in parts]), np.concatenate(faces), np.concatenate(uvs))
+
+
+def split_at_creases(shape: Shape, crease_deg: float | np.ndarray, parts: Sequence[int] | None = None) -> Shape:
+    """Vertices shared only between faces joined by edges that bend less than the crease; unused ones dropped.
+
+    Args:
+      crease_deg: one number, or (f,) one of each face.
+      parts: how many faces of `shape` belong to each part that shares no vertex with another (None: it is one part).
+    """
     faces = shape.faces
     a, b, c = (shape.vertices[faces[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
@@ -246,12 +258,15 @@ def split_at_creases(shape: Shape, crease_deg: float) -> Shape:
     at_start, at_end = corners.ravel(), np.roll(corners, -1, 1).ravel()
     count = len(shape.vertices)
     forward, backward = start.astype(np.int64) * count + end, end.astype(np.int64) * count + start
-    order = np.argsort(forward)
+    # Part by part: which of two equal edges is found does not depend on what else the shape holds.
+    ends = np.cumsum(parts if parts is not None else [len(faces)])[:-1] * 3
+    blocks = np.split(forward, ends)
+    order = np.concatenate([first + np.argsort(b) for first, b in zip([0, *ends], blocks, strict=True)])
     found = np.clip(np.searchsorted(forward[order], backward), 0, len(order) - 1)
     other = order[found]
-    smooth = (forward[other] == backward) & (
-        np.einsum("ij,ij->i", normals[np.arange(faces.size) // 3], normals[other // 3]) > np.cos(np.radians(crease_deg))
-    )
+    least = np.broadcast_to(np.cos(np.radians(crease_deg)), len(faces))
+    face = np.arange(faces.size) // 3
+    smooth = (forward[other] == backward) & (np.einsum("ij,ij->i", normals[face], normals[other // 3]) > least[face])
     rows = np.concatenate([at_start[smooth], at_end[smooth]])
     columns = np.concatenate([at_end[other[smooth]], at_start[other[smooth]]])
     graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(faces.size, faces.size))
@@ -263,9 +278,11 @@ def split_at_creases(shape: Shape, crease_deg: float) -> Shape:
 
 def volume(shape: Shape) -> float:
     """m^3 enclosed, 0 for an open surface."""
-    edges = np.sort(np.concatenate([shape.faces[:, [0, 1]], shape.faces[:, [1, 2]], shape.faces[:, [2, 0]]]), 1)
-    _, counts = np.unique(edges, axis=0, return_counts=True)
-    if (counts != 2).any():
+    start, end = shape.faces.ravel(), np.roll(shape.faces, -1, 1).ravel()
+    # One number for an edge in either direction: numbers sort faster than rows do.
+    edges = np.sort(np.minimum(start, end).astype(np.int64) * len(shape.vertices) + np.maximum(start, end))
+    pairs = edges.reshape(-1, 2) if len(edges) % 2 == 0 else None
+    if pairs is None or (pairs[:, 0] != pairs[:, 1]).any() or (pairs[1:, 0] == pairs[:-1, 0]).any():
         return 0.0
     a, b, c = (shape.vertices[shape.faces[:, i]] for i in range(3))
     return abs(float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6)

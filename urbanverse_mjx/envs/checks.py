@@ -72,8 +72,9 @@ def check_env(env: Any, num_envs: int = 6, num_steps: int = 12, tolerance: float
     _require(_same(first, reset.call(keys)), "equal seeds give equal first states")
     other = reset.call(jax.random.split(jax.random.key(1), num_envs))
     _require(not _same(first.obs, other.obs), "different seeds give different first states")
-    raw = jax.vmap(env.reset)(jax.vmap(jax.random.key_data)(keys))
-    _require(_same(_unseen(first.obs), _unseen(raw.obs)), "raw and typed keys give the same state")
+    unseen_of_raw = jax.jit(jax.vmap(lambda key: _unseen(env.reset(key).obs)))
+    raw = unseen_of_raw(jax.vmap(jax.random.key_data)(keys))
+    _require(_same(_unseen(first.obs), raw, tolerance), "raw and typed keys give the same state")
     _check_spec(env, first)
     states = [first]
     actions = jax.random.uniform(jax.random.key(2), (num_steps, num_envs, env.action_size), minval=-1.0, maxval=1.0)
@@ -89,7 +90,7 @@ def check_env(env: Any, num_envs: int = 6, num_steps: int = 12, tolerance: float
     _require(_same(states[-1], again), "equal actions give equal states")
     _check_no_constant(states)
     _check_vmap_is_loop(env, first, states[1], actions[0], tolerance)
-    _check_auto_reset(env, keys, num_steps)
+    _check_auto_reset(env, step.call, first, keys)
 
 
 def _check_spec(env: Any, state: Any) -> None:
@@ -132,7 +133,8 @@ def _check_vmap_is_loop(env: Any, first: Any, second: Any, action: Any, toleranc
         _require(_same(alone.reward, batch.reward, tolerance * 100), "vmap equals a loop in the reward")
 
 
-def _check_auto_reset(env: Any, keys: Any, num_steps: int) -> None:
+def _check_auto_reset(env: Any, step: Any, first: Any, keys: Any) -> None:
+    """`step`: the env's own over a batch, compiled already; `first`: what it starts from."""
     wrapped = wrap_for_training(env, env.config.episode_length)
     state = jax.jit(wrapped.reset)(keys)
     # One step before time runs out for the first half of the batch: they must end now and begin anew.
@@ -143,7 +145,8 @@ def _check_auto_reset(env: Any, keys: Any, num_steps: int) -> None:
     after = jax.jit(wrapped.step)(state, actions)
     done = np.asarray(after.done) > 0
     _require(done[half].all(), "an episode ends when its time is over", done)
-    fresh = jax.jit(jax.vmap(lambda nav, action: env.renew(env.advance(nav, action)[0])))(state.data, actions)
+    over = step(dataclasses.replace(first, data=state.data), actions).data
+    fresh = jax.jit(jax.vmap(env.renew))(over)
     wanted = jax.jit(jax.vmap(env.observe))(fresh)
     for i in np.flatnonzero(done):
         got = jax.tree.map(lambda x, i=i: x[i], after)

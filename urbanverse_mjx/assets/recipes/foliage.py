@@ -21,12 +21,11 @@ def leaf_picture(
 
     pen = ImageDraw.Draw(image)
     side = PICTURE * 4
+    shaded, sunlit = mix(color, "black", 0.36), mix(color, "#f4f6b8", 0.36)
     for _ in range(2600):
         x, y = rng.random(2) * side
         light = 1 - y / side
-        tone = mix(
-            mix(color, "black", 0.36), mix(color, "#f4f6b8", 0.36), float(np.clip(light + rng.normal(0, 0.22), 0, 1))
-        )
+        tone = mix(shaded, sunlit, min(max(float(light + rng.normal(0, 0.22)), 0.0), 1.0))
         if flowers is not None and rng.random() < 0.22:
             tone = mix(flowers, "black", 0.35 * (1 - light))
         r, a = grain * float(rng.uniform(6, 12)), float(rng.random() * np.pi)

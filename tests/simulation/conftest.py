@@ -1,0 +1,33 @@
+"""The MJX engine over the small bank: compiled once for the tests of both engines."""
+
+from typing import Any
+
+import jax
+import pytest
+
+from tests.support.engine_runs import CONTROL_DT
+from urbanverse_mjx.datatypes import SceneBank, SimState
+from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.simulation.jax_engine import JaxEngine
+
+
+@pytest.fixture(scope="session")
+def jax_engine(small_bank: SceneBank) -> JaxEngine:
+    return JaxEngine(small_bank, make_coco("differential"), control_dt=CONTROL_DT)
+
+
+@pytest.fixture(scope="session")
+def jax_traces() -> list[int]:
+    """One entry per trace of `jax_step`."""
+    return []
+
+
+@pytest.fixture(scope="session")
+def jax_step(jax_engine: JaxEngine, jax_traces: list[int]) -> Any:
+    """The engine's step over a batch."""
+
+    def step(state: SimState, ctrl: Any) -> SimState:
+        jax_traces.append(1)
+        return jax.vmap(jax_engine.step)(state, ctrl)
+
+    return jax.jit(step)
