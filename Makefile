@@ -8,6 +8,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 # Options for the command behind a target: make train ARGS="--preset paper"
 ARGS ?=
+# What `make train` trains: CocoNav, Go2Nav, Go2Joystick
+ENV ?= CocoNav
 LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
 .PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets base thumbnails gallery doctor lock wheel clean distclean
@@ -28,7 +30,7 @@ $(VENV)/.stamp-dev: requirements-dev.lock $(VENV)/.stamp-main
 	@.ci/setup dev >&2
 
 train: setup ## train the small policy, evaluate it on unseen streets; the last line printed is the result as JSON
-	@$(BIN)/urbanverse train $(ARGS)
+	@$(BIN)/urbanverse train --env-name $(ENV) $(ARGS)
 
 test: setup-dev ## run the tests
 	@$(BIN)/python -m pytest -q $(ARGS)

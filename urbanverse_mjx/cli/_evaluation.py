@@ -35,11 +35,15 @@ def evaluate_policy(
     video: bool,
     quiet: bool,
     scenes: Any = "test",
+    environment: str | None = None,
 ) -> dict[str, Any]:
     """Drives the same episodes by four agents, writes report and video, returns agent -> metrics.
 
     Agents: `untrained` (the same networks before training), `trained`, `go_to_goal` (straight ahead, sees nothing)
     and `trained_blank_image` (the trained policy with its camera covered).
+
+    Args:
+      environment: whose robot is driven; None = the one that the policy was trained with.
     """
     from ..training.policy import initial_params, load_policy, make_policy_function
 
@@ -48,8 +52,12 @@ def evaluate_policy(
     start = initial_params(spec.observations, spec.action_size, ppo, ppo.seed)
     untrained = make_policy_function(spec.observations, spec.action_size, ppo, start)
     # Everything as the bank describes it: the same episodes for every policy, however it was trained.
-    config = registry.with_overrides(ConfigDict(spec.env_config), {"scenes": scenes, "randomization": OFF})
-    seeing = registry.load(spec.environment, config=config, bank=bank)
+    environment = environment or spec.environment
+    config = ConfigDict(spec.env_config)
+    if environment != spec.environment:
+        config = registry.same_task(config, environment)
+    config = registry.with_overrides(config, {"scenes": scenes, "randomization": OFF})
+    seeing = registry.load(environment, config=config, bank=bank)
     view = config.vision_config
     blind = NavEnv(config, bank, seeing.robot, seeing.engine, _CoveredCamera(view.height, view.width))
     episodes = fixed_episodes(seeing, num_episodes, seed)
@@ -69,6 +77,7 @@ def evaluate_policy(
         trajectories.update(dict.fromkeys(agents, poses))
     record = {
         "policy": str(policy),
+        "environment": environment,
         "steps": spec.steps,
         "preset": config.preset,
         "scenes": ", ".join(bank.scene_ids[i] for i in seeing.scenes),
@@ -76,7 +85,7 @@ def evaluate_policy(
         "hashes": bank.meta.get("hashes", {}),
         "versions": spec.versions,
     }
-    report = make_report(f"{spec.environment}: {num_episodes} fixed episodes on unseen streets", results, record)
+    report = make_report(f"{environment}: {num_episodes} fixed episodes on unseen streets", results, record)
     write_report(report, folder)
     if video:
         from ..viz.video import write_rollout_video
