@@ -13,6 +13,8 @@ ARGS ?=
 # Test processes: one for each core, at most 4 (each holds 2 to 3 GB). TEST_WORKERS=0 runs them in one, as --pdb needs.
 TEST_WORKERS ?= logical
 PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
+# What `make train` trains: CocoNav, Go2Nav, Go2Joystick
+ENV ?= CocoNav
 LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
 .PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets base thumbnails gallery doctor lock wheel clean distclean
@@ -33,7 +35,7 @@ $(VENV)/.stamp-dev: requirements-dev.lock $(VENV)/.stamp-main
 	@.ci/setup dev >&2
 
 train: setup ## train the small policy, evaluate it on unseen streets; the last line printed is the result as JSON
-	@$(BIN)/urbanverse train $(ARGS)
+	@$(BIN)/urbanverse train --env-name $(ENV) $(ARGS)
 
 test: setup-dev ## run the tests
 	@$(BIN)/python $(PYTEST) $(ARGS)

@@ -13,7 +13,6 @@ import numpy as np
 from benchmarks import _placing, _timing
 from benchmarks._cases import Case
 from urbanverse_mjx.envs import registry, wrap_for_training
-from urbanverse_mjx.simulation.engines import make_engine
 
 
 @dataclasses.dataclass
@@ -153,14 +152,12 @@ def active(run: Run) -> dict[str, Any]:
     env, steps, num_envs = run.env, run.case.steps, run.case.num_envs
     config, robot = env.config, env.robot
     poses = _placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
-    qpos = np.tile(env.mj_model.qpos0, (num_envs, 1))
+    qpos = np.tile(env.qpos0, (num_envs, 1))
     qpos[:, :3] = poses.position + np.array([0.0, 0.0, robot.spawn_height])
     qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(poses.yaw / 2), 0.0, np.sin(poses.yaw / 2)
     ahead = command(env, jnp.array([1.0, 0.0]))
     ctrl = jnp.broadcast_to(ahead, (steps, num_envs, *ahead.shape))
-    bare = make_engine(
-        env.bank, robot, impl=config.impl, control_dt=config.ctrl_dt, physics_dt=config.sim_dt, num_slots=0
-    )
+    bare = registry.make_nav_engine(config, env.bank, robot, num_slots=0)
     place = (jnp.asarray(poses.scene), jnp.asarray(qpos), jnp.zeros((num_envs, env.mj_model.nv)))
     engines = {"active": env.engine, "bare": bare}
     first = {name: jax.jit(jax.vmap(engine.init))(*place) for name, engine in engines.items()}
@@ -187,7 +184,7 @@ def ppo_config(case: Case) -> Any:
     from urbanverse_mjx.training.config import default_ppo_config
 
     sizes = {"num_envs": case.num_envs, "num_checkpoints": 1, "seed": case.seed, **case.ppo}
-    config = registry.with_overrides(default_ppo_config(case.preset), sizes)
+    config = registry.with_overrides(default_ppo_config(case.preset, case.env), sizes)
     total = case.iterations * config.unroll_length * case.num_envs
     return registry.with_overrides(config, {"num_timesteps": total})
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.robots import make_go2
-from urbanverse_mjx.robots.gait import Gait
+from urbanverse_mjx.robots.go2 import load_gait
 
 from ._gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps
 
@@ -47,18 +47,12 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     return arguments
 
 
-def shipped_gait() -> pathlib.Path:
-    """Where the gait that comes with the package is."""
-    import urbanverse_mjx.robots as room
-
-    return pathlib.Path(room.__file__).parent / "go2_gait.npz"
-
-
 def judge_all(arguments: argparse.Namespace) -> dict[str, Any]:
     """All trials of a gait."""
-    path, begin = arguments.gait or shipped_gait(), time.monotonic()
-    judge = Judge(make_go2(), Gait.load(path), arguments.threads)
-    found: dict[str, Any] = {"gait": path.name, "meta": judge.gait.meta, "seed": arguments.seed}
+    begin = time.monotonic()
+    judge = Judge(make_go2(), load_gait(arguments.gait), arguments.threads)
+    name = arguments.gait.name if arguments.gait else "the shipped gait"
+    found: dict[str, Any] = {"gait": name, "meta": judge.gait.meta, "seed": arguments.seed}
     found["flat"] = judge_flat(judge, arguments.episodes, arguments.seconds, arguments.seed)
     _say("level ground", found["flat"])
     found["pushes"] = judge_pushes(judge, 2 * arguments.trials, arguments.seed)

@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.robots import go2_body, make_go2
 
 LEGS = ("FL", "FR", "RL", "RR")
@@ -183,6 +182,10 @@ def test_it_stands() -> None:
     assert touching == set(go2_body.FOOT_NAMES)
 
 
-def test_velocities_need_a_gait() -> None:
-    with pytest.raises(NounError, match="needed a gait"):
-        make_go2().command(np.zeros(2))
+def test_what_a_waypoint_means() -> None:
+    """1 m ahead is full speed, as it is to COCO; beside it a turn, and never sideways."""
+    go2 = make_go2()
+    assert [float(x) for x in go2.waypoint_to_velocity(np.array([1.0, 0.0]), 0.2)] == [1.0, 0.0]
+    assert [float(x) for x in go2.waypoint_to_velocity(np.array([0.0, 1.0]), 0.2)] == [0.0, 1.0]
+    assert [float(x) for x in go2.waypoint_to_velocity(np.array([0.5, 0.0]), 0.2)] == [0.5, 0.0]
+    np.testing.assert_array_equal(go2.command(np.array([3.0, -2.0])), [1.0, 0.0, -1.0])

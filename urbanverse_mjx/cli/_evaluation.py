@@ -51,11 +51,16 @@ def evaluate_policy(
     quiet: bool,
     scenes: Any = "test",
     dynamic: bool = False,
+    environment: str | None = None,
 ) -> dict[str, Any]:
     """Drives the same episodes by four agents, writes report and video, returns agent -> metrics.
 
     Agents: `untrained` (the same networks before training), `trained`, `go_to_goal` (straight ahead, sees nothing)
-    and `trained_blank_image` (the trained policy with its camera covered). `dynamic` fills the streets with people.
+    and `trained_blank_image` (the trained policy with its camera covered).
+
+    Args:
+      dynamic: the streets are full of people.
+      environment: whose robot is driven; None = the one that the policy was trained with.
     """
     from ..training.policy import initial_params, load_policy, make_policy_function
 
@@ -63,9 +68,13 @@ def evaluate_policy(
     ppo = ConfigDict(spec.ppo_config)
     start = initial_params(spec.observations, spec.action_size, ppo, ppo.seed)
     untrained = make_policy_function(spec.observations, spec.action_size, ppo, start)
+    environment = environment or spec.environment
+    trained = ConfigDict(spec.env_config)
+    if environment != spec.environment:
+        trained = registry.same_task(trained, environment)
     # The same episodes for every policy, however it was trained.
-    config = evaluation_config(spec.environment, spec.env_config, scenes, dynamic)
-    seeing = registry.load(spec.environment, config=config, bank=bank)
+    config = evaluation_config(environment, trained.to_dict(), scenes, dynamic)
+    seeing = registry.load(environment, config=config, bank=bank)
     view = config.vision_config
     blind = NavEnv(config, bank, seeing.robot, seeing.engine, _CoveredCamera(view.height, view.width))
     episodes = fixed_episodes(seeing, num_episodes, seed)
@@ -85,6 +94,7 @@ def evaluate_policy(
         trajectories.update(dict.fromkeys(agents, poses))
     record = {
         "policy": str(policy),
+        "environment": environment,
         "steps": spec.steps,
         "preset": config.preset,
         "scenario": scenario_of(config),
@@ -93,7 +103,7 @@ def evaluate_policy(
         "hashes": bank.meta.get("hashes", {}),
         "versions": spec.versions,
     }
-    report = make_report(f"{spec.environment}: {num_episodes} fixed episodes on unseen streets", results, record)
+    report = make_report(f"{environment}: {num_episodes} fixed episodes on unseen streets", results, record)
     write_report(report, folder)
     if video:
         from ..viz.video import write_rollout_video

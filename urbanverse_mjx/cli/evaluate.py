@@ -19,6 +19,8 @@ class EvaluateArgs:
     """test, train, all, or scene ids separated by commas."""
     dynamic: bool = False
     """Streets with people and vehicles that move, and how near the robot came to them; else as it was trained."""
+    env_name: str | None = None
+    """Whose robot the policy drives, e.g. Go2Nav; default: the one it was trained with."""
     num_episodes: int = 100
     seed: int = 0
     out: pathlib.Path | None = None
@@ -37,8 +39,7 @@ def main(argv: Sequence[str]) -> int:
     policy = latest_policy(args.policy)
     out = args.out or policy / "evaluation"
     bank = ensure_default_bank(quiet=args.quiet)
-    summary = evaluate_policy(
-        policy, bank, out, args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic
-    )
+    options = (args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic, args.env_name)
+    summary = evaluate_policy(policy, bank, out, *options)
     print(json.dumps({**summary, "folder": str(out)}))
     return 0

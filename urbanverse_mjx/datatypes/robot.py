@@ -21,7 +21,8 @@ class RobotSpec:
       spawn_height: m, root origin above the ground at rest.
       max_speed: m/s, max_yaw_rate: rad/s: the commands are clipped to these.
       physics_timestep: s, at most 0.010.
-      command: (2,) (v m/s, omega rad/s) -> (nu,) actuator commands; pure, runs under jit.
+      command: (2,) (v m/s, omega rad/s) -> (nu,) actuator commands, or (3,) what the gait of a robot on legs is told
+        (`simulation.gait_engine`); pure, runs under jit.
       waypoint_to_velocity: (waypoint (2,) m in the body frame, control period s) -> (v, omega); the ideal PD.
       planner_radius, planner_height, step_height: m, what routes are made for.
     """

@@ -163,6 +163,20 @@ def _cpu() -> ConfigDict:
     return config
 
 
+def go2_nav_config(preset: str = "paper") -> ConfigDict:
+    """COCO's task of a preset for the Go2: other legs under the same eyes.
+
+    Raises:
+      NounError: unknown preset.
+    """
+    config = ConfigDict(default_config(preset).to_dict())
+    del config.drive
+    config.robot = "go2"
+    config.gait = ""  # a file of `urbanverse export-gait`; "" = the one that comes with the package
+    config.sim_dt = 0.005  # as the gait was trained with
+    return config.lock()
+
+
 def default_config(preset: str = "paper") -> ConfigDict:
     """A fresh configuration.
 

@@ -9,12 +9,12 @@ import numpy as np
 from ml_collections import ConfigDict
 
 from ..datatypes import RobotSpec, SceneBank
-from ..robots.gait import sensor_frame
+from ..robots.gait import felt_gravity, sensor_frame
 from ..simulation.precision import full_precision
 from .heights import GroundHeights
 from .joystick_draws import Body, draw_body, draw_command, draw_noise, draw_push
 from .joystick_terms import CONTACT_FORCE, Motion, terms
-from .legs import Legs, rotate
+from .legs import Legs
 from .navigation import typed_key
 from .terms import to_body, to_world, yaw_of
 from .terrain_levels import TerrainLevels
@@ -293,15 +293,13 @@ class JoystickEnv:
 
     def _sensed(self, sim: Any) -> jax.Array:
         """(6 + 2 J,) angular velocity (rad/s) and gravity's direction in the body frame, joint angles and speeds."""
-        turn_back = sim.xquat[self._legs.root] * jnp.array([1.0, -1.0, -1.0, -1.0])
-        gravity = rotate(turn_back, jnp.array([0.0, 0.0, -1.0]))
+        gravity = felt_gravity(jnp, sim.xquat[self._legs.root])
         return jnp.concatenate([sim.qvel[3:6], gravity, sim.qpos[7:], sim.qvel[6:]])
 
     def _motion(self, gait: GaitState, sim: Any, action: jax.Array, ctrl: jax.Array) -> Motion:
         legs = self._legs
         quaternion, feet = sim.xquat[legs.root], legs.feet(sim)
-        up = rotate(quaternion * jnp.array([1.0, -1.0, -1.0, -1.0]), jnp.array([0.0, 0.0, 1.0]))
-        under = self._heights(sim.scene, feet[:, :2])
+        under, up = self._heights(sim.scene, feet[:, :2]), -felt_gravity(jnp, quaternion)
         contact = sim.contacts.foot_force > CONTACT_FORCE
         speed = sim.qvel[6:]
         return Motion(

@@ -58,7 +58,7 @@ class NavEnv:
       waypoint: (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega);
       velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate);
       joint: (nu,), one per actuator: -1 and 1 are the ends of its control range. Where it has none (wheels), they are
-        its command at full speed straight ahead, backwards and forwards.
+        its command at full speed straight ahead, backwards and forwards. Not for robots with a gait.
     Reward: sum of `reward_config.scales` times the terms of `terms`.
     Ends: see `Result`; TIMEOUT is a truncation. With terminate_on_hit=False hits are only measured.
 
@@ -80,7 +80,8 @@ class NavEnv:
         model = mujoco.MjModel.from_xml_string(robot.mjcf)
         self._mj_model = model
         self._root = model.body(robot.root_body).id
-        self._qpos0 = jnp.asarray(model.qpos0, jnp.float32)
+        # A robot on legs stands in its first keyframe.
+        self.qpos0 = jnp.asarray(model.key_qpos[0] if model.nkey else model.qpos0, jnp.float32)
         self._nv = model.nv
         self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
         self.scenes = select_scenes(bank, config.scenes)
@@ -175,7 +176,7 @@ class NavEnv:
             ]
         )
         key = typed_key(key)
-        sim = self.engine.init(scene, self._qpos0.at[:7].set(pose), jnp.zeros(self._nv))
+        sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv))
         crowd = None
         if self.living is not None:
             crowd = self.living.begin(key, scene, start, waypoints, self._surroundings.distances)

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 from ml_collections import ConfigDict
 
 from .. import settings
-from ..datatypes import NounError, RobotSpec, SceneBank
-from .config import default_config
+from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
+from .config import default_config, go2_nav_config
 from .joystick import JoystickEnv
 from .joystick_config import joystick_config
 from .living import slot_kinds, slot_looks, slot_shapes
@@ -87,6 +87,19 @@ def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDi
     return copy
 
 
+def same_task(config: ConfigDict, name: str) -> ConfigDict:
+    """The task of one environment's config for the robot of another: all that both have but what a robot is made of.
+
+    Raises:
+      NounError: unknown name, or an environment with another action or none of the config's presets.
+    """
+    theirs = get_default_config(name, config.preset)
+    if "action_mode" not in theirs or "action_mode" not in config:
+        raise NounError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
+    own = ("robot", "drive", "gait", "sim_dt")
+    return ConfigDict({k: theirs[k] if k in own else config.get(k, x) for k, x in theirs.items()}).lock()
+
+
 def load(
     name: str,
     config: ConfigDict | None = None,
@@ -145,10 +158,31 @@ def make_robot(config: ConfigDict) -> RobotSpec:
     return make_coco(drive=config.drive)
 
 
-def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
-    """A `NavEnv` with the engine and the renderer its config asks for."""
+def make_nav_engine(
+    config: ConfigDict, bank: SceneBank, robot: RobotSpec, num_slots: int, agents: AgentShapes | None = None
+) -> Any:
+    """The engine that a navigation config asks for, with a gait in it where the robot walks.
+
+    Raises:
+      NounError: moving agents around a robot with a gait, which no engine knows yet.
+    """
     from ..simulation.engines import make_engine
 
+    options = {"impl": config.impl, "physics_dt": config.sim_dt, "num_slots": num_slots}
+    if "gait" not in config:
+        return make_engine(bank, robot, control_dt=config.ctrl_dt, agents=agents, **options)
+    if agents is not None:
+        raise NounError("config.scenario: found 'dynamic' for a robot with a gait, needed 'clean' or 'static'.")
+    from ..robots.go2 import load_gait
+    from ..simulation.gait_engine import GaitEngine
+
+    gait = load_gait(config.gait or None)
+    engine = make_engine(bank, robot, control_dt=gait.control_dt, **options)
+    return GaitEngine(engine, robot, gait, config.ctrl_dt)
+
+
+def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
+    """A `NavEnv` with the engine and the renderer its config asks for."""
     scenario = scenario_of(config)
     bank = bank_for(scenario, bank)
     kinds = slot_kinds(config.crowd) if scenario == "dynamic" else ()
@@ -157,15 +191,9 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
         raise NounError(
             f"config.ctrl_dt: found {config.ctrl_dt} s with sim_dt {config.sim_dt} s, needed a whole number of steps."
         )
-    engine = make_engine(
-        bank,
-        robot,
-        impl=config.impl,
-        control_dt=config.ctrl_dt,
-        physics_dt=config.sim_dt,
-        num_slots=config.num_slots,
-        agents=slot_shapes(kinds) if kinds else None,
-    )
+    if "gait" in config and config.action_mode == "joint":
+        raise NounError("config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'.")
+    engine = make_nav_engine(config, bank, robot, config.num_slots, slot_shapes(kinds) if kinds else None)
     renderer = None
     if config.vision:
         from ..simulation.renderer import Renderer
@@ -205,4 +233,5 @@ def make_joystick_env(config: ConfigDict, bank: SceneBank) -> JoystickEnv:
 
 
 register_environment("CocoNav", make_nav_env, default_config)
+register_environment("Go2Nav", make_nav_env, go2_nav_config)
 register_environment("Go2Joystick", make_joystick_env, joystick_config, load_terrain_bank, "fast")

@@ -22,17 +22,15 @@ import jax.numpy as jnp
 from ..datatypes import RobotSpec
 from ..datatypes import validation as v
 from . import coco_body as body
+from .waypoint import STANDSTILL, clip_velocity, pd_velocity
 
 Drive = Literal["differential", "ackermann"]
 
 MAX_SPEED = 2.0  # m/s, design section 4; coco.json coco2play_kinematics.max_speed_mps
 MAX_YAW_RATE = 1.0  # rad/s, design section 4; coco.json suggested_numbers_for_a_model.max_yaw_rate
 PHYSICS_TIMESTEP = 0.010  # s, facts/measured.md: sphere wheels over prism seams, 0.6 mm at 10 ms, 12 mm at 20 ms
-WAYPOINT_REACH = 1.0  # m, design section 4: the action's range is [-1, 1] m
 PLANNER_HEIGHT = 1.0  # m, facts/reference_systems.md b.5: the planner's disc needs this height (flag)
 STEP_HEIGHT = 0.02  # m, tests/robots/test_coco_drive.py drives both robots over a step of this height
-#: A waypoint nearer than this (m) is "here": stand still.
-STANDSTILL = 1e-3
 
 
 def _differential(command: Any) -> Any:
@@ -59,31 +57,13 @@ def _ackermann(command: Any) -> Any:
 
 def clip_command(velocity: Any) -> Any:
     """(2,) (v m/s, omega rad/s) clipped to what the robot does: it never drives backwards."""
-    velocity = jnp.asarray(velocity)
-    return jnp.stack([jnp.clip(velocity[0], 0.0, MAX_SPEED), jnp.clip(velocity[1], -MAX_YAW_RATE, MAX_YAW_RATE)])
+    return clip_velocity(velocity, MAX_SPEED, MAX_YAW_RATE)
 
 
 def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any]:
-    """The ideal PD controller of the paper: reach the waypoint, and face it, within one horizon.
-
-    The horizon is the time to a waypoint at full reach at full speed (0.5 s), so a waypoint 1 m ahead means 2 m/s at
-    every control rate; it is never shorter than the control period, which would overshoot. A waypoint beside or behind
-    the robot gives no speed and a turn at full rate: on the spot with the differential drive.
-
-    Args:
-      waypoint: (2,) m, x forward and y left, in the body frame.
-      control_period: s.
-
-    Returns:
-      v () m/s in [0, 2] and omega () rad/s in [-1, 1].
-    """
-    horizon = max(WAYPOINT_REACH / MAX_SPEED, control_period)
-    x, y = waypoint[0], waypoint[1]
-    here = x * x + y * y < STANDSTILL**2
-    # The safe value keeps the derivative of atan2 finite at the origin.
-    bearing = jnp.where(here, 0.0, jnp.arctan2(jnp.where(here, 0.0, y), jnp.where(here, 1.0, x)))
-    velocity = clip_command(jnp.stack([jnp.where(here, 0.0, x), bearing]) / horizon)
-    return velocity[0], velocity[1]
+    """`pd_velocity` of this robot: a waypoint 1 m ahead means 2 m/s, and one behind a turn on the spot with the
+    differential drive."""
+    return pd_velocity(waypoint, control_period, MAX_SPEED, MAX_YAW_RATE)
 
 
 def _circumradius(max_steer: float) -> float:

@@ -35,6 +35,12 @@ def sensor_frame(xp: Any, angular: Any, gravity: Any, bend: Any, joint_speed: An
     return xp.concatenate(parts, axis=-1)
 
 
+def felt_gravity(xp: Any, quaternion: Any) -> Any:
+    """(..., 3) the direction of gravity in a body turned by unit quaternions (..., 4) wxyz."""
+    w, x, y, z = (quaternion[..., i] for i in range(4))
+    return xp.stack([2.0 * (w * y - x * z), -2.0 * (w * x + y * z), 2.0 * (x * x + y * y) - 1.0], -1)
+
+
 @dataclasses.dataclass(frozen=True)
 class Gait:
     """A trained gait.

@@ -1,32 +1,51 @@
 """The Unitree Go2, a quadruped of 15 kg.
 
-In:   nothing.
-Out:  `RobotSpec`.
+In:   nothing; a gait file.
+Out:  `RobotSpec`; `Gait`.
 When: once, at construction.
 
-Its actuators take joint angles. Which angles make it walk is a policy's work (`envs.joystick`), so this description
-turns no body velocity into commands by itself.
+Its actuators take joint angles. Which angles make it walk is a policy's work (`envs.joystick`); whoever navigates tells
+its gait a body velocity (`simulation.gait_engine`).
 """
 
 import math
+import pathlib
 from typing import Any
 
-from ..datatypes import NounError, RobotSpec
-from . import go2_body as body
+import jax.numpy as jnp
 
-#: m/s, rad/s: a little above the commands of `Go2Joystick`; slots are streamed for this speed.
-MAX_SPEED, MAX_YAW_RATE = 1.5, 1.5
+from ..datatypes import RobotSpec
+from . import go2_body as body
+from .gait import Gait
+from .waypoint import clip_velocity, pd_velocity
+
+#: m/s, rad/s: the commands that `Go2Joystick` trains.
+MAX_SPEED, MAX_YAW_RATE = 1.0, 1.0
 #: m. Half the stance's diagonal and a foot: what a turn on the spot sweeps.
 PLANNER_RADIUS = math.hypot(body.HIP_X, body.HIP_Y + body.HIP_TO_THIGH) + body.FOOT_RADIUS
 PLANNER_HEIGHT = 0.5  # m, published_spec_typical.standing_size_m 0.4 and a swing of the trunk
 STEP_HEIGHT = 0.16  # m, published_spec_typical.step_height_m (go2.json, second hand)
 
 
-def _needs_gait(*_: Any) -> Any:
-    raise NounError(
-        "robot 'go2': found a body velocity to be turned into actuator commands, needed a gait; legs are driven by a "
-        "policy trained in Go2Joystick."
-    )
+def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any]:
+    """`pd_velocity` of this robot: a waypoint 1 m ahead means 1 m/s. It could go sideways as well, but then a waypoint
+    would mean something else than to a robot on wheels."""
+    return pd_velocity(waypoint, control_period, MAX_SPEED, MAX_YAW_RATE)
+
+
+def gait_command(velocity: Any) -> Any:
+    """(3,) m/s ahead, m/s left, rad/s, as a gait is told them, for (v, omega)."""
+    v, omega = clip_velocity(velocity, MAX_SPEED, MAX_YAW_RATE)
+    return jnp.stack([v, 0.0 * v, omega])
+
+
+def load_gait(path: str | pathlib.Path | None = None) -> Gait:
+    """The gait of a file, or the one that comes with the package.
+
+    Raises:
+      NounError: no such file, or no gait in it.
+    """
+    return Gait.load(path or pathlib.Path(__file__).parent / "go2_gait.npz")
 
 
 def circumradius() -> float:
@@ -36,7 +55,7 @@ def circumradius() -> float:
 
 
 def make_go2() -> RobotSpec:
-    """The Go2. Actuators: joint angles (rad) in the order of `go2_body.JOINT_NAMES`."""
+    """The Go2. Actuators: joint angles (rad) in the order of `go2_body.JOINT_NAMES`; its `command` is for a gait."""
     return RobotSpec(
         name="go2",
         mjcf=body.make_mjcf(),
@@ -48,8 +67,8 @@ def make_go2() -> RobotSpec:
         max_speed=MAX_SPEED,
         max_yaw_rate=MAX_YAW_RATE,
         physics_timestep=body.PHYSICS_TIMESTEP,
-        command=_needs_gait,
-        waypoint_to_velocity=_needs_gait,
+        command=gait_command,
+        waypoint_to_velocity=waypoint_to_velocity,
         planner_radius=PLANNER_RADIUS,
         planner_height=PLANNER_HEIGHT,
         step_height=STEP_HEIGHT,

@@ -1,0 +1,81 @@
+"""Go2Nav: COCO's task on legs. What is seen and what an action means are the same, so one policy drives both."""
+
+import pathlib
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from ml_collections import ConfigDict
+
+from tests.support.gaits import make_gait
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, registry
+from urbanverse_mjx.robots import go2_body
+
+BLIND = {"preset": "cpu", "scenes": "all", "vision": False}
+
+
+@pytest.fixture(scope="module")
+def stands(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> NavEnv:
+    """With a gait that only stands."""
+    path = tmp_path_factory.mktemp("gait") / "stands.npz"
+    make_gait().save(path)
+    return registry.load("Go2Nav", config_overrides={**BLIND, "impl": "warp", "gait": str(path)}, bank=small_bank)
+
+
+def test_a_policy_cannot_tell_the_robots_apart(stands: NavEnv, small_bank: SceneBank) -> None:
+    coco = registry.load("CocoNav", config_overrides=BLIND, bank=small_bank)
+    assert stands.observation_size == coco.observation_size
+    assert stands.action_size == coco.action_size == 2
+    assert stands.zero_metrics() == coco.zero_metrics()
+    both, own = (dict(env.config.items()) for env in (stands, coco))
+    for name in ("robot", "gait", "sim_dt", "impl"):
+        both.pop(name)
+    for name in ("robot", "drive", "sim_dt", "impl"):
+        own.pop(name)
+    assert ConfigDict(both) == ConfigDict(own)
+    # The same way towards the same waypoint, as fast as each robot goes.
+    for waypoint in ([1.0, 0.0], [0.5, 0.1], [0.0, -1.0], [-0.3, 0.2]):
+        fast, slow = (np.array(r.waypoint_to_velocity(jnp.array(waypoint), 0.2)) for r in (coco.robot, stands.robot))
+        assert fast[0] == pytest.approx(2.0 * slow[0])
+        assert np.sign(fast[1]) == np.sign(slow[1])
+
+
+def test_it_begins_on_its_feet_and_stays_there(stands: NavEnv) -> None:
+    reset, step = jax.jit(jax.vmap(stands.reset)), jax.jit(jax.vmap(stands.step))
+    state = reset(jax.random.split(jax.random.key(0), 2))
+    np.testing.assert_allclose(state.data.sim.qpos[:, 7:], np.tile(go2_body.stand_pose(), (2, 1)), atol=1e-6)
+    first = np.asarray(state.data.sim.xpos[:, 1])
+    for _ in range(5):
+        state = step(state, jnp.tile(jnp.array([1.0, 0.0]), (2, 1)))
+    assert [int(r) for r in state.data.result] == [Result.RUNNING] * 2
+    moved = np.asarray(state.data.sim.xpos[:, 1]) - first
+    assert np.linalg.norm(moved[:, :2], axis=1).max() < 0.1
+    assert np.abs(moved[:, 2]).max() < 0.06
+    weight = np.asarray(state.data.sim.contacts.foot_force).sum(1)
+    np.testing.assert_allclose(weight, 15.206 * 9.81, rtol=0.05)
+
+
+def test_a_config_of_one_robot_becomes_that_of_the_other() -> None:
+    config = default_config("fast")
+    changed = registry.with_overrides(config, {"episode_length": 77, "reward_config.scales.hit": -9.0})
+    task = registry.same_task(changed, "Go2Nav")
+    assert (task.robot, task.sim_dt, task.episode_length) == ("go2", 0.005, 77)
+    assert task.reward_config.scales.hit == -9.0
+    back = registry.same_task(task, "CocoNav")
+    assert ConfigDict(back.to_dict()) == ConfigDict(changed.to_dict())
+    with pytest.raises(NounError, match="another task"):
+        registry.same_task(config, "Go2Joystick")
+
+
+def test_what_does_not_go_is_said(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    with pytest.raises(NounError, match="'joint' for a robot with a gait"):
+        registry.load("Go2Nav", config_overrides={**BLIND, "action_mode": "joint"}, bank=small_bank)
+    with pytest.raises(NounError, match="export-gait"):
+        registry.load("Go2Nav", config_overrides={**BLIND, "gait": str(tmp_path / "none.npz")}, bank=small_bank)
+
+
+@pytest.mark.slow
+def test_it_keeps_every_promise(stands: NavEnv) -> None:
+    check_env(stands, num_envs=4, num_steps=6)

@@ -1,0 +1,44 @@
+"""The ideal PD controller of the paper, which all robots share: a waypoint becomes a body velocity.
+
+In:   a waypoint in the body frame.
+Out:  (v, omega).
+When: every control step, inside jit.
+"""
+
+from typing import Any
+
+import jax.numpy as jnp
+
+WAYPOINT_REACH = 1.0  # m, design section 4: the action's range is [-1, 1] m
+#: A waypoint nearer than this (m) is "here": stand still.
+STANDSTILL = 1e-3
+
+
+def clip_velocity(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
+    """(2,) (v m/s, omega rad/s) clipped to what a robot does that never goes backwards."""
+    velocity = jnp.asarray(velocity)
+    return jnp.stack([jnp.clip(velocity[0], 0.0, max_speed), jnp.clip(velocity[1], -max_yaw_rate, max_yaw_rate)])
+
+
+def pd_velocity(waypoint: Any, control_period: float, max_speed: float, max_yaw_rate: float) -> tuple[Any, Any]:
+    """Reach the waypoint, and face it, within one horizon.
+
+    The horizon is the time to a waypoint at full reach at full speed, so a waypoint 1 m ahead means full speed at
+    every control rate; it is never shorter than the control period, which would overshoot. A waypoint beside or behind
+    the robot gives no speed and a turn at full rate: on the spot, for whoever can.
+
+    Args:
+      waypoint: (2,) m, x forward and y left, in the body frame.
+      control_period: s.
+      max_speed: m/s; max_yaw_rate: rad/s.
+
+    Returns:
+      v () m/s in [0, max_speed] and omega () rad/s in [-max_yaw_rate, max_yaw_rate].
+    """
+    horizon = max(WAYPOINT_REACH / max_speed, control_period)
+    x, y = waypoint[0], waypoint[1]
+    here = x * x + y * y < STANDSTILL**2
+    # The safe value keeps the derivative of atan2 finite at the origin.
+    bearing = jnp.where(here, 0.0, jnp.arctan2(jnp.where(here, 0.0, y), jnp.where(here, 1.0, x)))
+    velocity = clip_velocity(jnp.stack([jnp.where(here, 0.0, x), bearing]) / horizon, max_speed, max_yaw_rate)
+    return velocity[0], velocity[1]

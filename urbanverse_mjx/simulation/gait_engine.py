@@ -1,0 +1,106 @@
+"""`GaitEngine`: a robot on legs as a `Simulator` that takes body velocities.
+
+In:   an engine at the gait's rate, the gait; then `SimState` and what the gait is told.
+Out:  `SimState`.
+When: every control step of whoever steers, inside jit, alone or under any nesting of `jax.vmap`.
+
+A control step is several steps of the gait, each of which feels, thinks and asks the servos, as on the robot. What the
+gait remembers travels in `SimState.carry` behind what the engine below keeps there.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from ..datatypes import Contacts, NounError, RobotSpec, SimState, Simulator
+from ..robots.gait import Gait, felt_gravity, sensor_frame
+from .physics_model import make_physics_model
+from .precision import full_precision
+
+
+class GaitMemory(NamedTuple):
+    """What a gait remembers; J joints, H steps.
+
+    Attributes:
+      engine: the `carry` of the engine below.
+      action: (J,) the last one; history: (H, 9 + 3 J), see `sensor_frame`, newest first.
+    """
+
+    engine: Any
+    action: Any
+    history: Any
+
+
+class GaitEngine:
+    """Steps a robot on legs; keeps the `Simulator` interface with commands (3,): m/s ahead, m/s left, rad/s.
+
+    Args:
+      engine: of the robot, with the gait's control step.
+      robot: its first actuators take joint angles.
+      gait: of this robot.
+      control_dt: s, a multiple of the gait's.
+
+    Raises:
+      NounError: steps that do not divide, or a gait for another number of joints.
+    """
+
+    def __init__(self, engine: Simulator, robot: RobotSpec, gait: Gait, control_dt: float) -> None:
+        self.gait_steps = round(control_dt / gait.control_dt)
+        if self.gait_steps < 1 or abs(self.gait_steps * gait.control_dt - control_dt) > 1e-9:
+            raise NounError(
+                f"control_dt: found {control_dt:g} s, needed a multiple of the gait's control step "
+                f"{gait.control_dt:g} s."
+            )
+        physics = make_physics_model(robot)
+        if len(gait.stand) != physics.model.nu:
+            raise NounError(
+                f"gait: found one for {len(gait.stand)} joints, needed one for the {physics.model.nu} of "
+                f"{robot.name!r}; export one with `urbanverse export-gait`."
+            )
+        self.robot, self.engine, self.gait, self.control_dt = robot, engine, gait, control_dt
+        self._root = physics.root
+
+    @full_precision
+    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
+        """The engine's state at rest, of a gait that has stood there for a while."""
+        sim = self.engine.init(scene, qpos, qvel)
+        still = jnp.zeros(len(self.gait.stand))
+        frame = self._feel(sim, jnp.zeros(3), still)
+        return sim._replace(carry=GaitMemory(sim.carry, still, jnp.tile(frame, (self.gait.history, 1))))
+
+    @full_precision
+    def step(self, state: SimState, ctrl: Any) -> SimState:
+        """One control step with the command `ctrl` (3,) held; contacts are those of all its physics steps."""
+        command = jnp.asarray(ctrl, jnp.float32)
+        memory: GaitMemory = state.carry
+
+        def stride(carry: Any, _: None) -> tuple[Any, tuple[Contacts, Any]]:
+            sim, action, history = carry
+            frame = self._feel(sim, command, action)
+            history = jnp.concatenate([frame[None], history[:-1]])
+            action = self.gait.action(jnp, history.reshape(-1))
+            sim = self.engine.step(sim, self.gait.target(action))
+            return (sim, action, history), (sim.contacts, sim.slot_overflow)
+
+        begin = (state._replace(carry=memory.engine), memory.action, memory.history)
+        (sim, action, history), (contacts, overflow) = jax.lax.scan(stride, begin, None, length=self.gait_steps)
+        memory = GaitMemory(sim.carry, action, history)
+        return sim._replace(carry=memory, contacts=summed_contacts(contacts), slot_overflow=overflow.max())
+
+    def _feel(self, sim: SimState, command: Any, action: Any) -> Any:
+        gravity = felt_gravity(jnp, sim.xquat[self._root])
+        return sensor_frame(jnp, sim.qvel[3:6], gravity, sim.qpos[7:] - self.gait.stand, sim.qvel[6:], command, action)
+
+
+def summed_contacts(parts: Contacts) -> Contacts:
+    """The contacts of consecutive steps of one length, stacked along a first axis, as those of one long step."""
+    strongest = jnp.argmax(jnp.where(parts.hit, parts.hit_force, -1.0))
+    return Contacts(
+        hit=parts.hit.any(),
+        hit_object=parts.hit_object[strongest],
+        hit_ground=parts.hit_ground.any(),
+        hit_force=parts.hit_force.max(),
+        hit_fraction=parts.hit_fraction.mean(),
+        foot_force=parts.foot_force.mean(0),
+    )
