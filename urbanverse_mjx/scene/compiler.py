@@ -101,7 +101,7 @@ def compile_scene(
 
     geometry = dataclasses.replace(geometry, episodes=build_episodes(space, size, layout.seed, drive, rules))
     metadata = _metadata(layout, index, geometry, robot, size)
-    with _replacing(out_dir) as folder:
+    with replacing_folder(out_dir) as folder:
         _write(folder, layout, geometry, space, size, metadata)
     return CompiledScene(out_dir, layout, geometry, metadata)
 
@@ -215,7 +215,7 @@ def _no_episodes() -> EpisodeTable:
 
 
 @contextlib.contextmanager
-def _replacing(out_dir: pathlib.Path) -> Iterator[pathlib.Path]:
+def replacing_folder(out_dir: pathlib.Path) -> Iterator[pathlib.Path]:
     """A folder beside `out_dir` that takes its place when the block succeeds and vanishes when it fails."""
     out_dir.parent.mkdir(parents=True, exist_ok=True)
     work = pathlib.Path(tempfile.mkdtemp(dir=out_dir.parent, prefix=f".{out_dir.name}-"))
