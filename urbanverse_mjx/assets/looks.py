@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from PIL import Image
+from scipy import ndimage
 from skimage.color import rgb2hsv
 
 from urbanverse_mjx.datatypes import validation as v
@@ -177,6 +178,22 @@ def ground_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ..
     return tuple(int(x) for x in np.round(np.clip(cells, 0.0, 255.0)))
 
 
+def ground_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
+    """`ground_descriptor` of the largest square of a picture (H, W, 3) uint8 that a mask (H, W) fills.
+
+    Raises:
+      NounError: an empty mask.
+    """
+    _checked(picture)
+    padded = np.pad(np.asarray(mask, bool), 1)
+    reach = ndimage.distance_transform_cdt(padded, "chessboard")[1:-1, 1:-1]
+    if reach.max() < 1:
+        raise v.fail("mask of the ground", "no pixel", "at least one")
+    row, column = np.unravel_index(int(reach.argmax()), reach.shape)
+    half = int(reach[row, column]) - 1
+    return ground_descriptor(picture[row - half : row + half + 1, column - half : column + half + 1])
+
+
 def _cells(picture: np.ndarray) -> np.ndarray:
     """(64,) see `ground_descriptor`."""
     small = _shrunk(picture, (MATCH_SIZE, MATCH_SIZE)).astype(np.float64)
@@ -235,14 +252,35 @@ def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
     """
     bins = np.zeros(64)
     for crop in _checked(crops):
-        hue, saturation, value = np.moveaxis(rgb2hsv(_shrunk(crop, (64, 128))), -1, 0)
-        grey = np.minimum((value * _GREYS).astype(int), _GREYS - 1)
-        deep = np.digitize(saturation, _SATURATIONS[1:])
-        colour = (np.minimum((hue * _HUES).astype(int), _HUES - 1) * 3 + deep) * _VALUES + (value >= 0.6)
-        number = np.where(saturation < _GREY, grey, _GREYS + colour)
-        counts = np.bincount(number.ravel(), minlength=64)
-        bins += counts / counts.sum()
-    return tuple(int(x) for x in np.round(np.sqrt(bins / bins.sum()) * 255))
+        bins += _hsv_shares(_shrunk(crop, (64, 128)).reshape(-1, 3))
+    return _roots(bins)
+
+
+def sky_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
+    """`sky_descriptor` of the pixels of a picture (H, W, 3) uint8 that a mask (H, W) holds: what is seen between roofs.
+
+    Raises:
+      NounError: an empty mask.
+    """
+    _checked(picture)
+    pixels = picture[np.asarray(mask, bool)]
+    if not len(pixels):
+        raise v.fail("mask of the sky", "no pixel", "at least one")
+    return _roots(_hsv_shares(pixels))
+
+
+def _hsv_shares(pixels: np.ndarray) -> np.ndarray:
+    """(64,) shares of (n, 3) uint8 pixels in the bins of `sky_descriptor`."""
+    hue, saturation, value = rgb2hsv(pixels[None])[0].T
+    grey = np.minimum((value * _GREYS).astype(int), _GREYS - 1)
+    deep = np.digitize(saturation, _SATURATIONS[1:])
+    colour = (np.minimum((hue * _HUES).astype(int), _HUES - 1) * 3 + deep) * _VALUES + (value >= 0.6)
+    counts = np.bincount(np.where(saturation < _GREY, grey, _GREYS + colour), minlength=64)
+    return counts / counts.sum()
+
+
+def _roots(shares: np.ndarray) -> tuple[int, ...]:
+    return tuple(int(x) for x in np.round(np.sqrt(shares / shares.sum()) * 255))
 
 
 @functools.cache
