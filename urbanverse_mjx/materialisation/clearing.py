@@ -15,12 +15,22 @@ SAME_PLACE = 0.5
 
 @dataclasses.dataclass(frozen=True)
 class Cleared:
-    """What stands where, and what was done for it; see `cousins.Cousin`."""
+    """What stands where, and what was done for it; see `cousins.Cousin`.
+
+    Attributes:
+      no_room: (id of a thing that was left out for want of room, id of the one in its way).
+    """
 
     placed: tuple[PlacedObject, ...]
     left_out: tuple[LeftOut, ...]
     moved: tuple[tuple[str, float], ...]
     unresolved: tuple[tuple[str, str], ...]
+    no_room: tuple[tuple[str, str], ...]
+
+    @property
+    def crowded(self) -> tuple[str, ...]:
+        """Ids of the things that found no room, and of those in their way."""
+        return tuple(dict.fromkeys(name for pair in (*self.unresolved, *self.no_room) for name in pair))
 
 
 def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapping[str, GraphObject]) -> Cleared:
@@ -32,6 +42,7 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
     found, left_out = _once(list(bodies), things)
     left = overlap.resolve(found, support)
     gone: dict[int, LeftOut] = {}
+    no_room = []
     for i, j in left:
         movable = [k for k in (i, j) if found[k].record.movable and k not in gone]
         if i in gone or j in gone or not movable:
@@ -40,12 +51,14 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
         other = found[j if k == i else i].placed
         reason = f"there is no free place within {overlap.LIMIT:g} m of {other.id!r} ({other.category})"
         gone[k] = LeftOut(found[k].placed.id, found[k].placed.label, reason)
+        no_room.append((found[k].placed.id, other.id))
     kept = [b for k, b in enumerate(found) if k not in gone]
     return Cleared(
         placed=tuple(overlap.moved(b) for b in kept),
         left_out=(*left_out, *gone.values()),
         moved=tuple((b.placed.id, b.distance) for b in kept if b.distance),
         unresolved=tuple((found[i].placed.id, found[j].placed.id) for i, j in left if i not in gone and j not in gone),
+        no_room=tuple(no_room),
     )
 
 

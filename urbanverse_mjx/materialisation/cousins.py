@@ -7,7 +7,7 @@ ground materials and skies differ. What does not depend on the cousin is done on
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -82,20 +82,26 @@ def materialise_cousins(
     leaves, unknown = _leaves(flat.objects, _matcher(objects))
     known = [thing for thing in flat.objects if thing.label in leaves]
     drawn: dict[str, list[Candidate]] = {}
+    others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
         found = shortlists.shortlist(series, _matcher(objects), objects)
         one_each = shortlists.one_each(found, count, seed, f"{graph.id}/{series.key}")
         drawn |= {thing.id: one_each for thing in series.things}
+        others |= {thing.id: found for thing in series.things}
     carrying = [r for r in flat.ground if r.kind not in PAINT_KINDS]
     support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
     pieces = tuple(surroundings.grounds(flat, count, seed))
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
+    things = {thing.id: thing for thing in known}
     cousins = []
     for k in range(count):
         chosen = {thing.id: drawn[thing.id][k] for thing in known}
         bodies = _stand(known, chosen, support, flat, hulls_of)
-        cleared = clearing.clear(bodies, support, {t.id: t for t in known})
+        cleared = clearing.clear(bodies, support, things)
+        if cleared.crowded:
+            chosen |= _slimmer(cleared.crowded, bodies, others, things, flat, hulls_of)
+            cleared = clearing.clear(_stand(known, chosen, support, flat, hulls_of), support, things)
         layout = SceneLayout(
             id=graph.id if k == 0 else f"{graph.id}_cousin{k}",
             graph_id=graph.id,
@@ -154,7 +160,7 @@ def _stand(
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> list[overlap.Body]:
     """Every thing's asset in its place: what stands on the ground first, then what stands on that."""
-    way = np.array([p[:2] for p in graph.camera_path]).reshape(-1, 2)
+    way = _way(graph)
     bodies: dict[str, overlap.Body] = {}
     tops: list[standing.Top] = []
     for thing in sorted(things, key=lambda t: (t.center[2] - t.size[2] / 2, t.id)):
@@ -165,6 +171,35 @@ def _stand(
         if prior(candidate.match.leaf).support_surface:
             tops.append(_top(bodies[thing.id]))
     return [bodies[thing.id] for thing in things]
+
+
+def _slimmer(
+    crowded: Sequence[str],
+    bodies: Sequence[overlap.Body],
+    others: Mapping[str, Sequence[Candidate]],
+    things: Mapping[str, GraphObject],
+    graph: SceneGraph,
+    hulls_of: Callable[[AssetRecord], HullSet],
+) -> dict[str, Candidate]:
+    """For things that found no room, or stood in another's way, an asset of theirs that touches nothing, where there is
+    one: a crown that begins higher, a shorter car."""
+    now = {body.placed.id: body for body in bodies}
+    found: dict[str, Candidate] = {}
+    for name in crowded:
+        standing_now = now[name]
+        for candidate in others[name]:
+            place = standing.Footing(standing_now.placed.position[2], things[name].size[2])
+            placed = _placed(things[name], candidate, place, _way(graph))
+            body = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
+            if all(overlap.penetration(body, other) == 0.0 for other in now.values() if other is not standing_now):
+                found[name], now[name] = candidate, body
+                break
+    return found
+
+
+def _way(graph: SceneGraph) -> np.ndarray:
+    """(n, 2) m, the tour from above."""
+    return np.array([p[:2] for p in graph.camera_path]).reshape(-1, 2)
 
 
 def _top(body: overlap.Body) -> standing.Top:

@@ -38,11 +38,12 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
 
     clock = Clock()
     layout = SceneLayout.load(folder / LAYOUT)
-    compiled = compile_scene(layout, load_assets(folder), folder / SCENE, make_driver())
+    compiled = compile_scene(layout, load_assets(folder), folder / SCENE, make_driver(), fix_fallers=True)
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))
     if with_usd:
         export_usd(compiled.geometry, build_sky(layout.sky), folder / USD)
     moves = rest_moves(compiled.geometry)
+    fixed = [a.id for a, b in zip(layout.objects, compiled.layout.objects, strict=True) if a.movable != b.movable]
     check = {
         "id": layout.id,
         **compiled.metadata["counts"],
@@ -50,6 +51,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
         "movable": int(compiled.geometry.object_movable.sum()),
         "usd": with_usd,
         "seconds": round(clock.seconds, 3),
+        "kept_fixed": fixed,
         "moved_at_rest": [{k: _finite(x) for k, x in dataclasses.asdict(m).items()} for m in moves],
     }
     v.write_json(folder / CHECK, check)

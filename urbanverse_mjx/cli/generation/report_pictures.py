@@ -13,9 +13,9 @@ from ...viz.pictures import Studio
 
 #: How many frames are shown, and from how many places of the tour the cousins are looked at.
 FRAMES, VIEWS = 4, 3
-VIEW_SIZE, ABOVE_SIZE = (640, 360), (1000, 420)
+VIEW_SIZE, ABOVE_SIZE = (640, 360), (1000, 460)
 #: Rays a pixel and side, and how steeply one looks down (m over 8 m) and from above (rad).
-SAMPLES, LOOK_DOWN, ELEVATION = 2, 0.4, np.radians(62.0)
+SAMPLES, LOOK_DOWN, ELEVATION = 2, 0.4, np.radians(78.0)
 _QUALITY = 88
 
 
