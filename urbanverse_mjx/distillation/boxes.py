@@ -18,13 +18,14 @@ _MIN_SIDE = 0.01  # m
 
 @dataclasses.dataclass(frozen=True)
 class Box:
-    """center (3,), size (3,) m along the heading, across, up; yaw rad; sigma m of the centre;
-    completed: which of the three sizes were taken from what is known of the label."""
+    """center (3,), size (3,) m along the heading, across, up; yaw rad; sigma m of the centre; blur m, error of the
+    depth in its nearest view; completed: which of the three sizes were taken from what is known of the label."""
 
     center: np.ndarray
     size: np.ndarray
     yaw: float
     sigma: float
+    blur: float
     completed: tuple[bool, bool, bool]
 
 
@@ -93,13 +94,16 @@ def direction(flat: np.ndarray) -> float:
     return float(np.remainder(fine[np.argmin(cost(fine))], np.pi / 2))
 
 
-def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, clipped: np.ndarray) -> Box:
+def fit(
+    points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, clipped: np.ndarray, sigma: float
+) -> Box:
     """The box around corrected points.
 
     Args:
       points: (p, 3) m. eyes: (v, 3) m, from where it was seen. prior: of its label.
       noise: relative error of depth.
       clipped: (4,) bool, whether every view ended at the picture's left, right, top, bottom.
+      sigma: m, standard error of the centre.
     """
     yaw = direction(points[:: max(1, len(points) // 1500), :2])
     c, s = np.cos(yaw), np.sin(yaw)
@@ -113,9 +117,9 @@ def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, c
     low, high, completed = _complete(low, high, seen_from, prior, clipped)
     c, s = np.cos(yaw), np.sin(yaw)
     back = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return Box(
-        back @ ((low + high) / 2), high - low, float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi), 0.0, completed
-    )
+    nearest = float(np.linalg.norm(eyes - points.mean(0), axis=1).min())
+    yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
+    return Box(back @ ((low + high) / 2), high - low, yaw, sigma, noise * nearest, completed)
 
 
 def _turned(yaw: float, low: np.ndarray, high: np.ndarray, eyes: np.ndarray, quarter: int) -> tuple:

@@ -205,8 +205,7 @@ def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior
     noise = state.depth.noise
     points, sigma = boxes.consensus(points, eyes, placed.sigma[chosen], noise)
     clipped = views.clipped[chosen].all(0)
-    box = boxes.fit(points.reshape(-1, 3), placed.eye[rows], prior, noise, clipped)
-    box = dataclasses.replace(box, sigma=sigma)
+    box = boxes.fit(points.reshape(-1, 3), placed.eye[rows], prior, noise, clipped, sigma)
     if not np.isfinite(box.center).all():
         return None
     count = len(np.unique(views.frame[rows]))

@@ -70,7 +70,7 @@ def close_loops(
     if agree.sum() < _MIN_PAIRS or np.linalg.norm(full[:, :3], axis=1).max() < _MIN_CORRECTION:
         return None
     out = poses.copy()
-    out[:, :3, :3] = Rotation.from_euler("z", full[:, 3]).as_matrix() @ poses[:, :3, :3]
+    out[:, :3, :3] = Rotation.from_rotvec(full[:, 3:] * [0.0, 0.0, 1.0]).as_matrix() @ poses[:, :3, :3]
     out[:, :3, 3] += full[:, :3]
     return out
 

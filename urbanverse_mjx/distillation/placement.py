@@ -63,8 +63,9 @@ def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.nda
     low, high = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
     gap = low - floor
     known = prior.extents[:, 2].max() if len(prior.extents) else 0.0
-    # Far above the ground only where what is known of the label is tall enough to reach down to it.
-    if abs(gap) <= _SNAP + 2 * box.sigma or (gap > 0 and high - floor <= 1.2 * known):
+    # From far above only where what is known of the label is tall enough to reach down to the ground; what was seen
+    # below it is believed unless depth is as blurred as that.
+    if 0 < gap <= _SNAP + 2 * box.blur or (gap > 0 and high - floor <= 1.2 * known) or 0 > gap >= -2 * box.blur:
         low = floor
     high = max(high, low + 0.01)
     center, size = box.center.copy(), box.size.copy()
