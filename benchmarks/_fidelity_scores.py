@@ -90,16 +90,19 @@ def _wrapped(angle: float) -> float:
 def score(
     found: Sequence[GraphObject],
     truth: Sequence[GraphObject],
+    others: Sequence[GraphObject],
     turnable: Mapping[str, bool],
     assets: Mapping[str, bool] | None = None,
 ) -> Scores:
     """Scores aligned things.
 
     Args:
-      found: of the graph. truth: seen things.
+      found: of the graph. truth: seen things. others: the true things that were hardly seen; finding them is neither
+        right nor wrong.
       turnable: true id -> whether its heading means anything.
       assets: found id -> whether ... see `Scores`; None where no asset was chosen.
     """
+    found = [f for f in found if not _is_one_of(f, others, truth)]
     a = np.array([t.center for t in found]).reshape(-1, 3)
     b = np.array([t.center for t in truth]).reshape(-1, 3)
     distance = np.linalg.norm(a[:, None] - b[None], axis=-1)
@@ -125,6 +128,17 @@ def score(
         positives=positives,
         assets=np.array([assets[f.id] for f, _ in pairs if f.id in assets], bool) if assets else np.zeros(0, bool),
     )
+
+
+def _is_one_of(thing: GraphObject, others: Sequence[GraphObject], truth: Sequence[GraphObject]) -> bool:
+    """Whether a thing is nearer to a hardly seen thing than to any seen one, and within half its size or 0.5 m."""
+
+    def nearest(things: Sequence[GraphObject]) -> tuple[float, float]:
+        away = [(float(np.linalg.norm(np.subtract(t.center, thing.center))), max(t.size)) for t in things]
+        return min(away, default=(np.inf, 0.0))
+
+    away, size = nearest(others)
+    return away < nearest(truth)[0] and away <= max(0.5, size / 2)
 
 
 def is_turnable(corners: np.ndarray) -> bool:

@@ -14,17 +14,23 @@ _CLEAR = 1.12
 #: An unseen side shorter than this share of what is known of the label is completed.
 _SHORT = 0.7
 _MIN_SIDE = 0.01  # m
+_BINS = 128
+#: Points that a direction is taken from.
+_FLAT_POINTS = 800
+#: Sine of the flattest angle at which a face is looked at rather than along (12°).
+_GRAZING = 0.2
 
 
 @dataclasses.dataclass(frozen=True)
 class Box:
-    """center (3,), size (3,) m along the heading, across, up; yaw rad; sigma m of the centre;
-    completed: which of the three sizes were taken from what is known of the label."""
+    """center (3,), size (3,) m along the heading, across, up; yaw rad; sigma m of the centre; blur m, error of the
+    depth in its nearest view; completed: which of the three sizes were taken from what is known of the label."""
 
     center: np.ndarray
     size: np.ndarray
     yaw: float
     sigma: float
+    blur: float
     completed: tuple[bool, bool, bool]
 
 
@@ -71,51 +77,65 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     ], error
 
 
-def direction(flat: np.ndarray) -> float:
+def direction(flat: np.ndarray, blur: float) -> float:
     """rad in [0, π/2): along which the sides of (n, 2) m points run.
 
-    Least sum of the log of the rectangle's area and of how far points lie inside its nearest side (the closeness
-    criterion of Zhang et al., "Efficient L-Shape Fitting for Vehicle Detection Using Laser Scanners", 2017).
+    Upright faces are lines from above: projected along them their points fall on one spot. So the best direction has
+    the least log area of the rectangle, less what share of pairs of points fall into one bin of its two projections.
+    (Weights and bins were chosen on one tour: 3.0° mean error, 0.4° for buildings; the least rectangle alone has 6.9°
+    and 6.8°, the closeness criterion of Zhang et al. 2017 5.5° and 4.9°.)
+
+    Args:
+      blur: m, how far a face's points scatter.
     """
 
     def cost(angles: np.ndarray) -> np.ndarray:
         c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
-        sides = []
-        for p in (c * flat[:, 0] + s * flat[:, 1], -s * flat[:, 0] + c * flat[:, 1]):
-            low, high = np.quantile(p, (0.01, 0.99), axis=1, method="nearest")[..., None]
-            sides.append((np.minimum(np.abs(p - low), np.abs(high - p)), (high - low)[:, 0] + _MIN_SIDE))
-        (d0, w0), (d1, w1) = sides
-        inside = np.minimum(d0, d1).mean(1) / np.sqrt(w0 * w1)
-        return np.log(w0 * w1) + 2.0 * inside
+        projected = (c * flat[:, 0] + s * flat[:, 1], -s * flat[:, 0] + c * flat[:, 1])
+        bounds = [np.quantile(p, (0.01, 0.99), axis=1, method="nearest") for p in projected]
+        area = np.prod([high - low + _MIN_SIDE for low, high in bounds], axis=0)
+        width = np.maximum(0.05, 0.02 * np.sqrt(area))[:, None] + blur
+        total = 0.5 * np.log(area)
+        for p in projected:
+            bins = np.minimum(((p - p.min(1, keepdims=True)) / width).astype(np.int64), _BINS - 1)
+            rows = np.arange(len(angles))[:, None] * _BINS
+            counts = np.bincount((bins + rows).ravel(), minlength=len(angles) * _BINS).reshape(-1, _BINS)
+            total -= 2.0 * ((counts / len(flat)) ** 2).sum(1)
+        return total
 
     best = _COARSE[np.argmin(cost(_COARSE))]
     fine = best + _FINE
     return float(np.remainder(fine[np.argmin(cost(fine))], np.pi / 2))
 
 
-def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, clipped: np.ndarray) -> Box:
+def fit(
+    points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, top: float | None, sigma: float
+) -> Box:
     """The box around corrected points.
 
     Args:
       points: (p, 3) m. eyes: (v, 3) m, from where it was seen. prior: of its label.
       noise: relative error of depth.
-      clipped: (4,) bool, whether every view ended at the picture's left, right, top, bottom.
+      top: m, height of its top where some view was not cut off there; None hides the top.
+      sigma: m, standard error of the centre.
     """
-    yaw = direction(points[:: max(1, len(points) // 1500), :2])
+    nearest = float(np.linalg.norm(eyes - points.mean(0), axis=1).min())
+    blur = noise * nearest
+    yaw = direction(points[:: max(1, len(points) // _FLAT_POINTS), :2], 0.5 * blur)
     c, s = np.cos(yaw), np.sin(yaw)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])  # world to box axes
     local, seen_from = points @ turn.T, eyes @ turn.T
     trim = min(0.002 + 0.4 * noise, 0.03)
     low, high = np.quantile(local, (trim, 1 - trim), axis=0)
+    high[2] = max(high[2], low[2] if top is None else top)
     high = np.maximum(high, low + _MIN_SIDE)
     quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
-    low, high, completed = _complete(low, high, seen_from, prior, clipped)
+    low, high, completed = _complete(low, high, seen_from, prior, top is None)
     c, s = np.cos(yaw), np.sin(yaw)
     back = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return Box(
-        back @ ((low + high) / 2), high - low, float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi), 0.0, completed
-    )
+    yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
+    return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed)
 
 
 def _turned(yaw: float, low: np.ndarray, high: np.ndarray, eyes: np.ndarray, quarter: int) -> tuple:
@@ -153,7 +173,7 @@ def _misfit(size: np.ndarray, prior: LabelPrior) -> float:
 
 
 def _complete(
-    low: np.ndarray, high: np.ndarray, eyes: np.ndarray, prior: LabelPrior, clipped: np.ndarray
+    low: np.ndarray, high: np.ndarray, eyes: np.ndarray, prior: LabelPrior, topless: bool
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
     """Sides that no view could show, as long as those of the nearest known size.
 
@@ -164,8 +184,10 @@ def _complete(
     size = high - low
     hidden = np.zeros((3, 2), bool)  # the low and high end of each axis
     for axis in (0, 1):
-        hidden[axis] = eyes[:, axis].min() > low[axis], eyes[:, axis].max() < high[axis]
-    hidden[2, 1] = clipped[2]
+        away = np.linalg.norm(eyes[:, :2] - ((low + high) / 2)[:2], axis=1)
+        hidden[axis, 0] = not (low[axis] - eyes[:, axis] > _GRAZING * away).any()
+        hidden[axis, 1] = not (eyes[:, axis] - high[axis] > _GRAZING * away).any()
+    hidden[2, 1] = topless
     open_axes = hidden.any(1)
     if not len(prior.extents) or not open_axes.any():
         return low, high, (False, False, False)

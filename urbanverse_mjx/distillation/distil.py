@@ -199,14 +199,13 @@ def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior
     if state.options.single_view:
         chosen = rows[[int(np.argmax(views.pixels[rows]))]]
     else:
-        chosen = _chosen(rows, placed)
+        chosen = _chosen(rows, placed, views.clipped)
     points = fusion.world_points(views, state.poses, state.depth.scale, chosen)
     eyes = placed.eye[chosen]
     noise = state.depth.noise
     points, sigma = boxes.consensus(points, eyes, placed.sigma[chosen], noise)
-    clipped = views.clipped[chosen].all(0)
-    box = boxes.fit(points.reshape(-1, 3), placed.eye[rows], prior, noise, clipped)
-    box = dataclasses.replace(box, sigma=sigma)
+    top = _top(rows if len(chosen) > 1 else chosen, views, placed)
+    box = boxes.fit(points.reshape(-1, 3), placed.eye[rows], prior, noise, top, sigma)
     if not np.isfinite(box.center).all():
         return None
     count = len(np.unique(views.frame[rows]))
@@ -214,18 +213,32 @@ def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior
     return _Thing(int(state.thing[rows[0]]), label, float(np.clip(score, 0, 1)), box, prior, rows)
 
 
-def _chosen(rows: np.ndarray, placed: fusion.Placed) -> np.ndarray:
+def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.ndarray:
     """At most `boxes.MAX_VIEWS` views: the best from every direction."""
     if len(rows) <= boxes.MAX_VIEWS:
         return rows
+    # A view cut off by the picture's rim is worth one from three times as far.
+    cost = placed.sigma[rows] * np.where(clipped[rows].any(1), 3.0, 1.0)
     middle = np.median(placed.center[rows], axis=0)
     side = placed.eye[rows] - middle
     sector = np.floor((np.arctan2(side[:, 1], side[:, 0]) / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
-    order = np.lexsort((placed.sigma[rows], sector))
+    order = np.lexsort((cost, sector))
     ends = np.r_[0, np.flatnonzero(np.diff(sector[order])) + 1]
     rank = np.arange(len(rows)) - np.repeat(ends, np.diff(np.r_[ends, len(rows)]))
-    picked = rows[order[rank < _PER_SECTOR]]
-    return picked[np.argsort(placed.sigma[picked], kind="stable")][: boxes.MAX_VIEWS]
+    picked = order[rank < _PER_SECTOR]
+    return rows[picked[np.argsort(cost[picked], kind="stable")][: boxes.MAX_VIEWS]]
+
+
+def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
+    """m: the height of a thing's top, from its best views that the picture's upper rim did not cut; None without any.
+
+    Other things may hide the top in some of them, depth may raise it in others: the 80th percentile is between.
+    """
+    whole = rows[~views.clipped[rows, 2]]
+    if not len(whole):
+        return None
+    best = whole[np.argsort(placed.sigma[whole], kind="stable")[:8]]
+    return float(np.quantile(placed.high[best, 2], 0.8))
 
 
 def _share(state: _State, rows: np.ndarray, box: boxes.Box) -> float:

@@ -22,6 +22,8 @@ _TOGETHER = 0.15
 _REACH = 6.0
 #: Quantiles of a view's points that bound its box.
 _TRIM = 0.02
+#: m; boxes of views less sharp than this are not joined with sharper ones.
+_BLURRED = 0.25
 
 
 @dataclasses.dataclass(frozen=True)
@@ -56,6 +58,7 @@ def place(views: Views, poses: np.ndarray, scale: np.ndarray, noise: float) -> P
         points.sort(axis=1)
         last = points.shape[1] - 1
         low[rows], high[rows] = points[:, round(_TRIM * last)], points[:, round((1 - _TRIM) * last)]
+        high[rows, 2] = points[:, last - 1, 2]  # tops are thin
         reach[rows] = np.linalg.norm(points[:, last // 2] - poses[views.frame[rows], :3, 3], axis=1)
     return Placed(low, high, poses[views.frame, :3, 3], PLACE + noise * reach)
 
@@ -93,7 +96,9 @@ class _Map:
         """A much better view replaces a thing's box, a similar one widens it, a worse one only votes."""
         self.votes[things, labels] += scores
         ratio = placed.sigma[rows] / self.sigma[things]
-        better, similar = ratio < 0.6, (ratio >= 0.6) & (ratio < 1.7)
+        # Where depth is sharp every view adds what it sees; a nearer one may show a part alone.
+        better = (ratio < 0.6) & (self.sigma[things] > _BLURRED)
+        similar = ~better & ((ratio < 1.7) | (placed.sigma[rows] <= _BLURRED))
         shrink = np.minimum(placed.sigma[rows, None], 0.25 * (placed.high - placed.low)[rows])
         low, high = placed.low[rows] + shrink, placed.high[rows] - shrink
         t, r = things[similar], np.flatnonzero(similar)

@@ -13,7 +13,7 @@ CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
 #: m that ground is carried on under things that hide it.
 _FILL = 2.5
 #: m; regions of less area are votes gone astray.
-_MIN_AREA = 1.5
+_MIN_AREA = 3.0
 #: m by which an outline may be straightened.
 _STRAIGHTEN = 0.2
 #: m; a region whose top leaves its plane by more is cut in two along its longer side.
@@ -85,28 +85,39 @@ def ground_map(ground: GroundPoints, poses: np.ndarray, scale: np.ndarray, noise
 
 
 def _filled(seen: GroundMap) -> GroundMap:
-    """Holes and the ground under things take the kind and height of the nearest ground seen."""
-    known = np.isfinite(seen.height) & (seen.kind > 0)
+    """Holes, the ground under things and stray votes take the kind and height of the nearest ground seen."""
+    kind = _majority(np.where(np.isfinite(seen.height), seen.kind, 0))
+    # A cell whose neighbours outvoted it has the height of the wrong kind.
+    known = (kind > 0) & (kind == seen.kind) & _large(kind)
     distance, nearest = scipy.ndimage.distance_transform_edt(~known, return_indices=True)
     # A closing: what lies between seen ground is filled, the outer rim stays where it is.
-    reach = _FILL / CELL
-    grown = np.pad(distance <= reach, int(reach) + 2)
-    closed = (scipy.ndimage.distance_transform_edt(grown) > reach)[
-        int(reach) + 2 : -(int(reach) + 2), int(reach) + 2 : -(int(reach) + 2)
-    ]
+    reach, rim = _FILL / CELL, int(_FILL / CELL) + 2
+    grown = np.pad(distance <= reach, rim)
+    closed = (scipy.ndimage.distance_transform_edt(grown) > reach)[rim:-rim, rim:-rim]
     use = known | closed
     kind = np.where(use, seen.kind[tuple(nearest)], 0)
-    height = np.where(use, seen.height[tuple(nearest)], np.nan)
-    return GroundMap(seen.origin, _majority(kind), height, seen.count)
+    kind = np.where(_large(kind), kind, 0)
+    height = np.where(kind > 0, seen.height[tuple(nearest)], np.nan)
+    return GroundMap(seen.origin, kind.astype(np.uint8), height, seen.count)
 
 
 def _majority(kind: np.ndarray) -> np.ndarray:
     """Each cell takes the commonest kind of the 5 x 5 around it: outlines without teeth."""
-    votes = np.stack(
-        [scipy.ndimage.uniform_filter((kind == k).astype(np.float32), 5) for k in range(len(GROUND_KINDS))]
-    )
+    masks = [(kind == k).astype(np.float32) for k in range(len(GROUND_KINDS))]
+    votes = np.stack([scipy.ndimage.uniform_filter(m, 5) for m in masks])
     votes[0] *= kind == 0
     return np.where(kind > 0, votes.argmax(0), 0).astype(np.uint8)
+
+
+def _large(kind: np.ndarray) -> np.ndarray:
+    """(X, Y) bool: cells that belong to a connected area of one kind of at least `_MIN_AREA`."""
+    large = np.zeros(kind.shape, bool)
+    for k in np.unique(kind[kind > 0]):
+        numbers, _ = scipy.ndimage.label(kind == k)
+        sizes = np.bincount(numbers.ravel()) * CELL**2
+        sizes[0] = 0.0
+        large |= (sizes >= _MIN_AREA)[numbers]
+    return large
 
 
 def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
@@ -131,16 +142,17 @@ def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
 
 
 def _polygons(mask: np.ndarray, origin: np.ndarray) -> list[shapely.Polygon]:
-    """Connected areas (by edges) of at least `_MIN_AREA` as polygons in m."""
-    numbers, count = scipy.ndimage.label(mask)
+    """Connected areas (by edges) as polygons in m."""
+    numbers, _ = scipy.ndimage.label(mask)
     found = []
     for n, where in enumerate(scipy.ndimage.find_objects(numbers), 1):
-        cells = np.argwhere(numbers[where] == n) + [s.start for s in where]
-        if len(cells) * CELL**2 < _MIN_AREA or n > count:
-            continue
-        corner = origin + cells * CELL
-        area = shapely.union_all(shapely.box(corner[:, 0], corner[:, 1], corner[:, 0] + CELL, corner[:, 1] + CELL))
-        found += [p for p in shapely.get_parts(area) if p.area >= _MIN_AREA]
+        own = np.pad(numbers[where] == n, ((0, 0), (1, 1)))
+        # Runs of cells along y: fewer boxes to join.
+        edges = np.diff(own.astype(np.int8), axis=1)
+        (row, start), stop = np.nonzero(edges > 0), np.nonzero(edges < 0)[1]
+        x = origin[0] + (row + where[0].start) * CELL
+        y0, y1 = (origin[1] + (c + where[1].start) * CELL for c in (start, stop))
+        found += list(shapely.get_parts(shapely.union_all(shapely.box(x, y0, x + CELL, y1))))
     return found
 
 

@@ -9,8 +9,9 @@ from ..datatypes import GroundRegion, LabelPrior, ground
 from .boxes import Box
 from .ground import allowed_area
 
-#: A thing moves at most so many standard errors of its place, and never farther than `_FARTHEST` m.
-_SIGMAS = 3.0
+#: A thing moves at most so many standard errors of its depth and `_ALWAYS` m for outlines drawn from cells, and never
+#: farther than `_FARTHEST` m.
+_SIGMAS, _ALWAYS = 3.0, 0.1
 _FARTHEST = 2.0
 #: m; boxes whose foot is this near the ground stand on it.
 _SNAP = 0.35
@@ -53,7 +54,7 @@ def _pull(where: shapely.Point, area: shapely.Geometry, box: Box) -> np.ndarray:
     target = shapely.ops.nearest_points(where, area if inner.is_empty else inner)[1]
     move = np.array([target.x - where.x, target.y - where.y])
     reach = float(np.linalg.norm(move))
-    return move if reach <= min(_SIGMAS * box.sigma + 0.15, _FARTHEST) else np.zeros(2)
+    return move if reach <= min(_SIGMAS * box.blur + _ALWAYS, _FARTHEST) else np.zeros(2)
 
 
 def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
@@ -63,8 +64,9 @@ def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.nda
     low, high = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
     gap = low - floor
     known = prior.extents[:, 2].max() if len(prior.extents) else 0.0
-    # Far above the ground only where what is known of the label is tall enough to reach down to it.
-    if abs(gap) <= _SNAP + 2 * box.sigma or (gap > 0 and high - floor <= 1.2 * known):
+    # From far above only where what is known of the label is tall enough to reach down to the ground; what was seen
+    # below it is believed unless depth is as blurred as that.
+    if 0 < gap <= _SNAP + 2 * box.blur or (gap > 0 and high - floor <= 1.2 * known) or 0 > gap >= -2 * box.blur:
         low = floor
     high = max(high, low + 0.01)
     center, size = box.center.copy(), box.size.copy()
