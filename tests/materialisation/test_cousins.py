@@ -162,6 +162,14 @@ def test_ground_and_sky_are_what_was_seen():
     assert all(c.layout.sky in ranked for c in others)
 
 
+def test_a_sky_like_none_is_not_matched():
+    black = looks.sky_crop_descriptor(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8), bool))
+    found = materialise_cousins(street(sky_descriptor=black), 3, objects=few_objects())
+    by_time = looks.sky.load_annotations([c.layout.sky for c in found])
+    assert all(record["time"] in ("morning", "noon", "afternoon", "evening") for record in by_time.values())
+    assert all(c.sky.distance is None for c in found)
+
+
 def test_crops_and_stored_descriptors_give_the_same():
     """A masked crop is described once; the graph written to JSON and read back gives the same layouts."""
     rng = np.random.default_rng(0)

@@ -21,6 +21,8 @@ COLLECTED = ("road", "sidewalk")
 #: Conditions of a ground, and times of a sky, that fit any street of which nothing is known.
 PLAIN_CONDITIONS = frozenset({"dry", "worn", "cracked", "patched"})
 DAYTIMES = frozenset({"morning", "noon", "afternoon", "evening"})
+#: Hellinger's distance of HSV histograms from which a sky is like none that is known (1: nothing in common).
+STRANGE_SKY = 0.9
 #: m between regions of a kind that are one piece and wear one material.
 GAP = 0.05
 
@@ -97,12 +99,14 @@ def _own_descriptors(kind: str) -> np.ndarray:
 
 
 def skies(graph: SceneGraph, count: int, seed: int) -> list[Look]:
-    """A sky for each of `count` cousins: the nearest ones by HSV histogram, or any by day."""
-    if graph.sky_descriptor is None:
-        by_day = [r.uid for r in sky_records() if r.time in DAYTIMES and not r.snow]
-        return _one_each([Look(uid, None) for uid in by_day], count, seed, f"{graph.id}/sky")
-    ranked = [Look(uid, distance) for uid, distance in looks.rank_skies(graph.sky_descriptor)]
-    return _one_each(ranked, count, seed, f"{graph.id}/sky")
+    """A sky for each of `count` cousins: the nearest ones by HSV histogram; any by day where none was seen, or one like
+    no sky (walls taken for sky, black frames)."""
+    ranked: list[Look] = []
+    if graph.sky_descriptor is not None:
+        found = looks.rank_skies(graph.sky_descriptor)
+        ranked = [Look(uid, distance) for uid, distance in found if distance < STRANGE_SKY]
+    by_day = [Look(r.uid, None) for r in sky_records() if r.time in DAYTIMES and not r.snow]
+    return _one_each(ranked or by_day, count, seed, f"{graph.id}/sky")
 
 
 def _one_each(ranked: Sequence[Look], count: int, seed: int, key: str) -> list[Look]:
