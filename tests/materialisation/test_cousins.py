@@ -188,6 +188,6 @@ def test_crops_and_stored_descriptors_give_the_same():
 
 
 def test_bad_numbers_are_refused():
-    for wrong in ({"count": 0}, {"count": 65}, {"seed": -1}, {"kerb": -0.1}):
+    for count, seed, kerb in ((0, 0, 0.15), (65, 0, 0.15), (1, -1, 0.15), (1, 0, -0.1)):
         with pytest.raises(NounError):
-            materialise_cousins(street(), objects=few_objects(), **wrong)
+            materialise_cousins(street(), count, seed, kerb, few_objects())

@@ -210,7 +210,7 @@ def _ground_descriptors(kind: str) -> tuple[list[str], np.ndarray]:
     return uids, np.array([ground_descriptor(thumbnails[uid]) for uid in uids], np.float64)
 
 
-def ground_errors(descriptor: Sequence[int], others: np.ndarray) -> np.ndarray:
+def ground_errors(descriptor: Sequence[int] | np.ndarray, others: np.ndarray) -> np.ndarray:
     """(n,) mean squared error in [0, 1] of a ground descriptor against (n, 64) others.
 
     Raises:
@@ -222,7 +222,7 @@ def ground_errors(descriptor: Sequence[int], others: np.ndarray) -> np.ndarray:
     return ((np.asarray(others, np.float64) - wanted) ** 2).mean(-1) / 255.0**2
 
 
-def rank_ground_descriptors(descriptor: Sequence[int], kind: str) -> list[tuple[str, float]]:
+def rank_ground_descriptors(descriptor: Sequence[int] | np.ndarray, kind: str) -> list[tuple[str, float]]:
     """All materials of a kind by mean squared error against a `ground_descriptor`, best first: (uid, error in [0, 1]).
 
     Raises:

@@ -39,7 +39,7 @@ class Top:
     """An even top that things may stand on: id of its owner, outline from above, height (m)."""
 
     id: str
-    outline: shapely.Polygon
+    outline: shapely.Geometry
     z: float
 
 

@@ -72,11 +72,11 @@ def _pieces(regions: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
 
 def _seen(piece: Sequence[GroundRegion]) -> np.ndarray | None:
     """(64,) mean descriptor of the regions that have one, by area."""
-    seen = [r for r in piece if r.descriptor is not None]
+    seen = [(r.descriptor, shapely.Polygon(r.polygon).area) for r in piece if r.descriptor is not None]
     if not seen:
         return None
-    areas = [shapely.Polygon(r.polygon).area for r in seen]
-    return np.average([r.descriptor for r in seen], axis=0, weights=areas)
+    numbers, areas = (np.array(x, np.float64) for x in zip(*seen, strict=True))
+    return areas @ numbers / areas.sum()
 
 
 def _ranked(kind: str, descriptor: np.ndarray | None) -> list[Look]:

@@ -5,14 +5,22 @@ import json
 import pathlib
 from collections.abc import Callable
 
+import numpy as np
+
 from ...assets import descriptors, load_index, looks
 from ...assets.label_priors import LabelPriors
 from ...datatypes import Recording, SceneGraph
 from ...distillation import Describe, distil
 
 Report = Callable[[int, int], None]
+
+
+def _look_of_thing(picture: np.ndarray, mask: np.ndarray) -> list[int]:
+    return descriptors.of_picture(picture, mask).tolist()
+
+
 #: What the materialisation compares: the index's own descriptors.
-DESCRIBE = Describe(descriptors.of_picture, looks.ground_crop_descriptor, looks.sky_crop_descriptor)
+DESCRIBE = Describe(_look_of_thing, looks.ground_crop_descriptor, looks.sky_crop_descriptor)
 
 
 def distil_to(recording: Recording, folder: pathlib.Path, report: Report) -> SceneGraph:
