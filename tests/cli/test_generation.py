@@ -4,6 +4,7 @@ import contextlib
 import json
 import pathlib
 
+import mujoco
 import pytest
 
 from urbanverse_mjx.cli.generation import batch, compiling, pipeline
@@ -12,7 +13,7 @@ from urbanverse_mjx.cli.generation.pipeline import GenerationOptions, generate
 from urbanverse_mjx.cli.generation.run_folder import RunFolder, key_of
 from urbanverse_mjx.cli.generation.sources import recognise
 from urbanverse_mjx.cli.main import main
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
 
 SCENES = pathlib.Path(__file__).parents[2] / "scenes"
 GRAPH = SCENES / "residential_bins" / "graph.json"
@@ -235,3 +236,28 @@ def test_a_batch_on_two_ray_workers(tmp_path: pathlib.Path) -> None:
     done = batch.run_batch(listed, tmp_path / "out", GenerationOptions(), executor="ray", workers=2)
     assert len(done["failed"]) == 3
     assert all("error: " in words for words in done["failed"].values())
+
+
+# The whole way ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_graph_becomes_scenes_that_stand_still(tmp_path: pathlib.Path) -> None:
+    """Two cousins of a shipped street, compiled in processes; stock MuJoCo loads them; a second call does nothing."""
+    out = tmp_path / "run"
+    options = GenerationOptions(cousins=2, pictures=False)
+    done = generate(GRAPH, out, options)
+    graph = SceneGraph.load(GRAPH)
+    assert done["nodes"] == len(graph.objects)
+    assert [p + n for p, n in zip(done["placed"], done["left_out"], strict=True)] == [len(graph.objects)] * 2
+    assert done["moved_at_rest"] == [0, 0]
+    for k in range(2):
+        folder = out / "cousins" / str(k)
+        model = mujoco.MjModel.from_xml_path(str(folder / "scene" / "scene.xml"))
+        assert model.nbody == done["placed"][k] + 1
+        assert (folder / "usd" / "scene.usdc").is_file()
+    assert SceneBank.load(out / "bank.npz").scene_ids == ("residential_bins", "residential_bins_cousin1")
+    assert "cousin1" in (out / "report.html").read_text()
+    before = {p: p.stat().st_mtime_ns for p in out.rglob("*") if p.is_file()}
+    assert generate(GRAPH, out, options) == done
+    assert {p: p.stat().st_mtime_ns for p in out.rglob("*") if p.is_file()} == before
