@@ -105,7 +105,7 @@ def make_ground(split: str, number: int) -> _streets.Ground:
     left, right = (float(w) for w in rng.choice([5.0, 5.5, 6.0, 6.5], 2))
     crosswalks = tuple(round(float(x), 1) for x in (rng.uniform(0.12, 0.35), rng.uniform(0.6, 0.85)) * np.array(LENGTH))
     parks = [float(rng.choice([0.0, 0.0, 3.0, 6.0])) for _ in range(2)]
-    start, end = (_ENDS[rng.integers(2)] for _ in range(2))
+    start, end = _ENDS[int(rng.integers(2))], _ENDS[int(rng.integers(2))]
     street = section.StreetSection(
         LENGTH, carriageway, left, right, crosswalks, start, end, *parks, yards=bool(rng.random() < 0.4)
     )
