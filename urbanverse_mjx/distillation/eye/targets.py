@@ -17,8 +17,8 @@ NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
 #: What a thing's pixel counts more than the ground's, the sky's and the houses': poles cover little of a street.
 _THING_WEIGHT = 3.0
 #: Weights of the parts of the loss: Panoptic-DeepLab's are 1, 200 and 0.01 a pixel of the full picture (0.32 a unit of
-#: ours). Our streets hold some thirty things a picture, so that 200 would leave the classes little of the slope; the way
-#: is doubled because half of our things touch another; depth is ours.
+#: ours). Our streets hold some thirty things a picture, so that 200 would leave the classes little of the slope;
+#: the way is doubled because half of our things touch another; depth is ours.
 _CENTRE, _OFFSET, _DEPTH = 50.0, 0.64, 0.5
 
 
