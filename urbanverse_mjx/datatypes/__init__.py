@@ -4,6 +4,7 @@ from .asset import AssetMesh, AssetRecord, HullSet
 from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
+from .label_prior import LabelPrior
 from .recording import Camera, Detection, Frame, Recording
 from .recording_writer import RecordingWriter
 from .robot import RobotSpec
@@ -30,6 +31,7 @@ __all__ = [
     "GraphObject",
     "GroundRegion",
     "HullSet",
+    "LabelPrior",
     "NounError",
     "PlacedGround",
     "PlacedObject",
