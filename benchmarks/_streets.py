@@ -6,6 +6,7 @@ and one along the houses hold things close together; between them a lane stays o
 
 import dataclasses
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from urbanverse_mjx.assets import AssetIndex
 from urbanverse_mjx.assets.ground_materials import material_ids
 from urbanverse_mjx.assets.skies import sky_ids
 from urbanverse_mjx.citygen import catalogue, section
-from urbanverse_mjx.datatypes import AssetRecord, NounError, PlacedGround, PlacedObject, SceneLayout
+from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, NounError, PlacedGround, PlacedObject, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash
 
 #: Grows whenever the same seed would give another layout.
@@ -111,6 +112,31 @@ VEHICLES = ("sedan", "hatchback car", "suv", "van", "minivan", "pickup truck", "
 #: Share of the things in each band, fronts apart.
 SHARES = {"kerb": 0.4, "wall": 0.33, "walk": 0.12, "road": 0.15}
 _LEAVES = {"kerb": KERBSIDE, "wall": WALLSIDE, "walk": WALKING, "road": VEHICLES}
+
+
+@dataclasses.dataclass(frozen=True)
+class Stock:
+    """What a street is filled with.
+
+    houses: leaves of the fronts; leaves: of the things, by band; variants: records of a leaf that are used;
+    skies: that may be drawn, none for all.
+    """
+
+    houses: tuple[str, ...] = HOUSES
+    leaves: Mapping[str, tuple[str, ...]] = dataclasses.field(default_factory=lambda: dict(_LEAVES))
+    variants: int = VARIANTS
+    skies: tuple[str, ...] = ()
+
+
+@dataclasses.dataclass(frozen=True)
+class Ground:
+    """A street's cross-section, its regions, and the material of each kind of ground."""
+
+    section: section.StreetSection
+    regions: tuple[GroundRegion, ...]
+    materials: Mapping[str, str]
+
+
 #: Placements tried per thing before the street counts as full.
 _TRIES = 60
 
@@ -122,12 +148,13 @@ class _Street:
     ground: section.StreetSection
     rng: np.random.Generator
     index: AssetIndex
+    stock: Stock
     objects: list[PlacedObject] = dataclasses.field(default_factory=list)
     boxes: list[tuple[float, float, float, float]] = dataclasses.field(default_factory=list)
 
     def record(self, leaves: tuple[str, ...]) -> AssetRecord:
         """A random record of a random leaf."""
-        options = self.index.by_leaf(leaves[self.rng.integers(len(leaves))])[:VARIANTS]
+        options = self.index.by_leaf(leaves[self.rng.integers(len(leaves))])[: self.stock.variants]
         return options[self.rng.integers(len(options))]
 
     def put(self, record: AssetRecord, x: float, y: float, z: float, yaw: float) -> None:
@@ -156,8 +183,8 @@ class _Street:
         )
 
 
-def make_section(seed: int, number: int) -> tuple[section.StreetSection, dict[str, str]]:
-    """Cross-section `number` of a seed, and a material for each kind of ground."""
+def make_ground(seed: int, number: int) -> Ground:
+    """Cross-section `number` of a seed, with a material for each kind of ground."""
     rng = np.random.default_rng([seed, 1, number])
     # Half metres, so that streets differ visibly; pavements wide enough for both bands and a lane between.
     carriageway = 6.0 + 0.5 * rng.integers(0, 7)
@@ -166,19 +193,32 @@ def make_section(seed: int, number: int) -> tuple[section.StreetSection, dict[st
     street = section.StreetSection(
         LENGTH, float(carriageway), float(left), float(right), tuple(float(round(x, 1)) for x in crosswalks)
     )
-    kinds = sorted({r.kind for r in section.ground_regions(street)})
-    return street, {k: str(rng.choice(material_ids(k))) for k in kinds}
+    regions = tuple(section.ground_regions(street))
+    kinds = sorted({r.kind for r in regions})
+    return Ground(street, regions, {k: str(rng.choice(material_ids(k))) for k in kinds})
 
 
-def make_layout(seed: int, number: int, index: AssetIndex, objects: tuple[int, int]) -> SceneLayout:
+def make_layout(
+    seed: int,
+    number: int,
+    index: AssetIndex,
+    objects: tuple[int, int],
+    stock: Stock | None = None,
+    ground: Ground | None = None,
+) -> SceneLayout:
     """Layout `number` of a seed with between objects[0] and objects[1] things, house fronts included.
+
+    Args:
+      stock: what it is filled with; default: what the frozen benchmark banks hold.
+      ground: what it stands on; default: one of `SECTIONS`.
 
     Raises:
       NounError: so many do not fit, or fewer are wanted than there are house fronts.
     """
-    street_section, materials = make_section(seed, number % SECTIONS)
+    stock = stock or Stock()
+    ground = ground or make_ground(seed, number % SECTIONS)
     rng = np.random.default_rng([seed, 2, number])
-    street = _Street(street_section, rng, index)
+    street = _Street(ground.section, rng, index, stock)
     wanted = int(rng.integers(objects[0], objects[1] + 1))
     _put_houses(street)
     if len(street.objects) > wanted:
@@ -189,7 +229,6 @@ def make_layout(seed: int, number: int, index: AssetIndex, objects: tuple[int, i
         for _ in range(count):
             _put_somewhere(street, band)
     name = f"bench_s{seed}_{number:03d}"
-    regions = section.ground_regions(street_section)
     return SceneLayout(
         id=name,
         graph_id=name,
@@ -197,8 +236,8 @@ def make_layout(seed: int, number: int, index: AssetIndex, objects: tuple[int, i
         seed=seed,
         cousin=0,
         objects=tuple(street.objects),
-        ground=tuple(PlacedGround(r.id, r.kind, r.polygon, r.plane, materials[r.kind]) for r in regions),
-        sky=str(rng.choice(sky_ids())),
+        ground=tuple(PlacedGround(r.id, r.kind, r.polygon, r.plane, ground.materials[r.kind]) for r in ground.regions),
+        sky=str(rng.choice(stock.skies or sky_ids())),
         sky_yaw=round(float(rng.uniform(-math.pi, math.pi)), 3),
         hashes={"assets": index.content_hash(), "generator": VERSION},
     )
@@ -218,7 +257,7 @@ def _put_houses(street: _Street) -> None:
     for side in (1, -1):
         x = x0
         while True:
-            house = street.record(HOUSES)
+            house = street.record(street.stock.houses)
             depth, width, _ = house.extent_xyz
             if x + width > x1:
                 break
@@ -228,7 +267,7 @@ def _put_houses(street: _Street) -> None:
     for at_end in (False, True):
         y, edge = -ground.front(-1), ground.closing_x(at_end)
         while y < ground.front(1):
-            house = street.record(HOUSES)
+            house = street.record(street.stock.houses)
             depth, width, _ = house.extent_xyz
             away = depth / 2 if at_end else -depth / 2
             street.put(house, edge + away, y + width / 2, UP, math.pi if at_end else 0.0)
@@ -244,7 +283,7 @@ def _put_somewhere(street: _Street, band: str) -> None:
     for other in (band, *(b for b in SHARES if b != band)):
         for _ in range(_TRIES):
             side = 1 if street.rng.random() < 0.5 else -1
-            record = street.record(_LEAVES[other])
+            record = street.record(street.stock.leaves[other])
             if _try_place(street, other, side, record):
                 return
     raise NounError(
@@ -261,7 +300,7 @@ def _try_place(street: _Street, band: str, side: int, record: AssetRecord) -> bo
     low, high = _limits(band, ground.width(side), half_v, rng)
     if low > high:
         return False
-    x, v = rng.uniform(1.0 + half_x, LENGTH - 1.0 - half_x), rng.uniform(low, high)
+    x, v = rng.uniform(1.0 + half_x, ground.length - 1.0 - half_x), rng.uniform(low, high)
     reach = half_x + MOUTH + (4.0 if band == "road" else 0.0)  # nobody parks before a crosswalk
     if band != "wall" and min(abs(x - c) for c in ground.crosswalks) < reach:
         return False

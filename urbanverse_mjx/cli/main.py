@@ -21,6 +21,7 @@ COMMANDS = {
     "play": ("play", "drive one episode and write it as a video"),
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "export-gait": ("export_gait", "write a trained gait as one small file"),
+    "gen": ("gen", "digital cousins of a tour: scene graph, assets, compiled scenes, report"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
     "assets": ("assets", "show, search, match, import and export assets"),
     "list-envs": ("list_envs", "list the registered environments and their presets"),

@@ -4,6 +4,9 @@ from .asset import AgentLook, AssetMesh, AssetRecord, HullSet
 from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
+from .label_prior import LabelPrior
+from .recording import Camera, Detection, Frame, Recording
+from .recording_writer import RecordingWriter
 from .robot import RobotSpec
 from .scene_bank import SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
@@ -23,14 +26,20 @@ __all__ = [
     "AssetMesh",
     "AssetRecord",
     "BenchmarkReport",
+    "Camera",
     "Contacts",
+    "Detection",
     "EpisodeResult",
+    "Frame",
     "GraphObject",
     "GroundRegion",
     "HullSet",
+    "LabelPrior",
     "NounError",
     "PlacedGround",
     "PlacedObject",
+    "Recording",
+    "RecordingWriter",
     "RobotSpec",
     "SceneBank",
     "SceneGraph",

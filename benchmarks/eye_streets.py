@@ -1,0 +1,208 @@
+"""Makes the streets that the small network learns on and is scored on: pictures only, nothing to collide with.
+
+    python -m benchmarks.eye_streets --split train --layouts 128 --out eye_train.npz
+    python -m benchmarks.eye_streets --split test --layouts 24 --out eye_test.npz
+
+The two splits share no layout, no asset (the last variant of every leaf that has three or more is the test's), no sky
+and, where a kind of ground has four materials or more, no material of it. Streets are shorter than the benchmark's and
+more mixed: parks, front yards, lane markings, junctions, and everything that stands in the shipped streets.
+Prints one JSON line. The same options give the same content hash.
+"""
+
+import argparse
+import dataclasses
+import functools
+import itertools
+import json
+import pathlib
+import sys
+import time
+from typing import Any
+
+import numpy as np
+
+from benchmarks import _streets
+from benchmarks.bank import coarser, map_stride
+from urbanverse_mjx.assets import AssetIndex, load_index
+from urbanverse_mjx.assets.ground_materials import material_ids
+from urbanverse_mjx.assets.index import build_mesh
+from urbanverse_mjx.assets.skies import build_sky, sky_ids
+from urbanverse_mjx.citygen import section
+from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, HullSet, NounError, SceneBank, SceneLayout
+from urbanverse_mjx.datatypes.hashing import content_hash
+from urbanverse_mjx.scene.bank import pack
+from urbanverse_mjx.scene.compiler import AssetSource, scene_geometry
+from urbanverse_mjx.scene.geometry import EpisodeTable, SceneGeometry
+
+SPLITS = ("train", "test")
+#: One of each family: low sun, closed grey, and clouds with sun.
+TEST_SKIES = ("golden_hour", "overcast_grey", "partly_cloudy")
+#: Layouts of the splits come from different seeds.
+SEEDS = {"train": 11, "test": 12}
+LENGTH = 70.0  # m; what is farther than this from an eye at 1.5 m is a few pixels high
+OBJECTS = (70, 120)
+_ENDS: tuple[section.End, section.End] = ("court", "junction")
+MAP_CELL = 0.25  # m; the map only says where a camera may stand
+
+HOUSES = (*_streets.HOUSES, "school", "garage", "library", "post office", "bistro", "shoe store", "ice cream shop")
+_MORE = {
+    "kerb": (
+        "traffic barricade|jersey barrier|fence|traffic light|utility pole|traffic sign|"
+        "do not enter sign|speed limit sign 30 km|road work detour ahead sign|caution sign|bus shelter|sunshade|"
+        "street light|lamppost|trash bin|dumpster|flower|street clock|water point|parcel locker|bench|garbage bag"
+    ),
+    "wall": (
+        "kiosk|street food stall|telephone booth|sunshade|fountain|fence|flower|dumpster|bench|table|atm|"
+        "cabinet or shelf|beach chair|bulletin board|information point|stone block|bicycle|barbecue grill|awning"
+    ),
+    "walk": (
+        "cat|bird|construction worker|doctor|firefighter|gardener|maintenance worker|security guard|"
+        "traffic controller|roller skater|wheelchair user|electric scooter rider|robot dog|humanoid robot|segway|"
+        "pedestrian adult|pedestrian adult|pedestrian adult|pedestrian child"
+    ),
+    "road": (
+        "bus|food truck|tricycle|car|coupe car|sports car|electric car|convertible car|ambulance|garbage truck|"
+        "motorcycle|motorcycle rider|school bus|fire truck|camper|sedan|hatchback car|suv|van"
+    ),
+}
+
+
+def of_split(split: str, index: AssetIndex) -> AssetIndex:
+    """The records of a split: the last variant of every leaf with three or more is the test's.
+
+    Leaves with fewer are in both, so that the test's streets hold the same kinds of things.
+    """
+    kept: list[AssetRecord] = []
+    for leaf in index.leaves:
+        records = index.by_leaf(leaf)
+        if len(records) < 3:
+            kept += records
+        else:
+            kept += records[-1:] if split == "test" else records[:-1]
+    return AssetIndex(kept)
+
+
+def stock(split: str) -> _streets.Stock:
+    """What the streets of a split are filled with."""
+    leaves = {band: (*names, *_MORE[band].split("|")) for band, names in _streets.Stock().leaves.items()}
+    skies = tuple(s for s in sky_ids() if (s in TEST_SKIES) == (split == "test"))
+    return _streets.Stock(HOUSES, leaves, variants=16, skies=skies)
+
+
+def materials_of(split: str, kind: str) -> tuple[str, ...]:
+    """Ground materials of a split: the last quarter of a kind with four or more is the test's."""
+    names = tuple(material_ids(kind))
+    if len(names) < 4:
+        return names
+    held = len(names) // 4
+    return names[-held:] if split == "test" else names[:-held]
+
+
+def make_ground(split: str, number: int) -> _streets.Ground:
+    """The ground of street `number`: parks, yards, junctions and markings as they come."""
+    rng = np.random.default_rng([SEEDS[split], 1, number])
+    carriageway = float(rng.choice([6.0, 7.0, 8.0, 9.0]))
+    left, right = (float(w) for w in rng.choice([5.0, 5.5, 6.0, 6.5], 2))
+    crosswalks = tuple(round(float(x), 1) for x in (rng.uniform(0.12, 0.35), rng.uniform(0.6, 0.85)) * np.array(LENGTH))
+    parks = [float(rng.choice([0.0, 0.0, 3.0, 6.0])) for _ in range(2)]
+    start, end = _ENDS[int(rng.integers(2))], _ENDS[int(rng.integers(2))]
+    street = section.StreetSection(
+        LENGTH, carriageway, left, right, crosswalks, start, end, *parks, yards=bool(rng.random() < 0.4)
+    )
+    regions = (*section.ground_regions(street), *_paint(street, rng))
+    kinds = sorted({r.kind for r in regions})
+    return _streets.Ground(street, regions, {k: str(rng.choice(materials_of(split, k))) for k in kinds})
+
+
+def _paint(street: section.StreetSection, rng: np.random.Generator) -> list[GroundRegion]:
+    """A broken middle line and edge lines, each in half of the streets, between the crosswalks."""
+    middle, edges = rng.random(2) < 0.5
+    out: list[GroundRegion] = []
+    margin = section.CROSSWALK_HALF_WIDTH + 1.0
+    stops = [-margin + 0.5, *street.crosswalks, street.length + margin - 0.5]
+    for i, (a, b) in enumerate(itertools.pairwise(stops)):
+        if middle:
+            out += section.dashes(f"middle_{i}", a + margin, b - margin, 0.0)
+        if edges:
+            for name, y in (("left", street.half - 0.4), ("right", 0.4 - street.half)):
+                out.append(section.line(f"{name}_edge_{i}", a + margin, b - margin, y - 0.06, y + 0.06))
+    return out
+
+
+def _point_hull(_: AssetRecord) -> HullSet:
+    """A tetrahedron of a millimetre: nothing ever collides in these streets, and hulls take most of a bank."""
+    return HullSet((np.concatenate([np.zeros((1, 3)), np.eye(3)]).astype(np.float32) * 1e-3,))
+
+
+def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout, SceneGeometry]:
+    """Street `number` of a split, as a layout and as arrays; `index` holds the split's records."""
+    layout = _streets.make_layout(SEEDS[split], number, index, OBJECTS, stock(split), make_ground(split, number))
+    geometry = scene_geometry(layout, index, AssetSource(build_mesh, _point_hull))
+    walk = _walk(make_ground(split, number).section)
+    return layout, dataclasses.replace(geometry, map=coarser(geometry.map, map_stride(MAP_CELL)), episodes=walk)
+
+
+def _walk(street: section.StreetSection) -> EpisodeTable:
+    """The one episode that a bank wants of every scene: along the left pavement's middle."""
+    y, z = street.half + street.left / 2.0, section.KERB
+    start, goal = np.array([[1.0, y, z, 0.0]]), np.array([[street.length - 1.0, y, z]])
+    length = goal[0, 0] - start[0, 0]
+    x = np.minimum(start[0, 0] + 5.0 * np.arange(1, int(np.ceil(length / 5.0)) + 1), goal[0, 0])
+    points = np.column_stack([x, np.full((len(x), 2), (y, z))])[None]
+    no = np.zeros(1, bool)
+    return EpisodeTable(start, goal, points, np.array([len(x)], np.int32), np.array([length]), no, no, np.array([-1.0]))
+
+
+def build(split: str, layouts: int, progress: Any = None) -> SceneBank:
+    """The bank of a split; `progress` is called with (streets done, streets in all)."""
+    index = of_split(split, load_index())
+    scenes, hashes = [], {}
+    for number in range(layouts):
+        layout, geometry = make_street(split, number, index)
+        scenes.append(geometry)
+        hashes[layout.id] = layout.content_hash()
+        if progress is not None:
+            progress(number + 1, layouts)
+    hashes["bank"] = content_hash({"split": split, "layouts": dict(hashes)})
+    skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
+    return pack(scenes, [split] * layouts, skies, hashes)
+
+
+def _say(begin: float, done: int, total: int) -> None:
+    print(f"\r{done}/{total} streets, {time.monotonic() - begin:.0f} s", end="", file=sys.stderr, flush=True)
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.eye_streets", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--split", choices=SPLITS, required=True)
+    parser.add_argument("--layouts", type=int, required=True, help="streets")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="bank file to write")
+    arguments = parser.parse_args(argv)
+    if arguments.layouts < 1:
+        parser.error("--layouts must be at least 1")
+    begin = time.monotonic()
+    try:
+        bank = build(arguments.split, arguments.layouts, functools.partial(_say, begin))
+        bank.save(arguments.out)
+    except NounError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    print(file=sys.stderr)
+    figures = {
+        "bank": str(arguments.out),
+        "split": arguments.split,
+        "layouts": bank.num_scenes,
+        "categories": len(bank.meta["categories"]),
+        "meshes": bank.num_meshes,
+        "skies": bank.meta["skies"],
+        "hash": bank.meta["hashes"]["bank"],
+        "mib": round(arguments.out.stat().st_size / 2**20, 2),
+        "seconds": round(time.monotonic() - begin, 1),
+    }
+    print(json.dumps(figures))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

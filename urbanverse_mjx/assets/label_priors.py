@@ -1,0 +1,58 @@
+"""`LabelPrior`s from the ontology, the priors and the index: what the distillation is told about labels."""
+
+import functools
+
+from urbanverse_mjx.datatypes import LabelPrior
+
+from .index import AssetIndex
+from .ontology import UnknownLabelError, category_of, nearest_leaves
+from .priors import prior
+
+#: What drives or is parked on the carriageway; everything else that stands in a street stands beside it.
+_ON_ROAD = ("private vehicle", "public vehicle", "construction vehicle", "emergency vehicle")
+#: What moves about by itself, and may be anywhere.
+_ANYWHERE = ("person", "animal", "robot")
+#: Two-wheelers and the like are left on the pavement as often as on the road.
+_LIGHT = ("bicycle", "scooter", "motorcycle", "cyclist", "moped", "e-scooter", "handcart", "stroller", "wheelchair")
+_BESIDE = ("sidewalk", "ground")
+#: Things that people and road works set up on carriageways, too.
+_BOTH = ("access control barrier", "obstacle barrier", "street trash", "terrain")
+
+
+def stands_on(leaf: str) -> tuple[str, ...]:
+    """Kinds of ground on which a leaf is usually found; empty = any."""
+    top, middle, _ = category_of(leaf)
+    if middle in _ON_ROAD and leaf not in _LIGHT:
+        return ("road", "crosswalk")
+    if middle in (*_ANYWHERE, *_BOTH) or top == "road" or leaf in _LIGHT:
+        return ()
+    return _BESIDE
+
+
+class LabelPriors:
+    """Callable: label -> `LabelPrior`; labels that are no leaf take their nearest leaf's.
+
+    Args:
+      index: whose records give the known sizes.
+    """
+
+    def __init__(self, index: AssetIndex) -> None:
+        self._index = index
+        self._find = functools.cache(self._look_up)
+
+    def __call__(self, label: str) -> LabelPrior:
+        return self._find(label)
+
+    def _look_up(self, label: str) -> LabelPrior:
+        try:
+            records = self._index.by_label(label)
+            leaf = records[0].leaf if records else nearest_leaves(label)[0]
+        except UnknownLabelError as error:
+            records, leaf = (), error.nearest[0]
+        known = prior(leaf)
+        return LabelPrior(
+            extents=[r.extent_xyz for r in records],  # type: ignore[arg-type]
+            on_ground=known.rest != "hangs",
+            stands_on=stands_on(leaf),
+            fixed=known.rest not in ("alive", "rolls"),
+        )

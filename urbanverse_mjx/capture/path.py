@@ -1,0 +1,141 @@
+"""A walker's way through a street: along one side, over the road and back along the other."""
+
+import dataclasses
+
+import numpy as np
+import scipy.ndimage
+import skimage.graph
+from scipy.spatial.transform import Rotation
+
+from ..datatypes import NounError, SceneBank
+from .street import CELL, StreetGrid, street_grid
+
+#: m: nobody walks nearer to a thing than half a shoulder's width and a hand.
+_BODY = 0.35
+#: m: ways nearer than this to things cost more.
+_COMFORT = 1.0
+_SMOOTH = 1.5  # m, window over which corners are rounded
+
+
+@dataclasses.dataclass(frozen=True)
+class PathOptions:
+    """How the walker goes.
+
+    Attributes:
+      speed: m/s; 1.4 is a usual walking speed.
+      rate: frames per second.
+      height: m of the camera above the ground.
+      sway: rad, how far the camera looks to both sides in turn; sway_period: s of one turn to and fro.
+      pitch: rad, looking up.
+      frames: exactly so many, going round again where the way is too short; None = the way once.
+    """
+
+    speed: float = 1.4
+    rate: float = 1.0
+    height: float = 1.5
+    sway: float = np.radians(35.0)
+    sway_period: float = 12.0
+    pitch: float = np.radians(4.0)
+    frames: int | None = None
+
+    def __post_init__(self) -> None:
+        if min(self.speed, self.rate, self.height, self.sway_period) <= 0 or not abs(self.pitch) < 1.2:
+            raise NounError(f"camera path: found {self}, needed positive speed, rate and height and a pitch below 1.2.")
+        if self.frames is not None and self.frames < 1:
+            raise NounError(f"camera path: found {self.frames} frames, needed at least 1.")
+
+
+@dataclasses.dataclass(frozen=True)
+class CameraPath:
+    """time_s (n,) s; T_world_camera (n, 4, 4), OpenCV axes (x right, y down, z forward)."""
+
+    time_s: np.ndarray
+    T_world_camera: np.ndarray
+
+    def plan(self) -> np.ndarray:
+        """(n, 4) x, y, z (m) and yaw (rad) of the camera, as a `SceneGraph` keeps it."""
+        forward = self.T_world_camera[:, :3, 2]
+        return np.c_[self.T_world_camera[:, :3, 3], np.arctan2(forward[:, 1], forward[:, 0])]
+
+
+def walk(bank: SceneBank, scene: int, options: PathOptions | None = None) -> CameraPath:
+    """The way along both sides of a scene's street.
+
+    Raises:
+      NounError: no ground where a walker fits.
+    """
+    options = options or PathOptions()
+    street = street_grid(bank, scene)
+    ring = _smooth(_round_trip(street, bank.scene_ids[scene]))
+    lengths = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))]
+    step = options.speed / options.rate
+    count = options.frames or max(1, int(lengths[-1] / step))
+    # Round trips end where they began: whoever goes on begins anew.
+    along = (np.arange(count) * step) % lengths[-1]
+    place = np.stack([np.interp(along, lengths, ring[:, k]) for k in (0, 1)], -1)
+    ahead = (along + 0.5) % lengths[-1]
+    towards = np.stack([np.interp(ahead, lengths, ring[:, k]) for k in (0, 1)], -1) - place
+    time_s = np.arange(count) / options.rate
+    yaw = np.arctan2(towards[:, 1], towards[:, 0]) + options.sway * np.sin(2 * np.pi * time_s / options.sway_period)
+    height = _floor(street, place) + options.height
+    return CameraPath(time_s, camera_poses(np.c_[place, height], yaw, options.pitch))
+
+
+def camera_poses(position: np.ndarray, yaw: np.ndarray, pitch: float | np.ndarray = 0.0) -> np.ndarray:
+    """(n, 4, 4) T_world_camera, OpenCV axes, of level cameras at (n, 3) m that look along yaw (n,) and up by pitch."""
+    # The columns are the camera's right, down and forward for yaw 0.
+    level = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    turns = np.stack([yaw, -np.broadcast_to(pitch, np.shape(yaw)), np.zeros_like(yaw)], -1)
+    poses = np.tile(np.eye(4), (len(yaw), 1, 1))
+    poses[:, :3, :3] = Rotation.from_euler("ZYX", turns).as_matrix() @ level
+    poses[:, :3, 3] = position
+    return poses
+
+
+def _floor(street: StreetGrid, place: np.ndarray) -> np.ndarray:
+    """(n,) m: the ground under places, without the jump of a kerb."""
+    missing = np.isnan(street.height)
+    nearest = scipy.ndimage.distance_transform_edt(missing, return_distances=False, return_indices=True)
+    filled = scipy.ndimage.gaussian_filter(street.height[tuple(nearest)], 0.5 / CELL)
+    i, j = street.cell(place).T
+    return filled[i, j]
+
+
+def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
+    """(n, 2) m: from one end of a side to the other, across and back; closed."""
+    component, _ = scipy.ndimage.label(street.clearance > _BODY, np.ones((3, 3)))
+    sizes = np.bincount(component.ravel())
+    if len(sizes) < 2:
+        raise NounError(f"scene {name!r}: found no ground with {_BODY:g} m to every side, needed some to walk on.")
+    cells = np.argwhere(component == 1 + np.argmax(sizes[1:]))
+    points = street.middle(cells)
+    centre = points.mean(0)
+    _, axes = np.linalg.eigh(np.cov((points - centre).T))
+    # First along the street (the longer axis), then across.
+    along, across = ((points - centre) @ axes[:, ::-1]).T
+    if axes[np.argmax(np.abs(axes[:, 1])), 1] < 0:
+        along = -along
+    stops = []
+    for side, backwards in ((across <= np.median(across), False), (across > np.median(across), True)):
+        order = np.flatnonzero(side)
+        wide = order[street.clearance[tuple(cells[order].T)] > _BODY]
+        low, high = wide[np.argmin(along[wide])], wide[np.argmax(along[wide])]
+        stops += [high, low] if backwards else [low, high]
+    # Walking in comfort is worth a detour of some steps; 20 keeps it off the rims of things without closing gaps.
+    near = np.clip(_COMFORT - street.clearance, 0.0, None) / _COMFORT
+    cost = np.where(street.clearance > _BODY, 1.0 + 20.0 * near**2, np.inf)
+    ways = []
+    for start, stop in zip(stops, [*stops[1:], stops[0]], strict=True):
+        way, _ = skimage.graph.route_through_array(cost, cells[start], cells[stop], geometric=True)
+        ways.append(street.middle(np.array(way[:-1])))
+    ways.append(street.middle(cells[stops[0]])[None])
+    return np.concatenate(ways)
+
+
+def _smooth(ring: np.ndarray) -> np.ndarray:
+    """The way with its corners rounded, a point every few centimetres to decimetres; ends stay."""
+    window = max(3, int(_SMOOTH / CELL) | 1)
+    half = window // 2
+    padded = np.concatenate([np.repeat(ring[:1], half, 0), ring, np.repeat(ring[-1:], half, 0)])
+    kernel = np.ones(window) / window
+    return np.stack([np.convolve(padded[:, k], kernel, "valid") for k in (0, 1)], -1)

@@ -1,0 +1,108 @@
+"""A bank's scene as a grid from above: what kind of ground, how high, and how far from the next solid thing."""
+
+import dataclasses
+
+import numpy as np
+import scipy.ndimage
+import scipy.spatial
+import skimage.draw
+
+from ..datatypes import KIND_INDEX, SceneBank, traversable
+from ..simulation.render_model import rotation_matrices
+
+CELL = 0.2  # m: a path is smoothed afterwards, and streets of 200 m stay under 200,000 cells
+#: m above the ground between which something is in the way of a person with a camera.
+_LOW, _HIGH = 0.3, 2.0
+GROUND_PREFIX = "ground:"
+
+
+@dataclasses.dataclass(frozen=True)
+class StreetGrid:
+    """Cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells of `CELL` m.
+
+    kind (X, Y) u8: `ground.GROUND_KINDS`, 0 = no ground.
+    height (X, Y) f32: m, top of the ground, NaN where there is none.
+    clearance (X, Y) f32: m to the nearest solid thing or end of the ground that a walker may be on, 0 inside.
+    """
+
+    origin: np.ndarray
+    kind: np.ndarray
+    height: np.ndarray
+    clearance: np.ndarray
+
+    def cell(self, points: np.ndarray) -> np.ndarray:
+        """(..., 2) i64 cells of (..., 2) m, clipped into the grid."""
+        cells = np.floor((points - self.origin) / CELL).astype(np.int64)
+        return np.clip(cells, 0, np.array(self.kind.shape) - 1)
+
+    def middle(self, cells: np.ndarray) -> np.ndarray:
+        """(..., 2) m of cells' middles."""
+        return self.origin + (np.asarray(cells) + 0.5) * CELL
+
+
+def slot_vertices(bank: SceneBank, scene: int, slot: int) -> np.ndarray:
+    """(n, 3) f64 m: corners of a visual slot's mesh in the world."""
+    mesh = bank.slot_mesh[scene, slot]
+    corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]]
+    rotation = rotation_matrices(bank.slot_quaternion[scene, slot])
+    return corners.astype(np.float64) @ rotation.T + bank.slot_position[scene, slot]
+
+
+def ground_tops(bank: SceneBank, scene: int) -> list[tuple[int, int, np.ndarray]]:
+    """(slot, kind, (t, 3, 3) m triangles that face up) of every ground region."""
+    tops = []
+    for slot in np.flatnonzero(bank.slot_mesh[scene] >= 0):
+        category = bank.meta["categories"][bank.slot_category[scene, slot]]
+        if not category.startswith(GROUND_PREFIX):
+            continue
+        mesh = bank.slot_mesh[scene, slot]
+        faces = bank.mesh_faces[bank.mesh_face_start[mesh] : bank.mesh_face_start[mesh + 1]]
+        triangles = slot_vertices(bank, scene, slot)[faces]
+        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        up = normal[:, 2] > 0.4 * np.linalg.norm(normal, axis=1)  # tops are at most 63° steep, sides upright
+        tops.append((int(slot), KIND_INDEX[category.removeprefix(GROUND_PREFIX)], triangles[up]))
+    return tops
+
+
+def _draw_heights(tops: list[tuple[int, int, np.ndarray]], origin: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    height = np.full(shape, np.nan, np.float32)
+    for _, _, triangles in tops:
+        for triangle in triangles:
+            corners = (triangle[:, :2] - origin) / CELL - 0.5
+            rows, columns = skimage.draw.polygon(corners[:, 0], corners[:, 1], shape)
+            if not len(rows):
+                continue
+            plane = np.linalg.solve(np.c_[corners, np.ones(3)], triangle[:, 2])
+            height[rows, columns] = np.fmax(height[rows, columns], plane[0] * rows + plane[1] * columns + plane[2])
+    return height
+
+
+def _draw_solids(bank: SceneBank, scene: int, street: "StreetGrid") -> np.ndarray:
+    """(X, Y) bool: cells that a hull covers at a walker's height."""
+    solid = np.zeros(street.kind.shape, bool)
+    floor = np.nan_to_num(street.height, nan=0.0)
+    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
+        hull = bank.inst_hull[scene, q]
+        corners = bank.hull_vertices[hull, : bank.hull_num_vertices[hull]].astype(np.float64)
+        world = corners @ bank.inst_rotation[scene, q].T.astype(np.float64) + bank.inst_position[scene, q]
+        i, j = street.cell(world[:, :2].mean(0))
+        if world[:, 2].min() > floor[i, j] + _HIGH or world[:, 2].max() < floor[i, j] + _LOW:
+            continue
+        flat = (world[:, :2] - street.origin) / CELL - 0.5
+        ring = flat[scipy.spatial.ConvexHull(flat, qhull_options="QJ").vertices]
+        solid[skimage.draw.polygon(ring[:, 0], ring[:, 1], solid.shape)] = True
+    return solid
+
+
+def street_grid(bank: SceneBank, scene: int) -> StreetGrid:
+    """The grid of one scene."""
+    stride = max(1, round(CELL / float(bank.map_resolution)))
+    kind = bank.map_kind[scene][stride // 2 :: stride, stride // 2 :: stride]
+    origin = bank.map_origin[scene].astype(np.float64)
+    used = np.argwhere(kind > 0)
+    kind = kind[: used[:, 0].max() + 1, : used[:, 1].max() + 1].copy()
+    height = _draw_heights(ground_tops(bank, scene), origin, kind.shape)
+    street = StreetGrid(origin, kind, height, np.zeros(kind.shape, np.float32))
+    free = traversable(kind) & ~_draw_solids(bank, scene, street) & np.isfinite(height)
+    clearance = scipy.ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * CELL
+    return dataclasses.replace(street, clearance=clearance.astype(np.float32))

@@ -1,0 +1,139 @@
+"""`tour`: renders a scene along a camera path into a `Recording` that carries the truth."""
+
+import dataclasses
+import os
+import pathlib
+from collections.abc import Callable, Iterator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..datatypes import KIND_INDEX, Camera, Detection, NounError, Recording, RecordingWriter, SceneBank
+from ..datatypes.recording import SKY
+from ..simulation.renderer import SKY_LABEL, Renderer
+from .path import CameraPath, PathOptions, walk
+from .street import GROUND_PREFIX
+from .truth import SOURCE, object_id, object_slots, true_graph
+
+TRUTH_FILE = "truth.json"
+_BATCH = 8
+#: From the renderer's camera (looks along -z, +y up) to OpenCV's (looks along +z, +y down).
+_FLIP = np.diag([1.0, -1.0, -1.0])
+
+
+@dataclasses.dataclass(frozen=True)
+class TourOptions:
+    """What is filmed.
+
+    Attributes:
+      width, height: pixels; fovy: rad, vertical field of view (50° and 16:9 see 79° wide, as an action camera does).
+      samples: rays per pixel and side of the RGB picture; depth and masks take the middle of each pixel.
+      shadows: whether the sun casts shadows.
+      rgb: False leaves the pictures black: enough where geometry alone is asked for.
+      min_pixels: things that cover fewer pixels of a frame are not in its masks.
+    """
+
+    width: int = 640
+    height: int = 360
+    fovy: float = np.radians(50.0)
+    samples: int = 2
+    shadows: bool = True
+    rgb: bool = True
+    min_pixels: int = 12
+
+    def __post_init__(self) -> None:
+        if not 0.1 < self.fovy < 2.6:
+            raise NounError(f"tour.fovy: found {self.fovy:g} rad, needed 0.1 to 2.6.")
+
+
+def tour(
+    bank: SceneBank,
+    scene: int,
+    folder: str | os.PathLike[str],
+    path: CameraPath | PathOptions | None = None,
+    options: TourOptions | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Recording:
+    """Films one scene; beside the recording, `truth.json` holds the true graph of all that stands in it.
+
+    Args:
+      bank, scene: what is filmed.
+      folder: of the recording.
+      path: where the camera goes; options of `walk`, or the way itself.
+      options: size, field of view and quality.
+      progress: called with (frames done, frames in all).
+
+    Returns:
+      the recording: RGB, planar depth, masks with true labels and the things' ids as tracks, ground kinds, poses.
+
+    Raises:
+      NounError: a scene that the bank does not hold, or a folder that cannot be written.
+    """
+    if not 0 <= scene < bank.num_scenes:
+        raise NounError(f"scene: found {scene}, needed 0 to {bank.num_scenes - 1}, the scenes of the bank.")
+    options = options or TourOptions()
+    way = path if isinstance(path, CameraPath) else walk(bank, scene, path)
+    camera = Camera.from_fov(options.width, options.height, options.fovy)
+    writer = RecordingWriter(folder, bank.scene_ids[scene], SOURCE, camera)
+    labels = _Labels(bank, scene)
+    for i, (rgb, depth, thing, category) in enumerate(_render(bank, scene, way, options)):
+        masks, found = labels.masks(thing, options.min_pixels)
+        surfaces = labels.surface[category]
+        writer.add(float(way.time_s[i]), rgb, depth, masks, surfaces, way.T_world_camera[i], found)
+        if progress is not None:
+            progress(i + 1, len(way.time_s))
+    true_graph(bank, scene, way).save(pathlib.Path(folder) / TRUTH_FILE)
+    return writer.close()
+
+
+class _Labels:
+    """Turns the renderer's slots and categories into detections and ground kinds."""
+
+    def __init__(self, bank: SceneBank, scene: int) -> None:
+        categories = bank.meta["categories"]
+        # One row more: -1, the sky, picks the last.
+        self.surface = np.zeros(len(categories) + 1, np.uint8)
+        for row, name in enumerate(categories):
+            if name.startswith(GROUND_PREFIX):
+                self.surface[row] = KIND_INDEX[name.removeprefix(GROUND_PREFIX)]
+        self.surface[SKY_LABEL] = SKY
+        self._things = {
+            int(slot): Detection(categories[bank.slot_category[scene, slot]], 1.0, object_id(bank, scene, slot))
+            for slot in object_slots(bank, scene)
+        }
+
+    def masks(self, slots: np.ndarray, min_pixels: int) -> tuple[np.ndarray, list[Detection]]:
+        """(H, W) index of a detection or -1, and the detections, of a picture of visual slots."""
+        seen, inverse, counts = np.unique(slots, return_inverse=True, return_counts=True)
+        number, found = np.full(len(seen), -1), []
+        for k, slot in enumerate(seen.tolist()):
+            if slot in self._things and counts[k] >= min_pixels:
+                number[k] = len(found)
+                found.append(self._things[slot])
+        return number[inverse].reshape(slots.shape), found
+
+
+def _render(bank: SceneBank, scene: int, way: CameraPath, options: TourOptions) -> Iterator[tuple[np.ndarray, ...]]:
+    """RGB (H, W, 3) u8, depth (H, W) m, slot and category (H, W) of every frame."""
+    size = options.height, options.width
+    truth = Renderer(bank, None, *size, outputs=("depth", "object", "category"), shading="matte", sky=False)
+    film = Renderer(bank, None, *size, shadows=options.shadows, samples=options.samples) if options.rgb else None
+    eyes = way.T_world_camera[:, :3, 3].astype(np.float32)
+    rotations = Rotation.from_matrix(way.T_world_camera[:, :3, :3] @ _FLIP)
+    turns = rotations.as_quat(scalar_first=True).astype(np.float32)
+
+    def batch(renderer: Renderer) -> Callable[..., dict[str, jax.Array]]:
+        return jax.jit(jax.vmap(lambda eye, turn: renderer.view(scene, eye, turn, options.fovy)))
+
+    see, film_it = batch(truth), batch(film) if film else None
+    black = np.zeros((*size, 3), np.uint8)
+    for start in range(0, len(eyes), _BATCH):
+        rows = np.minimum(np.arange(start, start + _BATCH), len(eyes) - 1)
+        cameras = jnp.asarray(eyes[rows]), jnp.asarray(turns[rows])
+        out = {name: np.asarray(x) for name, x in see(*cameras).items()}
+        rgb = np.asarray(film_it(*cameras)["rgb"]) if film_it else None
+        for k in range(min(_BATCH, len(eyes) - start)):
+            picture = black if rgb is None else rgb[k]
+            yield picture, out["depth"][k], out["object"][k], out["category"][k]

@@ -1,0 +1,121 @@
+"""Pictures that the graph's looks come from: of things, of ground and of the sky, and their descriptors."""
+
+import dataclasses
+import itertools
+import pathlib
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from ..datatypes import GROUND_KINDS, Recording
+from ..datatypes.recording import SKY
+from .lifting import Views
+
+#: A descriptor of a picture (H, W, 3) u8 and its mask (H, W) bool: at most 64 numbers of 8 bits.
+Descriptor = Callable[[np.ndarray, np.ndarray], Sequence[int]]
+#: Frames whose sky and ground are kept, evenly over the tour.
+KEPT_FRAMES = 8
+#: Views of a thing that are kept, the largest first.
+KEPT_VIEWS = 2
+_MIN_PATCH = 400  # pixels of ground or sky that are worth keeping
+_MARGIN = 4
+
+
+@dataclasses.dataclass(frozen=True)
+class Looks:
+    """Descriptors: of things by their number, of ground by its kind, of the sky."""
+
+    things: dict[int, tuple[int, ...]]
+    ground: dict[str, tuple[int, ...]]
+    sky: tuple[int, ...] | None
+
+
+def collect(
+    recording: Recording,
+    views: Views,
+    thing: np.ndarray,
+    names: dict[int, str],
+    describers: dict[str, Descriptor],
+    folder: pathlib.Path | None,
+) -> Looks:
+    """Cuts the crops out, writes them (RGBA PNG, the mask as alpha) and describes them.
+
+    Args:
+      thing: (n,) which thing each view shows. names: of the things that are kept.
+      describers: for any of "object", "ground", "sky".
+      folder: gets objects/, ground/ and sky/; None writes nothing.
+    """
+    best = _best_views(views, thing, names)
+    wanted = sorted({int(views.origin[v, 0]) for rows in best.values() for v in rows})
+    by_frame: dict[int, list[tuple[int, int, int]]] = {f: [] for f in wanted}
+    for t, rows in best.items():
+        for k, view in enumerate(rows):
+            by_frame[int(views.origin[view, 0])].append((t, k, int(views.origin[view, 1])))
+    things: dict[int, tuple[int, ...]] = {}
+    for frame in wanted:
+        picture, masks = recording.rgb(frame), recording.masks(frame)
+        for t, k, detection in by_frame[frame]:
+            cut, mask = _cut(picture, masks == detection)
+            _write(folder, f"objects/{names[t]}_{k}.png", cut, mask)
+            if k == 0 and "object" in describers:
+                things[t] = _bytes(describers["object"](cut, mask))
+    ground, sky = _scenery(recording, describers, folder)
+    return Looks(things, ground, sky)
+
+
+def _best_views(views: Views, thing: np.ndarray, names: dict[int, str]) -> dict[int, np.ndarray]:
+    """Per thing the `KEPT_VIEWS` with the most pixels; whole ones before those cut by the picture's rim."""
+    rank = np.where(views.clipped.any(1), views.pixels // 4, views.pixels)
+    order = np.lexsort((-rank, thing))
+    bounds = np.r_[0, np.flatnonzero(np.diff(thing[order])) + 1, len(order)]
+    spans = [order[a:b][:KEPT_VIEWS] for a, b in itertools.pairwise(bounds) if b > a]
+    return {int(thing[rows[0]]): rows for rows in spans if int(thing[rows[0]]) in names}
+
+
+def _scenery(
+    recording: Recording, describers: dict[str, Descriptor], folder: pathlib.Path | None
+) -> tuple[dict[str, tuple[int, ...]], tuple[int, ...] | None]:
+    """Crops of ground and sky of `KEPT_FRAMES` frames; the largest of each kind is described."""
+    chosen = np.unique(np.linspace(0, len(recording) - 1, min(KEPT_FRAMES, len(recording))).round().astype(int))
+    largest: dict[str, tuple[int, np.ndarray, np.ndarray]] = {}
+    for number, frame in enumerate(chosen.tolist()):
+        picture, surfaces = recording.rgb(frame), recording.surfaces(frame)
+        patches: dict[str, np.ndarray] = {}
+        if surfaces is None:
+            # As the paper does where nothing is known: the upper half of the frame.
+            patches["sky"] = np.arange(picture.shape[0])[:, None] < np.full(picture.shape[1], picture.shape[0] // 2)
+        else:
+            patches |= {GROUND_KINDS[k]: surfaces == k for k in np.unique(surfaces) if 0 < k != SKY}
+            patches["sky"] = surfaces == SKY
+        for kind, mask in patches.items():
+            if mask.sum() < _MIN_PATCH:
+                continue
+            cut, inside = _cut(picture, mask)
+            _write(folder, f"{'sky' if kind == 'sky' else 'ground'}/{kind}_{number}.png", cut, inside)
+            if kind not in largest or mask.sum() > largest[kind][0]:
+                largest[kind] = int(mask.sum()), cut, inside
+    looks: dict[str, tuple[int, ...]] = {}
+    for kind, (_, cut, inside) in largest.items():
+        role = "sky" if kind == "sky" else "ground"
+        if role in describers:
+            looks[kind] = _bytes(describers[role](cut, inside))
+    return {k: x for k, x in looks.items() if k != "sky"}, looks.get("sky")
+
+
+def _cut(picture: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
+    where = tuple(slice(max(0, int(i[0]) - _MARGIN), int(i[-1]) + 1 + _MARGIN) for i in (rows, columns))
+    return picture[where], mask[where]
+
+
+def _write(folder: pathlib.Path | None, name: str, picture: np.ndarray, mask: np.ndarray) -> None:
+    if folder is not None:
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(np.dstack([picture, np.where(mask, 255, 0).astype(np.uint8)])).save(path)
+
+
+def _bytes(values: Any) -> tuple[int, ...]:
+    return tuple(int(x) for x in values)

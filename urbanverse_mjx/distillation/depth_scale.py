@@ -1,0 +1,95 @@
+"""Per-frame depth scale and depth noise, from the ground: it does not rise and fall with the walker's frames."""
+
+import dataclasses
+
+import numpy as np
+
+from .lifting import GroundPoints
+
+#: m from the camera: nearer ground is seen steeply enough for its depth to say how high the camera is.
+_NEAR = 15.0
+#: Frames to both sides over which ground of one kind is taken for level with itself.
+_WINDOW = 7
+#: Scales that scatter less are not noise but slopes and kerbs: they are left alone.
+_TRUSTED = 0.015
+#: Relative noise that even perfect depth has: its pixels are as wide as 0.2 % of the range (f = 500 pixels).
+MIN_NOISE = 0.002
+_LIMITS = (0.6, 1.7)
+_ROUNDS = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class DepthScale:
+    """scale (m,): factor on each frame's depth; noise: relative error of a point's depth that remains (1 sigma)."""
+
+    scale: np.ndarray
+    noise: float
+
+
+def depth_scale(ground: GroundPoints, poses: np.ndarray) -> DepthScale:
+    """Scales under which each kind of ground keeps its height from frame to frame.
+
+    For ground of kind k in frame f the drop below the camera is measured as d. Its height Z[k] is the median over the
+    neighbouring frames of z_camera - s d; the scale s of a frame is the mean over its ground of (z_camera - Z[k]) / d.
+
+    Args:
+      ground: points in camera frames.
+      poses: (m, 4, 4) T_world_camera.
+    """
+    frames = len(poses)
+    world = np.einsum("gij,gj->gi", poses[ground.frame, :3, :3], ground.points)
+    near = (np.linalg.norm(ground.points, axis=1) < _NEAR) & (world[:, 2] < -0.2)
+    frame, kind, drop = ground.frame[near], ground.kind[near].astype(np.int64), -world[near, 2]
+    if not len(frame):
+        return DepthScale(np.ones(frames), MIN_NOISE)
+    cameras = poses[:, 2, 3]
+    kinds, kind = np.unique(kind, return_inverse=True)
+    drops, counts = _medians(frame, kind, drop, frames, len(kinds))
+    scale = np.ones(frames)
+    heights = np.full(drops.shape, np.nan)
+    for _ in range(_ROUNDS):
+        heights = _windowed(cameras[:, None] - scale[:, None] * drops, counts)
+        ratio = (cameras[:, None] - heights) / drops
+        scale = _weighted(ratio, counts, scale)
+    spread = 1.4826 * np.median(np.abs(scale - np.median(scale)))
+    if spread < _TRUSTED:
+        scale = np.ones(frames)
+    expected = (cameras[frame] - heights[frame, kind]) / scale[frame]
+    error = drop / expected - 1.0
+    # Ramps and slopes are not noise: what a frame's ground of one kind shares is taken off.
+    shared, _ = _medians(frame, kind, error, frames, len(kinds))
+    noise = 1.4826 * np.nanmedian(np.abs(error - shared[frame, kind]))
+    return DepthScale(np.clip(scale, *_LIMITS), float(max(noise, MIN_NOISE)))
+
+
+def _medians(
+    frame: np.ndarray, kind: np.ndarray, value: np.ndarray, frames: int, kinds: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """(frames, kinds) medians, NaN where there is nothing, and counts."""
+    cell = frame * kinds + kind
+    order = np.lexsort((value, cell))
+    counts = np.bincount(cell, minlength=frames * kinds)
+    starts = np.r_[0, np.cumsum(counts)[:-1]]
+    out = np.full(frames * kinds, np.nan)
+    some = counts > 0
+    out[some] = value[order[(starts + counts // 2)[some]]]
+    return out.reshape(frames, kinds), counts.reshape(frames, kinds)
+
+
+def _windowed(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Medians over `_WINDOW` frames to both sides, of frames with enough ground of the kind."""
+    solid = np.where(counts >= 10, values, np.nan)
+    padded = np.pad(solid, ((_WINDOW, _WINDOW), (0, 0)), constant_values=np.nan)
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _WINDOW + 1, axis=0)
+    out = np.full(values.shape, np.nan)
+    some = np.isfinite(windows).any(-1)
+    out[some] = np.nanmedian(windows[some], axis=-1)
+    return out
+
+
+def _weighted(ratio: np.ndarray, counts: np.ndarray, fallback: np.ndarray) -> np.ndarray:
+    """(m,) mean of each frame's ratios, by the points behind them."""
+    weight = np.where(np.isfinite(ratio), counts, 0)
+    total = weight.sum(1)
+    mean = (np.nan_to_num(ratio) * weight).sum(1) / np.maximum(total, 1)
+    return np.where(total > 0, mean, fallback)

@@ -1,0 +1,79 @@
+"""What cameras, codecs and lenses do to a picture, at random. Runs inside jit, on one rendered frame."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+#: Quantisation table of luminance in the JPEG standard (ITU-T T.81, Annex K.1).
+_JPEG_TABLE = np.array(
+    [
+        [16, 11, 10, 16, 24, 40, 51, 61],
+        [12, 12, 14, 19, 26, 58, 60, 55],
+        [14, 13, 16, 24, 40, 57, 69, 56],
+        [14, 17, 22, 29, 51, 87, 80, 62],
+        [18, 22, 37, 56, 68, 109, 103, 77],
+        [24, 35, 55, 64, 81, 104, 113, 92],
+        [49, 64, 78, 87, 103, 121, 120, 101],
+        [72, 92, 95, 98, 112, 100, 103, 99],
+    ],
+    np.float32,
+)
+_BLUR_REACH = 4  # pixels
+
+
+def _cosines() -> np.ndarray:
+    """(8, 8) orthonormal DCT-II: rows are frequencies."""
+    k, n = np.mgrid[:8, :8]
+    basis = np.cos(np.pi * (2 * n + 1) * k / 16) / 2
+    basis[0] /= np.sqrt(2)
+    return basis.astype(np.float32)
+
+
+def jpeg(picture: jax.Array, quality: jax.Array) -> jax.Array:
+    """The block artefacts of JPEG: every 8 x 8 block rounded in frequency, each colour alike.
+
+    Args:
+      picture: (H, W, 3) in [0, 1], sides multiples of 8; quality: () 1 to 100 as libjpeg counts it.
+    """
+    h, w, _ = picture.shape
+    scale = jnp.where(quality < 50.0, 50.0 / quality, 2.0 - quality / 50.0)
+    step = jnp.maximum(_JPEG_TABLE * scale, 1.0)
+    basis = jnp.asarray(_cosines())
+    blocks = (picture * 255.0 - 128.0).reshape(h // 8, 8, w // 8, 8, 3)
+    frequencies = jnp.einsum("ki,aibjc,lj->akblc", basis, blocks, basis)
+    table = step[None, :, None, :, None]
+    rounded = jnp.round(frequencies / table) * table
+    back = jnp.einsum("ki,akblc,lj->aibjc", basis, rounded, basis)
+    return jnp.clip((back.reshape(h, w, 3) + 128.0) / 255.0, 0.0, 1.0)
+
+
+def _blur(picture: jax.Array, sigma: jax.Array) -> jax.Array:
+    """Rows and columns smoothed by a normal density of `sigma` (2,) pixels."""
+    offsets = jnp.arange(-_BLUR_REACH, _BLUR_REACH + 1, dtype=jnp.float32)
+    for axis in (0, 1):
+        weight = jnp.exp(-(offsets**2) / (2.0 * sigma[axis] ** 2 + 1e-6))
+        weight = weight / weight.sum()
+        padded = jnp.pad(picture, [(_BLUR_REACH, _BLUR_REACH) if a == axis else (0, 0) for a in range(3)], "edge")
+        size = picture.shape[axis]
+        picture = sum(
+            (weight[i] * jax.lax.slice_in_dim(padded, i, i + size, axis=axis) for i in range(2 * _BLUR_REACH + 1)),
+            jnp.zeros_like(picture),
+        )
+    return picture
+
+
+def augment(key: jax.Array, picture: jax.Array) -> jax.Array:
+    """(H, W, 3) float in [0, 1] of a clean uint8 picture: blur, exposure, white balance, tone, noise, JPEG."""
+    keys = jax.random.split(key, 8)
+    x = picture.astype(jnp.float32) / 255.0
+    # Focus and shake: mostly under a pixel, along one axis now and then two.
+    x = _blur(x, jnp.abs(jax.random.normal(keys[0], (2,))) * 0.7)
+    x = x * jnp.exp(jax.random.normal(keys[1], ()) * 0.2) * jnp.exp(jax.random.normal(keys[2], (3,)) * 0.06)
+    grey = x.mean(-1, keepdims=True)
+    x = grey + (x - grey) * jax.random.uniform(keys[3], (), minval=0.5, maxval=1.4)
+    middle = x.mean()
+    x = middle + (x - middle) * jax.random.uniform(keys[4], (), minval=0.75, maxval=1.25)
+    x = jnp.clip(x, 1e-4, 1.0) ** jnp.exp(jax.random.normal(keys[5], ()) * 0.2)
+    grain, strength = jax.random.split(keys[6])
+    x = x + jax.random.normal(grain, x.shape) * jax.random.uniform(strength, (), maxval=0.04)
+    return jpeg(jnp.clip(x, 0.0, 1.0), jax.random.uniform(keys[7], (), minval=25.0, maxval=98.0))

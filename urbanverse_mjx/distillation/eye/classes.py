@@ -1,0 +1,73 @@
+"""What the eye tells apart: the sky, the kinds of ground, and groups of the ontology's leaves (`classes.json`).
+
+A group is called by the leaf that stands for it, so that the asset search knows its name.
+"""
+
+import functools
+import json
+import pathlib
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...datatypes import NounError
+from ...datatypes.ground import GROUND_KINDS
+from ...datatypes.recording import SKY
+
+SKY_CLASS = 0
+#: Classes 1 to 5 are `GROUND_KINDS` of the same number.
+FIRST_THING = len(GROUND_KINDS)
+#: Things of no group: seen, told apart from the ground, and not reported.
+OTHER = "other"
+_GROUND_PREFIX = "ground:"
+
+
+@functools.cache
+def groups() -> dict[str, tuple[str, ...]]:
+    """Name of each group of things -> its leaves."""
+    body = json.loads(pathlib.Path(__file__).with_name("classes.json").read_text(encoding="utf-8"))
+    return {name: tuple(leaves) for name, leaves in body.items()}
+
+
+@functools.cache
+def names() -> tuple[str, ...]:
+    """All classes by number: the sky, the kinds of ground, `OTHER`, and the groups."""
+    return ("sky", *GROUND_KINDS[1:], OTHER, *groups())
+
+
+#: House fronts, which fill most pictures.
+HOUSE = names().index("house")
+
+
+def class_of_leaf(leaf: str) -> int:
+    """Number of the class of a leaf; `OTHER` for a leaf of no group."""
+    for number, leaves in enumerate(groups().values(), FIRST_THING + 1):
+        if leaf in leaves:
+            return number
+    return FIRST_THING
+
+
+def class_table(categories: Sequence[str]) -> np.ndarray:
+    """(A + 1,) i32: class of each category of a bank; the last row, index -1, is the sky.
+
+    Raises:
+      NounError: a ground category of no known kind.
+    """
+    table = []
+    for category in categories:
+        kind = category.removeprefix(_GROUND_PREFIX)
+        if kind == category:
+            table.append(class_of_leaf(category))
+        elif kind in GROUND_KINDS[1:]:
+            table.append(GROUND_KINDS.index(kind))
+        else:
+            raise NounError(f"category: found {category!r}, needed ground of {GROUND_KINDS[1:]}; rebuild the bank.")
+    return np.array([*table, SKY_CLASS], np.int32)
+
+
+def surface_codes() -> np.ndarray:
+    """(classes,) u8: what a `Recording`'s surface picture says of each class."""
+    codes = np.zeros(len(names()), np.uint8)
+    codes[SKY_CLASS] = SKY
+    codes[1:FIRST_THING] = np.arange(1, FIRST_THING)
+    return codes

@@ -1,0 +1,92 @@
+"""The network's outputs as things: every peak of the centre map is one, and takes the pixels that point to it."""
+
+import dataclasses
+
+import numpy as np
+from scipy import ndimage
+from scipy.spatial import cKDTree
+
+from . import classes
+from .network import CANONICAL_FOCAL, DEPTH_UNIT, OFFSET_UNIT
+
+#: Peaks below this are noise; Panoptic-DeepLab keeps those above 0.1 within 7 pixels.
+MIN_PEAK, PEAK_WINDOW = 0.1, 7
+MAX_THINGS = 200
+#: Output pixels: fewer say nothing about a thing.
+MIN_PIXELS = 12
+#: Output pixels from where a pixel points to the peak that may still take it.
+MAX_MISS = 24.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Thing:
+    """One thing in one picture: number of its class and score in [0, 1]."""
+
+    kind: int
+    score: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Decoded:
+    """What one picture shows, at the outputs' size.
+
+    kinds: (h, w) i32 class of every pixel; masks: (h, w) i32 index into `things`, -1 = none;
+    depth: (h, w) f32 m along the camera's axis, the sky included.
+    """
+
+    kinds: np.ndarray
+    masks: np.ndarray
+    things: tuple[Thing, ...]
+    depth: np.ndarray
+
+
+def decode(logits: np.ndarray, centre: np.ndarray, offset: np.ndarray, log_depth: np.ndarray, focal: float) -> Decoded:
+    """One picture's outputs.
+
+    Args:
+      logits: (h, w, C); centre: (h, w); offset: (h, w, 2); log_depth: (h, w), see `network.Seen`.
+      focal: of the picture that the network saw, pixels.
+    """
+    p = np.exp(logits - logits.max(-1, keepdims=True))
+    p /= p.sum(-1, keepdims=True)
+    kinds = p.argmax(-1).astype(np.int32)
+    peaks = _peaks(centre)
+    masks, things = _group(kinds, p, offset, peaks)
+    depth = DEPTH_UNIT * np.exp(np.clip(log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
+    return Decoded(kinds, masks, things, depth.astype(np.float32))
+
+
+def _peaks(centre: np.ndarray) -> np.ndarray:
+    """(k, 2) rows and columns of the highest peaks."""
+    top = (centre == ndimage.maximum_filter(centre, PEAK_WINDOW)) & (centre > MIN_PEAK)
+    where = np.argwhere(top)
+    order = np.argsort(-centre[top], kind="stable")
+    return where[order[:MAX_THINGS]]
+
+
+def _group(
+    kinds: np.ndarray, p: np.ndarray, offset: np.ndarray, peaks: np.ndarray
+) -> tuple[np.ndarray, tuple[Thing, ...]]:
+    """Masks and things. A house and what stands before it never share a thing, though they may share a centre."""
+    masks = np.full(kinds.shape, -1, np.int32)
+    rows, columns = np.nonzero(kinds >= classes.FIRST_THING)
+    if not len(peaks) or not len(rows):
+        return masks, ()
+    aim = np.column_stack([rows, columns]) + offset[rows, columns] * OFFSET_UNIT
+    miss, owner = cKDTree(peaks).query(aim)
+    found = kinds[rows, columns]
+    group = np.where(miss <= MAX_MISS, 2 * owner + (found == classes.HOUSE), -1)
+    order = np.argsort(group, kind="stable")
+    things: list[Thing] = []
+    for part in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
+        if group[part[0]] < 0 or len(part) < MIN_PIXELS:
+            continue
+        votes = p[rows[part], columns[part]].mean(0)
+        is_house = found[part[0]] == classes.HOUSE
+        votes[: classes.FIRST_THING] = 0.0
+        kind = classes.HOUSE if is_house else int(votes.argmax())
+        if kind == classes.FIRST_THING:
+            continue
+        masks[rows[part], columns[part]] = len(things)
+        things.append(Thing(kind, float(votes[kind])))
+    return masks, tuple(things)

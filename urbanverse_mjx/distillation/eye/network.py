@@ -1,0 +1,117 @@
+"""The eye's network: an encoder of residual blocks, a pyramid back up to half size, and two small heads.
+
+The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
+every pixel of a thing the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al., ICCV
+2023): depth times `CANONICAL_FOCAL` over the picture's own focal length, which makes it a matter of the picture alone.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from flax import linen as nn
+
+#: Sides of a picture are multiples of this: the encoder halves five times.
+STRIDE = 32
+#: Pixels of the picture per pixel of the outputs.
+OUTPUT_STRIDE = 2
+#: Size that the eye was trained at: height, width.
+SIZE = (288, 512)
+CANONICAL_FOCAL = 300.0  # pixels; about the middle of the lenses it was trained with
+#: The way to the centre is in units of so many output pixels, and the logarithm of depth is off this many m.
+OFFSET_UNIT = 16.0
+DEPTH_UNIT = 8.0
+WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 2, 3, 4, 3)
+_PYRAMID = (96, 96, 64, 48)
+
+
+class Seen(NamedTuple):
+    """Outputs at half the picture's size, h x w.
+
+    classes: (n, h, w, C) logits; centre: (n, h, w) in about [0, 1]; offset: (n, h, w, 2) rows and columns to the
+    centre, in `OFFSET_UNIT` output pixels; log_depth: (n, h, w) log of canonical depth over `DEPTH_UNIT`.
+    """
+
+    classes: jax.Array
+    centre: jax.Array
+    offset: jax.Array
+    log_depth: jax.Array
+
+
+class _Conv(nn.Module):
+    """Convolution, batch normalisation and, unless told otherwise, ReLU."""
+
+    features: int
+    kernel: int = 3
+    stride: int = 1
+    activate: bool = True
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, x: jax.Array, train: bool) -> jax.Array:
+        k, s = self.kernel, self.stride
+        x = nn.Conv(self.features, (k, k), (s, s), "SAME", use_bias=False, dtype=self.dtype)(x)
+        x = nn.BatchNorm(use_running_average=not train, momentum=0.98, dtype=self.dtype)(x)
+        return nn.relu(x) if self.activate else x
+
+
+class _Block(nn.Module):
+    """Basic residual block (He et al., 2016), halving the size where `stride` is 2."""
+
+    features: int
+    stride: int = 1
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, x: jax.Array, train: bool) -> jax.Array:
+        y = _Conv(self.features, stride=self.stride, dtype=self.dtype)(x, train)
+        y = _Conv(self.features, activate=False, dtype=self.dtype)(y, train)
+        if self.stride > 1 or x.shape[-1] != self.features:
+            x = _Conv(self.features, 1, self.stride, activate=False, dtype=self.dtype)(x, train)
+        return nn.relu(x + y)
+
+
+def _double(x: jax.Array) -> jax.Array:
+    """(n, h, w, c) -> (n, 2h, 2w, c), bilinear."""
+    n, h, w, c = x.shape
+    return jax.image.resize(x, (n, 2 * h, 2 * w, c), "bilinear")
+
+
+class EyeNetwork(nn.Module):
+    """Pictures to `Seen`.
+
+    Attributes:
+      classes: how many there are.
+      widths, blocks: channels and residual blocks at 1/2, 1/4, ... of the size.
+      dtype: of the arithmetic; parameters and outputs are float32.
+    """
+
+    classes: int
+    widths: Sequence[int] = WIDTHS
+    blocks: Sequence[int] = BLOCKS
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, pictures: jax.Array, train: bool = False) -> Seen:
+        """(n, H, W, 3) float in [0, 1], H and W multiples of `STRIDE`."""
+        x = ((pictures - 0.5) / 0.25).astype(self.dtype)
+        levels = []
+        for level, (width, blocks) in enumerate(zip(self.widths, self.blocks, strict=True)):
+            if level == 0:
+                x = _Conv(width, 5, 2, dtype=self.dtype)(x, train)
+            for i in range(blocks):
+                x = _Block(width, 2 if level > 0 and i == 0 else 1, dtype=self.dtype)(x, train)
+            levels.append(x)
+        # What the whole picture shows tells a wall beside the camera from one across the street.
+        whole = nn.relu(nn.Dense(self.widths[-1], dtype=self.dtype)(x.mean((1, 2))))
+        x = x + whole[:, None, None]
+        for width, skip in zip(_PYRAMID, levels[-2::-1], strict=True):
+            side = _Conv(width, 1, activate=False, dtype=self.dtype)(skip, train)
+            x = nn.relu(_double(_Conv(width, 1, activate=False, dtype=self.dtype)(x, train)) + side)
+            x = _Conv(width, dtype=self.dtype)(x, train)
+        what = _Conv(_PYRAMID[-1], dtype=self.dtype)(x, train)
+        where = _Conv(32, dtype=self.dtype)(_Conv(32, 5, dtype=self.dtype)(x, train), train)
+        classes = nn.Conv(self.classes, (1, 1), dtype=self.dtype)(what).astype(jnp.float32)
+        rest = nn.Conv(4, (1, 1), dtype=self.dtype)(where).astype(jnp.float32)
+        return Seen(classes, rest[..., 0], rest[..., 1:3], rest[..., 3])

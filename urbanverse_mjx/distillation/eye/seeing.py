@@ -1,0 +1,78 @@
+"""The eye looks at pictures of any size."""
+
+import dataclasses
+import functools
+import os
+from typing import Any
+
+import jax
+import numpy as np
+from PIL import Image
+
+from ...datatypes import Detection
+from ..perception.sight import Sight
+from . import classes, weights
+from .decode import decode
+from .network import OUTPUT_STRIDE, SIZE, STRIDE, Seen
+
+#: Things that the eye is less sure of are not reported; fusion over frames sorts out the rest.
+MIN_SCORE = 0.3
+
+
+@dataclasses.dataclass(frozen=True)
+class Eye:
+    """`Sees` by the small network. Make it with `Eye.load`.
+
+    Attributes:
+      variables: of the network. record: how they were trained.
+    """
+
+    variables: Any
+    record: dict[str, Any]
+
+    @staticmethod
+    def load(path: str | os.PathLike[str] | None = None) -> "Eye":
+        """The eye with the shipped weights, or others.
+
+        Raises:
+          NounError: no weights there.
+        """
+        return Eye(*weights.load(path))
+
+    def __call__(self, rgb: np.ndarray, focal: float) -> Sight:
+        """See `Sees`. The picture is scaled so that its longer side is as long as in training."""
+        height, width = rgb.shape[:2]
+        factor = max(SIZE) / max(height, width)
+        small = round(height * factor), round(width * factor)
+        picture = Image.fromarray(rgb).resize(small[::-1], Image.Resampling.BILINEAR)
+        # Multiples of the network's stride: what is added at the bottom and the right repeats the rim.
+        pad = [(0, -n % STRIDE) for n in small]
+        padded = np.pad(np.asarray(picture), [*pad, (0, 0)], "edge")
+        seen: Seen = jax.tree.map(lambda x: np.asarray(x[0]), _apply(self.variables, padded[None] / np.float32(255.0)))
+        rows, columns = (-(-n // OUTPUT_STRIDE) for n in small)
+        parts = [x[:rows, :columns] for x in seen]
+        found = decode(*parts, focal=focal * factor)
+        return _full_size(found.kinds, found.masks, found.depth, found.things, height, width)
+
+
+@functools.cache
+def _network() -> Any:
+    return weights.network()
+
+
+@jax.jit
+def _apply(variables: Any, pictures: jax.Array) -> Seen:
+    return _network().apply(variables, pictures, train=False)
+
+
+def _full_size(kinds: np.ndarray, masks: np.ndarray, depth: np.ndarray, things: Any, height: int, width: int) -> Sight:
+    rows = np.minimum(((np.arange(height) + 0.5) * kinds.shape[0] / height).astype(int), kinds.shape[0] - 1)
+    columns = np.minimum(((np.arange(width) + 0.5) * kinds.shape[1] / width).astype(int), kinds.shape[1] - 1)
+    at = np.ix_(rows, columns)
+    sure = [k for k, thing in enumerate(things) if thing.score >= MIN_SCORE]
+    number = np.full(len(things) + 1, -1, np.int32)
+    number[sure] = np.arange(len(sure))
+    names = classes.names()
+    found = tuple(Detection(names[things[k].kind], things[k].score) for k in sure)
+    # Between things depth jumps: it is repeated, not blended.
+    return Sight(classes.surface_codes()[kinds[at]], number[masks[at]], found, depth[at])

@@ -1,0 +1,114 @@
+"""What the network should answer for a rendered frame, and how far off an answer is. Runs inside jit, one frame."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from . import classes
+from .network import CANONICAL_FOCAL, DEPTH_UNIT, OFFSET_UNIT, OUTPUT_STRIDE, Seen
+
+#: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab.
+SIGMA = 4.0
+_REACH = 12  # output pixels, three deviations
+#: Instances with fewer output pixels have no centre: nobody could say what they are.
+MIN_PIXELS = 12
+NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
+#: What a thing's pixel counts more than the ground's, the sky's and the houses': poles cover little of a street.
+_THING_WEIGHT = 3.0
+#: Weights of the parts of the loss: Panoptic-DeepLab's are 1, 200 and 0.01 a pixel of the full picture (0.32 a unit of
+#: ours). Our streets hold some thirty things a picture, so that 200 would leave the classes little of the slope;
+#: the way is doubled because half of our things touch another; depth is ours.
+_CENTRE, _OFFSET, _DEPTH = 50.0, 0.64, 0.5
+
+
+class Truth(NamedTuple):
+    """At output size h x w: class (h, w) i32; owner (h, w) i32, the thing's slot, -1 = no thing; centre (h, w);
+    offset (h, w, 2) and the pixels it counts at; log_depth (h, w) and the pixels it counts at."""
+
+    classes: jax.Array
+    owner: jax.Array
+    centre: jax.Array
+    offset: jax.Array
+    has_centre: jax.Array
+    log_depth: jax.Array
+    has_depth: jax.Array
+
+
+def truth(
+    category: jax.Array, slot: jax.Array, depth: jax.Array, focal: jax.Array, table: jax.Array, slots: int
+) -> Truth:
+    """Of one frame.
+
+    Args:
+      category, slot: (H, W) i32 as rendered, -1 = sky; depth: (H, W) m; focal: () pixels of the full picture.
+      table: `classes.class_table` of the bank; slots: how many visual slots its scenes have.
+    """
+    category, slot, depth = (x[::OUTPUT_STRIDE, ::OUTPUT_STRIDE] for x in (category, slot, depth))
+    kind = table[category]
+    thing = kind >= classes.FIRST_THING
+    owner = jnp.where(thing, slot, slots)
+    h, w = kind.shape
+    rows, columns = jnp.mgrid[:h, :w].astype(jnp.float32)
+    count = jax.ops.segment_sum(jnp.ones(h * w), owner.ravel(), slots + 1)
+    middle = jnp.stack(
+        [jax.ops.segment_sum(x.ravel(), owner.ravel(), slots + 1) / jnp.maximum(count, 1.0) for x in (rows, columns)],
+        -1,
+    )
+    big = (count >= MIN_PIXELS) & (jnp.arange(slots + 1) < slots)
+    way = middle[owner] - jnp.stack([rows, columns], -1)
+    valid = (depth > NEAREST) & (depth < FARTHEST)
+    canonical = jnp.clip(depth, NEAREST, FARTHEST) * CANONICAL_FOCAL / focal
+    return Truth(
+        classes=kind,
+        owner=jnp.where(thing, slot, -1),
+        centre=_bumps(middle, big, h, w),
+        offset=way / OFFSET_UNIT,
+        has_centre=thing & big[owner],
+        log_depth=jnp.log(canonical / DEPTH_UNIT),
+        has_depth=valid & (kind != classes.SKY_CLASS),
+    )
+
+
+def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int) -> jax.Array:
+    """(h, w): 1 at every centre, falling off as a normal density does, the nearest centre counting."""
+    far = 1e6
+    at = jnp.round(middle).astype(jnp.int32)
+    distance = jnp.full((h, w), far).at[at[:, 0], at[:, 1]].min(jnp.where(valid, 0.0, far), mode="drop")
+    # The squared distance to the nearest centre, one axis after the other.
+    for axis in (0, 1):
+        padded = jnp.pad(distance, [(_REACH, _REACH) if a == axis else (0, 0) for a in (0, 1)], constant_values=far)
+        size = distance.shape[axis]
+        shifted = [
+            jax.lax.slice_in_dim(padded, _REACH + s, _REACH + s + size, axis=axis) + float(s * s)
+            for s in range(-_REACH, _REACH + 1)
+        ]
+        distance = jnp.stack(shifted).min(0)
+    return jnp.exp(-distance / (2.0 * SIGMA**2))
+
+
+def loss(seen: Seen, wanted: Truth, counts: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
+    """Of a batch: () and its parts.
+
+    Args:
+      seen, wanted: with a leading axis n; counts: (n,) 0 for frames that show nothing, such as a wall's inside.
+    """
+    weight = counts[:, None, None] * jnp.ones_like(seen.centre)
+    total = jnp.maximum(weight.sum(), 1.0)
+    log_p = jax.nn.log_softmax(seen.classes)
+    miss = -jnp.take_along_axis(log_p, wanted.classes[..., None], -1)[..., 0]
+    small = (wanted.classes > classes.FIRST_THING) & (wanted.classes != classes.HOUSE)
+    heavier = jnp.where(small, _THING_WEIGHT, 1.0) * weight
+    # Focal weighting (Lin et al., 2017) with exponent 1 keeps the street's wide even parts from ruling the loss.
+    focal = jax.lax.stop_gradient(1.0 - jnp.exp(-miss))
+    parts = {
+        "classes": (heavier * focal * miss).sum() / total,
+        "centre": _CENTRE * (weight * (seen.centre - wanted.centre) ** 2).sum() / total,
+        "offset": _OFFSET * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * weight),
+        "depth": _DEPTH * _mean(jnp.abs(seen.log_depth - wanted.log_depth), wanted.has_depth * weight),
+    }
+    return sum(parts.values(), jnp.zeros(())), parts
+
+
+def _mean(x: jax.Array, weight: jax.Array) -> jax.Array:
+    return (x * weight).sum() / jnp.maximum(weight.sum(), 1.0)

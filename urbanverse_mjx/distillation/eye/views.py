@@ -1,0 +1,144 @@
+"""Random views into the streets of a bank: where a camera stands and looks, and what it sees there.
+
+This module and the training command alone of all in this room know the renderer: they make what the eye learns from.
+"""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ...datatypes import NounError, SceneBank
+from ...datatypes.ground import GROUND_KINDS
+from ...simulation.renderer import Renderer
+from . import classes
+from .targets import Truth, truth
+
+#: Where cameras stand, and how often: robots and people on the pavement, cyclists and cars on the road.
+_STANDS = {"sidewalk": 0.55, "crosswalk": 0.1, "ground": 0.1, "road": 0.25}
+_PLACES = 1024  # per scene and kind of ground, drawn from the map's cells
+HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a hand held up
+FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens held upright to an action camera
+#: A frame whose near fifth lies closer than this shows the inside of something, m.
+_BLOCKED = 0.35
+
+
+@dataclasses.dataclass(frozen=True)
+class Views:
+    """Draws random frames of a bank with the truth about them.
+
+    Attributes:
+      places: (Z, K, _PLACES, 3) f32 m, points on the ground by scene and kind of `_STANDS`; weights: (Z, K) f32.
+      table: `classes.class_table` of the bank.
+    """
+
+    renderer: Renderer
+    places: jax.Array
+    weights: jax.Array
+    table: jax.Array
+
+    @staticmethod
+    def of(bank: SceneBank, height: int, width: int, looks: float = 0.3, seed: int = 0) -> "Views":
+        """Views of a bank; `looks`: by what share colours and light may differ, see `Renderer`."""
+        renderer = Renderer(
+            bank, None, height, width, ("rgb", "depth", "category", "object"), shadows=True, appearance=looks
+        )
+        places, weights = _stands(bank, np.random.default_rng(seed))
+        table = classes.class_table(bank.meta["categories"])
+        return Views(renderer, jnp.asarray(places), jnp.asarray(weights), jnp.asarray(table))
+
+    def __call__(self, keys: jax.Array, look: bool = True) -> tuple[jax.Array, Truth, jax.Array]:
+        """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked."""
+        scene, eye, turn, fovy, number = jax.vmap(self._pose)(keys)
+        number = number if look else jnp.zeros_like(number)
+
+        def draw(scene, eye, turn, fovy, number):
+            return self.renderer.view(scene, eye, turn, fovy, None, None, number)
+
+        seen = jax.vmap(draw)(scene, eye, turn, fovy, number)
+        focal = self.renderer.settings.height / (2.0 * jnp.tan(fovy / 2.0))
+        slots = self.renderer.bank.slot_mesh.shape[1]
+        wanted = jax.vmap(lambda c, o, d, f: truth(c, o, d, f, self.table, slots))(
+            seen["category"], seen["object"], seen["depth"], focal
+        )
+        depth = jnp.where(seen["category"] < 0, jnp.inf, seen["depth"])
+        near = jnp.percentile(depth[:, ::8, ::8].reshape(len(keys), -1), 20.0, axis=1, method="nearest")
+        return seen["rgb"], wanted, (near > _BLOCKED).astype(jnp.float32)
+
+    def _pose(self, key: jax.Array) -> tuple[jax.Array, ...]:
+        """Scene, position (3,), quaternion (4,), vertical field of view and look."""
+        keys = jax.random.split(key, 8)
+        scene = jax.random.randint(keys[0], (), 0, len(self.places))
+        kind = jax.random.categorical(keys[1], jnp.log(self.weights[scene]))
+        place = self.places[scene, kind, jax.random.randint(keys[2], (), 0, _PLACES)]
+        eye = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1])
+        # Half look along the street (which runs along x), half anywhere.
+        along, anywhere, noise, straight = jax.random.split(keys[4], 4)
+        ahead = jnp.pi * jax.random.bernoulli(along) + 0.35 * jax.random.normal(noise)
+        yaw = jnp.where(
+            jax.random.bernoulli(straight), ahead, jax.random.uniform(anywhere, (), minval=-jnp.pi, maxval=jnp.pi)
+        )
+        pitch, roll = jnp.radians(jnp.array([-4.0, 0.0]) + jnp.array([7.0, 2.0]) * jax.random.normal(keys[5], (2,)))
+        low, high = np.radians(FIELDS_OF_VIEW)
+        fovy = jax.random.uniform(keys[6], (), minval=low, maxval=high)
+        number = jax.random.randint(keys[7], (), 1, 2**30)
+        return scene, eye, camera_quaternion(yaw, pitch, roll), fovy, number
+
+
+def camera_quaternion(yaw: jax.Array, pitch: jax.Array, roll: jax.Array) -> jax.Array:
+    """(4,) wxyz T_world_camera of a camera that looks along -z with +y up; pitch > 0 looks up; rad."""
+    c, s = jnp.cos(yaw), jnp.sin(yaw)
+    ahead = jnp.array([c * jnp.cos(pitch), s * jnp.cos(pitch), jnp.sin(pitch)])
+    right = jnp.array([s, -c, 0.0])
+    up = jnp.cross(right, ahead)
+    right, up = jnp.cos(roll) * right + jnp.sin(roll) * up, jnp.cos(roll) * up - jnp.sin(roll) * right
+    return _quaternion(jnp.stack([right, up, -ahead], -1))
+
+
+def _quaternion(m: jax.Array) -> jax.Array:
+    """wxyz of a rotation matrix (Shepperd, 1978): the largest of the four components is found first."""
+    rows = jnp.array(
+        [
+            [1 + m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+            [m[2, 1] - m[1, 2], 1 + m[0, 0] - m[1, 1] - m[2, 2], m[1, 0] + m[0, 1], m[0, 2] + m[2, 0]],
+            [m[0, 2] - m[2, 0], m[1, 0] + m[0, 1], 1 - m[0, 0] + m[1, 1] - m[2, 2], m[2, 1] + m[1, 2]],
+            [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2], 1 - m[0, 0] - m[1, 1] + m[2, 2]],
+        ]
+    )
+    best = rows[jnp.argmax(jnp.diagonal(rows))]
+    return best / jnp.linalg.norm(best)
+
+
+def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """`Views.places` and `Views.weights`.
+
+    Raises:
+      NounError: a scene without any of the kinds of ground.
+    """
+    heights = _kind_heights(bank)
+    places = np.zeros((bank.num_scenes, len(_STANDS), _PLACES, 3), np.float32)
+    weights = np.zeros(places.shape[:2], np.float32)
+    for z in range(bank.num_scenes):
+        for k, (kind, share) in enumerate(_STANDS.items()):
+            cells = np.argwhere(bank.map_kind[z] == GROUND_KINDS.index(kind))
+            if len(cells):
+                chosen = cells[rng.integers(len(cells), size=_PLACES)] + rng.random((_PLACES, 2))
+                places[z, k, :, :2] = bank.map_origin[z] + chosen * bank.map_resolution
+                places[z, k, :, 2] = heights[z, GROUND_KINDS.index(kind)]
+                weights[z, k] = share
+        if not weights[z].any():
+            raise NounError(f"scene {bank.scene_ids[z]!r}: found no ground to stand on; needed {', '.join(_STANDS)}.")
+    return places, weights
+
+
+def _kind_heights(bank: SceneBank) -> np.ndarray:
+    """(Z, kinds) m: the middle top of a scene's ground by its kind; ramps are few enough not to matter."""
+    tops = bank.prism_position[..., 2] + (bank.hull_box[..., 0, 2] + bank.hull_box[..., 1, 2])[bank.prism_hull]
+    out = np.zeros((bank.num_scenes, len(GROUND_KINDS)), np.float32)
+    for z in range(bank.num_scenes):
+        for kind in range(len(GROUND_KINDS)):
+            of_kind = (bank.prism_kind[z] == kind) & (bank.prism_hull[z] >= 0)
+            if of_kind.any():
+                out[z, kind] = np.median(tops[z][of_kind])
+    return out

@@ -1,0 +1,190 @@
+"""Which views show the same thing: frame by frame against a map of what was seen before, then a pass over the map.
+
+The cost of a frame depends on what is near it, not on how many frames came before.
+"""
+
+import dataclasses
+
+import numpy as np
+import scipy.optimize
+import scipy.spatial
+
+from .lifting import Views
+
+#: m, error of a view's place that does not grow with the range: pixels at the rim, the side that happens to be seen.
+PLACE = 0.03
+#: A view joins a thing whose score with it is at least this; 0.3 is a box half of which overlaps under one label.
+_ACCEPT = 0.3
+#: Two things of the map are one from this score on, if they were hardly ever seen side by side.
+_MERGE = 0.5
+_TOGETHER = 0.15
+#: m; nothing farther apart than this is compared.
+_REACH = 6.0
+#: Quantiles of a view's points that bound its box.
+_TRIM = 0.02
+#: m; boxes of views less sharp than this are not joined with sharper ones.
+_BLURRED = 0.25
+
+
+@dataclasses.dataclass(frozen=True)
+class Placed:
+    """Views in the world: low, high (n, 3) m, their boxes; eye (n, 3) m; sigma (n,) m along the line of sight."""
+
+    low: np.ndarray
+    high: np.ndarray
+    eye: np.ndarray
+    sigma: np.ndarray
+
+    @property
+    def center(self) -> np.ndarray:
+        """(n, 3) m."""
+        return (self.low + self.high) / 2
+
+
+def world_points(views: Views, poses: np.ndarray, scale: np.ndarray, rows: np.ndarray | slice) -> np.ndarray:
+    """(k, POINTS, 3) f64 m: the points of some views in the world."""
+    frame = views.frame[rows]
+    turned = np.einsum("kij,kpj->kpi", poses[frame, :3, :3], views.points[rows])
+    return turned * scale[frame, None, None] + poses[frame, None, :3, 3]
+
+
+def place(views: Views, poses: np.ndarray, scale: np.ndarray, noise: float) -> Placed:
+    """Where every view is, in chunks that fit a processor's cache."""
+    low, high = np.zeros((len(views), 3)), np.zeros((len(views), 3))
+    reach = np.zeros(len(views))
+    for start in range(0, len(views), 512):
+        rows = slice(start, start + 512)
+        points = world_points(views, poses, scale, rows)
+        points.sort(axis=1)
+        last = points.shape[1] - 1
+        low[rows], high[rows] = points[:, round(_TRIM * last)], points[:, round((1 - _TRIM) * last)]
+        high[rows, 2] = points[:, last - 1, 2]  # tops are thin
+        reach[rows] = np.linalg.norm(points[:, last // 2] - poses[views.frame[rows], :3, 3], axis=1)
+    return Placed(low, high, poses[views.frame, :3, 3], PLACE + noise * reach)
+
+
+class _Map:
+    """Things seen so far: boxes, best sigma, votes for labels."""
+
+    def __init__(self, capacity: int, labels: int) -> None:
+        self.size = 0
+        self.low, self.high = np.zeros((capacity, 3)), np.zeros((capacity, 3))
+        self.sigma = np.zeros(capacity)
+        self.votes = np.zeros((capacity, labels), np.float32)
+
+    def near(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """(k,) things whose box comes within `_REACH` of the boxes of a frame."""
+        a, b = low.min(0) - _REACH, high.max(0) + _REACH
+        n = self.size
+        return np.flatnonzero(((self.low[:n] < b) & (self.high[:n] > a)).all(1))
+
+    def add(self, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray) -> np.ndarray:
+        """New things from views; returns their numbers."""
+        numbers = np.arange(self.size, self.size + len(rows))
+        self.low[numbers], self.high[numbers], self.sigma[numbers] = (
+            placed.low[rows],
+            placed.high[rows],
+            placed.sigma[rows],
+        )
+        self.votes[numbers, labels] += scores
+        self.size += len(rows)
+        return numbers
+
+    def update(
+        self, things: np.ndarray, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray
+    ) -> None:
+        """A much better view replaces a thing's box, a similar one widens it, a worse one only votes."""
+        self.votes[things, labels] += scores
+        ratio = placed.sigma[rows] / self.sigma[things]
+        # Where depth is sharp every view adds what it sees; a nearer one may show a part alone.
+        better = (ratio < 0.6) & (self.sigma[things] > _BLURRED)
+        similar = ~better & ((ratio < 1.7) | (placed.sigma[rows] <= _BLURRED))
+        shrink = np.minimum(placed.sigma[rows, None], 0.25 * (placed.high - placed.low)[rows])
+        low, high = placed.low[rows] + shrink, placed.high[rows] - shrink
+        t, r = things[similar], np.flatnonzero(similar)
+        self.low[t], self.high[t] = np.minimum(self.low[t], low[r]), np.maximum(self.high[t], high[r])
+        t, r = things[better], rows[better]
+        self.low[t], self.high[t] = placed.low[r], placed.high[r]
+        self.sigma[things] = np.minimum(self.sigma[things], placed.sigma[rows])
+
+
+def _overlap(
+    low: np.ndarray, high: np.ndarray, other_low: np.ndarray, other_high: np.ndarray, slack: np.ndarray
+) -> np.ndarray:
+    """(...) in [0, 1]: share of the smaller box that lies in the larger, and how near the middles are.
+
+    slack (...): m by which boxes may be off.
+    """
+    slack = slack[..., None]
+    shared = np.minimum(high, other_high) - np.maximum(low, other_low) + slack
+    smaller = np.minimum(high - low, other_high - other_low) + slack
+    inside = np.clip(shared / smaller, 0.0, 1.0)
+    apart = np.linalg.norm((low + high - other_low - other_high)[..., :2] / 2, axis=-1)
+    reach = 0.5 * np.linalg.norm(smaller[..., :2], axis=-1)
+    volume = inside[..., 0] * inside[..., 1] * np.minimum(1.0, 2.0 * inside[..., 2])
+    return np.where(volume > 0, 0.6 * volume + 0.4 * np.exp(-0.5 * (apart / reach) ** 2), 0.0)
+
+
+def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarray:
+    """(n,) i32: the thing each view shows.
+
+    Args:
+      views, placed: what was seen; frames in order.
+      similarity: (L, L) in [0, 1], how far two labels mean the same.
+    """
+    thing = np.full(len(views), -1, np.int32)
+    known = _Map(len(views), len(views.labels))
+    bounds = np.flatnonzero(np.diff(views.frame)) + 1
+    for rows in np.split(np.arange(len(views)), bounds) if len(views) else []:
+        near = known.near(placed.low[rows], placed.high[rows])
+        matched = np.zeros(len(rows), bool)
+        if len(near):
+            votes = known.votes[near]
+            likeness = (votes / votes.sum(1, keepdims=True)) @ similarity[:, views.label[rows]]
+            slack = 2.0 * np.hypot(placed.sigma[rows][:, None], known.sigma[near][None])
+            score = likeness.T * _overlap(
+                placed.low[rows][:, None], placed.high[rows][:, None], known.low[near], known.high[near], slack
+            )
+            a, b = scipy.optimize.linear_sum_assignment(score, maximize=True)
+            good = score[a, b] >= _ACCEPT
+            a, b = a[good], near[b[good]]
+            matched[a] = True
+            thing[rows[a]] = b
+            known.update(b, placed, rows[a], views.label[rows[a]], views.score[rows[a]])
+        fresh = rows[~matched]
+        thing[fresh] = known.add(placed, fresh, views.label[fresh], views.score[fresh])
+    return _merged(thing, views, known, similarity)
+
+
+def _merged(thing: np.ndarray, views: Views, known: _Map, similarity: np.ndarray) -> np.ndarray:
+    """Things of the map that are one, joined, best first; numbers close up."""
+    n = known.size
+    if n < 2:
+        return thing
+    low, high = known.low[:n], known.high[:n]
+    tree = scipy.spatial.cKDTree((low + high)[:, :2] / 2)
+    pairs = tree.query_pairs(_REACH, output_type="ndarray")
+    a, b = pairs[:, 0], pairs[:, 1]
+    share = known.votes[:n] / known.votes[:n].sum(1, keepdims=True)
+    slack = 2.0 * np.hypot(known.sigma[a], known.sigma[b])
+    score = np.einsum("pl,pl->p", share[a] @ similarity, share[b]) * _overlap(low[a], high[a], low[b], high[b], slack)
+    frames: list[set[int]] = [set() for _ in range(n)]
+    for t, f in zip(thing.tolist(), views.frame.tolist(), strict=True):
+        frames[t].add(f)
+    parent = np.arange(n)
+
+    def root(i: int) -> int:
+        while parent[i] != i:
+            parent[i] = parent[parent[i]]
+            i = int(parent[i])
+        return i
+
+    for k in np.argsort(-score, kind="stable"):
+        if score[k] < _MERGE:
+            break
+        i, j = root(int(a[k])), root(int(b[k]))
+        if i != j and len(frames[i] & frames[j]) <= _TOGETHER * min(len(frames[i]), len(frames[j])):
+            parent[max(i, j)] = min(i, j)
+            frames[min(i, j)] |= frames[max(i, j)]
+    roots = np.array([root(i) for i in range(n)])
+    return np.unique(roots[thing], return_inverse=True)[1].astype(np.int32)

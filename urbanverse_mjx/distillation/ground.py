@@ -1,0 +1,240 @@
+"""Ground regions: points of each kind on a grid from above, cut into simple polygons with planar tops."""
+
+import dataclasses
+
+import numpy as np
+import scipy.ndimage
+import shapely
+
+from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion
+from .lifting import GroundPoints
+
+CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
+#: m that ground is carried on under things that hide it.
+_FILL = 2.5
+#: m; regions of less area are votes gone astray.
+_MIN_AREA = 3.0
+#: m by which an outline may be straightened.
+_STRAIGHTEN = 0.2
+#: m; a region whose top leaves its plane by more is cut in two along its longer side.
+_PLANE_ERROR = 0.05
+_MAX_CORNERS = 200
+#: m; steps lower than this are no kerb.
+_KERB = 0.03
+
+
+@dataclasses.dataclass(frozen=True)
+class GroundMap:
+    """What was seen from above; cell (i, j) covers origin + [i, i + 1) x [j, j + 1) cells of `CELL` m.
+
+    kind (X, Y) u8, 0 = nothing known; height (X, Y) f64 m, NaN where nothing was seen; count (X, Y) i64 points.
+    """
+
+    origin: np.ndarray
+    kind: np.ndarray
+    height: np.ndarray
+    count: np.ndarray
+
+    def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Kind (...) u8 and height (...) m under points (..., 2) m; 0 and NaN outside."""
+        cells = np.floor((points - self.origin) / CELL).astype(np.int64)
+        inside = ((cells >= 0) & (cells < self.kind.shape)).all(-1)
+        i, j = np.where(inside[..., None], cells, 0).swapaxes(0, -1) if cells.ndim == 2 else cells
+        return np.where(inside, self.kind[i, j], 0).astype(np.uint8), np.where(inside, self.height[i, j], np.nan)
+
+
+@dataclasses.dataclass(frozen=True)
+class Kerb:
+    """A step between two kinds that lie side by side: its median height (m) and how many metres of it were seen."""
+
+    low: str
+    high: str
+    height: float
+    length: float
+
+
+def ground_map(ground: GroundPoints, poses: np.ndarray, scale: np.ndarray, noise: float) -> GroundMap | None:
+    """The grid; None where no ground was seen.
+
+    A point counts 1 / sigma^2, where sigma = `noise` x range: far ground is seen at a slant and smeared.
+    """
+    if not len(ground.frame):
+        return None
+    rotation, shift = poses[ground.frame, :3, :3], poses[ground.frame, :3, 3]
+    arms = np.einsum("gij,gj->gi", rotation, ground.points) * scale[ground.frame, None]
+    world = arms + shift
+    weight = 1.0 / (0.05 + noise * np.linalg.norm(arms, axis=1)) ** 2
+    origin = np.floor(world[:, :2].min(0) / CELL) * CELL
+    cells = np.floor((world[:, :2] - origin) / CELL).astype(np.int64)
+    shape = (int(cells[:, 0].max()) + 1, int(cells[:, 1].max()) + 1)
+    flat = cells[:, 0] * shape[1] + cells[:, 1]
+    votes = np.stack(
+        [
+            np.bincount(flat, weight * (ground.kind == k), shape[0] * shape[1]).reshape(shape)
+            for k in range(len(GROUND_KINDS))
+        ]
+    )
+    # Neighbours vote, too: one stray point decides nothing.
+    votes = np.stack([scipy.ndimage.gaussian_filter(v, 0.7) for v in votes])
+    kind = np.where(votes.max(0) > 1e-6, votes.argmax(0), 0).astype(np.uint8)
+    own = ground.kind == kind.ravel()[flat]
+    total = np.bincount(flat, weight * own, shape[0] * shape[1])
+    height = np.bincount(flat, weight * own * world[:, 2], shape[0] * shape[1]) / np.where(total > 0, total, np.nan)
+    count = np.bincount(flat, minlength=shape[0] * shape[1])
+    return _filled(GroundMap(origin, kind, height.reshape(shape), count.reshape(shape)))
+
+
+def _filled(seen: GroundMap) -> GroundMap:
+    """Holes, the ground under things and stray votes take the kind and height of the nearest ground seen."""
+    kind = _majority(np.where(np.isfinite(seen.height), seen.kind, 0))
+    # A cell whose neighbours outvoted it has the height of the wrong kind.
+    known = (kind > 0) & (kind == seen.kind) & _large(kind)
+    distance, nearest = scipy.ndimage.distance_transform_edt(~known, return_indices=True)
+    # A closing: what lies between seen ground is filled, the outer rim stays where it is.
+    reach, rim = _FILL / CELL, int(_FILL / CELL) + 2
+    grown = np.pad(distance <= reach, rim)
+    closed = (scipy.ndimage.distance_transform_edt(grown) > reach)[rim:-rim, rim:-rim]
+    use = known | closed
+    kind = np.where(use, seen.kind[tuple(nearest)], 0)
+    kind = np.where(_large(kind), kind, 0)
+    height = np.where(kind > 0, seen.height[tuple(nearest)], np.nan)
+    return GroundMap(seen.origin, kind.astype(np.uint8), height, seen.count)
+
+
+def _majority(kind: np.ndarray) -> np.ndarray:
+    """Each cell takes the commonest kind of the 5 x 5 around it: outlines without teeth."""
+    masks = [(kind == k).astype(np.float32) for k in range(len(GROUND_KINDS))]
+    votes = np.stack([scipy.ndimage.uniform_filter(m, 5) for m in masks])
+    votes[0] *= kind == 0
+    return np.where(kind > 0, votes.argmax(0), 0).astype(np.uint8)
+
+
+def _large(kind: np.ndarray) -> np.ndarray:
+    """(X, Y) bool: cells that belong to a connected area of one kind of at least `_MIN_AREA`."""
+    large = np.zeros(kind.shape, bool)
+    for k in np.unique(kind[kind > 0]):
+        numbers, _ = scipy.ndimage.label(kind == k)
+        sizes = np.bincount(numbers.ravel()) * CELL**2
+        sizes[0] = 0.0
+        large |= (sizes >= _MIN_AREA)[numbers]
+    return large
+
+
+def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
+    """Simple polygons that tile what is known, with planes fitted to the heights inside."""
+    outlines, kinds = [], []
+    for k in np.unique(seen.kind[seen.kind > 0]):
+        for part in _polygons(seen.kind == k, seen.origin):
+            outlines.append(part)
+            kinds.append(int(k))
+    if not outlines:
+        return ()
+    # Neighbours share their corners and are straightened together, so no gap opens between them.
+    straight = shapely.coverage_simplify(outlines, _STRAIGHTEN)
+    made: list[GroundRegion] = []
+    for outline, kind in zip(straight, kinds, strict=True):
+        for piece in _simple_pieces(outline, seen):
+            plane, _ = fit_plane(seen, piece)
+            name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
+            ring = [(round(x, 3), round(y, 3)) for x, y in piece.exterior.coords[:-1]]
+            made.append(GroundRegion(name, GROUND_KINDS[kind], tuple(ring), plane))
+    return tuple(made)
+
+
+def _polygons(mask: np.ndarray, origin: np.ndarray) -> list[shapely.Polygon]:
+    """Connected areas (by edges) as polygons in m."""
+    numbers, _ = scipy.ndimage.label(mask)
+    found = []
+    for n, where in enumerate(scipy.ndimage.find_objects(numbers), 1):
+        own = np.pad(numbers[where] == n, ((0, 0), (1, 1)))
+        # Runs of cells along y: fewer boxes to join.
+        edges = np.diff(own.astype(np.int8), axis=1)
+        (row, start), stop = np.nonzero(edges > 0), np.nonzero(edges < 0)[1]
+        x = origin[0] + (row + where[0].start) * CELL
+        y0, y1 = (origin[1] + (c + where[1].start) * CELL for c in (start, stop))
+        found += list(shapely.get_parts(shapely.union_all(shapely.box(x, y0, x + CELL, y1))))
+    return found
+
+
+def _simple_pieces(outline: shapely.Polygon, seen: GroundMap) -> list[shapely.Polygon]:
+    """The outline cut until every piece has no hole, few corners and a top that one plane fits."""
+    todo, done = [outline], []
+    while todo:
+        area = todo.pop()
+        if area.is_empty or area.area < 0.25:
+            continue
+        x0, y0, x1, y1 = area.bounds
+        if area.interiors:
+            hole = shapely.Polygon(area.interiors[0]).centroid
+            at = (hole.x, hole.y)
+        elif len(area.exterior.coords) > _MAX_CORNERS or (
+            min(x1 - x0, y1 - y0) > 1.0 and max(x1 - x0, y1 - y0) > 6.0 and fit_plane(seen, area)[1] > _PLANE_ERROR
+        ):
+            at = ((x0 + x1) / 2, (y0 + y1) / 2)
+        else:
+            done.append(shapely.remove_repeated_points(area, 0.01))
+            continue
+        halves = ((x0 - 1, y0 - 1, at[0], y1 + 1), (at[0], y0 - 1, x1 + 1, y1 + 1))
+        if y1 - y0 > x1 - x0:
+            halves = ((x0 - 1, y0 - 1, x1 + 1, at[1]), (x0 - 1, at[1], x1 + 1, y1 + 1))
+        for half in halves:
+            todo += [p for p in shapely.get_parts(area & shapely.box(*half)) if isinstance(p, shapely.Polygon)]
+    return [p for p in done if p.is_valid and p.area >= 0.25]
+
+
+def fit_plane(seen: GroundMap, area: shapely.Polygon) -> tuple[tuple[float, float, float], float]:
+    """(a, b, c) of z = a x + b y + c under an area, by least squares reweighted by Tukey's biweight, and the robust
+    residual (m); level at the nearest known height where fewer than 12 cells are known."""
+    x0, y0, x1, y1 = area.bounds
+    i0, j0 = np.maximum(np.floor((np.array([x0, y0]) - seen.origin) / CELL).astype(int), 0)
+    i1, j1 = np.ceil((np.array([x1, y1]) - seen.origin) / CELL).astype(int)
+    i, j = np.meshgrid(np.arange(i0, min(i1, seen.kind.shape[0])), np.arange(j0, min(j1, seen.kind.shape[1])))
+    xy = seen.origin + (np.stack([i.ravel(), j.ravel()], -1) + 0.5) * CELL
+    z = seen.height[i.ravel(), j.ravel()]
+    good = np.isfinite(z) & shapely.contains_xy(area, *xy.T)
+    xy, z = xy[good], z[good]
+    if len(z) < 12:
+        level = float(np.median(z)) if len(z) else float(np.nanmedian(seen.height))
+        return (0.0, 0.0, round(level, 4)), 0.0
+    middle = xy.mean(0)
+    columns = np.c_[xy - middle, np.ones(len(z))]
+    weight, plane, spread = np.ones(len(z)), np.zeros(3), 0.0
+    for _ in range(8):
+        # A little ridge: strips one cell wide say nothing about their cross slope.
+        normal = columns.T @ (weight[:, None] * columns) + np.diag([1e-2, 1e-2, 0.0])
+        plane = np.linalg.solve(normal, columns.T @ (weight * z))
+        residual = z - columns @ plane
+        spread = max(1.4826 * float(np.median(np.abs(residual))), 0.003)
+        weight = np.clip(1.0 - (residual / (4.685 * spread)) ** 2, 1e-6, None) ** 2
+    a, b = (float(np.clip(p, -1.0, 1.0)) for p in plane[:2])
+    return (round(a, 6), round(b, 6), round(float(plane[2] - a * middle[0] - b * middle[1]), 4)), spread
+
+
+def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:
+    """Steps between neighbouring cells of two kinds, by pair of kinds."""
+    found = []
+    pairs: dict[tuple[int, int], list[np.ndarray]] = {}
+    # Two cells apart: the cell on the edge mixes both heights.
+    for axis in (0, 1):
+        a, b = (np.roll(seen.kind, -s, axis) for s in (-1, 1))
+        step = np.roll(seen.height, -1, axis) - np.roll(seen.height, 1, axis)
+        edge = (a != b) & (a > 0) & (b > 0) & np.isfinite(step)
+        for low, high, sign in ((a, b, 1.0), (b, a, -1.0)):
+            for k in range(1, len(GROUND_KINDS)):
+                for m in range(1, len(GROUND_KINDS)):
+                    here = edge & (low == k) & (high == m) & (sign * step >= 0)
+                    if k != m and here.any():
+                        pairs.setdefault((k, m), []).append(sign * step[here])
+    for (low, high), steps in sorted(pairs.items()):
+        all_steps = np.concatenate(steps)
+        height = float(np.median(all_steps))
+        if height >= _KERB and len(all_steps) * CELL / 2 >= 2.0:
+            length = round(len(all_steps) * CELL / 2, 1)
+            found.append(Kerb(GROUND_KINDS[low], GROUND_KINDS[high], round(height, 3), length))
+    return tuple(found)
+
+
+def allowed_area(seen: tuple[GroundRegion, ...], kinds: tuple[str, ...]) -> shapely.Geometry:
+    """Where things that stand on these kinds can be."""
+    wanted = {KIND_INDEX[k] for k in kinds}
+    return shapely.union_all([shapely.Polygon(r.polygon) for r in seen if KIND_INDEX[r.kind] in wanted])

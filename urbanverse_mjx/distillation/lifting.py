@@ -1,0 +1,154 @@
+"""Masks and depth become point sets in the camera's frame, the same number for every view of a thing.
+
+A *view* is one detection in one frame. Its points stay in the camera's frame, so that a better pose or depth scale
+found later moves them without reading the pictures again.
+"""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+
+from ..datatypes import GROUND_KINDS, PAINT_KINDS, Recording
+from ..datatypes.recording import SKY
+
+#: Points kept of a view; views of fewer pixels repeat some.
+POINTS = 192
+#: Share of a view's points that may lie apart in depth and still belong to it; smaller groups are bleeding masks.
+_MINOR = 0.2
+_GROUND_POINTS = 1500  # per frame
+
+
+@dataclasses.dataclass(frozen=True)
+class Views:
+    """n views over the m registered frames.
+
+    frame (n,) i32: row of the registered frames; label (n,) i32: row of `labels`; score (n,) f32.
+    track (n,) i32: row of the recording's tracks, -1 = none.
+    points (n, POINTS, 3) f32 m, camera frame.
+    pixels (n,) i32. clipped (n, 4) bool: whether it touches the left, right, top or bottom of the picture.
+    origin: (n, 2) i32: number of the frame in the recording and of the detection in it.
+    """
+
+    labels: tuple[str, ...]
+    frame: np.ndarray
+    label: np.ndarray
+    score: np.ndarray
+    track: np.ndarray
+    points: np.ndarray
+    pixels: np.ndarray
+    clipped: np.ndarray
+    origin: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+
+@dataclasses.dataclass(frozen=True)
+class GroundPoints:
+    """Points of ground seen, in the camera's frame: frame (g,) i32, kind (g,) u8, points (g, 3) f32 m."""
+
+    frame: np.ndarray
+    kind: np.ndarray
+    points: np.ndarray
+
+
+def lift(
+    recording: Recording, min_pixels: int, max_range: float, progress: Callable[[int, int], None] | None = None
+) -> tuple[Views, GroundPoints]:
+    """Reads every registered frame once.
+
+    Args:
+      min_pixels: views of fewer are left out.
+      max_range: m, farther points are left out.
+      progress: called with (frames done, frames in all).
+    """
+    rays = recording.camera.rays().astype(np.float32)
+    labels: dict[str, int] = {}
+    tracks: dict[str, int] = {}
+    parts: list[tuple[np.ndarray, ...]] = []
+    grounds: list[tuple[np.ndarray, ...]] = []
+    registered = recording.registered
+    for row, number in enumerate(registered):
+        depth = recording.depth(int(number))
+        if depth is not None:
+            depth = np.where(depth <= max_range, depth, 0.0)
+            masks, surfaces = recording.masks(int(number)), recording.surfaces(int(number))
+            if masks is not None:
+                found = _views(masks, depth, rays, min_pixels)
+                things = recording.frames[number].detections
+                index = found[0]
+                label = [labels.setdefault(things[i].label, len(labels)) for i in index]
+                track = [-1 if (t := things[i].track) is None else tracks.setdefault(t, len(tracks)) for i in index]
+                columns = [np.full(len(index), row), label, [things[i].score for i in index], track, *found[1:]]
+                columns.append(np.stack([np.full(len(index), number), index], -1))
+                parts.append(tuple(np.asarray(c) for c in columns))
+            if surfaces is not None:
+                grounds.append((*_ground(surfaces, depth, rays, row),))
+        if progress is not None:
+            progress(row + 1, len(registered))
+    return _joined(parts, tuple(labels)), _joined_ground(grounds)
+
+
+def _joined(parts: list[tuple[np.ndarray, ...]], labels: tuple[str, ...]) -> Views:
+    empty = ((0,), (0,), (0,), (0,), (0, POINTS, 3), (0,), (0, 4), (0, 2))
+    types = (np.int32, np.int32, np.float32, np.int32, np.float32, np.int32, bool, np.int32)
+    columns = [
+        np.concatenate([np.zeros(shape, dtype), *(p[k].reshape(-1, *shape[1:]).astype(dtype) for p in parts)])
+        for k, (shape, dtype) in enumerate(zip(empty, types, strict=True))
+    ]
+    return Views(labels, *columns)
+
+
+def _joined_ground(parts: list[tuple[np.ndarray, ...]]) -> GroundPoints:
+    frame = np.concatenate([np.zeros(0, np.int32), *(p[0] for p in parts)])
+    kind = np.concatenate([np.zeros(0, np.uint8), *(p[1] for p in parts)])
+    return GroundPoints(frame, kind, np.concatenate([np.zeros((0, 3), np.float32), *(p[2] for p in parts)]))
+
+
+def _views(masks: np.ndarray, depth: np.ndarray, rays: np.ndarray, min_pixels: int) -> tuple[np.ndarray, ...]:
+    """(k,) detections, (k, POINTS, 3) points, (k,) pixels, (k, 4) clipped; k = detections with enough depth."""
+    height, width = masks.shape
+    flat = np.flatnonzero((masks >= 0) & (depth > 0))
+    which, z = masks.ravel()[flat], depth.ravel()[flat]
+    keep = _main_groups(which, z)
+    flat, which = flat[keep], which[keep]
+    counts = np.bincount(which, minlength=int(masks.max()) + 1 if masks.size else 0)
+    index = np.flatnonzero(counts >= min_pixels)
+    order = np.argsort(which, kind="stable")
+    starts = np.r_[0, np.cumsum(counts)][index]
+    # Evenly over the view's pixels in raster order, so over the whole of what is seen.
+    steps = np.floor((np.arange(POINTS) + 0.5) / POINTS * counts[index, None]).astype(np.int64)
+    pixels = flat[order[starts[:, None] + steps]]
+    points = rays.reshape(-1, 3)[pixels] * depth.ravel()[pixels][..., None]
+    rim = np.stack([np.zeros(len(counts), bool)] * 4, -1)
+    for side, edge in enumerate((masks[:, 0], masks[:, width - 1], masks[0], masks[height - 1])):
+        rim[np.unique(edge[edge >= 0]), side] = True
+    return index, points, counts[index], rim[index]
+
+
+def _main_groups(which: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """(p,) bool: pixels whose depth belongs to the main body of their view.
+
+    Sorted by depth, a view falls apart where the next pixel is 0.5 m or 4 % of the range farther; groups of less than
+    `_MINOR` of the pixels are what shows through or beside the thing.
+    """
+    order = np.lexsort((z, which))
+    w, s = which[order], z[order]
+    new = np.r_[True, (w[1:] != w[:-1]) | (s[1:] - s[:-1] > np.maximum(0.5, 0.04 * s[1:]))] if len(w) else w == w
+    group = np.cumsum(new) - 1
+    sizes = np.bincount(group) if len(w) else np.zeros(0)
+    totals = np.bincount(which)
+    keep = np.zeros(len(z), bool)
+    keep[order] = sizes[group] >= _MINOR * totals[w]
+    return keep
+
+
+def _ground(surfaces: np.ndarray, depth: np.ndarray, rays: np.ndarray, row: int) -> tuple[np.ndarray, ...]:
+    """Frame, kind and points of ground pixels, thinned evenly over the picture."""
+    paint = [GROUND_KINDS.index(name) for name in PAINT_KINDS]
+    usable = (surfaces > 0) & (surfaces != SKY) & (depth > 0) & ~np.isin(surfaces, paint)
+    flat = np.flatnonzero(usable)
+    flat = flat[:: max(1, len(flat) // _GROUND_POINTS)]
+    points = rays.reshape(-1, 3)[flat] * depth.ravel()[flat][:, None]
+    return np.full(len(flat), row, np.int32), surfaces.ravel()[flat], points

@@ -1,0 +1,24 @@
+"""A video becomes a `Recording`: frames, screening, poses, metric scale, depth, things and surfaces."""
+
+from .frames import Frames, SamplingOptions, sample
+from .perceive import Perception, perceive
+from .privacy import Blur, blur_by_name
+from .sight import Sees, Sight
+from .structure import StructureOptions, reconstruct
+from .trajectory import TrajectoryError, trajectory_error
+
+__all__ = [
+    "Blur",
+    "Frames",
+    "Perception",
+    "SamplingOptions",
+    "Sees",
+    "Sight",
+    "StructureOptions",
+    "TrajectoryError",
+    "blur_by_name",
+    "perceive",
+    "reconstruct",
+    "sample",
+    "trajectory_error",
+]

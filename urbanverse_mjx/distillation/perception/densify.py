@@ -1,0 +1,128 @@
+"""Depth for every pixel: what one picture lets guess, held to the reconstruction and to the ground.
+
+* Ground is where the ray meets the level on which its kind lies near the camera.
+* A thing keeps the shape that the picture lets guess; its distance is the weighted mean (of logarithms) of what the
+  points inside its mask say, of where its foot meets the ground, and of the guess itself.
+* All else takes the guess, scaled as a whole. The sky has no depth.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from ...datatypes import GROUND_KINDS, Camera
+from ...datatypes.recording import SKY
+from .metric import Metric
+from .sight import Sight
+from .structure import Structure
+
+#: m: farther ground is seen too flat for its level to say how far it is.
+_GROUND_RANGE = 40.0
+#: m: ground points within so far of the camera say on what level their kind lies.
+_LEVEL_REACH = 15.0
+_MIN_LEVEL = 8  # points
+#: Relative errors (1 sigma) of a single point's depth, of the foot's, and of the guess after scaling.
+_POINT, _FOOT, _GUESS = 0.1, 0.06, 0.15
+#: Errors that points of one mask share (they sit on one side of the thing): more points do not help beyond.
+_POINT_FLOOR = 0.03
+#: Share of a mask's height within which its lowest pixels stand on the ground; above are the gaps between wheels.
+_FOOT_SHARE = 0.15
+_MIN_POINTS = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class Levels:
+    """Where the ground lies near each camera: (m, kinds) f64 m above the world's zero."""
+
+    z: np.ndarray
+
+
+def levels(metric: Metric) -> Levels:
+    """Height of every kind of ground near every camera; a kind not seen there takes the height of all ground there."""
+    cameras = metric.poses[:, :3, 3]
+    known = ~np.isnan(metric.heights)
+    frames = np.arange(len(cameras))
+    height = np.interp(frames, frames[known], metric.heights[known])
+    z = np.repeat((cameras[:, 2] - height)[:, None], len(GROUND_KINDS), 1)
+    for k, camera in enumerate(cameras):
+        near = np.linalg.norm(metric.points[:, :2] - camera[:2], axis=1) < _LEVEL_REACH
+        for kind in np.unique(metric.ground[near & (metric.ground > 0)]):
+            own = metric.points[near & (metric.ground == kind), 2]
+            if len(own) >= _MIN_LEVEL:
+                z[k, kind] = np.median(own)
+    return Levels(z)
+
+
+def dense_depth(row: int, sight: Sight, structure: Structure, metric: Metric, ground: Levels) -> np.ndarray:
+    """(H, W) f32 m along the axis of a registered frame's camera; 0 where nothing is known.
+
+    Args:
+      row: of the registered frames. sight: what the straightened frame shows.
+    """
+    flat = _ground_depth(structure.camera, metric.poses[row], sight.surfaces, ground.z[row])
+    mine = structure.frame == row
+    pixel = np.floor(structure.pixel[mine]).astype(int)
+    inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
+    columns, rows = pixel[inside].T
+    points = (structure.depth()[mine] * metric.scale)[inside]
+    # Without a guess a thing is a board that faces the camera, and what is no thing stays unknown.
+    guess = np.ones_like(flat) if sight.depth is None else sight.depth.astype(np.float64)
+    ratio = np.log(np.maximum(points, 1e-3) / np.maximum(guess[rows, columns], 1e-3))
+    overall = _overall(ratio, flat, guess)
+    out = guess * np.exp(overall) if sight.depth is not None else np.zeros_like(flat)
+    owner = sight.masks[rows, columns]
+    for k, box in enumerate(_boxes(sight.masks, len(sight.detections))):
+        if box is None:
+            continue
+        mask = sight.masks[box] == k
+        estimates = [(overall, _GUESS)] if sight.depth is not None else []
+        own = ratio[owner == k]
+        if len(own) >= _MIN_POINTS:
+            estimates.append((float(np.median(own)), float(np.hypot(_POINT / np.sqrt(len(own)), _POINT_FLOOR))))
+        foot = _foot(mask, box, flat, guess)
+        if foot is not None:
+            estimates.append((foot, _FOOT))
+        if estimates:
+            value, sigma = np.array(estimates).T
+            out[box][mask] = guess[box][mask] * np.exp(np.average(value, weights=sigma**-2.0))
+    out = np.where(flat > 0, flat, out)
+    return np.where(sight.surfaces == SKY, 0.0, out).astype(np.float32)
+
+
+def _ground_depth(camera: Camera, pose: np.ndarray, surfaces: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """(H, W) f64 m, 0 where there is no ground or it is too far."""
+    fall = camera.rays() @ pose[2, :3]
+    kind = np.where(surfaces < len(GROUND_KINDS), surfaces, 0)
+    drop = z[kind] - pose[2, 3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = drop / fall
+    return np.where((kind > 0) & (fall < 0) & (drop < 0) & (depth < _GROUND_RANGE), depth, 0.0)
+
+
+def _overall(ratio: np.ndarray, flat: np.ndarray, guess: np.ndarray) -> float:
+    """Logarithm of the factor on a frame's guess: half from its points, half from its ground."""
+    at = flat[::4, ::4] > 0
+    from_ground = np.log(flat[::4, ::4][at] / np.maximum(guess[::4, ::4][at], 1e-3))
+    parts = [float(np.median(x)) for x in (ratio, from_ground) if len(x) >= 10]
+    return float(np.mean(parts)) if parts else 0.0
+
+
+def _boxes(masks: np.ndarray, count: int) -> list[tuple[slice, slice] | None]:
+    from scipy import ndimage
+
+    found = ndimage.find_objects(masks + 1, count)
+    return [None if f is None else (f[0], f[1]) for f in found]
+
+
+def _foot(mask: np.ndarray, box: tuple[slice, slice], flat: np.ndarray, guess: np.ndarray) -> float | None:
+    """Logarithm of the factor that puts a thing's foot on the ground under it; None where no foot is in sight."""
+    columns = np.flatnonzero(mask.any(0))
+    low = mask.shape[0] - 1 - mask[::-1, columns].argmax(0)
+    stands = low >= (1.0 - _FOOT_SHARE) * (mask.shape[0] - 1)
+    rows, columns = low[stands] + box[0].start, columns[stands] + box[1].start
+    inside = rows + 1 < flat.shape[0]
+    below = flat[rows[inside] + 1, columns[inside]]
+    if (below > 0).sum() < max(2, 0.3 * len(rows)):
+        return None
+    guessed = guess[rows[inside], columns[inside]][below > 0]
+    return float(np.median(np.log(below[below > 0] / np.maximum(guessed, 1e-3))))

@@ -1,0 +1,233 @@
+"""A video or a folder of pictures becomes a folder of frames: sampled, of one size, and the unusable ones left out."""
+
+import collections
+import dataclasses
+import itertools
+import os
+import pathlib
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import imageio_ffmpeg
+import numpy as np
+from PIL import Image
+
+from ...datatypes import validation as v
+from .privacy import Blur
+from .screening import Measures, ScreenLimits, measure, screen, turned
+
+PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
+FILE = "frames.json"
+SCHEMA = "urbanverse.frames/1"
+
+
+@dataclasses.dataclass(frozen=True)
+class SamplingOptions:
+    """How frames are taken.
+
+    Attributes:
+      rate: frames per second; of a folder's pictures, how many were taken in a second.
+      candidates: so many pictures of a video are looked at for each frame; the sharpest is taken.
+      short_side: pixels; larger pictures are scaled down to it.
+      max_frames: longer videos are sampled at a lower rate; longer folders are refused.
+      limits: of the screen.
+    """
+
+    rate: float = 2.0
+    candidates: int = 3
+    short_side: int = 540
+    max_frames: int = 720
+    limits: ScreenLimits = dataclasses.field(default_factory=ScreenLimits)
+
+    def __post_init__(self) -> None:
+        v.number(self.rate, "frames per second", above=0.0, maximum=60.0)
+        v.integer(self.candidates, "candidates", 1, 30)
+        v.integer(self.short_side, "short side", 64, 4096)
+        v.integer(self.max_frames, "max frames", 2, 100_000)
+
+
+@dataclasses.dataclass(frozen=True)
+class Frames:
+    """Frames on disk.
+
+    Attributes:
+      folder: of the pictures. names: PNG files in it. time_s: s of each since the video's beginning.
+      width, height: pixels of all.
+      dropped: time (s) and reason of each frame left out.
+      blur: name of the detector that found what was blurred, or None where nothing was looked for.
+    """
+
+    folder: pathlib.Path
+    names: tuple[str, ...]
+    time_s: tuple[float, ...]
+    width: int
+    height: int
+    dropped: tuple[tuple[float, str], ...] = ()
+    blur: str | None = None
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def rgb(self, index: int) -> np.ndarray:
+        """(H, W, 3) u8."""
+        with Image.open(self.folder / self.names[index]) as image:
+            return np.asarray(image.convert("RGB"))
+
+    def lost(self) -> str:
+        """One clause on what was dropped."""
+        counts = collections.Counter(reason for _, reason in self.dropped)
+        return ", ".join(f"{n} {reason}" for reason, n in counts.most_common()) or "none"
+
+    def to_json(self) -> dict[str, Any]:
+        body = dataclasses.asdict(self)
+        return {"schema": SCHEMA, **{k: x for k, x in body.items() if k != "folder"}}
+
+
+def sample(
+    source: str | os.PathLike[str],
+    folder: pathlib.Path,
+    options: SamplingOptions | None = None,
+    blur: Blur | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Frames:
+    """Writes the usable frames of a video or of a folder of pictures, and `frames.json`.
+
+    Args:
+      source: a video of any container that FFmpeg reads, or a folder of pictures in the order of their names.
+      folder: made; emptied of earlier frames.
+      blur: finds faces and plates and makes them unreadable before anything is written.
+
+    Raises:
+      NounError: no video, no pictures, pictures of different sizes, fewer than two usable frames, or no write access.
+    """
+    options = options or SamplingOptions()
+    source = pathlib.Path(source)
+    groups, total = _folder(source, options) if source.is_dir() else _video(source, options)
+    _empty(folder)
+    names, times, measures, turns = [], [], [], []
+    before: Measures | None = None
+    for k, group in enumerate(groups):
+        seen = [measure(rgb) for _, rgb in group]
+        pairs = itertools.pairwise([before, *seen] if before is not None else seen)
+        # What passes between neighbouring candidates adds up to what has gone out of sight.
+        turns.append(sum(turned(a, b) for a, b in pairs))
+        before = seen[-1]
+        best = int(np.argmax([m.sharpness for m in seen]))
+        measures.append(seen[best])
+        times.append(round(group[best][0], 4))
+        names.append(f"{k:06d}.png")
+        rgb = group[best][1]
+        Image.fromarray(rgb if blur is None else blur(rgb)).save(folder / names[-1], compress_level=3)
+        if progress is not None:
+            progress(k + 1, max(total, k + 1))
+    reasons = screen(measures, turns, options.limits)
+    kept = [k for k, reason in enumerate(reasons) if reason is None]
+    for k in set(range(len(names))) - set(kept):
+        (folder / names[k]).unlink()
+    dropped = tuple((times[k], reason) for k, reason in enumerate(reasons) if reason is not None)
+    if len(kept) < 2:
+        lost = collections.Counter(reason for _, reason in dropped)
+        found = f"{len(kept)} usable frames of {len(names)} ({', '.join(f'{n} {r}' for r, n in lost.items()) or 'all'})"
+        raise v.fail(str(source), found, "at least two", "film longer, in daylight, while you walk")
+    with Image.open(folder / names[kept[0]]) as image:
+        width, height = image.size
+    frames = Frames(
+        folder,
+        tuple(names[k] for k in kept),
+        tuple(times[k] for k in kept),
+        width,
+        height,
+        dropped,
+        None if blur is None else blur.name,
+    )
+    v.write_json(folder / FILE, frames.to_json())
+    return frames
+
+
+def load(folder: pathlib.Path) -> Frames:
+    """Frames that `sample` wrote.
+
+    Raises:
+      NounError: no record, or one of another version.
+    """
+    names = [f.name for f in dataclasses.fields(Frames) if f.name != "folder"]
+    body = dict(v.mapping(v.read_json(folder / FILE, "frames"), FILE, ["schema", *names]))
+    v.choice(body.pop("schema"), "schema", (SCHEMA,))
+    tuples = {name: tuple(body[name]) for name in ("names", "time_s")}
+    dropped = tuple((time, reason) for time, reason in body["dropped"])
+    return Frames(**{**body, **tuples, "folder": folder, "dropped": dropped})
+
+
+Group = Sequence[tuple[float, np.ndarray]]
+
+
+def _video(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
+    """Groups of neighbouring pictures, one group for each frame wanted, and about how many groups."""
+    about = _probe(path)
+    duration, fps = float(about["duration"]), float(about["fps"])
+    rate = min([options.rate, *([fps] if fps > 0 else []), *([options.max_frames / duration] if duration > 0 else [])])
+    each = max(1, min(options.candidates, int(fps / rate))) if fps > 0 else 1
+    side = options.short_side
+    # Even sides, as most codecs have them; -2 keeps the proportions.
+    scale = f"scale=w='if(gt(iw,ih),-2,min({side},iw))':h='if(gt(iw,ih),min({side},ih),-2)':flags=area"
+    stream = imageio_ffmpeg.read_frames(str(path), output_params=["-vf", f"fps={rate * each:.6f},{scale}"])
+
+    def pictures() -> Iterator[tuple[float, np.ndarray]]:
+        width, height = next(stream)["size"]
+        for k, body in enumerate(itertools.islice(stream, options.max_frames * each)):
+            yield k / (rate * each), np.frombuffer(body, np.uint8).reshape(height, width, 3)
+
+    return _grouped(pictures(), each), min(options.max_frames, max(1, round(duration * rate)))
+
+
+def _grouped(pictures: Iterator[tuple[float, np.ndarray]], each: int) -> Iterator[Group]:
+    while group := list(itertools.islice(pictures, each)):
+        yield group
+
+
+def _probe(path: pathlib.Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise v.fail(str(path), "no such file", "a video or a folder of pictures", "check the path")
+    stream = imageio_ffmpeg.read_frames(str(path))
+    try:
+        return next(stream)
+    except (OSError, StopIteration, ValueError) as error:
+        raise v.fail(str(path), "something that FFmpeg reads no picture from", "a video", "play it to check") from error
+    finally:
+        stream.close()
+
+
+def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
+    files = sorted(p for p in path.iterdir() if p.suffix.lower() in PICTURES)
+    if not files:
+        raise v.fail(str(path), "no picture", f"files ending in {', '.join(PICTURES)}", "check the path")
+    if len(files) > options.max_frames:
+        raise v.fail(str(path), f"{len(files)} pictures", f"at most {options.max_frames}", "leave out some")
+
+    def pictures() -> Iterator[Group]:
+        size = None
+        for k, file in enumerate(files):
+            try:
+                with Image.open(file) as image:
+                    picture = image.convert("RGB")
+            except (OSError, SyntaxError) as error:
+                raise v.fail(str(file), f"an unreadable picture ({error})", "a whole one", "leave it out") from error
+            size = size or picture.size
+            if picture.size != size:
+                needed = "{}x{} as the first has".format(*size)
+                raise v.fail(str(file), "{}x{} pixels".format(*picture.size), needed, "scale it")
+            factor = min(1.0, options.short_side / min(size))
+            if factor < 1.0:
+                picture = picture.resize((round(size[0] * factor), round(size[1] * factor)), Image.Resampling.BOX)
+            yield [(k / options.rate, np.asarray(picture))]
+
+    return pictures(), len(files)
+
+
+def _empty(folder: pathlib.Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for old in [folder / FILE, *folder.glob("[0-9]" * 6 + ".png")]:
+            old.unlink(missing_ok=True)
+    except OSError as error:
+        raise v.fail(str(folder), f"no way to write there ({error.strerror})", "a folder to write into") from error

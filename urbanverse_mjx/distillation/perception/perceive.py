@@ -1,0 +1,119 @@
+"""Frames become a `Recording`: poses, metric scale, what each frame shows, and depth."""
+
+import dataclasses
+import pathlib
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ...datatypes import Recording, RecordingWriter, Source
+from ...datatypes import validation as v
+from . import densify
+from .frames import Frames
+from .metric import Metric, to_metric
+from .sight import Sees, Sight
+from .structure import Structure, StructureOptions, reconstruct
+
+FILE = "perception.json"
+FindsStructure = Callable[[Frames, Callable[[int, int], None] | None], Structure]
+
+
+@dataclasses.dataclass(frozen=True)
+class Perception:
+    """What perceives.
+
+    Attributes:
+      sees: finds things, surfaces and, where it can, depth.
+      poses: finds poses and points; None for COLMAP.
+      camera_height: m above the ground that is walked on, the one length that a video does not show. 1.5 is a hand
+        held before the chest.
+    """
+
+    sees: Sees
+    poses: FindsStructure | None = None
+    camera_height: float = 1.5
+
+    def __post_init__(self) -> None:
+        v.number(self.camera_height, "camera height (m)", 0.1, 10.0)
+
+
+def perceive(
+    frames: Frames,
+    folder: pathlib.Path,
+    perception: Perception,
+    source: Source,
+    name: str = "tour",
+    progress: Callable[[int, int], None] | None = None,
+) -> Recording:
+    """Makes a recording of frames, and beside it `perception.json`: what was found and lost on the way.
+
+    Args:
+      folder: of the recording.
+      source: what the recording says of where the video comes from.
+      name: becomes the recording's id; characters that an id cannot hold become "_".
+      progress: called with (steps done, steps in all): three for a frame's pose, one to look at it, one to write it.
+
+    Raises:
+      NounError: too few frames with a pose, too little ground, no write access.
+    """
+    count = len(frames)
+    say = progress or (lambda done, total: None)
+    find = perception.poses or (lambda frames, progress: reconstruct(frames, StructureOptions(), progress))
+    structure = find(frames, lambda done, total: say(round(done / max(total, 1) * 3 * count), 5 * count))
+    sights: list[Sight] = []
+    for k, number in enumerate(structure.registered):
+        rgb = structure.straighten(frames.rgb(int(number)))
+        sights.append(perception.sees(rgb, structure.camera.fx))
+        say(3 * count + k + 1, 5 * count)
+    metric = to_metric(structure, _codes(structure, sights), perception.camera_height)
+    writer = RecordingWriter(folder, _identifier(name), source, structure.camera)
+    ground = densify.levels(metric)
+    row_of = {int(number): row for row, number in enumerate(structure.registered)}
+    for number in range(count):
+        rgb, row = structure.straighten(frames.rgb(number)), row_of.get(number)
+        if row is None:
+            writer.add(frames.time_s[number], rgb)
+        else:
+            sight = sights[row]
+            depth = densify.dense_depth(row, sight, structure, metric, ground)
+            writer.add(
+                frames.time_s[number], rgb, depth, sight.masks, sight.surfaces, metric.poses[row], sight.detections
+            )
+        say(4 * count + number + 1, 5 * count)
+    recording = writer.close()
+    v.write_json(folder / FILE, _record(frames, structure, metric, sights))
+    return recording
+
+
+def _codes(structure: Structure, sights: list[Sight]) -> np.ndarray:
+    """(o,) u8 surface code of the pixel of every observation; 0 outside the straightened frame."""
+    pixel = np.floor(structure.pixel).astype(int)
+    inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
+    out = np.zeros(len(pixel), np.uint8)
+    for row, sight in enumerate(sights):
+        mine = np.flatnonzero(inside & (structure.frame == row))
+        out[mine] = sight.surfaces[pixel[mine, 1], pixel[mine, 0]]
+    return out
+
+
+def _record(frames: Frames, structure: Structure, metric: Metric, sights: list[Sight]) -> dict[str, Any]:
+    way = np.linalg.norm(np.diff(metric.poses[:, :3, 3], axis=0), axis=1).sum()
+    return {
+        "schema": "urbanverse.perception/1",
+        "frames": {"kept": len(frames), "dropped": [list(d) for d in frames.dropped], "blurred_by": frames.blur},
+        "registered": len(structure.registered),
+        "focal_pixels": round(structure.camera.fx, 3),
+        "distortion": round(structure.distortion, 6),
+        "points": len(structure.points),
+        "ground_points": int((metric.ground > 0).sum()),
+        "reprojection_error_pixels": round(structure.error, 3),
+        "metres_per_unit": round(metric.scale, 6),
+        "way_m": round(float(way), 2),
+        "detections": sum(len(s.detections) for s in sights),
+    }
+
+
+def _identifier(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", name)[:80] or "tour"

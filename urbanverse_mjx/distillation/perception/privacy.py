@@ -1,0 +1,90 @@
+"""Faces and plates become unreadable before a frame is stored; without a detector no frame leaves the machine."""
+
+import dataclasses
+import importlib
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from scipy import ndimage
+
+from ...datatypes import NounError
+
+
+class FindsPrivate(Protocol):
+    """(H, W, 3) u8 RGB -> (k, 4) left, top, right, bottom in pixels of faces and plates."""
+
+    def __call__(self, rgb: np.ndarray, /) -> np.ndarray: ...
+
+
+@dataclasses.dataclass(frozen=True)
+class Blur:
+    """Blurs what a detector finds.
+
+    Attributes:
+      detector: finds faces and plates. name: what the records call it.
+      margin: share of a box's size added to each side; detectors leave out ears and frames of plates.
+    """
+
+    detector: FindsPrivate
+    name: str
+    margin: float = 0.15
+
+    def __call__(self, rgb: np.ndarray) -> np.ndarray:
+        """A copy of a picture (H, W, 3) u8 with the boxes filled by their own mean colours, four cells to a side.
+
+        Raises:
+          NounError: the detector answered something else than boxes.
+        """
+        boxes = np.asarray(self.detector(rgb), np.float64)
+        if boxes.size == 0:
+            return rgb.copy()
+        if boxes.ndim != 2 or boxes.shape[1] != 4 or not np.isfinite(boxes).all():
+            raise NounError(f"detector {self.name}: found boxes of shape {boxes.shape}, needed finite (k, 4).")
+        out = rgb.copy()
+        height, width = rgb.shape[:2]
+        for left, top, right, bottom in boxes:
+            dx, dy = self.margin * abs(right - left), self.margin * abs(bottom - top)
+            x0, x1 = (int(np.clip(x, 0, width)) for x in (np.floor(left - dx), np.ceil(right + dx)))
+            y0, y1 = (int(np.clip(y, 0, height)) for y in (np.floor(top - dy), np.ceil(bottom + dy)))
+            if x1 > x0 and y1 > y0:
+                out[y0:y1, x0:x1] = _coarse(rgb[y0:y1, x0:x1])
+        return out
+
+
+def _coarse(part: np.ndarray) -> np.ndarray:
+    """A picture whose detail is gone: means of at most 4 x 4 cells. Unlike a blur, nothing can be sharpened again."""
+    rows, columns = (np.minimum(np.arange(n) * 4 // n, 3) for n in part.shape[:2])
+    cell = rows[:, None] * 4 + columns[None]
+    means = np.stack([ndimage.mean(part[..., c], cell, np.arange(16)) for c in range(3)], -1)
+    return np.nan_to_num(means)[cell].astype(np.uint8)
+
+
+def blur_by_name(name: str) -> Blur:
+    """A blur from "module:attribute", where the attribute makes a detector when it is called without arguments.
+
+    Raises:
+      NounError: no such module or attribute.
+    """
+    module, _, attribute = name.partition(":")
+    try:
+        make: Callable[[], FindsPrivate] = getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise NounError(
+            f"detector: found {name!r} ({error}), needed 'module:function' of an installed package whose function "
+            "returns a detector of faces and plates."
+        ) from error
+    return Blur(make(), name)
+
+
+def may_leave(blur: str | None) -> None:
+    """Lets frames go to another machine only where faces and plates were looked for.
+
+    Raises:
+      NounError: nothing was blurred.
+    """
+    if blur is None:
+        raise NounError(
+            "privacy: found frames in which no detector has blurred faces and plates, needed that before they leave "
+            "this machine; name one with --blur module:function."
+        )

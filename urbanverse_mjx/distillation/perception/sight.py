@@ -1,0 +1,32 @@
+"""What a frame shows, and what finds it: the narrow interface behind which perception models stand."""
+
+import dataclasses
+from typing import Protocol
+
+import numpy as np
+
+from ...datatypes import Detection
+
+
+@dataclasses.dataclass(frozen=True)
+class Sight:
+    """One frame of H x W pixels.
+
+    Attributes:
+      surfaces: (H, W) u8, see `Frame.surfaces`.
+      masks: (H, W) i32 row of `detections`, -1 = none. detections: things with their labels and scores.
+      depth: (H, W) f32 m along the camera's axis as one picture lets guess it; None where the model guesses none.
+    """
+
+    surfaces: np.ndarray
+    masks: np.ndarray
+    detections: tuple[Detection, ...]
+    depth: np.ndarray | None = None
+
+
+class Sees(Protocol):
+    """Finds things, surfaces and, where it can, depth in a picture."""
+
+    def __call__(self, rgb: np.ndarray, focal: float, /) -> Sight:
+        """(H, W, 3) u8 picture of a pinhole with focal length `focal` (pixels)."""
+        ...

@@ -1,0 +1,74 @@
+"""Placement priors: a thing found where its kind cannot be is pulled back, as far as its place is uncertain."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from ..datatypes import GroundRegion, LabelPrior, ground
+from .boxes import Box
+from .ground import allowed_area
+
+#: A thing moves at most so many standard errors of its depth and `_ALWAYS` m for outlines drawn from cells, and never
+#: farther than `_FARTHEST` m.
+_SIGMAS, _ALWAYS = 3.0, 0.1
+_FARTHEST = 2.0
+#: m; boxes whose foot is this near the ground stand on it.
+_SNAP = 0.35
+
+
+def settle(
+    boxes: Sequence[Box], priors: Sequence[LabelPrior], regions: tuple[GroundRegion, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where things go.
+
+    Args:
+      boxes, priors: n things.
+      regions: the ground.
+
+    Returns:
+      (n, 2) m the shift of each centre, (n,) m the height of the ground under it, NaN where there is none.
+    """
+    shift, floor = np.zeros((len(boxes), 2)), np.full(len(boxes), np.nan)
+    solid = [r for r in regions if r.kind not in ground.PAINT_KINDS]
+    areas: dict[tuple[str, ...], shapely.Geometry] = {}
+    tree = shapely.STRtree([shapely.Polygon(r.polygon) for r in solid])
+    for i, (box, prior) in enumerate(zip(boxes, priors, strict=True)):
+        where = shapely.Point(*box.center[:2])
+        if prior.stands_on and prior.on_ground:
+            if prior.stands_on not in areas:
+                areas[prior.stands_on] = allowed_area(solid, prior.stands_on)  # type: ignore[arg-type]
+            shift[i] = _pull(where, areas[prior.stands_on], box)
+            where = shapely.Point(*(box.center[:2] + shift[i]))
+        hits = tree.query(where, predicate="intersects")
+        if len(hits):
+            floor[i] = max(ground.height_at(solid[h].plane, where.x, where.y) for h in hits)
+    return shift, floor
+
+
+def _pull(where: shapely.Point, area: shapely.Geometry, box: Box) -> np.ndarray:
+    """(2,) m: the least move of the centre into an area, or none where that is farther than it can be off."""
+    if area.is_empty or area.intersects(where):
+        return np.zeros(2)
+    inner = area.buffer(-min(0.5 * float(box.size[:2].min()), 0.3))
+    target = shapely.ops.nearest_points(where, area if inner.is_empty else inner)[1]
+    move = np.array([target.x - where.x, target.y - where.y])
+    reach = float(np.linalg.norm(move))
+    return move if reach <= min(_SIGMAS * box.blur + _ALWAYS, _FARTHEST) else np.zeros(2)
+
+
+def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
+    """(3,) centre and (3,) size of a box put down on the ground: a hidden foot is completed, a buried one cut off."""
+    if not (prior.on_ground and np.isfinite(floor)):
+        return box.center, box.size
+    low, high = box.center[2] - box.size[2] / 2, box.center[2] + box.size[2] / 2
+    gap = low - floor
+    known = prior.extents[:, 2].max() if len(prior.extents) else 0.0
+    # From far above only where what is known of the label is tall enough to reach down to the ground; what was seen
+    # below it is believed unless depth is as blurred as that.
+    if 0 < gap <= _SNAP + 2 * box.blur or (gap > 0 and high - floor <= 1.2 * known) or 0 > gap >= -2 * box.blur:
+        low = floor
+    high = max(high, low + 0.01)
+    center, size = box.center.copy(), box.size.copy()
+    center[2], size[2] = (low + high) / 2, high - low
+    return center, size

@@ -1,0 +1,202 @@
+"""Trains the eye on rendered streets and scores it on streets it never saw.
+
+    python -m benchmarks.eye_streets --split train --layouts 128 --out eye_train.npz
+    python -m benchmarks.eye_streets --split test --layouts 24 --out eye_test.npz
+    python -m urbanverse_mjx.distillation.train_eye --train eye_train.npz --test eye_test.npz --minutes 6 --out eye.npz
+
+Frames are rendered while it trains, each from a random place with a random lens, look and camera fault; none is seen
+twice. The rate of learning follows the clock, so that any machine's run ends with it at zero. Prints one JSON line a
+progress report and a table at the end; weights are written every two minutes and at the end.
+"""
+
+import argparse
+import functools
+import json
+import pathlib
+import sys
+import time
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+
+from ..datatypes import NounError, SceneBank
+from .eye import network, score, weights
+from .eye.augment import augment
+from .eye.decode import decode
+from .eye.targets import Truth, loss
+from .eye.views import Views
+
+#: Share of the run in which the rate rises; then it falls along a cosine.
+_WARM_UP = 0.04
+_WEIGHT_DECAY = 1e-2
+#: Weights are averaged over about so many steps; the average is what is scored and kept.
+_AVERAGE = 0.998
+_SAVE_EVERY, _SAY_EVERY = 120.0, 20.0  # s
+
+
+class Learner(NamedTuple):
+    """Network variables, their running average, and the optimiser's state."""
+
+    variables: Any
+    average: Any
+    moments: Any
+
+
+def _optimiser() -> optax.GradientTransformation:
+    return optax.chain(optax.clip_by_global_norm(5.0), optax.scale_by_adam(), optax.add_decayed_weights(_WEIGHT_DECAY))
+
+
+def begin(model: Any, key: jax.Array, height: int, width: int) -> Learner:
+    """A learner with random weights."""
+    variables = jax.jit(model.init)(key, jnp.zeros((1, height, width, 3)))
+    return Learner(variables, jax.tree.map(jnp.copy, variables), _optimiser().init(variables["params"]))
+
+
+def make_step(model: Any, views: Views, batch: int) -> Any:
+    """jitted (learner, key, rate) -> (learner, losses): renders a batch and learns from it."""
+
+    def step(learner: Learner, key: jax.Array, rate: jax.Array) -> tuple[Learner, dict[str, jax.Array]]:
+        view_key, fault_key = jax.random.split(key)
+        pictures, wanted, counts = views(jax.random.split(view_key, batch))
+        inputs = jax.vmap(augment)(jax.random.split(fault_key, batch), pictures)
+
+        def answer(params: Any) -> Any:
+            variables = {**learner.variables, "params": params}
+            seen, updated = model.apply(variables, inputs, train=True, mutable=["batch_stats"])
+            total, parts = loss(seen, wanted, counts)
+            return total, (parts, updated["batch_stats"])
+
+        slopes, (parts, statistics) = jax.grad(answer, has_aux=True)(learner.variables["params"])
+        updates, moments = _optimiser().update(slopes, learner.moments, learner.variables["params"])
+        params = jax.tree.map(lambda p, u: p - rate * u, learner.variables["params"], updates)
+        variables = {"params": params, "batch_stats": statistics}
+        average = jax.tree.map(lambda a, b: _AVERAGE * a + (1 - _AVERAGE) * b, learner.average, variables)
+        return Learner(variables, average, moments), parts
+
+    return jax.jit(step, donate_argnums=0)
+
+
+def rate_at(progress: float, peak: float) -> float:
+    """Learning rate after a share `progress` of the run."""
+    if progress < _WARM_UP:
+        return peak * progress / _WARM_UP
+    return peak * 0.5 * (1.0 + float(np.cos(np.pi * min((progress - _WARM_UP) / (1.0 - _WARM_UP), 1.0))))
+
+
+def evaluate(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> dict[str, Any]:
+    """The table of `score.Score` over seeded frames with the same camera faults as in training."""
+    apply = jax.jit(functools.partial(model.apply, train=False))
+    draw = jax.jit(lambda keys: views(keys, look=False))
+    fault = jax.jit(jax.vmap(augment))
+    result = score.Score()
+    for start in range(0, frames, batch):
+        keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
+        pictures, wanted, counts = draw(keys)
+        seen = apply(variables, fault(keys, pictures))
+        for i in range(batch):
+            if counts[i]:
+                _add(result, jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)
+    return result.table()
+
+
+def _add(result: score.Score, seen: Any, wanted: Truth, i: int) -> None:
+    # Depths are compared in the canonical camera, where the lens does not matter.
+    decoded = decode(seen.classes, seen.centre, seen.offset, seen.log_depth, network.CANONICAL_FOCAL)
+    kinds, owner = np.asarray(wanted.classes[i]), np.asarray(wanted.owner[i])
+    depth = network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * np.asarray(wanted.has_depth[i])
+    result.add(decoded, kinds, owner, depth)
+
+
+def train(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Trains, writes the weights, and returns the table on the test streets."""
+    started = time.monotonic()
+    model = weights.network(jnp.dtype(arguments.dtype))
+    views = Views.of(SceneBank.load(arguments.train), arguments.height, arguments.width)
+    test = Views.of(SceneBank.load(arguments.test), arguments.height, arguments.width, looks=0.0)
+    key = jax.random.key(arguments.seed)
+    learner = begin(model, jax.random.fold_in(key, 0), arguments.height, arguments.width)
+    step = make_step(model, views, arguments.batch)
+    learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
+    jax.block_until_ready(learner)
+    _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
+    record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}
+    learner, steps = _run(step, learner, key, arguments, record)
+    record |= {"steps": steps, "frames": steps * arguments.batch, "minutes": arguments.minutes}
+    variables = learner.average
+    weights.save(arguments.out, variables, record)
+    table = evaluate(model, variables, test, arguments.test_frames, arguments.test_batch, arguments.seed + 1)
+    weights.save(arguments.out, variables, {**record, "score": table})
+    return {**record, **table}
+
+
+def _run(
+    step: Any, learner: Learner, key: jax.Array, arguments: argparse.Namespace, record: dict[str, Any]
+) -> tuple[Learner, int]:
+    """Steps until the time is over."""
+    begin_time = said = saved = time.monotonic()
+    length, steps = arguments.minutes * 60.0, 0
+    while (progress := (time.monotonic() - begin_time) / length) < 1.0:
+        rate = jnp.asarray(rate_at(progress, arguments.rate))
+        learner, parts = step(learner, jax.random.fold_in(key, 2 + steps), rate)
+        steps += 1
+        now = time.monotonic()
+        if now - said > _SAY_EVERY or steps == 1:
+            losses = {name: round(float(x), 4) for name, x in parts.items()}
+            _say({"event": "step", "steps": steps, "seconds": round(now - begin_time, 1), **losses})
+            said = now
+        if now - saved > _SAVE_EVERY:
+            weights.save(arguments.out, learner.average, {**record, "steps": steps})
+            saved = now
+        if steps % 8 == 0:  # a bounded queue: the clock then measures work that is done
+            jax.block_until_ready(parts)
+    return learner, steps
+
+
+def _hash(views: Views) -> str:
+    return str(views.renderer.bank.meta["hashes"].get("bank", ""))
+
+
+def _say(row: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(row) + "\n")
+    sys.stdout.flush()
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    height, width = network.SIZE
+    parser = argparse.ArgumentParser(prog="python -m urbanverse_mjx.distillation.train_eye", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--train", type=pathlib.Path, required=True, help="bank of streets to learn on")
+    parser.add_argument("--test", type=pathlib.Path, required=True, help="bank of streets to score on")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="weights to write")
+    parser.add_argument("--minutes", type=float, default=6.0, help="of training, without compiling and scoring")
+    parser.add_argument("--batch", type=int, default=32)
+    parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
+    parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 32")
+    parser.add_argument("--width", type=int, default=width)
+    parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
+    parser.add_argument("--test-frames", type=int, default=512)
+    parser.add_argument("--test-batch", type=int, default=32)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args(argv)
+    if arguments.height % network.STRIDE or arguments.width % network.STRIDE or arguments.minutes <= 0:
+        parser.error(f"--height and --width must be multiples of {network.STRIDE}, --minutes above 0")
+    return arguments
+
+
+def main(argv: list[str] | None = None) -> int:
+    arguments = parse(argv)
+    try:
+        table = train(arguments)
+    except NounError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return 2
+    _say({"event": "done", **table})
+    sys.stdout.write(score.as_markdown(table) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
