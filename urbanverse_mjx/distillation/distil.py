@@ -16,6 +16,8 @@ from .lifting import Views, lift
 
 #: Two labels without a word in common are still this alike: detectors mistake a van for a truck.
 _STRANGERS = 0.35
+#: Labels from this similarity on are one; a box is a fragment of another if more than this share of it is inside.
+_ALIKE, _INSIDE = 0.9, 0.7
 #: Views of one thing are taken from this many directions, so many of each at most.
 _SECTORS, _PER_SECTOR = 8, 4
 
@@ -158,6 +160,7 @@ def distil(
         )
     state = _State(recording, views, thing, placed, poses, depth, options)
     things = [t for t in (_thing(state, rows, prior_of) for rows in _groups(thing)) if t is not None]
+    things = _absorbed(things, views, alike)
     kept = [t for t in things if t.score >= options.min_score]
     return _graph(state, kept, regions, ground.kerbs(ground_grid), describe, crop_folder, len(things) - len(kept))
 
@@ -211,6 +214,31 @@ def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior
     count = len(np.unique(views.frame[rows]))
     score = float(views.score[rows].mean()) * (1.0 - 0.5**count) * np.sqrt(_share(state, rows, box))
     return _Thing(int(state.thing[rows[0]]), label, float(np.clip(score, 0, 1)), box, prior, rows)
+
+
+def _absorbed(things: list[_Thing], views: Views, alike: np.ndarray) -> list[_Thing]:
+    """Things without the fragments that turn out to lie in the box of a thing of their label seen more often: the top
+    of a house over a roof, the end of a car behind another."""
+    if len(things) < 2:
+        return things
+    row = {label: i for i, label in enumerate(views.labels)}
+    centers = np.array([t.box.center for t in things])
+    frames = [set(views.frame[t.rows].tolist()) for t in things]
+    kept = set(range(len(things)))
+    for i in sorted(kept, key=lambda k: len(things[k].rows)):
+        small = things[i]
+        near = np.linalg.norm(centers[:, :2] - centers[i, :2], axis=1)
+        for j in np.argsort(near):
+            large = things[j]
+            if near[j] > 0.6 * np.linalg.norm(large.box.size[:2]) + 1.0 and near[j] > 15.0:
+                break
+            rarer = 2 * len(small.rows) <= len(large.rows)
+            if i == j or j not in kept or not rarer or alike[row[small.label], row[large.label]] < _ALIKE:
+                continue
+            if boxes.share_inside(small.box, large.box) > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
+                kept.discard(i)
+                break
+    return [things[i] for i in sorted(kept)]
 
 
 def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.ndarray:
