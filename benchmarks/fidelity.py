@@ -33,7 +33,6 @@ from benchmarks._injection import inject
 from urbanverse_mjx.assets.index import load_index
 from urbanverse_mjx.assets.label_priors import LabelPriors
 from urbanverse_mjx.capture import PathOptions, TourOptions, tour
-from urbanverse_mjx.capture.street import slot_vertices
 from urbanverse_mjx.capture.truth import object_id, object_slots
 from urbanverse_mjx.cli.scene import ensure_default_bank
 from urbanverse_mjx.datatypes import NounError, Recording, SceneBank, SceneGraph
@@ -67,8 +66,11 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
     truth = SceneGraph.load(folder / "truth.json").objects
     seen = scores.seen_things(recording, truth)
     ids = {t.id for t in seen}
-    corners = {object_id(bank, scene, s): slot_vertices(bank, scene, s)[:, :2] for s in object_slots(bank, scene)}
-    turnable = {name: scores.is_turnable(xy) for name, xy in corners.items() if name in ids}
+    turnable = {}
+    for slot in object_slots(bank, scene):
+        mesh = bank.slot_mesh[scene, slot]
+        corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1], :2]
+        turnable[object_id(bank, scene, slot)] = scores.is_turnable(corners)
     return Tour(recording, seen, [t for t in truth if t.id not in ids], turnable)
 
 
