@@ -16,6 +16,8 @@ from ..datatypes.recording import SKY
 POINTS = 192
 #: Share of a view's points that may lie apart in depth and still belong to it; smaller groups are bleeding masks.
 _MINOR = 0.2
+#: Pixels along each side for which one of the coarse depth stands.
+COARSE = 8
 _GROUND_POINTS = 1500  # per frame
 
 
@@ -53,9 +55,19 @@ class GroundPoints:
     points: np.ndarray
 
 
+@dataclasses.dataclass(frozen=True)
+class Lifted:
+    """All that is read of a recording: views, ground, and depth (m, H / COARSE, W / COARSE) m, 0 = unknown, of the
+    registered frames, to tell what is hidden behind something else."""
+
+    views: Views
+    ground: GroundPoints
+    coarse: np.ndarray
+
+
 def lift(
     recording: Recording, min_pixels: int, max_range: float, progress: Callable[[int, int], None] | None = None
-) -> tuple[Views, GroundPoints]:
+) -> Lifted:
     """Reads every registered frame once.
 
     Args:
@@ -69,9 +81,13 @@ def lift(
     parts: list[tuple[np.ndarray, ...]] = []
     grounds: list[tuple[np.ndarray, ...]] = []
     registered = recording.registered
+    camera = recording.camera
+    rows = len(range(COARSE // 2, camera.height, COARSE)), len(range(COARSE // 2, camera.width, COARSE))
+    coarse = np.zeros((len(registered), *rows), np.float32)
     for row, number in enumerate(registered):
         depth = recording.depth(int(number))
         if depth is not None:
+            coarse[row] = depth[COARSE // 2 :: COARSE, COARSE // 2 :: COARSE]
             depth = np.where(depth <= max_range, depth, 0.0)
             masks, surfaces = recording.masks(int(number)), recording.surfaces(int(number))
             if masks is not None:
@@ -87,7 +103,7 @@ def lift(
                 grounds.append((*_ground(surfaces, depth, rays, row),))
         if progress is not None:
             progress(row + 1, len(registered))
-    return _joined(parts, tuple(labels)), _joined_ground(grounds)
+    return Lifted(_joined(parts, tuple(labels)), _joined_ground(grounds), coarse)
 
 
 def _joined(parts: list[tuple[np.ndarray, ...]], labels: tuple[str, ...]) -> Views:
