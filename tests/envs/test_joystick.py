@@ -82,7 +82,7 @@ def test_terms_by_hand() -> None:
         up=jnp.array([0.1, 0.0, 0.995]),
         height=jnp.float32(0.28),
         joints=jnp.zeros(12).at[0].set(0.97),
-        joint_speed=jnp.zeros(12),
+        joint_speed=jnp.zeros(12).at[jnp.array([4, 5])].set(15.0),
         joint_acceleration=jnp.full(12, 10.0),
         torque=jnp.full(12, 2.0),
         foot_height=jnp.array([0.0, 0.04, 0.2, 0.0]),
@@ -112,6 +112,7 @@ def test_terms_by_hand() -> None:
         "pose": np.exp(-(0.97**2)),
         "stand_still": 0.0,
         "joint_limits": 0.02,
+        "joint_speed": 15.0 - 0.9 * 15.7,  # of the knee alone
         "foot_clearance": 0.1 * 0.1 + 0.06 * 1.0,
         "foot_slip": 0.01,
         "air_time": 0.2,

@@ -63,6 +63,7 @@ def _fast() -> ConfigDict:
                 "tracking_width": 0.25,  # (m/s)² and (rad/s)²
                 "foot_clearance": 0.10,  # m
                 "trunk_height": 0.30,  # m
+                "motor_speed": (30.1, 30.1, 15.7),  # rad/s, urdf
                 "scales": {
                     "track_linear": 1.5,
                     "track_angular": 0.75,
@@ -76,6 +77,7 @@ def _fast() -> ConfigDict:
                     "pose": 0.3,
                     "stand_still": -0.5,
                     "joint_limits": -5.0,
+                    "joint_speed": -0.5,
                     "foot_clearance": -2.0,
                     "foot_slip": -0.1,
                     "air_time": 2.0,

@@ -18,6 +18,8 @@ SHORT_STEP, LONG_STEP = 0.2, 0.5
 POSE_WEIGHTS = (1.0, 0.2, 0.1)
 #: A joint within this share of half its range from the middle is free.
 SOFT_LIMIT = 0.95
+#: So much of a motor's speed limit is free.
+SOFT_SPEED = 0.9
 
 
 class Motion(NamedTuple):
@@ -66,6 +68,8 @@ def terms(m: Motion, config: ConfigDict, stand: Any, limits: Any) -> dict[str, A
     weights = jnp.tile(jnp.array(POSE_WEIGHTS), len(stand) // len(POSE_WEIGHTS))
     middle, half = limits.mean(1), 0.5 * (limits[:, 1] - limits[:, 0])
     beyond = jnp.maximum(jnp.abs(m.joints - middle) - SOFT_LIMIT * half, 0.0)
+    fastest = jnp.tile(jnp.array(config.motor_speed), len(stand) // len(config.motor_speed))
+    too_fast = jnp.maximum(jnp.abs(m.joint_speed) - SOFT_SPEED * fastest, 0.0)
     error = m.command[:2] - m.linear[:2]
     low = jnp.maximum(config.foot_clearance - m.foot_height, 0.0)
     step = jnp.minimum(m.air_time, LONG_STEP) - SHORT_STEP
@@ -83,6 +87,7 @@ def terms(m: Motion, config: ConfigDict, stand: Any, limits: Any) -> dict[str, A
         "pose": jnp.exp(-jnp.sum(weights * deviation**2)),
         "stand_still": jnp.sum(jnp.abs(deviation)) * (1.0 - moving),
         "joint_limits": jnp.sum(beyond),
+        "joint_speed": jnp.sum(too_fast),
         "foot_clearance": jnp.sum(low * m.foot_speed) * moving,
         "foot_slip": jnp.sum(contact * m.foot_speed**2),
         "air_time": jnp.sum(step * m.landed) * moving,
