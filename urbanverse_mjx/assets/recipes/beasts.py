@@ -225,7 +225,7 @@ def cow(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.ring(0.17, 0.018, (0.60 * s, 0, 0.88 * s), "dark red", (0, 60, 0), 16, 5)
         b.lathe([(0.085, 0), (0.075, 0.1), (0.03, 0.14)], (0.66 * s, 0, 0.66 * s), "brass", segments=10)
     names = ("A black and white dairy cow", "A brown cow with white patches", "A fawn cow with a bell")
-    size = ((2.45, 0.72, 1.48), (2.3, 0.70, 1.42), (2.4, 0.74, 1.5))[variant]
+    size = ((2.45, 0.86, 1.48), (2.3, 0.84, 1.42), (2.4, 0.78, 1.5))[variant]
     return fitted(b.build(names[variant], {"coat": coat}), size)
 
 

@@ -260,19 +260,19 @@ def nightstand(variant: int, rng: np.random.Generator) -> BuiltAsset:
 @recipe("wardrobe", 3)
 def wardrobe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three free-standing wardrobes."""
-    return _wardrobe(variant, (1.25, 1.9, 1.1)[variant % 3], rng)
+    return _wardrobe(variant, (1.25, 1.9, 1.1)[variant % 3], ("wood", "white", "light wood")[variant % 3], rng)
 
 
 @recipe("closet", 3)
 def closet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three built-in ones, wider."""
-    return _wardrobe(variant, (1.5, 2.2, 1.3)[variant % 3], rng)
+    return _wardrobe(variant, (1.5, 2.2, 1.3)[variant % 3], ("#d9d4c6", "#6b4a34", "#c9d2d6")[variant % 3], rng)
 
 
-def _wardrobe(variant: int, w: float, rng: np.random.Generator) -> BuiltAsset:
+def _wardrobe(variant: int, w: float, color: Color, rng: np.random.Generator) -> BuiltAsset:
     """Two doors over a drawer with a cornice, three plain doors with a mirror, an open one with hung clothes."""
     b = MeshBuilder(roughness=0.55)
-    color, d, h = (("wood", 0.59, 2.03), ("white", 0.62, 2.2), ("light wood", 0.56, 1.9))[variant % 3]
+    d, h = ((0.59, 2.03), (0.62, 2.2), (0.56, 1.9))[variant % 3]
     c = Carcass(b, d - 0.03, w, h - 0.03, color, 0.08, "brass" if variant % 3 == 0 else "aluminium")
     if variant % 3 == 0:
         c.drawers(0, 0.08, w, (0.25,), shade(color, 0.95), "bar")

@@ -92,17 +92,25 @@ def armchair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "an armchair", ((0.82, 0.8, 0.88), (0.86, 0.78, 1.08), (0.84, 0.7, 0.92))[variant % 3])
 
 
-@recipe("couch", 3)
 @recipe("sofa", 3)
 def sofa(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    """In grey or olive, brick or teal cloth, and in brown leather."""
+    cloths = ("#6f7d8c", "#8a8f7a")[int(rng.integers(2))], ("#b5533c", "#35606b")[int(rng.integers(2))], "#5d3a26"
+    return _settee_with_cushions(variant, cloths[variant % 3], ("amber", "cream", "beige")[variant % 3])
+
+
+@recipe("couch", 3)
+def couch(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    """In navy, mustard or sage cloth, and in black leather."""
+    cloths = "#2f4467", ("#c79a3b", "#7f9a7d")[int(rng.integers(2))], "#2b2a2a"
+    return _settee_with_cushions(variant, cloths[variant % 3], ("cream", "teal", "#8f2f2a")[variant % 3])
+
+
+def _settee_with_cushions(variant: int, cloth: Color, spot: Color) -> BuiltAsset:
     """Seats between arms with thrown cushions: three seats, a loveseat on tall legs, a wide leather one."""
     b = MeshBuilder(roughness=0.8)
-    color, (d, w, h), seats, spot = (
-        (("#6f7d8c", "#8a8f7a")[int(rng.integers(2))], (0.94, 2.04, 0.83), 3, "amber"),
-        (("#b5533c", "#35606b")[int(rng.integers(2))], (0.88, 1.55, 0.8), 2, "cream"),
-        ("#5d3a26", (1.02, 2.35, 0.78), 3, "beige"),
-    )[variant % 3]
-    settee(b, d, w, h, seats, color, "charcoal" if variant % 3 == 2 else "wood", 0.2 if variant % 3 == 2 else 0.15)
+    (d, w, h), seats = (((0.94, 2.04, 0.83), 3), ((0.88, 1.55, 0.8), 2), ((1.02, 2.35, 0.78), 3))[variant % 3]
+    settee(b, d, w, h, seats, cloth, "charcoal" if variant % 3 == 2 else "wood", 0.2 if variant % 3 == 2 else 0.15)
     for side, tilt in ((-1, 24), (1, -16)):
         with b.frame((-0.02, side * (w / 2 - 0.36), h * 0.52), (0, 68, tilt)):
             pouch(b, (0.4, 0.4, 0.15), (-0.2, 0, 0), spot)
