@@ -201,8 +201,10 @@ def test_places_within_reach_come_first_and_others_when_there_are_none() -> None
     nobody = (jnp.zeros(1), jnp.zeros(1), jnp.zeros(1), jnp.zeros(1, bool))
 
     def chosen(places: jax.Array, hidden: bool, reach: float) -> set[float]:
-        rows = [spawning.choose(jax.random.key(i), places, 0.3, *nobody, watcher, hidden, reach) for i in range(20)]
-        return {float(places[row, 0]) for row, found in rows if bool(found)}
+        keys = jax.random.split(jax.random.key(0), 20)
+        call = jax.jit(jax.vmap(lambda k: spawning.choose(k, places, 0.3, *nobody, watcher, hidden, reach)))
+        rows, found = call(keys)
+        return set(np.asarray(places[rows, 0])[np.asarray(found)].tolist())
 
     near = chosen(place, False, 12.0)
     assert len(near) > 3
