@@ -195,6 +195,25 @@ def test_nobody_appears_in_sight_or_upon_another() -> None:
     assert not bool(none[1])
 
 
+def test_places_within_reach_come_first_and_others_when_there_are_none() -> None:
+    place = jnp.stack([jnp.arange(40.0), jnp.zeros(40)], -1)
+    watcher = spawning.Watcher(*(jnp.float32(0) for _ in range(3)), jnp.array(True))
+    nobody = (jnp.zeros(1), jnp.zeros(1), jnp.zeros(1), jnp.zeros(1, bool))
+
+    def chosen(places: jax.Array, hidden: bool, reach: float) -> set[float]:
+        keys = jax.random.split(jax.random.key(0), 20)
+        call = jax.jit(jax.vmap(lambda k: spawning.choose(k, places, 0.3, *nobody, watcher, hidden, reach)))
+        rows, found = call(keys)
+        return set(np.asarray(places[rows, 0])[np.asarray(found)].tolist())
+
+    near = chosen(place, False, 12.0)
+    assert len(near) > 3
+    assert min(near) > 1.5
+    assert max(near) < 12.5
+    assert min(chosen(place, True, 12.0)) >= 30.0, "in sight within reach: what is out of sight will do"
+    assert max(chosen(place[20:], False, 12.0)) > 20.0
+
+
 def test_scripts_put_people_where_they_say() -> None:
     ring = behaviours.talk(jnp.float32(3.0), jnp.float32(1.0), 4)
     side = np.hypot(np.diff(ring.x), np.diff(ring.y))
