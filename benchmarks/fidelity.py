@@ -11,7 +11,7 @@ average precision at a 3D IoU of 0.25), of things under 50 m^3; Ast, share of ma
 and box, chose the very asset. Recall and precision over things. A true thing counts as seen where it covers 0.15 % of
 some frame; finding one that was hardly seen is neither right nor wrong.
 
-Rows: perfect inputs; the protocol's errors (`_injection`), single view and fused; and one row for every folder given
+Rows: perfect inputs; the protocol's errors (`_injection`), each thing from its view of median size alone and fused; and one row for every folder given
 with --recordings (a perception's recordings of the same tours: NAME/<scene>/recording.json). Tracks are never used.
 `--scaling` times 10 to 720 frames of one tour instead.
 """
