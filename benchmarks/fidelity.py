@@ -97,7 +97,11 @@ def judge(given: Recording, filmed: Tour, priors: LabelPriors, options: DistilOp
     T = scores.alignment(found, true)
     error = np.linalg.norm((T @ found)[:, :3, 3] - true[:, :3, 3], axis=1)
     result = scores.score(scores.moved(made.graph.objects, T), filmed.seen, filmed.unseen, filmed.turnable)
-    figures = {"seconds": seconds, "registered": len(given.registered) / len(given), "trajectory_m": float(error.mean())}
+    figures = {
+        "seconds": seconds,
+        "registered": len(given.registered) / len(given),
+        "trajectory_m": float(error.mean()),
+    }
     return result, figures
 
 
@@ -109,7 +113,9 @@ def rows(tours: Sequence[Tour], priors: LabelPriors, others: Sequence[pathlib.Pa
         ("injected errors, fused", DistilOptions(), _noisy(seed)),
     ]
     for folder in others:
-        plans.append((folder.name, DistilOptions(), lambda t, _, folder=folder: Recording.load(folder / t.recording.id)))
+        plans.append(
+            (folder.name, DistilOptions(), lambda t, _, folder=folder: Recording.load(folder / t.recording.id))
+        )
     table = []
     for name, options, recording_of in plans:
         judged = []

@@ -128,9 +128,7 @@ def direction(flat: np.ndarray, blur: float) -> float:
     return float(np.remainder(fine[np.argmin(cost(fine))], np.pi / 2))
 
 
-def fit(
-    points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, top: float | None, sigma: float
-) -> Box:
+def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, top: float | None, sigma: float) -> Box:
     """The box around corrected points.
 
     Args:
