@@ -39,12 +39,11 @@ class Box:
     completed: tuple[bool, bool, bool]
 
 
-def share_inside(small: Box, large: Box) -> float:
-    """Share of a 5 x 5 x 5 grid over one box that lies within another, given 0.2 m and the blur of both."""
-    grid = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 5)] * 3), -1).reshape(-1, 3) * small.size
-    points = grid @ _turn(small.yaw) + small.center
-    local = (points - large.center) @ _turn(large.yaw).T
-    return float((np.abs(local) <= large.size / 2 + 0.2 + small.blur + large.blur).all(1).mean())
+def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> float:
+    """Share of a 5 x 5 x 5 grid from `low` to `high` (3,) m that lies within a box, given 0.2 m, `blur` and its own."""
+    grid = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * 3), -1).reshape(-1, 3)
+    local = (low + grid * (high - low) - box.center) @ _turn(box.yaw).T
+    return float((np.abs(local) <= box.size / 2 + 0.2 + blur + box.blur).all(1).mean())
 
 
 def _turn(yaw: float) -> np.ndarray:

@@ -19,7 +19,7 @@ _STRANGERS = 0.35
 #: How much less likely a thing is for every frame that should show it and does not: detectors miss a quarter to a half
 #: of what they could find, and leaves and railings hide more than one ray tells.
 _MISSED = 0.7
-#: A thing is this much less likely (log odds) for every e-fold by which it has another size than any known one, beyond a
+#: A thing is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
 #: spread that partly hidden things have.
 _ODD_SIZE, _SIZE_SPREAD = 1.5, 0.5
 #: Labels from this similarity on may mean one thing.
@@ -169,7 +169,7 @@ def distil(
         )
     state = _State(recording, views, lifted.coarse, thing, alike, placed, poses, depth, options)
     things = [t for t in (_thing(state, rows, prior_of) for rows in _groups(thing)) if t is not None]
-    things = _absorbed(things, views, alike)
+    things = _absorbed(things, views, placed, alike)
     kept = [t for t in things if t.score >= options.min_score]
     return _graph(state, kept, regions, ground.kerbs(ground_grid), describe, crop_folder, len(things) - len(kept))
 
@@ -234,13 +234,15 @@ def _reach(prior: LabelPrior) -> float:
     return 1.25 * float(np.linalg.norm(prior.extents[:, :2], axis=1).max()) if len(prior.extents) else np.inf
 
 
-def _absorbed(things: list[_Thing], views: Views, alike: np.ndarray) -> list[_Thing]:
+def _absorbed(things: list[_Thing], views: Views, placed: fusion.Placed, alike: np.ndarray) -> list[_Thing]:
     """Things without the fragments that turn out to lie in the box of a thing of their label seen more often: the top
     of a house over a roof, the end of a car behind another."""
     if len(things) < 2:
         return things
     row = {label: i for i, label in enumerate(views.labels)}
     centers = np.array([t.box.center for t in things])
+    # What was seen of each, without what was completed.
+    spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in things]
     frames = [set(views.frame[t.rows].tolist()) for t in things]
     kept = set(range(len(things)))
     for i in sorted(kept, key=lambda k: len(things[k].rows)):
@@ -253,7 +255,8 @@ def _absorbed(things: list[_Thing], views: Views, alike: np.ndarray) -> list[_Th
             rarer = 2 * len(small.rows) <= len(large.rows)
             if i == j or j not in kept or not rarer or alike[row[small.label], row[large.label]] < _ALIKE:
                 continue
-            if boxes.share_inside(small.box, large.box) > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
+            inside = boxes.share_inside(*spans[i], large.box, small.box.blur)
+            if inside > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
                 kept.discard(i)
                 break
     return [things[i] for i in sorted(kept)]
