@@ -16,6 +16,8 @@ _UNLIKE = 0.5
 #: By how much a roof is higher than the edge that one sees of it from below.
 _ROOF = 1.12
 _LACKING = 0.75
+#: By how much a thing may be longer than every known one of its label.
+_LONGEST = 1.3
 _MIN_SIDE = 0.01  # m
 _BINS = 128
 #: Points that a direction is taken from.
@@ -37,12 +39,11 @@ class Box:
     completed: tuple[bool, bool, bool]
 
 
-def share_inside(small: Box, large: Box) -> float:
-    """Share of a 5 x 5 x 5 grid over one box that lies within another, given 0.2 m and the blur of both."""
-    grid = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 5)] * 3), -1).reshape(-1, 3) * small.size
-    points = grid @ _turn(small.yaw) + small.center
-    local = (points - large.center) @ _turn(large.yaw).T
-    return float((np.abs(local) <= large.size / 2 + 0.2 + small.blur + large.blur).all(1).mean())
+def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> float:
+    """Share of a 5 x 5 x 5 grid from `low` to `high` (3,) m that lies within a box, given 0.2 m, `blur` and its own."""
+    grid = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * 3), -1).reshape(-1, 3)
+    local = (low + grid * (high - low) - box.center) @ _turn(box.yaw).T
+    return float((np.abs(local) <= box.size / 2 + 0.2 + blur + box.blur).all(1).mean())
 
 
 def _turn(yaw: float) -> np.ndarray:
@@ -74,8 +75,9 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     along = np.hypot(sigma, across)
     project = line[:, :, None] * line[:, None, :]
     information = project / along[:, None, None] ** 2 + (np.eye(3) - project) / across[:, None, None] ** 2
-    weight = np.ones(len(points))
-    center = middle[0]
+    center = np.median(middle, axis=0)
+    apart = middle - center
+    weight = 1.0 / np.maximum(1.0, np.einsum("vi,vij,vj->v", apart, information, apart) / 4.0)
     for _ in range(3):
         total = (weight[:, None, None] * information).sum(0)
         center = np.linalg.solve(total, np.einsum("v,vij,vj->i", weight, information, middle))
@@ -145,6 +147,7 @@ def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, t
     high = np.maximum(high, low + _MIN_SIDE)
     quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
+    low, high = _bounded(low, high, prior)
     low, high, completed = _complete(low, high, seen_from, prior, top is None)
     back = _turn(yaw).T
     yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
@@ -173,16 +176,24 @@ def _heading(size: np.ndarray, middle: np.ndarray, eyes: np.ndarray, prior: Labe
     facing = [towards[0], towards[1], -towards[0], -towards[1]]
     axis = int(np.argmax(np.abs(towards)))
     if len(prior.extents):
-        misfit = [_misfit(size[[0, 1, 2]], prior), _misfit(size[[1, 0, 2]], prior)]
-        if abs(misfit[0] - misfit[1]) > np.log(_CLEAR):
-            axis = int(np.argmin(misfit))
+        fits = [misfit(size[[0, 1, 2]], prior), misfit(size[[1, 0, 2]], prior)]
+        if abs(fits[0] - fits[1]) > np.log(_CLEAR):
+            axis = int(np.argmin(fits))
     return axis if facing[axis] >= 0 else axis + 2
 
 
-def _misfit(size: np.ndarray, prior: LabelPrior) -> float:
+def misfit(size: np.ndarray, prior: LabelPrior) -> float:
     """Sum of the log ratios to the nearest known size; an unseen part makes a side shorter, hardly ever longer."""
     ratio = np.log(prior.extents / size)
     return float(np.where(ratio > 0, 0.7 * ratio, -1.3 * ratio).sum(1).min())
+
+
+def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
+    """No side much longer than any known one: blurred depth and masks that bleed draw boxes out. Feet stay."""
+    if not len(prior.extents):
+        return low, high
+    excess = np.maximum(high - low - _LONGEST * prior.extents.max(0), 0.0)
+    return low + excess * [0.5, 0.5, 0.0], high - excess * [0.5, 0.5, 1.0]
 
 
 def _complete(
@@ -208,10 +219,10 @@ def _complete(
         return low, high, (False, False, False)
     ratio = np.log(prior.extents / size)
     hope = np.where(hidden, [0.25, 0.25, 0.05 if topless else 1.0], 1.0)
-    misfit = np.where(ratio < 0, -1.5 * ratio, ratio * hope)
-    best = int(np.argmin(misfit.sum(1)))
+    lack = np.where(ratio < 0, -1.5 * ratio, ratio * hope)
+    best = int(np.argmin(lack.sum(1)))
     known = prior.extents[best]
-    if misfit[best, ~hidden | [False, False, not topless]].sum() > _UNLIKE:
+    if lack[best, ~hidden | [False, False, not topless]].sum() > _UNLIKE:
         return low, high, (False, False, False)
     longer = hidden & (known > size)
     # Along the face that was looked at a hidden end shows as a gross lack alone.

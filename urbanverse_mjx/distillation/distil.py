@@ -19,6 +19,11 @@ _STRANGERS = 0.35
 #: How much less likely a thing is for every frame that should show it and does not: detectors miss a quarter to a half
 #: of what they could find, and leaves and railings hide more than one ray tells.
 _MISSED = 0.7
+#: A thing is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
+#: spread that partly hidden things have.
+_ODD_SIZE, _SIZE_SPREAD = 1.5, 0.5
+#: Labels from this similarity on may mean one thing.
+_KIN = 0.5
 #: Labels from this similarity on are one; a box is a fragment of another if more than this share of it is inside.
 _ALIKE, _INSIDE = 0.9, 0.7
 #: Views of one thing are taken from this many directions, so many of each at most.
@@ -35,7 +40,7 @@ class DistilOptions:
       min_score: things of less confidence are left out.
       depth_scale: whether depth is made consistent over frames from the ground.
       close_loops: whether poses are made consistent where the tour comes by again.
-      single_view: take each thing from its largest view alone (to measure what fusion is worth).
+      single_view: take each thing from one view alone, that of median size (to measure what fusion is worth).
       place: whether things are pulled to where their kind can stand.
     """
 
@@ -142,7 +147,7 @@ def distil(
     poses = recording.poses()
     if not len(poses):
         raise NounError(f"recording {recording.id!r}: found no frame with a pose, needed at least one; estimate poses.")
-    lifted = lift(recording, options.min_pixels, options.max_range, progress)
+    lifted = lift(recording, options.min_pixels, options.max_range, lambda label: _reach(prior_of(label)), progress)
     views, seen = lifted.views, lifted.ground
     depth = depth_scale(seen, poses)
     if not options.depth_scale:
@@ -162,9 +167,9 @@ def distil(
         raise NounError(
             f"recording {recording.id!r}: found no ground, needed surfaces with depth in some registered frame."
         )
-    state = _State(recording, views, lifted.coarse, thing, placed, poses, depth, options)
+    state = _State(recording, views, lifted.coarse, thing, alike, placed, poses, depth, options)
     things = [t for t in (_thing(state, rows, prior_of) for rows in _groups(thing)) if t is not None]
-    things = _absorbed(things, views, alike)
+    things = _absorbed(things, views, placed, alike)
     kept = [t for t in things if t.score >= options.min_score]
     return _graph(state, kept, regions, ground.kerbs(ground_grid), describe, crop_folder, len(things) - len(kept))
 
@@ -175,6 +180,7 @@ class _State:
     views: Views
     coarse: np.ndarray
     thing: np.ndarray
+    alike: np.ndarray
     placed: fusion.Placed
     poses: np.ndarray
     depth: DepthScale
@@ -204,28 +210,39 @@ def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior
     votes = np.bincount(views.label[rows], views.score[rows] / placed.sigma[rows], len(views.labels))
     label = views.labels[int(votes.argmax())]
     prior = prior_of(label)
+    # Views that called it something else may show something else.
+    own = rows[state.alike[views.label[rows], int(votes.argmax())] >= _KIN]
     if state.options.single_view:
-        chosen = rows[[int(np.argmax(views.pixels[rows]))]]
+        own = chosen = rows[np.argsort(views.pixels[rows], kind="stable")][[len(rows) // 2]]
+        label = views.labels[int(views.label[chosen[0]])]
+        prior = prior_of(label)
     else:
-        chosen = _chosen(rows, placed, views.clipped)
+        chosen = _chosen(own, placed, views.clipped)
     points = fusion.world_points(views, state.poses, state.depth.scale, chosen)
     eyes = placed.eye[chosen]
     noise = state.depth.noise
     points, sigma = boxes.consensus(points, eyes, placed.sigma[chosen], noise)
-    top = _top(rows if len(chosen) > 1 else chosen, views, placed)
-    box = boxes.fit(points.reshape(-1, 3), placed.eye[rows], prior, noise, top, sigma)
+    top = _top(own if len(chosen) > 1 else chosen, views, placed)
+    box = boxes.fit(points.reshape(-1, 3), placed.eye[own], prior, noise, top, sigma)
     if not np.isfinite(box.center).all():
         return None
-    return _Thing(int(state.thing[rows[0]]), label, _confidence(state, rows, box), box, prior, rows)
+    return _Thing(int(state.thing[rows[0]]), label, _confidence(state, rows, box, prior), box, prior, rows)
 
 
-def _absorbed(things: list[_Thing], views: Views, alike: np.ndarray) -> list[_Thing]:
+def _reach(prior: LabelPrior) -> float:
+    """m: how far things of a label reach to both sides of their middle, a quarter more than any that is known."""
+    return 1.25 * float(np.linalg.norm(prior.extents[:, :2], axis=1).max()) if len(prior.extents) else np.inf
+
+
+def _absorbed(things: list[_Thing], views: Views, placed: fusion.Placed, alike: np.ndarray) -> list[_Thing]:
     """Things without the fragments that turn out to lie in the box of a thing of their label seen more often: the top
     of a house over a roof, the end of a car behind another."""
     if len(things) < 2:
         return things
     row = {label: i for i, label in enumerate(views.labels)}
     centers = np.array([t.box.center for t in things])
+    # What was seen of each, without what was completed.
+    spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in things]
     frames = [set(views.frame[t.rows].tolist()) for t in things]
     kept = set(range(len(things)))
     for i in sorted(kept, key=lambda k: len(things[k].rows)):
@@ -238,7 +255,8 @@ def _absorbed(things: list[_Thing], views: Views, alike: np.ndarray) -> list[_Th
             rarer = 2 * len(small.rows) <= len(large.rows)
             if i == j or j not in kept or not rarer or alike[row[small.label], row[large.label]] < _ALIKE:
                 continue
-            if boxes.share_inside(small.box, large.box) > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
+            inside = boxes.share_inside(*spans[i], large.box, small.box.blur)
+            if inside > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
                 kept.discard(i)
                 break
     return [things[i] for i in sorted(kept)]
@@ -272,7 +290,7 @@ def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
     return float(np.quantile(placed.high[best, 2], 0.8))
 
 
-def _confidence(state: _State, rows: np.ndarray, box: boxes.Box) -> float:
+def _confidence(state: _State, rows: np.ndarray, box: boxes.Box, prior: LabelPrior) -> float:
     """Probability that a thing is there: every view speaks for it by the odds of its score, every frame that should
     have shown it and did not speaks against it by the odds of `_MISSED`.
 
@@ -296,6 +314,8 @@ def _confidence(state: _State, rows: np.ndarray, box: boxes.Box) -> float:
     free = (depth == 0) | (depth > local[missing, 2] - slack)
     score = np.clip(state.views.score[rows], 0.02, 0.98)
     odds = float(np.log(score / (1 - score)).sum() + free.sum() * np.log(_MISSED))
+    if len(prior.extents):
+        odds -= _ODD_SIZE * max(0.0, boxes.misfit(box.size, prior) - _SIZE_SPREAD)
     return float(1.0 / (1.0 + np.exp(-np.clip(odds, -30, 30))))
 
 

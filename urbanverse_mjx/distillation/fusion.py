@@ -198,7 +198,7 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
             pairs = np.nonzero(gap < _REACH)
             agree = np.zeros(gap.shape)
             agree[pairs] = _agreement(placed.center[rows], covariances[rows], middle, covariance, pairs)
-            score = likeness.T * 0.5 * (overlap + agree)
+            score = likeness.T * np.maximum(0.75 * overlap, 0.5 * (overlap + agree))
             a, b = scipy.optimize.linear_sum_assignment(score, maximize=True)
             good = score[a, b] >= _ACCEPT
             a, b = a[good], near[b[good]]

@@ -6,7 +6,8 @@ import numpy as np
 import scipy.ndimage
 import shapely
 
-from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion
+from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, NounError
+from ..datatypes.ground import check_polygon
 from .lifting import GroundPoints
 
 CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
@@ -135,10 +136,26 @@ def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
     for outline, kind in zip(straight, kinds, strict=True):
         for piece in _simple_pieces(outline, seen):
             plane, _ = fit_plane(seen, piece)
-            name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
-            ring = [(round(x, 3), round(y, 3)) for x, y in piece.exterior.coords[:-1]]
-            made.append(GroundRegion(name, GROUND_KINDS[kind], tuple(ring), plane))
+            for ring in _rings(piece):
+                name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
+                made.append(GroundRegion(name, GROUND_KINDS[kind], ring, plane))
     return tuple(made)
+
+
+def _rings(piece: shapely.Polygon) -> list[tuple[tuple[float, float], ...]]:
+    """The outline in whole millimetres; one that touches itself there is drawn in by 2 cm, which parts it."""
+    rings = []
+    for part in (piece, *shapely.get_parts(piece.buffer(-0.02, join_style="mitre"))):
+        flat = shapely.remove_repeated_points(shapely.set_precision(part, 0.001, mode="pointwise"), 0.002)
+        if flat.is_empty or flat.area < 0.25:
+            continue
+        try:
+            rings.append(check_polygon([list(c) for c in flat.exterior.coords[:-1]], "ground"))
+        except NounError:
+            continue
+        if part is piece:
+            return rings
+    return rings
 
 
 def _polygons(mask: np.ndarray, origin: np.ndarray) -> list[shapely.Polygon]:
