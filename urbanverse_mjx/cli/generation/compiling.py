@@ -29,7 +29,7 @@ def load_assets(folder: pathlib.Path) -> AssetIndex:
 
 
 def leave_with_parent() -> None:
-    """Ends this process as soon as the one that started it is gone: a killed run leaves nobody at work in its folder."""
+    """Ends this process as soon as the one that started it is gone: nobody works on in a killed run's folder."""
     parent = multiprocessing.parent_process()
     if parent is not None:
 
