@@ -310,14 +310,19 @@ def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
 def sky_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
     """`sky_descriptor` of the pixels of a picture (H, W, 3) uint8 that a mask (H, W) holds: what is seen between roofs.
 
+    Of the rows that the mask touches the upper half counts, as the paper takes the upper half of frames: at a street's
+    end the sky reaches down into haze and far land.
+
     Raises:
       NounError: an empty mask.
     """
     _checked(picture)
-    pixels = picture[np.asarray(mask, bool)]
-    if not len(pixels):
+    mask = np.asarray(mask, bool)
+    rows = np.flatnonzero(mask.any(1))
+    if not len(rows):
         raise v.fail("mask of the sky", "no pixel", "at least one")
-    return _roots(_hsv_shares(pixels))
+    upper = slice(rows[0], rows[0] + max(1, (rows[-1] + 1 - rows[0]) // 2))
+    return _roots(_hsv_shares(picture[upper][mask[upper]]))
 
 
 def _hsv_shares(pixels: np.ndarray) -> np.ndarray:

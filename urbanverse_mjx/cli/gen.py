@@ -14,7 +14,7 @@ class GenArgs:
     """Make compiled digital cousins of a tour; goes on where an earlier run stopped; prints one JSON line."""
 
     source: Annotated[pathlib.Path, tyro.conf.Positional]
-    """graph.json, or the folder of a recording (posed frames with depth and masks)."""
+    """A video, a folder of frames, the folder of a recording (posed frames with depth and masks), or graph.json."""
     out: pathlib.Path
     """Folder of the run: graph, cousins, bank, report.html."""
     cousins: int = 5
@@ -29,6 +29,16 @@ class GenArgs:
     """Render pictures of the cousins for the report."""
     workers: int | None = None
     """Processes that compile; default: the cores this process may use."""
+    rate: float = 2.0
+    """Frames taken of a video per second; of a folder's pictures, how many were taken in a second."""
+    camera_height: float = 1.5
+    """Height (m) of the camera above the ground that is walked on: it gives the scale of a video."""
+    blur: str | None = None
+    """Detector of faces and number plates, which are blurred before a frame is stored; none: frames stay here."""
+    licence: str = "unknown"
+    """Of the video, for the records; as city and country."""
+    city: str = "unknown"
+    country: str = "unknown"
     quiet: bool = False
 
 
@@ -57,6 +67,12 @@ class BatchArgs:
     """Write every scene as USD too."""
     pictures: bool = False
     """Render pictures of the cousins for the reports."""
+    rate: float = 2.0
+    """Frames taken of a video per second."""
+    camera_height: float = 1.5
+    """Height (m) of the cameras above the ground that is walked on."""
+    blur: str | None = None
+    """Detector of faces and number plates, which are blurred before a frame is stored."""
     quiet: bool = False
 
 
@@ -69,19 +85,21 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _gen(args: GenArgs) -> int:
-    from .generation import GenerationOptions, generate
+    from .generation import GenerationOptions, TourOptions, generate
 
-    options = GenerationOptions(args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers)
+    tour = TourOptions(args.rate, args.camera_height, args.blur, args.licence, args.city, args.country)
+    options = GenerationOptions(args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, tour)
     print(json.dumps(generate(args.source, args.out, options, args.quiet)))
     return 0
 
 
 def _batch(args: BatchArgs) -> int:
-    from .generation import GenerationOptions
+    from .generation import GenerationOptions, TourOptions
     from .generation.batch import run_batch
 
     # A source's own cousins are compiled one after another: the sources share the cores.
-    options = GenerationOptions(args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1)
+    tour = TourOptions(args.rate, args.camera_height, args.blur)
+    options = GenerationOptions(args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, tour=tour)
     done = run_batch(args.sources, args.out, options, args.executor, args.workers, args.retries, args.quiet)
     print(json.dumps(done))
     return 1 if done["failed"] else 0

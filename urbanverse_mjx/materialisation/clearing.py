@@ -1,8 +1,9 @@
-"""No two things in one place: small moves first, and what finds no place of its own is left out and named."""
+"""No two things in one place: nothing twice, then small moves; what finds no room is left out and named."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 import shapely
 
 from ..datatypes import GraphObject, PlacedObject
@@ -36,10 +37,10 @@ class Cleared:
 def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapping[str, GraphObject]) -> Cleared:
     """Ends penetrations.
 
-    A thing that was found twice stands once. Then things are moved by at most `overlap.LIMIT`. Of a pair that stays,
-    the movable one is left out: it would be thrown off as soon as physics runs; two fixed things may share a little.
+    Things are moved by at most `overlap.LIMIT`. Of a pair that stays, the movable one is left out: it would be thrown
+    off as soon as physics runs; two fixed things may share a little.
     """
-    found, left_out = _once(list(bodies), things)
+    found = list(bodies)
     left = overlap.resolve(found, support)
     gone: dict[int, LeftOut] = {}
     no_room = []
@@ -55,25 +56,25 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
     kept = [b for k, b in enumerate(found) if k not in gone]
     return Cleared(
         placed=tuple(overlap.moved(b) for b in kept),
-        left_out=(*left_out, *gone.values()),
+        left_out=tuple(gone.values()),
         moved=tuple((b.placed.id, b.distance) for b in kept if b.distance),
         unresolved=tuple((found[i].placed.id, found[j].placed.id) for i, j in left if i not in gone and j not in gone),
         no_room=tuple(no_room),
     )
 
 
-def _once(bodies: list[overlap.Body], things: Mapping[str, GraphObject]) -> tuple[list[overlap.Body], list[LeftOut]]:
-    """Without the less certain of two things of one label that share most of the smaller one's ground."""
-    outlines = [shapely.union_all([shapely.Polygon(p.corners) for p in b.prisms]) for b in bodies]
+def found_twice(things: Sequence[GraphObject]) -> list[LeftOut]:
+    """The less certain ones of things of one label whose boxes share most of the smaller one's ground."""
+    boxes = np.array([overlap.ground_box(thing) for thing in things], dtype=object)
     doubles: dict[int, LeftOut] = {}
-    for i, j in overlap.penetrating_pairs(bodies):
-        a, b = bodies[i].placed, bodies[j].placed
-        if a.label != b.label or i in doubles or j in doubles:
+    for i, j in sorted((int(i), int(j)) for i, j in shapely.STRtree(boxes).query(boxes, "intersects").T if i < j):
+        a, b = things[i], things[j]
+        apart = abs(a.center[2] - b.center[2]) >= (a.size[2] + b.size[2]) / 2
+        if a.label != b.label or apart or i in doubles or j in doubles:
             continue
-        shared = outlines[i].intersection(outlines[j]).area / min(outlines[i].area, outlines[j].area)
+        shared = boxes[i].intersection(boxes[j]).area / min(boxes[i].area, boxes[j].area)
         if shared > SAME_PLACE:
-            k, other = (i, b) if (things[a.id].score, b.id) < (things[b.id].score, a.id) else (j, a)
-            gone = bodies[k].placed
-            reason = f"it shares {100 * shared:.0f} % of its ground with {other.id!r}, which is the same thing"
-            doubles[k] = LeftOut(gone.id, gone.label, reason)
-    return [b for k, b in enumerate(bodies) if k not in doubles], list(doubles.values())
+            k, kept = (i, b) if (a.score, b.id) < (b.score, a.id) else (j, a)
+            reason = f"it shares {100 * shared:.0f} % of its ground with {kept.id!r}, which is the same thing"
+            doubles[k] = LeftOut(things[k].id, things[k].label, reason)
+    return list(doubles.values())

@@ -79,8 +79,10 @@ def materialise_cousins(
     flat = graph
     if kerb:
         flat, raised = kerbs.raise_sidewalks(graph, kerb)
-    leaves, unknown = _leaves(flat.objects, _matcher(objects))
-    known = [thing for thing in flat.objects if thing.label in leaves]
+    leaves, nowhere = _leaves(flat.objects, _matcher(objects))
+    nowhere += clearing.found_twice([thing for thing in flat.objects if thing.label in leaves])
+    gone = {entry.id for entry in nowhere}
+    known = [thing for thing in flat.objects if thing.id not in gone]
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
@@ -114,7 +116,7 @@ def materialise_cousins(
             sky_yaw=surroundings.sky_yaw(graph, k, seed),
             hashes=hashes,
         )
-        left_out = (*unknown, *cleared.left_out)
+        left_out = (*nowhere, *cleared.left_out)
         used = {p.id: chosen[p.id] for p in cleared.placed}
         cousins.append(Cousin(layout, left_out, cleared.moved, cleared.unresolved, used, raised, pieces, skies[k]))
     return cousins

@@ -149,6 +149,14 @@ def penetrating_pairs(bodies: Sequence[Body]) -> list[tuple[int, int]]:
     return [(i, j) for i, j in near if penetration(bodies[i], bodies[j]) > 0.0]
 
 
+def ground_box(thing: GraphObject) -> shapely.Polygon:
+    """A graph's box from above."""
+    along, across = thing.size[:2]
+    flat = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
+    turned = affinity.rotate(flat, thing.yaw, origin=(0.0, 0.0), use_radians=True)
+    return affinity.translate(turned, *thing.center[:2])
+
+
 class Support:
     """The ground that a thing stands on, so that no move takes it over a kerb or onto another surface."""
 
@@ -170,10 +178,7 @@ class Support:
 
         A lamp stands on the pavement while the middle of its box is over the road, so the middle alone will not do.
         """
-        along, across = thing.size[:2]
-        flat = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
-        turned = affinity.rotate(flat, thing.yaw, origin=(0.0, 0.0), use_radians=True)
-        box = affinity.translate(turned, *thing.center[:2])
+        box = ground_box(thing)
         middle, heights = shapely.Point(thing.center[:2]), []
         for k in sorted(int(k) for k in self._tree.query(box, predicate="intersects")):
             ring, _, (a, b, c) = self._regions[k]

@@ -164,7 +164,9 @@ def job_of(source: pathlib.Path, out: pathlib.Path, options: GenerationOptions) 
     words = ["gen", str(source), "--out", str(out / folder_name(source)), "--quiet"]
     words += ["--cousins", str(options.cousins), "--seed", str(options.seed), "--kerb", str(options.kerb)]
     words += ["--usd" if options.usd else "--no-usd", "--pictures" if options.pictures else "--no-pictures"]
-    words += ["--workers", str(options.workers or 1)]
+    words += ["--workers", str(options.workers or 1), "--rate", str(options.tour.rate)]
+    words += ["--camera-height", str(options.tour.camera_height)]
+    words += ["--blur", options.tour.blur] if options.tour.blur else []
     return Job(tuple(words))
 
 

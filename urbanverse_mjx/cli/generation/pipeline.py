@@ -1,10 +1,11 @@
-"""The stages of a run, in order, each resumable: source, graph, cousins, scenes, bank, report."""
+"""The stages of a run, in order, each resumable: frames, recording, graph, cousins, scenes, bank, report."""
 
 import concurrent.futures
 import dataclasses
 import json
 import multiprocessing
 import os
+import pathlib
 import shutil
 from typing import Any
 
@@ -15,8 +16,10 @@ from . import compiling
 from .progress import StageBars
 from .run_folder import Clock, RunFolder, key_of
 from .sources import Input, recognise
+from .tours import TourOptions
 
-GRAPH, COUSINS, MATERIALISATION, BANK, REPORT = "graph", "cousins", "materialisation.json", "bank.npz", "report"
+FRAMES, RECORDING, GRAPH, COUSINS, REPORT = "frames", "recording", "graph", "cousins", "report"
+MATERIALISATION, BANK = "materialisation.json", "bank.npz"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,6 +31,7 @@ class GenerationOptions:
       kerb: m, of sidewalks whose step to the road the source does not show.
       usd: whether to write each scene as USD too. pictures: whether the report has rendered pictures.
       workers: processes that compile; None for as many as there are cores.
+      tour: how a video or folder of frames is looked at.
     """
 
     cousins: int = 5
@@ -36,6 +40,7 @@ class GenerationOptions:
     usd: bool = True
     pictures: bool = True
     workers: int | None = None
+    tour: TourOptions = dataclasses.field(default_factory=TourOptions)
 
 
 def generate(
@@ -48,8 +53,8 @@ def generate(
 
     Args:
       source: graph.json, a recording's folder, a folder of frames, or a video.
-      out: the run's folder: `graph/`, `cousins/<k>/{layout.json, scene/, usd/, check.json}`, `bank.npz`,
-        `report.html`, `run.json`.
+      out: the run's folder: `frames/`, `recording/`, `graph/`, `cousins/<k>/{layout.json, scene/, usd/, check.json}`,
+        `bank.npz`, `report.html`, `run.json`.
 
     Returns:
       id, folder, number of objects in the graph and in each cousin, seconds by stage.
@@ -61,30 +66,55 @@ def generate(
     v.integer(options.cousins, "--cousins", 1, 64)
     given = recognise(os.fspath(source))
     with RunFolder.open(out, str(given.path)) as run, StageBars(quiet) as bars:
-        graph_key = _graph(run, bars, given)
+        recording, key = _recording(run, bars, options.tour, given)
+        graph_key = _graph(run, bars, given, recording, key)
         cousins_key = _cousins(run, bars, options, graph_key)
         scenes_key = _scenes(run, bars, options, cousins_key)
         bank_key = _bank(run, bars, options, scenes_key)
-        _report(run, bars, options, given, bank_key)
+        _report(run, bars, options, given, recording, bank_key)
         return _summary(run, options)
 
 
-def _graph(run: RunFolder, bars: StageBars, given: Input) -> str:
+def _recording(run: RunFolder, bars: StageBars, tour: TourOptions, given: Input) -> tuple[pathlib.Path | None, str]:
+    """`frames/` and `recording/` of raw pictures; where the recording lies (None for a graph), and its key."""
+    if given.kind in ("graph", "recording"):
+        return (given.path if given.kind == "recording" else None), given.key
+    key = key_of(stage="frames", source=given.key, rate=tour.rate, blur=tour.blur)
+    report = bars.stage("frames")
+    if not run.done(FRAMES, key, FRAMES):
+        from .perceiving import sample_to
+
+        clock = Clock()
+        with run.replacing(FRAMES) as folder:
+            sample_to(given.path, folder, tour, report)
+        run.finish(FRAMES, key, clock.seconds)
+    report(1, 1)
+    key = key_of(stage="recording", before=key, tour=dataclasses.asdict(tour))
+    report = bars.stage("recording")
+    if not run.done(RECORDING, key, f"{RECORDING}/recording.json"):
+        from .perceiving import perceive_to
+
+        clock = Clock()
+        with run.replacing(RECORDING) as folder:
+            perceive_to(run.path / FRAMES, folder, given.path, tour, report)
+        run.finish(RECORDING, key, clock.seconds)
+    report(1, 1)
+    return run.path / RECORDING, key
+
+
+def _graph(run: RunFolder, bars: StageBars, given: Input, recording: pathlib.Path | None, before: str) -> str:
     """`graph/`: graph.json, and from a recording its evidence and crops."""
-    key = key_of(stage="graph", kind=given.kind, source=given.key)
+    key = key_of(stage="graph", kind=given.kind, source=before)
     report = bars.stage("graph")
     if not run.done(GRAPH, key, f"{GRAPH}/graph.json"):
         clock = Clock()
         with run.replacing(GRAPH) as folder:
-            if given.kind == "graph":
+            if recording is None:
                 shutil.copyfile(given.path, folder / "graph.json")
-            elif given.kind == "recording":
+            else:
                 from .distilling import distil_to
 
-                distil_to(Recording.load(given.path), folder, report)
-            else:
-                needed = "graph.json or a recording (posed frames with depth and masks)"
-                raise v.fail(str(given.path), f"a source of kind {given.kind!r}", needed)
+                distil_to(Recording.load(recording), folder, report)
         run.finish(GRAPH, key, clock.seconds)
     report(1, 1)
     return key
@@ -139,7 +169,8 @@ def _compile_all(run: RunFolder, missing: list[int], options: GenerationOptions,
         return
     # Not forked: JAX and MuJoCo may already run threads here.
     context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(workers, mp_context=context) as pool:
+    leave = compiling.leave_with_parent
+    with concurrent.futures.ProcessPoolExecutor(workers, mp_context=context, initializer=leave) as pool:
         folders = {k: run.path / COUSINS / str(k) for k in missing}
         jobs = {pool.submit(compiling.compile_cousin, folder, options.usd): k for k, folder in folders.items()}
         try:
@@ -170,7 +201,14 @@ def _bank(run: RunFolder, bars: StageBars, options: GenerationOptions, before: s
     return key
 
 
-def _report(run: RunFolder, bars: StageBars, options: GenerationOptions, given: Input, before: str) -> None:
+def _report(
+    run: RunFolder,
+    bars: StageBars,
+    options: GenerationOptions,
+    given: Input,
+    recording: pathlib.Path | None,
+    before: str,
+) -> None:
     """`report.html` and its pictures in `report/`."""
     key = key_of(stage="report", before=before, pictures=options.pictures)
     report = bars.stage("report")
@@ -179,7 +217,7 @@ def _report(run: RunFolder, bars: StageBars, options: GenerationOptions, given: 
 
         clock = Clock()
         with run.replacing(REPORT) as folder:
-            html = write_report(run.path, folder, given, options.pictures, run.seconds, report)
+            html = write_report(run.path, folder, given, recording, options.pictures, run.seconds, report)
         v.write_atomically(run.path / "report.html", lambda p: p.write_text(html, encoding="utf-8"))
         run.finish(REPORT, key, clock.seconds)
     report(1, 1)

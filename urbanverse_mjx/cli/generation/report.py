@@ -32,6 +32,7 @@ def write_report(
     run: pathlib.Path,
     folder: pathlib.Path,
     given: Input,
+    recorded: pathlib.Path | None,
     with_pictures: bool,
     seconds: Mapping[str, float],
     progress: Callable[[int, int], None],
@@ -39,7 +40,7 @@ def write_report(
     """Draws the report's pictures into a folder (that will be `report/`) and returns the page.
 
     Args:
-      run: the run's folder, all stages before done. given: its source.
+      run: the run's folder, all stages before done. given: its source. recorded: the recording's folder.
       seconds: by stage. progress: called with (pictures done, pictures in all).
     """
     graph = SceneGraph.load(run / "graph" / "graph.json")
@@ -49,7 +50,7 @@ def write_report(
         for k in range(len(record["cousins"]))
     ]
     colours = {label: colour_of(label) for label in sorted({o.label for o in graph.objects})}
-    recording = Recording.load(given.path) if given.kind == "recording" else None
+    recording = None if recorded is None else Recording.load(recorded)
     parts = [_head(graph, given, seconds)]
     if recording is not None:
         parts.append(_frames(recording, colours, folder))

@@ -105,6 +105,15 @@ def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def viewpoint_rows(graph: SceneGraph) -> list[int]:
-    """Rows of the tour that `viewpoints` are at."""
-    last = len(graph.camera_path) - 1
-    return sorted({round(last * (k + 0.5) / VIEWS) for k in range(VIEWS)})
+    """Rows of the tour that `viewpoints` are at: evenly along it, each the one nearby that looks most along the way."""
+    way = np.array(graph.camera_path)
+    step = np.gradient(way[:, :2], axis=0) if len(way) > 1 else np.zeros((1, 2))
+    ahead = np.cos(way[:, 3]) * step[:, 0] + np.sin(way[:, 3]) * step[:, 1]
+    ahead /= np.maximum(np.linalg.norm(step, axis=1), 1e-9)
+    reach, last = len(way) // (4 * VIEWS), len(way) - 1
+    rows = []
+    for k in range(VIEWS):
+        middle = round(last * (k + 0.5) / VIEWS)
+        low = max(0, middle - reach)
+        rows.append(low + int(ahead[low : middle + reach + 1].argmax()))
+    return sorted(set(rows))

@@ -18,6 +18,7 @@ import time
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ... import __version__
 from ...datatypes import validation as v
 
 SCHEMA = "urbanverse.generation/1"
@@ -25,8 +26,8 @@ FILE, LOCK = "run.json", ".lock"
 
 
 def key_of(**parts: Any) -> str:
-    """16 hexadecimal digits over JSON values."""
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
+    """16 hexadecimal digits over JSON values and the package's version: what another version made is made anew."""
+    return hashlib.sha256(json.dumps({"version": __version__, **parts}, sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclasses.dataclass
