@@ -16,6 +16,8 @@ IOU = 0.25
 SEEN_SHARE = 0.0015
 #: A footprint whose least and greatest bounding rectangle differ by less than this has no heading.
 _ROUND = 1.12
+#: Sides nearer to each other than this do not say which is which.
+_SQUARE = 1.15
 
 
 @dataclasses.dataclass(frozen=True)
@@ -142,12 +144,13 @@ def _is_one_of(thing: GraphObject, others: Sequence[GraphObject], truth: Sequenc
 
 
 def is_turnable(corners: np.ndarray) -> bool:
-    """Whether a thing's footprint (n, 2) m has a heading: round things have none."""
+    """Whether a thing's footprint (n, 2) m in its own axes has a heading: neither round nor as long as wide."""
+    sides = np.sort(np.ptp(corners, axis=0))
     angles = np.radians(np.arange(0, 90, 3))
     u = np.cos(angles)[:, None] * corners[:, 0] + np.sin(angles)[:, None] * corners[:, 1]
     w = -np.sin(angles)[:, None] * corners[:, 0] + np.cos(angles)[:, None] * corners[:, 1]
     areas = np.ptp(u, axis=1) * np.ptp(w, axis=1)
-    return bool(areas.max() > _ROUND * areas.min())
+    return bool(areas.max() > _ROUND * areas.min() and sides[1] > _SQUARE * sides[0])
 
 
 def iou(a: GraphObject, b: GraphObject) -> float:
