@@ -5,10 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
 
+from . import usd_parts
 from .materials import materials
-from .rigid_body import RigidBody, convex_surface, rigid_body
+from .rigid_body import rigid_body
 
 # Restitution where the record's first material is not in the table of materials: that of most rows, stone to plastic.
 UNKNOWN_BOUNCINESS = 0.3
@@ -28,110 +29,24 @@ def write_usd(
     Raises:
       NounError: usd-core is not installed.
     """
-    try:
-        from pxr import Kind, Usd, UsdGeom, UsdPhysics, Vt
-    except ImportError as error:
-        raise NounError("USD: found no module named pxr, needed usd-core; `pip install usd-core`.") from error
+    stage, root = usd_parts.new_stage(path, "/asset")
+    from pxr import Kind, Usd, UsdGeom
 
-    stage = Usd.Stage.CreateNew(str(path))
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
-    root = UsdGeom.Xform.Define(stage, "/asset")
-    stage.SetDefaultPrim(root.GetPrim())
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     Usd.ModelAPI(root).SetAssetName(record.uid)
     root.GetPrim().SetMetadata("comment", f"{record.description}. Licence: {record.licence}. {record.provenance}")
-    body = UsdPhysics.RigidBodyAPI.Apply(root.GetPrim())
-    if not record.movable:
-        body.CreateKinematicEnabledAttr(True)
-    _add_mass(root, rigid_body(record, mesh, hulls))
-    visual = _add_mesh(stage, "/asset/visual", mesh.vertices, mesh.faces)
-    st = UsdGeom.PrimvarsAPI(visual).CreatePrimvar("st", _types().TexCoord2fArray, UsdGeom.Tokens.vertex)
-    st.Set(Vt.Vec2fArray.FromNumpy(mesh.uv))
+    usd_parts.add_body(root, rigid_body(record, mesh, hulls), record.movable)
+    visual = usd_parts.add_mesh(stage, "/asset/visual", mesh.vertices, mesh.faces, mesh.uv)
     UsdGeom.Scope.Define(stage, "/asset/looks")
-    _add_surface(stage, visual, mesh, texture_file)
-    contact = _add_contact(stage, record)
-    shapes = UsdGeom.Xform.Define(stage, "/asset/collision")
-    shapes.CreatePurposeAttr(UsdGeom.Tokens.guide)
-    for k, corners in enumerate(hulls):
-        solid = convex_surface(corners)
-        hull = _add_mesh(stage, f"/asset/collision/hull_{k}", solid.vertices, solid.faces)
-        UsdPhysics.CollisionAPI.Apply(hull.GetPrim())
-        UsdPhysics.MeshCollisionAPI.Apply(hull.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.convexHull)
-        contact(hull)
+    usd_parts.bind(visual, usd_parts.add_surface(stage, "/asset/looks/surface", mesh, texture_file))
+    contact = usd_parts.add_contact(
+        stage, "/asset/looks/contact", record.friction_coefficient, bounciness(record.materials)
+    )
+    usd_parts.add_colliders(stage, "/asset/collision", hulls, contact)
     stage.GetRootLayer().Save()
 
 
-def _types():
-    from pxr import Sdf
-
-    return Sdf.ValueTypeNames
-
-
-def _add_mesh(stage, where: str, vertices: np.ndarray, faces: np.ndarray):
-    from pxr import UsdGeom, Vt
-
-    shape = UsdGeom.Mesh.Define(stage, where)
-    points = np.ascontiguousarray(vertices, np.float32)
-    shape.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
-    shape.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
-    shape.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(np.ascontiguousarray(faces, np.int32).ravel()))
-    shape.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    shape.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(0), points.max(0)])))
-    return shape
-
-
-def _add_mass(root, solid: RigidBody) -> None:
-    from pxr import Gf, UsdPhysics
-
-    moments, axes = solid.principal
-    quaternion = Gf.Matrix3d(*axes.T.ravel().tolist()).ExtractRotation().GetQuat()
-    mass = UsdPhysics.MassAPI.Apply(root.GetPrim())
-    mass.CreateMassAttr(solid.mass)
-    mass.CreateCenterOfMassAttr(Gf.Vec3f(*solid.centre.tolist()))
-    mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*moments.tolist()))
-    mass.CreatePrincipalAxesAttr(Gf.Quatf(quaternion))
-
-
-def _add_surface(stage, visual, mesh: AssetMesh, texture_file: str) -> None:
-    from pxr import Sdf, UsdShade
-
-    types, where = _types(), "/asset/looks/surface"
-    material = UsdShade.Material.Define(stage, where)
-    reader = UsdShade.Shader.Define(stage, f"{where}/st")
-    reader.CreateIdAttr("UsdPrimvarReader_float2")
-    reader.CreateInput("varname", types.String).Set("st")
-    image = UsdShade.Shader.Define(stage, f"{where}/texture")
-    image.CreateIdAttr("UsdUVTexture")
-    image.CreateInput("file", types.Asset).Set(Sdf.AssetPath(f"./{texture_file}"))
-    image.CreateInput("sourceColorSpace", types.Token).Set("sRGB")
-    for side in ("wrapS", "wrapT"):
-        image.CreateInput(side, types.Token).Set("repeat")
-    image.CreateInput("st", types.Float2).ConnectToSource(reader.CreateOutput("result", types.Float2))
-    shader = UsdShade.Shader.Define(stage, f"{where}/preview")
-    shader.CreateIdAttr("UsdPreviewSurface")
-    colour = image.CreateOutput("rgb", types.Float3)
-    shader.CreateInput("diffuseColor", types.Color3f).ConnectToSource(colour)
-    shader.CreateInput("roughness", types.Float).Set(mesh.roughness)
-    shader.CreateInput("metallic", types.Float).Set(mesh.metallic)
-    material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", types.Token))
-    UsdShade.MaterialBindingAPI.Apply(visual.GetPrim()).Bind(material)
-
-
-def _add_contact(stage, record: AssetRecord):
-    """Defines the physics material; returns what binds it to a hull."""
-    from pxr import UsdPhysics, UsdShade
-
-    material = UsdShade.Material.Define(stage, "/asset/looks/contact")
-    contact = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
-    contact.CreateStaticFrictionAttr(record.friction_coefficient)
-    contact.CreateDynamicFrictionAttr(record.friction_coefficient)
-    known = materials().get(record.materials[0])
-    contact.CreateRestitutionAttr(known.bounciness if known else UNKNOWN_BOUNCINESS)
-
-    def bind(hull) -> None:
-        strength = UsdShade.Tokens.weakerThanDescendants
-        UsdShade.MaterialBindingAPI.Apply(hull.GetPrim()).Bind(material, strength, "physics")
-
-    return bind
+def bounciness(names: Sequence[str]) -> float:
+    """Restitution of what is made of these materials, the dominant one first."""
+    known = materials().get(names[0])
+    return known.bounciness if known else UNKNOWN_BOUNCINESS

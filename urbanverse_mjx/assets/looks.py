@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from PIL import Image
+from scipy import ndimage
 from skimage.color import rgb2hsv
 
 from urbanverse_mjx.datatypes import validation as v
@@ -27,6 +28,8 @@ GROUND_THUMBNAIL, SKY_THUMBNAIL = (96, 96), (80, 160)
 _COLUMNS = 18
 #: Side of the pictures whose pixels are compared.
 MATCH_SIZE = 32
+#: Cells a side of a ground's descriptor: 4 · 4 · 3 mean colours and 4 · 4 contrasts are 64 numbers.
+GROUND_CELLS = 4
 #: Saturation below which a colour has no hue worth counting; value bins of such greys, and hue, saturation and value
 #: bins of the others: 16 + 8 · 3 · 2 = 64 numbers.
 _GREY = 0.10
@@ -163,6 +166,73 @@ def rank_grounds(crops: np.ndarray | Sequence[np.ndarray], kind: str) -> list[tu
     return [(uids[i], max(float(errors[i]), 0.0)) for i in np.argsort(errors, kind="stable")]
 
 
+def ground_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
+    """Crops of the ground as 64 numbers of 8 bits, as `GroundRegion.descriptor` holds them.
+
+    Each crop becomes 32 x 32 pixels, then 4 x 4 cells: 48 mean colours, and 16 times the standard deviation of the
+    cell's luminance (doubled, at most 255), which says how rough a surface looks wherever its joints lie. Several crops
+    are averaged: the errors |a - t|^2 of several crops a against one thumbnail t are that of their mean plus what does
+    not depend on t.
+    """
+    cells = np.mean([_cells(crop) for crop in _checked(crops)], axis=0)
+    return tuple(int(x) for x in np.round(np.clip(cells, 0.0, 255.0)))
+
+
+def ground_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
+    """`ground_descriptor` of the largest square of a picture (H, W, 3) uint8 that a mask (H, W) fills.
+
+    Raises:
+      NounError: an empty mask.
+    """
+    _checked(picture)
+    padded = np.pad(np.asarray(mask, bool), 1)
+    reach = ndimage.distance_transform_cdt(padded, "chessboard")[1:-1, 1:-1]
+    if reach.max() < 1:
+        raise v.fail("mask of the ground", "no pixel", "at least one")
+    row, column = np.unravel_index(int(reach.argmax()), reach.shape)
+    half = int(reach[row, column]) - 1
+    return ground_descriptor(picture[row - half : row + half + 1, column - half : column + half + 1])
+
+
+def _cells(picture: np.ndarray) -> np.ndarray:
+    """(64,) see `ground_descriptor`."""
+    small = _shrunk(picture, (MATCH_SIZE, MATCH_SIZE)).astype(np.float64)
+    step = MATCH_SIZE // GROUND_CELLS
+    cells = small.reshape(GROUND_CELLS, step, GROUND_CELLS, step, 3)
+    contrast = (cells @ (0.2126, 0.7152, 0.0722)).std((1, 3))  # Rec. 709
+    return np.concatenate([cells.mean((1, 3)).ravel(), 2.0 * contrast.ravel()])
+
+
+@functools.cache
+def _ground_descriptors(kind: str) -> tuple[list[str], np.ndarray]:
+    uids = [record.uid for record in ground_records(kind)]
+    thumbnails = _sheet("ground_thumbnails.jpg")
+    return uids, np.array([ground_descriptor(thumbnails[uid]) for uid in uids], np.float64)
+
+
+def ground_errors(descriptor: Sequence[int] | np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(n,) mean squared error in [0, 1] of a ground descriptor against (n, 64) others.
+
+    Raises:
+      NounError: not 64 numbers.
+    """
+    wanted = np.asarray(descriptor, np.float64)
+    if wanted.shape != (64,):
+        raise v.fail("ground descriptor", f"{wanted.shape} numbers", "64 numbers as `ground_descriptor` makes them")
+    return ((np.asarray(others, np.float64) - wanted) ** 2).mean(-1) / 255.0**2
+
+
+def rank_ground_descriptors(descriptor: Sequence[int] | np.ndarray, kind: str) -> list[tuple[str, float]]:
+    """All materials of a kind by mean squared error against a `ground_descriptor`, best first: (uid, error in [0, 1]).
+
+    Raises:
+      NounError: not 64 numbers, or a kind other than "road" and "sidewalk".
+    """
+    uids, table = _ground_descriptors(v.choice(kind, "kind of ground", ("road", "sidewalk")))
+    errors = ground_errors(descriptor, table)
+    return [(uids[i], float(errors[i])) for i in np.argsort(errors, kind="stable")]
+
+
 def _checked(crops: np.ndarray | Sequence[np.ndarray]) -> list[np.ndarray]:
     several = [crops] if isinstance(crops, np.ndarray) and crops.ndim == 3 else list(crops)
     if not several:
@@ -182,14 +252,40 @@ def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
     """
     bins = np.zeros(64)
     for crop in _checked(crops):
-        hue, saturation, value = np.moveaxis(rgb2hsv(_shrunk(crop, (64, 128))), -1, 0)
-        grey = np.minimum((value * _GREYS).astype(int), _GREYS - 1)
-        deep = np.digitize(saturation, _SATURATIONS[1:])
-        colour = (np.minimum((hue * _HUES).astype(int), _HUES - 1) * 3 + deep) * _VALUES + (value >= 0.6)
-        number = np.where(saturation < _GREY, grey, _GREYS + colour)
-        counts = np.bincount(number.ravel(), minlength=64)
-        bins += counts / counts.sum()
-    return tuple(int(x) for x in np.round(np.sqrt(bins / bins.sum()) * 255))
+        bins += _hsv_shares(_shrunk(crop, (64, 128)).reshape(-1, 3))
+    return _roots(bins)
+
+
+def sky_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
+    """`sky_descriptor` of the pixels of a picture (H, W, 3) uint8 that a mask (H, W) holds: what is seen between roofs.
+
+    Of the rows that the mask touches the upper half counts, as the paper takes the upper half of frames: at a street's
+    end the sky reaches down into haze and far land.
+
+    Raises:
+      NounError: an empty mask.
+    """
+    _checked(picture)
+    mask = np.asarray(mask, bool)
+    rows = np.flatnonzero(mask.any(1))
+    if not len(rows):
+        raise v.fail("mask of the sky", "no pixel", "at least one")
+    upper = slice(rows[0], rows[0] + max(1, (rows[-1] + 1 - rows[0]) // 2))
+    return _roots(_hsv_shares(picture[upper][mask[upper]]))
+
+
+def _hsv_shares(pixels: np.ndarray) -> np.ndarray:
+    """(64,) shares of (n, 3) uint8 pixels in the bins of `sky_descriptor`."""
+    hue, saturation, value = rgb2hsv(pixels[None])[0].T
+    grey = np.minimum((value * _GREYS).astype(int), _GREYS - 1)
+    deep = np.digitize(saturation, _SATURATIONS[1:])
+    colour = (np.minimum((hue * _HUES).astype(int), _HUES - 1) * 3 + deep) * _VALUES + (value >= 0.6)
+    counts = np.bincount(np.where(saturation < _GREY, grey, _GREYS + colour), minlength=64)
+    return counts / counts.sum()
+
+
+def _roots(shares: np.ndarray) -> tuple[int, ...]:
+    return tuple(int(x) for x in np.round(np.sqrt(shares / shares.sum()) * 255))
 
 
 @functools.cache

@@ -7,6 +7,7 @@
 """
 
 import dataclasses
+import functools
 import json
 from collections.abc import Sequence
 
@@ -37,6 +38,7 @@ class Match:
       distortion: mean |log| of the factors between the boxes' sides; 0 for equal boxes, 0.1 for 10 % a side.
       look: distance of the descriptors, or 1 - cosine of the embeddings; None where nothing was known of the look.
       yaw: rad, quarter turn of the asset that fits its box best, 0 or pi / 2.
+      base: uid of the base shape that it is an instance of (its own for a base shape).
     """
 
     uid: str
@@ -44,6 +46,7 @@ class Match:
     distortion: float
     look: float | None
     yaw: float
+    base: str
 
 
 class Matcher:
@@ -62,6 +65,8 @@ class Matcher:
         count: int = 5,
         keep: int = KEEP,
         text: TextEmbedder | None = None,
+        slack: float | None = None,
+        turn_gain: float = 0.0,
     ) -> list[Match]:
         """The best assets for an object, best first.
 
@@ -72,6 +77,8 @@ class Matcher:
           count: how many.
           keep: candidates that the geometric step leaves.
           text: embedding of labels; None for the built-in one.
+          slack: of the candidates only those whose distortion is at most this much above the least one's; None: all.
+          turn_gain: distortion that a quarter turn must save, so that a square box does not turn a front away.
 
         Raises:
           UnknownLabelError: the label means nothing.
@@ -80,10 +87,12 @@ class Matcher:
         box = np.asarray(size, dtype=np.float64)
         if box.shape != (3,) or not (np.isfinite(box).all() and (box > 0).all()):
             raise NounError(f"size: found {list(size)}, needed three lengths above 0 m.")
-        leaves = [self._leaf(leaf) for leaf in self._leaves(label, text)]
+        leaves = [self._leaf(leaf) for leaf in self.leaves(label, text)]
         extents = np.concatenate([leaf.extents for leaf in leaves])
-        distortion, turned = distortions(box, extents)
+        distortion, turned = distortions(box, extents, turn_gain)
         near = np.argsort(distortion, kind="stable")[:keep]
+        if slack is not None:
+            near = near[distortion[near] <= distortion[near[0]] + slack]
         look = None
         if descriptor is not None:
             look = np.concatenate([np.zeros(0), _looks(leaves, near).distances(descriptor)])
@@ -96,9 +105,10 @@ class Matcher:
         for k in order:
             row = near[k]
             leaf = leaves[owner[row]]
-            uid = leaf.uids[row - start[owner[row]]]
+            at = row - start[owner[row]]
             seen = None if look is None else float(look[k])
-            matches.append(Match(uid, leaf.name, float(distortion[row]), seen, float(turned[row]) * np.pi / 2))
+            yaw, base = float(turned[row]) * np.pi / 2, leaf.shapes[leaf.base[at]].uid
+            matches.append(Match(leaf.uids[at], leaf.name, float(distortion[row]), seen, yaw, base))
         return matches
 
     def rerank(self, matches: Sequence[Match], crop: np.ndarray, pictures: PictureEmbedder) -> list[Match]:
@@ -110,7 +120,7 @@ class Matcher:
         order = np.argsort(look, kind="stable")
         return [dataclasses.replace(matches[k], look=float(look[k])) for k in order]
 
-    def _leaves(self, label: str, text: TextEmbedder | None) -> list[str]:
+    def leaves(self, label: str, text: TextEmbedder | None = None) -> list[str]:
         """The leaves with shapes that a label may speak of, best first, at least one."""
         ranked = rank_leaves(label, 659, text)
         best = ranked[0][1]
@@ -142,6 +152,12 @@ class _Leaf:
     tint: NDArray[np.float64]
     scale: NDArray[np.float64]
 
+    @functools.cached_property
+    def looks(self) -> descriptors.Looks:
+        """Descriptors of all records of the leaf."""
+        free = np.full(len(self.base), is_free(self.name))
+        return descriptors.of_records(free, self.shapes, self.base, self.tint, self.scale)
+
     @staticmethod
     def of(name: str, objects: ObjectLibrary, index: AssetIndex) -> "_Leaf":
         table = objects.table.take(objects.rows_of(name))
@@ -157,19 +173,19 @@ class _Leaf:
         return _Leaf(name, table["uid"].to_pylist(), extents, shapes, np.array(base), np.array(tint), np.array(scale))
 
 
-def distortions(box: NDArray, extents: NDArray) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def distortions(
+    box: NDArray, extents: NDArray, turn_gain: float = 0.0
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """How far (n, 3) boxes are from one: mean |log| of the factors of the sides, for the better of two quarter turns,
-    and which turn that is (0 or 1)."""
+    and which turn that is (0 or 1); a turn counts where it saves more than `turn_gain`."""
     straight = np.abs(np.log(extents / box)).mean(1)
     turned = np.abs(np.log(extents[:, [1, 0, 2]] / box)).mean(1)
-    return np.minimum(straight, turned), (turned < straight).astype(np.int64)
+    turns = turned < straight - turn_gain
+    return np.where(turns, turned, straight), turns.astype(np.int64)
 
 
 def _looks(leaves: Sequence[_Leaf], rows: NDArray) -> descriptors.Looks:
     """Descriptors of rows of the leaves' joined records."""
-    first = np.cumsum([0, *(len(leaf.shapes) for leaf in leaves)])
-    base = np.concatenate([leaf.base + start for leaf, start in zip(leaves, first, strict=False)])
-    free = np.concatenate([np.full(len(leaf.base), is_free(leaf.name)) for leaf in leaves])
-    tint, scale = (np.concatenate([getattr(leaf, name) for leaf in leaves]) for name in ("tint", "scale"))
-    shapes = [shape for leaf in leaves for shape in leaf.shapes]
-    return descriptors.of_records(free[rows], shapes, base[rows], tint[rows], scale[rows])
+    found = [leaf.looks for leaf in leaves]
+    parts = (np.concatenate([getattr(x, name) for x in found])[rows] for name in ("colors", "layouts", "aspects"))
+    return descriptors.Looks(*parts)

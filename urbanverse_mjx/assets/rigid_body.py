@@ -47,7 +47,12 @@ def convex_surface(corners: np.ndarray) -> trimesh.Trimesh:
 
 
 def rigid_body(record: AssetRecord, mesh: AssetMesh, hulls: Sequence[np.ndarray]) -> RigidBody:
-    """The record's mass spread evenly over its hulls (where they overlap, over both).
+    """The record's mass spread evenly over its hulls, see `even_body`."""
+    return even_body(record.mass, mesh, hulls)
+
+
+def even_body(mass: float, mesh: AssetMesh, hulls: Sequence[np.ndarray]) -> RigidBody:
+    """A mass (kg) spread evenly over hulls (where they overlap, over both).
 
     The hull of a thing that lies flush in the ground is sunk on purpose; such a thing counts as its mesh's box.
     """
@@ -57,11 +62,11 @@ def rigid_body(record: AssetRecord, mesh: AssetMesh, hulls: Sequence[np.ndarray]
     solids = [convex_surface(h) for h in hulls]
     volumes = np.array([s.volume for s in solids])
     centres = np.array([s.center_mass for s in solids])
-    density = record.mass / volumes.sum()
+    density = mass / volumes.sum()
     centre = volumes @ centres / volumes.sum()
     inertia = np.zeros((3, 3))
     for solid, volume, own in zip(solids, volumes, centres, strict=True):
         away = own - centre  # parallel axes: I = I_own + m (d.d 1 - d d^T)
         inertia += density * solid.moment_inertia
         inertia += density * volume * (away @ away * np.eye(3) - np.outer(away, away))
-    return RigidBody(record.mass, centre, (inertia + inertia.T) / 2)
+    return RigidBody(mass, centre, (inertia + inertia.T) / 2)

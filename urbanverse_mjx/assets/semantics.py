@@ -48,22 +48,24 @@ class NgramIndex:
         frequency = collections.Counter(feature for count in counts for feature in count)
         self._column = {feature: k for k, feature in enumerate(frequency)}
         self._idf = np.array([math.log((1 + len(names)) / (1 + n)) + 1.0 for n in frequency.values()])
-        self._documents = sparse.vstack([self._vector(count) for count in counts], format="csr")
+        self._documents = self._matrix(counts)
 
     def scores(self, label: str) -> np.ndarray:
         """(659,) cosine with the nearest name of each leaf."""
-        query = self._vector(_features(ontology.normalised(label)))
+        query = self._matrix([_features(ontology.normalised(label))])
         cosine = np.asarray((self._documents @ query.T).todense()).ravel()
         best = np.zeros(len(self.leaves))
         np.maximum.at(best, self._leaf_of, cosine)
         return best
 
-    def _vector(self, count: dict[str, float]) -> sparse.csr_matrix:
-        known = [(self._column[f], x) for f, x in count.items() if f in self._column]
-        columns = np.array([k for k, _ in known], dtype=np.int64)
-        weights = np.array([x for _, x in known]) * self._idf[columns] if known else np.zeros(0)
-        norm = math.sqrt(float((weights**2).sum())) or 1.0
-        return sparse.csr_matrix((weights / norm, (np.zeros(len(known), np.int64), columns)), (1, len(self._column)))
+    def _matrix(self, counts: Sequence[dict[str, float]]) -> sparse.csr_matrix:
+        """One row of length 1 per text (of length 0 where it has no known feature)."""
+        known = [[(self._column[f], x) for f, x in count.items() if f in self._column] for count in counts]
+        columns = np.array([k for row in known for k, _ in row], dtype=np.int64)
+        weights = np.array([x for row in known for _, x in row]) * self._idf[columns]
+        rows = np.repeat(np.arange(len(known)), [len(row) for row in known])
+        norm = np.sqrt(np.bincount(rows, weights**2, len(known)))
+        return sparse.csr_matrix((weights / norm[rows], (rows, columns)), (len(known), len(self._column)))
 
 
 def known_names() -> list[tuple[str, str]]:

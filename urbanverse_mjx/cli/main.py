@@ -20,6 +20,7 @@ COMMANDS = {
     "evaluate": ("evaluate", "run a trained or scripted policy over fixed episodes and write a report"),
     "play": ("play", "drive one episode and write it as a video"),
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
+    "gen": ("gen", "digital cousins of a tour: scene graph, assets, compiled scenes, report"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
     "capture": ("capture", "film a street into a recording with its truth, and as a video"),
     "assets": ("assets", "show, search, match, import and export assets"),

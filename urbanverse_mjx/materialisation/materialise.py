@@ -109,12 +109,6 @@ def _materials(graph: SceneGraph, seed: int, cousin: int) -> tuple[PlacedGround,
     return tuple(placed)
 
 
-def _moved(body: overlap.Body) -> PlacedObject:
-    x, y, z = body.placed.position
-    dx, dy = body.offset
-    return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), z))
-
-
 def materialise(
     graph: SceneGraph,
     index: AssetIndex,
@@ -160,12 +154,12 @@ def materialise(
         graph_hash=graph.content_hash(),
         seed=seed,
         cousin=cousin,
-        objects=tuple(_moved(b) for b in bodies),
+        objects=tuple(overlap.moved(b) for b in bodies),
         ground=_materials(graph, seed, cousin),
         sky=skies[choice.pick(len(skies), "sky", seed, cousin, graph.id)],
         sky_yaw=round(choice.pick(6283, "sky yaw", seed, cousin, graph.id) / 1000.0 - math.pi, 3),
         hashes={"assets": index.content_hash(), "materialiser": VERSION},
     )
-    moved = tuple((b.placed.id, round(math.hypot(*b.offset), 3)) for b in bodies if b.offset != (0.0, 0.0))
+    moved = tuple((b.placed.id, b.distance) for b in bodies if b.distance)
     pairs = tuple((bodies[i].placed.id, bodies[j].placed.id) for i, j in left)
     return Materialisation(layout, tuple(skipped), moved, pairs)

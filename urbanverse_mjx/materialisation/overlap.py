@@ -71,10 +71,22 @@ class Body:
         return self.box[0] + dx, self.box[1] + dy, self.box[3] + dx, self.box[4] + dy
 
     @property
+    def distance(self) -> float:
+        """m that it has been moved, to the millimetre."""
+        return round(math.hypot(*self.offset), 3)
+
+    @property
     def rooted(self) -> bool:
         house = self.record.category[0] == "building" and self.record.width >= 3.0
         sign = self.record.category[1] == "traffic signs" and self.record.height > 1.8
         return house or sign or self.record.leaf in ROOTED
+
+
+def moved(body: Body) -> PlacedObject:
+    """The thing where it has been moved to."""
+    x, y, z = body.placed.position
+    dx, dy = body.offset
+    return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), z))
 
 
 def prisms_of(placed: PlacedObject, hulls: HullSet) -> list[Prism]:
@@ -137,6 +149,14 @@ def penetrating_pairs(bodies: Sequence[Body]) -> list[tuple[int, int]]:
     return [(i, j) for i, j in near if penetration(bodies[i], bodies[j]) > 0.0]
 
 
+def ground_box(thing: GraphObject) -> shapely.Polygon:
+    """A graph's box from above."""
+    along, across = thing.size[:2]
+    flat = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
+    turned = affinity.rotate(flat, thing.yaw, origin=(0.0, 0.0), use_radians=True)
+    return affinity.translate(turned, *thing.center[:2])
+
+
 class Support:
     """The ground that a thing stands on, so that no move takes it over a kerb or onto another surface."""
 
@@ -158,16 +178,23 @@ class Support:
 
         A lamp stands on the pavement while the middle of its box is over the road, so the middle alone will not do.
         """
-        along, across = thing.size[:2]
-        flat = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
-        turned = affinity.rotate(flat, thing.yaw, origin=(0.0, 0.0), use_radians=True)
-        box = affinity.translate(turned, *thing.center[:2])
+        box = ground_box(thing)
         middle, heights = shapely.Point(thing.center[:2]), []
         for k in sorted(int(k) for k in self._tree.query(box, predicate="intersects")):
             ring, _, (a, b, c) = self._regions[k]
             near = shapely.ops.nearest_points(ring.intersection(box), middle)[0]
             heights.append(a * near.x + b * near.y + c)
         return heights
+
+    def near(self, thing: GraphObject, reach: float) -> list[float]:
+        """Height (m) of the region nearest to a thing's middle, at its nearest place; empty beyond `reach` m."""
+        middle = shapely.Point(thing.center[:2])
+        found = self._tree.query_nearest(middle, max_distance=reach, all_matches=False)
+        if not len(found):
+            return []
+        ring, _, (a, b, c) = self._regions[int(found[0])]
+        place = shapely.ops.nearest_points(ring, middle)[0]
+        return [a * place.x + b * place.y + c]
 
     def same(self, x: float, y: float, dx: float, dy: float) -> bool:
         """Whether the ground (height within 1 cm and kind) is the same after a move."""

@@ -1,4 +1,4 @@
-"""Layout -> MJCF, ground prisms, maps, routes, episode tables; many compiled scenes -> one bank."""
+"""Layout -> MJCF and USD, ground prisms, maps, routes, episode tables; many compiled scenes -> one bank."""
 
 from .bank import pack
 from .compiler import CompiledScene, compile_scene
@@ -6,14 +6,19 @@ from .drive import Driver
 from .geometry import SceneGeometry
 from .mjcf import scene_mjcf, scene_spec
 from .packing import pack_bank
+from .rest import RestMove, rest_moves
+from .usd import export_usd
 
 __all__ = [
     "CompiledScene",
     "Driver",
+    "RestMove",
     "SceneGeometry",
     "compile_scene",
+    "export_usd",
     "pack",
     "pack_bank",
+    "rest_moves",
     "scene_mjcf",
     "scene_spec",
 ]

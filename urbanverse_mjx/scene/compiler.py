@@ -25,6 +25,7 @@ from .episodes import EpisodeRules, build_episodes
 from .geometry import EpisodeTable, SceneGeometry
 from .mjcf import scene_mjcf
 from .planner import FreeSpace, RobotSize, free_space
+from .rest import rest_moves
 from .routes import routes_json
 
 SCHEMA = "urbanverse.compiled_scene/1"
@@ -77,6 +78,7 @@ def compile_scene(
     size: RobotSize | None = None,
     rules: EpisodeRules | None = None,
     source: AssetSource | None = None,
+    fix_fallers: bool = False,
 ) -> CompiledScene:
     """Compiles a layout and writes its folder whole or not at all.
 
@@ -84,6 +86,8 @@ def compile_scene(
       driver: drives every episode once over the ground.
       size: what routes are planned for. rules: what the episode table holds.
       source: builds meshes and hulls of records; default: the packaged recipes and hull store.
+      fix_fallers: whether what would not keep its place for two seconds at rest (`rest.rest_moves`: a bicycle without
+        its stand) is not movable in the compiled scene; the folder's `layout.json` says so too.
 
     Raises:
       NounError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
@@ -93,6 +97,8 @@ def compile_scene(
     robot = driver.robot
     size = size or RobotSize(height=robot.planner_height)
     geometry = scene_geometry(layout, index, source)
+    if fix_fallers:
+        geometry, layout = _with_fallers_fixed(geometry, layout)
     space = free_space(geometry.map, size)
     model = ground_model(geometry, robot)
 
@@ -101,7 +107,7 @@ def compile_scene(
 
     geometry = dataclasses.replace(geometry, episodes=build_episodes(space, size, layout.seed, drive, rules))
     metadata = _metadata(layout, index, geometry, robot, size)
-    with _replacing(out_dir) as folder:
+    with replacing_folder(out_dir) as folder:
         _write(folder, layout, geometry, space, size, metadata)
     return CompiledScene(out_dir, layout, geometry, metadata)
 
@@ -170,6 +176,17 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     )
 
 
+def _with_fallers_fixed(geometry: SceneGeometry, layout: SceneLayout) -> tuple[SceneGeometry, SceneLayout]:
+    """Until all that is movable stays at rest: fixing one thing may take away what another one leaned on."""
+    while moves := rest_moves(geometry):
+        names = {m.id for m in moves}
+        falls = np.array([name in names for name in geometry.object_ids])
+        geometry = dataclasses.replace(geometry, object_movable=geometry.object_movable & ~falls)
+        objects = tuple(dataclasses.replace(o, movable=False) if o.id in names else o for o in layout.objects)
+        layout = dataclasses.replace(layout, objects=objects)
+    return geometry, layout
+
+
 def _region_fields(regions: Sequence[Any], meshes: list[AssetMesh]) -> dict[str, Any]:
     visuals = []
     for region in regions:
@@ -215,7 +232,7 @@ def _no_episodes() -> EpisodeTable:
 
 
 @contextlib.contextmanager
-def _replacing(out_dir: pathlib.Path) -> Iterator[pathlib.Path]:
+def replacing_folder(out_dir: pathlib.Path) -> Iterator[pathlib.Path]:
     """A folder beside `out_dir` that takes its place when the block succeeds and vanishes when it fails."""
     out_dir.parent.mkdir(parents=True, exist_ok=True)
     work = pathlib.Path(tempfile.mkdtemp(dir=out_dir.parent, prefix=f".{out_dir.name}-"))

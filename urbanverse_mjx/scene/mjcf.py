@@ -37,12 +37,15 @@ def _numbers(values: Sequence[float] | np.ndarray) -> str:
     return " ".join(np.format_float_positional(np.float32(x), unique=True, trim="-") for x in np.ravel(values))
 
 
-def scene_mjcf(scene: SceneGeometry, sky: Sky | None = None, visuals: bool = True) -> tuple[str, dict[str, bytes]]:
+def scene_mjcf(
+    scene: SceneGeometry, sky: Sky | None = None, visuals: bool = True, free: bool = False
+) -> tuple[str, dict[str, bytes]]:
     """The scene as MJCF text and the files it names.
 
     Args:
       sky: gives the skybox and the sun; without it there is no light.
       visuals: whether to draw; physics is the same without.
+      free: whether what is movable hangs on a free joint; else everything is fixed to the world.
 
     Returns:
       XML, and file contents by path relative to it (`meshes/`, `textures/`).
@@ -63,7 +66,7 @@ def scene_mjcf(scene: SceneGeometry, sky: Sky | None = None, visuals: bool = Tru
     if visuals:
         files |= _add_meshes(asset, scene)
     _add_ground(world, scene, visuals)
-    _add_objects(world, scene, visuals)
+    _add_objects(world, scene, visuals, free)
     ET.indent(root, " ")
     return ET.tostring(root, encoding="unicode") + "\n", files
 
@@ -94,7 +97,7 @@ def _add_ground(world: ET.Element, scene: SceneGeometry, visuals: bool) -> None:
             ET.SubElement(world, "geom", _visual_geom(f"ground/{name}", mesh) | {"pos": _numbers(position)})
 
 
-def _add_objects(world: ET.Element, scene: SceneGeometry, visuals: bool) -> None:
+def _add_objects(world: ET.Element, scene: SceneGeometry, visuals: bool, free: bool) -> None:
     volumes = np.array([convex_part(h).volume for h in scene.hulls])[scene.inst_hull]
     for o, name in enumerate(scene.object_ids):
         body = ET.SubElement(
@@ -104,6 +107,8 @@ def _add_objects(world: ET.Element, scene: SceneGeometry, visuals: bool) -> None
             pos=_numbers(scene.object_position[o]),
             quat=_numbers(scene.object_quaternion[o]),
         )
+        if free and scene.object_movable[o]:
+            ET.SubElement(body, "freejoint", name=name)
         rows = np.flatnonzero(scene.inst_object == o)
         shares = volumes[rows] / volumes[rows].sum() * scene.object_mass[o]
         for number, (row, mass) in enumerate(zip(rows, shares, strict=True)):

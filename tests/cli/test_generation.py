@@ -1,0 +1,294 @@
+"""`urbanverse gen`: sources, resuming, what is refused; and batches with retries and a journal."""
+
+import concurrent.futures
+import contextlib
+import json
+import multiprocessing
+import multiprocessing.synchronize
+import pathlib
+import time
+
+import mujoco
+import psutil
+import pytest
+
+from urbanverse_mjx.cli.generation import batch, compiling, pipeline
+from urbanverse_mjx.cli.generation.executors import EXECUTORS, Job, Outcome
+from urbanverse_mjx.cli.generation.pipeline import GenerationOptions, generate
+from urbanverse_mjx.cli.generation.run_folder import RunFolder, key_of
+from urbanverse_mjx.cli.generation.sources import recognise
+from urbanverse_mjx.cli.main import main
+from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
+
+SCENES = pathlib.Path(__file__).parents[2] / "scenes"
+GRAPH = SCENES / "residential_bins" / "graph.json"
+
+
+# Sources ------------------------------------------------------------------------------------------------------------
+
+
+def test_sources_are_told_apart(tmp_path: pathlib.Path) -> None:
+    assert recognise(GRAPH).kind == "graph"
+    assert recognise(GRAPH).key == SceneGraph.load(GRAPH).content_hash()[:16]
+    (tmp_path / "frames").mkdir()
+    (tmp_path / "frames" / "1.png").write_bytes(b"x")
+    assert recognise(tmp_path / "frames").kind == "frames"
+    video = tmp_path / "tour.mp4"
+    video.write_bytes(b"x" * 100)
+    assert recognise(video).kind == "video"
+
+
+@pytest.mark.parametrize("broken", ["missing", "empty folder", "empty file", "broken graph", "broken recording"])
+def test_broken_sources_are_one_sentence_and_leave_nothing(
+    broken: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / ("given.json" if "graph" in broken else "given")
+    if "folder" in broken or "recording" in broken:
+        source.mkdir()
+    elif broken != "missing":
+        source.write_bytes(b"" if broken == "empty file" else b"{not json")
+    if "recording" in broken:
+        (source / "recording.json").write_text("{}")
+    assert main(["gen", str(source), "--out", str(tmp_path / "out"), "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_with_other_things_or_of_another_run_is_not_touched(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(NounError, match="other things"):
+        generate(GRAPH, tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
+    other = tmp_path / "run"
+    with RunFolder.open(other, "a video") as run:
+        run.finish("graph", "k", 1.0)
+    with pytest.raises(NounError, match="a run of a video"):
+        generate(GRAPH, other)
+
+
+# Resuming -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_stage_is_done_once_until_its_key_or_files_change(tmp_path: pathlib.Path) -> None:
+    with RunFolder.open(tmp_path / "run", "s") as run:
+        with run.replacing("part") as folder:
+            (folder / "a").write_text("1")
+        run.finish("one", key_of(x=1), 2.0)
+    with RunFolder.open(tmp_path / "run", "s") as run:
+        assert run.done("one", key_of(x=1), "part/a")
+        assert not run.done("one", key_of(x=2), "part/a")
+        assert not run.done("one", key_of(x=1), "part/b")
+        assert not run.done("two", key_of(x=1))
+        assert run.seconds == {"one": 2.0}
+
+
+def test_half_a_stage_leaves_the_old_one_whole(tmp_path: pathlib.Path) -> None:
+    with RunFolder.open(tmp_path / "run", "s") as run:
+        with run.replacing("part") as folder:
+            (folder / "a").write_text("old")
+        with contextlib.suppress(KeyboardInterrupt), run.replacing("part") as folder:
+            (folder / "a").write_text("new")
+            raise KeyboardInterrupt
+        assert (run.path / "part" / "a").read_text() == "old"
+        assert sorted(p.name for p in run.path.iterdir()) == [".lock", "part"]
+
+
+def test_one_run_at_a_time(tmp_path: pathlib.Path) -> None:
+    with RunFolder.open(tmp_path, "s"), pytest.raises(NounError, match="another run"), RunFolder.open(tmp_path, "s"):
+        pass
+
+
+class Killed(BaseException):
+    """What a kill looks like from inside."""
+
+
+def test_a_killed_run_goes_on_where_it_stopped(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cousin 1 dies while compiling; the next run makes it and not cousin 0, nor the graph and the layouts again."""
+    made: list[str] = []
+
+    def cousins(*_: object) -> list:
+        made.append("cousins")
+        return []
+
+    def compiled(folder: pathlib.Path, with_usd: bool) -> dict:
+        made.append(f"scene {folder.name}")
+        if folder.name == "1" and made.count("scene 1") == 1:
+            raise Killed
+        (folder / compiling.SCENE).mkdir()
+        (folder / compiling.CHECK).write_text("{}")
+        return {"seconds": 1.0}
+
+    def layouts(run: RunFolder, *_: object) -> str:
+        if not run.done("cousins", "k", "cousins"):
+            cousins()
+            for k in range(3):
+                (run.path / "cousins" / str(k)).mkdir(parents=True)
+            run.finish("cousins", "k", 1.0)
+        return "k"
+
+    monkeypatch.setattr(pipeline, "_cousins", layouts)
+    monkeypatch.setattr(compiling, "compile_cousin", compiled)
+    monkeypatch.setattr(pipeline, "_bank", lambda *_: "b")
+    monkeypatch.setattr(pipeline, "_report", lambda *_: None)
+    monkeypatch.setattr(pipeline, "_summary", lambda *_: {"folder": "x"})
+    options = GenerationOptions(cousins=3, workers=1)
+    with pytest.raises(Killed):
+        generate(GRAPH, tmp_path / "run", options)
+    graph = (tmp_path / "run" / "graph" / "graph.json").stat().st_mtime_ns
+    generate(GRAPH, tmp_path / "run", options)
+    assert made == ["cousins", "scene 0", "scene 1", "scene 1", "scene 2"]
+    assert (tmp_path / "run" / "graph" / "graph.json").stat().st_mtime_ns == graph
+    generate(GRAPH, tmp_path / "run", options)
+    assert len(made) == 5
+
+
+def _wait_for_the_end(ready: "multiprocessing.synchronize.Event") -> None:
+    """A run that starts a worker as `generate` does, and waits for it."""
+    context = multiprocessing.get_context("spawn")
+    pool = concurrent.futures.ProcessPoolExecutor(1, mp_context=context, initializer=compiling.leave_with_parent)
+    pool.submit(time.sleep, 0).result()
+    ready.set()
+    pool.submit(time.sleep, 120).result()
+
+
+def test_workers_leave_with_a_killed_run() -> None:
+    context = multiprocessing.get_context("spawn")
+    ready = context.Event()
+    run = context.Process(target=_wait_for_the_end, args=(ready,))
+    run.start()
+    assert ready.wait(120)
+    workers = psutil.Process(run.pid).children(recursive=True)
+    assert workers
+    run.kill()
+    run.join()
+    gone, alive = psutil.wait_procs(workers, timeout=30)
+    for worker in alive:
+        worker.kill()
+    assert not alive
+    assert len(gone) == len(workers)
+
+
+# Batches ------------------------------------------------------------------------------------------------------------
+
+
+def sources_of(tmp_path: pathlib.Path, *names: str) -> pathlib.Path:
+    path = tmp_path / "list.txt"
+    path.write_text("# tours\n" + "\n".join(names) + "\n\n")
+    return path
+
+
+def fake_work(fail: dict[str, list[int]]):
+    """Work that ends with the statuses given by source, then 0; a done run leaves its report."""
+
+    def work(job: Job) -> Outcome:
+        source, out = pathlib.Path(job.words[1]), pathlib.Path(job.words[3])
+        status = fail.get(source.name, []).pop(0) if fail.get(source.name) else 0
+        if status == 0:
+            out.mkdir(parents=True, exist_ok=True)
+            (out / "report.html").write_text("done")
+        return Outcome(status, "some words", 0.1)
+
+    return work
+
+
+def test_a_failing_source_never_stops_the_rest_and_is_tried_again(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    statuses = {"crash.mp4": [139], "hopeless.mp4": [1, 1, 1], "wrong.mp4": [2, 2]}
+    monkeypatch.setattr(batch, "run_source", fake_work(statuses))
+    listed = sources_of(tmp_path, "a.mp4", "crash.mp4", "wrong.mp4  # not a video", "hopeless.mp4", "b.mp4", "a.mp4")
+    done = batch.run_batch(listed, tmp_path / "out", GenerationOptions(), workers=2, retries=1)
+    assert done["sources"] == 5
+    assert done["done"] == 3
+    assert {pathlib.Path(s).name for s in done["failed"]} == {"wrong.mp4", "hopeless.mp4"}
+    events = [json.loads(line) for line in (tmp_path / "out" / "journal.jsonl").read_text().splitlines()]
+    started = [pathlib.Path(e["source"]).name for e in events if e["event"] == "started"]
+    assert [started.count(n) for n in ("a.mp4", "b.mp4", "crash.mp4", "wrong.mp4", "hopeless.mp4")] == [1, 1, 2, 1, 2]
+
+
+def test_a_killed_batch_goes_on_with_what_is_not_done(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(batch, "run_source", fake_work({}))
+    listed = sources_of(tmp_path, "a.mp4", "b.mp4")
+    batch.run_batch(listed, tmp_path / "out", GenerationOptions())
+    journal = tmp_path / "out" / "journal.jsonl"
+    lines = journal.read_text().splitlines(keepends=True)
+    last = max(k for k, line in enumerate(lines) if '"done"' in line)
+    journal.write_text("".join(lines[:last]) + lines[last][:20])  # the kill came while a line was written
+    assert batch.run_batch(listed, tmp_path / "out", GenerationOptions())["done"] == 2
+    again = journal.read_text()[len("".join(lines[:last])) :]
+    assert again.count('"started"') == 1
+    before = journal.read_text()
+    batch.run_batch(listed, tmp_path / "out", GenerationOptions())
+    assert journal.read_text() == before
+    batch.run_batch(listed, tmp_path / "out", GenerationOptions(seed=1))
+    assert journal.read_text().count('"started"') == before.count('"started"') + 2
+
+
+def test_a_source_runs_in_a_process_of_its_own(tmp_path: pathlib.Path) -> None:
+    outcome = batch.run_source(batch.job_of(tmp_path / "none.mp4", tmp_path / "out", GenerationOptions()))
+    assert outcome.status == batch.WRONG_INPUT
+    assert outcome.words.startswith("error: ")
+    assert "none.mp4" in outcome.words
+
+
+def test_lists_that_cannot_be_used(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(NounError, match="no such file"):
+        batch.read_list(tmp_path / "none.txt")
+    with pytest.raises(NounError, match="no source"):
+        batch.read_list(sources_of(tmp_path, "# nothing"))
+    with pytest.raises(NounError, match="--executor"):
+        batch.run_batch(sources_of(tmp_path, "a.mp4"), tmp_path / "out", GenerationOptions(), executor="cloud")
+
+
+def _status(job: Job) -> Outcome:
+    return Outcome(int(job.words[0]), "said", 0.0)
+
+
+@pytest.mark.slow
+def test_two_ray_workers(tmp_path: pathlib.Path) -> None:
+    pytest.importorskip("ray")
+    with EXECUTORS["ray"](2) as pool:
+        assert pool.size == 2
+        tickets = {pool.submit(_status, Job((str(k),))): k for k in range(4)}
+        found = {}
+        while tickets:
+            ticket, outcome = pool.next(list(tickets))
+            found[tickets.pop(ticket)] = outcome.status
+    assert found == {0: 0, 1: 1, 2: 2, 3: 3}
+
+
+@pytest.mark.slow
+def test_a_batch_on_two_ray_workers(tmp_path: pathlib.Path) -> None:
+    """Real processes on a real local cluster, with sources that are refused at once."""
+    pytest.importorskip("ray")
+    listed = sources_of(tmp_path, "a.mp4", "b.mp4", "c.mp4")
+    done = batch.run_batch(listed, tmp_path / "out", GenerationOptions(), executor="ray", workers=2)
+    assert len(done["failed"]) == 3
+    assert all("error: " in words for words in done["failed"].values())
+
+
+# The whole way ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_graph_becomes_scenes_that_stand_still(tmp_path: pathlib.Path) -> None:
+    """Two cousins of a shipped street, compiled in processes; stock MuJoCo loads them; a second call does nothing."""
+    out = tmp_path / "run"
+    options = GenerationOptions(cousins=2, pictures=False)
+    done = generate(GRAPH, out, options)
+    graph = SceneGraph.load(GRAPH)
+    assert done["nodes"] == len(graph.objects)
+    assert [p + n for p, n in zip(done["placed"], done["left_out"], strict=True)] == [len(graph.objects)] * 2
+    assert done["moved_at_rest"] == [0, 0]
+    for k in range(2):
+        folder = out / "cousins" / str(k)
+        model = mujoco.MjModel.from_xml_path(str(folder / "scene" / "scene.xml"))
+        assert model.nbody == done["placed"][k] + 1
+        assert (folder / "usd" / "scene.usdc").is_file()
+    assert SceneBank.load(out / "bank.npz").scene_ids == ("residential_bins", "residential_bins_cousin1")
+    assert "cousin1" in (out / "report.html").read_text()
+    before = {p: p.stat().st_mtime_ns for p in out.rglob("*") if p.is_file()}
+    assert generate(GRAPH, out, options) == done
+    assert {p: p.stat().st_mtime_ns for p in out.rglob("*") if p.is_file()} == before

@@ -1,0 +1,193 @@
+"""Cousins over the catalogue: the same places and affordances, other assets; every node placed or named."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from urbanverse_mjx.assets import descriptors, load_hulls, looks
+from urbanverse_mjx.assets.index import build_mesh
+from urbanverse_mjx.datatypes import GraphObject, GroundRegion, NounError, SceneGraph, SceneLayout, Source
+from urbanverse_mjx.materialisation import index_of, materialise_cousins, overlap
+from urbanverse_mjx.materialisation.shortlists import affordances
+
+from .catalogue_part import few_objects
+
+SOURCE = Source("hand", "Apache-2.0", "none", "none")
+ROAD = GroundRegion("road", "road", ((-30, -8), (30, -8), (30, 0), (-30, 0)), (0.0, 0.0, 0.0))
+WALK = GroundRegion("walk", "sidewalk", ((-30, 0), (30, 0), (30, 8), (-30, 8)), (0.0, 0.0, 0.15))
+SIZES = {
+    "bench": (0.65, 1.8, 0.85),
+    "sedan": (4.6, 1.82, 1.45),
+    "bollard": (0.2, 0.2, 0.95),
+    "pedestrian adult": (0.45, 0.55, 1.72),
+}
+
+
+def thing(name: str, label: str, x: float, y: float, z: float = 0.15, yaw: float = 0.0, **more) -> GraphObject:
+    size = more.pop("size", SIZES.get(label, (1.0, 1.0, 1.0)))
+    return GraphObject(name, label, (x, y, z + size[2] / 2), size, yaw, **more)
+
+
+def street(*objects: GraphObject, **more) -> SceneGraph:
+    ground = more.pop("ground", (ROAD, WALK))
+    return SceneGraph("little", SOURCE, objects, ground, **more)
+
+
+THINGS = (
+    thing("bench", "bench", 0, 5, yaw=-math.pi / 2),
+    thing("car", "sedan", 5, -4, 0.0),
+    *(thing(f"post_{k}", "bollard", 2.0 * k - 20, 0.5) for k in range(4)),
+    *(thing(f"man_{k}", "pedestrian adult", 2.0 * k - 20, 4.0) for k in range(4)),
+)
+
+
+@pytest.fixture(scope="module")
+def cousins():
+    return materialise_cousins(street(*THINGS), 5, seed=3, objects=few_objects())
+
+
+def test_the_same_inputs_give_the_same_layouts_and_another_seed_others(cousins):
+    again = materialise_cousins(street(*THINGS), 5, seed=3, objects=few_objects())
+    assert [c.layout.to_json() for c in again] == [c.layout.to_json() for c in cousins]
+    other = materialise_cousins(street(*THINGS), 5, seed=4, objects=few_objects())
+    assert other[0].layout.to_json()["objects"] != cousins[0].layout.to_json()["objects"]
+    for cousin in cousins:
+        assert SceneLayout.from_json(cousin.layout.to_json()) == cousin.layout
+
+
+def test_cousins_keep_places_headings_and_affordances_and_differ_in_looks_and_physics(cousins):
+    names = [c.layout.id for c in cousins]
+    assert names == ["little", "little_cousin1", "little_cousin2", "little_cousin3", "little_cousin4"]
+    for k, node in enumerate(THINGS):
+        placed = [c.layout.objects[k] for c in cousins]
+        records = [c.chosen[node.id].record for c in cousins]
+        assert [p.id for p in placed] == [node.id] * 5
+        assert len({p.asset_uid for p in placed}) == 5
+        assert len({(p.mass, p.friction) for p in placed}) > 1
+        assert len({affordances(r) for r in records}) == 1
+        for p, r in zip(placed, records, strict=True):
+            assert math.dist(p.position[:2], node.center[:2]) <= overlap.LIMIT
+            assert math.cos(p.yaw - node.yaw) == pytest.approx(1.0, abs=1e-6)
+            assert np.abs(np.log(np.array(r.extent_xyz) * p.scale / node.size)).max() < math.log(4 / 3)
+    for field in ("sky", "sky_yaw"):
+        assert len({getattr(c.layout, field) for c in cousins}) == 5
+    for region in range(2):
+        assert len({c.layout.ground[region].material for c in cousins}) == 5
+        assert len({(c.layout.ground[region].polygon, c.layout.ground[region].plane) for c in cousins}) == 1
+
+
+def test_what_comes_in_series_looks_alike_and_people_do_not(cousins):
+    for cousin in cousins:
+        assert len({o.asset_uid for o in cousin.layout.objects if o.label == "bollard"}) == 1
+        assert len({o.asset_uid for o in cousin.layout.objects if o.label == "pedestrian adult"}) > 1
+
+
+def test_a_layout_is_compiled_from_its_own_records(cousins):
+    index = index_of(cousins[0].layout, few_objects())
+    for placed in cousins[0].layout.objects:
+        record = index.get(placed.asset_uid)
+        assert build_mesh(record).extent == pytest.approx(record.extent_xyz, abs=1e-3)
+        assert load_hulls(record).hulls
+
+
+def test_every_node_is_placed_or_named_with_a_reason():
+    nodes = (
+        *THINGS,
+        thing("what", "zqxv", 10, 5),
+        thing("ground", "sidewalk", 12, 5, size=(4.0, 4.0, 0.1)),
+        thing("again", "sedan", 5.3, -4.1, 0.0, score=0.4),
+    )
+    for cousin in materialise_cousins(street(*nodes), 2, objects=few_objects()):
+        gone = {entry.id: entry.reason for entry in cousin.left_out}
+        assert {o.id for o in cousin.layout.objects} | gone.keys() == {n.id for n in nodes}
+        assert gone.keys() == {"what", "ground", "again"}
+        assert "no leaf" in gone["what"]
+        assert "regions" in gone["ground"]
+        assert "the same thing" in gone["again"]
+
+
+def test_nothing_shares_a_place_and_moves_are_small(cousins):
+    near = [thing(f"man_{k}", "pedestrian adult", 0.25 * k, 4.0) for k in range(3)]
+    for cousin in materialise_cousins(street(*near), 3, objects=few_objects()):
+        bodies = [
+            overlap.Body(p, cousin.chosen[p.id].record, overlap.prisms_of(p, load_hulls(cousin.chosen[p.id].record)))
+            for p in cousin.layout.objects
+        ]
+        assert not overlap.penetrating_pairs(bodies)
+        assert all(distance <= overlap.LIMIT + 1e-6 for _, distance in cousin.moved)
+
+
+def test_the_nearest_cousin_is_what_was_seen(cousins):
+    """A node with a record's box and descriptor gets that record, or one that looks as much like it."""
+    record = cousins[2].chosen["car"].record
+    look = tuple(int(x) for x in _own_descriptor(record))
+    node = thing("car", "sedan", 5, -4, 0.0, size=record.extent_xyz, descriptor=look)
+    best, *others = materialise_cousins(street(node), 5, seed=9, objects=few_objects())
+    distances = [c.chosen["car"].match.look or 0.0 for c in (best, *others)]
+    assert distances[0] == min(distances)
+    assert best.chosen["car"].match.distortion < 0.1
+
+
+def _own_descriptor(record) -> np.ndarray:
+    mesh = build_mesh(record)
+    colours = mesh.texture.reshape(-1, 3)[:: max(1, mesh.texture.size // 3 // 1024)]
+    return descriptors.of_picture(colours[: len(colours) // 16 * 16].reshape(16, -1, 3))
+
+
+def test_a_quarter_turn_is_taken_only_where_the_box_lies_across():
+    wide = thing("across", "bench", 0, 5, size=(1.8, 0.65, 0.85))
+    almost = thing("square", "bollard", 5, 5, size=(0.2, 0.22, 0.95))
+    path = ((0.0, 2.0, 1.6, 0.0), (5.0, 2.0, 1.6, 0.0))
+    for cousin in materialise_cousins(street(wide, almost, camera_path=path), 3, objects=few_objects()):
+        bench, post = cousin.layout.objects
+        assert bench.yaw == pytest.approx(-math.pi / 2, abs=1e-3)  # its front towards the tour
+        assert post.yaw == pytest.approx(0.0)
+
+
+def test_ground_and_sky_are_what_was_seen():
+    walk, road, sky = looks.sidewalk.get_uids_all()[40], looks.road.get_uids_all()[7], looks.sky.get_uids_all()[123]
+    half = looks.SKY_THUMBNAIL[0] // 2
+    crops = {
+        "walk": looks.ground_descriptor(looks.sidewalk.load_thumbnails([walk])[walk]),
+        "road": looks.ground_descriptor(looks.road.load_thumbnails([road])[road]),
+    }
+    seen = looks.sky_descriptor(looks.sky.load_thumbnails([sky])[sky][half // 2 : half])
+    ground = tuple(dataclasses.replace(r, descriptor=crops[r.id]) for r in (ROAD, WALK))
+    best, *others = materialise_cousins(street(ground=ground, sky_descriptor=seen), 4, objects=few_objects())
+    assert {r.id: r.material for r in best.layout.ground} == {"road": road, "walk": walk}
+    assert best.layout.sky == sky
+    ranked = [uid for uid, _ in looks.rank_skies(seen)[:8]]
+    assert all(c.layout.sky in ranked for c in others)
+
+
+def test_a_sky_like_none_is_not_matched():
+    black = looks.sky_crop_descriptor(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8), bool))
+    found = materialise_cousins(street(sky_descriptor=black), 3, objects=few_objects())
+    by_time = looks.sky.load_annotations([c.layout.sky for c in found])
+    assert all(record["time"] in ("morning", "noon", "afternoon", "evening") for record in by_time.values())
+    assert all(c.sky.distance is None for c in found)
+
+
+def test_crops_and_stored_descriptors_give_the_same():
+    """A masked crop is described once; the graph written to JSON and read back gives the same layouts."""
+    rng = np.random.default_rng(0)
+    picture = rng.integers(0, 255, (60, 90, 3)).astype(np.uint8)
+    mask = np.zeros((60, 90), bool)
+    mask[10:50, 20:80] = True
+    node = dataclasses.replace(THINGS[0], descriptor=tuple(map(int, descriptors.of_picture(picture, mask))))
+    walk = dataclasses.replace(WALK, descriptor=looks.ground_crop_descriptor(picture, mask))
+    graph = street(node, ground=(ROAD, walk), sky_descriptor=looks.sky_crop_descriptor(picture, mask))
+    stored = SceneGraph.from_json(graph.to_json())
+    one, other = (materialise_cousins(g, 3, objects=few_objects()) for g in (graph, stored))
+    assert [c.layout.to_json() for c in one] == [c.layout.to_json() for c in other]
+    square = np.zeros_like(mask)
+    square[5:30, 40:65] = True
+    assert looks.ground_crop_descriptor(picture, square) == looks.ground_descriptor(picture[5:30, 40:65])
+
+
+def test_bad_numbers_are_refused():
+    for count, seed, kerb in ((0, 0, 0.15), (65, 0, 0.15), (1, -1, 0.15), (1, 0, -0.1)):
+        with pytest.raises(NounError):
+            materialise_cousins(street(), count, seed, kerb, few_objects())

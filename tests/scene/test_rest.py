@@ -1,0 +1,83 @@
+"""What stays, what falls, and that what falls is kept fixed."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from tests.support.box_bank import box_scene
+from urbanverse_mjx.scene import compiler
+from urbanverse_mjx.scene.geometry import SceneGeometry
+from urbanverse_mjx.scene.rest import rest_moves
+
+CUBE = np.array([[x, y, z] for x in (-0.2, 0.2) for y in (-0.2, 0.2) for z in (0.0, 0.4)], np.float32)
+#: A post as high as a door on a foot of two centimetres, leaning: nothing holds it up.
+LEANING = CUBE * np.array([0.05, 0.05, 5.0], np.float32) + np.where(CUBE[:, 2:] > 0, [[0.3, 0, 0]], 0).astype(
+    np.float32
+)
+
+
+def scene_of(*hulls: np.ndarray, movable: bool = True) -> SceneGeometry:
+    """Things a metre apart on the sidewalk of a box street."""
+    count, none = len(hulls), box_scene(0)
+    walk = np.flatnonzero(none.prism_kind == 4)[0]
+    corner = (none.hulls[none.prism_hull[walk]] + none.prism_position[walk]).mean(0)
+    top = (none.hulls[none.prism_hull[walk]] + none.prism_position[walk])[:, 2].max()
+    position = np.array([[corner[0] + k, corner[1], top] for k in range(count)])
+    return dataclasses.replace(
+        none,
+        object_ids=tuple(f"thing_{k}" for k in range(count)),
+        object_categories=("box",) * count,
+        object_position=position,
+        object_quaternion=np.tile([1.0, 0, 0, 0], (count, 1)),
+        object_mesh=np.zeros(count, np.int32),
+        object_mass=np.full(count, 10.0),
+        object_friction=np.full(count, 0.7),
+        object_movable=np.full(count, movable),
+        hulls=(*none.hulls, *hulls),
+        inst_hull=len(none.hulls) + np.arange(count, dtype=np.int32),
+        inst_object=np.arange(count, dtype=np.int32),
+    )
+
+
+def test_boxes_stay_and_a_leaning_post_falls():
+    moves = rest_moves(scene_of(CUBE, LEANING, CUBE))
+    assert [m.id for m in moves] == ["thing_1"]
+    assert moves[0].tilt > 0.5
+    assert moves[0].shift > 0.2
+
+
+def test_what_is_fixed_cannot_fall():
+    assert rest_moves(scene_of(LEANING, movable=False)) == []
+
+
+def test_a_box_in_the_air_comes_down_and_one_in_another_is_thrown_out():
+    scene = scene_of(CUBE, CUBE)
+    high = scene.object_position + [[0, 0, 0], [0, 0, 1.0]]
+    assert [m.id for m in rest_moves(dataclasses.replace(scene, object_position=high))] == ["thing_1"]
+    inside = scene.object_position - [[0, 0, 0], [0.8, 0, 0]]
+    assert rest_moves(dataclasses.replace(scene, object_position=inside))
+
+
+@dataclasses.dataclass(frozen=True)
+class Part:
+    """What `_with_fallers_fixed` reads of a layout."""
+
+    id: str
+    movable: bool = True
+
+
+@dataclasses.dataclass(frozen=True)
+class Parts:
+    objects: tuple[Part, ...]
+
+
+def test_fallers_are_fixed_until_all_stay():
+    geometry, layout = compiler._with_fallers_fixed(
+        scene_of(CUBE, LEANING),
+        Parts((Part("thing_0"), Part("thing_1"))),  # pyright: ignore[reportArgumentType]
+    )
+    assert geometry.object_movable.tolist() == [True, False]
+    assert [o.movable for o in layout.objects] == [True, False]
+    assert rest_moves(geometry) == []
+    assert rest_moves(geometry, seconds=0.01) == pytest.approx([])

@@ -1,0 +1,78 @@
+"""One cousin from its layout to files: MuJoCo scene, USD, and the check that all of it stands still."""
+
+import dataclasses
+import multiprocessing
+import multiprocessing.connection
+import os
+import pathlib
+import threading
+from typing import Any
+
+from ...assets import AssetIndex
+from ...datatypes import AssetRecord, SceneLayout
+from ...datatypes import validation as v
+from .run_folder import Clock
+
+LAYOUT, ASSETS, SCENE, USD, CHECK = "layout.json", "assets.json", "scene", "usd", "check.json"
+
+
+def save_layout(folder: pathlib.Path, layout: SceneLayout, index: AssetIndex) -> None:
+    """Writes a layout and the records that it uses: with both, it is compiled without the catalogue."""
+    v.write_json(folder / ASSETS, [record.to_json() for record in index.records])
+    layout.save(folder / LAYOUT)
+
+
+def load_assets(folder: pathlib.Path) -> AssetIndex:
+    """The records beside a layout."""
+    rows = v.items(v.read_json(folder / ASSETS, "asset list"), ASSETS)
+    return AssetIndex(AssetRecord.from_json(row, f"{ASSETS}[{i}]") for i, row in enumerate(rows))
+
+
+def leave_with_parent() -> None:
+    """Ends this process as soon as the one that started it is gone: nobody works on in a killed run's folder."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+
+        def watch() -> None:
+            multiprocessing.connection.wait([parent.sentinel])
+            os._exit(1)
+
+        threading.Thread(target=watch, daemon=True).start()
+
+
+def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
+    """Compiles the layout of a folder beside it and checks the result; returns what `check.json` says.
+
+    Raises:
+      NounError: the layout cannot be compiled.
+    """
+    import mujoco
+
+    from ...assets.skies import build_sky
+    from ...scene import compile_scene, export_usd, rest_moves
+    from ..scene import make_driver
+
+    clock = Clock()
+    layout = SceneLayout.load(folder / LAYOUT)
+    compiled = compile_scene(layout, load_assets(folder), folder / SCENE, make_driver(), fix_fallers=True)
+    model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))
+    if with_usd:
+        export_usd(compiled.geometry, build_sky(layout.sky), folder / USD)
+    moves = rest_moves(compiled.geometry)
+    fixed = [a.id for a, b in zip(layout.objects, compiled.layout.objects, strict=True) if a.movable != b.movable]
+    check = {
+        "id": layout.id,
+        **compiled.metadata["counts"],
+        "geoms": int(model.ngeom),
+        "movable": int(compiled.geometry.object_movable.sum()),
+        "usd": with_usd,
+        "seconds": round(clock.seconds, 3),
+        "kept_fixed": fixed,
+        "moved_at_rest": [{k: _finite(x) for k, x in dataclasses.asdict(m).items()} for m in moves],
+    }
+    v.write_json(folder / CHECK, check)
+    return check
+
+
+def _finite(value: Any) -> Any:
+    return round(min(value, 1e3), 3) if isinstance(value, float) else value

@@ -1,0 +1,43 @@
+"""Recording -> `graph.json` with descriptors, `evidence.json` and the crops."""
+
+import dataclasses
+import json
+import pathlib
+from collections.abc import Callable
+
+import numpy as np
+
+from ...assets import descriptors, load_index, looks
+from ...assets.label_priors import LabelPriors
+from ...datatypes import Recording, SceneGraph
+from ...distillation import Describe, distil
+
+Report = Callable[[int, int], None]
+
+
+def _look_of_thing(picture: np.ndarray, mask: np.ndarray) -> list[int]:
+    return descriptors.of_picture(picture, mask).tolist()
+
+
+#: What the materialisation compares: the index's own descriptors.
+DESCRIBE = Describe(_look_of_thing, looks.ground_crop_descriptor, looks.sky_crop_descriptor)
+
+
+def distil_to(recording: Recording, folder: pathlib.Path, report: Report) -> SceneGraph:
+    """Distils a recording into a folder: `graph.json`, `evidence.json`, `crops/`.
+
+    Raises:
+      NounError: see `distil`.
+    """
+    found = distil(
+        recording, LabelPriors(load_index()), describe=DESCRIBE, crop_folder=folder / "crops", progress=report
+    )
+    body = {
+        "views": found.views,
+        "left_out": found.left_out,
+        "kerbs": [dataclasses.asdict(k) for k in found.kerbs],
+        "objects": [e.to_json() for e in found.evidence],
+    }
+    (folder / "evidence.json").write_text(json.dumps(body, indent=1, default=str) + "\n", encoding="utf-8")
+    found.graph.save(folder / "graph.json")
+    return found.graph

@@ -1,0 +1,241 @@
+"""The stages of a run, in order, each resumable: frames, recording, graph, cousins, scenes, bank, report."""
+
+import concurrent.futures
+import dataclasses
+import json
+import multiprocessing
+import os
+import pathlib
+import shutil
+from typing import Any
+
+from ... import settings
+from ...datatypes import Recording, SceneGraph
+from ...datatypes import validation as v
+from . import compiling
+from .progress import StageBars
+from .run_folder import Clock, RunFolder, key_of
+from .sources import Input, recognise
+from .tours import TourOptions
+
+FRAMES, RECORDING, GRAPH, COUSINS, REPORT = "frames", "recording", "graph", "cousins", "report"
+MATERIALISATION, BANK = "materialisation.json", "bank.npz"
+
+
+@dataclasses.dataclass(frozen=True)
+class GenerationOptions:
+    """How cousins are made.
+
+    Attributes:
+      cousins: how many, 1 to 64. seed: chooses among what fits equally well.
+      kerb: m, of sidewalks whose step to the road the source does not show.
+      usd: whether to write each scene as USD too. pictures: whether the report has rendered pictures.
+      workers: processes that compile; None for as many as there are cores.
+      tour: how a video or folder of frames is looked at.
+    """
+
+    cousins: int = 5
+    seed: int = 0
+    kerb: float = 0.15
+    usd: bool = True
+    pictures: bool = True
+    workers: int | None = None
+    tour: TourOptions = dataclasses.field(default_factory=TourOptions)
+
+
+def generate(
+    source: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    options: GenerationOptions | None = None,
+    quiet: bool = True,
+) -> dict[str, Any]:
+    """Makes compiled cousins of a source in a folder, or goes on with what an earlier run left there.
+
+    Args:
+      source: graph.json, a recording's folder, a folder of frames, or a video.
+      out: the run's folder: `frames/`, `recording/`, `graph/`, `cousins/<k>/{layout.json, scene/, usd/, check.json}`,
+        `bank.npz`, `report.html`, `run.json`.
+
+    Returns:
+      id, folder, number of objects in the graph and in each cousin, seconds by stage.
+
+    Raises:
+      NounError: what is wrong with the source or the folder; nothing half-written stays.
+    """
+    options = options or GenerationOptions()
+    v.integer(options.cousins, "--cousins", 1, 64)
+    given = recognise(os.fspath(source))
+    with RunFolder.open(out, str(given.path)) as run, StageBars(quiet) as bars:
+        recording, key = _recording(run, bars, options.tour, given)
+        graph_key = _graph(run, bars, given, recording, key)
+        cousins_key = _cousins(run, bars, options, graph_key)
+        scenes_key = _scenes(run, bars, options, cousins_key)
+        bank_key = _bank(run, bars, options, scenes_key)
+        _report(run, bars, options, given, recording, bank_key)
+        return _summary(run, options)
+
+
+def _recording(run: RunFolder, bars: StageBars, tour: TourOptions, given: Input) -> tuple[pathlib.Path | None, str]:
+    """`frames/` and `recording/` of raw pictures; where the recording lies (None for a graph), and its key."""
+    if given.kind in ("graph", "recording"):
+        return (given.path if given.kind == "recording" else None), given.key
+    key = key_of(stage="frames", source=given.key, rate=tour.rate, blur=tour.blur)
+    report = bars.stage("frames")
+    if not run.done(FRAMES, key, FRAMES):
+        from .perceiving import sample_to
+
+        clock = Clock()
+        with run.replacing(FRAMES) as folder:
+            sample_to(given.path, folder, tour, report)
+        run.finish(FRAMES, key, clock.seconds)
+    report(1, 1)
+    key = key_of(stage="recording", before=key, tour=dataclasses.asdict(tour))
+    report = bars.stage("recording")
+    if not run.done(RECORDING, key, f"{RECORDING}/recording.json"):
+        from .perceiving import perceive_to
+
+        clock = Clock()
+        with run.replacing(RECORDING) as folder:
+            perceive_to(run.path / FRAMES, folder, given.path, tour, report)
+        run.finish(RECORDING, key, clock.seconds)
+    report(1, 1)
+    return run.path / RECORDING, key
+
+
+def _graph(run: RunFolder, bars: StageBars, given: Input, recording: pathlib.Path | None, before: str) -> str:
+    """`graph/`: graph.json, and from a recording its evidence and crops."""
+    key = key_of(stage="graph", kind=given.kind, source=before)
+    report = bars.stage("graph")
+    if not run.done(GRAPH, key, f"{GRAPH}/graph.json"):
+        clock = Clock()
+        with run.replacing(GRAPH) as folder:
+            if recording is None:
+                shutil.copyfile(given.path, folder / "graph.json")
+            else:
+                from .distilling import distil_to
+
+                distil_to(Recording.load(recording), folder, report)
+        run.finish(GRAPH, key, clock.seconds)
+    report(1, 1)
+    return key
+
+
+def _cousins(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
+    """`cousins/<k>/layout.json` and `materialisation.json`."""
+    key = key_of(stage="cousins", before=before, cousins=options.cousins, seed=options.seed, kerb=options.kerb)
+    report = bars.stage("cousins", options.cousins)
+    folders = [f"{COUSINS}/{k}/{compiling.LAYOUT}" for k in range(options.cousins)]
+    if not run.done(COUSINS, key, MATERIALISATION, *folders):
+        from ...materialisation import index_of, materialise_cousins
+        from .records import record_of
+
+        clock = Clock()
+        graph = SceneGraph.load(run.path / GRAPH / "graph.json")
+        made = materialise_cousins(graph, options.cousins, options.seed, options.kerb)
+        with run.replacing(COUSINS) as folder:
+            for k, cousin in enumerate(made):
+                (folder / str(k)).mkdir()
+                compiling.save_layout(folder / str(k), cousin.layout, index_of(cousin.layout))
+                report(k + 1, options.cousins)
+        v.write_json(run.path / MATERIALISATION, record_of(graph, made))
+        run.finish(COUSINS, key, clock.seconds)
+    report(options.cousins, options.cousins)
+    return key
+
+
+def _scenes(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
+    """`cousins/<k>/scene/`, `usd/` and `check.json`, each cousin a stage of its own, compiled in processes."""
+    key = key_of(stage="scenes", before=before, usd=options.usd)
+    report = bars.stage("scenes", options.cousins)
+    clock = Clock()
+    missing = [
+        k
+        for k in range(options.cousins)
+        if not run.done(f"scenes/{k}", key, f"{COUSINS}/{k}/{compiling.SCENE}", f"{COUSINS}/{k}/{compiling.CHECK}")
+    ]
+    report(options.cousins - len(missing), options.cousins)
+    if missing:
+        _compile_all(run, missing, options, key, report)
+        run.finish("scenes", key, clock.seconds)
+    return key
+
+
+def _compile_all(run: RunFolder, missing: list[int], options: GenerationOptions, key: str, report: Any) -> None:
+    workers = max(1, min(options.workers or settings.num_threads(), len(missing)))
+    if workers == 1:
+        for number, k in enumerate(missing, 1):
+            _finish_scene(run, k, key, compiling.compile_cousin(run.path / COUSINS / str(k), options.usd))
+            report(options.cousins - len(missing) + number, options.cousins)
+        return
+    # Not forked: JAX and MuJoCo may already run threads here.
+    context = multiprocessing.get_context("spawn")
+    leave = compiling.leave_with_parent
+    with concurrent.futures.ProcessPoolExecutor(workers, mp_context=context, initializer=leave) as pool:
+        folders = {k: run.path / COUSINS / str(k) for k in missing}
+        jobs = {pool.submit(compiling.compile_cousin, folder, options.usd): k for k, folder in folders.items()}
+        try:
+            for number, job in enumerate(concurrent.futures.as_completed(jobs), 1):
+                _finish_scene(run, jobs[job], key, job.result())
+                report(options.cousins - len(missing) + number, options.cousins)
+        except v.NounError:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _finish_scene(run: RunFolder, k: int, key: str, check: dict[str, Any]) -> None:
+    run.finish(f"scenes/{k}", key, check["seconds"])
+
+
+def _bank(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
+    """`bank.npz`: all cousins for `urbanverse evaluate` and `train`."""
+    key = key_of(stage="bank", before=before)
+    report = bars.stage("bank")
+    if not run.done("bank", key, BANK):
+        from ...scene import pack_bank
+
+        clock = Clock()
+        folders = [run.path / COUSINS / str(k) / compiling.SCENE for k in range(options.cousins)]
+        pack_bank(folders, ["test"] * len(folders)).save(run.path / BANK)
+        run.finish("bank", key, clock.seconds)
+    report(1, 1)
+    return key
+
+
+def _report(
+    run: RunFolder,
+    bars: StageBars,
+    options: GenerationOptions,
+    given: Input,
+    recording: pathlib.Path | None,
+    before: str,
+) -> None:
+    """`report.html` and its pictures in `report/`."""
+    key = key_of(stage="report", before=before, pictures=options.pictures)
+    report = bars.stage("report")
+    if not run.done(REPORT, key, "report.html", REPORT):
+        from .report import write_report
+
+        clock = Clock()
+        with run.replacing(REPORT) as folder:
+            html = write_report(run.path, folder, given, recording, options.pictures, run.seconds, report)
+        v.write_atomically(run.path / "report.html", lambda p: p.write_text(html, encoding="utf-8"))
+        run.finish(REPORT, key, clock.seconds)
+    report(1, 1)
+
+
+def _summary(run: RunFolder, options: GenerationOptions) -> dict[str, Any]:
+    record = json.loads((run.path / MATERIALISATION).read_text(encoding="utf-8"))
+    checks = [
+        json.loads((run.path / COUSINS / str(k) / compiling.CHECK).read_text(encoding="utf-8"))
+        for k in range(options.cousins)
+    ]
+    return {
+        "id": record["graph"]["id"],
+        "folder": str(run.path),
+        "nodes": record["graph"]["objects"],
+        "placed": [c["objects"] for c in checks],
+        "left_out": [len(c["left_out"]) for c in record["cousins"]],
+        "moved_at_rest": [len(c["moved_at_rest"]) for c in checks],
+        "seconds": {name: s for name, s in run.seconds.items() if "/" not in name},
+        "report": str(run.path / "report.html"),
+    }

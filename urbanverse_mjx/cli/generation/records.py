@@ -1,0 +1,39 @@
+"""`materialisation.json`: for every node what was chosen and how well it fits, and who was left out and why."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+from ...datatypes import SceneGraph
+from ...materialisation import Cousin
+
+
+def record_of(graph: SceneGraph, cousins: Sequence[Cousin]) -> dict[str, Any]:
+    """The record of one graph's cousins, as JSON."""
+    first = cousins[0]
+    return {
+        "graph": {"id": graph.id, "objects": len(graph.objects), "regions": len(graph.ground)},
+        "raised": list(first.raised),
+        "ground": [dataclasses.asdict(piece) for piece in first.materials],
+        "skies": [dataclasses.asdict(c.sky) for c in cousins],
+        "matches": {thing.id: [_match(c, thing.id) for c in cousins] for thing in graph.objects},
+        "cousins": [
+            {
+                "id": c.layout.id,
+                "placed": len(c.layout.objects),
+                "left_out": [dataclasses.asdict(gone) for gone in c.left_out],
+                "moved": [list(m) for m in c.moved],
+                "unresolved": [list(p) for p in c.unresolved],
+            }
+            for c in cousins
+        ],
+    }
+
+
+def _match(cousin: Cousin, name: str) -> dict[str, Any] | None:
+    candidate = cousin.chosen.get(name)
+    if candidate is None:
+        return None
+    match = candidate.match
+    look = None if match.look is None else round(match.look, 4)
+    return {"uid": match.uid, "leaf": match.leaf, "distortion": round(match.distortion, 4), "look": look}

@@ -1,0 +1,90 @@
+"""The street from above: what the recording's depth shows, and the graph's ground, boxes and headings over it."""
+
+import html
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...datatypes import Recording, SceneGraph
+
+#: m of a cell of the picture from above, and every how many pixels and frames the recording is read.
+CELL, PIXEL_STRIDE, MOST_FRAMES = 0.1, 3, 60
+#: m: what is farther from the camera is too coarse for cells of 10 cm; what is higher over it hides the street.
+FAR, HIGH = 25.0, 1.0
+GROUND_COLOURS = {
+    "road": "#5a5f66",
+    "road_marking": "#e8e4d0",
+    "crosswalk": "#8d939c",
+    "sidewalk": "#c9bfae",
+    "ground": "#9db48a",
+}
+_MARGIN = 2.0  # m around the ground
+
+
+def extent(graph: SceneGraph) -> tuple[float, float, float, float]:
+    """x and y from, x and y to, of the ground and all boxes, with a margin."""
+    points = [p for region in graph.ground for p in region.polygon] + [o.center[:2] for o in graph.objects]
+    low, high = np.min(points, 0) - _MARGIN, np.max(points, 0) + _MARGIN
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def seen_from_above(recording: Recording, area: Sequence[float]) -> np.ndarray:
+    """(rows, columns, 4) uint8: mean colour of what the depth puts into each cell of an area, y upwards, alpha 0 where
+    nothing is known."""
+    x0, y0, x1, y1 = area
+    columns, rows = math.ceil((x1 - x0) / CELL), math.ceil((y1 - y0) / CELL)
+    colour, count = np.zeros((rows * columns, 3)), np.zeros(rows * columns)
+    rays = recording.camera.rays()[::PIXEL_STRIDE, ::PIXEL_STRIDE]
+    chosen = recording.registered[:: max(1, len(recording.registered) // MOST_FRAMES)]
+    for number in chosen.tolist():
+        depth, pose = recording.depth(number), recording.frames[number].pose
+        if depth is None or pose is None:
+            continue
+        near = depth[::PIXEL_STRIDE, ::PIXEL_STRIDE]
+        points = (rays * near[..., None]) @ pose[:3, :3].T + pose[:3, 3]
+        column = np.floor((points[..., 0] - x0) / CELL).astype(int)
+        row = np.floor((y1 - points[..., 1]) / CELL).astype(int)
+        keep = (near > 0) & (near < FAR) & (points[..., 2] < pose[2, 3] + HIGH)
+        keep &= (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+        cell = row[keep] * columns + column[keep]
+        pixels = recording.rgb(number)[::PIXEL_STRIDE, ::PIXEL_STRIDE][keep]
+        count += np.bincount(cell, minlength=len(count))
+        for k in range(3):
+            colour[:, k] += np.bincount(cell, pixels[:, k], len(count))
+    mean = colour / np.maximum(count, 1.0)[:, None]
+    return np.column_stack([mean, np.where(count > 0, 255, 0)]).astype(np.uint8).reshape(rows, columns, 4)
+
+
+def svg(graph: SceneGraph, colours: dict[str, str], picture: str | None = None) -> str:
+    """The graph from above as SVG; objects carry their label as a tooltip and a tick along their heading.
+
+    Args:
+      colours: label -> CSS colour.
+      picture: file to lie under it, of `seen_from_above` over the graph's `extent`.
+    """
+    x0, y0, x1, y1 = extent(graph)
+    lines = [f'<svg class="map" viewBox="{x0:.2f} {-y1:.2f} {x1 - x0:.2f} {y1 - y0:.2f}">']
+    if picture:
+        size = f'width="{x1 - x0:.2f}" height="{y1 - y0:.2f}"'
+        lines.append(f'<image href="{picture}" x="{x0:.2f}" y="{-y1:.2f}" {size} preserveAspectRatio="none"/>')
+    for region in graph.ground:
+        corners = " ".join(f"{x:.2f},{-y:.2f}" for x, y in region.polygon)
+        opacity = 0.0 if picture else 1.0
+        style = f'fill="{GROUND_COLOURS[region.kind]}" fill-opacity="{opacity}" stroke="#3a3f46" stroke-width="0.06"'
+        lines.append(f'<polygon points="{corners}" {style}><title>{html.escape(region.id)}</title></polygon>')
+    if graph.camera_path:
+        way = " ".join(f"{p[0]:.2f},{-p[1]:.2f}" for p in graph.camera_path)
+        lines.append(f'<polyline points="{way}" fill="none" stroke="#d0342c" stroke-width="0.15"/>')
+    for thing in graph.objects:
+        along, across, _ = thing.size
+        x, y, _ = thing.center
+        title = html.escape(f"{thing.id}: {thing.label}, {along:.2f} x {across:.2f} x {thing.size[2]:.2f} m")
+        colour = colours.get(thing.label, "#888888")
+        style = f'fill="{colour}" fill-opacity="0.55" stroke="{colour}" stroke-width="0.08"'
+        lines.append(
+            f'<g transform="translate({x:.3f} {-y:.3f}) rotate({-math.degrees(thing.yaw):.2f})">'
+            f'<rect x="{-along / 2:.3f}" y="{-across / 2:.3f}" width="{along:.3f}" height="{across:.3f}" {style}>'
+            f'<title>{title}</title></rect><line x1="0" y1="0" x2="{along / 2:.3f}" y2="0" {style}/></g>'
+        )
+    return "\n".join([*lines, "</svg>"])

@@ -1,0 +1,110 @@
+"""Pictures of a report: frames with masks, thumbnails of what was matched, cousins from eye level and above."""
+
+import pathlib
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from PIL import Image
+
+from ...assets import looks
+from ...assets.search import library
+from ...datatypes import NounError, Recording, SceneBank, SceneGraph
+from ...viz.pictures import Studio
+
+#: How many frames are shown, and from how many places of the tour the cousins are looked at.
+FRAMES, VIEWS = 4, 3
+VIEW_SIZE, ABOVE_SIZE = (640, 360), (1000, 460)
+#: Rays a pixel and side, and how steeply one looks down (m over 8 m) and from above (rad).
+SAMPLES, LOOK_DOWN, ELEVATION = 2, 0.4, np.radians(78.0)
+_QUALITY = 88
+
+
+def save_jpeg(picture: np.ndarray, path: pathlib.Path) -> str:
+    """Writes (H, W, 3) uint8 and returns the file's name."""
+    Image.fromarray(picture).save(path, "JPEG", quality=_QUALITY, optimize=True)
+    return path.name
+
+
+def masked_frames(recording: Recording, colours: dict[str, str], folder: pathlib.Path) -> list[str]:
+    """Some frames with their instances tinted and outlined in their labels' colours; names of the files."""
+    chosen = np.unique(np.linspace(0, len(recording) - 1, min(FRAMES, len(recording))).round().astype(int))
+    names = []
+    for number in chosen.tolist():
+        picture, masks = recording.rgb(number), recording.masks(number)
+        if masks is not None:
+            labels = [d.label for d in recording.frames[number].detections]
+            picture = _overlaid(picture, masks, [_rgb(colours.get(label, "#888888")) for label in labels])
+        names.append(save_jpeg(picture, folder / f"frame_{number:06d}.jpg"))
+    return names
+
+
+def _overlaid(picture: np.ndarray, masks: np.ndarray, tints: Sequence[tuple[int, int, int]]) -> np.ndarray:
+    table = np.array([*tints, (0, 0, 0)], np.float64)  # -1, nothing, picks the last
+    tinted = 0.55 * picture + 0.45 * table[masks]
+    shown = np.where(masks[..., None] >= 0, tinted, 0.8 * picture + 40.0)
+    edge = np.zeros(masks.shape, bool)
+    edge[:-1] |= masks[:-1] != masks[1:]
+    edge[:, :-1] |= masks[:, :-1] != masks[:, 1:]
+    shown[edge] = 255.0
+    return np.clip(shown, 0, 255).astype(np.uint8)
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def asset_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str]:
+    """uid -> file; empty where no OpenGL renders off screen."""
+    try:
+        found = library().load_thumbnails(list(dict.fromkeys(uids)))
+    except (NounError, ImportError, OSError):
+        return {}
+    return {uid: save_jpeg(picture, folder / f"{uid.replace('/', '--')}.jpg") for uid, picture in found.items()}
+
+
+def look_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str]:
+    """uid -> file, for skies and for grounds of the large collection."""
+    names = {}
+    for uid in dict.fromkeys(uids):
+        name = f"{uid.replace('/', '--')}.jpg"
+        for collection in (looks.road, looks.sidewalk, looks.sky):
+            if uid in collection.get_uids_all():
+                names[uid] = save_jpeg(collection.load_thumbnails([uid])[uid], folder / name)
+    return names
+
+
+def cousin_pictures(
+    bank: SceneBank, graph: SceneGraph, folder: pathlib.Path, report: Callable[[int, int], None]
+) -> list[tuple[str, list[str]]]:
+    """For every scene of the bank its picture from above and its views along the tour; names of the files."""
+    eye_level, above = (Studio(bank, *size, samples=SAMPLES) for size in (VIEW_SIZE, ABOVE_SIZE))
+    views = viewpoints(graph)
+    total, pictures = bank.num_scenes * (1 + len(views)), []
+    for scene in range(bank.num_scenes):
+        top = save_jpeg(above.birdseye(scene, ELEVATION), folder / f"cousin_{scene}_above.jpg")
+        report(scene * (1 + len(views)) + 1, total)
+        names = []
+        for k, (eye, target) in enumerate(views):
+            picture = eye_level.view(scene, eye, target)
+            names.append(save_jpeg(picture, folder / f"cousin_{scene}_view_{k}.jpg"))
+            report(scene * (1 + len(views)) + 2 + k, total)
+        pictures.append((top, names))
+    return pictures
+
+
+def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
+    """(eye, target) m, at a few places of the tour, looking its way; none without a tour."""
+    if not graph.camera_path:
+        return []
+    places = viewpoint_rows(graph)
+    found = []
+    for x, y, z, yaw in (graph.camera_path[i] for i in places):
+        eye = np.array([x, y, z])
+        found.append((eye, eye + 8.0 * np.array([np.cos(yaw), np.sin(yaw), -LOOK_DOWN / 8.0])))
+    return found
+
+
+def viewpoint_rows(graph: SceneGraph) -> list[int]:
+    """Rows of the tour that `viewpoints` are at."""
+    last = len(graph.camera_path) - 1
+    return sorted({round(last * (k + 0.5) / VIEWS) for k in range(VIEWS)})

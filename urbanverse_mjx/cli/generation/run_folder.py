@@ -1,0 +1,121 @@
+"""The folder of one run: what is done is written down, so that a killed run goes on where it stopped.
+
+`run.json` holds for every finished stage the key of what it was made from (its options, and the key of the stage
+before). A stage whose key and files are there is not done again. Files appear whole or not at all.
+"""
+
+import contextlib
+import dataclasses
+import datetime
+import fcntl
+import hashlib
+import json
+import os
+import pathlib
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ...datatypes import validation as v
+
+SCHEMA = "urbanverse.generation/1"
+FILE, LOCK = "run.json", ".lock"
+
+
+def key_of(**parts: Any) -> str:
+    """16 hexadecimal digits over JSON values."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
+
+
+@dataclasses.dataclass
+class RunFolder:
+    """A run's folder and its record.
+
+    Attributes:
+      path: the folder. record: the content of `run.json`.
+    """
+
+    path: pathlib.Path
+    record: dict[str, Any]
+
+    @staticmethod
+    @contextlib.contextmanager
+    def open(path: str | os.PathLike[str], source: str) -> Iterator["RunFolder"]:
+        """Makes or takes up a run's folder, for one process at a time.
+
+        Raises:
+          NounError: no write access, a file or other things in the way, another process in it, or a record of
+            something else.
+        """
+        path = pathlib.Path(path)
+        if path.exists() and not path.is_dir():
+            raise v.fail(str(path), "a file", "the name of a folder", "choose another")
+        if path.is_dir() and not (path / FILE).is_file() and any(p.name != LOCK for p in path.iterdir()):
+            raise v.fail(str(path), "a folder with other things", "a new name or an earlier run", "choose another")
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            lock = (path / LOCK).open("w")
+        except OSError as error:
+            raise v.fail(str(path), f"no way to write there ({error.strerror})", "a folder to write into") from error
+        with lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                raise v.fail(str(path), "another run at work in it", "a folder of its own", "wait for it") from error
+            yield RunFolder(path, _read(path / FILE, source))
+
+    def done(self, stage: str, key: str, *files: str) -> bool:
+        """Whether a stage was finished from the same things and its files are still there."""
+        entry = self.record["stages"].get(stage)
+        return bool(entry and entry["key"] == key and all((self.path / name).exists() for name in files))
+
+    def finish(self, stage: str, key: str, seconds: float, **facts: Any) -> None:
+        """Writes down that a stage is done."""
+        now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+        self.record["stages"][stage] = {"key": key, "seconds": round(seconds, 3), "finished": now, **facts}
+        v.write_json(self.path / FILE, self.record)
+
+    @property
+    def seconds(self) -> Mapping[str, float]:
+        """stage -> seconds it took when it was done."""
+        return {name: entry["seconds"] for name, entry in self.record["stages"].items()}
+
+    @contextlib.contextmanager
+    def replacing(self, name: str) -> Iterator[pathlib.Path]:
+        """A folder that takes the place of `name` when the block succeeds and vanishes when it fails."""
+        work = pathlib.Path(tempfile.mkdtemp(dir=self.path, prefix=f".{name}-"))
+        target = self.path / name
+        try:
+            (work / "new").mkdir()
+            yield work / "new"
+            if target.exists():
+                target.rename(work / "old")
+            (work / "new").rename(target)
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
+
+
+def _read(path: pathlib.Path, source: str) -> dict[str, Any]:
+    if not path.is_file():
+        return {"schema": SCHEMA, "source": source, "stages": {}}
+    try:
+        record = v.mapping(v.read_json(path, "run's record"), path.name, ("schema", "source", "stages"))
+        v.choice(record["schema"], "schema", (SCHEMA,))
+    except v.NounError as error:
+        raise v.NounError(f"{path}: found no record of a run ({error}), needed one; choose another folder.") from error
+    if record["source"] != source:
+        raise v.fail(str(path.parent), f"a run of {record['source']}", f"one of {source}", "choose another folder")
+    return dict(record)
+
+
+class Clock:
+    """Seconds since it was made."""
+
+    def __init__(self) -> None:
+        self._start = time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        return time.perf_counter() - self._start

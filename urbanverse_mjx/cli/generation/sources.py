@@ -1,0 +1,53 @@
+"""What `urbanverse gen` is given: a scene graph, a recording, a folder of frames, or a video."""
+
+import dataclasses
+import hashlib
+import pathlib
+
+from ...datatypes import Recording, SceneGraph
+from ...datatypes import validation as v
+from ...datatypes.recording import FILE as RECORDING_FILE
+
+PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
+
+
+@dataclasses.dataclass(frozen=True)
+class Input:
+    """A source: its kind ("graph", "recording", "frames" or "video"), its path, and a key of its content."""
+
+    kind: str
+    path: pathlib.Path
+    key: str
+
+
+def recognise(source: str | pathlib.Path) -> Input:
+    """Says what a source is, and checks what can be checked before any work.
+
+    Raises:
+      NounError: nothing is there, or it is none of the four; graphs and recordings are read and must be valid.
+    """
+    path = pathlib.Path(source).expanduser().absolute()
+    if path.is_dir() and (path / RECORDING_FILE).is_file():
+        recording = Recording.load(path)
+        pictures = [name for f in recording.frames for name in (f.rgb, f.depth, f.masks, f.surfaces) if name]
+        sizes = ",".join(str((path / name).stat().st_size) for name in pictures)
+        return Input("recording", path, _digest((path / RECORDING_FILE).read_bytes(), sizes.encode()))
+    if path.is_dir():
+        frames = sorted(p for p in path.iterdir() if p.suffix.lower() in PICTURES)
+        if not frames:
+            found = "a folder without recording.json and without a picture"
+            raise v.fail(str(path), found, "a recording or frames", "name a video, a folder or graph.json")
+        return Input("frames", path, _digest(*(f"{p.name}/{p.stat().st_size}".encode() for p in frames)))
+    if not path.is_file():
+        raise v.fail(str(path), "nothing", "a video, a folder of frames, a recording or graph.json", "check the path")
+    if path.suffix.lower() == ".json":
+        return Input("graph", path, SceneGraph.load(path).content_hash()[:16])
+    stat = path.stat()
+    if stat.st_size == 0:
+        raise v.fail(str(path), "an empty file", "a video", "copy it again")
+    with path.open("rb") as file:
+        return Input("video", path, _digest(file.read(2**20), str(stat.st_size).encode()))
+
+
+def _digest(*parts: bytes) -> str:
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]

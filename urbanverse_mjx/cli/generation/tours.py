@@ -1,0 +1,22 @@
+"""What is known of a video, and how it is looked at."""
+
+import dataclasses
+
+
+@dataclasses.dataclass(frozen=True)
+class TourOptions:
+    """Options of the stages in front of the distillation.
+
+    Attributes:
+      rate: frames taken per second.
+      camera_height: m above the ground that is walked on: it gives the metric scale.
+      blur: detector of faces and plates that are made unreadable before a frame is stored; None looks for none.
+      licence, city, country: of the video, for the records.
+    """
+
+    rate: float = 2.0
+    camera_height: float = 1.5
+    blur: str | None = None
+    licence: str = "unknown"
+    city: str = "unknown"
+    country: str = "unknown"

@@ -1,0 +1,80 @@
+"""No two things in one place: nothing twice, then small moves; what finds no room is left out and named."""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import shapely
+
+from ..datatypes import GraphObject, PlacedObject
+from . import overlap
+from .shortlists import LeftOut
+
+#: Share of the smaller one's ground that two things of one label share when they are the same thing found twice.
+SAME_PLACE = 0.5
+
+
+@dataclasses.dataclass(frozen=True)
+class Cleared:
+    """What stands where, and what was done for it; see `cousins.Cousin`.
+
+    Attributes:
+      no_room: (id of a thing that was left out for want of room, id of the one in its way).
+    """
+
+    placed: tuple[PlacedObject, ...]
+    left_out: tuple[LeftOut, ...]
+    moved: tuple[tuple[str, float], ...]
+    unresolved: tuple[tuple[str, str], ...]
+    no_room: tuple[tuple[str, str], ...]
+
+    @property
+    def crowded(self) -> tuple[str, ...]:
+        """Ids of the things that found no room, and of those in their way."""
+        return tuple(dict.fromkeys(name for pair in (*self.unresolved, *self.no_room) for name in pair))
+
+
+def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapping[str, GraphObject]) -> Cleared:
+    """Ends penetrations.
+
+    Things are moved by at most `overlap.LIMIT`. Of a pair that stays, the movable one is left out: it would be thrown
+    off as soon as physics runs; two fixed things may share a little.
+    """
+    found = list(bodies)
+    left = overlap.resolve(found, support)
+    gone: dict[int, LeftOut] = {}
+    no_room = []
+    for i, j in left:
+        movable = [k for k in (i, j) if found[k].record.movable and k not in gone]
+        if i in gone or j in gone or not movable:
+            continue
+        k = min(movable, key=lambda m: (things[found[m].placed.id].score, found[m].placed.mass, found[m].placed.id))
+        other = found[j if k == i else i].placed
+        reason = f"there is no free place within {overlap.LIMIT:g} m of {other.id!r} ({other.category})"
+        gone[k] = LeftOut(found[k].placed.id, found[k].placed.label, reason)
+        no_room.append((found[k].placed.id, other.id))
+    kept = [b for k, b in enumerate(found) if k not in gone]
+    return Cleared(
+        placed=tuple(overlap.moved(b) for b in kept),
+        left_out=tuple(gone.values()),
+        moved=tuple((b.placed.id, b.distance) for b in kept if b.distance),
+        unresolved=tuple((found[i].placed.id, found[j].placed.id) for i, j in left if i not in gone and j not in gone),
+        no_room=tuple(no_room),
+    )
+
+
+def found_twice(things: Sequence[GraphObject]) -> list[LeftOut]:
+    """The less certain ones of things of one label whose boxes share most of the smaller one's ground."""
+    boxes = np.array([overlap.ground_box(thing) for thing in things], dtype=object)
+    doubles: dict[int, LeftOut] = {}
+    for i, j in sorted((int(i), int(j)) for i, j in shapely.STRtree(boxes).query(boxes, "intersects").T if i < j):
+        a, b = things[i], things[j]
+        apart = abs(a.center[2] - b.center[2]) >= (a.size[2] + b.size[2]) / 2
+        if a.label != b.label or apart or i in doubles or j in doubles:
+            continue
+        shared = boxes[i].intersection(boxes[j]).area / min(boxes[i].area, boxes[j].area)
+        if shared > SAME_PLACE:
+            k, kept = (i, b) if (a.score, b.id) < (b.score, a.id) else (j, a)
+            reason = f"it shares {100 * shared:.0f} % of its ground with {kept.id!r}, which is the same thing"
+            doubles[k] = LeftOut(things[k].id, things[k].label, reason)
+    return list(doubles.values())

@@ -1,0 +1,241 @@
+"""`materialise_cousins`: a scene graph becomes k layouts over the catalogue of 102,444 assets.
+
+All cousins keep the graph's places, boxes, headings and affordances; assets, and with them masses and friction,
+ground materials and skies differ. What does not depend on the cousin is done once.
+"""
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import shapely
+
+from ..assets import AssetIndex, load_hulls
+from ..assets.matching import Matcher
+from ..assets.priors import prior
+from ..assets.search import ObjectLibrary, library
+from ..assets.store import catalogue_hash, recorded_content
+from ..datatypes import PAINT_KINDS, AssetRecord, GraphObject, HullSet, NounError, PlacedObject, SceneGraph, SceneLayout
+from ..datatypes import validation as v
+from . import choice, clearing, kerbs, overlap, shortlists, standing, surroundings
+from .shortlists import Candidate, LeftOut
+
+#: Grows whenever the same graph, catalogue and seed would give other layouts.
+VERSION = "cousins 1"
+
+
+@dataclasses.dataclass(frozen=True)
+class Cousin:
+    """A layout and how it came about.
+
+    Attributes:
+      layout: what stands where.
+      left_out: nodes that stand nowhere, and why.
+      moved: (object id, m) of things moved to end a penetration.
+      unresolved: pairs of ids of fixed things that still penetrate.
+      chosen: object id -> the asset and how well it fits.
+      raised: ids of ground regions that got a kerb.
+      materials: the pieces of ground with all cousins' materials. sky: this cousin's.
+    """
+
+    layout: SceneLayout
+    left_out: tuple[LeftOut, ...]
+    moved: tuple[tuple[str, float], ...]
+    unresolved: tuple[tuple[str, str], ...]
+    chosen: dict[str, Candidate]
+    raised: tuple[str, ...]
+    materials: tuple[surroundings.Ground, ...]
+    sky: surroundings.Look
+
+
+def materialise_cousins(
+    graph: SceneGraph,
+    count: int = 5,
+    seed: int = 0,
+    kerb: float = kerbs.KERB,
+    objects: ObjectLibrary | None = None,
+    hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
+) -> list[Cousin]:
+    """k cousins of a graph; the same inputs give the same layouts.
+
+    Args:
+      graph: what the scene holds; descriptors, where it has them, choose looks (see `describe`).
+      count: cousins, 1 to 64 (the most that the authors released of one tour).
+      seed: chooses among what fits equally well.
+      kerb: m, of sidewalks whose step to the road the graph does not show; 0 leaves them.
+      objects: the catalogue; default: the packaged one.
+      hulls_of: collision hulls of a record.
+
+    Raises:
+      NounError: a seed, count or kerb out of range.
+    """
+    v.integer(count, "cousins", 1, 64)
+    v.integer(seed, "seed", 0)
+    v.number(kerb, "kerb", 0.0, 1.0)
+    objects = objects or library()
+    raised: tuple[str, ...] = ()
+    flat = graph
+    if kerb:
+        flat, raised = kerbs.raise_sidewalks(graph, kerb)
+    leaves, nowhere = _leaves(flat.objects, _matcher(objects))
+    nowhere += clearing.found_twice([thing for thing in flat.objects if thing.label in leaves])
+    gone = {entry.id for entry in nowhere}
+    known = [thing for thing in flat.objects if thing.id not in gone]
+    drawn: dict[str, list[Candidate]] = {}
+    others: dict[str, list[Candidate]] = {}
+    for series in shortlists.in_series(known, leaves):
+        found = shortlists.shortlist(series, _matcher(objects), objects)
+        one_each = shortlists.one_each(found, count, seed, f"{graph.id}/{series.key}")
+        drawn |= {thing.id: one_each for thing in series.things}
+        others |= {thing.id: found for thing in series.things}
+    carrying = [r for r in flat.ground if r.kind not in PAINT_KINDS]
+    support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+    pieces = tuple(surroundings.grounds(flat, count, seed))
+    skies = surroundings.skies(flat, count, seed)
+    hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
+    things = {thing.id: thing for thing in known}
+    cousins = []
+    for k in range(count):
+        chosen = {thing.id: drawn[thing.id][k] for thing in known}
+        bodies = _stand(known, chosen, support, flat, hulls_of)
+        cleared = clearing.clear(bodies, support, things)
+        if cleared.crowded:
+            chosen |= _slimmer(cleared.crowded, bodies, others, things, flat, hulls_of)
+            cleared = clearing.clear(_stand(known, chosen, support, flat, hulls_of), support, things)
+        layout = SceneLayout(
+            id=graph.id if k == 0 else f"{graph.id}_cousin{k}",
+            graph_id=graph.id,
+            graph_hash=graph.content_hash(),
+            seed=seed,
+            cousin=k,
+            objects=cleared.placed,
+            ground=surroundings.placed_ground(flat, pieces, k),
+            sky=skies[k].uid,
+            sky_yaw=surroundings.sky_yaw(graph, k, seed),
+            hashes=hashes,
+        )
+        left_out = (*nowhere, *cleared.left_out)
+        used = {p.id: chosen[p.id] for p in cleared.placed}
+        cousins.append(Cousin(layout, left_out, cleared.moved, cleared.unresolved, used, raised, pieces, skies[k]))
+    return cousins
+
+
+def index_of(layout: SceneLayout, objects: ObjectLibrary | None = None) -> AssetIndex:
+    """The catalogue's records that a layout uses, as an index to compile it with.
+
+    Raises:
+      NounError: the layout names an asset that the catalogue does not hold.
+    """
+    uids = sorted({placed.asset_uid for placed in layout.objects})
+    return AssetIndex((objects or library()).records(uids))
+
+
+@functools.lru_cache(maxsize=1)
+def _matcher(objects: ObjectLibrary) -> Matcher:
+    return Matcher(objects)
+
+
+@functools.lru_cache(maxsize=1)
+def _catalogue_hash(objects: ObjectLibrary) -> str:
+    return recorded_content(objects.table) or catalogue_hash(objects.table)
+
+
+def _leaves(things: Sequence[GraphObject], matcher: Matcher) -> tuple[dict[str, str], list[LeftOut]]:
+    """label -> leaf, and the things whose label has none."""
+    leaves: dict[str, str] = {}
+    reasons: dict[str, str] = {}
+    for label in dict.fromkeys(thing.label for thing in things):
+        try:
+            leaves[label] = shortlists.leaf_for(label, matcher)
+        except NounError as error:
+            reasons[label] = str(error)
+    return leaves, [LeftOut(t.id, t.label, reasons[t.label]) for t in things if t.label in reasons]
+
+
+def _stand(
+    things: Sequence[GraphObject],
+    chosen: dict[str, Candidate],
+    support: overlap.Support,
+    graph: SceneGraph,
+    hulls_of: Callable[[AssetRecord], HullSet],
+) -> list[overlap.Body]:
+    """Every thing's asset in its place: what stands on the ground first, then what stands on that."""
+    way = _way(graph)
+    bodies: dict[str, overlap.Body] = {}
+    tops: list[standing.Top] = []
+    for thing in sorted(things, key=lambda t: (t.center[2] - t.size[2] / 2, t.id)):
+        candidate = chosen[thing.id]
+        place = standing.footing(thing, candidate.match.leaf, support, tops)
+        placed = _placed(thing, candidate, place, way)
+        bodies[thing.id] = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
+        if prior(candidate.match.leaf).support_surface:
+            tops.append(_top(bodies[thing.id]))
+    return [bodies[thing.id] for thing in things]
+
+
+def _slimmer(
+    crowded: Sequence[str],
+    bodies: Sequence[overlap.Body],
+    others: Mapping[str, Sequence[Candidate]],
+    things: Mapping[str, GraphObject],
+    graph: SceneGraph,
+    hulls_of: Callable[[AssetRecord], HullSet],
+) -> dict[str, Candidate]:
+    """For things that found no room, or stood in another's way, an asset of theirs that touches nothing, where there is
+    one: a crown that begins higher, a shorter car."""
+    now = {body.placed.id: body for body in bodies}
+    found: dict[str, Candidate] = {}
+    for name in crowded:
+        standing_now = now[name]
+        for candidate in others[name]:
+            place = standing.Footing(standing_now.placed.position[2], things[name].size[2])
+            placed = _placed(things[name], candidate, place, _way(graph))
+            body = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
+            if all(overlap.penetration(body, other) == 0.0 for other in now.values() if other is not standing_now):
+                found[name], now[name] = candidate, body
+                break
+    return found
+
+
+def _way(graph: SceneGraph) -> np.ndarray:
+    """(n, 2) m, the tour from above."""
+    return np.array([p[:2] for p in graph.camera_path]).reshape(-1, 2)
+
+
+def _top(body: overlap.Body) -> standing.Top:
+    outline = shapely.MultiPoint(np.concatenate([p.corners for p in body.prisms])).convex_hull
+    return standing.Top(body.placed.id, outline, max(p.high for p in body.prisms))
+
+
+def _placed(thing: GraphObject, candidate: Candidate, place: standing.Footing, way: np.ndarray) -> PlacedObject:
+    record = candidate.record
+    height = place.height
+    scale = choice.scale_to((*candidate.box[:2], height), record)
+    yaw = thing.yaw
+    if candidate.match.yaw:
+        # Which of the two quarter turns shows the front is not in the box: the camera saw more of fronts than of backs.
+        yaw += _turn_to(way, thing)
+    return PlacedObject(
+        id=thing.id,
+        label=thing.label,
+        category=record.leaf,
+        asset_uid=record.uid,
+        position=(thing.center[0], thing.center[1], round(place.z, 4)),
+        yaw=round(math.remainder(yaw, math.tau), 4),
+        scale=scale,
+        mass=round(max(record.mass * math.prod(scale), 1e-3), 3),
+        friction=record.friction_coefficient,
+        movable=record.movable,
+    )
+
+
+def _turn_to(way: np.ndarray, thing: GraphObject) -> float:
+    """pi / 2 or -pi / 2, whichever turns the front towards the nearest point of the tour (n, 2)."""
+    if not len(way):
+        return math.pi / 2
+    away = way - thing.center[:2]
+    x, y = away[(away**2).sum(1).argmin()]
+    left = -math.sin(thing.yaw) * x + math.cos(thing.yaw) * y
+    return math.copysign(math.pi / 2, left)

@@ -1,0 +1,71 @@
+"""What a thing stands on: the ground, another thing, or nothing, because it hangs."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import shapely
+
+from ..assets.priors import prior
+from ..datatypes import GraphObject
+from . import overlap
+
+#: m: a box whose foot is this near to what is below it stands there.
+SNAP = 0.3
+#: m: how far off any ground the ground's height still counts (house fronts stand behind the pavement).
+REACH = 10.0
+#: What never hangs, whatever a box says: its lower part was hidden.
+GROUNDED = frozenset({"parked", "rolls", "alive"})
+#: Factor over the greatest height that is known of a leaf up to which a hidden lower part explains a high foot.
+HIDDEN = 1.1
+
+
+@dataclasses.dataclass(frozen=True)
+class Footing:
+    """Where a thing's asset is put.
+
+    Attributes:
+      z: m, height of the asset's origin.
+      height: m, of the box that the asset fills: more than the graph's where a lower part was hidden.
+      on: id of the thing that carries it, or None.
+    """
+
+    z: float
+    height: float
+    on: str | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Top:
+    """An even top that things may stand on: id of its owner, outline from above, height (m)."""
+
+    id: str
+    outline: shapely.Geometry
+    z: float
+
+
+def footing(thing: GraphObject, leaf: str, support: overlap.Support, tops: Sequence[Top] = ()) -> Footing:
+    """Puts a thing on what carries it.
+
+    On the ground where its foot is within `SNAP` of it. Else on another thing's top that is as near; else, where it
+    cannot hang or where its leaf grows tall enough to reach down, on the ground with its upper end where it was seen;
+    else where it is: signs and awnings hang on walls.
+    """
+    middle, size = thing.center, thing.size
+    foot, head = middle[2] - size[2] / 2, middle[2] + size[2] / 2
+    below = min(support.under(thing) or support.near(thing, REACH), key=lambda z: abs(z - foot), default=None)
+    if below is not None and abs(below - foot) <= SNAP:
+        return Footing(below, size[2])
+    here = shapely.Point(middle[:2])
+    carrying = [t for t in tops if t.id != thing.id and abs(t.z - foot) <= SNAP and t.outline.covers(here)]
+    if carrying:
+        top = min(carrying, key=lambda t: abs(t.z - foot))
+        return Footing(top.z, size[2], top.id)
+    if below is None:
+        return Footing(foot, size[2])
+    row = prior(leaf)
+    reaches = row.rest != "hangs" and 0.0 < head - below <= HIDDEN * row.height[2]
+    if foot < below:  # sunk, or seen through a wrong depth: nothing here is built below the ground
+        return Footing(below, size[2])
+    if reaches:
+        return Footing(below, head - below)
+    return Footing(below if row.rest in GROUNDED else foot, size[2])

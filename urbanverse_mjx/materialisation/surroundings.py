@@ -1,0 +1,129 @@
+"""Ground materials and skies for k cousins: by pixel-wise error and HSV histograms where a graph has descriptors."""
+
+import dataclasses
+import functools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from ..assets import looks
+from ..assets.ground_materials import build_material, material_ids
+from ..assets.grounds import ground_records
+from ..assets.sky_maps import sky_records
+from ..datatypes import GroundRegion, PlacedGround, SceneGraph
+from .choice import pick
+from .shortlists import POOL_PER_COUSIN
+
+#: Kinds that the large collection has materials for; the others have a few of their own.
+COLLECTED = ("road", "sidewalk")
+#: Conditions of a ground, and times of a sky, that fit any street of which nothing is known.
+PLAIN_CONDITIONS = frozenset({"dry", "worn", "cracked", "patched"})
+DAYTIMES = frozenset({"morning", "noon", "afternoon", "evening"})
+#: Hellinger's distance of HSV histograms from which a sky is like none that is known (1: nothing in common).
+STRANGE_SKY = 0.9
+#: m between regions of a kind that are one piece and wear one material.
+GAP = 0.05
+
+
+@dataclasses.dataclass(frozen=True)
+class Look:
+    """A material or a sky, and how far it is from what was seen (None where nothing was seen)."""
+
+    uid: str
+    distance: float | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Ground:
+    """One piece of ground and its materials, one for each cousin."""
+
+    kind: str
+    regions: tuple[str, ...]
+    materials: tuple[Look, ...]
+
+
+def grounds(graph: SceneGraph, count: int, seed: int) -> list[Ground]:
+    """Materials of every piece of ground for `count` cousins.
+
+    Regions of a kind that touch are one piece. All roads of a street wear one material, pavements may differ.
+    """
+    found = []
+    for kind in dict.fromkeys(r.kind for r in graph.ground):
+        regions = [r for r in graph.ground if r.kind == kind]
+        for number, piece in enumerate(_pieces(regions) if kind == "sidewalk" else [regions]):
+            ranked = _ranked(kind, _seen(piece))
+            drawn = _one_each(ranked, count, seed, f"{graph.id}/{kind}/{number}")
+            found.append(Ground(kind, tuple(r.id for r in piece), tuple(drawn)))
+    return found
+
+
+def _pieces(regions: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
+    shapes = [shapely.Polygon(r.polygon) for r in regions]
+    joined = shapely.union_all([s.buffer(GAP, join_style="mitre") for s in shapes])
+    parts = sorted(shapely.get_parts(joined), key=lambda p: p.bounds)
+    groups: list[list[GroundRegion]] = [[] for _ in parts]
+    for region, shape in zip(regions, shapes, strict=True):
+        inside = shape.representative_point()
+        groups[next(i for i, part in enumerate(parts) if part.covers(inside))].append(region)
+    return [g for g in groups if g]
+
+
+def _seen(piece: Sequence[GroundRegion]) -> np.ndarray | None:
+    """(64,) mean descriptor of the regions that have one, by area."""
+    seen = [(r.descriptor, shapely.Polygon(r.polygon).area) for r in piece if r.descriptor is not None]
+    if not seen:
+        return None
+    numbers, areas = (np.array(x, np.float64) for x in zip(*seen, strict=True))
+    return areas @ numbers / areas.sum()
+
+
+def _ranked(kind: str, descriptor: np.ndarray | None) -> list[Look]:
+    """All materials that may be taken, best first where something was seen."""
+    if kind not in COLLECTED:
+        own = list(material_ids(kind))
+        if descriptor is None:
+            return [Look(uid, None) for uid in own]
+        errors = looks.ground_errors(descriptor, _own_descriptors(kind))
+        return [Look(own[i], float(errors[i])) for i in np.argsort(errors, kind="stable")]
+    if descriptor is not None:
+        return [Look(uid, error) for uid, error in looks.rank_ground_descriptors(descriptor, kind)]
+    plain = [r.uid for r in ground_records(kind) if r.condition_group in PLAIN_CONDITIONS]
+    return [Look(uid, None) for uid in plain]
+
+
+@functools.cache
+def _own_descriptors(kind: str) -> np.ndarray:
+    return np.array([looks.ground_descriptor(build_material(uid).texture) for uid in material_ids(kind)])
+
+
+def skies(graph: SceneGraph, count: int, seed: int) -> list[Look]:
+    """A sky for each of `count` cousins: the nearest ones by HSV histogram; any by day where none was seen, or one like
+    no sky (walls taken for sky, black frames)."""
+    ranked: list[Look] = []
+    if graph.sky_descriptor is not None:
+        found = looks.rank_skies(graph.sky_descriptor)
+        ranked = [Look(uid, distance) for uid, distance in found if distance < STRANGE_SKY]
+    by_day = [Look(r.uid, None) for r in sky_records() if r.time in DAYTIMES and not r.snow]
+    return _one_each(ranked or by_day, count, seed, f"{graph.id}/sky")
+
+
+def _one_each(ranked: Sequence[Look], count: int, seed: int, key: str) -> list[Look]:
+    """As `shortlists.one_each`: the best first where something was seen, the others drawn among the next."""
+    known = ranked[0].distance is not None
+    pool = list(ranked[: POOL_PER_COUSIN * count] if known else ranked)
+    first, rest = (pool[:1], pool[1:]) if known else ([], pool)
+    drawn = [*first, *sorted(rest, key=lambda look: pick(2**62, "look", seed, key, look.uid))]
+    return [drawn[k % len(drawn)] for k in range(count)]
+
+
+def sky_yaw(graph: SceneGraph, cousin: int, seed: int) -> float:
+    """rad, the sky's rotation about z."""
+    return round(pick(6283, "sky yaw", seed, cousin, graph.id) / 1000.0 - math.pi, 3)
+
+
+def placed_ground(graph: SceneGraph, pieces: Sequence[Ground], cousin: int) -> tuple[PlacedGround, ...]:
+    """The regions with one cousin's materials, in the graph's order."""
+    material = {name: piece.materials[cousin].uid for piece in pieces for name in piece.regions}
+    return tuple(PlacedGround(r.id, r.kind, r.polygon, r.plane, material[r.id]) for r in graph.ground)
