@@ -34,6 +34,8 @@ _WARM_UP = 0.04
 _WEIGHT_DECAY = 1e-2
 #: Weights are averaged over about so many steps; the average is what is scored and kept.
 _AVERAGE = 0.998
+#: Share of the grounds that are laid with another kind's material; see `Views.of`.
+_MIXED = 0.4
 _SAVE_EVERY, _SAY_EVERY = 120.0, 20.0  # s
 
 
@@ -114,15 +116,20 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     """Trains, writes the weights, and returns the table on the test streets."""
     started = time.monotonic()
     model = weights.network(jnp.dtype(arguments.dtype))
-    views = Views.of(SceneBank.load(arguments.train), arguments.height, arguments.width)
+    views = Views.of(SceneBank.load(arguments.train), arguments.height, arguments.width, mixed=_MIXED)
     test = Views.of(SceneBank.load(arguments.test), arguments.height, arguments.width, looks=0.0)
     key = jax.random.key(arguments.seed)
     learner = begin(model, jax.random.fold_in(key, 0), arguments.height, arguments.width)
+    record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}
+    if arguments.init is not None:
+        variables, before = weights.load(arguments.init)
+        variables = jax.tree.map(jnp.asarray, variables)
+        learner = learner._replace(variables=variables, average=jax.tree.map(jnp.copy, variables))
+        record["before"] = {name: x for name, x in before.items() if name != "score"}
     step = make_step(model, views, arguments.batch)
     learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
     jax.block_until_ready(learner)
     _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
-    record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}
     learner, steps = _run(step, learner, key, arguments, record)
     record |= {"steps": steps, "frames": steps * arguments.batch, "minutes": arguments.minutes}
     variables = learner.average
@@ -171,6 +178,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--train", type=pathlib.Path, required=True, help="bank of streets to learn on")
     parser.add_argument("--test", type=pathlib.Path, required=True, help="bank of streets to score on")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="weights to write")
+    parser.add_argument("--init", type=pathlib.Path, help="weights to go on from; default: random ones")
     parser.add_argument("--minutes", type=float, default=6.0, help="of training, without compiling and scoring")
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")

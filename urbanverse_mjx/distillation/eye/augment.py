@@ -62,6 +62,27 @@ def _blur(picture: jax.Array, sigma: jax.Array) -> jax.Array:
     return picture
 
 
+#: From RGB to luminance and two differences of colour (NTSC's YIQ).
+_YIQ = np.array([[0.299, 0.587, 0.114], [0.596, -0.274, -0.322], [0.211, -0.523, 0.312]], np.float32)
+
+
+def recolour(key: jax.Array, picture: jax.Array, region: jax.Array, regions: int) -> jax.Array:
+    """A picture (H, W, 3) u8 whose regions (H, W) i32 < `regions` each have another hue, saturation and brightness.
+
+    Half of the regions keep about their hue. What a thing is, its shape has to say.
+    """
+    keys, of = jax.random.split(key, 5), (regions,)
+    turn = jax.random.uniform(keys[0], of, minval=-jnp.pi, maxval=jnp.pi)
+    turn = jnp.where(jax.random.bernoulli(keys[1], 0.5, of), turn, 0.15 * jax.random.normal(keys[2], of))
+    brightness = jnp.exp(0.3 * jax.random.normal(keys[3], of))
+    colour = brightness * jax.random.uniform(keys[4], of, minval=0.2, maxval=1.8)
+    table = jnp.stack([brightness, colour * jnp.cos(turn), colour * jnp.sin(turn)], -1)
+    gain, c, s = jnp.moveaxis(table[region], -1, 0)
+    y, i, q = jnp.moveaxis(picture.astype(jnp.float32) @ _YIQ.T, -1, 0)
+    dyed = jnp.stack([gain * y, c * i - s * q, s * i + c * q], -1) @ np.linalg.inv(_YIQ).T.astype(np.float32)
+    return jnp.clip(dyed, 0.0, 255.0).astype(jnp.uint8)
+
+
 def augment(key: jax.Array, picture: jax.Array) -> jax.Array:
     """(H, W, 3) float in [0, 1] of a clean uint8 picture: blur, exposure, white balance, tone, noise, JPEG."""
     keys = jax.random.split(key, 8)

@@ -48,9 +48,9 @@ class Eye:
         # Multiples of the network's stride: what is added at the bottom and the right repeats the rim.
         pad = [(0, -n % STRIDE) for n in small]
         padded = np.pad(np.asarray(picture), [*pad, (0, 0)], "edge")
-        seen: Seen = jax.tree.map(lambda x: np.asarray(x[0]), _apply(self.variables, padded[None] / np.float32(255.0)))
+        seen = _apply(self.variables, padded[None] / np.float32(255.0))
         rows, columns = (-(-n // OUTPUT_STRIDE) for n in small)
-        parts = [x[:rows, :columns] for x in seen]
+        parts = [np.asarray(x)[0, :rows, :columns] for x in seen]
         found = decode(*parts, focal=focal * factor)
         return _full_size(found.kinds, found.masks, found.depth, found.things, height, width)
 

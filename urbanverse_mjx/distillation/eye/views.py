@@ -13,6 +13,7 @@ from ...datatypes import NounError, SceneBank
 from ...datatypes.ground import GROUND_KINDS
 from ...simulation.renderer import Renderer
 from . import classes
+from .augment import recolour
 from .targets import Truth, truth
 
 #: Where cameras stand, and how often: robots and people on the pavement, cyclists and cars on the road.
@@ -39,8 +40,15 @@ class Views:
     table: jax.Array
 
     @staticmethod
-    def of(bank: SceneBank, height: int, width: int, looks: float = 0.3, seed: int = 0) -> "Views":
-        """Views of a bank; `looks`: by what share colours and light may differ, see `Renderer`."""
+    def of(bank: SceneBank, height: int, width: int, looks: float = 0.4, mixed: float = 0.0, seed: int = 0) -> "Views":
+        """Views of a bank.
+
+        Args:
+          looks: by what share colours and light may differ, see `Renderer`.
+          mixed: share of the roads, pavements and grounds that are laid with some other kind's material, so that
+            paving alone does not say what is driven on.
+        """
+        bank = _with_mixed_ground(bank, mixed, np.random.default_rng([seed, 1]))
         renderer = Renderer(
             bank, None, height, width, ("rgb", "depth", "category", "object"), shadows=True, appearance=looks
         )
@@ -49,7 +57,10 @@ class Views:
         return Views(renderer, jnp.asarray(places), jnp.asarray(weights), jnp.asarray(table))
 
     def __call__(self, keys: jax.Array, look: bool = True) -> tuple[jax.Array, Truth, jax.Array]:
-        """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked."""
+        """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
+
+        With `look`, every thing of every picture takes on colours of its own.
+        """
         scene, eye, turn, fovy, number = jax.vmap(self._pose)(keys)
         number = number if look else jnp.zeros_like(number)
 
@@ -64,7 +75,13 @@ class Views:
         )
         depth = jnp.where(seen["category"] < 0, jnp.inf, seen["depth"])
         near = jnp.percentile(depth[:, ::8, ::8].reshape(len(keys), -1), 20.0, axis=1, method="nearest")
-        return seen["rgb"], wanted, (near > _BLOCKED).astype(jnp.float32)
+        pictures = seen["rgb"]
+        if look:
+            kind = self.table[seen["category"]]
+            region = jnp.where(kind < classes.FIRST_THING, slots + kind, seen["object"])
+            dyes = jax.vmap(lambda key: jax.random.fold_in(key, 1))(keys)
+            pictures = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_THING))(dyes, pictures, region)
+        return pictures, wanted, (near > _BLOCKED).astype(jnp.float32)
 
     def _pose(self, key: jax.Array) -> tuple[jax.Array, ...]:
         """Scene, position (3,), quaternion (4,), vertical field of view and look."""
@@ -108,6 +125,23 @@ def _quaternion(m: jax.Array) -> jax.Array:
     )
     best = rows[jnp.argmax(jnp.diagonal(rows))]
     return best / jnp.linalg.norm(best)
+
+
+def _with_mixed_ground(bank: SceneBank, share: float, rng: np.random.Generator) -> SceneBank:
+    """The bank with a share of its roads, pavements and grounds laid with a material of any of them."""
+    names = [f"ground:{kind}" for kind in ("road", "sidewalk", "ground")]
+    rows = [bank.meta["categories"].index(name) for name in names if name in bank.meta["categories"]]
+    laid = bank.mesh_material[np.unique(bank.slot_mesh[np.isin(bank.slot_category, rows) & (bank.slot_mesh >= 0)])]
+    materials, material = np.unique(laid), bank.mesh_material.copy()
+    for z in range(bank.num_scenes):
+        for row in rows:
+            meshes = bank.slot_mesh[z][(bank.slot_category[z] == row) & (bank.slot_mesh[z] >= 0)]
+            if len(meshes) and rng.random() < share:
+                # Kerb stones are laid with a material of their own, which is the rarer one.
+                found, counts = np.unique(bank.mesh_material[meshes], return_counts=True)
+                usual = meshes[bank.mesh_material[meshes] == found[np.argmax(counts)]]
+                material[usual] = rng.choice(materials)
+    return dataclasses.replace(bank, mesh_material=material)
 
 
 def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

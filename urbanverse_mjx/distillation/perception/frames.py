@@ -165,7 +165,7 @@ def _video(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group
     """Groups of neighbouring pictures, one group for each frame wanted, and about how many groups."""
     about = _probe(path)
     duration, fps = float(about["duration"]), float(about["fps"])
-    rate = min([options.rate, *([fps] if fps > 0 else []), *([options.max_frames / duration] if duration > 0 else [])])
+    rate = min(options.rate, fps or options.rate, options.max_frames / duration if duration > 0 else options.rate)
     each = max(1, min(options.candidates, int(fps / rate))) if fps > 0 else 1
     side = options.short_side
     # Even sides, as most codecs have them; -2 keeps the proportions.

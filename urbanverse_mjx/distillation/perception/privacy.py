@@ -1,4 +1,4 @@
-"""Faces and plates become unreadable before a frame is stored; without a detector no frame leaves the machine."""
+"""Faces and plates become unreadable before a frame is stored. Nothing in this room sends frames anywhere."""
 
 import dataclasses
 import importlib
@@ -75,16 +75,3 @@ def blur_by_name(name: str) -> Blur:
             "returns a detector of faces and plates."
         ) from error
     return Blur(make(), name)
-
-
-def may_leave(blur: str | None) -> None:
-    """Lets frames go to another machine only where faces and plates were looked for.
-
-    Raises:
-      NounError: nothing was blurred.
-    """
-    if blur is None:
-        raise NounError(
-            "privacy: found frames in which no detector has blurred faces and plates, needed that before they leave "
-            "this machine; name one with --blur module:function."
-        )

@@ -21,6 +21,11 @@ from .frames import Frames
 MIN_FRAMES = 3
 #: Lens distortion below so many pixels at the corner is left alone.
 _STRAIGHT = 0.3
+#: Focal length over the longer side that the search starts from, and the least and most that a street camera has: from
+#: an action camera (120° wide) over a phone's main lens (0.72, 26 mm on film 36 mm wide) to its second lens.
+_FOCAL, _LEAST_FOCAL, _MOST_FOCAL = 0.72, 0.25, 2.2
+#: No lens for filming bends more (k1): what comes out beyond is a structure that collapsed.
+_MOST_BENT = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -114,7 +119,7 @@ def _map(
     extraction.sift.max_num_features = options.features
     # Asphalt and plaster have little contrast: COLMAP's own threshold, 0.0067, leaves too little on the ground.
     extraction.sift.peak_threshold = 0.004
-    reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL")
+    reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_FOCAL)
     if options.focal is not None:
         reader.camera_params = f"{options.focal},{frames.width / 2},{frames.height / 2},0"
     matching = pycolmap.FeatureMatchingOptions(num_threads=threads)
@@ -152,6 +157,9 @@ def _mapping(pycolmap: Any, threads: int, refine_focal: bool) -> Any:
     mapping = pycolmap.IncrementalPipelineOptions(num_threads=threads, extract_colors=False, random_seed=0)
     mapping.min_model_size = MIN_FRAMES
     mapping.ba_refine_focal_length = refine_focal
+    for limited in (mapping, mapping.mapper, mapping.triangulation):
+        limited.min_focal_length_ratio, limited.max_focal_length_ratio = _LEAST_FOCAL, _MOST_FOCAL
+        limited.max_extra_param = _MOST_BENT
     mapping.ba_global_max_num_iterations = 30
     mapping.ba_local_max_num_iterations = 15
     mapping.mapper.init_min_tri_angle = 8.0

@@ -1,0 +1,238 @@
+"""From frames to a recording, over a corridor whose every pixel is known: poses, metric scale, depth, records."""
+
+import dataclasses
+import json
+import pathlib
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy import ndimage
+
+from urbanverse_mjx.datatypes import GROUND_KINDS, Camera, Detection, NounError, Recording, Source
+from urbanverse_mjx.datatypes.recording import SKY
+from urbanverse_mjx.distillation.perception import (
+    Frames,
+    Perception,
+    Sight,
+    StructureOptions,
+    perceive,
+    reconstruct,
+    sample,
+    trajectory_error,
+)
+from urbanverse_mjx.distillation.perception.densify import dense_depth, levels
+from urbanverse_mjx.distillation.perception.metric import to_metric
+from urbanverse_mjx.distillation.perception.structure import Structure
+
+CAMERA = Camera(320, 180, 210.0, 210.0, 160.0, 90.0)
+HEIGHT, HALF, TOP = 1.2, 3.0, 4.0  # m: of the camera, of half the corridor's width, of its walls
+SIDEWALK = GROUND_KINDS.index("sidewalk")
+SOURCE = Source("corridor", "Apache-2.0", "none", "none")
+
+
+def _texture(seed: int) -> np.ndarray:
+    """(600, 600) f32 in [0, 1], 5 cm a texel; repeats."""
+    rng = np.random.default_rng(seed)
+    return sum(ndimage.zoom(rng.random((600 // s, 600 // s)), s, order=1) for s in (3, 8, 20)).astype(np.float32) / 3
+
+
+TEXTURES = [_texture(k) for k in range(3)]
+
+
+def _pose(along: float, yaw: float, pitch: float = -0.1) -> np.ndarray:
+    """(4, 4) T_world_camera at x = along, y = 0.3 and `HEIGHT`; looks along x turned by yaw, up by pitch."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    forward = np.array([c * np.cos(pitch), s * np.cos(pitch), np.sin(pitch)])
+    right = np.array([s, -c, 0.0])
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([right, np.cross(forward, right), forward], -1)
+    pose[:3, 3] = along, 0.3, HEIGHT
+    return pose
+
+
+def _look(pose: np.ndarray) -> tuple[np.ndarray, Sight, np.ndarray]:
+    """Picture (H, W, 3) u8, what it shows, and true depth (H, W) m (0 = sky)."""
+    rays = CAMERA.rays() @ pose[:3, :3].T
+    _, y0, z0 = pose[:3, 3]
+    with np.errstate(divide="ignore"):
+        reach = np.stack([-z0 / rays[..., 2], (HALF - y0) / rays[..., 1], (-HALF - y0) / rays[..., 1]], -1)
+    reach = np.where(reach > 0, reach, np.inf)
+    which, depth = reach.argmin(-1), reach.min(-1)
+    x, y, z = (pose[:3, 3] + depth[..., None] * rays).transpose(2, 0, 1)
+    sky = (which > 0) & (z > TOP) | (depth > 60.0)
+    picture = np.zeros(which.shape, np.float32)
+    for k, second in enumerate((y, z, z)):
+        texel = [np.nan_to_num(v[which == k], posinf=0.0, neginf=0.0) / 0.05 for v in (x, second)]
+        picture[which == k] = ndimage.map_coordinates(TEXTURES[k], texel, order=1, mode="grid-wrap")
+    rgb = np.repeat((255 * np.where(sky, 0.9, picture)).astype(np.uint8)[..., None], 3, -1)
+    surfaces = np.where(sky, SKY, np.where(which == 0, SIDEWALK, 0)).astype(np.uint8)
+    masks = np.where(sky | (which == 0), -1, which - 1).astype(np.int32)
+    walls = (Detection("house", 0.9), Detection("house", 0.8))
+    return rgb, Sight(surfaces, masks, walls), np.where(sky, 0.0, depth)
+
+
+POSES = np.array([_pose(0.4 * k, 0.7 + 0.15 * np.sin(k / 1.5)) for k in range(9)])
+
+
+@pytest.fixture(scope="module")
+def frames(tmp_path_factory: pytest.TempPathFactory) -> Frames:
+    folder = tmp_path_factory.mktemp("corridor")
+    for k, pose in enumerate(POSES):
+        Image.fromarray(_look(pose)[0]).save(folder / f"{k}.png")
+    return sample(folder, folder / "frames")
+
+
+@pytest.fixture(scope="module")
+def structure(frames: Frames) -> Structure:
+    return reconstruct(frames, StructureOptions(features=1500))
+
+
+class _Oracle:
+    """Sees what is there; `guess` distorts the depth that it guesses, None guesses none."""
+
+    def __init__(self, guess: float | None = None) -> None:
+        self.calls, self.guess = 0, guess
+
+    def __call__(self, rgb: np.ndarray, focal: float) -> Sight:
+        _, sight, depth = _look(POSES[self.calls])
+        self.calls += 1
+        return (
+            sight if self.guess is None else dataclasses.replace(sight, depth=(depth * self.guess).astype(np.float32))
+        )
+
+
+def _perceive(frames: Frames, structure: Structure, folder: pathlib.Path, guess: float | None = 1.3) -> Recording:
+    perception = Perception(_Oracle(guess), lambda frames, progress: structure, HEIGHT)
+    return perceive(frames, folder, perception, SOURCE, "corridor: north")
+
+
+def test_poses_focal_length_and_metric_scale_are_found(frames: Frames, structure: Structure, tmp_path: pathlib.Path):
+    assert list(structure.registered) == list(range(9))
+    assert structure.camera.fx == pytest.approx(CAMERA.fx, rel=0.03)
+    recording = _perceive(frames, structure, tmp_path)
+    error = trajectory_error(recording.poses(), POSES)
+    assert error.scale == pytest.approx(1.0, abs=0.05)
+    assert error.rmse < 0.1
+    assert error.turn < 1.0
+    assert recording.poses()[:, 2, 3] == pytest.approx([HEIGHT] * 9, abs=0.08)
+
+
+@pytest.mark.parametrize("guess", [None, 1.3, 0.6])
+def test_depth_is_held_to_points_and_ground(
+    frames: Frames, structure: Structure, tmp_path: pathlib.Path, guess: float | None
+):
+    recording = _perceive(frames, structure, tmp_path, guess)
+    for k in (0, 4, 8):
+        _, sight, true = _look(POSES[k])
+        found = recording.depth(k)
+        assert found is not None
+        known = (true > 0) & (true < 25.0)
+        error = np.abs(found - true) / np.maximum(true, 1e-9)
+        assert np.median(error[known & (sight.surfaces == SIDEWALK)]) < 0.05
+        assert (found[sight.surfaces == SKY] == 0).all()
+        if guess is not None:
+            assert np.median(error[known & (sight.masks >= 0)]) < 0.08
+
+
+def test_the_recording_and_its_record_are_whole(frames: Frames, structure: Structure, tmp_path: pathlib.Path):
+    _perceive(frames, structure, tmp_path)
+    recording = Recording.load(tmp_path)
+    assert recording.id == "corridor_north"
+    assert recording.frames[2].detections == _look(POSES[2])[1].detections
+    assert np.array_equal(recording.masks(2), _look(POSES[2])[1].masks)
+    record = json.loads((tmp_path / "perception.json").read_text())
+    assert record["registered"] == 9
+    assert record["ground_points"] >= 20
+    assert record["frames"] == {"kept": 9, "dropped": [], "blurred_by": None}
+
+
+def test_frames_without_a_pose_stay_in_the_recording_without_one(
+    frames: Frames, structure: Structure, tmp_path: pathlib.Path
+):
+    keep = structure.frame != 8
+    fewer = dataclasses.replace(
+        structure,
+        registered=structure.registered[:8],
+        poses=structure.poses[:8],
+        frame=structure.frame[keep],
+        point=structure.point[keep],
+        pixel=structure.pixel[keep],
+    )
+    recording = _perceive(frames, fewer, tmp_path)
+    assert list(recording.registered) == list(range(8))
+    assert recording.depth(8) is None
+
+
+def test_without_ground_there_is_no_scale(frames: Frames, structure: Structure):
+    with pytest.raises(NounError, match="found 0 points on the ground"):
+        to_metric(structure, np.zeros(len(structure.frame), np.uint8), 1.5)
+
+
+def test_frames_without_texture_give_no_poses(tmp_path: pathlib.Path):
+    rng = np.random.default_rng(0)
+    for k in range(3):
+        Image.fromarray(rng.integers(0, 255, (60, 90, 3), dtype=np.uint8)).save(tmp_path / f"{k}.png")
+    with pytest.raises(NounError, match="found poses for 0 of 3 frames"):
+        reconstruct(sample(tmp_path, tmp_path / "frames"))
+
+
+def test_a_thing_stands_where_its_foot_meets_the_ground():
+    """No points at all: a board 6 m away, guessed at 9 m, is pulled to its foot."""
+    pose = _pose(0.0, 0.0, 0.0)
+    rows, columns = np.mgrid[:180, :320]
+    foot = CAMERA.cy + CAMERA.fy * HEIGHT / 6.0
+    board = (np.abs(columns - 200) < 15) & (rows < foot) & (rows > foot - 40)
+    surfaces = np.where(rows > CAMERA.cy, SIDEWALK, SKY).astype(np.uint8)
+    surfaces[board] = 0
+    guess = np.full(board.shape, 9.0, np.float32)
+    sight = Sight(surfaces, np.where(board, 0, -1).astype(np.int32), (Detection("bench"),), guess)
+    none = np.zeros(0, np.int32)
+    structure = Structure(
+        CAMERA, 0.0, np.array([0]), pose[None], np.zeros((0, 3)), none, none, np.zeros((0, 2), np.float32), 0.0
+    )
+    ground = np.array([[x, y, 0.0] for x in range(1, 9) for y in (-1, 1)], float)
+    metric = dataclasses.replace(_flat(pose), points=ground, ground=np.full(len(ground), SIDEWALK, np.uint8))
+    depth = dense_depth(0, sight, structure, metric, levels(metric))
+    assert np.median(depth[board]) == pytest.approx(6.0, rel=0.1)
+    assert depth[175, 10] == pytest.approx(HEIGHT * CAMERA.fy / (175.5 - CAMERA.cy), rel=1e-3)
+
+
+def _flat(pose: np.ndarray):
+    from urbanverse_mjx.distillation.perception.metric import Metric
+
+    return Metric(1.0, pose[None], np.zeros((0, 3)), np.zeros(0, np.uint8), np.array([HEIGHT]))
+
+
+def test_lens_distortion_is_taken_out():
+    """A straight line that the lens bent is straight again."""
+    none = np.zeros(0, np.int32)
+    structure = Structure(
+        CAMERA, -0.2, none, np.zeros((0, 4, 4)), np.zeros((0, 3)), none, none, np.zeros((0, 2), np.float32), 0.0
+    )
+    rays = CAMERA.rays()
+    # The bent picture: each of its pixels shows the ray whose distortion leads there (a few fixed-point steps).
+    straight = rays[..., :2].copy()
+    for _ in range(30):
+        straight = rays[..., :2] / (1.0 - 0.2 * (straight**2).sum(-1, keepdims=True))
+    bent = np.where(np.abs(straight[..., 1] + 0.25) < 0.012, 255, 0).astype(np.uint8)
+    out = structure.straighten(np.repeat(bent[..., None], 3, -1))[..., 0].astype(float)
+    assert _rise(out) < 1.0
+    assert _rise(bent.astype(float)) > 2.0
+
+
+def _rise(picture: np.ndarray) -> float:
+    """Rows between the highest and the lowest middle of the columns of a picture (H, W) of one line."""
+    middle = (picture * np.arange(len(picture))[:, None]).sum(0) / picture.sum(0)
+    return float(np.ptp(middle[20:300]))
+
+
+def test_trajectory_error_knows_a_rigid_motion_from_drift():
+    T = _pose(3.0, 1.0, 0.2)
+    moved = T @ POSES
+    same = trajectory_error(POSES, moved)
+    assert same.rmse < 1e-9
+    assert same.turn < 1e-5
+    stretched = POSES.copy()
+    stretched[:, :3, 3] *= 1.1
+    assert trajectory_error(stretched, moved).scale == pytest.approx(1 / 1.1)

@@ -1,0 +1,134 @@
+"""Frames of videos and folders: sampling, sizes, the screen, and what is said of broken input."""
+
+import itertools
+import pathlib
+
+import imageio.v2 as imageio
+import numpy as np
+import pytest
+from PIL import Image
+from scipy import ndimage
+
+from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.distillation.perception import Blur, SamplingOptions, blur_by_name, sample
+from urbanverse_mjx.distillation.perception.frames import load
+from urbanverse_mjx.distillation.perception.screening import ScreenLimits, measure, screen, turned
+
+
+def _wall(height: int = 108, width: int = 192) -> np.ndarray:
+    """(H, 4 W, 3) u8 of smooth random texture to look along."""
+    rng = np.random.default_rng(0)
+    texture = sum(ndimage.zoom(rng.random((height // s, 4 * width // s, 3)), (s, s, 1), order=1) for s in (2, 4, 12))
+    return (255 * texture / texture.max()).astype(np.uint8)
+
+
+def _pan(count: int, step: int) -> list[np.ndarray]:
+    """Pictures that slide along the wall by `step` pixels each."""
+    wall = _wall()
+    return [wall[:, k * step : k * step + 192] for k in range(count)]
+
+
+def _folder(path: pathlib.Path, pictures: list[np.ndarray]) -> pathlib.Path:
+    path.mkdir()
+    for k, picture in enumerate(pictures):
+        Image.fromarray(picture).save(path / f"p{k:03d}.png")
+    return path
+
+
+def _video(path: pathlib.Path, pictures: list[np.ndarray], fps: float) -> pathlib.Path:
+    with imageio.get_writer(path, fps=fps, quality=9, macro_block_size=2) as writer:
+        for picture in pictures:
+            writer.append_data(picture)
+    return path
+
+
+@pytest.mark.parametrize("ending", ["mp4", "mkv", "avi"])
+def test_a_video_is_sampled_at_the_rate_asked_for(tmp_path: pathlib.Path, ending: str):
+    video = _video(tmp_path / f"tour.{ending}", _pan(24, 8), 8.0)
+    frames = sample(video, tmp_path / "frames", SamplingOptions(rate=2.0))
+    assert len(frames) == 6
+    assert np.diff(frames.time_s) == pytest.approx([0.5] * 5, abs=0.26)
+    assert (frames.width, frames.height) == (192, 108)
+    assert load(tmp_path / "frames") == frames
+
+
+def test_of_neighbours_the_sharpest_is_taken(tmp_path: pathlib.Path):
+    pictures = _pan(12, 6)
+    blurred = [p if k % 3 == 1 else ndimage.gaussian_filter(p, (3, 3, 0)) for k, p in enumerate(pictures)]
+    frames = sample(_video(tmp_path / "v.mp4", blurred, 6.0), tmp_path / "f", SamplingOptions(rate=2.0))
+    assert len(frames) == 4
+    assert np.allclose(frames.time_s, [(3 * k + 1) / 6 for k in range(4)], atol=1e-3)
+
+
+def test_large_pictures_are_scaled_down_and_small_ones_left(tmp_path: pathlib.Path):
+    folder = _folder(tmp_path / "in", _pan(3, 20))
+    assert sample(folder, tmp_path / "a", SamplingOptions(short_side=64)).height == 64
+    assert sample(folder, tmp_path / "b", SamplingOptions(short_side=540)).height == 108
+
+
+def test_the_screen_says_what_it_dropped_and_why(tmp_path: pathlib.Path):
+    pictures = _pan(16, 16)
+    pictures[3] = pictures[3] // 20
+    pictures[6] = ndimage.gaussian_filter(pictures[6], (4, 4, 0))
+    pictures[9] = pictures[8]
+    frames = sample(_folder(tmp_path / "in", pictures), tmp_path / "f", SamplingOptions(rate=1.0))
+    assert dict(frames.dropped) == {3.0: "dark", 6.0: "blurred", 9.0: "static"}
+    assert frames.lost() == "1 dark, 1 blurred, 1 static"
+    assert sorted(p.name for p in (tmp_path / "f").glob("*.png")) == list(frames.names)
+
+
+def test_a_sideways_turn_is_measured_and_a_fast_one_dropped():
+    pictures = [measure(p) for p in _pan(4, 60)]
+    turns = [0.0, *(turned(a, b) for a, b in itertools.pairwise(pictures))]
+    assert turns[1:] == pytest.approx([60 / 192] * 3, abs=0.02)
+    limits = ScreenLimits(turn=0.25)
+    assert screen(pictures, turns, limits) == [None, "too fast", "too fast", "too fast"]
+    rng = np.random.default_rng(1)
+    noise = [measure(rng.integers(0, 255, (108, 192, 3), dtype=np.uint8)) for _ in range(2)]
+    assert turned(*noise) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda p: p / "nothing.mp4", "no such file"),
+        (lambda p: _text(p / "text.mp4"), "FFmpeg reads no picture"),
+        (lambda p: _folder(p / "empty", []), "no picture"),
+        (lambda p: _folder(p / "one", _pan(1, 1)), "1 usable frames of 1"),
+        (lambda p: _folder(p / "black", [np.zeros((60, 80, 3), np.uint8)] * 3), "0 usable frames of 3 .3 dark"),
+        (lambda p: _folder(p / "sizes", [_wall()[:60], _wall()[:80]]), "768x80 pixels"),
+    ],
+)
+def test_broken_input_is_one_sentence(tmp_path: pathlib.Path, make, said: str):
+    with pytest.raises(NounError, match=said):
+        sample(make(tmp_path), tmp_path / "frames")
+
+
+def _text(path: pathlib.Path) -> pathlib.Path:
+    path.write_text("not a video")
+    return path
+
+
+class _FindsOne:
+    def __call__(self, rgb: np.ndarray) -> np.ndarray:
+        return np.array([[40.0, 30.0, 60.0, 50.0]])
+
+
+def test_faces_are_unreadable_in_what_is_stored(tmp_path: pathlib.Path):
+    pictures = _pan(3, 20)
+    blur = blur_by_name(f"{__name__}:_FindsOne")
+    frames = sample(_folder(tmp_path / "in", pictures), tmp_path / "f", blur=blur)
+    assert frames.blur == f"{__name__}:_FindsOne"
+    stored = frames.rgb(0)
+    box = np.s_[27:53, 37:63]
+    assert len(np.unique(stored[box].reshape(-1, 3), axis=0)) <= 16
+    outside = np.ones(stored.shape[:2], bool)
+    outside[box] = False
+    assert (stored[outside] == pictures[0][outside]).all()
+
+
+def test_a_detector_that_is_missing_or_wrong_is_named():
+    with pytest.raises(NounError, match="needed 'module:function'"):
+        blur_by_name("no_such_package:detector")
+    with pytest.raises(NounError, match=r"needed finite \(k, 4\)"):
+        Blur(lambda rgb: np.zeros((2, 3)), "odd")(np.zeros((8, 8, 3), np.uint8))
