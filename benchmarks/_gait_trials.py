@@ -3,6 +3,7 @@
 Every trial is a batch of robots in C MuJoCo (`evaluation.gait_walks`) on ground made of the prisms that streets have.
 """
 
+import concurrent.futures
 import dataclasses
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -11,7 +12,7 @@ import mujoco
 import numpy as np
 
 from urbanverse_mjx.datatypes import GroundRegion, RobotSpec
-from urbanverse_mjx.evaluation.gait_walks import Commander, Walk, walk
+from urbanverse_mjx.evaluation.gait_walks import Walk, walk
 from urbanverse_mjx.robots import go2_body
 from urbanverse_mjx.robots.gait import Gait
 from urbanverse_mjx.scene.mjcf import scene_spec
@@ -31,19 +32,19 @@ ANGLE, SPEED, RUN_UP = np.pi / 4, (0.5, 1.0), 1.0
 #: 1/s. A commander that wants to go straight turns a robot back by this much yaw rate a radian (mjlab's 0.5).
 HEADING_GAIN = 0.5
 PUSH, PUSH_AT = 0.5, 2.0  # m/s, s
-#: Robots that are in memory at once.
-CHUNK = 100
-#: m, side of a ground; 20 s at 1.1 m/s straight ahead do not leave it.
-SIDE = 60.0
+#: Robots that one process steps together.
+CHUNK = 10
+#: m, sides of grounds: 20 s at 1.1 m/s straight ahead leave none, nor does who crosses a kerb or a ramp at `ANGLE`.
+SIDE, KERB_SIDE, RAMP_SIDE = 50.0, 16.0, 36.0
 
 
 @dataclasses.dataclass(frozen=True)
 class Judge:
-    """What all trials share: the robot, the gait, how many threads step it."""
+    """What all trials share: the robot, the gait, and processes that step it (None: this one)."""
 
     robot: RobotSpec
     gait: Gait
-    threads: int
+    pool: concurrent.futures.Executor | None = None
 
     @property
     def speed_limit(self) -> np.ndarray:
@@ -66,31 +67,66 @@ class Judge:
         self,
         model: mujoco.MjModel,
         qpos: np.ndarray,
-        commander: Any,
+        commands: "Wandering | Straight",
         seconds: float,
         kick: tuple[float, np.ndarray] | None = None,
     ) -> Walk:
-        """Walks robots in chunks; commander: rows -> `Commander` of these robots; kick: s and (N, 2) m/s."""
-        parts = []
-        steps = round(seconds / self.gait.control_dt)
+        """Walks robots in chunks; kick: s and (N, 2) m/s."""
+        steps, jobs = round(seconds / self.gait.control_dt), []
         for rows in np.array_split(np.arange(len(qpos)), -(-len(qpos) // CHUNK)):
             kicks = {round(kick[0] / self.gait.control_dt): kick[1][rows]} if kick else None
-            parts.append(
-                walk(
-                    [model],
-                    np.zeros(len(rows), int),
-                    self.robot,
-                    self.gait,
-                    qpos[rows],
-                    commander(rows),
-                    steps,
-                    self.speed_limit,
-                    kicks,
-                    self.threads,
-                )
-            )
+            ground, told = np.zeros(len(rows), int), commands.of(rows)
+            walked = (self.robot, self.gait, qpos[rows], told, steps, self.speed_limit, kicks)
+            jobs.append(([model], ground, *walked, told.finished))
+        apply = map if self.pool is None else self.pool.map
+        parts = list(apply(walk, *zip(*jobs, strict=True)))
         names = [f.name for f in dataclasses.fields(Walk)]
         return Walk(**{n: np.concatenate([getattr(p, n) for p in parts]) for n in names})
+
+
+@dataclasses.dataclass(frozen=True)
+class Wandering:
+    """Commands (N, C, 3), each held for `HOLD` s. A `Commander` that other processes can be sent."""
+
+    drawn: np.ndarray
+
+    def of(self, rows: np.ndarray) -> "Wandering":
+        """Those of some robots."""
+        return Wandering(self.drawn[rows])
+
+    def __call__(self, places: np.ndarray, yaws: np.ndarray, time: float) -> np.ndarray:
+        del places, yaws
+        return self.drawn[:, int(time / HOLD)]
+
+    def finished(self, places: np.ndarray, time: float) -> np.ndarray:
+        """Nobody ever."""
+        del time
+        return np.zeros(len(places), bool)
+
+
+@dataclasses.dataclass(frozen=True)
+class Straight:
+    """Ahead at a speed (N,) m/s with a heading (N,) rad that is kept, until x is beyond `goal` (m) or `late` (N,) s are
+    over. A `Commander` as well."""
+
+    speed: np.ndarray
+    heading: np.ndarray
+    goal: float
+    late: np.ndarray
+
+    def of(self, rows: np.ndarray) -> "Straight":
+        """Those of some robots."""
+        return Straight(self.speed[rows], self.heading[rows], self.goal, self.late[rows])
+
+    def __call__(self, places: np.ndarray, yaws: np.ndarray, time: float) -> np.ndarray:
+        del places, time
+        off = (self.heading - yaws + np.pi) % (2 * np.pi) - np.pi
+        turn = np.clip(HEADING_GAIN * off, -RANGE[2], RANGE[2])
+        return np.stack([self.speed, 0.0 * turn, turn], 1)
+
+    def finished(self, places: np.ndarray, time: float) -> np.ndarray:
+        """Who has passed, or is too late."""
+        return (places[:, 0] > self.goal) | (time > self.late)
 
 
 def flat() -> list[GroundRegion]:
@@ -100,39 +136,20 @@ def flat() -> list[GroundRegion]:
 
 def kerb(low: float, high: float) -> list[GroundRegion]:
     """Ground at a height of `low` m, then at `high` from x = 0 on."""
-    return strips_regions(iter([(SIDE / 2, low, low), (SIDE / 2, high, high)]), SIDE)
+    return strips_regions(iter([(KERB_SIDE / 2, low, low), (KERB_SIDE / 2, high, high)]), KERB_SIDE)
 
 
 def ramp(slope: float) -> list[GroundRegion]:
     """Level, 3 m up from x = 0, 2 m level, 3 m down, level."""
     top = 3.0 * slope
-    strips = [(SIDE / 2, 0.0, 0.0), (3.0, 0.0, top), (2.0, top, top), (3.0, top, 0.0), (SIDE, 0.0, 0.0)]
-    return strips_regions(iter(strips), SIDE)
+    strips = [(RAMP_SIDE / 2, 0.0, 0.0), (3.0, 0.0, top), (2.0, top, top), (3.0, top, 0.0), (RAMP_SIDE, 0.0, 0.0)]
+    return strips_regions(iter(strips), RAMP_SIDE)
 
 
-def _wandering(seed: int, number: int, seconds: float) -> Any:
+def _wandering(seed: int, number: int, seconds: float) -> Wandering:
     """Commands drawn anew every `HOLD` s, the same for every gait."""
     count = int(np.ceil(seconds / HOLD)) + 1
-    drawn = np.random.default_rng([seed, 1]).uniform(-RANGE, RANGE, (number, count, 3))
-
-    def of(rows: np.ndarray) -> Commander:
-        return lambda places, yaws, time: drawn[rows, int(time / HOLD)]
-
-    return of
-
-
-def _straight(speed: np.ndarray, heading: np.ndarray) -> Any:
-    """Ahead at a speed (N,) with a heading (N,) that is kept."""
-
-    def of(rows: np.ndarray) -> Commander:
-        def command(_: np.ndarray, yaws: np.ndarray, __: float) -> np.ndarray:
-            off = (heading[rows] - yaws + np.pi) % (2 * np.pi) - np.pi
-            turn = np.clip(HEADING_GAIN * off, -RANGE[2], RANGE[2])
-            return np.stack([speed[rows], 0.0 * turn, turn], 1)
-
-        return command
-
-    return of
+    return Wandering(np.random.default_rng([seed, 1]).uniform(-RANGE, RANGE, (number, count, 3)))
 
 
 def settled_errors(found: Walk, control_dt: float) -> tuple[np.ndarray, np.ndarray]:
@@ -204,20 +221,11 @@ def _crossing(
     heading, speed = rng.uniform(-ANGLE, ANGLE, episodes), rng.uniform(*SPEED, episodes)
     places = np.stack([np.full(episodes, -RUN_UP), np.zeros(episodes), np.full(episodes, height)], 1)
     # Twice the time that the way takes at the speed commanded.
-    way = (RUN_UP + length + PASSED) / np.cos(ANGLE)
-    found = judge.run(model, judge.start(model, places, heading), _straight(speed, heading), 2.0 * way / SPEED[0])
+    late = 2.0 * (RUN_UP + length + PASSED) / np.cos(ANGLE) / speed
+    told = Straight(speed, heading, length + PASSED, late)
+    found = judge.run(model, judge.start(model, places, heading), told, float(late.max()))
     x = np.where(np.isfinite(found.position[..., 0]), found.position[..., 0], -np.inf)
-    late = 2.0 * way / speed / judge.gait.control_dt
-    in_time = np.arange(x.shape[1]) <= late[:, None]
-    behind = (x > length + PASSED) & in_time
-    return behind.any(1) & ~_fell_before(found, behind)
-
-
-def _fell_before(found: Walk, behind: np.ndarray) -> np.ndarray:
-    """(N,) bool, a fall before the way was done; later ones belong to another trial."""
-    first = np.where(behind.any(1), behind.argmax(1), behind.shape[1])
-    end = np.isfinite(found.yaw).sum(1)
-    return found.fell & (end <= first)
+    return (x > told.goal).any(1)
 
 
 def judge_kerbs(judge: Judge, episodes: int, seed: int, heights: Sequence[float] = KERBS) -> Iterator[dict[str, Any]]:

@@ -10,7 +10,9 @@ Published figures of others that were measured as these are, we found none: see 
 """
 
 import argparse
+import concurrent.futures
 import json
+import multiprocessing
 import os
 import pathlib
 import sys
@@ -39,18 +41,25 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--kerbs", type=float, nargs="*", default=KERBS, help="heights, m")
     parser.add_argument("--slopes", type=float, nargs="*", default=SLOPES)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--json", action="store_true", help="print one JSON line")
     arguments = parser.parse_args(argv)
-    if min(arguments.episodes, arguments.trials, arguments.threads) < 1 or arguments.seconds < 2.0:
-        parser.error("--episodes, --trials and --threads must be at least 1, --seconds at least 2")
+    if min(arguments.episodes, arguments.trials, arguments.processes) < 1 or arguments.seconds < 2.0:
+        parser.error("--episodes, --trials and --processes must be at least 1, --seconds at least 2")
     return arguments
 
 
 def judge_all(arguments: argparse.Namespace) -> dict[str, Any]:
     """All trials of a gait."""
+    if arguments.processes == 1:
+        return _judge(arguments, Judge(make_go2(), load_gait(arguments.gait)))
+    gait, context = load_gait(arguments.gait), multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(arguments.processes, context) as pool:
+        return _judge(arguments, Judge(make_go2(), gait, pool))
+
+
+def _judge(arguments: argparse.Namespace, judge: Judge) -> dict[str, Any]:
     begin = time.monotonic()
-    judge = Judge(make_go2(), load_gait(arguments.gait), arguments.threads)
     name = arguments.gait.name if arguments.gait else "the shipped gait"
     found: dict[str, Any] = {"gait": name, "meta": judge.gait.meta, "seed": arguments.seed}
     found["flat"] = judge_flat(judge, arguments.episodes, arguments.seconds, arguments.seed)

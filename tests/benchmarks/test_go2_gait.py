@@ -23,7 +23,7 @@ def _walk(velocity: np.ndarray, command: np.ndarray, fell: bool = False) -> Walk
 def test_a_robot_that_stands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     make_gait().save(tmp_path / "stands.npz")
     arguments = ["--gait", str(tmp_path / "stands.npz"), "--episodes", "3", "--trials", "1", "--seconds", "2", "--json"]
-    status = main([*arguments, "--kerbs", "0.12", "--slopes", "0.125", "--threads", "1"])
+    status = main([*arguments, "--kerbs", "0.12", "--slopes", "0.125", "--processes", "1"])
     found = json.loads(capsys.readouterr().out)
     assert status == 1
     flat = found["flat"]

@@ -30,7 +30,7 @@ def test_a_policy_cannot_tell_the_robots_apart(stands: NavEnv, small_bank: Scene
     assert stands.action_size == coco.action_size == 2
     assert stands.zero_metrics() == coco.zero_metrics()
     both, own = (dict(env.config.items()) for env in (stands, coco))
-    for name in ("robot", "gait", "sim_dt", "impl"):
+    for name in ("robot", "gait", "menagerie", "sim_dt", "impl"):
         both.pop(name)
     for name in ("robot", "drive", "sim_dt", "impl"):
         own.pop(name)
@@ -74,6 +74,8 @@ def test_what_does_not_go_is_said(small_bank: SceneBank, tmp_path: pathlib.Path)
         registry.load("Go2Nav", config_overrides={**BLIND, "action_mode": "joint"}, bank=small_bank)
     with pytest.raises(NounError, match="export-gait"):
         registry.load("Go2Nav", config_overrides={**BLIND, "gait": str(tmp_path / "none.npz")}, bank=small_bank)
+    with pytest.raises(NounError, match="Menagerie: found no"):
+        registry.load("Go2Nav", config_overrides={**BLIND, "menagerie": str(tmp_path)}, bank=small_bank)
 
 
 @pytest.mark.slow

@@ -173,6 +173,7 @@ def go2_nav_config(preset: str = "paper") -> ConfigDict:
     del config.drive
     config.robot = "go2"
     config.gait = ""  # a file of `urbanverse export-gait`; "" = the one that comes with the package
+    config.menagerie = ""  # folder unitree_go2 of mujoco_menagerie, whose numbers and meshes to take; "" = our own
     config.sim_dt = 0.005  # as the gait was trained with
     return config.lock()
 

@@ -15,6 +15,7 @@ def _fast() -> ConfigDict:
         {
             "preset": "fast",
             "robot": "go2",
+            "menagerie": "",  # folder unitree_go2 of mujoco_menagerie, whose numbers and meshes to take; "" = our own
             "ctrl_dt": 0.02,  # 50 Hz
             "sim_dt": 0.005,
             "episode_length": 500,  # 10 s: harder ground is met sooner than after the usual 20 s

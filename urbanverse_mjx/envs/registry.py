@@ -96,7 +96,7 @@ def same_task(config: ConfigDict, name: str) -> ConfigDict:
     theirs = get_default_config(name, config.preset)
     if "action_mode" not in theirs or "action_mode" not in config:
         raise NounError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
-    own = ("robot", "drive", "gait", "sim_dt")
+    own = ("robot", "drive", "gait", "menagerie", "sim_dt")
     return ConfigDict({k: theirs[k] if k in own else config.get(k, x) for k, x in theirs.items()}).lock()
 
 
@@ -152,7 +152,7 @@ def make_robot(config: ConfigDict) -> RobotSpec:
     from ..robots import make_coco, make_go2
 
     if config.robot == "go2":
-        return make_go2()
+        return make_go2(config.get("menagerie") or None)
     if config.robot != "coco":
         raise NounError(f"config.robot: found {config.robot!r}, needed 'coco' or 'go2'.")
     return make_coco(drive=config.drive)

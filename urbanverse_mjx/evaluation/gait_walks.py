@@ -5,7 +5,6 @@ Out:  `Walk`.
 When: on the host, to judge a gait outside the engine it was trained in.
 """
 
-import concurrent.futures
 import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -22,11 +21,13 @@ FALLEN = 0.3
 _ROBOT = "robot/"
 #: (N, 3) positions (m), (N,) headings (rad), () s -> (N, 3) commands.
 Commander = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
+#: The same places, () s -> (N,) bool: who need not go on.
+Finish = Callable[[np.ndarray, float], np.ndarray]
 
 
 @dataclasses.dataclass(frozen=True)
 class Walk:
-    """N robots over T control steps; NaN after a fall.
+    """N robots over T control steps; NaN after a fall, and where one need not go on.
 
     Attributes:
       command: (N, T, 3) m/s, m/s, rad/s.
@@ -153,7 +154,7 @@ def walk(
     steps: int,
     speed_limit: np.ndarray,
     kicks: dict[int, np.ndarray] | None = None,
-    threads: int = 1,
+    finish: Finish | None = None,
 ) -> Walk:
     """Walks N robots at once, each alone in its world.
 
@@ -163,28 +164,28 @@ def walk(
       commander: what the robots are told, asked every control step.
       speed_limit: (J,) rad/s of the motors.
       kicks: control step -> (N, 2) m/s, world frame, by which the trunk's velocity changes at its beginning.
+      finish: who stops; None = nobody before the end.
     """
     substeps = round(gait.control_dt / robot.physics_timestep)
     bodies = [_Body(model, robot) for model in models]
     walkers = [_Walker(models[g], bodies[g], q, substeps) for g, q in zip(ground, qpos, strict=True)]
     record = _Recorder(len(walkers), steps, speed_limit)
     action, history = np.zeros((len(walkers), len(gait.stand))), None
-    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-        for t in range(steps):
-            places = np.array([w.data.xpos[w.body.root] for w in walkers])
-            yaws = np.array([w.yaw for w in walkers])
-            command = commander(places, yaws, t * gait.control_dt)
-            frame = _sense(walkers, gait, command, action)
-            history = frame[:, None].repeat(gait.history, 1) if history is None else history
-            history = np.concatenate([frame[:, None], history[:, :-1]], axis=1)
-            action = gait.action(np, history.reshape(len(walkers), -1))
-            ctrl = gait.target(action)
-            for walker, kick in zip(walkers, (kicks or {}).get(t, ()), strict=False):
-                walker.data.qvel[:2] += kick
-            alive = [i for i, w in enumerate(walkers) if not w.fell]
-            list(pool.map(lambda i, ctrl=ctrl: walkers[i].step(ctrl[i]), alive))
-            for i in alive:
-                record.note(i, t, walkers[i], command[i], gait.control_dt)
+    for t in range(steps):
+        places = np.array([w.data.xpos[w.body.root] for w in walkers])
+        yaws = np.array([w.yaw for w in walkers])
+        command = commander(places, yaws, t * gait.control_dt)
+        frame = _sense(walkers, gait, command, action)
+        history = frame[:, None].repeat(gait.history, 1) if history is None else history
+        history = np.concatenate([frame[:, None], history[:, :-1]], axis=1)
+        action = gait.action(np, history.reshape(len(walkers), -1))
+        ctrl = gait.target(action)
+        for walker, kick in zip(walkers, (kicks or {}).get(t, ()), strict=False):
+            walker.data.qvel[:2] += kick
+        stopped = finish(places, t * gait.control_dt) if finish else np.zeros(len(walkers), bool)
+        for i in [i for i, w in enumerate(walkers) if not (w.fell or stopped[i])]:
+            walkers[i].step(ctrl[i])
+            record.note(i, t, walkers[i], command[i], gait.control_dt)
     return Walk(fell=np.array([w.fell for w in walkers]), **record.arrays)
 
 

@@ -17,6 +17,7 @@ import jax.numpy as jnp
 from ..datatypes import RobotSpec
 from . import go2_body as body
 from .gait import Gait
+from .go2_menagerie import make_menagerie_mjcf
 from .waypoint import clip_velocity, pd_velocity
 
 #: m/s, rad/s: the commands that `Go2Joystick` trains.
@@ -54,11 +55,18 @@ def circumradius() -> float:
     return hip + body.THIGH_LENGTH + body.CALF_LENGTH + body.FOOT_RADIUS
 
 
-def make_go2() -> RobotSpec:
-    """The Go2. Actuators: joint angles (rad) in the order of `go2_body.JOINT_NAMES`; its `command` is for a gait."""
+def make_go2(menagerie: str | pathlib.Path | None = None) -> RobotSpec:
+    """The Go2. Actuators: joint angles (rad) in the order of `go2_body.JOINT_NAMES`; its `command` is for a gait.
+
+    Args:
+      menagerie: folder unitree_go2 of mujoco_menagerie, whose masses, limits and meshes take the place of ours.
+
+    Raises:
+      NounError: no such model there.
+    """
     return RobotSpec(
         name="go2",
-        mjcf=body.make_mjcf(),
+        mjcf=make_menagerie_mjcf(menagerie) if menagerie else body.make_mjcf(),
         root_body="base",
         foot_geoms=body.FOOT_NAMES,
         camera="front_cam",
