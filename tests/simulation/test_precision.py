@@ -10,7 +10,7 @@ import pytest
 
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.simulation.precision import full_precision
+from urbanverse_mjx.precision import full_precision
 
 
 def products(jaxpr: Any) -> Iterator[Any]:

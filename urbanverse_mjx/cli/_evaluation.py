@@ -10,12 +10,13 @@ from ml_collections import ConfigDict
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from ..datatypes import SceneBank
+from ..datatypes import EpisodeResult, SceneBank
 from ..envs import NavEnv, registry
 from ..envs.living import slot_looks
 from ..envs.randomization import OFF
 from ..envs.scenarios import scenario_of
 from ..evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
+from ..evaluation.rollouts import EpisodeSet
 
 
 class _CoveredCamera:
@@ -39,6 +40,28 @@ def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any,
         fresh = registry.get_default_config(environment, values["preset"]).to_dict()
         values = {**values, "scenario": "dynamic", "crowd": values.get("crowd", fresh["crowd"])}
     return registry.with_overrides(ConfigDict(values), {"scenes": scenes, "randomization": OFF})
+
+
+def _drive(
+    seeing: NavEnv, agents: dict[str, Any], episodes: EpisodeSet, quiet: bool
+) -> tuple[list[EpisodeResult], dict[str, Any]]:
+    """Results of the agents and of those that do not look, and the poses of each one's batch by its name."""
+    config = seeing.config
+    covered = _CoveredCamera(config.vision_config.height, config.vision_config.width)
+    blind = NavEnv(config, seeing.bank, seeing.robot, seeing.engine, covered)
+    unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(agents["trained"])}
+    results, trajectories = [], {}
+    for env, drivers in ((seeing, agents), (blind, unseeing)):
+        with Progress(console=Console(stderr=True), disable=quiet) as bar:
+            task = bar.add_task(f"evaluating {', '.join(drivers)}", total=len(episodes) * len(drivers))
+
+            def show(ended: int, _: int, bar: Progress = bar, task: TaskID = task) -> None:
+                bar.update(task, completed=ended)
+
+            part, poses = Rollout(env).run(drivers, episodes, show)
+        results += part
+        trajectories.update(dict.fromkeys(drivers, poses))
+    return results, trajectories
 
 
 def evaluate_policy(
@@ -75,23 +98,9 @@ def evaluate_policy(
     # The same episodes for every policy, however it was trained.
     config = evaluation_config(environment, trained.to_dict(), scenes, dynamic)
     seeing = registry.load(environment, config=config, bank=bank)
-    view = config.vision_config
-    blind = NavEnv(config, bank, seeing.robot, seeing.engine, _CoveredCamera(view.height, view.width))
     episodes = fixed_episodes(seeing, num_episodes, seed)
-    results, trajectories = [], {}
-    for env, agents in (
-        (seeing, {"untrained": untrained, "trained": act}),
-        (blind, {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act)}),
-    ):
-        with Progress(console=Console(stderr=True), disable=quiet) as bar:
-            task = bar.add_task(f"evaluating {', '.join(agents)}", total=num_episodes * len(agents))
-
-            def show(ended: int, _: int, bar: Progress = bar, task: TaskID = task) -> None:
-                bar.update(task, completed=ended)
-
-            part, poses = Rollout(env).run(agents, episodes, show)
-        results += part
-        trajectories.update(dict.fromkeys(agents, poses))
+    agents = {"untrained": untrained, "trained": act}
+    results, trajectories = _drive(seeing, agents, episodes, quiet)
     record = {
         "policy": str(policy),
         "environment": environment,

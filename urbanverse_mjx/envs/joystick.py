@@ -9,8 +9,8 @@ import numpy as np
 from ml_collections import ConfigDict
 
 from ..datatypes import RobotSpec, SceneBank
+from ..precision import full_precision
 from ..robots.gait import felt_gravity, sensor_frame
-from ..simulation.precision import full_precision
 from .heights import GroundHeights
 from .joystick_draws import Body, draw_body, draw_command, draw_noise, draw_push
 from .joystick_terms import CONTACT_FORCE, Motion, terms

@@ -3,11 +3,57 @@
 Which public task each number follows, and where it differs, stands in docs/decisions/go2.md.
 """
 
+from typing import Any
+
 from ml_collections import ConfigDict
 
 from ..datatypes import NounError
 
 JOYSTICK_PRESETS = ("fast", "cpu")
+
+
+def _randomization() -> dict[str, Any]:
+    """What differs between robots, and what pushes them."""
+    return {
+        "friction_scale": (0.5, 1.5),
+        "mass_scale": (0.9, 1.15),
+        "strength": (0.9, 1.1),
+        "joint_bias": 0.015,  # rad
+        "delay_share": 0.5,
+        "push_speed": 0.8,  # m/s
+        "push_turn": 0.5,  # rad/s
+        "push_every": 6.0,  # s, mean
+    }
+
+
+def _rewards() -> dict[str, Any]:
+    """Weights of the terms of `joystick_terms`, and what these aim at."""
+    return {
+        "tracking_width": 0.25,  # (m/s)² and (rad/s)²
+        "foot_clearance": 0.10,  # m
+        "trunk_height": 0.30,  # m
+        "motor_speed": (30.1, 30.1, 15.7),  # rad/s, urdf
+        "scales": {
+            "track_linear": 1.5,
+            "track_angular": 0.75,
+            "vertical_speed": -1.0,
+            "roll_pitch_rate": -0.05,
+            "tilt": -0.5,
+            "trunk_height": -5.0,
+            "torque": -1e-4,
+            "acceleration": -2.5e-7,
+            "action_rate": -0.05,
+            "pose": 0.3,
+            "stand_still": -0.5,
+            "joint_limits": -5.0,
+            "joint_speed": -0.5,
+            "foot_clearance": -2.0,
+            "foot_slip": -0.1,
+            "air_time": 2.0,
+            "touch": -1.0,
+            "fall": -100.0,
+        },
+    }
 
 
 def _fast() -> ConfigDict:
@@ -50,42 +96,8 @@ def _fast() -> ConfigDict:
                 "joint_position": 0.01,  # rad
                 "joint_velocity": 1.5,  # rad/s
             },
-            "randomization": {
-                "friction_scale": (0.5, 1.5),
-                "mass_scale": (0.9, 1.15),
-                "strength": (0.9, 1.1),
-                "joint_bias": 0.015,  # rad
-                "delay_share": 0.5,
-                "push_speed": 0.8,  # m/s
-                "push_turn": 0.5,  # rad/s
-                "push_every": 6.0,  # s, mean
-            },
-            "reward_config": {
-                "tracking_width": 0.25,  # (m/s)² and (rad/s)²
-                "foot_clearance": 0.10,  # m
-                "trunk_height": 0.30,  # m
-                "motor_speed": (30.1, 30.1, 15.7),  # rad/s, urdf
-                "scales": {
-                    "track_linear": 1.5,
-                    "track_angular": 0.75,
-                    "vertical_speed": -1.0,
-                    "roll_pitch_rate": -0.05,
-                    "tilt": -0.5,
-                    "trunk_height": -5.0,
-                    "torque": -1e-4,
-                    "acceleration": -2.5e-7,
-                    "action_rate": -0.05,
-                    "pose": 0.3,
-                    "stand_still": -0.5,
-                    "joint_limits": -5.0,
-                    "joint_speed": -0.5,
-                    "foot_clearance": -2.0,
-                    "foot_slip": -0.1,
-                    "air_time": 2.0,
-                    "touch": -1.0,
-                    "fall": -100.0,
-                },
-            },
+            "randomization": _randomization(),
+            "reward_config": _rewards(),
         }
     )
 

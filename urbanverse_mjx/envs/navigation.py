@@ -9,7 +9,7 @@ import numpy as np
 from ml_collections import ConfigDict
 
 from ..datatypes import GROUND_KINDS, NounError, RobotSpec, SceneBank, traversable
-from ..simulation.precision import full_precision
+from ..precision import full_precision
 from . import terms
 from .living import PEOPLE_METRICS, LivingStreet
 from .randomization import Randomization

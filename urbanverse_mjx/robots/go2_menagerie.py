@@ -5,8 +5,8 @@ Out:  MJCF text like `go2_body.make_mjcf`.
 When: once, at construction.
 
 From there come masses, inertias and places of all links, joint ranges, torque limits, rotor inertias and the meshes
-that a camera sees. Collision spheres, servos, standing pose and camera stay ours: engines know spheres alone, and a gait
-was trained with these servos. Joints have no dry friction (menagerie 0.2 N m), for which engines have no rows.
+that a camera sees. Collision spheres, servos, standing pose and camera stay ours: engines know spheres alone, and a
+gait was trained with these servos. Joints have no dry friction (menagerie 0.2 N m), for which engines have no rows.
 """
 
 import pathlib

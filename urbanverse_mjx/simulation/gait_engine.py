@@ -14,9 +14,9 @@ import jax
 import jax.numpy as jnp
 
 from ..datatypes import Contacts, NounError, RobotSpec, SimState, Simulator
+from ..precision import full_precision
 from ..robots.gait import Gait, felt_gravity, sensor_frame
 from .physics_model import make_physics_model
-from .precision import full_precision
 
 
 class GaitMemory(NamedTuple):

@@ -17,9 +17,9 @@ from mujoco import mjx
 
 from ..datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
+from ..precision import full_precision
 from . import agent_slots, constraint, hull_contact, slots
 from .engine_base import EngineBase, Substeps
-from .precision import full_precision
 
 
 class EngineTables(NamedTuple):

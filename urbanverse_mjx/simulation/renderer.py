@@ -15,7 +15,7 @@ import warp as wp
 
 from .. import settings as process
 from ..datatypes import AgentMotion, NounError, RobotSpec, SceneBank
-from .precision import full_precision
+from ..precision import full_precision
 from .render_model import build_render_model
 from .render_settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
 from .street_batch import StreetBatch, Streets
