@@ -14,6 +14,7 @@ from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, regis
 from urbanverse_mjx.robots import go2_body
 
 BLIND = {"preset": "cpu", "scenes": "all", "vision": False}
+FOR_EVER = {"terminate_on_hit": False, "terminate_off_traversable": False, "success_radius": 1e-3}
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +82,26 @@ def test_what_does_not_go_is_said(small_bank: SceneBank, tmp_path: pathlib.Path)
 @pytest.mark.slow
 def test_it_keeps_every_promise(stands: NavEnv) -> None:
     check_env(stands, num_envs=4, num_steps=6)
+
+
+def test_the_shipped_gait_walks_towards_waypoints(small_bank: SceneBank) -> None:
+    """4 s straight ahead at full command, then 2 s of a turn on the spot to the left."""
+    env = registry.load("Go2Nav", config_overrides={**BLIND, "impl": "warp", **FOR_EVER}, bank=small_bank)
+    reset, step = jax.jit(jax.vmap(env.reset)), jax.jit(jax.vmap(env.step))
+    state = reset(jax.random.split(jax.random.key(0), 2))
+
+    def walk(waypoint: list[float], steps: int) -> tuple[np.ndarray, np.ndarray]:
+        nonlocal state
+        for _ in range(steps):
+            state = step(state, jnp.tile(jnp.array(waypoint), (2, 1)))
+        x = np.asarray(state.data.sim.xquat[:, 1])
+        return np.asarray(state.data.sim.xpos[:, 1, :2]), 2 * np.arctan2(x[:, 3], x[:, 0])
+
+    first, yaw = walk([0.0, 0.0], 1)
+    there, _ = walk([1.0, 0.0], 20)
+    ahead = ((there - first) * np.stack([np.cos(yaw), np.sin(yaw)], 1)).sum(1)
+    np.testing.assert_allclose(ahead, 4.0, atol=0.6)
+    _, before = walk([0.0, 0.0], 3)
+    _, after = walk([0.0, 1.0], 10)
+    turned = (after - before + np.pi) % (2 * np.pi) - np.pi
+    np.testing.assert_allclose(turned, 2.0, atol=0.4)
