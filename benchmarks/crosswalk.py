@@ -1,6 +1,6 @@
 """A robot that waits for people at a crosswalk, as a video.
 
-    python -m benchmarks.crosswalk --scene commercial_cafes --impl warp --out docs/crosswalk.mp4
+    python -m benchmarks.crosswalk --impl warp --seconds 21 --every 2 --out docs/crosswalk.mp4
 
 drives COCO in the environment's own physics along an episode's route that uses a crosswalk, while four people come
 over it towards the robot and the rest of the street lives as in the scenario `dynamic`. Nothing learnt drives: a rule
@@ -32,7 +32,7 @@ from urbanverse_mjx.viz.video import write_video
 
 HEIGHT, WIDTH, FOV = 180, 320, 0.9
 #: m: how far ahead of the robot it aims, before the crosswalk it waits, and within which it stops for people ahead.
-_AHEAD, _LINE, _STOP = 0.8, 1.0, 1.3
+_AHEAD, _LINE, _STOP = 0.8, 0.7, 1.3
 #: rad by which it may turn off its way, and m that it keeps its middle from what stands (COCO touches at 0.4).
 _TURNS, _CLEAR = jnp.radians(jnp.arange(-75.0, 76.0, 15.0)), 0.6
 #: m of route that a row has at least before its crosswalk (and twice that at most) and behind it.
@@ -80,7 +80,7 @@ def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]
 
 
 def people_coming(start: Any, waypoints: Any, first: float, last: float) -> behaviours.Script:
-    """Four who stroll from the far pavement, two on either side of the route, over the crosswalk."""
+    """Four who start on the far pavement, two on either side of the route, and come over the crosswalk."""
     scripts = []
     for back, left in ((1.2, 2.0), (1.6, -2.2), (2.2, 1.0), (2.6, -1.2)):
         far, near = (route_pose(start, waypoints, arc) for arc in (last + back, max(first - 3.0, 0.5)))
@@ -88,7 +88,7 @@ def people_coming(start: Any, waypoints: Any, first: float, last: float) -> beha
         x, y = (far[0] - left * jnp.sin(far[2]), far[1] + left * jnp.cos(far[2]))
         to = (near[0] - aside * jnp.sin(near[2]), near[1] + aside * jnp.cos(near[2]))
         one = [jnp.reshape(v, (1,)) for v in (x, y, *to)]
-        scripts.append(behaviours.go(*one, 0.85))
+        scripts.append(behaviours.go(*one, 1.1))
     return behaviours.together(*scripts)
 
 
