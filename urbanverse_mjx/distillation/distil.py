@@ -168,7 +168,7 @@ def distil(
             f"recording {recording.id!r}: found no ground, needed surfaces with depth in some registered frame."
         )
     state = _State(recording, views, lifted.coarse, thing, alike, placed, poses, depth, options)
-    things = [t for t in (_thing(state, rows, prior_of) for rows in _groups(thing)) if t is not None]
+    things = [_thing(state, rows, prior_of) for rows in _groups(thing)]
     things = _absorbed(things, views, placed, alike)
     kept = [t for t in things if t.score >= options.min_score]
     return _graph(state, kept, regions, ground.kerbs(ground_grid), describe, crop_folder, len(things) - len(kept))
@@ -204,8 +204,8 @@ def _groups(thing: np.ndarray) -> list[np.ndarray]:
     return sorted(groups, key=lambda rows: int(rows[0]))
 
 
-def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior]) -> _Thing | None:
-    """One thing from its views, or None where they contradict each other."""
+def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior]) -> _Thing:
+    """One thing from its views."""
     views, placed = state.views, state.placed
     votes = np.bincount(views.label[rows], views.score[rows] / placed.sigma[rows], len(views.labels))
     label = views.labels[int(votes.argmax())]
@@ -224,8 +224,6 @@ def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior
     points, sigma = boxes.consensus(points, eyes, placed.sigma[chosen], noise)
     top = _top(own if len(chosen) > 1 else chosen, views, placed)
     box = boxes.fit(points.reshape(-1, 3), placed.eye[own], prior, noise, top, sigma)
-    if not np.isfinite(box.center).all():
-        return None
     return _Thing(int(state.thing[rows[0]]), label, _confidence(state, rows, box, prior), box, prior, rows)
 
 
