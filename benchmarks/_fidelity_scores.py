@@ -16,6 +16,8 @@ IOU = 0.25
 SEEN_SHARE = 0.0015
 #: A footprint whose least and greatest bounding rectangle differ by less than this has no heading.
 _ROUND = 1.12
+#: Sides nearer to each other than this do not say which is which.
+_SQUARE = 1.15
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,7 +28,6 @@ class Scores:
     a turn. front: whether the heading is within 90° of the true one, with its sign. volume: m^3 differences of small
     matches. truths: how many things were seen; found: how many the graph holds.
     detections: label -> rows of (score, true positive); positives: label -> how many there are.
-    assets: per match with a known asset, whether the matcher chose the very one.
     """
 
     right: np.ndarray
@@ -39,7 +40,6 @@ class Scores:
     found: int
     detections: dict[str, np.ndarray]
     positives: dict[str, int]
-    assets: np.ndarray
 
 
 def seen_things(recording: Recording, things: Iterable[GraphObject], share: float = SEEN_SHARE) -> list[GraphObject]:
@@ -92,7 +92,6 @@ def score(
     truth: Sequence[GraphObject],
     others: Sequence[GraphObject],
     turnable: Mapping[str, bool],
-    assets: Mapping[str, bool] | None = None,
 ) -> Scores:
     """Scores aligned things.
 
@@ -100,7 +99,6 @@ def score(
       found: of the graph. truth: seen things. others: the true things that were hardly seen; finding them is neither
         right nor wrong.
       turnable: true id -> whether its heading means anything.
-      assets: found id -> whether ... see `Scores`; None where no asset was chosen.
     """
     found = [f for f in found if not _is_one_of(f, others, truth)]
     a = np.array([t.center for t in found]).reshape(-1, 3)
@@ -126,7 +124,6 @@ def score(
         found=len(found),
         detections=detections,
         positives=positives,
-        assets=np.array([assets[f.id] for f, _ in pairs if f.id in assets], bool) if assets else np.zeros(0, bool),
     )
 
 
@@ -142,12 +139,13 @@ def _is_one_of(thing: GraphObject, others: Sequence[GraphObject], truth: Sequenc
 
 
 def is_turnable(corners: np.ndarray) -> bool:
-    """Whether a thing's footprint (n, 2) m has a heading: round things have none."""
+    """Whether a thing's footprint (n, 2) m in its own axes has a heading: neither round nor as long as wide."""
+    sides = np.sort(np.ptp(corners, axis=0))
     angles = np.radians(np.arange(0, 90, 3))
     u = np.cos(angles)[:, None] * corners[:, 0] + np.sin(angles)[:, None] * corners[:, 1]
     w = -np.sin(angles)[:, None] * corners[:, 0] + np.cos(angles)[:, None] * corners[:, 1]
     areas = np.ptp(u, axis=1) * np.ptp(w, axis=1)
-    return bool(areas.max() > _ROUND * areas.min())
+    return bool(areas.max() > _ROUND * areas.min() and sides[1] > _SQUARE * sides[0])
 
 
 def iou(a: GraphObject, b: GraphObject) -> float:
@@ -225,10 +223,10 @@ def table_row(tours: Sequence[Scores]) -> dict[str, float | int | None]:
         "dist_small_m": mean(distance[small]),
         "dist_median_m": round(float(np.median(distance)), 3) if len(distance) else None,
         "ori_deg": mean(np.degrees(joined("heading")), 1.0, 2),
+        "with_heading": len(joined("heading")),
         "front_percent": mean(joined("front"), 100.0, 1),
         "scale_m3": mean(joined("volume")),
         "map25": round(100 * float(np.mean(aps)), 1) if aps else None,
-        "ast_percent": mean(joined("assets"), 100.0, 1),
         "recall_percent": round(100 * len(distance) / max(truths, 1), 1),
         "precision_percent": round(100 * len(distance) / max(found, 1), 1),
         "things": truths,

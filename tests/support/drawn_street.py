@@ -28,7 +28,7 @@ def box(name: str, label: str, x: float, y: float, size: tuple[float, float, flo
 
 
 def street_things() -> list[GraphObject]:
-    """Cars, bins, benches and pillars on both sides; two benches of one label close together."""
+    """Cars, bins, benches and kiosks on both sides, seen from both ends; two benches close together."""
     return [
         box("car_0", "sedan", 14.0, 3.0, (4.4, 1.8, 1.5), np.pi),
         box("car_1", "sedan", 30.0, -3.0, (4.4, 1.8, 1.5), 0.05),
@@ -38,7 +38,7 @@ def street_things() -> list[GraphObject]:
         box("bin_0", "trash bin", 17.0, 4.7, (0.5, 0.7, 1.1), 0.3),
         box("bin_1", "trash bin", 35.0, 4.8, (0.5, 0.7, 1.1), -0.2),
         box("bin_2", "trash bin", 28.0, -4.8, (0.5, 0.7, 1.1), 0.0),
-        box("kiosk_0", "kiosk", 44.0, 6.6, (2.0, 2.6, 2.4), -np.pi / 2),
+        box("kiosk_0", "kiosk", 28.0, 7.5, (2.0, 2.6, 2.4), -np.pi / 2),
         box("kiosk_1", "kiosk", 38.0, -6.6, (2.0, 2.6, 2.4), np.pi / 2),
     ]
 

@@ -22,6 +22,7 @@ COMMANDS = {
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "gen": ("gen", "digital cousins of a tour: scene graph, assets, compiled scenes, report"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
+    "capture": ("capture", "film a street into a recording with its truth, and as a video"),
     "assets": ("assets", "show, search, match, import and export assets"),
     "list-envs": ("list_envs", "list the registered environments and their presets"),
     "doctor": ("doctor", "say what this machine has and how to mend what is missing"),

@@ -11,8 +11,13 @@ MAX_VIEWS = 24
 _COARSE, _FINE = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
 #: Extents farther apart than this factor settle which of two sides is the heading.
 _CLEAR = 1.12
-#: An unseen side shorter than this share of what is known of the label is completed.
-_SHORT = 0.7
+#: Things farther than this (sum of log ratios) from every known size of their label are left as they were seen.
+_UNLIKE = 0.5
+#: By how much a roof is higher than the edge that one sees of it from below.
+_ROOF = 1.12
+_LACKING = 0.75
+#: By how much a thing may be longer than every known one of its label.
+_LONGEST = 1.3
 _MIN_SIDE = 0.01  # m
 _BINS = 128
 #: Points that a direction is taken from.
@@ -32,6 +37,19 @@ class Box:
     sigma: float
     blur: float
     completed: tuple[bool, bool, bool]
+
+
+def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> float:
+    """Share of a 5 x 5 x 5 grid from `low` to `high` (3,) m that lies within a box, given 0.2 m, `blur` and its own."""
+    grid = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * 3), -1).reshape(-1, 3)
+    local = (low + grid * (high - low) - box.center) @ _turn(box.yaw).T
+    return float((np.abs(local) <= box.size / 2 + 0.2 + blur + box.blur).all(1).mean())
+
+
+def _turn(yaw: float) -> np.ndarray:
+    """(3, 3) rotation from the world's axes to those of a box."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: float) -> tuple[np.ndarray, float]:
@@ -57,8 +75,9 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     along = np.hypot(sigma, across)
     project = line[:, :, None] * line[:, None, :]
     information = project / along[:, None, None] ** 2 + (np.eye(3) - project) / across[:, None, None] ** 2
-    weight = np.ones(len(points))
-    center = middle[0]
+    center = np.median(middle, axis=0)
+    apart = middle - center
+    weight = 1.0 / np.maximum(1.0, np.einsum("vi,vij,vj->v", apart, information, apart) / 4.0)
     for _ in range(3):
         total = (weight[:, None, None] * information).sum(0)
         center = np.linalg.solve(total, np.einsum("v,vij,vj->i", weight, information, middle))
@@ -120,8 +139,7 @@ def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, t
     nearest = float(np.linalg.norm(eyes - points.mean(0), axis=1).min())
     blur = noise * nearest
     yaw = direction(points[:: max(1, len(points) // _FLAT_POINTS), :2], 0.5 * blur)
-    c, s = np.cos(yaw), np.sin(yaw)
-    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])  # world to box axes
+    turn = _turn(yaw)
     local, seen_from = points @ turn.T, eyes @ turn.T
     trim = min(0.002 + 0.4 * noise, 0.03)
     low, high = np.quantile(local, (trim, 1 - trim), axis=0)
@@ -129,9 +147,9 @@ def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, t
     high = np.maximum(high, low + _MIN_SIDE)
     quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
+    low, high = _bounded(low, high, prior)
     low, high, completed = _complete(low, high, seen_from, prior, top is None)
-    c, s = np.cos(yaw), np.sin(yaw)
-    back = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    back = _turn(yaw).T
     yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
     return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed)
 
@@ -158,48 +176,61 @@ def _heading(size: np.ndarray, middle: np.ndarray, eyes: np.ndarray, prior: Labe
     facing = [towards[0], towards[1], -towards[0], -towards[1]]
     axis = int(np.argmax(np.abs(towards)))
     if len(prior.extents):
-        misfit = [_misfit(size[[0, 1, 2]], prior), _misfit(size[[1, 0, 2]], prior)]
-        if abs(misfit[0] - misfit[1]) > np.log(_CLEAR):
-            axis = int(np.argmin(misfit))
+        fits = [misfit(size[[0, 1, 2]], prior), misfit(size[[1, 0, 2]], prior)]
+        if abs(fits[0] - fits[1]) > np.log(_CLEAR):
+            axis = int(np.argmin(fits))
     return axis if facing[axis] >= 0 else axis + 2
 
 
-def _misfit(size: np.ndarray, prior: LabelPrior) -> float:
+def misfit(size: np.ndarray, prior: LabelPrior) -> float:
     """Sum of the log ratios to the nearest known size; an unseen part makes a side shorter, hardly ever longer."""
     ratio = np.log(prior.extents / size)
     return float(np.where(ratio > 0, 0.7 * ratio, -1.3 * ratio).sum(1).min())
 
 
+def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
+    """No side much longer than any known one: blurred depth and masks that bleed draw boxes out. Feet stay."""
+    if not len(prior.extents):
+        return low, high
+    excess = np.maximum(high - low - _LONGEST * prior.extents.max(0), 0.0)
+    return low + excess * [0.5, 0.5, 0.0], high - excess * [0.5, 0.5, 1.0]
+
+
 def _complete(
     low: np.ndarray, high: np.ndarray, eyes: np.ndarray, prior: LabelPrior, topless: bool
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
-    """Sides that no view could show, as long as those of the nearest known size.
+    """Ends that no view could show, moved out to the nearest known size of the label.
 
-    A side is completed only if no camera ever stood beyond its far end (or every view was cut off there), and what was
-    seen of it is clearly shorter than anything of this label that fits the sides that were seen.
+    What is measured is the face that was looked at most. The far end behind it is hidden if no camera looked at that,
+    too; the top if every view was cut off there, or no camera was above it (what stands back on a roof is not seen
+    from the street; such a top rises by `_ROOF` at most). The other sides choose the known size; a hidden side may be
+    longer than what was seen of it, not shorter.
     """
-    completed = [False, False, False]
     size = high - low
-    hidden = np.zeros((3, 2), bool)  # the low and high end of each axis
+    offset = eyes[:, :2] - ((low + high) / 2)[:2]
+    away = np.linalg.norm(offset, axis=1)
+    towards = (offset / np.maximum(away, 1.0)[:, None] ** 3).sum(0)
+    front = int(np.argmax(np.abs(towards)))
+    hidden = np.array([False, False, topless or eyes[:, 2].max() < high[2]])
     for axis in (0, 1):
-        away = np.linalg.norm(eyes[:, :2] - ((low + high) / 2)[:2], axis=1)
-        hidden[axis, 0] = not (low[axis] - eyes[:, axis] > _GRAZING * away).any()
-        hidden[axis, 1] = not (eyes[:, axis] - high[axis] > _GRAZING * away).any()
-    hidden[2, 1] = topless
-    open_axes = hidden.any(1)
-    if not len(prior.extents) or not open_axes.any():
+        beyond = low[axis] - eyes[:, axis] if towards[axis] > 0 else eyes[:, axis] - high[axis]
+        hidden[axis] = not (beyond > _GRAZING * away).any()
+    if not (len(prior.extents) and hidden.any()):
         return low, high, (False, False, False)
-    trusted = ~open_axes
-    if not trusted.any():
-        trusted[1] = True
-    ratio = np.abs(np.log(prior.extents / size))
-    known = prior.extents[np.argmin(ratio[:, trusted].sum(1) + 0.05 * ratio[:, ~trusted].sum(1))]
-    low, high = low.copy(), high.copy()
-    for axis in np.flatnonzero(open_axes):
-        if size[axis] < _SHORT * known[axis]:
-            completed[axis] = True
-            missing = known[axis] - size[axis]
-            ends = hidden[axis] / hidden[axis].sum()
-            low[axis] -= missing * ends[0]
-            high[axis] += missing * ends[1]
-    return low, high, (completed[0], completed[1], completed[2])
+    ratio = np.log(prior.extents / size)
+    hope = np.where(hidden, [0.25, 0.25, 0.05 if topless else 1.0], 1.0)
+    lack = np.where(ratio < 0, -1.5 * ratio, ratio * hope)
+    best = int(np.argmin(lack.sum(1)))
+    known = prior.extents[best]
+    if lack[best, ~hidden | [False, False, not topless]].sum() > _UNLIKE:
+        return low, high, (False, False, False)
+    longer = hidden & (known > size)
+    # Along the face that was looked at a hidden end shows as a gross lack alone.
+    longer[1 - front] &= size[1 - front] < _LACKING * known[1 - front]
+    if not topless and known[2] > _ROOF * size[2]:
+        longer[2] = False
+    grow = np.where(longer, known - size, 0.0)
+    away_from = np.append(towards > 0, False)
+    low, high = low - np.where(away_from, grow, 0.0), high + np.where(away_from, 0.0, grow)
+    x, y, z = (grow > 0.02 * size).tolist()
+    return low, high, (x, y, z)

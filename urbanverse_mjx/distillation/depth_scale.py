@@ -9,7 +9,7 @@ from .lifting import GroundPoints
 #: m from the camera: nearer ground is seen steeply enough for its depth to say how high the camera is.
 _NEAR = 15.0
 #: Frames to both sides over which ground of one kind is taken for level with itself.
-_WINDOW = 7
+_WINDOW = 20
 #: Scales that scatter less are not noise but slopes and kerbs: they are left alone.
 _TRUSTED = 0.015
 #: Relative noise that even perfect depth has: its pixels are as wide as 0.2 % of the range (f = 500 pixels).

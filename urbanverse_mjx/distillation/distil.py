@@ -12,10 +12,20 @@ from ..datatypes import GraphObject, LabelPrior, NounError, Recording, SceneGrap
 from . import boxes, crops, fusion, ground, placement
 from .depth_scale import DepthScale, depth_scale
 from .drift import close_loops
-from .lifting import Views, lift
+from .lifting import COARSE, Views, lift
 
 #: Two labels without a word in common are still this alike: detectors mistake a van for a truck.
 _STRANGERS = 0.35
+#: How much less likely a thing is for every frame that should show it and does not: detectors miss a quarter to a half
+#: of what they could find, and leaves and railings hide more than one ray tells.
+_MISSED = 0.7
+#: A thing is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
+#: spread that partly hidden things have.
+_ODD_SIZE, _SIZE_SPREAD = 1.5, 0.5
+#: Labels from this similarity on may mean one thing.
+_KIN = 0.5
+#: Labels from this similarity on are one; a box is a fragment of another if more than this share of it is inside.
+_ALIKE, _INSIDE = 0.9, 0.7
 #: Views of one thing are taken from this many directions, so many of each at most.
 _SECTORS, _PER_SECTOR = 8, 4
 
@@ -30,13 +40,13 @@ class DistilOptions:
       min_score: things of less confidence are left out.
       depth_scale: whether depth is made consistent over frames from the ground.
       close_loops: whether poses are made consistent where the tour comes by again.
-      single_view: take each thing from its largest view alone (to measure what fusion is worth).
+      single_view: take each thing from one view alone, that of median size (to measure what fusion is worth).
       place: whether things are pulled to where their kind can stand.
     """
 
     min_pixels: int = 24
     max_range: float = 60.0
-    min_score: float = 0.08
+    min_score: float = 0.3
     depth_scale: bool = True
     close_loops: bool = True
     single_view: bool = False
@@ -137,7 +147,8 @@ def distil(
     poses = recording.poses()
     if not len(poses):
         raise NounError(f"recording {recording.id!r}: found no frame with a pose, needed at least one; estimate poses.")
-    views, seen = lift(recording, options.min_pixels, options.max_range, progress)
+    lifted = lift(recording, options.min_pixels, options.max_range, lambda label: _reach(prior_of(label)), progress)
+    views, seen = lifted.views, lifted.ground
     depth = depth_scale(seen, poses)
     if not options.depth_scale:
         depth = DepthScale(np.ones(len(poses)), depth.noise)
@@ -156,8 +167,9 @@ def distil(
         raise NounError(
             f"recording {recording.id!r}: found no ground, needed surfaces with depth in some registered frame."
         )
-    state = _State(recording, views, thing, placed, poses, depth, options)
+    state = _State(recording, views, lifted.coarse, thing, alike, placed, poses, depth, options)
     things = [t for t in (_thing(state, rows, prior_of) for rows in _groups(thing)) if t is not None]
+    things = _absorbed(things, views, placed, alike)
     kept = [t for t in things if t.score >= options.min_score]
     return _graph(state, kept, regions, ground.kerbs(ground_grid), describe, crop_folder, len(things) - len(kept))
 
@@ -166,7 +178,9 @@ def distil(
 class _State:
     recording: Recording
     views: Views
+    coarse: np.ndarray
     thing: np.ndarray
+    alike: np.ndarray
     placed: fusion.Placed
     poses: np.ndarray
     depth: DepthScale
@@ -196,21 +210,56 @@ def _thing(state: _State, rows: np.ndarray, prior_of: Callable[[str], LabelPrior
     votes = np.bincount(views.label[rows], views.score[rows] / placed.sigma[rows], len(views.labels))
     label = views.labels[int(votes.argmax())]
     prior = prior_of(label)
+    # Views that called it something else may show something else.
+    own = rows[state.alike[views.label[rows], int(votes.argmax())] >= _KIN]
     if state.options.single_view:
-        chosen = rows[[int(np.argmax(views.pixels[rows]))]]
+        own = chosen = rows[np.argsort(views.pixels[rows], kind="stable")][[len(rows) // 2]]
+        label = views.labels[int(views.label[chosen[0]])]
+        prior = prior_of(label)
     else:
-        chosen = _chosen(rows, placed, views.clipped)
+        chosen = _chosen(own, placed, views.clipped)
     points = fusion.world_points(views, state.poses, state.depth.scale, chosen)
     eyes = placed.eye[chosen]
     noise = state.depth.noise
     points, sigma = boxes.consensus(points, eyes, placed.sigma[chosen], noise)
-    top = _top(rows if len(chosen) > 1 else chosen, views, placed)
-    box = boxes.fit(points.reshape(-1, 3), placed.eye[rows], prior, noise, top, sigma)
+    top = _top(own if len(chosen) > 1 else chosen, views, placed)
+    box = boxes.fit(points.reshape(-1, 3), placed.eye[own], prior, noise, top, sigma)
     if not np.isfinite(box.center).all():
         return None
-    count = len(np.unique(views.frame[rows]))
-    score = float(views.score[rows].mean()) * (1.0 - 0.5**count) * np.sqrt(_share(state, rows, box))
-    return _Thing(int(state.thing[rows[0]]), label, float(np.clip(score, 0, 1)), box, prior, rows)
+    return _Thing(int(state.thing[rows[0]]), label, _confidence(state, rows, box, prior), box, prior, rows)
+
+
+def _reach(prior: LabelPrior) -> float:
+    """m: how far things of a label reach to both sides of their middle, a quarter more than any that is known."""
+    return 1.25 * float(np.linalg.norm(prior.extents[:, :2], axis=1).max()) if len(prior.extents) else np.inf
+
+
+def _absorbed(things: list[_Thing], views: Views, placed: fusion.Placed, alike: np.ndarray) -> list[_Thing]:
+    """Things without the fragments that turn out to lie in the box of a thing of their label seen more often: the top
+    of a house over a roof, the end of a car behind another."""
+    if len(things) < 2:
+        return things
+    row = {label: i for i, label in enumerate(views.labels)}
+    centers = np.array([t.box.center for t in things])
+    # What was seen of each, without what was completed.
+    spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in things]
+    frames = [set(views.frame[t.rows].tolist()) for t in things]
+    kept = set(range(len(things)))
+    for i in sorted(kept, key=lambda k: len(things[k].rows)):
+        small = things[i]
+        near = np.linalg.norm(centers[:, :2] - centers[i, :2], axis=1)
+        for j in np.argsort(near):
+            large = things[j]
+            if near[j] > 0.6 * np.linalg.norm(large.box.size[:2]) + 1.0 and near[j] > 15.0:
+                break
+            rarer = 2 * len(small.rows) <= len(large.rows)
+            if i == j or j not in kept or not rarer or alike[row[small.label], row[large.label]] < _ALIKE:
+                continue
+            inside = boxes.share_inside(*spans[i], large.box, small.box.blur)
+            if inside > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
+                kept.discard(i)
+                break
+    return [things[i] for i in sorted(kept)]
 
 
 def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.ndarray:
@@ -241,19 +290,33 @@ def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
     return float(np.quantile(placed.high[best, 2], 0.8))
 
 
-def _share(state: _State, rows: np.ndarray, box: boxes.Box) -> float:
-    """In how many of the frames that look at the place from as near as its farthest view it was found."""
-    camera = state.recording.camera
+def _confidence(state: _State, rows: np.ndarray, box: boxes.Box, prior: LabelPrior) -> float:
+    """Probability that a thing is there: every view speaks for it by the odds of its score, every frame that should
+    have shown it and did not speaks against it by the odds of `_MISSED`.
+
+    A frame should have shown it if its middle is in the picture, no farther than in its farthest view, and nothing
+    stands before it.
+    """
+    camera, frames = state.recording.camera, np.unique(state.views.frame[rows])
     offset = box.center - state.poses[:, :3, 3]
     local = np.einsum("mji,mj->mi", state.poses[:, :3, :3], offset)
     farthest = np.linalg.norm(box.center - state.placed.eye[rows], axis=1).max()
-    with np.errstate(divide="ignore", invalid="ignore"):
-        u, w = (camera.fx * local[:, 0] / local[:, 2] + camera.cx), (camera.fy * local[:, 1] / local[:, 2] + camera.cy)
+    z = np.maximum(local[:, 2], 0.5)
+    u, w = (camera.fx * local[:, 0] / z + camera.cx), (camera.fy * local[:, 1] / z + camera.cy)
     inside = (local[:, 2] > 0.5) & (np.linalg.norm(offset, axis=1) <= farthest)
     inside &= (u > 0) & (u < camera.width) & (w > 0) & (w < camera.height)
-    frames = np.unique(state.views.frame[rows])
-    inside[frames] = True
-    return len(frames) / max(int(inside.sum()), 1)
+    inside[frames] = False
+    missing = np.flatnonzero(inside)
+    i = np.minimum(w[missing] / COARSE, state.coarse.shape[1] - 1).astype(int)
+    j = np.minimum(u[missing] / COARSE, state.coarse.shape[2] - 1).astype(int)
+    depth = state.coarse[missing, i, j] * state.depth.scale[missing]
+    slack = 0.5 * float(np.linalg.norm(box.size[:2])) + 2 * state.depth.noise * local[missing, 2] + 0.3
+    free = (depth == 0) | (depth > local[missing, 2] - slack)
+    score = np.clip(state.views.score[rows], 0.02, 0.98)
+    odds = float(np.log(score / (1 - score)).sum() + free.sum() * np.log(_MISSED))
+    if len(prior.extents):
+        odds -= _ODD_SIZE * max(0.0, boxes.misfit(box.size, prior) - _SIZE_SPREAD)
+    return float(1.0 / (1.0 + np.exp(-np.clip(odds, -30, 30))))
 
 
 def _graph(

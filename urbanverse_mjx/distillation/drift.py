@@ -20,16 +20,16 @@ from .lifting import Views
 _GAP = 15
 _KNOT = 8  # frames between knots
 #: m; from round to round, how far apart two sightings of one thing may be.
-_GATES = (8.0, 6.0, 4.0, 3.0, 2.0, 1.0, 0.7)
+_GATES = (8.0, 6.0, 4.0, 3.0)
 #: m; larger things show another middle from another side.
-_LARGEST = 1.5
+_LARGEST = 2.5
 _SIGHTING = 0.3  # m, error of a sighting
 #: Change of the correction from knot to knot: m, and rad. The benchmark's drift of 1 % and 0.3° per 10 m is 0.11 m and
 #: 0.34° over a knot of 8 steps of 1.4 m.
 _SHIFT_STEP, _TURN_STEP = 0.15, np.radians(0.4)
 _ALIKE = 0.9
-#: Fewer pairs that agree in the end, or pairs that were already this near (m), and the poses stay as they are.
-_MIN_PAIRS, _OPEN = 8, 0.4
+#: Fewer pairs that agree (to `_AGREED` m) in the end, or pairs that were this near (m) before: poses stay as they are.
+_MIN_PAIRS, _OPEN, _AGREED = 8, 0.4, 1.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,7 +67,7 @@ def close_loops(
     moved = _moved(seen, at, correction, poses)
     after = np.linalg.norm(moved[pairs[:, 0]] - moved[pairs[:, 1]], axis=1)
     before = np.linalg.norm(seen.center[pairs[:, 0]] - seen.center[pairs[:, 1]], axis=1)
-    agree = after < _GATES[-1]
+    agree = after < _AGREED
     # Sightings from two sides differ by some centimetres even where poses are perfect.
     if agree.sum() < _MIN_PAIRS or np.median(before[agree]) < max(_OPEN, 2.0 * float(np.median(after[agree]))):
         return None
@@ -91,7 +91,9 @@ def _sightings(views: Views, placed: Placed, thing: np.ndarray) -> _Sightings:
     center = np.stack([np.bincount(group, weight * placed.center[order, k]) / total for k in range(3)], -1)
     frame = np.bincount(group, weight * views.frame[order]) / total
     first = np.r_[0, np.flatnonzero(~same) + 1]
-    return _Sightings(center, frame, views.label[order][first])
+    # One view alone may be a detector's fancy.
+    solid = np.bincount(group) >= 2
+    return _Sightings(center[solid], frame[solid], views.label[order][first][solid])
 
 
 def _blend(frames: np.ndarray, places: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ The cost of a frame depends on what is near it, not on how many frames came befo
 """
 
 import dataclasses
+import functools
 
 import numpy as np
 import scipy.optimize
@@ -13,10 +14,15 @@ from .lifting import Views
 
 #: m, error of a view's place that does not grow with the range: pixels at the rim, the side that happens to be seen.
 PLACE = 0.03
-#: A view joins a thing whose score with it is at least this; 0.3 is a box half of which overlaps under one label.
-_ACCEPT = 0.3
+#: A view joins a thing whose score with it is at least this: half a box overlaps under one label, or
+#: places two standard errors apart.
+_ACCEPT = 0.22
 #: Two things of the map are one from this score on, if they were hardly ever seen side by side.
-_MERGE = 0.5
+_MERGE = 0.4
+#: Squared distance (in standard errors, three dimensions) from which on places say nothing: 1 in 400.
+_FAR = 14.0
+#: What a thing's information keeps when a view is added: poses drift, and errors of depth stay for some frames.
+_MEMORY = 0.85
 _TOGETHER = 0.15
 #: m; nothing farther apart than this is compared.
 _REACH = 6.0
@@ -39,6 +45,22 @@ class Placed:
     def center(self) -> np.ndarray:
         """(n, 3) m."""
         return (self.low + self.high) / 2
+
+    @functools.cached_property
+    def gain(self) -> np.ndarray:
+        """(n, 3, 3) 1/m^2: 1 / sigma^2 along the line of sight, and across it what a view's middle says of the thing's:
+        different sides are seen from different places."""
+        line = self.center - self.eye
+        line /= np.maximum(np.linalg.norm(line, axis=1), 1e-6)[:, None]
+        along = line[:, :, None] * line[:, None, :]
+        across = across_error(self.low, self.high)
+        deep = np.hypot(self.sigma, across)
+        return along / deep[:, None, None] ** 2 + (np.eye(3) - along) / across[:, None, None] ** 2
+
+
+def across_error(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(n,) m: how far the middle of what a view shows is off the thing's middle, beside the error of its depth."""
+    return PLACE + 0.15 * np.linalg.norm(high - low, axis=-1)
 
 
 def world_points(views: Views, poses: np.ndarray, scale: np.ndarray, rows: np.ndarray | slice) -> np.ndarray:
@@ -71,6 +93,7 @@ class _Map:
         self.low, self.high = np.zeros((capacity, 3)), np.zeros((capacity, 3))
         self.sigma = np.zeros(capacity)
         self.votes = np.zeros((capacity, labels), np.float32)
+        self.information, self.weighted = np.zeros((capacity, 3, 3)), np.zeros((capacity, 3))
 
     def near(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """(k,) things whose box comes within `_REACH` of the boxes of a frame."""
@@ -87,14 +110,27 @@ class _Map:
             placed.sigma[rows],
         )
         self.votes[numbers, labels] += scores
+        self._inform(numbers, placed, rows)
         self.size += len(rows)
         return numbers
+
+    def _inform(self, things: np.ndarray, placed: Placed, rows: np.ndarray) -> None:
+        gained = placed.gain[rows]
+        self.information[things] = _MEMORY * self.information[things] + gained
+        moved = np.einsum("kij,kj->ki", gained, placed.center[rows])
+        self.weighted[things] = _MEMORY * self.weighted[things] + moved
+
+    def places(self, things: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(k, 3) m centres and (k, 3, 3) m^2 covariances."""
+        covariance = np.linalg.inv(self.information[things])
+        return np.einsum("kij,kj->ki", covariance, self.weighted[things]), covariance
 
     def update(
         self, things: np.ndarray, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray
     ) -> None:
         """A much better view replaces a thing's box, a similar one widens it, a worse one only votes."""
         self.votes[things, labels] += scores
+        self._inform(things, placed, rows)
         ratio = placed.sigma[rows] / self.sigma[things]
         # Where depth is sharp every view adds what it sees; a nearer one may show a part alone.
         better = (ratio < 0.6) & (self.sigma[things] > _BLURRED)
@@ -125,6 +161,17 @@ def _overlap(
     return np.where(volume > 0, 0.6 * volume + 0.4 * np.exp(-0.5 * (apart / reach) ** 2), 0.0)
 
 
+def _agreement(
+    a: np.ndarray, a_covariance: np.ndarray, b: np.ndarray, b_covariance: np.ndarray, pairs: tuple
+) -> np.ndarray:
+    """(p,) in [0, 1]: how well places agree, given how uncertain they are and along which lines."""
+    i, j = pairs
+    apart = a[i] - b[j]
+    whole = a_covariance[i] + b_covariance[j]
+    squared = np.einsum("pi,pi->p", apart, np.linalg.solve(whole, apart[..., None])[..., 0])
+    return np.where(squared < _FAR, np.exp(-squared / 8.0), 0.0)
+
+
 def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarray:
     """(n,) i32: the thing each view shows.
 
@@ -134,6 +181,7 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
     """
     thing = np.full(len(views), -1, np.int32)
     known = _Map(len(views), len(views.labels))
+    covariances = np.linalg.inv(placed.gain)
     bounds = np.flatnonzero(np.diff(views.frame)) + 1
     for rows in np.split(np.arange(len(views)), bounds) if len(views) else []:
         near = known.near(placed.low[rows], placed.high[rows])
@@ -142,9 +190,15 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
             votes = known.votes[near]
             likeness = (votes / votes.sum(1, keepdims=True)) @ similarity[:, views.label[rows]]
             slack = 2.0 * np.hypot(placed.sigma[rows][:, None], known.sigma[near][None])
-            score = likeness.T * _overlap(
+            overlap = _overlap(
                 placed.low[rows][:, None], placed.high[rows][:, None], known.low[near], known.high[near], slack
             )
+            middle, covariance = known.places(near)
+            gap = np.linalg.norm(placed.center[rows][:, None] - middle, axis=-1)
+            pairs = np.nonzero(gap < _REACH)
+            agree = np.zeros(gap.shape)
+            agree[pairs] = _agreement(placed.center[rows], covariances[rows], middle, covariance, pairs)
+            score = likeness.T * np.maximum(0.75 * overlap, 0.5 * (overlap + agree))
             a, b = scipy.optimize.linear_sum_assignment(score, maximize=True)
             good = score[a, b] >= _ACCEPT
             a, b = a[good], near[b[good]]
@@ -167,7 +221,10 @@ def _merged(thing: np.ndarray, views: Views, known: _Map, similarity: np.ndarray
     a, b = pairs[:, 0], pairs[:, 1]
     share = known.votes[:n] / known.votes[:n].sum(1, keepdims=True)
     slack = 2.0 * np.hypot(known.sigma[a], known.sigma[b])
-    score = np.einsum("pl,pl->p", share[a] @ similarity, share[b]) * _overlap(low[a], high[a], low[b], high[b], slack)
+    overlap = _overlap(low[a], high[a], low[b], high[b], slack)
+    middle, covariance = known.places(np.arange(n))
+    agree = _agreement(middle, covariance, middle, covariance, (a, b))
+    score = np.einsum("pl,pl->p", share[a] @ similarity, share[b]) * 0.5 * (overlap + agree)
     frames: list[set[int]] = [set() for _ in range(n)]
     for t, f in zip(thing.tolist(), views.frame.tolist(), strict=True):
         frames[t].add(f)

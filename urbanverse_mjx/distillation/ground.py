@@ -6,7 +6,8 @@ import numpy as np
 import scipy.ndimage
 import shapely
 
-from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion
+from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, NounError
+from ..datatypes.ground import check_polygon
 from .lifting import GroundPoints
 
 CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
@@ -133,12 +134,28 @@ def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
     straight = shapely.coverage_simplify(outlines, _STRAIGHTEN)
     made: list[GroundRegion] = []
     for outline, kind in zip(straight, kinds, strict=True):
-        for piece in _simple_pieces(outline, seen):
-            plane, _ = fit_plane(seen, piece)
-            name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
-            ring = [(round(x, 3), round(y, 3)) for x, y in piece.exterior.coords[:-1]]
-            made.append(GroundRegion(name, GROUND_KINDS[kind], tuple(ring), plane))
+        for piece in _simple_pieces(outline, seen, kind):
+            plane, _ = fit_plane(seen, piece, kind)
+            for ring in _rings(piece):
+                name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
+                made.append(GroundRegion(name, GROUND_KINDS[kind], ring, plane))
     return tuple(made)
+
+
+def _rings(piece: shapely.Polygon) -> list[tuple[tuple[float, float], ...]]:
+    """The outline in whole millimetres; one that touches itself there is drawn in by 2 cm, which parts it."""
+    rings = []
+    for part in (piece, *shapely.get_parts(piece.buffer(-0.02, join_style="mitre"))):
+        flat = shapely.remove_repeated_points(shapely.set_precision(part, 0.001, mode="pointwise"), 0.002)
+        if flat.is_empty or flat.area < 0.25:
+            continue
+        try:
+            rings.append(check_polygon([list(c) for c in flat.exterior.coords[:-1]], "ground"))
+        except NounError:
+            continue
+        if part is piece:
+            return rings
+    return rings
 
 
 def _polygons(mask: np.ndarray, origin: np.ndarray) -> list[shapely.Polygon]:
@@ -156,7 +173,7 @@ def _polygons(mask: np.ndarray, origin: np.ndarray) -> list[shapely.Polygon]:
     return found
 
 
-def _simple_pieces(outline: shapely.Polygon, seen: GroundMap) -> list[shapely.Polygon]:
+def _simple_pieces(outline: shapely.Polygon, seen: GroundMap, kind: int) -> list[shapely.Polygon]:
     """The outline cut until every piece has no hole, few corners and a top that one plane fits."""
     todo, done = [outline], []
     while todo:
@@ -168,7 +185,9 @@ def _simple_pieces(outline: shapely.Polygon, seen: GroundMap) -> list[shapely.Po
             hole = shapely.Polygon(area.interiors[0]).centroid
             at = (hole.x, hole.y)
         elif len(area.exterior.coords) > _MAX_CORNERS or (
-            min(x1 - x0, y1 - y0) > 1.0 and max(x1 - x0, y1 - y0) > 6.0 and fit_plane(seen, area)[1] > _PLANE_ERROR
+            min(x1 - x0, y1 - y0) > 1.0
+            and max(x1 - x0, y1 - y0) > 6.0
+            and fit_plane(seen, area, kind)[1] > _PLANE_ERROR
         ):
             at = ((x0 + x1) / 2, (y0 + y1) / 2)
         else:
@@ -182,20 +201,19 @@ def _simple_pieces(outline: shapely.Polygon, seen: GroundMap) -> list[shapely.Po
     return [p for p in done if p.is_valid and p.area >= 0.25]
 
 
-def fit_plane(seen: GroundMap, area: shapely.Polygon) -> tuple[tuple[float, float, float], float]:
+def fit_plane(seen: GroundMap, area: shapely.Polygon, kind: int) -> tuple[tuple[float, float, float], float]:
     """(a, b, c) of z = a x + b y + c under an area, by least squares reweighted by Tukey's biweight, and the robust
-    residual (m); level at the nearest known height where fewer than 12 cells are known."""
+    residual (m); level at the height of the nearest cells of its kind where it holds fewer than 12."""
     x0, y0, x1, y1 = area.bounds
     i0, j0 = np.maximum(np.floor((np.array([x0, y0]) - seen.origin) / CELL).astype(int), 0)
     i1, j1 = np.ceil((np.array([x1, y1]) - seen.origin) / CELL).astype(int)
     i, j = np.meshgrid(np.arange(i0, min(i1, seen.kind.shape[0])), np.arange(j0, min(j1, seen.kind.shape[1])))
     xy = seen.origin + (np.stack([i.ravel(), j.ravel()], -1) + 0.5) * CELL
     z = seen.height[i.ravel(), j.ravel()]
-    good = np.isfinite(z) & shapely.contains_xy(area, *xy.T)
+    good = np.isfinite(z) & (seen.kind[i.ravel(), j.ravel()] == kind) & shapely.contains_xy(area, *xy.T)
     xy, z = xy[good], z[good]
     if len(z) < 12:
-        level = float(np.median(z)) if len(z) else float(np.nanmedian(seen.height))
-        return (0.0, 0.0, round(level, 4)), 0.0
+        return (0.0, 0.0, round(_level(seen, area, kind), 4)), 0.0
     middle = xy.mean(0)
     columns = np.c_[xy - middle, np.ones(len(z))]
     weight, plane, spread = np.ones(len(z)), np.zeros(3), 0.0
@@ -208,6 +226,15 @@ def fit_plane(seen: GroundMap, area: shapely.Polygon) -> tuple[tuple[float, floa
         weight = np.clip(1.0 - (residual / (4.685 * spread)) ** 2, 1e-6, None) ** 2
     a, b = (float(np.clip(p, -1.0, 1.0)) for p in plane[:2])
     return (round(a, 6), round(b, 6), round(float(plane[2] - a * middle[0] - b * middle[1]), 4)), spread
+
+
+def _level(seen: GroundMap, area: shapely.Polygon, kind: int) -> float:
+    """m: median height of the 12 cells of a kind that are nearest to an area's middle."""
+    cells = np.argwhere((seen.kind == kind) & np.isfinite(seen.height))
+    middle = area.representative_point()
+    away = np.linalg.norm(seen.origin + (cells + 0.5) * CELL - [middle.x, middle.y], axis=1)
+    nearest = cells[np.argsort(away, kind="stable")[:12]]
+    return float(np.median(seen.height[tuple(nearest.T)]))
 
 
 def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:

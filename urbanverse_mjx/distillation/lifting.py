@@ -16,6 +16,8 @@ from ..datatypes.recording import SKY
 POINTS = 192
 #: Share of a view's points that may lie apart in depth and still belong to it; smaller groups are bleeding masks.
 _MINOR = 0.2
+#: Pixels along each side for which one of the coarse depth stands.
+COARSE = 8
 _GROUND_POINTS = 1500  # per frame
 
 
@@ -53,14 +55,29 @@ class GroundPoints:
     points: np.ndarray
 
 
+@dataclasses.dataclass(frozen=True)
+class Lifted:
+    """All that is read of a recording: views, ground, and depth (m, H / COARSE, W / COARSE) m, 0 = unknown, of the
+    registered frames, to tell what is hidden behind something else."""
+
+    views: Views
+    ground: GroundPoints
+    coarse: np.ndarray
+
+
 def lift(
-    recording: Recording, min_pixels: int, max_range: float, progress: Callable[[int, int], None] | None = None
-) -> tuple[Views, GroundPoints]:
+    recording: Recording,
+    min_pixels: int,
+    max_range: float,
+    depth_of: Callable[[str], float] = lambda _: np.inf,
+    progress: Callable[[int, int], None] | None = None,
+) -> Lifted:
     """Reads every registered frame once.
 
     Args:
       min_pixels: views of fewer are left out.
       max_range: m, farther points are left out.
+      depth_of: label -> m, how far such a thing can reach to both sides of its middle.
       progress: called with (frames done, frames in all).
     """
     rays = recording.camera.rays().astype(np.float32)
@@ -69,14 +86,19 @@ def lift(
     parts: list[tuple[np.ndarray, ...]] = []
     grounds: list[tuple[np.ndarray, ...]] = []
     registered = recording.registered
+    camera = recording.camera
+    rows = len(range(COARSE // 2, camera.height, COARSE)), len(range(COARSE // 2, camera.width, COARSE))
+    coarse = np.zeros((len(registered), *rows), np.float32)
     for row, number in enumerate(registered):
         depth = recording.depth(int(number))
         if depth is not None:
+            coarse[row] = depth[COARSE // 2 :: COARSE, COARSE // 2 :: COARSE]
             depth = np.where(depth <= max_range, depth, 0.0)
             masks, surfaces = recording.masks(int(number)), recording.surfaces(int(number))
             if masks is not None:
-                found = _views(masks, depth, rays, min_pixels)
                 things = recording.frames[number].detections
+                reach = np.array([depth_of(d.label) for d in things])
+                found = _views(masks, depth, rays, min_pixels, reach)
                 index = found[0]
                 label = [labels.setdefault(things[i].label, len(labels)) for i in index]
                 track = [-1 if (t := things[i].track) is None else tracks.setdefault(t, len(tracks)) for i in index]
@@ -87,7 +109,7 @@ def lift(
                 grounds.append((*_ground(surfaces, depth, rays, row),))
         if progress is not None:
             progress(row + 1, len(registered))
-    return _joined(parts, tuple(labels)), _joined_ground(grounds)
+    return Lifted(_joined(parts, tuple(labels)), _joined_ground(grounds), coarse)
 
 
 def _joined(parts: list[tuple[np.ndarray, ...]], labels: tuple[str, ...]) -> Views:
@@ -106,12 +128,14 @@ def _joined_ground(parts: list[tuple[np.ndarray, ...]]) -> GroundPoints:
     return GroundPoints(frame, kind, np.concatenate([np.zeros((0, 3), np.float32), *(p[2] for p in parts)]))
 
 
-def _views(masks: np.ndarray, depth: np.ndarray, rays: np.ndarray, min_pixels: int) -> tuple[np.ndarray, ...]:
+def _views(
+    masks: np.ndarray, depth: np.ndarray, rays: np.ndarray, min_pixels: int, reach: np.ndarray
+) -> tuple[np.ndarray, ...]:
     """(k,) detections, (k, POINTS, 3) points, (k,) pixels, (k, 4) clipped; k = detections with enough depth."""
     height, width = masks.shape
     flat = np.flatnonzero((masks >= 0) & (depth > 0))
     which, z = masks.ravel()[flat], depth.ravel()[flat]
-    keep = _main_groups(which, z)
+    keep = _main_groups(which, z, reach)
     flat, which = flat[keep], which[keep]
     counts = np.bincount(which, minlength=int(masks.max()) + 1 if masks.size else 0)
     index = np.flatnonzero(counts >= min_pixels)
@@ -127,7 +151,7 @@ def _views(masks: np.ndarray, depth: np.ndarray, rays: np.ndarray, min_pixels: i
     return index, points, counts[index], rim[index]
 
 
-def _main_groups(which: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndarray:
     """(p,) bool: pixels whose depth belongs to the main body of their view.
 
     Sorted by depth, a view falls apart where the next pixel is 0.5 m or 4 % of the range farther; groups of less than
@@ -141,7 +165,12 @@ def _main_groups(which: np.ndarray, z: np.ndarray) -> np.ndarray:
     totals = np.bincount(which)
     keep = np.zeros(len(z), bool)
     keep[order] = sizes[group] >= _MINOR * totals[w]
-    return keep
+    # What is farther from the middle pixel's depth than such a thing can reach is something else.
+    middle = np.zeros(len(totals))
+    ends = np.cumsum(totals)
+    some = totals > 0
+    middle[some] = s[(ends - (totals + 1) // 2)[some]]
+    return keep & (np.abs(z - middle[which]) <= reach[which] + 0.05 * z)
 
 
 def _ground(surfaces: np.ndarray, depth: np.ndarray, rays: np.ndarray, row: int) -> tuple[np.ndarray, ...]:

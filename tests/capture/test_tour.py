@@ -1,0 +1,113 @@
+"""Tours carry the truth of the scene they film: geometry, labels, poses and the graph agree with each other."""
+
+import pathlib
+
+import numpy as np
+import pytest
+
+from urbanverse_mjx.capture import PathOptions, TourOptions, tour, true_objects, walk
+from urbanverse_mjx.capture.path import camera_poses
+from urbanverse_mjx.capture.street import street_grid
+from urbanverse_mjx.cli.main import main
+from urbanverse_mjx.datatypes import NounError, Recording, SceneBank, SceneGraph
+
+SMALL = TourOptions(width=160, height=90, samples=1, shadows=False)
+
+
+@pytest.fixture(scope="module")
+def filmed(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    return tour(small_bank, 1, tmp_path_factory.mktemp("tour"), PathOptions(frames=6), SMALL)
+
+
+def world_points(recording: Recording, frame: int) -> np.ndarray:
+    depth, pose = recording.depth(frame), recording.frames[frame].pose
+    assert depth is not None
+    assert pose is not None
+    return (recording.camera.rays() * depth[..., None]) @ pose[:3, :3].T + pose[:3, 3]
+
+
+def test_masked_depth_lies_in_the_true_box(filmed: Recording, small_bank: SceneBank) -> None:
+    truth = {t.id: t for t in true_objects(small_bank, 1)}
+    checked = 0
+    for i, frame in enumerate(filmed.frames):
+        masks, points = filmed.masks(i), world_points(filmed, i)
+        assert masks is not None
+        for k, detection in enumerate(frame.detections):
+            assert detection.track is not None
+            true = truth[detection.track]
+            assert detection.label == true.label
+            c, s = np.cos(true.yaw), np.sin(true.yaw)
+            local = (points[masks == k] - true.center) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+            # Depth is written in steps of 5 mm; a grazed face is off by a few of them.
+            assert (np.abs(local) <= np.array(true.size) / 2 + 0.03).all(), true.id
+            checked += 1
+    assert checked > 10
+
+
+def test_ground_depth_lies_on_the_ground(filmed: Recording, small_bank: SceneBank) -> None:
+    street = street_grid(small_bank, 1)
+    for i in range(len(filmed)):
+        surfaces, points = filmed.surfaces(i), world_points(filmed, i)
+        assert surfaces is not None
+        ground = (surfaces > 0) & (surfaces < 255) & (np.linalg.norm(points - points.mean((0, 1)), axis=-1) < 30)
+        cells = street.cell(points[ground][:, :2])
+        off = np.abs(street.height[tuple(cells.T)] - points[ground][:, 2])
+        # Cells on a kerb hold one of its two heights.
+        assert np.nanquantile(off, 0.9) < 0.03
+        depth = filmed.depth(i)
+        assert depth is not None
+        assert (depth[surfaces == 255] == 0).all()
+
+
+def test_the_camera_walks_where_one_can_walk(small_bank: SceneBank) -> None:
+    path = walk(small_bank, 0)
+    street = street_grid(small_bank, 0)
+    place = path.T_world_camera[:, :3, 3]
+    cells = tuple(street.cell(place[:, :2]).T)
+    assert (street.clearance[cells] > 0.2).all()
+    np.testing.assert_allclose(place[:, 2] - street.height[cells], 1.5, atol=0.2)
+    steps = np.linalg.norm(np.diff(place[:, :2], axis=0), axis=1)
+    assert steps.max() < 1.5
+    # Both sides of the street, from end to end.
+    assert np.ptp(place[:, 0]) > 45.0
+    assert place[:, 1].min() < -4.0 < 4.0 < place[:, 1].max()
+    assert len(walk(small_bank, 0, PathOptions(frames=500)).time_s) == 500
+
+
+def test_camera_axes() -> None:
+    (pose,) = camera_poses(np.array([[1.0, 2.0, 3.0]]), np.array([np.pi / 2]), np.radians(10.0))
+    np.testing.assert_allclose(pose[:3, 0], [1, 0, 0], atol=1e-12)  # looks along +y: its right is +x
+    assert pose[2, 2] == pytest.approx(np.sin(np.radians(10.0)))
+    assert pose[2, 1] < -0.9  # its down is down
+
+
+def test_the_true_graph_is_written_beside(filmed: Recording, small_bank: SceneBank) -> None:
+    graph = SceneGraph.load(filmed.folder / "truth.json")
+    assert {o.id for o in graph.objects} == {o.id for o in true_objects(small_bank, 1)}
+    kinds = {r.kind for r in graph.ground}
+    assert {"road", "sidewalk", "crosswalk"} <= kinds
+    assert len(graph.camera_path) == len(filmed)
+    assert Recording.load(filmed.folder) == filmed
+
+
+def test_bad_wishes_are_one_sentence(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    with pytest.raises(NounError, match="scene: found 9"):
+        tour(small_bank, 9, tmp_path)
+    with pytest.raises(NounError, match="camera path"):
+        PathOptions(speed=0.0)
+    with pytest.raises(NounError, match="fovy"):
+        TourOptions(fovy=4.0)
+
+
+def test_the_command_films_and_writes_a_video(
+    small_bank: SceneBank, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    small_bank.save(tmp_path / "bank.npz")
+    options = ["--bank", str(tmp_path / "bank.npz"), "--frames", "2", "--size", "64", "36", "--samples", "1", "--quiet"]
+    video = tmp_path / "tour.mp4"
+    assert main(["capture", "--out", str(tmp_path / "r"), "--video", str(video), *options]) == 0
+    assert '"frames": 2' in capsys.readouterr().out
+    assert video.stat().st_size > 500
+    assert len(Recording.load(tmp_path / "r")) == 2
+    assert main(["capture", "--out", str(tmp_path / "s"), "--scene", "nowhere", *options]) == 2
+    assert "needed one of" in capsys.readouterr().err
