@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Sequence
 
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ..assets.priors import prior
 from ..datatypes import GraphObject
@@ -39,7 +40,7 @@ class Top:
     """An even top that things may stand on: id of its owner, outline from above, height (m)."""
 
     id: str
-    outline: shapely.Geometry
+    outline: BaseGeometry
     z: float
 
 

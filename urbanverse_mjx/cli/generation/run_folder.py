@@ -57,7 +57,7 @@ class RunFolder:
             raise v.fail(str(path), "a folder with other things", "a new name or an earlier run", "choose another")
         try:
             path.mkdir(parents=True, exist_ok=True)
-            lock = (path / LOCK).open("w")
+            lock = (path / LOCK).open("a")
         except OSError as error:
             raise v.fail(str(path), f"no way to write there ({error.strerror})", "a folder to write into") from error
         with lock:
