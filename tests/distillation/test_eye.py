@@ -1,0 +1,174 @@
+"""The eye: what it shall answer, how its answers become things, its weights' file, and its score."""
+
+import pathlib
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes.ground import GROUND_KINDS
+from urbanverse_mjx.datatypes.recording import SKY
+from urbanverse_mjx.distillation.eye import classes, score, seeing, weights
+from urbanverse_mjx.distillation.eye.augment import augment, jpeg, recolour
+from urbanverse_mjx.distillation.eye.decode import Decoded, Thing, decode
+from urbanverse_mjx.distillation.eye.targets import Truth, truth
+from urbanverse_mjx.distillation.eye.views import _with_mixed_ground
+
+NAMES = classes.names()
+CAR, HOUSE, PERSON = (NAMES.index(n) for n in ("car", "house", "pedestrian adult"))
+ROAD = GROUND_KINDS.index("road")
+
+
+def _street() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(128, 192) category (an index into `_CATEGORIES`), slot, depth: two cars side by side before a house."""
+    category = np.full((128, 192), -1, np.int32)
+    slot = np.full(category.shape, -1, np.int32)
+    depth = np.full(category.shape, 50.0, np.float32)
+    for rows, columns, kind, number, far in (
+        (np.s_[80:], np.s_[:], 0, 0, 5.0),
+        (np.s_[20:80], np.s_[10:180], 1, 1, 20.0),
+        (np.s_[60:90], np.s_[30:70], 2, 2, 8.0),
+        (np.s_[60:90], np.s_[70:110], 2, 3, 8.0),
+        (np.s_[50:100], np.s_[140:150], 3, 4, 6.0),
+    ):
+        category[rows, columns], slot[rows, columns], depth[rows, columns] = kind, number, far
+    return category, slot, depth
+
+
+_CATEGORIES = ["ground:road", "bakery", "taxi", "jogger"]
+
+
+@pytest.fixture(scope="module")
+def wanted() -> Truth:
+    category, slot, depth = (jnp.asarray(x) for x in _street())
+    table = jnp.asarray(classes.class_table(_CATEGORIES))
+    found = jax.jit(lambda c, s, d: truth(c, s, d, jnp.asarray(200.0), table, 5))(category, slot, depth)
+    return jax.tree.map(np.asarray, found)
+
+
+def _answer(wanted: Truth) -> Decoded:
+    logits = 8.0 * np.eye(len(NAMES), dtype=np.float32)[wanted.classes]
+    return decode(logits, wanted.centre, wanted.offset, wanted.log_depth, 200.0)
+
+
+def test_every_group_is_called_by_a_leaf_and_holds_leaves_of_the_ontology():
+    leaves = set(load_index().leaves)
+    for name, group in classes.groups().items():
+        assert name in leaves
+        assert set(group) <= leaves
+    every = [leaf for group in classes.groups().values() for leaf in group]
+    assert len(every) == len(set(every))
+
+
+def test_surfaces_keep_their_codes():
+    codes = classes.surface_codes()
+    assert codes[0] == SKY
+    assert [GROUND_KINDS[codes[k]] for k in range(1, classes.FIRST_THING)] == list(NAMES[1 : classes.FIRST_THING])
+    with pytest.raises(NounError, match="ground:lava"):
+        classes.class_table(["ground:lava"])
+
+
+def test_a_right_answer_is_decoded_to_the_things_that_are_there(wanted: Truth):
+    seen = _answer(wanted)
+    assert sorted(t.kind for t in seen.things) == sorted([CAR, CAR, HOUSE, PERSON])
+    for number in (1, 2, 3, 4):
+        there = wanted.owner == number
+        found = np.unique(seen.masks[there])
+        assert len(found) == 1
+        assert found[0] >= 0
+        assert (seen.masks == found[0]).sum() == there.sum()
+    assert seen.depth[40, 17] == pytest.approx(8.0, rel=1e-3)
+    assert (seen.kinds[50] == ROAD).sum() == 96
+
+
+def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
+    seen = _answer(wanted)
+    perfect, wrong = score.Score(), score.Score()
+    depth = np.where(wanted.has_depth, 8.0, 0.0)
+    perfect.add(seen, wanted.classes, wanted.owner, depth)
+    assert perfect.table()["all"] == {"there": 4, "recall": 1.0, "precision": 1.0}
+    assert perfect.table()["surface_iou"]["road"] == 1.0
+    # One car is called a person, the other is lost.
+    cars = [k for k, t in enumerate(seen.things) if t.kind == CAR]
+    things = tuple(Thing(PERSON, 1.0) if k == cars[0] else t for k, t in enumerate(seen.things))
+    masks = np.where(seen.masks == cars[1], -1, seen.masks)
+    wrong.add(Decoded(seen.kinds, masks, things, seen.depth), wanted.classes, wanted.owner, depth)
+    rows = wrong.table()["things"]
+    assert rows["car"] == {"there": 2, "recall": 0.0, "precision": None}
+    assert rows["pedestrian adult"] == {"there": 1, "recall": 1.0, "precision": 0.5}
+    assert "| car | 2 | 0.00 | - |" in score.as_markdown(wrong.table())
+
+
+def test_recolouring_gives_every_region_one_other_colour():
+    picture = jnp.asarray(np.tile(np.array([200, 60, 40], np.uint8), (8, 12, 1)))
+    region = jnp.asarray(np.repeat(np.arange(4), 3)[None] * np.ones((8, 1), int))
+    dyed = np.asarray(jax.jit(recolour, static_argnums=3)(jax.random.key(3), picture, region, 4))
+    colours = {tuple(c) for c in dyed.reshape(-1, 3).tolist()}
+    assert len(colours) == 4
+    assert all(len(np.unique(dyed[:, 3 * k : 3 * k + 3].reshape(-1, 3), axis=0)) == 1 for k in range(4))
+
+
+def test_camera_faults_keep_the_picture_and_differ():
+    rng = np.random.default_rng(0)
+    smooth = np.asarray(jax.image.resize(rng.random((4, 6, 3)).astype(np.float32), (64, 96, 3), "cubic")).clip(0, 1)
+    fine, coarse = (np.asarray(jpeg(jnp.asarray(smooth), jnp.asarray(q))) for q in (95.0, 8.0))
+    assert np.abs(fine - smooth).mean() < 0.01 < np.abs(coarse - smooth).mean()
+    faulty = jax.jit(jax.vmap(augment))(jax.random.split(jax.random.key(0), 2), jnp.asarray([smooth * 255] * 2))
+    a, b = np.asarray(faulty)
+    assert np.abs(a - b).mean() > 0.005
+    assert min(np.corrcoef(x.ravel(), smooth.ravel())[0, 1] for x in (a, b)) > 0.6
+
+
+def test_mixed_paving_changes_grounds_alone(small_bank: SceneBank):
+    mixed = _with_mixed_ground(small_bank, 1.0, np.random.default_rng(0))
+    grounds = [k for k, name in enumerate(small_bank.meta["categories"]) if name.startswith("ground:")]
+    of_ground = np.unique(small_bank.slot_mesh[np.isin(small_bank.slot_category, grounds)])
+    changed = np.flatnonzero(mixed.mesh_material != small_bank.mesh_material)
+    assert set(changed) <= set(of_ground)
+    assert set(mixed.mesh_material[changed]) <= set(small_bank.mesh_material[of_ground])
+    same = _with_mixed_ground(small_bank, 0.0, np.random.default_rng(0))
+    assert (same.mesh_material == small_bank.mesh_material).all()
+
+
+@pytest.fixture(scope="module")
+def variables():
+    """Small random numbers in the network's shapes: compiling its own initialisation takes a minute."""
+    shapes = jax.eval_shape(weights.network().init, jax.random.key(0), jnp.zeros((1, 32, 32, 3)))
+    rng = np.random.default_rng(0)
+    return jax.tree.map(lambda x: (0.1 * rng.random(x.shape)).astype(np.float32), shapes)
+
+
+def test_weights_are_read_as_they_were_written(tmp_path: pathlib.Path, variables):
+    path = weights.save(tmp_path / "w.npz", variables, {"steps": 3})
+    read, record = weights.load(path)
+    assert record == {"steps": 3}
+    assert jax.tree.structure(read) == jax.tree.structure(variables)
+    off = jax.tree.map(lambda a, b: float(np.abs(a - b).max()), read, variables)
+    assert max(jax.tree.leaves(off)) < 2e-3
+
+
+def test_missing_and_foreign_weights_are_named(tmp_path: pathlib.Path, variables, monkeypatch: pytest.MonkeyPatch):
+    with pytest.raises(NounError, match="found no weights of the eye"):
+        weights.load(tmp_path / "none.npz")
+    (tmp_path / "text.npz").write_text("no weights")
+    with pytest.raises(NounError, match="unreadable"):
+        weights.load(tmp_path / "text.npz")
+    path = weights.save(tmp_path / "w.npz", variables, {})
+    monkeypatch.setattr(classes, "names", lambda: NAMES[:-1])
+    with pytest.raises(NounError, match="other classes"):
+        weights.load(path)
+
+
+@pytest.mark.parametrize("size", [(45, 80), (80, 45), (33, 31)])
+def test_the_eye_looks_at_pictures_of_any_size(variables, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]):
+    monkeypatch.setattr(seeing, "SIZE", (32, 64))
+    picture = np.random.default_rng(0).integers(0, 255, (*size, 3), dtype=np.uint8)
+    sight = seeing.Eye(variables, {})(picture, 60.0)
+    assert sight.surfaces.shape == sight.masks.shape == size
+    assert sight.depth is not None
+    assert sight.depth.shape == size
+    assert set(np.unique(sight.surfaces)) <= {0, *range(1, len(GROUND_KINDS)), SKY}
+    assert sight.masks.max() == len(sight.detections) - 1 or not sight.detections
