@@ -57,7 +57,7 @@ def ground_tops(bank: SceneBank, scene: int) -> list[tuple[int, int, np.ndarray]
             continue
         mesh = bank.slot_mesh[scene, slot]
         faces = bank.mesh_faces[bank.mesh_face_start[mesh] : bank.mesh_face_start[mesh + 1]]
-        triangles = slot_vertices(bank, scene, slot)[faces]
+        triangles = slot_vertices(bank, scene, int(slot))[faces]
         normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         up = normal[:, 2] > 0.4 * np.linalg.norm(normal, axis=1)  # tops are at most 63° steep, sides upright
         tops.append((int(slot), KIND_INDEX[category.removeprefix(GROUND_PREFIX)], triangles[up]))

@@ -77,6 +77,7 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     information = project / along[:, None, None] ** 2 + (np.eye(3) - project) / across[:, None, None] ** 2
     center = np.median(middle, axis=0)
     apart = middle - center
+    distance = np.zeros(len(points))
     weight = 1.0 / np.maximum(1.0, np.einsum("vi,vij,vj->v", apart, information, apart) / 4.0)
     for _ in range(3):
         total = (weight[:, None, None] * information).sum(0)
@@ -90,7 +91,7 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     factor = np.einsum("vi,vi->v", center - eyes, line) / reach
     trust = (noise * reach) ** 2 / ((noise * reach) ** 2 + across**2)
     factor = 1.0 + trust * np.clip(factor - 1.0, -3 * noise, 3 * noise)
-    kept = distance < 4.0
+    kept = np.asarray(distance < 4.0)
     return ((points - eyes[:, None]) * factor[:, None, None] + eyes[:, None])[
         kept if kept.any() else slice(None)
     ], error

@@ -1,10 +1,12 @@
 """Ground regions: points of each kind on a grid from above, cut into simple polygons with planar tops."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.ndimage
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, NounError
 from ..datatypes.ground import check_polygon
@@ -261,7 +263,7 @@ def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:
     return tuple(found)
 
 
-def allowed_area(seen: tuple[GroundRegion, ...], kinds: tuple[str, ...]) -> shapely.Geometry:
+def allowed_area(seen: Sequence[GroundRegion], kinds: tuple[str, ...]) -> BaseGeometry:
     """Where things that stand on these kinds can be."""
     wanted = {KIND_INDEX[k] for k in kinds}
     return shapely.union_all([shapely.Polygon(r.polygon) for r in seen if KIND_INDEX[r.kind] in wanted])

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+import shapely.ops
+from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GroundRegion, LabelPrior, ground
 from .boxes import Box
@@ -31,13 +33,13 @@ def settle(
     """
     shift, floor = np.zeros((len(boxes), 2)), np.full(len(boxes), np.nan)
     solid = [r for r in regions if r.kind not in ground.PAINT_KINDS]
-    areas: dict[tuple[str, ...], shapely.Geometry] = {}
+    areas: dict[tuple[str, ...], BaseGeometry] = {}
     tree = shapely.STRtree([shapely.Polygon(r.polygon) for r in solid])
     for i, (box, prior) in enumerate(zip(boxes, priors, strict=True)):
         where = shapely.Point(*box.center[:2])
         if prior.stands_on and prior.on_ground:
             if prior.stands_on not in areas:
-                areas[prior.stands_on] = allowed_area(solid, prior.stands_on)  # type: ignore[arg-type]
+                areas[prior.stands_on] = allowed_area(solid, prior.stands_on)
             shift[i] = _pull(where, areas[prior.stands_on], box)
             where = shapely.Point(*(box.center[:2] + shift[i]))
         hits = tree.query(where, predicate="intersects")
@@ -46,7 +48,7 @@ def settle(
     return shift, floor
 
 
-def _pull(where: shapely.Point, area: shapely.Geometry, box: Box) -> np.ndarray:
+def _pull(where: shapely.Point, area: BaseGeometry, box: Box) -> np.ndarray:
     """(2,) m: the least move of the centre into an area, or none where that is farther than it can be off."""
     if area.is_empty or area.intersects(where):
         return np.zeros(2)
