@@ -126,11 +126,13 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
         variables = jax.tree.map(jnp.asarray, variables)
         learner = learner._replace(variables=variables, average=jax.tree.map(jnp.copy, variables))
         record["before"] = {name: x for name, x in before.items() if name != "score"}
-    step = make_step(model, views, arguments.batch)
-    learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
-    jax.block_until_ready(learner)
-    _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
-    learner, steps = _run(step, learner, key, arguments, record)
+    steps = 0
+    if arguments.minutes > 0:
+        step = make_step(model, views, arguments.batch)
+        learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
+        jax.block_until_ready(learner)
+        _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
+        learner, steps = _run(step, learner, key, arguments, record)
     record |= {"steps": steps, "frames": steps * arguments.batch, "minutes": arguments.minutes}
     variables = learner.average
     weights.save(arguments.out, variables, record)
@@ -179,7 +181,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--test", type=pathlib.Path, required=True, help="bank of streets to score on")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="weights to write")
     parser.add_argument("--init", type=pathlib.Path, help="weights to go on from; default: random ones")
-    parser.add_argument("--minutes", type=float, default=6.0, help="of training, without compiling and scoring")
+    parser.add_argument("--minutes", type=float, default=6.0, help="of training; 0 only scores --init")
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
     parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 32")
@@ -189,8 +191,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--test-batch", type=int, default=32)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args(argv)
-    if arguments.height % network.STRIDE or arguments.width % network.STRIDE or arguments.minutes <= 0:
-        parser.error(f"--height and --width must be multiples of {network.STRIDE}, --minutes above 0")
+    if arguments.height % network.STRIDE or arguments.width % network.STRIDE or arguments.minutes < 0:
+        parser.error(f"--height and --width must be multiples of {network.STRIDE}, --minutes 0 or more")
     return arguments
 
 
