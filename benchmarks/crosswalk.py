@@ -87,8 +87,8 @@ def people_coming(start: Any, waypoints: Any, first: float, last: float) -> beha
         aside = np.copysign(1.2, left)
         x, y = (far[0] - left * jnp.sin(far[2]), far[1] + left * jnp.cos(far[2]))
         to = (near[0] - aside * jnp.sin(near[2]), near[1] + aside * jnp.cos(near[2]))
-        one = [jnp.reshape(v, (1,)) for v in (x, y, *to)]
-        scripts.append(behaviours.go(*one, 1.1))
+        x, y, to_x, to_y = (jnp.reshape(v, (1,)) for v in (x, y, *to))
+        scripts.append(behaviours.go(x, y, to_x, to_y, 1.1))
     return behaviours.together(*scripts)
 
 
@@ -197,7 +197,7 @@ def main(argv: list[str] | None = None) -> int:
     driver = Driver(env, scene, row, first, last)
     key = jax.random.key(arguments.seed)
     nav = jax.jit(env.begin_at)(key, jnp.int32(scene), jnp.int32(row))
-    watcher = Watcher(*(driver.start[i] for i in (0, 1, 3)), jnp.array(True))
+    watcher = Watcher(driver.start[0], driver.start[1], driver.start[3], jnp.array(True))
     script = people_coming(driver.start, driver.waypoints, first, last)
     crowd = jax.jit(lambda k: driver.living.model.init(k, jnp.int32(scene), watcher, None, script))(key)
     nav, path = drive(env, driver, nav._replace(crowd=crowd), round(arguments.seconds / env.dt))

@@ -197,7 +197,7 @@ def test_nobody_appears_in_sight_or_upon_another() -> None:
 
 def test_places_within_reach_come_first_and_others_when_there_are_none() -> None:
     place = jnp.stack([jnp.arange(40.0), jnp.zeros(40)], -1)
-    watcher = spawning.Watcher(*(jnp.float32(0) for _ in range(3)), jnp.array(True))
+    watcher = NOBODY._replace(present=jnp.array(True))
     nobody = (jnp.zeros(1), jnp.zeros(1), jnp.zeros(1), jnp.zeros(1, bool))
 
     def chosen(places: jax.Array, hidden: bool, reach: float) -> set[float]:

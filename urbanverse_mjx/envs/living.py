@@ -103,7 +103,7 @@ class LivingStreet:
         self.kinds = slot_kinds(config)
         self.shapes = slot_shapes(self.kinds)
         self._dt, self._crowd_steps = ctrl_dt, max(1, round(ctrl_dt / _CROWD_DT))
-        tables = kept_tables(bank, scenes)
+        tables = kept_tables(bank, scenes.tolist())
         self._height, self._origin = tables.height, tables.origin
         self._robot_radius = robot.planner_radius
         seen = RobotBody(robot.planner_radius, config.yielding)
@@ -124,7 +124,7 @@ class LivingStreet:
         watcher = Watcher(start[0], start[1], start[3], jnp.array(True))
         number = self.model.num_agents
         share = jnp.clip(self._filled[scene] + jax.random.uniform(keys[0], (), minval=-0.15, maxval=0.15), 0.0, 1.0)
-        script: Script = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
+        script: Script | None = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
         return self.model.init(keys[2], scene, watcher, jnp.round(share * number).astype(jnp.int32), script)
 
     def advance(self, nav: NavState, root: int) -> tuple[Crowd, tuple[AgentMotion]]:

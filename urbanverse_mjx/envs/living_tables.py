@@ -32,7 +32,7 @@ class LivingTables(NamedTuple):
 
 def _parts() -> dict[str, tuple[type, Sequence[str]]]:
     """Name of each part of `CrowdTables`, its class and fields."""
-    rows = {f"flats/{name}": flats.Flats for name in kinds.SURFACES}
+    rows: dict[str, Any] = {f"flats/{name}": flats.Flats for name in kinds.SURFACES}
     rows |= {f"ways/{name}": goal_fields.Ways for name in goal_fields.RULES}
     rows["crossings"] = crossings.Crossings
     return {name: (cls, cls._fields) for name, cls in rows.items()}
@@ -67,7 +67,7 @@ def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
     path = settings.cache_dir("crowds", f"{digest.hexdigest()[:24]}.npz")
     try:
         with np.load(path) as file:
-            arrays = {name: file[name] for name in file.files}
+            arrays: dict[str, Any] = {name: file[name] for name in file.files}
     except (OSError, ValueError, KeyError):
         arrays = build_tables(bank, scenes)
         try:

@@ -245,7 +245,7 @@ class NavEnv:
         rewards = self._rewards(nav, new, velocity, hit)
         reward = sum(rewards.values(), jnp.float32(0.0))
         metrics = self._metrics(new, done_f, rewards)
-        if self.living is not None:
+        if self.living is not None and crowd is not None:
             metrics |= self.living.metrics(crowd, result, p_xy, velocity)
         return new, reward, done_f, metrics
 
