@@ -100,7 +100,9 @@ def test_the_shipped_gait_walks_towards_waypoints(small_bank: SceneBank) -> None
     first, yaw = walk([0.0, 0.0], 1)
     there, _ = walk([1.0, 0.0], 20)
     ahead = ((there - first) * np.stack([np.cos(yaw), np.sin(yaw)], 1)).sum(1)
-    np.testing.assert_allclose(ahead, 4.0, atol=0.6)
+    # 4 m less what getting going takes, and what stands in the way.
+    assert (ahead > 3.0).all()
+    assert (ahead < 4.3).all()
     _, before = walk([0.0, 0.0], 3)
     _, after = walk([0.0, 1.0], 10)
     turned = (after - before + np.pi) % (2 * np.pi) - np.pi

@@ -24,6 +24,8 @@ FAULTS = {
         "viz",
         "import urbanverse_mjx.training",
     ),
+    "distillation imports datatypes alone": ("distillation", "import urbanverse_mjx.assets"),
+    "capture imports datatypes and simulation alone": ("capture", "import urbanverse_mjx.envs"),
     "Brax stays in training": ("envs", "import brax"),
     "Warp stays in simulation": ("training", "import warp"),
     "what makes scenes needs no JAX": ("assets", "import jax"),
