@@ -2,7 +2,8 @@
 
 import dataclasses
 
-#: Label of the robot's own pixels in "object" and "category"; -1 is the sky.
+#: Labels in "object" and "category" of the sky and of the robot's own pixels.
+SKY_LABEL = -1
 ROBOT_LABEL = -2
 #: "object" of a moving agent; its "category" is that of its look.
 AGENT_LABEL = -3

@@ -17,13 +17,11 @@ from .. import settings as process
 from ..datatypes import AgentMotion, NounError, RobotSpec, SceneBank
 from ..precision import full_precision
 from .render_model import build_render_model
-from .render_settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, Settings
+from .render_settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Settings
 from .street_batch import StreetBatch, Streets
 from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
 
 __all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
-
-SKY_LABEL = -1
 
 
 def _draw(
