@@ -16,9 +16,10 @@ from .joystick_draws import Body, draw_body, draw_command, draw_noise, draw_push
 from .joystick_terms import CONTACT_FORCE, Motion, terms
 from .legs import Legs
 from .navigation import typed_key
+from .staged import StagedBase
 from .terms import to_body, to_world, yaw_of
 from .terrain_levels import TerrainLevels
-from .types import Result, State
+from .types import Result
 
 #: The world's up axis in the body's frame, below which a robot counts as fallen (72 degrees).
 _FALLEN = 0.3
@@ -70,7 +71,7 @@ class GaitState(NamedTuple):
     result: Any
 
 
-class JoystickEnv:
+class JoystickEnv(StagedBase):
     """Walks with the commanded velocity; every env on ground of its own kind and level.
 
     Observation (dict):
@@ -94,44 +95,13 @@ class JoystickEnv:
     # What users of Playground and Brax ask an environment.
 
     @property
-    def config(self) -> ConfigDict:
-        return self._config
-
-    @property
     def action_size(self) -> int:
         return self._legs.number
-
-    @property
-    def observation_size(self) -> dict[str, tuple[int, ...]]:
-        shapes = jax.eval_shape(self.reset, jax.random.key(0)).obs
-        return {name: tuple(x.shape) for name, x in shapes.items()}
-
-    @property
-    def dt(self) -> float:
-        """Control step (s)."""
-        return float(self._config.ctrl_dt)
-
-    @property
-    def sim_dt(self) -> float:
-        """Physics step (s)."""
-        return float(self._config.sim_dt)
-
-    @property
-    def n_substeps(self) -> int:
-        return round(self.dt / self.sim_dt)
 
     @property
     def mj_model(self) -> mujoco.MjModel:
         """The robot's own model, without ground."""
         return self._legs.model
-
-    @property
-    def backend(self) -> str:
-        return "mjx"
-
-    @property
-    def unwrapped(self) -> "JoystickEnv":
-        return self
 
     # The stages.
 
@@ -238,17 +208,6 @@ class JoystickEnv:
         return {"history": gait.history.reshape(-1), "privileged": self._privileged(gait)}
 
     # The environment as a whole.
-
-    def reset(self, key: jax.Array) -> State:
-        """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
-        gait = self.begin(key)
-        zero = jnp.float32(0.0)
-        return State(gait, self.observe(gait), zero, zero, self.zero_metrics(), self.info_of(gait))
-
-    def step(self, state: State, action: jax.Array) -> State:
-        """One control step without auto-reset."""
-        gait, reward, done, metrics = self.advance(state.data, action)
-        return State(gait, self.observe(gait), reward, done, metrics, self.info_of(gait))
 
     def info_of(self, gait: GaitState) -> dict[str, jax.Array]:
         """Where the env is and how its episode ended."""

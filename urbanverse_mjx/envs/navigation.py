@@ -15,8 +15,9 @@ from .living import PEOPLE_METRICS, LivingStreet
 from .randomization import Randomization
 from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
+from .staged import StagedBase
 from .surroundings import Surroundings
-from .types import NavState, Result, State
+from .types import NavState, Result
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _UPRIGHT = 0.5
@@ -44,7 +45,7 @@ def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
     return jnp.asarray(ends, jnp.float32)
 
 
-class NavEnv:
+class NavEnv(StagedBase):
     """Point-goal navigation of one robot, each env in its own scene of a bank.
 
     Observation (dict):
@@ -104,44 +105,13 @@ class NavEnv:
     # What users of Playground and Brax ask an environment.
 
     @property
-    def config(self) -> ConfigDict:
-        return self._config
-
-    @property
     def action_size(self) -> int:
         return 2 if self._joint_range is None else len(self._joint_range)
-
-    @property
-    def observation_size(self) -> dict[str, tuple[int, ...]]:
-        shapes = jax.eval_shape(self.reset, jax.random.key(0)).obs
-        return {name: tuple(x.shape) for name, x in shapes.items()}
-
-    @property
-    def dt(self) -> float:
-        """Control step (s)."""
-        return float(self._config.ctrl_dt)
-
-    @property
-    def sim_dt(self) -> float:
-        """Physics step (s)."""
-        return float(self._config.sim_dt)
-
-    @property
-    def n_substeps(self) -> int:
-        return round(self.dt / self.sim_dt)
 
     @property
     def mj_model(self) -> mujoco.MjModel:
         """The robot's own model, without scene."""
         return self._mj_model
-
-    @property
-    def backend(self) -> str:
-        return "mjx"
-
-    @property
-    def unwrapped(self) -> "NavEnv":
-        return self
 
     # The three stages.
 
@@ -279,17 +249,6 @@ class NavEnv:
         return obs
 
     # The environment as a whole.
-
-    def reset(self, key: jax.Array) -> State:
-        """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
-        nav = self.begin(key)
-        zero = jnp.float32(0.0)
-        return State(nav, self.observe(nav), zero, zero, self.zero_metrics(), self.info_of(nav))
-
-    def step(self, state: State, action: jax.Array) -> State:
-        """One control step without auto-reset."""
-        nav, reward, done, metrics = self.advance(state.data, action)
-        return State(nav, self.observe(nav), reward, done, metrics, self.info_of(nav))
 
     def info_of(self, nav: NavState) -> dict[str, jax.Array]:
         """Where the env is and how its episode ended."""

@@ -1,0 +1,62 @@
+"""`StagedBase`: what every environment of stages has alike, from its config and its stages."""
+
+from typing import Any, Self
+
+import jax
+import jax.numpy as jnp
+from ml_collections import ConfigDict
+
+from .types import State
+
+
+class StagedBase:
+    """Playground's interface over `begin`, `advance` and `observe`, which subclasses define (see `StagedEnv`)."""
+
+    _config: ConfigDict
+    begin: Any
+    advance: Any
+    observe: Any
+    zero_metrics: Any
+    info_of: Any
+
+    @property
+    def config(self) -> ConfigDict:
+        return self._config
+
+    @property
+    def observation_size(self) -> dict[str, tuple[int, ...]]:
+        shapes = jax.eval_shape(self.reset, jax.random.key(0)).obs
+        return {name: tuple(x.shape) for name, x in shapes.items()}
+
+    @property
+    def dt(self) -> float:
+        """Control step (s)."""
+        return float(self._config.ctrl_dt)
+
+    @property
+    def sim_dt(self) -> float:
+        """Physics step (s)."""
+        return float(self._config.sim_dt)
+
+    @property
+    def n_substeps(self) -> int:
+        return round(self.dt / self.sim_dt)
+
+    @property
+    def backend(self) -> str:
+        return "mjx"
+
+    @property
+    def unwrapped(self) -> Self:
+        return self
+
+    def reset(self, key: jax.Array) -> State:
+        """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
+        carried = self.begin(key)
+        zero = jnp.float32(0.0)
+        return State(carried, self.observe(carried), zero, zero, self.zero_metrics(), self.info_of(carried))
+
+    def step(self, state: State, action: jax.Array) -> State:
+        """One control step without auto-reset."""
+        carried, reward, done, metrics = self.advance(state.data, action)
+        return State(carried, self.observe(carried), reward, done, metrics, self.info_of(carried))
