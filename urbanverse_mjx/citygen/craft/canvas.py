@@ -188,6 +188,8 @@ class Canvas(Stage):
         """
         self.settle()
         if look is not None:
+            if not 0 <= look < len(self.sizes[label]):
+                raise NounError(f"{label}: found look {look}, needed one of 0 to {len(self.sizes[label]) - 1}.")
             size = self.sizes[label][look]
         return self.add(self.make(label, x, y, degrees, size, above))
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+import shapely.ops
 
 from ...datatypes import GraphObject
 from ...datatypes.ground import PAINT_KINDS
@@ -51,7 +52,7 @@ def is_house(stage: Stage, thing: GraphObject) -> bool:
 def _carried(stage: Stage, thing: GraphObject) -> bool:
     shape = passage.footprint(thing)
     spot = shape if is_house(stage, thing) else shape.centroid
-    return any(r.kind not in PAINT_KINDS and shapely.Polygon(r.polygon).intersects(spot) for r in stage.regions)
+    return stage.on_ground(spot)
 
 
 def _astride(stage: Stage, thing: GraphObject) -> bool:
@@ -84,8 +85,9 @@ def _blocked(
         if near < 0 or pieces[near].distance(point) > REACH:
             return [f"the tour's point ({x:g}, {y:g}) is more than {REACH:g} m from any free place"]
         homes.append(near)
-    return [
-        f"the tour is blocked between {tour[i]} and {tour[i + 1]}"
-        for i in range(len(homes) - 1)
-        if homes[i] != homes[i + 1]
-    ]
+    found = []
+    for i in (i for i in range(len(homes) - 1) if homes[i] != homes[i + 1]):
+        near, far = shapely.ops.nearest_points(pieces[homes[i]], pieces[homes[i + 1]])
+        where = f"where ({near.x:.1f}, {near.y:.1f}) and ({far.x:.1f}, {far.y:.1f}) do not meet"
+        found.append(f"the tour is blocked from {tour[i]} to {tour[i + 1]}, {where}")
+    return found

@@ -78,6 +78,11 @@ def disc(x: float, y: float, radius: float, corners: int = 16) -> list[Corner]:
     return [(x + radius * math.cos(turn * i), y + radius * math.sin(turn * i)) for i in range(corners)]
 
 
+def polar(middle: Corner, degrees: float, reach: float) -> Corner:
+    """The place `reach` metres from a middle in a direction, counter-clockwise from +x."""
+    return middle[0] + reach * math.cos(math.radians(degrees)), middle[1] + reach * math.sin(math.radians(degrees))
+
+
 def strip(points: Sequence[Corner], width: float) -> list[Corner]:
     """Corners of a band of a width (m) around a line of points, its ends cut square and its bends mitred."""
     band = shapely.LineString(points).buffer(width / 2, cap_style="flat", join_style="mitre")
