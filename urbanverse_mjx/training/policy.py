@@ -194,8 +194,8 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
     for part, mine, theirs in (("actor", needed[1], found[1]), ("critic", needed[2], found[2])):
         if (part == "actor" or theirs) and jax.tree.map(jnp.shape, mine) != jax.tree.map(jnp.shape, theirs):
             raise NounError(
-                f"--start-from: found {part} layers of other shapes in {path}, needed those that this preset makes; take "
-                "the preset, picture size and networks that the policy was trained with."
+                f"--start-from: found {part} layers of other shapes in {path}, needed those that this preset makes; "
+                "take the preset, picture size and networks that the policy was trained with."
             )
     return found
 
