@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets import looks, skies
+from urbanverse_mjx.assets.grounds import ground_records
 from urbanverse_mjx.assets.sky_maps import atmosphere, clouds, paint_sky, sky_records
 from urbanverse_mjx.assets.sky_maps.table import MOMENTS, WEATHERS, unit_to_sun
 from urbanverse_mjx.datatypes import NounError
