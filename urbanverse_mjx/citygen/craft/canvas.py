@@ -6,28 +6,22 @@ says what an eye would object to; `graph` makes the noun.
 """
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 
-import numpy as np
 import shapely
 
 from ...assets import looks
 from ...assets.ground_materials import build_material
 from ...datatypes import GraphObject, GroundRegion, NounError, SceneGraph, Source
 from ...datatypes.ground import PAINT_KINDS
-from .. import catalogue, passage
+from .. import catalogue
 from ..section import LOT_DEPTH, RAMP_HALF_WIDTH, RAMP_RUN
 from ..stage import JOINT, Stage
-from . import ground_layers, things
+from . import faults, ground_layers, things
 from .ground_layers import Corner, Layer
 
-#: Free width (m) that the tour must have: a robot of 0.45 m radius with 5 cm of air on each side.
-PASSAGE = 1.0
-#: m above the ground from which a thing hangs over heads and is in nobody's way.
-OVERHEAD = 1.9
-#: m², more than this two things may not share seen from above.
-TOUCH = 0.02
 EYE = 1.6  # m, height of the camera path over the ground
 
 #: Label, metres along an edge, metres from it, facing, and where it matters the look (row of the label's sizes).
@@ -75,6 +69,13 @@ def edge(start: Corner, end: Corner, side: int) -> Edge:
     return Edge(start, math.degrees(math.atan2(end[1] - start[1], end[0] - start[0])), side)
 
 
+def edges(points: Sequence[Corner], offset: float, side: int) -> list[Edge]:
+    """An edge beside each stretch of a bent line, `offset` metres to its left (side +1) or right (-1), mitred."""
+    line = shapely.LineString(points).offset_curve(side * offset, join_style="mitre", mitre_limit=10.0)
+    corners = [(round(x, 3), round(y, 3)) for x, y in line.coords]
+    return [edge(a, b, side) for a, b in itertools.pairwise(corners)]
+
+
 class Canvas(Stage):
     """Collects the ground and the things of one scene."""
 
@@ -84,6 +85,7 @@ class Canvas(Stage):
         super().__init__(scene_id, seed, things.SIZES)
         self._layers: list[Layer] = []
         self._paint: list[Layer] = []
+        self._cuts: list[ground_layers.Cut] = []
         self._worn: list[tuple[str | Corner, str]] = []
         self._sky: str | None = None
         #: (x, y) m, the walk through the scene: a robot must get from its first to its last point.
@@ -111,8 +113,14 @@ class Canvas(Stage):
         flare: float = 1.0,
     ) -> None:
         """A dropped kerb; see `ground_layers.dropped_kerb`."""
-        for layer in ground_layers.dropped_kerb(self._layers, name, foot, degrees, half_width, run, flare):
+        pieces, cuts = ground_layers.dropped_kerb(self._layers, name, foot, degrees, half_width, run, flare)
+        self._cuts += cuts
+        for layer in pieces:
             self._lay(layer)
+
+    def cut(self, name: str, start: Corner, end: Corner) -> None:
+        """Parts a piece of ground along a line right across it, so that no place has many prisms around it."""
+        self._cuts.append(ground_layers.Cut(name, start, end))
 
     def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:
         for layer in ground_layers.stairs(self._layers, name, foot, degrees, width, count):
@@ -141,7 +149,7 @@ class Canvas(Stage):
     def settle(self) -> None:
         """Turns what was laid into regions; the first thing put down does it too."""
         if not self.regions:
-            self.lay(ground_layers.tiles(self._layers))
+            self.lay(ground_layers.tiles(self._layers, self._cuts))
             self.lay(
                 GroundRegion(p.name, p.kind, tuple((x, y) for x, y in p.outline.exterior.coords[:-1]), p.plane)
                 for p in self._paint
@@ -219,68 +227,10 @@ class Canvas(Stage):
         far = d + LOT_DEPTH
         self.ground(name, kind, [line.at(s0, d), line.at(s1, d), line.at(s1, far), line.at(s0, far)], z)
 
-    # What an eye would object to.
-
-    def problems(self, passage_width: float = PASSAGE) -> list[str]:
-        """Sentences on things off the ground, in one another or half over a kerb, on gaps, and on a blocked tour."""
+    def problems(self, passage_width: float = faults.PASSAGE) -> list[str]:
+        """What an eye would object to, a sentence each; see `faults`."""
         self.settle()
-        solid = [r for r in self.regions if r.kind not in PAINT_KINDS]
-        found = ground_layers.seams(solid)
-        standing = [o for o in self.objects if passage.is_obstacle(o) and self._foot(o) < 0.3]
-        found += [f"{o.id} stands {self._foot(o):.2f} m off the ground" for o in standing if abs(self._foot(o)) > 2e-3]
-        found += [f"{o.id} stands beside the ground" for o in standing if not self._carried(o)]
-        found += [f"{o.id} stands half over a kerb" for o in standing if self._astride(o)]
-        found += self._touching(standing)
-        return found + self._blocked(standing, passage_width)
-
-    def _place(self, thing: GraphObject) -> shapely.Point:
-        return passage.footprint(thing).centroid
-
-    def _foot(self, thing: GraphObject) -> float:
-        """m, how far a thing's box begins above the ground."""
-        spot = self._place(thing)
-        return thing.center[2] - thing.size[2] / 2 - self.ground_height(spot.x, spot.y)
-
-    def _is_house(self, thing: GraphObject) -> bool:
-        return self.sizes[thing.label][0][0] >= 5.0 and thing.size[2] >= 3.2 and thing.size[1] >= 4.0
-
-    def _carried(self, thing: GraphObject) -> bool:
-        """Whether ground lies under a thing, or under a house's front."""
-        shape = passage.footprint(thing)
-        spot = shape if self._is_house(thing) else shape.centroid
-        return any(ring.intersects(spot) for ring, _ in self._planes)
-
-    def _astride(self, thing: GraphObject) -> bool:
-        if self._is_house(thing):
-            return False
-        corners = shapely.get_coordinates(passage.footprint(thing).exterior)[:-1]
-        heights = [self.ground_height(x, y) for x, y in corners]
-        return max(heights) - min(heights) > 0.035
-
-    def _touching(self, standing: Sequence[GraphObject]) -> list[str]:
-        shapes = np.array([passage.footprint(o) for o in standing], dtype=object)
-        found = []
-        for i, j in shapely.STRtree(shapes).query(shapes, predicate="intersects").T:
-            if i < j and shapes[i].intersection(shapes[j]).area > TOUCH:
-                share = shapes[i].intersection(shapes[j]).area
-                found.append(f"{standing[i].id} and {standing[j].id} share {share:.2f} m²")
-        return found
-
-    def _blocked(self, standing: Sequence[GraphObject], width: float) -> list[str]:
-        space = passage.free_space(self.regions, standing, width)
-        pieces = [p for p in shapely.get_parts(space) if isinstance(p, shapely.Polygon)]
-        homes = []
-        for x, y in self.tour:
-            point = shapely.Point(x, y)
-            near = min(range(len(pieces)), key=lambda k: pieces[k].distance(point), default=-1)
-            if near < 0 or pieces[near].distance(point) > 1.0:
-                return [f"the tour's point ({x:g}, {y:g}) is more than 1 m from any place where one can stand"]
-            homes.append(near)
-        return [
-            f"the tour is blocked between {self.tour[i]} and {self.tour[i + 1]}"
-            for i in range(len(homes) - 1)
-            if homes[i] != homes[i + 1]
-        ]
+        return faults.problems(self, self.tour, passage_width)
 
     # The noun.
 
@@ -308,7 +258,7 @@ class Canvas(Stage):
     def _camera_path(self) -> list[tuple[float, float, float, float]]:
         """The tour at eye level, a point every 5 m, looking the way it goes."""
         path = []
-        for a, b in zip(self.tour, self.tour[1:], strict=False):
+        for a, b in itertools.pairwise(self.tour):
             steps = max(1, round(math.dist(a, b) / 5.0))
             yaw = round(math.atan2(b[1] - a[1], b[0] - a[0]), 3)
             for i in range(steps):

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 import shapely
-import shapely.affinity
+import shapely.ops
 
 from ...datatypes import GroundRegion, NounError
 from ...datatypes.ground import height_at
@@ -84,8 +84,8 @@ def strip(points: Sequence[Corner], width: float) -> list[Corner]:
     return [(x, y) for x, y in band.exterior.coords[:-1]]
 
 
-def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
-    """Height (m) of what lies uppermost at a place.
+def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
+    """What lies uppermost at a place.
 
     Raises:
       NounError: nothing lies there.
@@ -93,18 +93,35 @@ def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
     point = shapely.Point(x, y)
     for layer in reversed(layers):
         if layer.outline.intersects(point):
-            return height_at(layer.plane, x, y)
+            return layer
     raise NounError(f"ground: found none at ({x:g}, {y:g}); needed some under it; lay it first.")
 
 
-def tiles(layers: Sequence[Layer]) -> list[GroundRegion]:
+def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
+    """Height (m) of what lies uppermost at a place."""
+    return height_at(layer_at(layers, x, y).plane, x, y)
+
+
+@dataclasses.dataclass(frozen=True)
+class Cut:
+    """A straight line (m) that parts what is visible of one layer: pieces that are convex need fewer prisms."""
+
+    layer: str
+    start: Corner
+    end: Corner
+
+
+def tiles(layers: Sequence[Layer], cuts: Sequence[Cut] = ()) -> list[GroundRegion]:
     """The visible part of every layer as regions, in the order of the layers."""
     covered: shapely.Geometry = shapely.Polygon()
     visible: list[tuple[Layer, list[shapely.Polygon]]] = []
     for layer in reversed(layers):
         rest = shapely.difference(layer.outline, covered, grid_size=GRID)
         parts = [p for p in shapely.get_parts(rest) if isinstance(p, shapely.Polygon) and p.area > CRUMB]
-        visible.append((layer, [q for p in parts for q in _without_holes(p)]))
+        parts = [q for p in parts for q in _without_holes(p)]
+        for cut in (c for c in cuts if c.layer == layer.name):
+            parts = [q for p in parts for q in _parted(p, cut)]
+        visible.append((layer, parts))
         covered = shapely.union(covered, layer.outline, grid_size=GRID)
     regions = []
     for layer, parts in reversed(visible):
@@ -126,6 +143,12 @@ def _without_holes(part: shapely.Polygon) -> list[shapely.Polygon]:
     return [r for q in pieces if isinstance(q, shapely.Polygon) and q.area > CRUMB for r in _without_holes(q)]
 
 
+def _parted(part: shapely.Polygon, cut: Cut) -> list[shapely.Polygon]:
+    pieces = shapely.get_parts(shapely.ops.split(part, shapely.LineString([cut.start, cut.end])))
+    on_grid = [q for p in pieces for q in shapely.get_parts(shapely.set_precision(p, GRID))]
+    return [q for q in on_grid if isinstance(q, shapely.Polygon) and q.area > CRUMB]
+
+
 def _ring(part: shapely.Polygon) -> tuple[Corner, ...]:
     corners = [(round(x, 3), round(y, 3)) for x, y in shapely.normalize(part).exterior.coords[:-1]]
     return tuple(corners)
@@ -133,8 +156,8 @@ def _ring(part: shapely.Polygon) -> tuple[Corner, ...]:
 
 def dropped_kerb(
     layers: Sequence[Layer], name: str, foot: Corner, degrees: float, half_width: float, run: float, flare: float
-) -> list[Layer]:
-    """A ramp from the road up to the pavement and its two flares.
+) -> tuple[list[Layer], list[Cut]]:
+    """A ramp from the road up to the pavement and its two flares, and the cuts that part the pavement beside it.
 
     Args:
       foot: on the kerb, middle of the ramp's lower edge. degrees: uphill, counter-clockwise from +x.
@@ -160,7 +183,9 @@ def dropped_kerb(
         tilt = plane_through([(*outer, high), (*inner, low), (*top, high)])
         ring = outline([outer, inner, top])
         found.append(Layer(f"{name}_flare_{'a' if side < 0 else 'b'}", "sidewalk", ring, tilt))
-    return found
+    behind = layer_at(layers, *at(0.0, run + 0.05)).name
+    sides = [Cut(behind, at(side * half_width, run - 0.2), at(side * half_width, run + 30.0)) for side in (-1, 1)]
+    return found, sides
 
 
 def stairs(
