@@ -12,8 +12,8 @@ from .. import passage
 from ..stage import Stage
 from . import ground_layers
 
-#: Free width (m) that a tour must have: a robot of 0.45 m radius with 5 cm of air on each side.
-PASSAGE = 1.0
+#: Free width (m) that a tour must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
+PASSAGE = 1.2
 #: m over the ground up to which a thing's foot counts as meant to stand on it.
 NEAR = 0.3
 #: m², more than this two things may not share seen from above.
