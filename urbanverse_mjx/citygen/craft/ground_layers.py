@@ -223,7 +223,7 @@ def seams(regions: Sequence[GroundRegion]) -> list[str]:
     whole = shapely.union_all(shapes, grid_size=GRID)
     for part in shapely.get_parts(whole):
         for hole in part.interiors:
-            if shapely.Polygon(hole).area < 0.5:
+            if 5 * CRUMB < shapely.Polygon(hole).area < 0.5:
                 x, y = hole.centroid.x, hole.centroid.y
                 found.append(f"a slit of {shapely.Polygon(hole).area:.4f} m² at ({x:.2f}, {y:.2f})")
     return found

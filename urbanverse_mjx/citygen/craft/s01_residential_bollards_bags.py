@@ -24,7 +24,7 @@ LEFT = (
     ("garbage bag", 4.1, 2.95, 80.0, 0),
     ("garbage bag", 3.7, 2.1, 140.0, 0),
     ("storage box", 4.9, 2.9, 10.0, 1),
-    ("trash bin", 7.2, 2.85, "street", 1),
+    ("trash bin", 7.2, 2.85, "street", 3),
     ("trash bin", 8.0, 2.9, "street", 0),
     ("garbage bag", 8.9, 2.78, 90.0, 1),
     ("pedestrian adult", 6.4, 0.75, "-", 0),
@@ -40,22 +40,22 @@ LEFT = (
     ("parcels", 30.2, 2.95, -20.0, 0),
     ("lamp", 28.0, 2.2, 30.0, 1),
     ("cat", 29.6, 2.25, -60.0, 1),
-    ("trash bin", 33.0, 2.85, "street", 1),
+    ("trash bin", 33.0, 2.85, "street", 3),
     ("garbage bag", 34.15, 2.8, 90.0, 2),
-    ("garbage bag", 33.4, 2.05, 0.0, 0),
+    ("garbage bag", 32.0, 2.8, 0.0, 0),
     ("elderly person", 35.6, 0.8, "+", 1),
     ("shopping cart", 36.6, 0.85, "+", 2),
     ("street cabinet", 43.2, 3.0, "street", 3),
     ("garbage bag", 44.6, 2.85, 33.0, 1),
-    ("garbage bag", 45.6, 2.9, 150.0, 2),
-    ("trash bin", 46.6, 2.9, "street", 0),
+    ("garbage bag", 45.75, 2.9, 150.0, 2),
+    ("trash bin", 46.75, 2.9, "street", 0),
     ("pedestrian adult", 49.0, 0.9, 200.0, 2),
     ("pedestrian adult", 48.1, 0.8, 20.0, 3),
 )
 
 LEFT_FAR = (
     ("garbage bag", 3.4, 2.9, 70.0, 1),
-    ("trash bin", 4.4, 2.9, "street", 1),
+    ("trash bin", 4.4, 2.9, "street", 3),
     ("garbage bag", 4.6, 2.15, 15.0, 0),
     ("stroller", 7.6, 1.15, "+", 0),
     ("pedestrian adult", 6.7, 1.1, "+", 4),
@@ -79,7 +79,7 @@ RIGHT = (
     ("garbage bag", 4.2, 2.55, 30.0, 1),
     ("garbage bag", 5.25, 2.65, 70.0, 2),
     ("garbage bag", 4.7, 1.95, 10.0, 0),
-    ("trash bin", 6.0, 2.75, "street", 1),
+    ("trash bin", 6.0, 2.75, "street", 3),
     ("bicycle", 8.7, 2.75, "+", 2),
     ("pedestrian adult", 11.2, 1.35, "+", 1),
     ("garbage bag", 13.4, 2.55, 0.0, 1),
@@ -95,7 +95,7 @@ RIGHT = (
     ("bench", 34.2, 2.7, "street", 3),
     ("elderly person", 36.9, 0.85, 80.0, 1),
     ("plant pot", 36.0, 2.8, "street", 0),
-    ("trash bin", 40.2, 2.75, "street", 1),
+    ("trash bin", 40.2, 2.75, "street", 3),
     ("garbage bag", 41.0, 2.8, 130.0, 0),
     ("garbage bag", 41.6, 2.05, 0.0, 0),
     ("garbage bag", 42.3, 2.6, 15.0, 2),
@@ -119,7 +119,7 @@ RIGHT_FAR = (
     ("cushion", 15.3, 2.45, 40.0, 0),
     ("garbage bag", 16.3, 2.6, 35.0, 2),
     ("handcart", 18.9, 2.6, "-", 2),
-    ("trash bin", 21.4, 2.75, "street", 1),
+    ("trash bin", 21.4, 2.75, "street", 3),
     ("garbage bag", 22.2, 2.6, 75.0, 1),
     ("garbage bag", 23.25, 2.65, 20.0, 2),
     ("maintenance worker", 16.2, -1.2, 120.0, 1),
@@ -143,7 +143,7 @@ ON_ROAD = (
 ON_ROAD_FAR = (
     ("garbage truck", 9.6, -1.75, "+", 2),
     ("maintenance worker", 4.0, -1.3, "+", 0),
-    ("trash bin", 3.1, -0.8, "+", 1),
+    ("trash bin", 3.1, -0.8, "+", 3),
     ("car", 19.6, -1.1, "+", 1),
     ("electric car", 25.4, -1.15, "+", 0),
 )
@@ -227,9 +227,9 @@ def _lay(street: Canvas) -> None:
     street.ground("lots_circle", "sidewalk", disc(*CIRCLE, 11.4, 16), KERB)
     street.ground("lots_start", "sidewalk", rectangle(-12.0, -18.0, 0.0, 18.0), KERB)
     near, near_far = edges(MIDDLE, HALF + WALK_LEFT, 1)
-    far, far_far = edges(MIDDLE, HALF + FRONT_LEFT, 1)
+    far, far_far = edges(MIDDLE, HALF + FRONT_LEFT + 2.4, 1)
     band = [near.at(7.5, 0.0), near_far.start, near_far.at(35.0, 0.0)]
-    street.ground("gardens", "ground", [*band, far_far.at(35.2, 0.0), far_far.start, far.at(7.5, 0.0)], KERB)
+    street.ground("gardens", "ground", [*band, far_far.at(35.9, 0.0), far_far.start, far.at(7.5, 0.0)], KERB)
     street.ground("road", "road", strip(MIDDLE, 2 * HALF))
     street.ground("circle", "road", disc(*CIRCLE, 6.0, 16))
     street.ground("cross_road", "road", rectangle(-5.5, -18.0, 0.0, 18.0))

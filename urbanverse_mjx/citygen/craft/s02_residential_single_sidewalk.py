@@ -22,7 +22,7 @@ WALL = (
     ("chair", 6.2, 250.0, 2),
     ("table", 7.2, "street", 1),
     ("plant pot", 9.6, "street", 0),
-    ("trash bin", 11.4, "street", 1),
+    ("trash bin", 11.4, "street", 3),
     ("garbage bag", 12.2, 40.0, 0),
     ("storage box", 14.6, "street", 0),
     ("storage box", 15.4, "street", 1),
@@ -58,7 +58,7 @@ WALL_FAR = (
     ("plant pot", 20.6, "street", 3),
     ("tricycle", 22.9, "+", 0),
     ("skateboard", 24.0, "+", 0),
-    ("trash bin", 26.4, "street", 1),
+    ("trash bin", 26.4, "street", 3),
     ("garbage bag", 27.2, 0.0, 0),
     ("bicycle", 30.0, "+", 2),
     ("ladder", 32.6, "street", 0),
@@ -135,7 +135,7 @@ DOORS = (
     ("bicycle", 40.6, "+", 2),
     ("plant pot", 42.2, "street", 0),
     ("garbage bag", 44.0, 10.0, 2),
-    ("trash bin", 45.0, "street", 1),
+    ("trash bin", 45.0, "street", 3),
 )
 
 DOORS_FAR = (

@@ -18,8 +18,8 @@ HEDGE = (0.75, 2.28, 1.18)
 HOUSES_LEFT = (((5.0, 0), (15.6, 1), (25.6, 3)), ((8.4, 0), (19.6, 2), (29.6, 1)), ((5.0, 3), (16.4, 0), (27.6, 1)))
 HOUSES_RIGHT = (((5.4, 1), (17.4, 0), (29.0, 3)), ((4.6, 0), (15.6, 1), (26.0, 2)), ((8.6, 1), (19.4, 3), (28.6, 0)))
 #: Drives: s of their middle.
-DRIVES_LEFT = ((10.4,), (14.2, 25.2), (10.8,))
-DRIVES_RIGHT = ((23.4,), (10.2,), (13.9,))
+DRIVES_LEFT = ((10.4,), (14.4, 24.2), (10.5,))
+DRIVES_RIGHT = ((23.4,), (10.1,), (14.1,))
 
 #: On the verges: label, s, d, facing, look. Trees stand apart.
 VERGE_LEFT = (
@@ -94,7 +94,7 @@ GARDENS_LEFT = (
     (
         ("flower", 5.4, 7.9, 0.0, 1),
         ("flower", 6.6, 8.0, 30.0, 2),
-        ("shrub", 9.6, 8.0, 0.0, 2),
+        ("shrub", 9.6, 7.8, 0.0, 2),
         ("lawn mower", 10.0, 5.4, 30.0, 0),
         ("gardener", 8.8, 4.7, 30.0, 1),
         ("trampoline", 19.2, 6.3, 0.0, 0),
@@ -110,7 +110,7 @@ GARDENS_LEFT = (
         ("flower", 3.4, 8.0, 0.0, 3),
         ("flower", 6.2, 8.0, 60.0, 0),
         ("rock", 4.6, 6.0, 20.0, 2),
-        ("rock", 5.6, 5.6, 80.0, 0),
+        ("rock", 5.7, 5.3, 80.0, 0),
         ("tree", 7.4, 6.2, 10.0, 3),
         ("bench", 16.2, 7.6, "street", 0),
         ("flower", 14.4, 8.0, 0.0, 1),
@@ -125,7 +125,7 @@ GARDENS_LEFT = (
 GARDENS_RIGHT = (
     (
         ("shrub", 3.4, 7.8, 0.0, 0),
-        ("shrub", 5.0, 7.9, 20.0, 2),
+        ("shrub", 5.0, 7.7, 0.0, 2),
         ("tricycle", 7.2, 5.0, 160.0, 0),
         ("pedestrian child", 8.4, 5.2, 200.0, 3),
         ("potted plant", 15.4, 8.2, "street", 1),
@@ -154,8 +154,8 @@ GARDENS_RIGHT = (
     (
         ("shrub", 6.6, 7.9, 0.0, 2),
         ("flower", 9.6, 8.0, 0.0, 0),
-        ("basketball", 13.2, 5.4, 0.0, 0),
-        ("pedestrian child", 14.4, 6.4, 240.0, 1),
+        ("basketball", 17.0, 4.6, 0.0, 0),
+        ("pedestrian child", 18.0, 5.4, 240.0, 1),
         ("tree", 24.0, 6.4, 0.0, 4),
         ("ladder", 20.2, 8.0, "street", 1),
         ("maintenance worker", 21.2, 7.2, 60.0, 1),
@@ -170,7 +170,7 @@ GARDENS_RIGHT = (
 #: On the pavements, between 1.6 and 3.6 from the kerb.
 PEOPLE_LEFT = (
     (("jogger", 19.0, 2.1, "+", 0), ("pedestrian adult", 29.4, 2.0, "-", 0), ("stroller", 30.6, 2.0, "-", 1)),
-    (("dog", 4.2, 2.1, "+", 0), ("pedestrian adult", 3.0, 2.1, "+", 1), ("roller skater", 24.6, 3.1, "-", 1)),
+    (("dog", 4.2, 2.1, "+", 0), ("pedestrian adult", 3.0, 2.1, "+", 1), ("roller skater", 28.6, 3.0, "-", 1)),
     (("pedestrian adult", 12.6, 2.1, "+", 5), ("dog", 13.8, 2.0, "+", 2), ("pedestrian child", 20.0, 3.1, "-", 0)),
 )
 PEOPLE_RIGHT = (
@@ -211,7 +211,9 @@ def build() -> Canvas:
                 depth = street.sizes["house"][look][0]
                 street.put("house", *line.at(s, FRONT + depth / 2), line.facing("street"), look)
             for s, (label, look, turn) in zip(of_drives, of_cars, strict=True):
-                street.put(label, *line.at(s, 6.3), line.facing("street") + turn, look)
+                street.put(
+                    label, *line.at(s, 5.7 if label == "pickup truck" else 6.05), line.facing("street") + turn, look
+                )
     for lines, *tables in (
         (left, VERGE_LEFT, GARDENS_LEFT, PEOPLE_LEFT),
         (right, VERGE_RIGHT, GARDENS_RIGHT, PEOPLE_RIGHT),
@@ -256,20 +258,21 @@ def _lay(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
 
 def _hedges(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
     """Hedges and fences between the gardens, and fences that close the gaps between the houses."""
-    back = FRONT + 1.6
-    for line, places in ((left[0], (20.6,)), (left[1], (14.4, 25.2)), (left[2], (10.8, 22.0))):
-        for s in places:
-            street.put("fence", *line.at(s, back), line.facing("street"), size=(0.1, 2.6, 1.8))
-    for line, places in ((right[0], (11.4, 23.2)), (right[1], (10.2, 20.9)), (right[2], (14.0, 24.1))):
-        for s in places:
-            street.put("fence", *line.at(s, back), line.facing("street"), size=(0.1, 2.6, 1.8))
+    gaps_left = (((10.34, 1.7), (20.75, 1.45), (30.9, 2.0)), ((2.9, 1.6), (14.48, 3.1), (24.16, 2.0)))
+    gaps_left += (((10.54, 2.75), (22.03, 2.3)),)
+    gaps_right = (((11.36, 3.1), (23.36, 2.95), (33.9, 1.4)), ((10.13, 2.1), (21.24, 2.45), (30.9, 2.6)))
+    gaps_right += (((2.7, 2.6), (14.12, 2.2)),)
+    for lines, gaps in ((left, gaps_left), (right, gaps_right)):
+        for line, of_line in zip(lines, gaps, strict=True):
+            for s, width in of_line:
+                street.put("fence", *line.at(s, FRONT + 1.6), line.facing("street"), size=(0.1, width, 1.8))
     for line, places in ((left[0], (0.4, 20.8)), (left[1], (1.6,)), (left[2], (21.9,)), (right[0], (0.6,))):
         for s in places:
-            street.put("shrub", *line.at(s, 7.0), line.facing("+"), size=HEDGE)
-            street.put("shrub", *line.at(s, 4.85), line.facing("+"), size=HEDGE)
-    for line, places in ((right[1], (10.0 + 11.0,)), (right[2], (1.6, 24.2))):
+            street.put("shrub", *line.at(s, 7.14), line.facing("+"), size=HEDGE)
+            street.put("shrub", *line.at(s, 4.83), line.facing("+"), size=HEDGE)
+    for line, places in ((right[2], (1.6,)),):
         for s in places:
-            street.put("shrub", *line.at(s, 7.0), line.facing("+"), size=HEDGE)
+            street.put("shrub", *line.at(s, 7.14), line.facing("+"), size=HEDGE)
 
 
 def _ends(street: Canvas) -> None:
