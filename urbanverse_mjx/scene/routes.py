@@ -24,7 +24,7 @@ def routes_json(scene_id: str, space: FreeSpace, size: RobotSize, episodes: Epis
         rows = np.flatnonzero(numbers == g)
         row = rows[episodes.length[rows].argmax()]
         field = GoalField(space, _coarse(space, goal[:2]))
-        path = field.path(_coarse(space, episodes.start[row, :2]))
+        (path,) = field.paths(_coarse(space, episodes.start[row, :2])[None])
         routes.append(_route(f"{scene_id}_{g:02d}", space, size, path))
     return {
         "format": FORMAT,
