@@ -3,11 +3,13 @@
 import math
 import random
 
+import numpy as np
+
+from ...assets import looks
 from ...datatypes import GroundRegion, SceneGraph, Source
-from .. import section
 from . import fronts, groups, stock
 from .filling import ENDS, Filler
-from .ground import BAY, CROSSWALK_HALF, END_RAMP, LOT, Plan, SideStreet, ground
+from .ground import BAY, CROSSWALK_HALF, END_RAMP, Plan, SideStreet, ground
 from .line import StreetLine
 from .profile import CityProfile
 
@@ -15,7 +17,7 @@ LENGTH = 200.0
 #: Grows whenever the same profile and seed would give another block.
 VERSION = "1"
 #: m of a tour's camera above the ground, and along the way between its points.
-EYE, STRIDE = 1.55, 2.0
+EYE, STRIDE = 1.55, 2.4
 #: m from bends, crosswalks and ends where no crosswalk or side street begins.
 _CLEAR = 4.5
 _SMALL = frozenset({"motorcycle", "scooter", "bicycle"})
@@ -40,7 +42,7 @@ def block(profile: CityProfile, seed: int, name: str | None = None, length: floa
     _furnish(filler)
     fronts.hang(filler)
     regions = [_dressed(r, profile, rng_of(profile, seed, "ground")) for r in [*ground(plan), *_paint(plan)]]
-    sky = stock.sky_look(stock.pick(profile.skies, rng_of(profile, seed, "sky")))
+    sky = looks.own_sky_descriptor(stock.pick(profile.skies, rng_of(profile, seed, "sky")))
     source = Source(f"synthetic block after {profile.city}", "Apache-2.0", profile.city, profile.country)
     return SceneGraph(name or profile.name, source, tuple(filler.objects), tuple(regions), sky, _tour(filler))
 
@@ -235,14 +237,15 @@ def _tour(filler: Filler) -> tuple[tuple[float, float, float, float], ...]:
     drives = plan.profile.way == "drive"
     sides = (-1, 1) if drives or len(filler.sides()) == 2 else (filler.sides()[0],) * 2
     with_street = -1 if plan.profile.drives == "right" or not drives else 1
-    for side, back in zip((with_street, -with_street) if len(set(sides)) == 2 else sides, (False, True), strict=True):
-        lane = dict(filler.lanes.get(side, []))
-        s = STRIDE
-        run = []
-        while s < length - 1.0:
-            v = -plan.half / 2 if drives else lane.get(s, plan.width(side) / 2)
-            run.append((s, side, v))
-            s += STRIDE
+    order = (with_street, -with_street) if len(set(sides)) == 2 else sides
+    for side, back in zip(order, (False, True), strict=True):
+        at, v = np.array(filler.lanes.get(side) or [(0.0, plan.width(side) / 2)]).T
+        s = np.arange(STRIDE, length - 1.0, STRIDE)
+        # A car keeps to the middle of the road, where no other one drives.
+        run = [
+            (float(a), side, 0.3 - plan.half if drives else float(b))
+            for a, b in zip(s, np.interp(s, at, v), strict=True)
+        ]
         ways += run[::-1] if back else run
     points = []
     for k, (s, side, v) in enumerate(ways):
@@ -251,6 +254,3 @@ def _tour(filler: Filler) -> tuple[tuple[float, float, float, float], ...]:
         z = (0.0 if drives else plan.profile.kerb) + EYE
         points.append((round(x, 3), round(y, 3), z, round(math.remainder(filler.line.yaw(s) + ahead, math.tau), 4)))
     return tuple(points)
-
-
-__all__ = ["LENGTH", "LOT", "block", "section"]

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 
 from ...datatypes import GraphObject
-from .. import catalogue
-from ..passage import heading
+from .. import catalogue, passage
 from . import stock
 from .ground import CROSSWALK_HALF, END_RAMP, Plan
 from .line import Point
@@ -126,24 +124,25 @@ class Filler:
             lane.
         """
         x, y = self.at(s, side, v)
-        yaw = heading(self.degrees(facing, side, s))
+        yaw = passage.heading(self.degrees(facing, side, s))
         along, _, up = item.size
-        z = (foot or 0.0) + self.level(side, s, v) + up / 2
         stem = catalogue.STEMS.get(item.label)
-        shape = _footprint(x, y, yaw, item, stem)
-        if not free and not self._fits(shape, lane):
-            return False
         if stem:
             ahead = stem.offset * along / 2
             x, y = x - ahead * math.cos(yaw), y - ahead * math.sin(yaw)
-        if foot is None and item.label not in catalogue.FLAT:
-            self._shapes.append(shape)
-            self._bounds.append(shape.bounds)
+        z = (foot or 0.0) + self.level(side, s, v) + up / 2
         number = self._counts.get(item.label, 0)
-        self._counts[item.label] = number + 1
         name = f"{item.label.replace(' ', '_')}_{number:02d}"
         center = (round(x, 3), round(y, 3), round(z, 4))
-        self.objects.append(GraphObject(name, item.label, center, item.size, yaw, 1.0, item.descriptor))
+        thing = GraphObject(name, item.label, center, item.size, yaw, 1.0, item.descriptor)
+        shape = passage.footprint(thing)
+        if not free and not self._fits(shape, lane):
+            return False
+        if foot is None and passage.is_obstacle(thing):
+            self._shapes.append(shape)
+            self._bounds.append(shape.bounds)
+        self._counts[item.label] = number + 1
+        self.objects.append(thing)
         return True
 
     def _fits(self, shape: BaseGeometry, lane: bool) -> bool:
@@ -201,10 +200,3 @@ class Filler:
     def sides(self) -> Sequence[int]:
         """The sides that one walks on."""
         return tuple(self.lanes)
-
-
-def _footprint(x: float, y: float, yaw: float, item: stock.Item, stem: catalogue.Stem | None) -> BaseGeometry:
-    """The rectangle (m) taken at walking height, the stem in its middle where there is one."""
-    along, across = (stem.side, stem.side) if stem else item.size[:2]
-    box = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
-    return affinity.translate(affinity.rotate(box, yaw, origin=(0, 0), use_radians=True), x, y)

@@ -15,6 +15,7 @@ from ...assets.index import load_index
 from ...assets.search import library
 from ...assets.tints import is_free
 from ...datatypes import NounError
+from ...datatypes import validation as v
 from .profile import Mix
 
 #: Growths of trees: base shapes of the leaf "tree", in the order of the index.
@@ -100,7 +101,6 @@ def draw(name: str, rng: random.Random, near: tuple[float | None, float | None, 
     return Item(leaf, size, tuple(int(x) for x in rows.looks[row]))  # type: ignore[arg-type]
 
 
-@functools.cache
 def ground_look(kind: str, material: str) -> tuple[int, ...]:
     """Descriptor of a ground material by name.
 
@@ -108,19 +108,9 @@ def ground_look(kind: str, material: str) -> tuple[int, ...]:
       NounError: no material of this kind has the name.
     """
     if kind in ("road", "sidewalk"):
-        return looks.ground_descriptor(
-            looks.library(kind).load_thumbnails([f"{kind}/{material}"])[f"{kind}/{material}"]
-        )
-    if material not in material_ids(kind):
-        raise NounError(f"{kind}: found {material!r}, needed one of {', '.join(material_ids(kind))}.")
+        return looks.own_ground_descriptor(f"{kind}/{material}")
+    v.choice(material, f"material of {kind!r}", material_ids(kind))
     return looks.ground_descriptor(build_material(material).texture)
-
-
-@functools.cache
-def sky_look(name: str) -> tuple[int, ...]:
-    """Descriptor of a sky by name."""
-    rows = looks.SKY_THUMBNAIL[0] // 4, looks.SKY_THUMBNAIL[0] // 2  # what a street camera sees, as `rank_skies` has it
-    return looks.sky_descriptor(looks.library("sky").load_thumbnails([name])[name][slice(*rows)])
 
 
 def around(value: float, spread: float, rng: random.Random) -> float:
