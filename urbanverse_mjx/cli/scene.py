@@ -119,7 +119,7 @@ def compile_graph(
 
     index = load_index()
     materialised = materialise(scene, index, seed, cousin, skip_unknown)
-    return materialised, compile_scene(materialised.layout, index, out, make_driver())
+    return materialised, compile_scene(materialised.layout, index, out, make_driver(), place=scene.source)
 
 
 def make_driver() -> "Driver":

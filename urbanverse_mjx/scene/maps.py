@@ -1,7 +1,7 @@
-"""The 5 cm map of a scene: ground height, kind and free height."""
+"""The 5 cm map of a scene: ground height, kind, free height, and how high things reach."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -55,13 +55,31 @@ def with_clearance(
     Below a hull the height of its lowest corner counts, and every cell that its footprint touches is below it.
     """
     clearance = scene_map.clearance.copy()
-    for corners, rotation, position in zip(hulls, rotations, positions, strict=True):
-        world = corners @ rotation.T + position
-        outline = shapely.MultiPoint(world[:, :2]).convex_hull.buffer(RESOLUTION * np.sqrt(0.5), quad_segs=2)
-        i, j = raster(np.array(outline.exterior.coords[:-1]), scene_map.origin, clearance.shape)
+    for i, j, low, high in _footprints(scene_map, hulls, rotations, positions):
         ground = scene_map.height[i, j]
-        low, high = world[:, 2].min(), world[:, 2].max()
         above = np.where(high > ground, np.maximum(low - ground, 0.0), FREE)
         above = np.where(above < CEILING, above, FREE)
         clearance[i, j] = np.fmin(clearance[i, j], above)
     return dataclasses.replace(scene_map, clearance=clearance)
+
+
+def tops(scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """(X, Y) float32 m: height of the highest thing in each cell, ground included, NaN where there is nothing.
+
+    Of a hull the height of its highest corner counts, as of its lowest in `with_clearance`.
+    """
+    top = scene_map.height.copy()
+    for i, j, _, high in _footprints(scene_map, hulls, rotations, positions):
+        top[i, j] = np.fmax(top[i, j], np.float32(high))
+    return top
+
+
+def _footprints(
+    scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray, float, float]]:
+    """Of each hull (n, 3) at T_world_hull the cells (i, j) that it touches from above, its lowest and highest z, m."""
+    for corners, rotation, position in zip(hulls, rotations, positions, strict=True):
+        world = corners @ rotation.T + position
+        outline = shapely.MultiPoint(world[:, :2]).convex_hull.buffer(RESOLUTION * np.sqrt(0.5), quad_segs=2)
+        i, j = raster(np.array(outline.exterior.coords[:-1]), scene_map.origin, scene_map.kind.shape)
+        yield i, j, world[:, 2].min(), world[:, 2].max()

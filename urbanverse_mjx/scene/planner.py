@@ -1,21 +1,31 @@
-"""Where a robot can go, and the shortest ways there: fields on a 20 cm grid, paths pulled taut on the 5 cm map."""
+"""Where a robot can go, and the shortest ways there: fields on a coarse grid, paths pulled taut on the 5 cm map.
+
+Two price lists: `WALK`, by which our episodes keep to pavements and never meet a kerb (a free straight line is then
+always best), and `NAVBENCH`, by which CraftBench-Nav's robots climb kerbs and cross roads where that is worth it.
+"""
 
 import dataclasses
+import itertools
 import math
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
-from ..datatypes.ground import GROUND_KINDS, traversable
+from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from .geometry import SceneMap
 
-#: Cells of the 5 cm map along a side of a planning cell: 20 cm (issue 2, item 6).
+#: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm (issue 2, item 6).
 POOL = 4
 #: Cost per metre by kind; near things up to 1.0 more within 0.5 m (facts/reference_systems.md b.2).
 KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
 NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
+#: A step (m) between neighbouring cells from which on it counts as a kerb (same source).
+KERB = 0.03
+#: Road at most this far (m) from painted stripes on two sides is part of the crosswalk (same source).
+_STRIPES = 0.6
 #: Further passes that shorten a path, an even number: each turns it round.
 _PULLS = 2
 
@@ -38,19 +48,52 @@ class RobotSize:
 
 
 @dataclasses.dataclass(frozen=True)
+class PriceList:
+    """What a way costs and on how coarse a grid it is looked for.
+
+    Attributes:
+      kinds: price of a metre by kind of ground; other kinds are never entered.
+      pool: cells of the map along a side of a planning cell.
+      kerb: m of sidewalk that climbing one kerb is worth. Above 0 a straight line is taken only where it is no dearer
+        than the way it replaces.
+    """
+
+    kinds: Mapping[str, float]
+    pool: int = POOL
+    kerb: float = 0.0
+
+
+WALK = PriceList(KIND_COST)
+#: CraftBench-Nav: 10 cm cells, roads at six times a sidewalk's price, 5 m for a kerb.
+NAVBENCH = PriceList({**KIND_COST, "road": 6.0, "road_marking": 6.0}, pool=2, kerb=5.0)
+
+#: CraftBench-Nav's robots: radius, height, and the step they climb.
+ROBOTS: dict[str, RobotSize] = {
+    "delivery": RobotSize(0.35, margin=0.0, height=1.0, step=0.22),
+    "quadruped": RobotSize(0.35, margin=0.0, height=0.5, step=0.25),
+    "wheelchair": RobotSize(0.45, margin=0.0, height=1.4, step=0.05),
+}
+
+
+@dataclasses.dataclass(frozen=True)
 class FreeSpace:
     """The 5 cm map as a robot sees it.
 
     Attributes:
       map: what it was made from.
       distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken off.
-      free: (X, Y) bool, its centre may be there. cost: (X // 4, Y // 4) per metre, -1 = not passable.
+      free: (X, Y) bool, its centre may be there.
+      cost: (X // pool, Y // pool) per metre, -1 = not passable.
+      pool: cells of the map along a side of a planning cell.
+      price: (X, Y) per metre where straight lines are weighed, else None: the free ones are best.
     """
 
     map: SceneMap
     distance: np.ndarray
     free: np.ndarray
     cost: np.ndarray
+    pool: int = POOL
+    price: np.ndarray | None = None
 
     def cell(self, xy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(i, j) of points (..., 2), clipped to the map."""
@@ -60,27 +103,66 @@ class FreeSpace:
 
     def coarse_center(self, cells: np.ndarray) -> np.ndarray:
         """(n, 2) centres, m, of planning cells (n, 2)."""
-        return self.map.origin + (np.asarray(cells) + 0.5) * POOL * self.map.resolution
+        return self.map.origin + (np.asarray(cells) + 0.5) * self.pool * self.map.resolution
+
+    def coarse_cell(self, xy: np.ndarray) -> np.ndarray:
+        """(..., 2) numbers of the planning cells that points (..., 2) lie in; they may be outside the map."""
+        return np.floor((np.asarray(xy) - self.map.origin) / (self.pool * self.map.resolution)).astype(int)
+
+    def _line(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Cells under points at most one cell (half a cell where lines are weighed) apart on the way from a to b."""
+        way, resolution = b - a, self.map.resolution
+        apart = resolution if self.price is None else resolution / 2
+        number = max(1, math.ceil(math.sqrt(way.dot(way)) / apart))
+        cells = (a - self.map.origin + np.arange(number + 1)[:, None] * (way / number)) / resolution
+        i, j = cells.astype(np.intp).T
+        return i, j
 
     def line_free(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Whether the robot can go straight from a to b, (2,) m each."""
-        way, resolution = b - a, self.map.resolution
-        number = max(1, math.ceil(math.sqrt(way.dot(way)) / resolution))
-        cells = (a - self.map.origin + np.arange(number + 1)[:, None] * (way / number)) / resolution
-        i, j = cells.astype(np.intp).T
-        return bool(self.free[i, j].all())
+        return bool(self.free[self._line(a, b)].all())
+
+    def line_price(self, a: np.ndarray, b: np.ndarray) -> float:
+        """What the straight way from a to b, (2,) m each, costs, free or not; its length where nothing has a price."""
+        way = b - a
+        per_metre = 1.0 if self.price is None else float(self.price[self._line(a, b)].mean())
+        return per_metre * math.sqrt(way.dot(way))
 
 
-def free_space(scene_map: SceneMap, size: RobotSize) -> FreeSpace:
+def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -> FreeSpace:
     """Grows everything that stops the robot by its radius and prices what is left."""
-    allowed = traversable(scene_map.kind) & (scene_map.clearance >= size.height) & ~_edges(scene_map.height, size.step)
+    kind = whole_crosswalks(scene_map).kind if prices.kerb else scene_map.kind
+    of_kind = np.array([prices.kinds.get(name, 0.0) for name in GROUND_KINDS])
+    allowed = (of_kind > 0)[kind] & (scene_map.clearance >= size.height) & ~_edges(scene_map.height, size.step)
     resolution = scene_map.resolution
     distance = (ndimage.distance_transform_edt(allowed) * resolution - resolution / 2).astype(np.float32)
     free = distance >= size.radius + size.margin
-    price = np.array([KIND_COST.get(name, 0.0) for name in GROUND_KINDS])[scene_map.kind]
-    near = np.clip(1.0 - (distance - size.radius) / NEAR_DISTANCE, 0.0, 1.0)
-    cost = np.where(_pool(free, np.all), _pool(price + NEAR_COST * near, np.max), -1.0)
-    return FreeSpace(scene_map, distance, free, cost)
+    price = of_kind[kind] + NEAR_COST * np.clip(1.0 - (distance - size.radius) / NEAR_DISTANCE, 0.0, 1.0)
+    cost = _pool(price, prices.pool, np.max)
+    if prices.kerb:
+        # Both cells beside a kerb are its edge: crossing it goes over two of them.
+        kerb = _edges(scene_map.height, KERB) * (prices.kerb / (2 * resolution))
+        cost, price = cost + _pool(kerb, prices.pool, np.mean), price + kerb
+    cost = np.where(_pool(free, prices.pool, np.all), cost, -1.0)
+    return FreeSpace(scene_map, distance, free, cost, prices.pool, price if prices.kerb else None)
+
+
+def whole_crosswalks(scene_map: SceneMap) -> SceneMap:
+    """The map with the road between the stripes of a crosswalk as crosswalk: the authors' maps hold the stripes alone,
+    and ways would weave from one to the next."""
+    stripes = scene_map.kind == KIND_INDEX["crosswalk"]
+    if not stripes.any():
+        return scene_map
+    reach = math.ceil(_STRIPES / scene_map.resolution) + 1
+    i, j = np.nonzero(stripes)
+    window = np.s_[max(0, i.min() - reach) : i.max() + reach + 1, max(0, j.min() - reach) : j.max() + reach + 1]
+    near = ndimage.distance_transform_edt(~stripes[window]) * scene_map.resolution <= _STRIPES
+    near = np.pad(near, 1)  # beyond the map nothing is near
+    whole = (ndimage.distance_transform_edt(near) * scene_map.resolution > _STRIPES)[1:-1, 1:-1]
+    road = np.isin(scene_map.kind[window], [KIND_INDEX["road"], KIND_INDEX["road_marking"]])
+    kind = scene_map.kind.copy()
+    kind[window][whole & road] = KIND_INDEX["crosswalk"]
+    return dataclasses.replace(scene_map, kind=kind)
 
 
 def _edges(height: np.ndarray, step: float) -> np.ndarray:
@@ -96,10 +178,10 @@ def _edges(height: np.ndarray, step: float) -> np.ndarray:
     return edge
 
 
-def _pool(cells: np.ndarray, reduce: Any) -> np.ndarray:
-    """Reduces blocks of POOL x POOL cells; an incomplete block at the far side is left out."""
-    x, y = (n // POOL for n in cells.shape)
-    return reduce(cells[: x * POOL, : y * POOL].reshape(x, POOL, y, POOL), axis=(1, 3))
+def _pool(cells: np.ndarray, side: int, reduce: Any) -> np.ndarray:
+    """Reduces blocks of side x side cells; an incomplete block at the far side is left out."""
+    x, y = (n // side for n in cells.shape)
+    return reduce(cells[: x * side, : y * side].reshape(x, side, y, side), axis=(1, 3))
 
 
 class GoalField:
@@ -111,7 +193,7 @@ class GoalField:
         self._search = MCP_Geometric(space.cost, fully_connected=True)
         costs, _ = self._search.find_costs([tuple(int(c) for c in goal)])
         #: Cost to the goal of every planning cell, inf where there is no way.
-        self.cost: np.ndarray = costs * POOL * space.map.resolution
+        self.cost: np.ndarray = costs * space.pool * space.map.resolution
 
     def path(self, start: np.ndarray) -> np.ndarray:
         """(n, 2) m, the taut way from a planning cell with finite cost to the goal."""
@@ -119,25 +201,40 @@ class GoalField:
         path = _pull(self._space, self._space.coarse_center(cells))
         # Corners lie on planning cells; cutting again between finer points, from either end, takes most of that back.
         for _ in range(_PULLS):
-            fine = np.concatenate([path[:1], resample(path, POOL * self._space.map.resolution)])
+            fine = np.concatenate([path[:1], resample(path, self._space.pool * self._space.map.resolution)])
             path = _pull(self._space, fine[::-1])
         return path
 
 
 def _pull(space: FreeSpace, path: np.ndarray) -> np.ndarray:
     """Cuts every stretch short that can be driven in a straight free line, longest strides tried first by doubling."""
+    cut = _cuts(space, path)
     kept, here, last = [path[0]], 0, len(path) - 1
     while here < last:
         near, stride = here + 1, 2
-        while near < last and space.line_free(path[here], path[min(here + stride, last)]):
+        while near < last and cut(here, min(here + stride, last)):
             near, stride = min(here + stride, last), stride * 2
         far = min(here + stride, last)
         while far - near > 1:
             middle = (near + far) // 2
-            near, far = (middle, far) if space.line_free(path[here], path[middle]) else (near, middle)
+            near, far = (middle, far) if cut(here, middle) else (near, middle)
         here = near
         kept.append(path[here])
     return np.array(kept)
+
+
+def _cuts(space: FreeSpace, path: np.ndarray) -> Callable[[int, int], bool]:
+    """Tells whether the straight line may replace the path (n, 2) between two of its points, by number."""
+    if space.price is None:
+        return lambda a, b: space.line_free(path[a], path[b])
+    steps = [space.line_price(a, b) for a, b in itertools.pairwise(path)]
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+
+    def no_dearer(a: int, b: int) -> bool:
+        # One part in a thousand: sampling may price the same line a little differently.
+        return space.line_price(path[a], path[b]) <= 1.001 * (way[b] - way[a])
+
+    return lambda a, b: space.line_free(path[a], path[b]) and no_dearer(a, b)
 
 
 def path_length(path: np.ndarray) -> float:
