@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import street_regions
+from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.datatypes.ground import KIND_INDEX
 from urbanverse_mjx.scene import maps
@@ -312,3 +313,23 @@ def test_their_map_may_have_other_kinds_order(tmp_path: pathlib.Path) -> None:
     after = load_map(tmp_path / "s").map
     assert isinstance(after, SceneMap)
     np.testing.assert_array_equal(before.kind, after.kind)
+
+
+def test_the_command_plans_their_annotations_over_their_map(tmp_path: pathlib.Path, capsys) -> None:
+    folder, notes, out = tmp_path / "s", tmp_path / "notes", tmp_path / "out"
+    _their_files(folder)
+    x, y = load_map(folder).map.origin
+    good, bad = Wanted("r001", (x + 2, y + 1), (x + 18, y + 9)), Wanted("r002", (x + 2, y + 1), (x + 99, y + 9))
+    save_annotations(notes / "s.json", "s", [good, bad])
+    assert main(["scene", "routes", str(folder), "--out", str(out), "--annotations", str(notes)]) == 1
+    said = capsys.readouterr()
+    assert json.loads(said.out)["routes"] == 1
+    assert "s r002: the goal" in said.err
+    assert [r.id for r in load_planned(out / "routes" / "s").planned] == ["r001"]
+    assert load_annotations(out / "routes" / "s.json") == ("s", [good, bad])
+    np.testing.assert_array_equal(load_map(out / "maps" / "s").map.kind, load_map(folder).map.kind)
+    assert main(["scene", "routes", str(folder), "--out", str(out), "--robot", "wheelchair"]) == 0
+    assert load_planned(out / "routes" / "s").robot == "wheelchair"
+    assert main(["scene", "routes", str(folder), "--out", str(out), "--robot", "hovercraft"]) == 2
+    assert main(["scene", "routes", str(tmp_path), "--out", str(out)]) == 2
+    assert "no such file" in capsys.readouterr().err

@@ -17,6 +17,7 @@ import tyro
 from .. import settings
 from ..datatypes import SceneBank, SceneGraph
 from ..datatypes import validation as v
+from . import scene_routes
 
 if TYPE_CHECKING:
     from ..materialisation import Materialisation
@@ -81,12 +82,20 @@ class TerrainArgs:
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse scene ...`."""
     args = tyro.extras.subcommand_cli_from_dict(
-        {"compile": CompileArgs, "bank": BankArgs, "join": JoinArgs, "terrain": TerrainArgs},
+        {
+            "compile": CompileArgs,
+            "bank": BankArgs,
+            "join": JoinArgs,
+            "terrain": TerrainArgs,
+            "routes": scene_routes.RoutesArgs,
+        },
         args=list(argv),
         prog="urbanverse scene",
     )
     if isinstance(args, TerrainArgs):
         return _terrain(args)
+    if isinstance(args, scene_routes.RoutesArgs):
+        return scene_routes.main(args)
     if isinstance(args, CompileArgs):
         return _compile(args)
     return _join(args) if isinstance(args, JoinArgs) else _bank(args)
