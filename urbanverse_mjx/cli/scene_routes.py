@@ -1,4 +1,4 @@
-"""`urbanverse scene routes`: maps and planned routes of scenes as CraftBench-Nav's files, ours or theirs as the source."""
+"""`urbanverse scene routes`: maps and planned routes as CraftBench-Nav's files, from our scenes or from theirs."""
 
 import dataclasses
 import json
