@@ -326,7 +326,7 @@ def test_the_command_plans_their_annotations_over_their_map(tmp_path: pathlib.Pa
     assert json.loads(said.out)["routes"] == 1
     assert "s r002: the goal" in said.err
     assert [r.id for r in load_planned(out / "routes" / "s").planned] == ["r001"]
-    assert load_annotations(out / "routes" / "s.json") == ("s", [good, bad])
+    assert load_annotations(out / "routes" / "s.json") == load_annotations(notes / "s.json")
     np.testing.assert_array_equal(load_map(out / "maps" / "s").map.kind, load_map(folder).map.kind)
     assert main(["scene", "routes", str(folder), "--out", str(out), "--robot", "wheelchair"]) == 0
     assert load_planned(out / "routes" / "s").robot == "wheelchair"
