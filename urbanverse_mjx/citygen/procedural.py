@@ -183,6 +183,7 @@ class _Scene:
         self.objects: list[GraphObject] = []
         self._counts: dict[str, int] = {}
         self._taken: list[BaseGeometry] = []
+        self._fronts: list[BaseGeometry] = []
         self._built = shapely.union_all([ground.walk, ground.road]).buffer(-0.02)
         self._middle = ground.walk.buffer(-0.1, join_style="mitre")
 
@@ -236,8 +237,9 @@ class _Scene:
     def _house(self, label: str, x: float, y: float, facing: tuple[float, float], size: catalogue.Size) -> None:
         thing = self._make(label, x, y, math.atan2(facing[1], facing[0]), size)
         shape = passage.footprint(thing)
-        if not shape.intersects(self._built) and not any(shape.intersects(t) for t in self._taken):
-            self._add(thing, shape)
+        if not shape.intersects(self._built) and not any(shape.intersects(t) for t in self._fronts):
+            self._fronts.append(shape)
+            self._add(thing)
 
     def _put_in_zone(self, zone: str, arm: Arm, side: int) -> None:
         label = self.rng.choice(ZONES[zone])
@@ -291,16 +293,18 @@ class _Scene:
         reach = passage.PASSAGE if zone == "clear" else APART
         if shape.buffer(reach).intersects(self._close_by(shape, reach)):
             return False
-        self._add(thing, shape)
+        self._taken.append(shape)
+        self._add(thing)
         return True
 
     def _close_by(self, shape: BaseGeometry, reach: float) -> BaseGeometry:
-        return shapely.union_all([t for t in self._taken if t.distance(shape) <= reach and t.area < 12.0])
+        return shapely.union_all([t for t in self._taken if t.distance(shape) <= reach])
 
     def _fill_plaza(self, plaza: shapely.Polygon) -> None:
         x0, y0, x1, y1 = plaza.bounds
         fountain = self._make("fountain", (x0 + x1) / 2, (y0 + y1) / 2, 0.0, self._size_of("fountain"))
-        self._add(fountain, passage.footprint(fountain))
+        self._taken.append(passage.footprint(fountain))
+        self._add(fountain)
         for _ in range(round(self.rng.uniform(*DENSITY["plaza"]) * plaza.area / 100.0)):
             label = self.rng.choice(ZONES["plaza"])
             size = self._size_of(label)
@@ -325,7 +329,6 @@ class _Scene:
         centre = (round(x, 3), round(y, 3), round(ground + size[2] / 2, 4))
         return GraphObject(name, label, centre, size, round(math.remainder(yaw, math.tau), 3))
 
-    def _add(self, thing: GraphObject, shape: BaseGeometry) -> None:
+    def _add(self, thing: GraphObject) -> None:
         self._counts[thing.label] = self._counts.get(thing.label, 0) + 1
         self.objects.append(thing)
-        self._taken.append(shape)
