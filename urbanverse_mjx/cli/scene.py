@@ -17,7 +17,7 @@ import tyro
 from .. import settings
 from ..datatypes import SceneBank, SceneGraph
 from ..datatypes import validation as v
-from . import scene_routes
+from . import scene_gallery, scene_routes
 
 if TYPE_CHECKING:
     from ..materialisation import Materialisation
@@ -88,6 +88,7 @@ def main(argv: Sequence[str]) -> int:
             "join": JoinArgs,
             "terrain": TerrainArgs,
             "routes": scene_routes.RoutesArgs,
+            "gallery": scene_gallery.GalleryArgs,
         },
         args=list(argv),
         prog="urbanverse scene",
@@ -96,6 +97,8 @@ def main(argv: Sequence[str]) -> int:
         return _terrain(args)
     if isinstance(args, scene_routes.RoutesArgs):
         return scene_routes.main(args)
+    if isinstance(args, scene_gallery.GalleryArgs):
+        return scene_gallery.main(args)
     if isinstance(args, CompileArgs):
         return _compile(args)
     return _join(args) if isinstance(args, JoinArgs) else _bank(args)
