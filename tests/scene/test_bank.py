@@ -136,4 +136,6 @@ def test_bank_says_what_can_be_pushed_and_one_written_before_says_nothing(tmp_pa
         arrays = {name: file[name] for name in file.files if name not in ("slot_movable", "slot_mass")}
     np.savez(tmp_path / "old.npz", **arrays)
     old = SceneBank.load(tmp_path / "old.npz")
-    assert old.slot_movable.shape == old.slot_mesh.shape and not old.slot_movable.any() and not old.slot_mass.any()
+    assert old.slot_movable.shape == old.slot_mass.shape == old.slot_mesh.shape
+    assert not old.slot_movable.any()
+    assert not old.slot_mass.any()
