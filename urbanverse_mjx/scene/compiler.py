@@ -204,7 +204,10 @@ def _region_fields(regions: Sequence[Any], meshes: list[AssetMesh]) -> dict[str,
     visuals = []
     for region in regions:
         material = build_material(region.material)
-        visuals.append(ground.region_mesh(region, material.texture, material.tile_size_m, material.roughness))
+        turn = ground.traffic_turn(region, regions)
+        visuals.append(
+            ground.region_mesh(region, material.texture, material.tile_size_m, material.roughness, turn=turn)
+        )
     return {
         "region_ids": tuple(r.id for r in regions),
         "region_kind": np.array([ground.kind_index(r) for r in regions], np.int32),

@@ -5,9 +5,8 @@ always best), and `NAVBENCH`, by which CraftBench-Nav's robots climb kerbs and c
 """
 
 import dataclasses
-import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -109,24 +108,32 @@ class FreeSpace:
         """(..., 2) numbers of the planning cells that points (..., 2) lie in; they may be outside the map."""
         return np.floor((np.asarray(xy) - self.map.origin) / (self.pool * self.map.resolution)).astype(int)
 
-    def _line(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Cells under points at most one cell (half a cell where lines are weighed) apart on the way from a to b."""
+    def _lines(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Cells (i, j) under points at most one cell (half a cell where lines are weighed) apart on each way from a to
+        b, (n, 2) m, one way after the other, and (n,) where in them each way begins."""
         way, resolution = b - a, self.map.resolution
         apart = resolution if self.price is None else resolution / 2
-        number = max(1, math.ceil(math.sqrt(way.dot(way)) / apart))
-        cells = (a - self.map.origin + np.arange(number + 1)[:, None] * (way / number)) / resolution
+        number = np.maximum(1, np.ceil(np.sqrt((way * way).sum(1)) / apart)).astype(np.intp)
+        first = np.concatenate([[0], np.cumsum(number + 1)])
+        step = np.arange(first[-1]) - np.repeat(first[:-1], number + 1)
+        line = np.repeat(np.arange(len(a)), number + 1)
+        cells = ((a - self.map.origin)[line] + step[:, None] * (way / number[:, None])[line]) / resolution
         i, j = cells.astype(np.intp).T
-        return i, j
+        return i, j, first
 
-    def line_free(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Whether the robot can go straight from a to b, (2,) m each."""
-        return bool(self.free[self._line(a, b)].all())
+    def lines_free(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """(n,) bool: whether the robot can go straight from a to b, (n, 2) m each."""
+        i, j, first = self._lines(a, b)
+        return np.logical_and.reduceat(self.free[i, j], first[:-1])
 
-    def line_price(self, a: np.ndarray, b: np.ndarray) -> float:
-        """What the straight way from a to b, (2,) m each, costs, free or not; its length where nothing has a price."""
-        way = b - a
-        per_metre = 1.0 if self.price is None else float(self.price[self._line(a, b)].mean())
-        return per_metre * math.sqrt(way.dot(way))
+    def line_prices(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """(n,) what the straight ways from a to b, (n, 2) m each, cost, free or not; their length where nothing has a
+        price."""
+        length = np.linalg.norm(b - a, axis=1)
+        if self.price is None:
+            return length
+        i, j, first = self._lines(a, b)
+        return length * np.add.reduceat(self.price[i, j], first[:-1]) / np.diff(first)
 
 
 def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -> FreeSpace:
@@ -195,46 +202,69 @@ class GoalField:
         #: Cost to the goal of every planning cell, inf where there is no way.
         self.cost: np.ndarray = costs * space.pool * space.map.resolution
 
-    def path(self, start: np.ndarray) -> np.ndarray:
-        """(n, 2) m, the taut way from a planning cell with finite cost to the goal."""
-        cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
-        path = _pull(self._space, self._space.coarse_center(cells))
+    def paths(self, starts: np.ndarray) -> list[np.ndarray]:
+        """For planning cells (n, 2) with finite cost the taut ways (k, 2) m from there to the goal."""
+        paths = []
+        for start in starts:
+            cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
+            paths.append(self._space.coarse_center(cells))
+        paths = _pull_all(self._space, paths)
         # Corners lie on planning cells; cutting again between finer points, from either end, takes most of that back.
         for _ in range(_PULLS):
-            fine = np.concatenate([path[:1], resample(path, self._space.pool * self._space.map.resolution)])
-            path = _pull(self._space, fine[::-1])
-        return path
+            fine = [np.concatenate([p[:1], resample(p, self._space.pool * self._space.map.resolution)]) for p in paths]
+            paths = _pull_all(self._space, [p[::-1] for p in fine])
+        return paths
 
 
-def _pull(space: FreeSpace, path: np.ndarray) -> np.ndarray:
-    """Cuts every stretch short that can be driven in a straight free line, longest strides tried first by doubling."""
-    cut = _cuts(space, path)
-    kept, here, last = [path[0]], 0, len(path) - 1
+def _pull_all(space: FreeSpace, paths: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Pulls paths (k, 2) taut side by side: their questions are answered together, which numpy does faster."""
+    kept: list[np.ndarray] = [np.zeros((0, 2))] * len(paths)
+    pulls = {n: _pull(len(path)) for n, path in enumerate(paths)}
+    answers: dict[int, bool | None] = dict.fromkeys(pulls)
+    ways = None if space.price is None else [_costs_along(space, path) for path in paths]
+    while pulls:
+        asked = {}
+        for n, pull in list(pulls.items()):
+            try:
+                asked[n] = pull.send(answers[n])
+            except StopIteration as end:
+                kept[n] = paths[n][end.value]
+                del pulls[n]
+        if asked:
+            a = np.array([paths[n][i] for n, (i, _) in asked.items()])
+            b = np.array([paths[n][j] for n, (_, j) in asked.items()])
+            good = space.lines_free(a, b)
+            if ways is not None:
+                # One part in a thousand: sampling may price the same line a little differently.
+                along = np.array([ways[n][j] - ways[n][i] for n, (i, j) in asked.items()])
+                good &= space.line_prices(a, b) <= 1.001 * along
+            answers = dict(zip(asked, good.tolist(), strict=True))
+    return kept
+
+
+def _costs_along(space: FreeSpace, path: np.ndarray) -> np.ndarray:
+    """(k,) cost of a path (k, 2) from its first point to each."""
+    return np.concatenate([[0.0], np.cumsum(space.line_prices(path[:-1], path[1:]))])
+
+
+def _pull(count: int) -> Generator[tuple[int, int], bool | None, list[int]]:
+    """Cuts every stretch short that a straight line may replace, longest strides tried first by doubling.
+
+    Yields two of the numbers of the path's `count` points, is told whether the line between them may be taken, and
+    returns the numbers of the points that stay.
+    """
+    kept, here, last = [0], 0, count - 1
     while here < last:
         near, stride = here + 1, 2
-        while near < last and cut(here, min(here + stride, last)):
+        while near < last and (yield here, min(here + stride, last)):
             near, stride = min(here + stride, last), stride * 2
         far = min(here + stride, last)
         while far - near > 1:
             middle = (near + far) // 2
-            near, far = (middle, far) if cut(here, middle) else (near, middle)
+            near, far = (middle, far) if (yield here, middle) else (near, middle)
         here = near
-        kept.append(path[here])
-    return np.array(kept)
-
-
-def _cuts(space: FreeSpace, path: np.ndarray) -> Callable[[int, int], bool]:
-    """Tells whether the straight line may replace the path (n, 2) between two of its points, by number."""
-    if space.price is None:
-        return lambda a, b: space.line_free(path[a], path[b])
-    steps = [space.line_price(a, b) for a, b in itertools.pairwise(path)]
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-
-    def no_dearer(a: int, b: int) -> bool:
-        # One part in a thousand: sampling may price the same line a little differently.
-        return space.line_price(path[a], path[b]) <= 1.001 * (way[b] - way[a])
-
-    return lambda a, b: space.line_free(path[a], path[b]) and no_dearer(a, b)
+        kept.append(here)
+    return kept
 
 
 def path_length(path: np.ndarray) -> float:

@@ -158,7 +158,8 @@ class RoutePlanner:
                 why = f"the {name} cannot be reached: there is no way for the {self.robot} robot"
                 return NoRoute(wanted.id, wanted.note, why)
             if a != b:
-                path = np.concatenate([path, field.path(np.array(a))[1:]])
+                (leg,) = field.paths(np.array([a]))
+                path = np.concatenate([path, leg[1:]])
         if len(path) < 2:
             return NoRoute(wanted.id, wanted.note, "start and goal are the same place")
         points = tuple(self._point(cell) for cell in cells)
