@@ -6,7 +6,8 @@ import pathlib
 import pytest
 
 from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError
-from urbanverse_mjx.viz.scene_gallery import make_card, scene_folders, with_difficulty, write_page
+from urbanverse_mjx.scene.folders import scene_folders
+from urbanverse_mjx.viz.scene_gallery import make_card, with_difficulty, write_page
 
 STATISTICS = {
     "objects": 3,
@@ -17,6 +18,7 @@ STATISTICS = {
     "spacing_m": {"p10": 1.0, "p50": 2.0, "p90": 3.0},
     "pavement": {
         "length_m": 20.0,
+        "width_under": {"2": 0.1, "3": 0.5},
         "width_m": {"p10": 3.0, "p50": 4.0, "p90": 5.0},
         "clear_width_m": {"p10": 0.5, "p50": 2.25, "p90": 4.0},
         "narrower_than": {"robot": 0.125, "ada": 0.2, "prowag": 0.25},
@@ -103,8 +105,8 @@ def test_the_page_tells_the_numbers_and_escapes_names(tmp_path: pathlib.Path) ->
     for part in (
         "123 m",
         "12.5 %",
-        "2.2 m wide",
-        "40 m of 15 cm",
+        "<dd>2.2 m</dd>",
+        "40 m, 15 cm",
         "planner fails 50 %",
         "not driven",
         "2 bench, 1 cafe",

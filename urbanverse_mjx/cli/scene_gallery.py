@@ -35,8 +35,9 @@ def main(args: GalleryArgs) -> int:
     from rich.progress import track
 
     from ..datatypes import BenchmarkReport
+    from ..scene.folders import scene_folders
     from ..viz.scene_cards import draw_card
-    from ..viz.scene_gallery import make_card, scene_folders, with_difficulty, write_page
+    from ..viz.scene_gallery import make_card, with_difficulty, write_page
 
     report = None if args.report is None else BenchmarkReport.load(args.report)
     out = args.out or settings.cache_dir("gallery")

@@ -1,10 +1,12 @@
 """The 5 cm map of a scene: ground height, kind, free height, and how high things reach."""
 
 import dataclasses
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
+from scipy import ndimage
 from skimage.draw import polygon as fill
 
 from ..datatypes.ground import PAINT_KINDS
@@ -22,6 +24,20 @@ def raster(ring: np.ndarray, origin: np.ndarray, shape: tuple[int, int]) -> tupl
     """Numbers (i, j) of the cells whose centres lie in a ring (n, 2)."""
     cells = (ring - origin) / RESOLUTION - 0.5
     return fill(cells[:, 0], cells[:, 1], shape)
+
+
+def closed(mask: np.ndarray, reach: float, resolution: float) -> np.ndarray:
+    """A mask (X, Y) with gaps of up to twice `reach` (m) between its parts filled (a morphological closing)."""
+    if not mask.any():
+        return mask
+    pad = math.ceil(reach / resolution) + 1
+    i, j = np.nonzero(mask)
+    window = np.s_[max(0, i.min() - pad) : i.max() + pad + 1, max(0, j.min() - pad) : j.max() + pad + 1]
+    near = ndimage.distance_transform_edt(~mask[window]) * resolution <= reach
+    near = np.pad(near, 1)  # beyond the window nothing is near
+    filled = mask.copy()
+    filled[window] |= (ndimage.distance_transform_edt(near) * resolution > reach)[1:-1, 1:-1]
+    return filled
 
 
 def ground_map(regions: Sequence[Region]) -> SceneMap:

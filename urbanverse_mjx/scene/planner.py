@@ -5,7 +5,6 @@ always best), and `NAVBENCH`, by which CraftBench-Nav's robots climb kerbs and c
 """
 
 import dataclasses
-import math
 from collections.abc import Generator, Mapping, Sequence
 from typing import Any
 
@@ -15,6 +14,7 @@ from skimage.graph import MCP_Geometric
 
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from .geometry import SceneMap
+from .maps import closed
 
 #: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm (issue 2, item 6).
 POOL = 4
@@ -158,18 +158,9 @@ def whole_crosswalks(scene_map: SceneMap) -> SceneMap:
     """The map with the road between the stripes of a crosswalk as crosswalk: the authors' maps hold the stripes alone,
     and ways would weave from one to the next."""
     stripes = scene_map.kind == KIND_INDEX["crosswalk"]
-    if not stripes.any():
-        return scene_map
-    reach = math.ceil(_STRIPES / scene_map.resolution) + 1
-    i, j = np.nonzero(stripes)
-    window = np.s_[max(0, i.min() - reach) : i.max() + reach + 1, max(0, j.min() - reach) : j.max() + reach + 1]
-    near = ndimage.distance_transform_edt(~stripes[window]) * scene_map.resolution <= _STRIPES
-    near = np.pad(near, 1)  # beyond the map nothing is near
-    whole = (ndimage.distance_transform_edt(near) * scene_map.resolution > _STRIPES)[1:-1, 1:-1]
-    road = np.isin(scene_map.kind[window], [KIND_INDEX["road"], KIND_INDEX["road_marking"]])
-    kind = scene_map.kind.copy()
-    kind[window][whole & road] = KIND_INDEX["crosswalk"]
-    return dataclasses.replace(scene_map, kind=kind)
+    road = np.isin(scene_map.kind, [KIND_INDEX["road"], KIND_INDEX["road_marking"]])
+    between = closed(stripes, _STRIPES, scene_map.resolution) & road
+    return dataclasses.replace(scene_map, kind=np.where(between, np.uint8(KIND_INDEX["crosswalk"]), scene_map.kind))
 
 
 def _edges(height: np.ndarray, step: float) -> np.ndarray:

@@ -14,7 +14,7 @@ from ..assets import ontology
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from .bank import quaternion_matrix
 from .geometry import SceneGeometry, SceneMap
-from .maps import tops
+from .maps import closed, tops
 from .planner import KERB
 
 #: Things at least this long and wide (m) and this high (m) that neither grow nor drive are houses.
@@ -23,8 +23,12 @@ _NO_HOUSES = ("nature", "vehicle", "street user")
 #: Widths (m) below which a pavement is counted as narrow: a delivery robot (twice 0.35 m), the 36 inches of the U.S.
 #: accessible route (ADA Standards 403.5.1), the 48 inches of the U.S. pedestrian access route (PROWAG R302.2).
 NARROW = {"robot": 0.70, "ada": 0.915, "prowag": 1.22}
+#: Widths (m) between kerb and house that national surveys tell the shares of.
+WIDTHS = (2.0, 3.0)
 #: Things nearer than this height (m) to the ground narrow a pavement: a delivery robot's height.
 HEAD = 1.0
+#: Narrower strips (m) are no pavement, and neither are gaps between houses up to this wide (m).
+LEAST, _SLIT = 0.6, 1.5
 #: m between cross-sections, and of the map's cells that their middle lines are found on.
 _EVERY, _POOL = 0.5, 2
 #: m from a cross-section's middle within which the middle line's direction is taken.
@@ -62,10 +66,8 @@ def scene_statistics(geometry: SceneGeometry) -> dict[str, Any]:
             "length_m": round(len(widths.full) * _EVERY, 1),
             "width_m": _quantiles(widths.full),
             "clear_width_m": _quantiles(widths.clear),
-            "narrower_than": {
-                name: round(float((widths.clear < width).mean()), 4) if len(widths.clear) else 0.0
-                for name, width in NARROW.items()
-            },
+            "width_under": {f"{width:g}": _share(widths.full < width) for width in WIDTHS},
+            "narrower_than": {name: _share(widths.clear < width) for name, width in NARROW.items()},
         },
     }
 
@@ -116,7 +118,8 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
         quaternion_matrix(geometry.object_quaternion)[objects],
         geometry.object_position[objects],
     )
-    pavement = (m.kind == KIND_INDEX["sidewalk"]) & ~(roofs > m.height + HEAD)
+    built = closed(roofs > m.height + HEAD, _SLIT / 2, m.resolution)
+    pavement = (m.kind == KIND_INDEX["sidewalk"]) & ~built
     pavement = ndimage.binary_opening(pavement, np.ones((3, 3)))
     clear = pavement & (m.clearance >= HEAD)
     spots, directions = _middle_lines(pavement, m.resolution)
@@ -127,7 +130,7 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
     for start in range(0, len(spots), 512):
         part = slice(start, start + 512)
         width, gap = _cross(pavement, clear, spots[part], directions[part], reach[part], m.resolution)
-        straight = width <= 2 * _SKEW * reach[part]
+        straight = (width <= 2 * _SKEW * reach[part]) & (width >= LEAST)
         full.append(width[straight])
         gaps.append(gap[straight])
     return PavementWidths(np.concatenate(full), np.concatenate(gaps))
@@ -187,6 +190,11 @@ def _nearest(places: np.ndarray) -> np.ndarray:
     if len(places) < 2:
         return np.zeros(0)
     return cKDTree(places).query(places, 2)[0][:, 1]
+
+
+def _share(rows: np.ndarray) -> float:
+    """Share of True in (n,) bool, 0 of nothing."""
+    return round(float(rows.mean()), 4) if len(rows) else 0.0
 
 
 def _quantiles(values: np.ndarray) -> dict[str, float]:

@@ -14,13 +14,12 @@ from ..scene.exchange_routes import load_planned
 from ..scene.planner import path_length, resample
 from .graphs import GROUND_COLOURS
 from .pictures import EYE_HEIGHT, Studio
+from .scene_gallery import NAMES
 
 #: Pixels of the rendered pictures, and the most of a map.
 SIZE, MAP_SIZE = (768, 400), (960, 540)
 ELEVATION = np.radians(62.0)
 SAMPLES = 2
-#: Pictures of a card, in the order they are shown.
-NAMES = ("above", "eye_0", "eye_1", "map")
 #: What begins lower than this (m) above the ground is drawn as being in the way, the rest as a shade.
 _HEAD = 1.0
 _OBSTACLE, _SHADE = (70, 62, 60), 0.82

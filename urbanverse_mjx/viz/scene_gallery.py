@@ -13,12 +13,12 @@ from typing import Any
 
 from ..datatypes import BenchmarkReport, NounError
 from ..datatypes import validation as v
-from ..scene.compiler import SCHEMA
-from .scene_cards import NAMES
 
 #: Grows whenever the pictures of an unchanged scene would be others.
 VERSION = 1
 _PICTURES = "pictures"
+#: Pictures of a card, in the order they are shown.
+NAMES = ("above", "eye_0", "eye_1", "map")
 _STYLE = """
 body{font:15px/1.4 system-ui,sans-serif;margin:0 auto;max-width:1700px;padding:1em 1.4em;color:#22262b;
 background:#f6f5f1}
@@ -29,7 +29,7 @@ input,select{font:inherit;padding:.25em .5em;margin-right:.6em}
 article{background:#fff;border:1px solid #dedbd2;border-radius:6px;padding:.7em;overflow:hidden}
 h2{font-size:1.02em;margin:0 0 .1em;overflow-wrap:anywhere}.small{font-size:.85em;color:#5b616a}
 .pair{display:grid;grid-template-columns:1fr 1fr;gap:.3em;margin:.3em 0}
-img{width:100%;display:block;border-radius:3px;background:#e9e7e0}
+img{width:100%;aspect-ratio:48/25;object-fit:contain;display:block;border-radius:3px;background:#eeeeea}
 dl{display:grid;grid-template-columns:repeat(3,auto 1fr);gap:.1em .6em;margin:.4em 0;font-size:.88em}
 dt{color:#5b616a}dd{margin:0;font-variant-numeric:tabular-nums}
 """
@@ -72,32 +72,6 @@ class Card:
 
 
 Draw = Callable[[pathlib.Path, pathlib.Path], dict[str, str]]
-
-
-def scene_folders(places: Sequence[pathlib.Path]) -> list[pathlib.Path]:
-    """Compiled scenes among folders and, one or more levels down, in them; each once, sorted by name.
-
-    Raises:
-      NounError: there are none, or two have one name.
-    """
-    found: dict[str, pathlib.Path] = {}
-    for place in places:
-        inside = [place] if (place / "metadata.json").is_file() else [p.parent for p in place.rglob("metadata.json")]
-        for folder in inside:
-            body = v.read_json(folder / "metadata.json", "scene's metadata")
-            if not isinstance(body, dict) or body.get("schema") != SCHEMA:
-                continue
-            if "statistics" not in body:
-                raise v.fail(
-                    str(folder), "a scene compiled before there were statistics", "a new one", "compile it again"
-                )
-            if found.setdefault(body["id"], folder) != folder:
-                raise v.fail(str(folder), f"another scene called {body['id']!r}", "every scene once", "leave one out")
-    if not found:
-        raise v.fail(
-            ", ".join(map(str, places)) or "folders", "no compiled scene", "at least one", "compile some first"
-        )
-    return [found[name] for name in sorted(found)]
 
 
 def make_card(folder: pathlib.Path, out: pathlib.Path, draw: Draw) -> Card:
@@ -195,8 +169,8 @@ def _facts(m: Mapping[str, Any], s: Mapping[str, Any], difficulty: float | None)
         "longest route": f"{m['route_length_m']:.0f} m",
         "ground": f"{sum(s['ground_area_m2'].values()):.0f} m²",
         "sidewalk": f"{s['ground_area_m2'].get('sidewalk', 0.0):.0f} m²",
-        "kerbs": f"{kerbs['length_m']:.0f} m of {100 * kerbs['height_m']:.0f} cm",
-        "pavement": _metres(pavement["width_m"].get("p50")),
+        "kerbs": f"{kerbs['length_m']:.0f} m, {100 * kerbs['height_m']:.0f} cm",
+        "pavement width": _metres(pavement["width_m"].get("p50")),
         "left clear": _metres(pavement["clear_width_m"].get("p50")),
         "blocked": f"{100 * pavement['narrower_than']['robot']:.1f} %",
         "under 1.22 m": f"{100 * pavement['narrower_than']['prowag']:.1f} %",
@@ -207,4 +181,4 @@ def _facts(m: Mapping[str, Any], s: Mapping[str, Any], difficulty: float | None)
 
 
 def _metres(value: float | None) -> str:
-    return "none" if value is None else f"{value:.1f} m wide"
+    return "none" if value is None else f"{value:.1f} m"
