@@ -39,7 +39,7 @@ def test_two_halves_make_the_whole(turn: float) -> None:
     for half, part in zip(halves, parts, strict=True):
         check_regions(half.ground)
         assert part.area == pytest.approx(whole.area / 2, rel=0.08)
-        box = np.array(shapely.minimum_rotated_rectangle(part).exterior.coords)
+        box = shapely.get_coordinates(shapely.minimum_rotated_rectangle(part))
         sides = np.linalg.norm(np.diff(box, axis=0), axis=1)[:2]
         assert sorted(sides) == pytest.approx([16.0, 30.0], abs=2.5)
         # What was one area still is: no slit where neighbours were cut.
