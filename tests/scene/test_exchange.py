@@ -63,6 +63,10 @@ def test_our_map_comes_back_the_same(street: ExchangeMap, tmp_path: pathlib.Path
     np.testing.assert_array_equal(again.top, street.top)
     np.testing.assert_allclose(again.map.origin, street.map.origin, atol=1e-9)
     assert (again.scene, again.info, again.map.resolution) == ("toy", street.info, 0.05)
+    body = json.loads((tmp_path / "toy" / "map.json").read_text())
+    assert body["kinds"] == KINDS
+    assert list(body["grid"]) == ["x_min", "y_max", "res", "width", "height"]
+    assert body.keys() == {"scene", "grid", "kinds", *street.info}
     with np.load(tmp_path / "toy" / "layers.npz") as layers:
         assert {n: (layers[n].dtype.name, layers[n].shape) for n in layers.files} == {
             "ground": ("float32", (again.grid["height"], again.grid["width"])),

@@ -36,6 +36,8 @@ class CompileArgs:
     """Chooses among equally good assets, materials and skies, and the episodes."""
     cousin: int = 0
     """Number of the digital cousin."""
+    half: int = 0
+    """1 or 2: that half of the street alone, cut across its middle; 0: all of it."""
     skip_unknown: bool = False
     """Leave out objects whose label no asset is known for, and list them, instead of refusing the graph."""
 
@@ -105,7 +107,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _compile(args: CompileArgs) -> int:
-    materialised, compiled = compile_graph(args.graph, args.out, args.seed, args.cousin, args.skip_unknown)
+    materialised, compiled = compile_graph(args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half)
     for name, label in materialised.skipped:
         sys.stderr.write(f"left out {name!r}: no asset for the label {label!r}\n")
     print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **compiled.metadata["counts"]}))
@@ -113,9 +115,9 @@ def _compile(args: CompileArgs) -> int:
 
 
 def compile_graph(
-    graph: pathlib.Path, out: pathlib.Path, seed: int = 0, cousin: int = 0, skip_unknown: bool = False
+    graph: pathlib.Path, out: pathlib.Path, seed: int = 0, cousin: int = 0, skip_unknown: bool = False, half: int = 0
 ) -> "tuple[Materialisation, CompiledScene]":
-    """Reads, materialises and compiles one graph; episodes are driven by COCO with the differential drive.
+    """Reads, materialises and compiles one graph or (1, 2) a half of it; COCO with the differential drive drives it.
 
     Raises:
       NounError: whatever is wrong with the graph; then nothing is written.
@@ -123,6 +125,7 @@ def compile_graph(
     from ..scene.compiler import check_out_dir, compile_scene
     from ..scene.ground import check_regions
 
+    v.choice(str(half), "--half", ("0", "1", "2"))
     check_out_dir(out)
     scene = SceneGraph.load(graph)
     check_regions(scene.ground)

@@ -165,7 +165,7 @@ def _cross(
     across = np.stack([-along[:, 1], along[:, 0]], -1)
     steps = np.arange(-half, half + 1)
     cells = np.rint(spots[:, None] + steps[None, :, None] * across[:, None]).astype(int)
-    inside = ((cells >= 0) & (cells < pavement.shape)).all(-1)
+    inside = np.all((cells >= 0) & (cells < np.array(pavement.shape)), axis=-1)
     i, j = np.where(inside[..., None], cells, 0).transpose(2, 0, 1)
     on = pavement[i, j] & inside
     # Only what hangs together with the middle: another pavement beyond a road is not this one.
