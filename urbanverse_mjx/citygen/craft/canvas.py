@@ -28,6 +28,8 @@ EYE = 1.6  # m, height of the camera path over the ground
 #: Facing is "street" (towards the edge), "wall" (away from it), "+" or "-" (along it), or degrees
 #: counter-clockwise from the edge's own direction.
 Placement = tuple[str, float, float, str | float] | tuple[str, float, float, str | float, int]
+#: The same without the metres from the edge.
+Leaning = tuple[str, float, str | float] | tuple[str, float, str | float, int]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,18 +39,29 @@ class Edge:
     Attributes:
       start: (x, y) m, where s = 0.
       degrees: direction in which s grows, counter-clockwise from +x.
-      side: +1 where distances from the edge count to its left, -1 to its right.
+      side: +1 where what lies along the edge is to its left, -1 to its right.
+      sign: -1 where distances count the other way, towards the street: see `back` and `road`.
     """
 
     start: Corner
     degrees: float
     side: int
+    sign: int = 1
+
+    def back(self, width: float) -> "Edge":
+        """The far side of a pavement of a width, distances counted from there towards this edge."""
+        return dataclasses.replace(self, start=self.at(0.0, width), sign=-self.sign)
+
+    def road(self) -> "Edge":
+        """The same edge, distances counted towards the street."""
+        return dataclasses.replace(self, sign=-self.sign)
 
     def at(self, s: float, d: float) -> Corner:
         """(x, y) m of the place s metres along the edge and d metres from it."""
         angle = math.radians(self.degrees)
         c, n = math.cos(angle), math.sin(angle)
-        return self.start[0] + s * c - self.side * d * n, self.start[1] + s * n + self.side * d * c
+        d *= self.side * self.sign
+        return self.start[0] + s * c - d * n, self.start[1] + s * n + d * c
 
     def facing(self, facing: str | float) -> float:
         """Degrees counter-clockwise from +x.
@@ -188,6 +201,8 @@ class Canvas(Stage):
         """
         self.settle()
         if look is not None:
+            if not 0 <= look < len(self.sizes[label]):
+                raise NounError(f"{label}: found look {look}, needed one of 0 to {len(self.sizes[label]) - 1}.")
             size = self.sizes[label][look]
         return self.add(self.make(label, x, y, degrees, size, above))
 
@@ -195,6 +210,15 @@ class Canvas(Stage):
         """Puts down a table of things along an edge."""
         for label, s, d, facing, *look in placements:
             self.put(label, *line.at(s, d), line.facing(facing), look[0] if look else None)
+
+    def against(self, line: Edge, placements: Iterable[Leaning], gap: float = 0.06) -> None:
+        """Puts down a table of things whose nearer sides are `gap` metres from an edge: at a wall, along a kerb."""
+        for label, s, facing, *look in placements:
+            degrees = line.facing(facing)
+            along, across, _ = self.sizes[label][look[0]] if look else self.next_size(label)
+            turn = math.radians(degrees - line.degrees)
+            reach = (abs(along * math.sin(turn)) + abs(across * math.cos(turn))) / 2
+            self.put(label, *line.at(s, gap + reach), degrees, look[0] if look else None)
 
     def row(
         self,

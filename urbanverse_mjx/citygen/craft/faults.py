@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+import shapely.ops
 
 from ...datatypes import GraphObject
 from ...datatypes.ground import PAINT_KINDS
@@ -11,8 +12,8 @@ from .. import passage
 from ..stage import Stage
 from . import ground_layers
 
-#: Free width (m) that a tour must have: a robot of 0.45 m radius with 5 cm of air on each side.
-PASSAGE = 1.0
+#: Free width (m) that a tour must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
+PASSAGE = 1.2
 #: m over the ground up to which a thing's foot counts as meant to stand on it.
 NEAR = 0.3
 #: m², more than this two things may not share seen from above.
@@ -51,7 +52,7 @@ def is_house(stage: Stage, thing: GraphObject) -> bool:
 def _carried(stage: Stage, thing: GraphObject) -> bool:
     shape = passage.footprint(thing)
     spot = shape if is_house(stage, thing) else shape.centroid
-    return any(r.kind not in PAINT_KINDS and shapely.Polygon(r.polygon).intersects(spot) for r in stage.regions)
+    return stage.on_ground(spot)
 
 
 def _astride(stage: Stage, thing: GraphObject) -> bool:
@@ -80,12 +81,15 @@ def _blocked(
     homes = []
     for x, y in tour:
         point = shapely.Point(x, y)
-        near = min(range(len(pieces)), key=lambda k: pieces[k].distance(point), default=-1)
-        if near < 0 or pieces[near].distance(point) > REACH:
+        near = max(
+            (k for k, p in enumerate(pieces) if p.distance(point) <= REACH), key=lambda k: pieces[k].area, default=-1
+        )
+        if near < 0:
             return [f"the tour's point ({x:g}, {y:g}) is more than {REACH:g} m from any free place"]
         homes.append(near)
-    return [
-        f"the tour is blocked between {tour[i]} and {tour[i + 1]}"
-        for i in range(len(homes) - 1)
-        if homes[i] != homes[i + 1]
-    ]
+    found = []
+    for i in (i for i in range(len(homes) - 1) if homes[i] != homes[i + 1]):
+        near, far = shapely.ops.nearest_points(pieces[homes[i]], pieces[homes[i + 1]])
+        where = f"where ({near.x:.1f}, {near.y:.1f}) and ({far.x:.1f}, {far.y:.1f}) do not meet"
+        found.append(f"the tour is blocked from {tour[i]} to {tour[i + 1]}, {where}")
+    return found

@@ -1,6 +1,6 @@
 """Ground drawn as a painter draws: what is laid later lies where it lies, and what was there before is cut away.
 
-The result is regions that tile without overlap: simple rings without holes on a raster of 1 mm, neighbours sharing
+The result is regions that tile without overlap: simple rings without holes on a fine raster, neighbours sharing
 their corners.
 """
 
@@ -18,8 +18,8 @@ from ...datatypes.ground import height_at
 Corner = tuple[float, float]
 Plane = tuple[float, float, float]
 
-#: m, raster of all corners.
-GRID = 1e-3
+#: m, raster of all corners: along a long skewed seam a coarser one leaves overlaps that the compiler refuses.
+GRID = 1e-5
 #: m², crumbs of regions up to this are given to nobody: nothing can stand on them.
 CRUMB = 1e-4
 
@@ -76,6 +76,11 @@ def disc(x: float, y: float, radius: float, corners: int = 16) -> list[Corner]:
     """Corners on a circle."""
     turn = math.tau / corners
     return [(x + radius * math.cos(turn * i), y + radius * math.sin(turn * i)) for i in range(corners)]
+
+
+def polar(middle: Corner, degrees: float, reach: float) -> Corner:
+    """The place `reach` metres from a middle in a direction, counter-clockwise from +x."""
+    return middle[0] + reach * math.cos(math.radians(degrees)), middle[1] + reach * math.sin(math.radians(degrees))
 
 
 def strip(points: Sequence[Corner], width: float) -> list[Corner]:
@@ -150,7 +155,7 @@ def _parted(part: shapely.Polygon, cut: Cut) -> list[shapely.Polygon]:
 
 
 def _ring(part: shapely.Polygon) -> tuple[Corner, ...]:
-    corners = [(round(x, 3), round(y, 3)) for x, y in shapely.normalize(part).exterior.coords[:-1]]
+    corners = [(round(x, 5), round(y, 5)) for x, y in shapely.normalize(part).exterior.coords[:-1]]
     return tuple(corners)
 
 
@@ -178,7 +183,7 @@ def dropped_kerb(
     left, right, left_top, right_top = at(-half_width, 0), at(half_width, 0), at(-half_width, run), at(half_width, run)
     slope = plane_through([(*left, low), (*right, low), (*left_top, high)])
     found = [Layer(name, "sidewalk", outline([left, right, right_top, left_top]), slope)]
-    for side, inner, top in ((-1, left, left_top), (1, right, right_top)):
+    for side, inner, top in ((-1, left, left_top), (1, right, right_top)) if flare else ():
         outer = at(side * (half_width + flare), 0)
         tilt = plane_through([(*outer, high), (*inner, low), (*top, high)])
         ring = outline([outer, inner, top])
@@ -218,7 +223,7 @@ def seams(regions: Sequence[GroundRegion]) -> list[str]:
     whole = shapely.union_all(shapes, grid_size=GRID)
     for part in shapely.get_parts(whole):
         for hole in part.interiors:
-            if shapely.Polygon(hole).area < 0.5:
+            if 5 * CRUMB < shapely.Polygon(hole).area < 0.5:
                 x, y = hole.centroid.x, hole.centroid.y
                 found.append(f"a slit of {shapely.Polygon(hole).area:.4f} m² at ({x:.2f}, {y:.2f})")
     return found
