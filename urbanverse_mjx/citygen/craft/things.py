@@ -14,6 +14,9 @@ SCOOTER_STANDING, SCOOTER_FALLEN = 0, 1
 
 SIZES: dict[str, tuple[Size, ...]] = STREET_SIZES | {
     "scooter": ((1.14, 0.54, 1.18), (1.14, 1.19, 0.54)),
+    # more looks of what the streets have
+    "bench": (*STREET_SIZES["bench"], (0.48, 1.52, 0.45), (0.5, 1.98, 0.44)),
+    "fence": (*STREET_SIZES["fence"], (0.13, 2.51, 1.8), (0.6, 2.36, 1.96)),
     # furniture and services
     "atm": ((0.72, 0.68, 1.5), (0.55, 0.5, 1.75), (0.95, 0.85, 1.62)),
     "ashtray": ((0.14, 0.14, 0.06), (0.13, 0.13, 0.05), (0.34, 0.34, 0.9)),
