@@ -46,6 +46,12 @@ class Stage:
         regions = list(regions)
         self.regions.extend(regions)
         self._planes += [(shapely.Polygon(r.polygon), r.plane) for r in regions if r.kind not in PAINT_KINDS]
+        for ring, _ in self._planes:
+            shapely.prepare(ring)
+
+    def on_ground(self, shape: shapely.Geometry) -> bool:
+        """Whether ground that carries weight lies anywhere under a shape."""
+        return any(ring.intersects(shape) for ring, _ in self._planes)
 
     def ground_height(self, x: float, y: float) -> float:
         """z (m) of the ground's top at a place; the highest where regions meet, the nearest beyond the edge."""

@@ -6,34 +6,30 @@ says what an eye would object to; `graph` makes the noun.
 """
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 
-import numpy as np
 import shapely
 
 from ...assets import looks
 from ...assets.ground_materials import build_material
 from ...datatypes import GraphObject, GroundRegion, NounError, SceneGraph, Source
 from ...datatypes.ground import PAINT_KINDS
-from .. import catalogue, passage
+from .. import catalogue
 from ..section import LOT_DEPTH, RAMP_HALF_WIDTH, RAMP_RUN
 from ..stage import JOINT, Stage
-from . import ground_layers, things
+from . import faults, ground_layers, things
 from .ground_layers import Corner, Layer
 
-#: Free width (m) that the tour must have: a robot of 0.45 m radius with 5 cm of air on each side.
-PASSAGE = 1.0
-#: m above the ground from which a thing hangs over heads and is in nobody's way.
-OVERHEAD = 1.9
-#: m², more than this two things may not share seen from above.
-TOUCH = 0.02
 EYE = 1.6  # m, height of the camera path over the ground
 
 #: Label, metres along an edge, metres from it, facing, and where it matters the look (row of the label's sizes).
 #: Facing is "street" (towards the edge), "wall" (away from it), "+" or "-" (along it), or degrees
 #: counter-clockwise from the edge's own direction.
 Placement = tuple[str, float, float, str | float] | tuple[str, float, float, str | float, int]
+#: The same without the metres from the edge.
+Leaning = tuple[str, float, str | float] | tuple[str, float, str | float, int]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,18 +39,29 @@ class Edge:
     Attributes:
       start: (x, y) m, where s = 0.
       degrees: direction in which s grows, counter-clockwise from +x.
-      side: +1 where distances from the edge count to its left, -1 to its right.
+      side: +1 where what lies along the edge is to its left, -1 to its right.
+      sign: -1 where distances count the other way, towards the street: see `back` and `road`.
     """
 
     start: Corner
     degrees: float
     side: int
+    sign: int = 1
+
+    def back(self, width: float) -> "Edge":
+        """The far side of a pavement of a width, distances counted from there towards this edge."""
+        return dataclasses.replace(self, start=self.at(0.0, width), sign=-self.sign)
+
+    def road(self) -> "Edge":
+        """The same edge, distances counted towards the street."""
+        return dataclasses.replace(self, sign=-self.sign)
 
     def at(self, s: float, d: float) -> Corner:
         """(x, y) m of the place s metres along the edge and d metres from it."""
         angle = math.radians(self.degrees)
         c, n = math.cos(angle), math.sin(angle)
-        return self.start[0] + s * c - self.side * d * n, self.start[1] + s * n + self.side * d * c
+        d *= self.side * self.sign
+        return self.start[0] + s * c - d * n, self.start[1] + s * n + d * c
 
     def facing(self, facing: str | float) -> float:
         """Degrees counter-clockwise from +x.
@@ -75,6 +82,13 @@ def edge(start: Corner, end: Corner, side: int) -> Edge:
     return Edge(start, math.degrees(math.atan2(end[1] - start[1], end[0] - start[0])), side)
 
 
+def edges(points: Sequence[Corner], offset: float, side: int) -> list[Edge]:
+    """An edge beside each stretch of a bent line, `offset` metres to its left (side +1) or right (-1), mitred."""
+    line = shapely.LineString(points).offset_curve(side * offset, join_style="mitre", mitre_limit=10.0)
+    corners = [(round(x, 3), round(y, 3)) for x, y in line.coords]
+    return [edge(a, b, side) for a, b in itertools.pairwise(corners)]
+
+
 class Canvas(Stage):
     """Collects the ground and the things of one scene."""
 
@@ -84,6 +98,7 @@ class Canvas(Stage):
         super().__init__(scene_id, seed, things.SIZES)
         self._layers: list[Layer] = []
         self._paint: list[Layer] = []
+        self._cuts: list[ground_layers.Cut] = []
         self._worn: list[tuple[str | Corner, str]] = []
         self._sky: str | None = None
         #: (x, y) m, the walk through the scene: a robot must get from its first to its last point.
@@ -111,8 +126,14 @@ class Canvas(Stage):
         flare: float = 1.0,
     ) -> None:
         """A dropped kerb; see `ground_layers.dropped_kerb`."""
-        for layer in ground_layers.dropped_kerb(self._layers, name, foot, degrees, half_width, run, flare):
+        pieces, cuts = ground_layers.dropped_kerb(self._layers, name, foot, degrees, half_width, run, flare)
+        self._cuts += cuts
+        for layer in pieces:
             self._lay(layer)
+
+    def cut(self, name: str, start: Corner, end: Corner) -> None:
+        """Parts a piece of ground along a line right across it, so that no place has many prisms around it."""
+        self._cuts.append(ground_layers.Cut(name, start, end))
 
     def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:
         for layer in ground_layers.stairs(self._layers, name, foot, degrees, width, count):
@@ -141,7 +162,7 @@ class Canvas(Stage):
     def settle(self) -> None:
         """Turns what was laid into regions; the first thing put down does it too."""
         if not self.regions:
-            self.lay(ground_layers.tiles(self._layers))
+            self.lay(ground_layers.tiles(self._layers, self._cuts))
             self.lay(
                 GroundRegion(p.name, p.kind, tuple((x, y) for x, y in p.outline.exterior.coords[:-1]), p.plane)
                 for p in self._paint
@@ -180,6 +201,8 @@ class Canvas(Stage):
         """
         self.settle()
         if look is not None:
+            if not 0 <= look < len(self.sizes[label]):
+                raise NounError(f"{label}: found look {look}, needed one of 0 to {len(self.sizes[label]) - 1}.")
             size = self.sizes[label][look]
         return self.add(self.make(label, x, y, degrees, size, above))
 
@@ -187,6 +210,15 @@ class Canvas(Stage):
         """Puts down a table of things along an edge."""
         for label, s, d, facing, *look in placements:
             self.put(label, *line.at(s, d), line.facing(facing), look[0] if look else None)
+
+    def against(self, line: Edge, placements: Iterable[Leaning], gap: float = 0.06) -> None:
+        """Puts down a table of things whose nearer sides are `gap` metres from an edge: at a wall, along a kerb."""
+        for label, s, facing, *look in placements:
+            degrees = line.facing(facing)
+            along, across, _ = self.sizes[label][look[0]] if look else self.next_size(label)
+            turn = math.radians(degrees - line.degrees)
+            reach = (abs(along * math.sin(turn)) + abs(across * math.cos(turn))) / 2
+            self.put(label, *line.at(s, gap + reach), degrees, look[0] if look else None)
 
     def row(
         self,
@@ -219,68 +251,10 @@ class Canvas(Stage):
         far = d + LOT_DEPTH
         self.ground(name, kind, [line.at(s0, d), line.at(s1, d), line.at(s1, far), line.at(s0, far)], z)
 
-    # What an eye would object to.
-
-    def problems(self, passage_width: float = PASSAGE) -> list[str]:
-        """Sentences on things off the ground, in one another or half over a kerb, on gaps, and on a blocked tour."""
+    def problems(self, passage_width: float = faults.PASSAGE) -> list[str]:
+        """What an eye would object to, a sentence each; see `faults`."""
         self.settle()
-        solid = [r for r in self.regions if r.kind not in PAINT_KINDS]
-        found = ground_layers.seams(solid)
-        standing = [o for o in self.objects if passage.is_obstacle(o) and self._foot(o) < 0.3]
-        found += [f"{o.id} stands {self._foot(o):.2f} m off the ground" for o in standing if abs(self._foot(o)) > 2e-3]
-        found += [f"{o.id} stands beside the ground" for o in standing if not self._carried(o)]
-        found += [f"{o.id} stands half over a kerb" for o in standing if self._astride(o)]
-        found += self._touching(standing)
-        return found + self._blocked(standing, passage_width)
-
-    def _place(self, thing: GraphObject) -> shapely.Point:
-        return passage.footprint(thing).centroid
-
-    def _foot(self, thing: GraphObject) -> float:
-        """m, how far a thing's box begins above the ground."""
-        spot = self._place(thing)
-        return thing.center[2] - thing.size[2] / 2 - self.ground_height(spot.x, spot.y)
-
-    def _is_house(self, thing: GraphObject) -> bool:
-        return self.sizes[thing.label][0][0] >= 5.0 and thing.size[2] >= 3.2 and thing.size[1] >= 4.0
-
-    def _carried(self, thing: GraphObject) -> bool:
-        """Whether ground lies under a thing, or under a house's front."""
-        shape = passage.footprint(thing)
-        spot = shape if self._is_house(thing) else shape.centroid
-        return any(ring.intersects(spot) for ring, _ in self._planes)
-
-    def _astride(self, thing: GraphObject) -> bool:
-        if self._is_house(thing):
-            return False
-        corners = shapely.get_coordinates(passage.footprint(thing).exterior)[:-1]
-        heights = [self.ground_height(x, y) for x, y in corners]
-        return max(heights) - min(heights) > 0.035
-
-    def _touching(self, standing: Sequence[GraphObject]) -> list[str]:
-        shapes = np.array([passage.footprint(o) for o in standing], dtype=object)
-        found = []
-        for i, j in shapely.STRtree(shapes).query(shapes, predicate="intersects").T:
-            if i < j and shapes[i].intersection(shapes[j]).area > TOUCH:
-                share = shapes[i].intersection(shapes[j]).area
-                found.append(f"{standing[i].id} and {standing[j].id} share {share:.2f} m²")
-        return found
-
-    def _blocked(self, standing: Sequence[GraphObject], width: float) -> list[str]:
-        space = passage.free_space(self.regions, standing, width)
-        pieces = [p for p in shapely.get_parts(space) if isinstance(p, shapely.Polygon)]
-        homes = []
-        for x, y in self.tour:
-            point = shapely.Point(x, y)
-            near = min(range(len(pieces)), key=lambda k: pieces[k].distance(point), default=-1)
-            if near < 0 or pieces[near].distance(point) > 1.0:
-                return [f"the tour's point ({x:g}, {y:g}) is more than 1 m from any place where one can stand"]
-            homes.append(near)
-        return [
-            f"the tour is blocked between {self.tour[i]} and {self.tour[i + 1]}"
-            for i in range(len(homes) - 1)
-            if homes[i] != homes[i + 1]
-        ]
+        return faults.problems(self, self.tour, passage_width)
 
     # The noun.
 
@@ -308,7 +282,7 @@ class Canvas(Stage):
     def _camera_path(self) -> list[tuple[float, float, float, float]]:
         """The tour at eye level, a point every 5 m, looking the way it goes."""
         path = []
-        for a, b in zip(self.tour, self.tour[1:], strict=False):
+        for a, b in itertools.pairwise(self.tour):
             steps = max(1, round(math.dist(a, b) / 5.0))
             yaw = round(math.atan2(b[1] - a[1], b[0] - a[0]), 3)
             for i in range(steps):

@@ -1,6 +1,6 @@
 """Ground drawn as a painter draws: what is laid later lies where it lies, and what was there before is cut away.
 
-The result is regions that tile without overlap: simple rings without holes on a raster of 1 mm, neighbours sharing
+The result is regions that tile without overlap: simple rings without holes on a fine raster, neighbours sharing
 their corners.
 """
 
@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 import shapely
-import shapely.affinity
+import shapely.ops
 
 from ...datatypes import GroundRegion, NounError
 from ...datatypes.ground import height_at
@@ -18,8 +18,8 @@ from ...datatypes.ground import height_at
 Corner = tuple[float, float]
 Plane = tuple[float, float, float]
 
-#: m, raster of all corners.
-GRID = 1e-3
+#: m, raster of all corners: along a long skewed seam a coarser one leaves overlaps that the compiler refuses.
+GRID = 1e-5
 #: m², crumbs of regions up to this are given to nobody: nothing can stand on them.
 CRUMB = 1e-4
 
@@ -78,14 +78,19 @@ def disc(x: float, y: float, radius: float, corners: int = 16) -> list[Corner]:
     return [(x + radius * math.cos(turn * i), y + radius * math.sin(turn * i)) for i in range(corners)]
 
 
+def polar(middle: Corner, degrees: float, reach: float) -> Corner:
+    """The place `reach` metres from a middle in a direction, counter-clockwise from +x."""
+    return middle[0] + reach * math.cos(math.radians(degrees)), middle[1] + reach * math.sin(math.radians(degrees))
+
+
 def strip(points: Sequence[Corner], width: float) -> list[Corner]:
     """Corners of a band of a width (m) around a line of points, its ends cut square and its bends mitred."""
     band = shapely.LineString(points).buffer(width / 2, cap_style="flat", join_style="mitre")
     return [(x, y) for x, y in band.exterior.coords[:-1]]
 
 
-def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
-    """Height (m) of what lies uppermost at a place.
+def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
+    """What lies uppermost at a place.
 
     Raises:
       NounError: nothing lies there.
@@ -93,18 +98,35 @@ def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
     point = shapely.Point(x, y)
     for layer in reversed(layers):
         if layer.outline.intersects(point):
-            return height_at(layer.plane, x, y)
+            return layer
     raise NounError(f"ground: found none at ({x:g}, {y:g}); needed some under it; lay it first.")
 
 
-def tiles(layers: Sequence[Layer]) -> list[GroundRegion]:
+def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
+    """Height (m) of what lies uppermost at a place."""
+    return height_at(layer_at(layers, x, y).plane, x, y)
+
+
+@dataclasses.dataclass(frozen=True)
+class Cut:
+    """A straight line (m) that parts what is visible of one layer: pieces that are convex need fewer prisms."""
+
+    layer: str
+    start: Corner
+    end: Corner
+
+
+def tiles(layers: Sequence[Layer], cuts: Sequence[Cut] = ()) -> list[GroundRegion]:
     """The visible part of every layer as regions, in the order of the layers."""
     covered: shapely.Geometry = shapely.Polygon()
     visible: list[tuple[Layer, list[shapely.Polygon]]] = []
     for layer in reversed(layers):
         rest = shapely.difference(layer.outline, covered, grid_size=GRID)
         parts = [p for p in shapely.get_parts(rest) if isinstance(p, shapely.Polygon) and p.area > CRUMB]
-        visible.append((layer, [q for p in parts for q in _without_holes(p)]))
+        parts = [q for p in parts for q in _without_holes(p)]
+        for cut in (c for c in cuts if c.layer == layer.name):
+            parts = [q for p in parts for q in _parted(p, cut)]
+        visible.append((layer, parts))
         covered = shapely.union(covered, layer.outline, grid_size=GRID)
     regions = []
     for layer, parts in reversed(visible):
@@ -126,15 +148,21 @@ def _without_holes(part: shapely.Polygon) -> list[shapely.Polygon]:
     return [r for q in pieces if isinstance(q, shapely.Polygon) and q.area > CRUMB for r in _without_holes(q)]
 
 
+def _parted(part: shapely.Polygon, cut: Cut) -> list[shapely.Polygon]:
+    pieces = shapely.get_parts(shapely.ops.split(part, shapely.LineString([cut.start, cut.end])))
+    on_grid = [q for p in pieces for q in shapely.get_parts(shapely.set_precision(p, GRID))]
+    return [q for q in on_grid if isinstance(q, shapely.Polygon) and q.area > CRUMB]
+
+
 def _ring(part: shapely.Polygon) -> tuple[Corner, ...]:
-    corners = [(round(x, 3), round(y, 3)) for x, y in shapely.normalize(part).exterior.coords[:-1]]
+    corners = [(round(x, 5), round(y, 5)) for x, y in shapely.normalize(part).exterior.coords[:-1]]
     return tuple(corners)
 
 
 def dropped_kerb(
     layers: Sequence[Layer], name: str, foot: Corner, degrees: float, half_width: float, run: float, flare: float
-) -> list[Layer]:
-    """A ramp from the road up to the pavement and its two flares.
+) -> tuple[list[Layer], list[Cut]]:
+    """A ramp from the road up to the pavement and its two flares, and the cuts that part the pavement beside it.
 
     Args:
       foot: on the kerb, middle of the ramp's lower edge. degrees: uphill, counter-clockwise from +x.
@@ -155,12 +183,14 @@ def dropped_kerb(
     left, right, left_top, right_top = at(-half_width, 0), at(half_width, 0), at(-half_width, run), at(half_width, run)
     slope = plane_through([(*left, low), (*right, low), (*left_top, high)])
     found = [Layer(name, "sidewalk", outline([left, right, right_top, left_top]), slope)]
-    for side, inner, top in ((-1, left, left_top), (1, right, right_top)):
+    for side, inner, top in ((-1, left, left_top), (1, right, right_top)) if flare else ():
         outer = at(side * (half_width + flare), 0)
         tilt = plane_through([(*outer, high), (*inner, low), (*top, high)])
         ring = outline([outer, inner, top])
         found.append(Layer(f"{name}_flare_{'a' if side < 0 else 'b'}", "sidewalk", ring, tilt))
-    return found
+    behind = layer_at(layers, *at(0.0, run + 0.05)).name
+    sides = [Cut(behind, at(side * half_width, run - 0.2), at(side * half_width, run + 30.0)) for side in (-1, 1)]
+    return found, sides
 
 
 def stairs(
@@ -193,7 +223,7 @@ def seams(regions: Sequence[GroundRegion]) -> list[str]:
     whole = shapely.union_all(shapes, grid_size=GRID)
     for part in shapely.get_parts(whole):
         for hole in part.interiors:
-            if shapely.Polygon(hole).area < 0.5:
+            if 5 * CRUMB < shapely.Polygon(hole).area < 0.5:
                 x, y = hole.centroid.x, hole.centroid.y
                 found.append(f"a slit of {shapely.Polygon(hole).area:.4f} m² at ({x:.2f}, {y:.2f})")
     return found

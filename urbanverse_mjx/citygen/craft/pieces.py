@@ -6,12 +6,33 @@ from collections.abc import Sequence
 
 import shapely
 
+from .. import catalogue
+from . import things
 from .canvas import Canvas, Edge
 from .ground_layers import Corner
+
+#: What things of the last six scenes come in: the streets' few plain sizes first, so that a table without a look is a
+#: small one, and the looks that only hands use behind them.
+SIZES: dict[str, tuple[catalogue.Size, ...]] = (
+    things.SIZES
+    | catalogue.SIZES
+    | {
+        "scooter": things.SIZES["scooter"],
+        "bench": (*catalogue.SIZES["bench"], (0.48, 1.52, 0.45), (0.5, 1.98, 0.44)),
+        "fence": (*catalogue.SIZES["fence"], (0.13, 2.51, 1.8), (0.6, 2.36, 1.96)),
+    }
+)
 
 JOINT = 0.08  # m at either end of a row of fence, so that rows may meet at a corner
 SEAT = 0.72  # m from the middle of a small table to that of a chair drawn up to it
 ABREAST = 0.62  # m between bicycles that share a stand
+
+
+def blank(scene_id: str) -> Canvas:
+    """A canvas with this module's sizes."""
+    canvas = Canvas(scene_id)
+    canvas.sizes = SIZES
+    return canvas
 
 
 def table(

@@ -6,7 +6,7 @@ terrace, and goes on north to a street. Guests, boards, barrels and a van that s
 
 from . import ground_layers as lay
 from .canvas import Canvas, edge
-from .pieces import apron, barrel, people, table, tables
+from .pieces import apron, barrel, blank, people, table, tables
 
 ID = "07_narrow_alley_outdoor_dining"
 PAVED, TERRACE = 0.12, 0.3  # m over the street's asphalt
@@ -314,7 +314,7 @@ def _street(c: Canvas) -> None:
 
 
 def build() -> Canvas:
-    c = Canvas(ID)
+    c = blank(ID)
     _ground(c)
     _walls(c)
     _first_arm(c)

@@ -6,7 +6,7 @@ north the lane runs behind a bus island; cable trenches, terraces, goods and hir
 
 from . import ground_layers as lay
 from .canvas import Canvas, edge
-from .pieces import people, tables
+from .pieces import blank, people, tables
 
 ID = "08_commercial_street_bike_lane_dual_sidewalks"
 LENGTH, PAVED = 96.0, 0.14
@@ -358,7 +358,7 @@ def _ends(c: Canvas) -> None:
 
 
 def build() -> Canvas:
-    c = Canvas(ID)
+    c = blank(ID)
     _ground(c)
     _fronts(c)
     _north(c)

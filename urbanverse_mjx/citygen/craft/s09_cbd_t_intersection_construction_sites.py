@@ -7,7 +7,7 @@ barriers, and up again; in the side street scaffolders and cable layers leave 1.
 
 from . import ground_layers as lay
 from .canvas import Canvas, edge
-from .pieces import chain, people, table
+from .pieces import blank, chain, people, table
 
 ID = "09_cbd_t_intersection_construction_sites"
 LENGTH, PAVED = 96.0, 0.18
@@ -424,7 +424,7 @@ def _ends(c: Canvas) -> None:
 
 
 def build() -> Canvas:
-    c = Canvas(ID)
+    c = blank(ID)
     _ground(c)
     _fronts(c)
     _site(c)

@@ -7,7 +7,7 @@ other. A square with a bookstall lies on the north-eastern corner; an ambulance 
 
 from . import ground_layers as lay
 from .canvas import Canvas, edge
-from .pieces import apron, chain, people, table
+from .pieces import apron, blank, chain, people, table
 
 ID = "10_cbd_cross_intersection_diverse_obstacles"
 PAVED, LOW = 0.15, 0.05
@@ -451,7 +451,7 @@ def _road(c: Canvas) -> None:
 
 
 def build() -> Canvas:
-    c = Canvas(ID)
+    c = blank(ID)
     _ground(c)
     _fronts(c)
     _north_west(c)

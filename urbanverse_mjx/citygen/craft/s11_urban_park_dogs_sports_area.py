@@ -7,7 +7,7 @@ to. Blankets, tables, bicycles, mowers and forty people and dogs keep to no path
 
 from . import ground_layers as lay
 from .canvas import Canvas, edge
-from .pieces import apron, chain, people, table
+from .pieces import apron, blank, chain, people, table
 
 ID = "11_urban_park_dogs_sports_area"
 PAVED, TERRACE = 0.15, 0.45
@@ -406,7 +406,7 @@ def _paths(c: Canvas) -> None:
 
 
 def build() -> Canvas:
-    c = Canvas(ID)
+    c = blank(ID)
     _ground(c)
     _fronts(c)
     _edges(c)

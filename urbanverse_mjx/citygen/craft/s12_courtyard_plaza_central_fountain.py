@@ -7,7 +7,7 @@ leads to a yard of bins and bicycles, one in the north past deliveries. No road 
 
 from . import ground_layers as lay
 from .canvas import Canvas, edge
-from .pieces import apron, barrel, bicycles, people, table
+from .pieces import apron, barrel, bicycles, blank, people, table
 
 ID = "12_courtyard_plaza_central_fountain"
 SQUARE, WALK, TERRACE = 0.0, 0.2, 0.5
@@ -336,7 +336,7 @@ def _yards(c: Canvas) -> None:
 
 
 def build() -> Canvas:
-    c = Canvas(ID)
+    c = blank(ID)
     _ground(c)
     _fronts(c)
     _fountain(c)
