@@ -201,7 +201,7 @@ def _corner_life(c: Canvas) -> None:
             ("bollard", 57.6, 0.45, "street"),
             ("potted plant", 64.4, 4.2, "street", 1),
             ("potted plant", 66.8, 4.2, "street", 1),
-            ("sculpture", 66.0, 2.4, "street", 0),
+            ("sculpture", 66.0, 1.4, "street", 0),
             ("bench", 69.0, 1.3, "wall", 3),
             ("bench", 72.0, 1.3, "wall", 3),
             ("tree", 70.5, 0.9, 40.0),
@@ -268,8 +268,8 @@ def _corner_life(c: Canvas) -> None:
             ("pedestrian adult", 3.4, 9.2, 0.0),
             ("pedestrian adult", 30.2, 10.2, 190.0),
             ("pedestrian adult", 33.0, 9.0, 170.0),
-            ("pedestrian adult", 36.6, 3.2, -90.0),
-            ("pedestrian adult", 35.2, 4.0, -85.0),
+            ("pedestrian adult", 37.3, 3.2, -90.0),
+            ("pedestrian adult", 34.7, 4.0, -85.0),
             ("pedestrian adult", 60.2, -2.6, 90.0),
             ("pedestrian adult", 61.4, 3.4, 95.0),
             ("pedestrian adult", 68.2, 10.3, 180.0),
@@ -359,7 +359,7 @@ def _stem(c: Canvas) -> None:
             ("bench", 12.4, 1.0, "wall", 3),
             ("bicycle", 18.4, 1.2, "+"),
             ("potted plant", 33.0, 4.0, "street", 1),
-            ("advertising board", 30.4, 3.0, "-"),
+            ("advertising board", 30.4, 4.0, "-"),
             ("advertising board", 40.8, 2.6, "+"),
             ("storage box", 44.4, 4.0, "street", 1),
             ("pedestrian adult", 3.6, 2.4, "+"),
@@ -433,7 +433,16 @@ def build() -> Canvas:
     _stem(c)
     _ends(c)
     c.tour = [(1.5, 9.2), (20.0, 8.6), (36.0, 9.6), (42.0, 12.0), (55.6, 12.0), (55.6, 9.8), (66.0, 10.4), (97.5, 9.6)]
-    c.tour += [(97.5, -9.6), (86.0, -9.0), (80.1, -6.2), (66.0, -6.2), (61.0, -9.2), (36.0, -9.2), (2.0, -9.5), (-10.4, -9.5)]
+    c.tour += [
+        (97.5, -9.6),
+        (86.0, -9.0),
+        (80.1, -6.2),
+        (66.0, -6.2),
+        (61.0, -9.2),
+        (36.0, -9.2),
+        (2.0, -9.5),
+        (-10.4, -9.5),
+    ]
     c.tour += [(2.0, -9.5), (36.0, -9.4), (36.0, 9.4), (41.4, 13.6), (41.6, 30.0), (41.6, 58.0), (49.0, 59.8)]
     c.tour += [(56.2, 58.0), (56.9, 34.0), (56.4, 14.0)]
     return c

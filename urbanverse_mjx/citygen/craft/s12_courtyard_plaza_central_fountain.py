@@ -1,8 +1,8 @@
 """A courtyard behind the town hall: a fountain in a sunken square, and everybody's chairs around it.
 
 The square (38 by 26 m) lies 20 cm below the walk that runs along its four fronts; ramps lead down in four places and
-nowhere else. Stalls, a concert, a wedding, terraces, a scaffold and planters stand on both levels; a passage in the west
-leads to a yard of bins and bicycles, one in the north past deliveries. No road anywhere.
+nowhere else. Stalls, a concert, a wedding, terraces, a scaffold and planters stand on both levels; a passage in the
+west leads to a yard of bins and bicycles, one in the north past deliveries. No road anywhere.
 """
 
 from . import ground_layers as lay
@@ -233,7 +233,7 @@ def _terraces(c: Canvas) -> None:
     c.put("sunshade", 22.4, 4.2, 0.0)
     c.put("potted plant", 20.0, 9.0, 0.0, 0)
     c.put("potted plant", 19.9, 2.0, 0.0, 0)
-    c.put("advertising board", 21.4, 10.6, 90.0)
+    c.put("advertising board", 20.3, 10.9, 90.0)
     c.put("advertising board", 20.4, -5.8, 90.0)
     for x, y, turn in ((23.1, -7.6, 0.0), (23.0, -9.0, 30.0), (23.0, -10.3, 70.0), (22.2, -8.4, 10.0)):
         c.put("flower", x, y, turn)
@@ -346,7 +346,34 @@ def build() -> Canvas:
     _town_hall(c)
     _terraces(c)
     _yards(c)
-    c.tour = [(-38.0, -1.0), (-26.0, -1.0), (-20.6, 3.2), (-17.0, 5.0), (-9.6, 0.5), (-8.0, -7.0), (-8.0, -14.2), (-18.0, -14.6)]
-    c.tour += [(-8.0, -14.2), (14.0, -14.0), (21.0, -12.4), (21.2, -3.0), (17.0, -3.0), (9.6, 0.0), (9.0, 12.0), (10.0, 14.6)]
-    c.tour += [(16.0, 19.4), (16.4, 25.4), (16.0, 15.0), (21.4, 12.0), (21.6, 1.0), (9.0, 14.6), (-8.0, 14.0), (-18.0, 14.2)]
+    c.tour = [
+        (-38.0, -1.0),
+        (-26.0, -1.0),
+        (-20.6, 3.2),
+        (-17.0, 5.0),
+        (-9.6, 0.5),
+        (-8.0, -7.0),
+        (-8.0, -14.2),
+        (-18.0, -14.6),
+    ]
+    c.tour += [
+        (-8.0, -14.2),
+        (14.0, -14.0),
+        (21.0, -12.4),
+        (21.2, -3.0),
+        (17.0, -3.0),
+        (9.6, 0.0),
+        (9.0, 12.0),
+        (10.0, 14.6),
+    ]
+    c.tour += [
+        (16.0, 19.4),
+        (16.4, 25.4),
+        (16.0, 15.0),
+        (21.4, 12.0),
+        (21.6, 1.0),
+        (9.0, 14.6),
+        (-8.0, 14.0),
+        (-18.0, 14.2),
+    ]
     return c
