@@ -3,8 +3,9 @@
     python -m benchmarks.library_tours --out DIR [--set autobench] [--only Tokyo] [--workers 16]
 
 writes DIR/<set>/<layout>/graph.json.gz (what `scenes/` holds) and DIR/scores/<set>/<layout>.json: how faithful the
-graph is to what stood there, as `benchmarks.fidelity` scores it. Layouts whose two files are there are left alone, so
-a stopped run goes on. One process a layout at a time, on the CPU; some 1.5 GB each. Prints one JSON line.
+graph is to what stood there, as `benchmarks.fidelity` scores it, and DIR/sheets/<layout>.jpg: 12 frames. Layouts whose
+graph and scores are there are left alone, so a stopped run goes on. One process a layout at a time, on the CPU; some
+1.5 GB each. Prints one JSON line.
 """
 
 import argparse
@@ -18,10 +19,14 @@ import tempfile
 import time
 from typing import Any
 
+import numpy as np
+from PIL import Image
+
 from benchmarks import _fidelity_scores as scores
 from urbanverse_mjx import settings
 from urbanverse_mjx.citygen import cities
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.citygen.cities.block import LENGTH
+from urbanverse_mjx.datatypes import NounError, Recording, SceneGraph
 from urbanverse_mjx.datatypes import validation as v
 
 
@@ -32,10 +37,11 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--set", choices=sorted(cities.PROFILES), action="append", help="default: all")
     parser.add_argument("--only", default="", help="layouts with this in their id")
     parser.add_argument("--workers", type=int, default=settings.num_threads())
+    parser.add_argument("--length", type=float, default=LENGTH, help="m of street; shorter ones to try things out")
     parser.add_argument("--keep", action="store_true", help="keep the recordings in DIR/recordings")
     arguments = parser.parse_args(argv)
     jobs = [
-        (name, layout, arguments.out, arguments.keep)
+        (name, layout, arguments.out, arguments.keep, arguments.length)
         for name in arguments.set or sorted(cities.PROFILES)
         for layout in cities.layouts(name)
         if arguments.only in layout and not all(p.is_file() for p in _files(arguments.out, name, layout))
@@ -64,7 +70,7 @@ def _files(out: pathlib.Path, name: str, layout: str) -> tuple[pathlib.Path, pat
     return out / name / layout / "graph.json.gz", out / "scores" / name / f"{layout}.json"
 
 
-def _film(name: str, layout: str, out: pathlib.Path, keep: bool) -> dict[str, Any]:
+def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
     """One layout in this process: its graph and its scores."""
     from urbanverse_mjx.capture.truth import object_id, object_slots
     from urbanverse_mjx.cli.library.tours import film
@@ -73,9 +79,10 @@ def _film(name: str, layout: str, out: pathlib.Path, keep: bool) -> dict[str, An
     begin, processor = time.monotonic(), time.process_time()
     with tempfile.TemporaryDirectory(prefix="urbanverse-tour-") as work:
         folder = out / "recordings" / layout if keep else pathlib.Path(work)
-        made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder)
+        made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder, length)
         truth = SceneGraph.load(folder / "truth.json").objects
         seen = scores.seen_things(made.recording, truth)
+        _sheet(made.recording, out / "sheets" / f"{layout}.jpg")
     ids = {t.id for t in seen}
     turnable = {}
     for slot in object_slots(made.bank, 0):
@@ -95,6 +102,14 @@ def _film(name: str, layout: str, out: pathlib.Path, keep: bool) -> dict[str, An
     made.graph.save(graph_file)
     v.write_json(score_file, figures)
     return {**figures, "kB": round(graph_file.stat().st_size / 1e3, 1)}
+
+
+def _sheet(recording: Recording, path: pathlib.Path) -> None:
+    """Twelve frames of a tour, four in a row."""
+    frames = [recording.rgb(int(i)) for i in np.linspace(1, len(recording) - 2, 12)]
+    rows = [np.concatenate(frames[k : k + 4], axis=1) for k in range(0, 12, 4)]
+    picture = Image.fromarray(np.concatenate(rows))
+    v.write_atomically(path, lambda p: picture.save(p, "JPEG", quality=85))
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ class Sizes(NamedTuple):
     """
 
     bodies: int
-    awake: int = 4
+    awake: int = 3
     hulls: int = 4
 
 

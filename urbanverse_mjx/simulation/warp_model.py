@@ -24,6 +24,9 @@ from .body_table import BodyTable
 from .hull_contact import planes_and_edges
 from .physics_model import PhysicsModel, bare_robot
 
+#: What MuJoCo Warp's dense solver takes; up to 32 it factorises in one piece, which is faster.
+MOST_VELOCITIES = 60
+
 
 @dataclasses.dataclass(frozen=True)
 class RobotModel:
@@ -83,7 +86,8 @@ def build_robot_model(
       awake: free bodies beside it; table: the things that they may be.
 
     Raises:
-      NounError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry.
+      NounError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry, or more
+        velocities than the solver takes.
     """
     spec = bare_robot(mujoco.MjSpec.from_string(physics.spec.mjcf))
     for geom in spec.geoms:
@@ -91,8 +95,14 @@ def build_robot_model(
     size = [0.01, 0.0, 0.0]
     spec.worldbody.add_geom(name="hulls", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, contype=0, conaffinity=0)
     _add_free_bodies(spec, awake)
+    # Left to itself MuJoCo Warp turns to sparse rows above 32 velocities, for which it keeps no room where contacts are
+    # ours: everything would fall through the ground.
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     spec.option.iterations, spec.option.ls_iterations = iterations, line_steps
     model = spec.compile()
+    if model.nv > MOST_VELOCITIES:
+        found = f"{model.nv} velocities of the robot and {awake} bodies"
+        raise v.fail("engine.movable.awake", found, f"at most {MOST_VELOCITIES}", "let fewer be awake at once")
     for name, what in (
         ("na", "activations"),
         ("neq", "equalities"),

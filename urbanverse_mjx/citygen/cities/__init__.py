@@ -7,7 +7,7 @@ from .profile import CityProfile
 
 _LIBRARY = (africa, asia, europe, middle_east, north_america, oceania, south_america)
 
-#: The paper's 32 cities (appendix on the scene library), one layout each, and AutoBench's ten, none of them among those.
+#: The paper's 32 cities (appendix on the scene library), one layout each, and AutoBench's ten others.
 PROFILES: dict[str, tuple[CityProfile, ...]] = {
     "urbanverse160": tuple(p for continent in _LIBRARY for p in continent.PROFILES),
     "autobench": autobench.PROFILES,

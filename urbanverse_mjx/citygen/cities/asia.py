@@ -135,8 +135,8 @@ PROFILES = (
             "vendors 5, display 4, rubbish 4, cluster motorcycle 4, cluster rickshaw 2, terrace 1, spread "
             "utility pole 1"
         ),
-        hung=m("banner 6, awning 3, air conditioner 4"),
-        hangings=28,
+        hung=m("banner 3, pennant#1 2, advertising board#3 2, awning 3, air conditioner 5, lantern 1"),
+        hangings=28.0,
         trees=m("wide 1"),
         spacing=30.0,
         asphalt=m("asphalt_old-patched 1, asphalt_bleached-sanded 1"),
@@ -186,8 +186,8 @@ PROFILES = (
             "cluster bicycle 5, row bollard 2, row guard rail#1 2, cluster vending machine 3, works 1, "
             "spread utility pole 1, planters 4"
         ),
-        hung=m("banner#1 8, air conditioner 4, lantern#1 3, awning#0 1"),
-        hangings=34,
+        hung=m("banner#1 3, banner#0 2, lantern#1 5, air conditioner 5, awning#0 1, advertising board#3 2"),
+        hangings=34.0,
         trees=m("slim 1"),
         spacing=0.0,
         asphalt=m("asphalt_used 2, asphalt_new 1"),
@@ -235,8 +235,8 @@ PROFILES = (
         people=m("pedestrian adult 12, elderly person 3, pedestrian child 1, police officer 0.3"),
         crowd=11,
         groups=m("planters 5, cluster bicycle 2, seats 1, cafe 1, spread lamppost 1"),
-        hung=m("lantern#1 10, banner#1 5, awning#0 0.5"),
-        hangings=30,
+        hung=m("lantern#1 10, lantern#0 5, banner#1 1, awning#0 0.5, pennant#0 3"),
+        hangings=32.0,
         trees=m("blossom 3, young 1"),
         spacing=13.0,
         asphalt=m("asphalt_used 1, setts_granite 1"),
@@ -376,8 +376,8 @@ PROFILES = (
         people=BUSY,
         crowd=13,
         groups=m("cluster scooter 3, stalls 2, terrace 2, rubbish 3, display 2, spread utility pole 1, row bollard 2"),
-        hung=m("banner 9, air conditioner 4, awning#0 1"),
-        hangings=34,
+        hung=m("banner#0 3, banner#1 3, advertising board#3 3, air conditioner 5, lantern 1, awning#0 1"),
+        hangings=34.0,
         trees=m("young 1, street 1"),
         spacing=22.0,
         asphalt=m("asphalt_used 1, lane_red-painted_red_worn 0.3"),

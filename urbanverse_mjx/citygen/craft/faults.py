@@ -81,8 +81,10 @@ def _blocked(
     homes = []
     for x, y in tour:
         point = shapely.Point(x, y)
-        near = min(range(len(pieces)), key=lambda k: pieces[k].distance(point), default=-1)
-        if near < 0 or pieces[near].distance(point) > REACH:
+        near = max(
+            (k for k, p in enumerate(pieces) if p.distance(point) <= REACH), key=lambda k: pieces[k].area, default=-1
+        )
+        if near < 0:
             return [f"the tour's point ({x:g}, {y:g}) is more than {REACH:g} m from any free place"]
         homes.append(near)
     found = []

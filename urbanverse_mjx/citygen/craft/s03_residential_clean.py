@@ -89,7 +89,7 @@ GARDENS_LEFT = (
         ("pedestrian adult", 27.1, 6.2, 180.0, 2),
         ("pedestrian adult", 24.0, 4.5, 60.0, 3),
         ("beach chair", 28.4, 5.0, 120.0, 2),
-        ("tree", 31.6, 8.4, 80.0, 4),
+        ("tree", 31.6, 6.6, 80.0, 1),
     ),
     (
         ("flower", 5.4, 7.9, 0.0, 1),
@@ -99,7 +99,7 @@ GARDENS_LEFT = (
         ("gardener", 8.8, 4.7, 30.0, 1),
         ("trampoline", 19.2, 6.3, 0.0, 0),
         ("pedestrian child", 20.9, 5.0, 140.0, 0),
-        ("tree", 22.0, 7.2, 0.0, 3),
+        ("tree", 22.0, 7.2, 0.0, 0),
         ("potted plant", 28.4, 8.2, "street", 0),
         ("potted plant", 30.8, 8.2, "street", 0),
         ("skateboard", 28.0, 5.0, 40.0, 0),
@@ -156,7 +156,7 @@ GARDENS_RIGHT = (
         ("flower", 9.6, 8.0, 0.0, 0),
         ("basketball", 17.0, 4.6, 0.0, 0),
         ("pedestrian child", 18.0, 5.4, 240.0, 1),
-        ("tree", 24.0, 6.4, 0.0, 4),
+        ("tree", 24.0, 6.4, 0.0, 0),
         ("ladder", 20.2, 8.0, "street", 1),
         ("maintenance worker", 21.2, 7.2, 60.0, 1),
         ("toolbox", 20.0, 7.0, 30.0, 0),
@@ -229,6 +229,7 @@ def build() -> Canvas:
     _ends(street)
     street.wear("road", "road/asphalt_new")
     street.wear((5.0, 6.2), "sidewalk/concrete_pale")
+    street.wear((5.0, -6.2), "sidewalk/concrete_pale")
     street.wear("ground", "grass")
     street.sky("summer_afternoon-few_cumulus")
     street.tour = [left[0].at(2.0, 2.6), left[0].at(17.0, 2.6), right[0].at(17.0, 2.6), right[0].at(32.0, 2.6)]
@@ -247,7 +248,12 @@ def _lay(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
     for name, lines, drives in (("left", left, DRIVES_LEFT), ("right", right, DRIVES_RIGHT)):
         for number, (line, places) in enumerate(zip(lines, drives, strict=True)):
             for s in places:
-                ring = [line.at(s - 1.5, 0), line.at(s + 1.5, 0), line.at(s + 1.5, FRONT), line.at(s - 1.5, FRONT)]
+                ring = [
+                    line.at(s - 1.5, 0),
+                    line.at(s + 1.5, 0),
+                    line.at(s + 1.5, FRONT + 2.5),
+                    line.at(s - 1.5, FRONT + 2.5),
+                ]
                 street.ground(f"{name}_drive_{number}_{s:.0f}", "sidewalk", ring, KERB)
                 street.ramp(f"{name}_drive_ramp_{number}_{s:.0f}", line.at(s, 0), line.facing("wall"), 1.5, 0.9, 0.0)
     for name, line in (("left", left[0]), ("right", right[0])):
@@ -258,7 +264,7 @@ def _lay(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
 
 def _hedges(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
     """Hedges and fences between the gardens, and fences that close the gaps between the houses."""
-    gaps_left = (((10.34, 1.7), (20.75, 1.45), (30.9, 2.0)), ((2.9, 1.6), (14.48, 3.1), (24.16, 2.0)))
+    gaps_left = (((10.34, 1.7), (20.75, 1.45), (30.9, 2.0)), ((3.1, 1.2), (14.48, 3.1), (24.16, 2.0)))
     gaps_left += (((10.54, 2.75), (22.03, 2.3)),)
     gaps_right = (((11.36, 3.1), (23.36, 2.95), (33.9, 1.4)), ((10.13, 2.1), (21.24, 2.45), (30.9, 2.6)))
     gaps_right += (((2.7, 2.6), (14.12, 2.2)),)

@@ -55,7 +55,7 @@ KERBSIDE = (
 BROAD_SIDE = (
     ("bench", 3.2, 3.1, "+", 3),
     ("plant pot", 4.8, 3.1, 0.0, 1),
-    ("advertising board", 11.0, 5.4, "+", 0),
+    ("advertising board", 10.9, 6.3, 20.0, 0),
     ("pedestrian adult", 9.0, 3.6, "+", 0),
     ("pedestrian adult", 9.2, 4.3, "+", 3),
     ("dog", 13.0, 3.2, "-", 3),
@@ -148,7 +148,7 @@ NARROW_PEOPLE = (
     ("delivery worker", 12.9, -0.6, "+", 1),
     ("pedestrian adult", 33.0, 0.75, "+", 3),
     ("pedestrian adult", 46.2, 1.9, "street", 2),
-    ("delivery worker", 51.0, 0.7, "+", 0),
+    ("delivery worker", 51.2, -0.7, "+", 0),
     ("pedestrian adult", 68.6, 1.9, 30.0, 4),
     ("pedestrian child", 59.8, 2.3, "+", 0),
     ("pedestrian adult", 76.3, 0.7, "+", 0),
@@ -191,7 +191,7 @@ def build() -> Canvas:
     # the terraces
     laid_table(street, 16.6, 8.4, 180.0, (0.0, 180.0), 0)
     laid_table(street, 19.6, 8.4, 30.0, (0.0, 120.0, 240.0))
-    laid_table(street, 59.0, 8.2, 0.0, (0.0, 180.0), 1)
+    laid_table(street, 59.0, 8.2, 0.0, (0.0, 180.0))
     laid_table(street, 61.8, 8.4, 45.0, (0.0, 90.0, 180.0))
     laid_table(street, 63.9, 6.3, 180.0, (0.0, 160.0), 0)
     laid_table(street, 73.6 + 3.4, 8.5, 0.0, (0.0, 180.0))

@@ -152,7 +152,7 @@ LEFT_PEOPLE = (
         ("pedestrian adult", 21.4, 1.5, 210.0, 2),
         ("cat", 18.8, 2.6, 40.0, 1),
     ),
-    (("pedestrian adult", 1.0, 1.4, 60.0, 2), ("umbrella", 9.6, 3.4, 0.0, 0)),
+    (("pedestrian adult", 1.0, 1.4, 60.0, 2),),
 )
 RIGHT_PEOPLE = (
     (

@@ -16,7 +16,7 @@ from ...capture import CameraPath, TourOptions, tour
 from ...capture.path import camera_poses
 from ...capture.street import StreetGrid, street_grid
 from ...citygen.cities import CityProfile, block
-from ...citygen.cities.block import VERSION
+from ...citygen.cities.block import LENGTH, VERSION
 from ...datatypes import Recording, SceneBank, SceneGraph, Source
 from ...distillation import distil
 from ...materialisation import index_of, materialise_cousins
@@ -43,17 +43,17 @@ class Tour:
     graph: SceneGraph
 
 
-def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path) -> Tour:
+def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, length: float = LENGTH) -> Tour:
     """Makes, films and distils one block.
 
     Args:
       profile, seed: of the block. name: id of the layout.
-      folder: of the recording, some 30 MB.
+      folder: of the recording, some 30 MB. length: m of street.
 
     Raises:
       NounError: a profile that asks for what the asset index does not hold, or a tour that saw no ground.
     """
-    truth = block(profile, seed, name)
+    truth = block(profile, seed, name, length)
     layout = materialise_cousins(truth, 1, kerb=0.0)[0].layout
     geometry = scene_geometry(layout, index_of(layout))
     geometry = dataclasses.replace(geometry, episodes=_one_episode(truth))
