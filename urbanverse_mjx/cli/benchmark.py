@@ -176,7 +176,7 @@ def _config(
 
     environment = environment or args.env_name or "CocoNav"
     values = trained or registry.get_default_config(environment, args.preset).to_dict()
-    config = evaluation_config(environment, values, list(runs.scenes), args.dynamic)
+    config = evaluation_config(environment, values, ",".join(runs.scenes), args.dynamic)
     fresh = registry.get_default_config(environment, "paper")
     task = {
         "impl": args.impl,

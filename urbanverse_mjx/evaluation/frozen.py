@@ -236,7 +236,7 @@ def freeze(
     for row, scene in enumerate(bank.scene_ids):
         if scene not in bank.meta.get("hashes", {}):
             raise v.fail(f"bank: scene {scene!r}", "no hash", "a bank that was packed from compiled scenes")
-        rows = _rows(bank, row, half)
+        rows = np.arange(int(bank.num_episodes[row])) if half is None else half_rows(bank, row, half)
         if len(rows) < count:
             raise v.fail(f"scene {scene!r}", f"{len(rows)} episodes that fit", f"at least {count}")
         rows = rows[np.linspace(0, len(rows) - 1, count).round().astype(int)]
@@ -249,10 +249,9 @@ def freeze(
     return Protocol(name, paper, tuple(scenes))
 
 
-def _rows(bank: SceneBank, scene: int, half: float | None) -> np.ndarray:
+def half_rows(bank: SceneBank, scene: int, half: float) -> np.ndarray:
+    """(n,) rows of a scene's table that stay within the first half of its longer side, and within `half` m of it."""
     number = int(bank.num_episodes[scene])
-    if half is None:
-        return np.arange(number)
     places = np.concatenate(
         [bank.episode_start[scene, :number, None, :2], bank.episode_waypoints[scene, :number, :, :2]], 1
     )

@@ -57,7 +57,8 @@ class Motion:
     """How a robot answers a command (v, omega).
 
     Attributes:
-      speed_lag, turn_lag: s, time constants.
+      speed_lag, turn_lag: s, time constants; the second one's of a turn on the spot.
+      eases: m/s, speed at which the turn's lag is half of that: a robot on wheels that roll turns in more easily.
       pivot: m, how far behind the root body's origin the point lies that moves straight ahead (the rear axle).
       curvature: 1/m, of the tightest bend; infinite for who turns on the spot.
     """
@@ -66,12 +67,13 @@ class Motion:
     turn_lag: float
     pivot: float
     curvature: float
+    eases: float = np.inf
 
 
 #: Robot -> motion; tests/evaluation/test_planner.py drives COCO's in C MuJoCo. The Go2's lag is that of its gait's
 #: training (docs/decisions/go2.md); others get `DEFAULT`.
 MOTIONS = {
-    "coco_differential": Motion(0.32, 0.40, 0.23, np.inf),
+    "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),
     "go2": Motion(0.25, 0.25, 0.0, np.inf),
 }
@@ -158,7 +160,7 @@ class Planner:
         self._to_hull, self._to_edge = (
             _Field.of(x, scenes, self._room.origin) for x in (self._room.to_hull, self._room.to_edge)
         )
-        self._first = jnp.asarray(_commands(robot, self._motion, _SPEEDS, _TURNS), jnp.float32)
+        self.first = jnp.asarray(_commands(robot, self._motion, _SPEEDS, _TURNS), jnp.float32)
         self._after = jnp.asarray(_commands(robot, self._motion, _SPEEDS_AFTER, _TURNS_AFTER), jnp.float32)
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Way:
@@ -182,7 +184,7 @@ class Planner:
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         agents = self._agents(nav) if self._people else None
         state = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw, speed, nav.sim.qvel[5]]))
-        best = self._first[jnp.argmin(self.costs(nav.sim.scene, state, way, agents).min(1))]
+        best = self.first[jnp.argmin(self.costs(nav.sim.scene, state, way, agents).min(1))]
         return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
 
     def costs(self, scene: Any, state: Any, way: Way, agents: Any) -> Any:
@@ -206,7 +208,7 @@ class Planner:
             speeds = jnp.array(_FOLLOW) * self._robot.max_speed
             return jnp.concatenate([held, jax.vmap(lambda v: _cost(drive(middle, v, follow=True)))(speeds)])
 
-        return jax.vmap(whole)(self._first)
+        return jax.vmap(whole)(self.first)
 
     def _agents(self, nav: NavState) -> Any:
         """(A, 6) x, y, vx, vy, radius, presence of moving agents, long ones as discs around the whole of them."""
@@ -233,7 +235,8 @@ class Planner:
         """The drive at its look `k`."""
         motion, dt = self._motion, _LOOKS[k]
         v = command[0] + (ahead.speed - command[0]) * np.exp(-dt / motion.speed_lag)
-        w = command[1] + (ahead.turn - command[1]) * np.exp(-dt / motion.turn_lag)
+        turn_lag = motion.turn_lag / (1.0 + 0.5 * jnp.abs(v + ahead.speed) / motion.eases)
+        w = command[1] + (ahead.turn - command[1]) * jnp.exp(-dt / turn_lag)
         mean_v, mean_w = 0.5 * (v + ahead.speed), 0.5 * (w + ahead.turn)
         heading, side = ahead.pose[2] + 0.5 * mean_w * dt, motion.pivot * mean_w
         c, s = jnp.cos(heading), jnp.sin(heading)
