@@ -10,6 +10,7 @@ from importlib import metadata
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
@@ -182,6 +183,26 @@ def initial_params(observations: dict[str, Any], action_size: int, ppo_config: C
     nets = network_factory(ppo_config)({k: tuple(s) for k, s in observations.items()}, action_size)
     key_policy, key_value = jax.random.split(jax.random.PRNGKey(seed))
     return None, nets.policy_network.init(key_policy), nets.value_network.init(key_value)
+
+
+def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> Any:
+    """The newest parameters under `folder`, for networks that a training in `env` makes; {} for the critic of a policy
+    without one.
+
+    Raises:
+      NounError: no policy there, or networks of other shapes.
+    """
+    path = latest_policy(folder)
+    found = load_params(path)
+    observations = {name: tuple(shape) for name, shape in env.observation_size.items()}
+    needed = jax.eval_shape(lambda: initial_params(observations, env.action_size, ppo_config, 0))
+    for part, mine, theirs in (("actor", needed[1], found[1]), ("critic", needed[2], found[2])):
+        if (part == "actor" or theirs) and jax.tree.map(jnp.shape, mine) != jax.tree.map(jnp.shape, theirs):
+            raise NounError(
+                f"--start-from: found {part} layers of other shapes in {path}, needed those that this preset makes; "
+                "take the preset, picture size and networks that the policy was trained with."
+            )
+    return found
 
 
 def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[PolicyFunction, PolicySpec]:
