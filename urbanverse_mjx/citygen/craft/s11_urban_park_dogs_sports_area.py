@@ -1,4 +1,4 @@
-"""A park between houses on a Saturday: dogs off the lead, a game behind the fence, a branch down over the path.
+"""A park between houses on a Saturday: dogs off the lead, ball games outside the court, a branch down on the path.
 
 84 by 56 m of lawns (open ground) cut by gravel paths 2.4-3 m wide, a street with a crossing along its south side. A dog
 run and a basketball court are fenced, each with a gap for a gate; a bandstand stands on a terrace that a ramp leads up
