@@ -98,7 +98,7 @@ def materialise_cousins(
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
-    # Who composes by hand means every thing to stand where it is: the tour of such a graph shows the way, nobody went it.
+    # Things composed by hand are meant to stand where they are: nobody went the tour of such a graph.
     filmed = () if flat.source.video == BY_HAND else flat.camera_path
     strip = passage.walked(np.array(filmed).reshape(-1, 4))
     cousins = []
