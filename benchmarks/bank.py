@@ -45,9 +45,11 @@ GOALS = 14
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """What a bank shall hold; ranges include both ends."""
+    """What a bank shall hold; ranges include both ends. `first`: number of the first street, which is the same street
+    in every bank of a seed."""
 
     layouts: int = 16
+    first: int = 0
     objects: tuple[int, int] = (200, 300)
     hulls: tuple[int, int] = (6, 10)
     hulls_per_scene: int | None = None
@@ -117,14 +119,18 @@ def build(options: Options, progress: Any = None) -> SceneBank:
     index = load_index()
     source = AssetSource(build_mesh, CutHulls(*options.hulls, options.seed))
     # All layouts first: what does not fit is found before minutes of work.
-    layouts = [_streets.make_layout(options.seed, i, index, options.objects) for i in range(options.layouts)]
+    numbers = range(options.first, options.first + options.layouts)
+    layouts = [_streets.make_layout(options.seed, i, index, options.objects) for i in numbers]
     hashes = {layout.id: layout.content_hash() for layout in layouts}
     scenes = []
-    for number, layout in enumerate(layouts):
+    for number, layout in zip(numbers, layouts, strict=True):
         scenes.append(build_scene(layout, number, index, source, stride))
         if progress is not None:
-            progress(number + 1, options.layouts)
-    hashes["bank"] = content_hash({"options": dataclasses.asdict(options), "layouts": hashes})
+            progress(len(scenes), options.layouts)
+    chosen = dataclasses.asdict(options)
+    if options.first == 0:
+        del chosen["first"]  # the hashes from before there was a choice hold on
+    hashes["bank"] = content_hash({"options": chosen, "layouts": hashes})
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
     bank = with_agents(pack(scenes, ["train"] * len(scenes), skies, hashes), agent_looks())
     if options.hulls_per_scene is not None:
@@ -170,6 +176,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.bank", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--layouts", type=int, default=defaults.layouts, help="streets (16 or 160)")
+    parser.add_argument("--first", type=int, default=defaults.first, help="number of the first one")
     parser.add_argument("--objects", type=_range, default=defaults.objects, help="things a street, LOW-HIGH")
     parser.add_argument("--hulls", type=_range, default=defaults.hulls, help="hulls an object, LOW-HIGH (at most 16)")
     parser.add_argument("--hulls-per-scene", type=int, help="keep at most so many hulls a street (50 to 2000)")
@@ -178,8 +185,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=pathlib.Path, required=True, help="bank file to write")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
     arguments = parser.parse_args(argv)
-    if arguments.layouts < 1 or arguments.seed < 0:
-        parser.error("--layouts must be at least 1 and --seed at least 0")
+    if arguments.layouts < 1 or arguments.seed < 0 or arguments.first < 0:
+        parser.error("--layouts must be at least 1, --first and --seed at least 0")
     return arguments
 
 

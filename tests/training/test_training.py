@@ -106,6 +106,27 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
         train("CocoNav", env, longer, tmp_path / "exported", resume=True, quiet=True)
 
 
+def test_starts_from_another_policy_with_a_new_critic(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
+    ppo = with_overrides(default_ppo_config("cpu"), {**SMALL, "num_timesteps": 2048, "num_checkpoints": 1})
+    train("CocoNav", env, ppo, tmp_path / "first", quiet=True)
+    actor = export_actor(tmp_path / "first", tmp_path / "actor")
+    # With steps of no length, what comes out is what went in.
+    still = with_overrides(ppo, {"learning_rate": 0.0, "learning_rate_schedule": "NONE", "seed": 7})
+    second = train("Go2Nav", env, still, tmp_path / "second", quiet=True, start_from=actor)
+    assert second.policy is not None
+    before, after = (load_params(latest_policy(tmp_path / name)) for name in ("first", "second"))
+    jax.tree.map(np.testing.assert_array_equal, before[1], after[1])
+    critics = zip(jax.tree.leaves(before[2]), jax.tree.leaves(after[2]), strict=True)
+    assert any((x != y).any() for x, y in critics), "a critic of its own"
+
+    with pytest.raises(NounError, match="one of them"):
+        train("Go2Nav", env, still, tmp_path / "second", resume=True, quiet=True, start_from=actor)
+    other = with_overrides(still, {"network.layers": ((8, 4, 4), (16, 2, 2))})
+    with pytest.raises(NounError, match="actor layers of other shapes"):
+        train("Go2Nav", env, other, tmp_path / "third", quiet=True, start_from=actor)
+
+
 @pytest.mark.slow
 def test_learns_to_reach_goals(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
     env = unicycle_env(small_bank, CPU_REWARDS)

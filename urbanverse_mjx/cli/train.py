@@ -39,6 +39,8 @@ class TrainArgs:
     """Added to the run folder's name."""
     resume: pathlib.Path | None = None
     """A run folder to go on with after a kill. Adam's moments and running episodes start anew."""
+    start_from: pathlib.Path | None = None
+    """A policy whose networks to begin with, e.g. one trained with another robot."""
     num_episodes: int = 100
     """Fixed episodes of the final evaluation; 0 = none."""
     video: bool = True
@@ -84,7 +86,7 @@ def run(args: TrainArgs) -> dict[str, Any]:
     overrides = {"preset": args.preset, **env_overrides}
     env = registry.load(args.env_name, config_overrides=overrides, bank=bank)
     built = time.monotonic()
-    result = train(args.env_name, env, ppo, folder, resume=args.resume is not None, quiet=args.quiet)
+    result = train(args.env_name, env, ppo, folder, args.resume is not None, args.quiet, args.start_from)
     trained = time.monotonic()
     _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", args)
     summary: dict[str, Any] = {}

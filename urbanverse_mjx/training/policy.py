@@ -10,6 +10,7 @@ from importlib import metadata
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
@@ -44,7 +45,6 @@ class PolicySpec:
 
     @staticmethod
     def of(environment: str, env: Any, ppo_config: ConfigDict, steps: int) -> "PolicySpec":
-        packages = ("urbanverse_mjx", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "jax", "brax")
         ids = [env.bank.scene_ids[i] for i in env.scenes]
         return PolicySpec(
             environment=environment,
@@ -55,7 +55,7 @@ class PolicySpec:
             scene_ids=ids,
             bank_hashes=dict(env.bank.meta.get("hashes", {})),
             steps=steps,
-            versions={p: _version(p) for p in packages},
+            versions=package_versions(),
         )
 
     def save(self, folder: pathlib.Path) -> None:
@@ -68,6 +68,12 @@ class PolicySpec:
         m = dict(v.mapping(body, "policy", ["schema", *fields]))
         v.choice(m.pop("schema"), "policy.schema", (SCHEMA,))
         return PolicySpec(**m)
+
+
+def package_versions() -> dict[str, str]:
+    """Versions of the packages that decide what a policy does."""
+    packages = ("urbanverse_mjx", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "jax", "brax")
+    return {p: _version(p) for p in packages}
 
 
 def _version(package: str) -> str:
@@ -177,6 +183,26 @@ def initial_params(observations: dict[str, Any], action_size: int, ppo_config: C
     nets = network_factory(ppo_config)({k: tuple(s) for k, s in observations.items()}, action_size)
     key_policy, key_value = jax.random.split(jax.random.PRNGKey(seed))
     return None, nets.policy_network.init(key_policy), nets.value_network.init(key_value)
+
+
+def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> Any:
+    """The newest parameters under `folder`, for networks that a training in `env` makes; {} for the critic of a policy
+    without one.
+
+    Raises:
+      NounError: no policy there, or networks of other shapes.
+    """
+    path = latest_policy(folder)
+    found = load_params(path)
+    observations = {name: tuple(shape) for name, shape in env.observation_size.items()}
+    needed = jax.eval_shape(lambda: initial_params(observations, env.action_size, ppo_config, 0))
+    for part, mine, theirs in (("actor", needed[1], found[1]), ("critic", needed[2], found[2])):
+        if (part == "actor" or theirs) and jax.tree.map(jnp.shape, mine) != jax.tree.map(jnp.shape, theirs):
+            raise NounError(
+                f"--start-from: found {part} layers of other shapes in {path}, needed those that this preset makes; "
+                "take the preset, picture size and networks that the policy was trained with."
+            )
+    return found
 
 
 def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[PolicyFunction, PolicySpec]:

@@ -13,7 +13,7 @@ from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from .brax_compat import load_ppo
 from .config import batch_shape
-from .policy import PolicySpec, latest_policy, load_params, network_factory, save_policy
+from .policy import PolicySpec, latest_policy, load_compatible, load_params, network_factory, save_policy
 from .progress import TrainingLog
 
 
@@ -88,6 +88,7 @@ def train(
     folder: pathlib.Path,
     resume: bool = False,
     quiet: bool = False,
+    start_from: pathlib.Path | None = None,
 ) -> TrainingResult:
     """Trains a policy and returns where it is.
 
@@ -98,9 +99,11 @@ def train(
       folder: run folder; checkpoints/<steps>/, log.jsonl and TensorBoard events go there.
       resume: go on from the newest checkpoint there. Brax restores the networks, not Adam's moments and not the
         episodes under way: those start anew, with another seed, and the step counter goes on.
+      start_from: a policy whose networks to begin with, e.g. one that drove another robot; a new critic where it has
+        none. Not with `resume`.
 
     Raises:
-      NounError: sizes that do not divide, a folder in use, nothing to resume.
+      NounError: sizes that do not divide, a folder in use, nothing to resume, networks of other shapes to start from.
     """
     ppo = load_ppo()
     folder = folder.absolute()
@@ -108,6 +111,10 @@ def train(
     if writes:
         folder.mkdir(parents=True, exist_ok=True)
     start, params = _start_of(folder, resume)
+    if start_from is not None:
+        if resume:
+            raise NounError("--start-from: found it beside --resume, needed one of them.")
+        params = load_compatible(start_from, env, ppo_config)
     total = int(ppo_config.num_timesteps)
     if start >= total:
         raise NounError(f"ppo.num_timesteps: found {total}, but {start} are done already; ask for more.")
@@ -139,6 +146,7 @@ def train(
             progress_fn=log or _say_nothing,
             policy_params_fn=keep,
             restore_params=params,
+            restore_value_fn=params is not None and bool(params[2]),
             **_ppo_arguments(ppo_config),
         )
         jax.effects_barrier()
