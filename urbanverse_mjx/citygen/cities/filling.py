@@ -14,6 +14,8 @@ from . import stock
 from .ground import CROSSWALK_HALF, END_RAMP, Plan
 from .line import Point
 
+#: What stands along a narrow pavement rather than across it.
+TWO_WHEELED = frozenset({"bicycle", "motorcycle", "scooter"})
 #: m between two things.
 APART = 0.06
 #: m along the street between the points of a lane, and from bend to bend of it.
@@ -174,6 +176,8 @@ class Filler:
             stem = catalogue.STEMS.get(item.label)
             along, across = (stem.side, stem.side) if stem else item.size[:2]
             turned = facing
+            if turned is None and item.label in TWO_WHEELED and band != "any" and width < 3.6:
+                turned = "+" if self.chance(0.5) else "-"
             if turned is None:
                 turned = self.uniform(-180, 180) if band == "any" else ("street" if band == "wall" else "wall")
             deep = along if turned in ("street", "wall") else across if turned in ("+", "-") else max(along, across)

@@ -170,10 +170,12 @@ def row(filler: Filler, name: str, side: int, s: float) -> None:
 def cluster(filler: Filler, name: str, side: int, s: float) -> None:
     """Three to seven of a thing side by side, at the kerb or at the fronts, each turned a little."""
     at_wall = filler.chance(0.4)
-    first = stock.draw(name, filler.rng)
-    deep, wide = first.size[:2]
-    v = filler.plan.width(side) - deep / 2 - 0.1 if at_wall else deep / 2 + 0.1
+    deep, wide = stock.draw(name, filler.rng).size[:2]
     lean = filler.uniform(-25, 25)
+    side_on = filler.plan.width(side) < deep + filler.plan.profile.lane + 0.5  # too narrow to stand across
+    if side_on:
+        deep, wide, lean = wide, deep, lean / 4 + 90.0 * side
+    v = filler.plan.width(side) - deep / 2 - 0.1 if at_wall else deep / 2 + 0.12
     for k in range(3 + int(filler.uniform(0, 5))):
         facing = (-90.0 if at_wall else 90.0) * side + lean + filler.uniform(-8, 8)
         _put(filler, name, s + (wide + 0.2) * k, side, v, facing)
