@@ -69,7 +69,7 @@ def build_episodes(
     Rows that `drive` fails are replaced by others while there are any.
 
     Raises:
-      NounError: the walkable ground has too little room for `MIN_ROWS` rows.
+      NoRoomError: the walkable ground has too little room for `MIN_ROWS` rows.
     """
     rules = rules or EpisodeRules()
     rng = np.random.default_rng(seed)
@@ -89,9 +89,13 @@ def build_episodes(
     return _table(space, chosen, rules)
 
 
+class NoRoomError(v.NounError):
+    """The walkable ground has too little room for a table."""
+
+
 def _no_room(found: str) -> Exception:
     needed = f"walkable ground (sidewalk, crosswalk) with room for {MIN_ROWS} episodes"
-    return v.fail("scene", found, needed, "add or widen sidewalks, or free them of objects")
+    return NoRoomError(str(v.fail("scene", found, needed, "add or widen sidewalks, or free them of objects")))
 
 
 def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:

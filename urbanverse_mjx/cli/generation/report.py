@@ -128,6 +128,8 @@ def _checks(record: Mapping[str, Any], checks: Sequence[Mapping[str, Any]]) -> s
     rows = []
     for cousin, check in zip(record["cousins"], checks, strict=True):
         rest = "all stay for 2 s"
+        low, high = check["goals_m"]
+        rest += f"; goals {low:g} to {high:g} m away"
         if check["kept_fixed"]:
             rest += f"; kept fixed, because they would fall: {', '.join(map(html.escape, check['kept_fixed']))}"
         most = max((m for _, m in cousin["moved"]), default=0.0)
