@@ -97,14 +97,18 @@ def materialise_cousins(
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
     strip = passage.walked(np.array(flat.camera_path).reshape(-1, 4))
+    # What hangs is over the ground, not on it.
+    floors = [
+        max(support.under(t) or support.near(t, standing.REACH), default=t.center[2] - t.size[2] / 2) for t in known
+    ]
     cousins = []
     for k in range(count):
         chosen = {thing.id: drawn[thing.id][k] for thing in known}
-        bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip)
+        bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
         cleared = clearing.clear(bodies, support, things)
         if cleared.crowded:
             chosen |= _slimmer(cleared.crowded, bodies, others, things, flat, hulls_of)
-            bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip)
+            bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
             cleared = clearing.clear(bodies, support, things)
         layout = SceneLayout(
             id=graph.id if k == 0 else f"{graph.id}_cousin{k}",
@@ -178,10 +182,10 @@ def _stand(
 
 
 def _out_of_the_way(
-    bodies: Sequence[overlap.Body], strip: shapely.Geometry
+    bodies: Sequence[overlap.Body], strip: shapely.Geometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
     """Things without those that stand where the camera went, and these: somebody passed through them."""
-    gone = set(passage.in_the_way(bodies, strip))
+    gone = set(passage.in_the_way(bodies, strip, floors))
     reason = "the camera went through where it would stand"
     left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]
     return [body for k, body in enumerate(bodies) if k not in gone], left_out
