@@ -68,7 +68,7 @@ def lay(arms: Sequence[Arm], half: float, pavement: float, plaza: shapely.Polygo
 
     Args:
       half: m, half a carriageway; pavement: m, width of the pavements.
-      plaza: open ground level with the pavements, outside them.
+      plaza: paved ground level with the pavements, outside them.
     """
     road = _snap(_band(arms, half))
     walk = _snap(_band(arms, half + pavement).difference(road))
@@ -90,7 +90,7 @@ def lay(arms: Sequence[Arm], half: float, pavement: float, plaza: shapely.Polygo
         *_regions("crosswalk", "crosswalk", zebra, ROAD_PLANE),
         *_regions("pavement", "sidewalk", walk.difference(dropped, grid_size=_GRID), PAVEMENT),
         *ramps,
-        *_regions("plaza", "ground", square, PAVEMENT),
+        *_regions("plaza", "sidewalk", square, PAVEMENT),
         *_regions("lot", "sidewalk", lots, PAVEMENT),
     ]
     return Ground(tuple(regions), shapely.union_all([walk, square]), road)

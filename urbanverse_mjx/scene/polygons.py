@@ -38,10 +38,9 @@ def convex_parts(polygon: np.ndarray, max_corners: int = 8) -> list[np.ndarray]:
     reflex = int(np.sum(_turns(ring, rings[0]) < -_STRAIGHT))
     if reflex:
         rings = _fewest(ring, _triangles(ring), bound=(reflex + 1) // 2 + 1)
-    # Corners on a straight side of a part are needed by nobody, and a chunk of them alone would have no area.
-    bent = [[c for c, turn in zip(whole, _turns(ring, whole), strict=True) if turn > _STRAIGHT] for whole in rings]
-    rings = [part for whole in bent if len(whole) > 2 for part in _chunks(whole, max_corners)]
-    return [ring[part] for part in rings]
+    rings = [part for whole in rings for part in _chunks(whole, max_corners)]
+    # Corners in one line, ramp tops along a pavement, may leave triangles without area.
+    return [ring[part] for part in rings if shapely.Polygon(ring[part]).area > _STRAIGHT]
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

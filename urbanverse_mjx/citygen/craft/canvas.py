@@ -131,8 +131,8 @@ class Canvas(Stage):
         for layer in pieces:
             self._lay(layer)
 
-    def cut(self, name: str, start: Corner, end: Corner) -> None:
-        """Parts a piece of ground along a line right across it, so that no place has many prisms around it."""
+    def cut(self, start: Corner, end: Corner, name: str | None = None) -> None:
+        """Parts all ground, or what is visible of one piece, along a line; see `ground_layers.Cut`."""
         self._cuts.append(ground_layers.Cut(name, start, end))
 
     def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:
