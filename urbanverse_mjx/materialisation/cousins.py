@@ -24,6 +24,8 @@ from .shortlists import Candidate, LeftOut
 
 #: Grows whenever the same graph, catalogue and seed would give other layouts.
 VERSION = "cousins 2"
+#: `Source.video` of a graph that was composed, not filmed.
+COMPOSED = ("hand", "procedural")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,7 +98,9 @@ def materialise_cousins(
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
-    strip = passage.walked(np.array(flat.camera_path).reshape(-1, 4))
+    # Things composed by hand are meant to stand where they are: nobody went the tour of such a graph.
+    filmed = () if flat.source.video.startswith(COMPOSED) else flat.camera_path
+    strip = passage.walked(np.array(filmed).reshape(-1, 4))
     # What hangs is over the ground, not on it.
     floors = [
         max(support.under(t) or support.near(t, standing.REACH), default=t.center[2] - t.size[2] / 2) for t in known

@@ -124,10 +124,12 @@ class Canvas(Stage):
         half_width: float = RAMP_HALF_WIDTH,
         run: float = RAMP_RUN,
         flare: float = 1.0,
+        parted: bool = True,
     ) -> None:
-        """A dropped kerb; see `ground_layers.dropped_kerb`."""
+        """A dropped kerb; see `ground_layers.dropped_kerb`. `parted`: whether the pavement behind it is cut beside it,
+        which saves prisms where it is a plain strip and wastes them where it turns a corner."""
         pieces, cuts = ground_layers.dropped_kerb(self._layers, name, foot, degrees, half_width, run, flare)
-        self._cuts += cuts
+        self._cuts += cuts if parted else []
         for layer in pieces:
             self._lay(layer)
 

@@ -257,7 +257,7 @@ def _lay(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
     far_left, far_right = edges(MIDDLE, 16.0, 1), edges(MIDDLE, 16.0, -1)
     for k in (1, 2):
         street.cut(far_left[k].start, far_right[k].start)
-    for s in (7.0, 19.2, 29.4):
+    for s in (4.4, 19.2, 29.4):
         street.cut(left[1].at(s, 16.0), left[1].at(s, -22.5))
     for name, line in (("left", left[0]), ("right", right[0])):
         ring = [line.at(15.0, 0), line.at(19.0, 0), line.at(19.0, VERGE), line.at(15.0, VERGE)]

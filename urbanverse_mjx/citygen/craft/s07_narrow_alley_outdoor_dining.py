@@ -33,7 +33,7 @@ def _ground(c: Canvas) -> None:
     c.ground("east_lot", "sidewalk", lay.rectangle(64.0, 49.0, 67.0, 61.0), PAVED)
     c.ground("street", "road", lay.rectangle(41.0, 52.0, 64.0, 58.0))
     c.ground("crossing", "crosswalk", lay.rectangle(50.3, 52.0, 54.3, 58.0))
-    c.ramp("ramp_near", (52.3, 52.0), -90.0)
+    c.ramp("ramp_near", (52.3, 52.0), -90.0, parted=False)
     c.ramp("ramp_far", (52.3, 58.0), 90.0)
     c.dashes("middle_west", (41.5, 55.0), (49.0, 55.0))
     c.dashes("middle_east", (55.5, 55.0), (63.5, 55.0))
@@ -271,7 +271,6 @@ def _second_arm(c: Canvas) -> None:
             ("pedestrian adult", 53.9, 42.4, 100.0),
             ("pedestrian child", 53.2, 42.7, 95.0),
             ("jogger", 52.4, 46.6, -90.0),
-            ("pedestrian adult", 52.2, 14.9, -60.0),
             ("motorcycle", 50.9, 45.4, 60.0),
         ],
     )

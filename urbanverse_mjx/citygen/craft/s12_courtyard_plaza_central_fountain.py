@@ -41,9 +41,9 @@ def _ground(c: Canvas) -> None:
         [(-15.0, 15.8, WALK), (-15.0, 17.6, WALK), (-12.0, 15.8, TERRACE)],
     )
     c.stairs("steps", (-5.0, 14.86), 90.0, 8.0, 2)
-    c.ramp("ramp_west", (-19.0, 6.0), 180.0, 1.0, RAMP)
+    c.ramp("ramp_west", (-19.0, 6.0), 180.0, 1.0, RAMP, parted=False)
     c.ramp("ramp_east", (19.0, -3.0), 0.0, 1.0, RAMP)
-    c.ramp("ramp_north", (9.0, 13.0), 90.0, 1.0, RAMP)
+    c.ramp("ramp_north", (9.0, 13.0), 90.0, 1.0, RAMP, parted=False)
     c.ramp("ramp_south", (-8.0, -13.0), -90.0, 1.0, RAMP)
     c.wear((-21.0, 0.0), "sidewalk/flags_buff")
     c.wear((-12.0, 3.0), "sidewalk/limestone_polished")
@@ -72,7 +72,7 @@ def _fronts(c: Canvas) -> None:
 
 
 def _fountain(c: Canvas) -> None:
-    c.put("fountain", 0.0, 0.0, 0.0, size=(4.6, 4.6, 2.9))
+    c.put("fountain", 0.0, 0.0, 0.0, size=(3.77, 3.77, 2.42))
     for x, y, turn in ((5.3, 0.9, 90.0), (4.3, 4.2, 135.0), (-0.8, 5.4, 180.0), (-4.4, 4.0, 45.0), (-5.4, -1.0, 90.0)):
         c.put("bench", x, y, turn - 90.0, 2)
     for x, y, turn in ((-4.0, -4.4, 45.0), (1.2, -5.4, 90.0), (4.4, -4.0, 135.0)):
