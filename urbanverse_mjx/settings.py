@@ -6,6 +6,7 @@
 | `XDG_CACHE_HOME` | folder of all caches | `~/.cache` |
 | `URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it |
 | `URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it |
+| `URBANVERSE_PROTOCOL_ROOT` | the frozen benchmarks | `benchmarks/protocols/` beside the package, else inside it |
 | `URBANVERSE_BANK` | the scene bank that environments load | in the cache, named by what it is made of |
 | `URBANVERSE_VISION_URL` | OpenAI-compatible endpoint that describes imported assets, up to `/v1` | none: priors |
 | `URBANVERSE_VISION_KEY` | its key, where it wants one | none |
@@ -81,6 +82,15 @@ def scene_root() -> pathlib.Path:
       NounError: the folder named by `URBANVERSE_SCENE_ROOT`, or the one that belongs to the package, is not there.
     """
     return _data_root("scenes", "URBANVERSE_SCENE_ROOT")
+
+
+def protocol_root() -> pathlib.Path:
+    """Folder of the frozen benchmarks.
+
+    Raises:
+      NounError: the folder named by `URBANVERSE_PROTOCOL_ROOT`, or the one that belongs to the package, is not there.
+    """
+    return _data_root("benchmarks/protocols", "URBANVERSE_PROTOCOL_ROOT")
 
 
 def default_bank_path() -> pathlib.Path:

@@ -58,6 +58,9 @@ def test_cousins_leave_out_what_the_camera_went_through() -> None:
         thing("beside", "bench", 0, 7.3),
         camera_path=((-9.0, 5.0, 1.6, 0.0), (-5.0, 5.0, 1.6, 0.0), (-1.0, 5.0, 1.6, 0.0), (3.0, 5.0, 1.6, 0.0)),
     )
-    (cousin,) = materialise_cousins(graph, 1, objects=few_objects())
+    filmed = dataclasses.replace(graph, source=dataclasses.replace(graph.source, video="tour.mp4"))
+    (cousin,) = materialise_cousins(filmed, 1, objects=few_objects())
     assert [p.id for p in cousin.layout.objects] == ["beside"]
     assert [(gone.id, "camera went through" in gone.reason) for gone in cousin.left_out] == [("here", True)]
+    (cousin,) = materialise_cousins(graph, 1, objects=few_objects())
+    assert [p.id for p in cousin.layout.objects] == ["here", "beside"]

@@ -68,21 +68,31 @@ def in_engine(name: str, impl: str) -> tuple[Push, Any]:
     return pushing.push_engine(scene_of(name), make_coco("differential"), commands(name), impl, SIZES)
 
 
+@functools.cache
+def others_in_c_mujoco(name: str) -> np.ndarray:
+    """(6, T, 3) m: the first thing's places in C MuJoCo where the robot starts up to 1 mm aside."""
+    robot, asides = make_coco("differential"), (1e-4, -1e-4, 3e-4, -3e-4, 1e-3, -1e-3)
+    return np.array([pushing.push_truth(scene_of(name), robot, commands(name), a).places[:, 0] for a in asides])
+
+
 @pytest.mark.parametrize("impl", ENGINES)
 def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
-    """Before the touch nothing differs; after 2 m the box is within 15 cm. C MuJoCo's own ends 10 cm elsewhere where
-    the robot starts 0.1 mm aside (docs/decisions/movable.md): sticking and slipping is no smooth matter."""
+    """Before the touch nothing differs, 0.2 s after it the box is within 1 cm. From then on it sticks and slips, and
+    no two runs of C MuJoCo agree: it comes as far to 10 %, and no farther from C MuJoCo's than those whose robots
+    start up to 1 mm aside do (46 cm of 2 m, docs/decisions/movable.md)."""
     truth, (found, state) = in_c_mujoco("a box of 10 kg"), in_engine("a box of 10 kg", impl)
-    way = np.linalg.norm(truth.places[:, 0, :2] - truth.places[0, 0, :2], axis=-1)
+    way, ours = (np.linalg.norm(x.places[:, 0, :2] - x.places[0, 0, :2], axis=-1) for x in (truth, found))
     assert way[-1] > 2.0
     onset = int(truth.hit.argmax())
     assert int(found.hit.argmax()) == onset
     np.testing.assert_allclose(found.robot[:onset], truth.robot[:onset], atol=1e-3)
     np.testing.assert_allclose(found.places[:onset], truth.places[:onset], atol=2e-3)
+    np.testing.assert_allclose(found.places[onset], truth.places[onset], atol=1e-2)
     two = int((way > 2.0).argmax())
-    apart = np.linalg.norm(found.places - truth.places, axis=-1)[: two + 1, 0]
-    assert apart.max() < 0.15, apart
-    assert np.linalg.norm(found.robot[: two + 1, :3] - truth.robot[: two + 1, :3], axis=-1).max() < 0.1
+    assert abs(ours[two] - way[two]) < 0.1 * way[two]
+    apart = np.linalg.norm(found.places[: two + 1, 0] - truth.places[: two + 1, 0], axis=-1).max()
+    among = np.linalg.norm(others_in_c_mujoco("a box of 10 kg") - truth.places[:, 0], axis=-1)[:, : two + 1].max()
+    assert apart < min(among, 0.5), (apart, among)
     assert (found.thing[onset:] == 0).all()
     assert pushing.tilt(found.quaternions[: two + 1]).max() < np.radians(15.0)
     assert int(state.slot_overflow) == 0

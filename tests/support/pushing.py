@@ -94,13 +94,14 @@ def thing_bank(scene: SceneGeometry) -> SceneBank:
     return pack([scene], ["train"], box_skies())
 
 
-def push_truth(scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray) -> Push:
-    """The drive in C MuJoCo, things on free joints; commands (T, 2) m/s, rad/s."""
+def push_truth(scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray, aside: float = 0.0) -> Push:
+    """The drive in C MuJoCo, things on free joints; commands (T, 2) m/s, rad/s; it starts `aside` m to the left."""
     text, _ = scene_mjcf(scene, visuals=False, free=True)
     model = truth.truth_model(mujoco.MjSpec.from_string(text), robot)
     data = mujoco.MjData(model)
     root = model.joint(f"robot/{_root_joint(robot)}").qposadr[0]
     data.qpos[root : root + 7] = first_qpos(robot, 7)
+    data.qpos[root + 1] += aside
     bodies = [model.body(name).id for name in scene.object_ids]
     names = [model.geom(g).name for g in range(model.ngeom)]
     substeps = round(CONTROL_DT / robot.physics_timestep)

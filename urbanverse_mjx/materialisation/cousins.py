@@ -24,6 +24,8 @@ from .shortlists import Candidate, LeftOut
 
 #: Grows whenever the same graph, catalogue and seed would give other layouts.
 VERSION = "cousins 2"
+#: `Source.video` of a graph that was composed, not filmed.
+BY_HAND = "hand"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,7 +98,9 @@ def materialise_cousins(
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
-    strip = passage.walked(np.array(flat.camera_path).reshape(-1, 4))
+    # Things composed by hand are meant to stand where they are: nobody went the tour of such a graph.
+    filmed = () if flat.source.video == BY_HAND else flat.camera_path
+    strip = passage.walked(np.array(filmed).reshape(-1, 4))
     cousins = []
     for k in range(count):
         chosen = {thing.id: drawn[thing.id][k] for thing in known}

@@ -16,7 +16,7 @@ PROFILES = (
         bends=(5.0, -7.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.3,
+        lane=1.4,
         blocked=1,
         houses=m(
             "apartment building#0 7, apartment building#3 2, cafe#0 1, bakery#0 1, bookstore#2 1, restaurant#0 "
@@ -70,7 +70,7 @@ PROFILES = (
         bends=(-6.0,),
         side_streets=2,
         crosswalks=2,
-        lane=1.3,
+        lane=1.4,
         houses=m(
             "retail#2 2, retail#1 1, office building#2 2, hardware store 1, supermarket#2 1, bank#1 1, butcher "
             "shop#0 1, "
@@ -115,7 +115,7 @@ PROFILES = (
         bends=(9.0, -10.0, 8.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.15,
+        lane=1.4,
         blocked=1,
         houses=m(
             "apartment building#2 3, clothing store#0 2, pharmacy#0 2, hair salon#0 1, hotel#2 2, cafe#2 1, "
@@ -205,7 +205,7 @@ PROFILES = (
         bends=(6.0, 5.0),
         side_streets=3,
         crosswalks=2,
-        lane=1.2,
+        lane=1.4,
         blocked=1,
         houses=m(
             "retail 3, hardware store#1 1, photography shop 1, copy shop or print shop 1, tobacco shop 1, "

@@ -108,7 +108,7 @@ PROFILES = (
         bends=(-7.0, 6.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.2,
+        lane=1.4,
         blocked=1,
         houses=m(
             "clothing store#2 1, jewelry store 1, electronics store#1 1, restaurant#0 1, apartment building#0 2, "
@@ -159,7 +159,7 @@ PROFILES = (
         bends=(4.0, -5.0),
         side_streets=4,
         crosswalks=4,
-        lane=1.15,
+        lane=1.4,
         houses=m(
             "video game store 1.5, comic shop 1.5, convenience store#1 2, bubble tea bar 1, office building#2 2, "
             "apartment building#2 2, massage shop#2 1, "
@@ -211,7 +211,7 @@ PROFILES = (
         bends=(-3.0,),
         side_streets=3,
         crosswalks=3,
-        lane=1.15,
+        lane=1.4,
         houses=m(
             "house#2 1, cabin#0 2, cabin#2 3, pub#1 2, gatehouse#2 1, massage shop#0 1, shrine#0 0.7, pastry "
             "shop#1 1, tobacco shop#2 1"
@@ -350,7 +350,7 @@ PROFILES = (
         bends=(-6.0, 7.0),
         side_streets=4,
         crosswalks=3,
-        lane=1.3,
+        lane=1.4,
         houses=m(
             "convenience store#1 2, cosmetics store 2, cafe#1 1, bar#2 1, internet cafe 1.5, fast food "
             "restaurant#1 0.6, apartment building#1 2, office building#0 1, hair salon#1 1, video game "
@@ -399,7 +399,7 @@ PROFILES = (
         bends=(6.0, -5.0),
         side_streets=4,
         crosswalks=3,
-        lane=1.2,
+        lane=1.4,
         blocked=1,
         houses=m(
             "flower shop#0 1, pharmacy#2 1, hair salon#2 1, cafe#2 1, e-cigarette store 1, juice bar 1, "

@@ -26,7 +26,7 @@ PROFILES = (
         bends=(-5.0, 6.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.3,
+        lane=1.4,
         houses=m(
             "retail 3, bungalow#2 1, hair salon#0 1, house#0 1, hardware store#2 0.5, auto repair shop#2 0.6, "
             "apartment building#0 2"
@@ -70,7 +70,7 @@ PROFILES = (
         bends=(5.0, -6.0),
         side_streets=4,
         crosswalks=3,
-        lane=1.2,
+        lane=1.4,
         blocked=1,
         houses=m(
             "apartment building#2 2, massage shop 2, convenience store#0 2, jewelry store#2 1, hair salon#0 1, "
@@ -118,7 +118,7 @@ PROFILES = (
         bends=(4.0,),
         side_streets=4,
         crosswalks=3,
-        lane=1.3,
+        lane=1.4,
         houses=m(
             "bubble tea bar 2, apartment building#2 2, pharmacy#2 1, laundry#1 1, internet cafe#1 1, convenience "
             "store#1 2, hair salon#0 1, office building#2 1"
@@ -163,7 +163,7 @@ PROFILES = (
         bends=(8.0, -9.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.15,
+        lane=1.4,
         houses=m(
             "cafe#2 3, clothing store#2 2, hair salon#0 1, flower shop#2 2, apartment building#2 2, pastry "
             "shop#2 1, hotel#2 1"
@@ -205,7 +205,7 @@ PROFILES = (
         bends=(-8.0, 7.0, 6.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.15,
+        lane=1.4,
         blocked=1,
         houses=m(
             "apartment building#3 2, apartment building#0 2, bakery#2 1, tobacco shop#1 1, jewelry store#1 1, "
@@ -293,7 +293,7 @@ PROFILES = (
         bends=(4.0, -5.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.15,
+        lane=1.4,
         houses=m(
             "clothing store#2 2, flower shop#2 2, cafe#2 2, bar#1 2, cosmetics store#0 1, apartment building#0 "
             "2, travel agency#2 1"

@@ -102,7 +102,7 @@ PROFILES = (
         bends=(5.0, -4.0),
         side_streets=4,
         crosswalks=3,
-        lane=1.15,
+        lane=1.4,
         blocked=1,
         houses=m(
             "apartment building#0 4, apartment building#3 2, bakery#0 1, restaurant#0 2, pizzeria#2 1, cafe#0 2, "
@@ -146,7 +146,7 @@ PROFILES = (
         bends=(6.0,),
         side_streets=2,
         crosswalks=3,
-        lane=1.2,
+        lane=1.4,
         houses=m(
             "bookstore#0 3, bar#0 2, cafe#1 3, apartment building#1 2, bar#2 1, flower shop#1 1, restaurant#1 2, "
             "hair salon#1 1"

@@ -61,7 +61,7 @@ PROFILES = (
         bends=(7.0, -6.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.2,
+        lane=1.4,
         blocked=1,
         houses=m(
             "house#0 2, juice bar 1, bistro#2 1, hotel#2 1, ice cream shop 1, bungalow#0 1, travel agency#1 1, "

@@ -148,7 +148,7 @@ PROFILES = (
         bends=(6.0, -8.0),
         side_streets=3,
         crosswalks=3,
-        lane=1.3,
+        lane=1.4,
         blocked=1,
         houses=m(
             "clothing store#1 2, bookstore#0 2, convenience store#2 2, apartment building#1 4, house#2 2, cafe#1 "

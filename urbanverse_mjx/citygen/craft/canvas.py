@@ -124,15 +124,17 @@ class Canvas(Stage):
         half_width: float = RAMP_HALF_WIDTH,
         run: float = RAMP_RUN,
         flare: float = 1.0,
+        parted: bool = True,
     ) -> None:
-        """A dropped kerb; see `ground_layers.dropped_kerb`."""
+        """A dropped kerb; see `ground_layers.dropped_kerb`. `parted`: whether the pavement behind it is cut beside it,
+        which saves prisms where it is a plain strip and wastes them where it turns a corner."""
         pieces, cuts = ground_layers.dropped_kerb(self._layers, name, foot, degrees, half_width, run, flare)
-        self._cuts += cuts
+        self._cuts += cuts if parted else []
         for layer in pieces:
             self._lay(layer)
 
-    def cut(self, name: str, start: Corner, end: Corner) -> None:
-        """Parts a piece of ground along a line right across it, so that no place has many prisms around it."""
+    def cut(self, start: Corner, end: Corner, name: str | None = None) -> None:
+        """Parts all ground, or what is visible of one piece, along a line; see `ground_layers.Cut`."""
         self._cuts.append(ground_layers.Cut(name, start, end))
 
     def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:

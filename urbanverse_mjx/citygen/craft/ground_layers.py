@@ -109,9 +109,13 @@ def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Cut:
-    """A straight line (m) that parts what is visible of one layer: pieces that are convex need fewer prisms."""
+    """A straight line (m) that parts what is visible of a layer, or of all where none is named.
 
-    layer: str
+    Convex pieces need fewer prisms; and as an engine looks prisms up by boxes along the axes, long skewed ones are
+    looked at from too far away.
+    """
+
+    layer: str | None
     start: Corner
     end: Corner
 
@@ -124,7 +128,7 @@ def tiles(layers: Sequence[Layer], cuts: Sequence[Cut] = ()) -> list[GroundRegio
         rest = shapely.difference(layer.outline, covered, grid_size=GRID)
         parts = [p for p in shapely.get_parts(rest) if isinstance(p, shapely.Polygon) and p.area > CRUMB]
         parts = [q for p in parts for q in _without_holes(p)]
-        for cut in (c for c in cuts if c.layer == layer.name):
+        for cut in (c for c in cuts if c.layer in (None, layer.name)):
             parts = [q for p in parts for q in _parted(p, cut)]
         visible.append((layer, parts))
         covered = shapely.union(covered, layer.outline, grid_size=GRID)

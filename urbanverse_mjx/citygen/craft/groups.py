@@ -25,7 +25,7 @@ def laid_table(
 
 
 def railed_bicycles(canvas: Canvas, line: Edge, s: float, d: float, at: Sequence[float], towards: str = "wall") -> None:
-    """A rail of 2 m along an edge, and bicycles at places along it (m from its middle) with their front wheels to it."""
+    """A rail of 2 m along an edge, and bicycles at places along it (m from its middle), their front wheels to it."""
     canvas.put("bicycle parking", *line.at(s, d), line.facing("street"), 1)
     away = -RAIL if towards == "wall" else RAIL
     for offset in at:

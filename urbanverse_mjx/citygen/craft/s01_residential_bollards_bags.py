@@ -236,6 +236,9 @@ def _lay(street: Canvas) -> None:
     street.ground("crossing", "crosswalk", rectangle(18.6, -HALF, 22.6, HALF))
     street.ramp("left_ramp", (20.6, HALF), 90.0)
     street.ramp("right_ramp", (20.6, -HALF), -90.0)
+    bend, on = edges(MIDDLE, 12.0, 1), edges(MIDDLE, 12.0, -1)
+    street.cut(bend[1].start, on[1].start)
+    street.cut(bend[1].at(18.0, 0.0), on[1].at(20.9, 0.0))
 
 
 def _gardens(street: Canvas) -> None:

@@ -243,19 +243,22 @@ def _lay(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
     street.ground("gardens", "ground", strip(far, 2 * (HALF + FRONT + 2.4)), KERB)
     street.ground("pavements", "sidewalk", strip(MIDDLE, 2 * (HALF + VERGE + WALK)), KERB)
     street.ground("verges", "ground", strip(MIDDLE, 2 * (HALF + VERGE)), KERB)
+    drives = [("left", left[k], k, s) for k, places in enumerate(DRIVES_LEFT) for s in places]
+    drives += [("right", right[k], k, s) for k, places in enumerate(DRIVES_RIGHT) for s in places]
+    for name, line, number, s in drives:
+        for part, near, far in (("apron", -0.3, VERGE + 0.3), ("drive", VERGE + WALK - 0.3, FRONT + 2.5)):
+            ring = [line.at(s - 1.5, near), line.at(s + 1.5, near), line.at(s + 1.5, far), line.at(s - 1.5, far)]
+            street.ground(f"{name}_{part}_{number}_{s:.0f}", "sidewalk", ring, KERB)
     street.ground("road", "road", strip(MIDDLE, 2 * HALF))
     street.ground("crossing", "crosswalk", [(15.0, -HALF), (19.0, -HALF), (19.0, HALF), (15.0, HALF)])
-    for name, lines, drives in (("left", left, DRIVES_LEFT), ("right", right, DRIVES_RIGHT)):
-        for number, (line, places) in enumerate(zip(lines, drives, strict=True)):
-            for s in places:
-                ring = [
-                    line.at(s - 1.5, 0),
-                    line.at(s + 1.5, 0),
-                    line.at(s + 1.5, FRONT + 2.5),
-                    line.at(s - 1.5, FRONT + 2.5),
-                ]
-                street.ground(f"{name}_drive_{number}_{s:.0f}", "sidewalk", ring, KERB)
-                street.ramp(f"{name}_drive_ramp_{number}_{s:.0f}", line.at(s, 0), line.facing("wall"), 1.5, 0.9, 0.0)
+    for name, line, number, s in drives:
+        if number != 1:  # where the street runs askew the drives have a low kerb across them, as old ones have
+            street.ramp(f"{name}_drive_ramp_{number}_{s:.0f}", line.at(s, 0), line.facing("wall"), 1.5, 0.9, 0.0)
+    far_left, far_right = edges(MIDDLE, 16.0, 1), edges(MIDDLE, 16.0, -1)
+    for k in (1, 2):
+        street.cut(far_left[k].start, far_right[k].start)
+    for s in (4.4, 19.2, 29.4):
+        street.cut(left[1].at(s, 16.0), left[1].at(s, -22.5))
     for name, line in (("left", left[0]), ("right", right[0])):
         ring = [line.at(15.0, 0), line.at(19.0, 0), line.at(19.0, VERGE), line.at(15.0, VERGE)]
         street.ground(f"{name}_landing", "sidewalk", ring, KERB)

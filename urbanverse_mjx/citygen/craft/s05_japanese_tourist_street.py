@@ -4,7 +4,7 @@ Low kerbs, poles in the way, vending machines at the walls, visitors who stop wh
 """
 
 from .canvas import Canvas, Edge, edge, edges
-from .ground_layers import Corner, polar, strip
+from .ground_layers import Corner, strip
 from .groups import laid_table
 
 ID = "05_japanese_tourist_street_dual_sidewalks_blocked_by_vehicles"
@@ -21,7 +21,7 @@ LEFT_WALL = (
         ("vending machine", 1.4, "street", 0),
         ("vending machine", 2.5, "street", 1),
         ("potted plant", 4.6, "street", 0),
-        ("banner", 6.4, 60.0, 1),
+        ("flag", 6.4, "street", 2),
         ("bench", 9.0, "street", 1),
         ("potted plant", 11.0, "street", 3),
         ("banner", 13.4, 100.0, 1),
@@ -35,7 +35,7 @@ LEFT_WALL = (
         ("potted plant", 34.0, "street", 1),
     ),
     (
-        ("banner", 2.2, 80.0, 1),
+        ("flag", 2.2, "street", 2),
         ("stool", 3.6, "street", 0),
         ("stool", 4.3, "street", 1),
         ("photo booth", 7.4, "street", 0),
@@ -45,7 +45,7 @@ LEFT_WALL = (
         ("vending machine", 18.0, "street", 0),
         ("vending machine", 19.1, "street", 2),
         ("trash bin", 20.2, "street", 2),
-        ("banner", 23.0, 90.0, 1),
+        ("flag", 23.0, "street", 2),
         ("potted plant", 25.6, "street", 3),
         ("arcade game cabinet", 28.0, "street", 0),
     ),
@@ -54,14 +54,14 @@ LEFT_WALL = (
 RIGHT_WALL = (
     (
         ("potted plant", 2.0, "street", 3),
-        ("banner", 4.4, 90.0, 1),
+        ("flag", 4.4, "street", 2),
         ("newspaper stand", 6.4, "street", 1),
         ("storage box", 8.0, "street", 0),
         ("storage box", 8.8, "street", 0),
         ("bicycle", 12.4, "+", 1),
         ("vending machine", 15.0, "street", 1),
         ("plant pot", 23.6, "street", 3),
-        ("banner", 25.4, 80.0, 1),
+        ("flag", 25.4, "street", 2),
         ("bench", 28.0, "street", 1),
         ("luggage", 29.9, "street", 0),
         ("advertising board", 32.0, 100.0, 0),
@@ -72,7 +72,7 @@ RIGHT_WALL = (
         ("garbage bag", 2.4, 20.0, 0),
         ("stool", 5.2, "street", 0),
         ("stool", 6.0, "street", 1),
-        ("banner", 8.2, 95.0, 1),
+        ("flag", 8.2, "street", 2),
         ("vending machine", 10.4, "street", 0),
         ("plant pot", 13.4, "street", 2),
         ("bicycle", 17.0, "-", 2),
@@ -102,7 +102,7 @@ LEFT_KERB = (
         ("utility pole", 3.0, "+", 0),
         ("traffic cone", 4.4, 0.0, 0),
         ("traffic cone", 11.6, 0.0, 0),
-        ("utility pole", 24.6, "+", 0),
+        ("utility pole", 33.4, "+", 0),
         ("mailbox", 14.2, "wall", 1),
         ("traffic sign", 26.0, "-", 1),
     ),
@@ -176,7 +176,7 @@ RIGHT_PEOPLE = (
 
 #: On the road: s along the left kerb, metres from it.
 ROAD = (
-    (("cyclist", 4.0, 3.4, "+", 1), ("bus", 27.0, 1.7, "-", 1), ("manhole cover", 11.0, 2.6, 0.0, 0)),
+    (("cyclist", 4.0, 3.4, "+", 1), ("bus", 30.8, 1.7, "-", 1), ("manhole cover", 11.0, 2.6, 0.0, 0)),
     (("rickshaw", 7.0, 2.0, "-", 1), ("taxi", 18.0, 3.7, "+", 1), ("motorcycle rider", 26.0, 1.6, "-", 0)),
     (("traffic barricade", 8.2, 2.2, "-", 1), ("traffic cone", 8.2, 0.8, 0.0, 1), ("traffic cone", 8.2, 3.8, 0.0, 1)),
 )
@@ -227,7 +227,7 @@ def build() -> Canvas:
     lane.wear("road", "road/asphalt_used-patched")
     lane.wear((12.0, 4.0), "sidewalk/granite_courses")
     lane.wear("ground", "gravel")
-    lane.sky("spring_noon-mackerel")
+    lane.sky("spring_noon-few_cumulus")
     lane.tour = [(2.0, 5.4), left[0].at(18.6, 3.0), right[0].at(18.6, 2.2), right[0].at(3.0, 2.8)]
     lane.tour += [
         right[0].at(18.6, 2.2),
@@ -260,7 +260,11 @@ def _houses(lane: Canvas, left: list[Edge], right: list[Edge]) -> None:
     )
     lane.houses(left[2], ("ice cream shop", "jewelry store"), 0.2, 11.6, LEFT_WALK)
     lane.houses(
-        right[0], ("restaurant", "bakery", "bubble tea bar", "photography shop", "hostel"), -4.0, 36.3, RIGHT_WALK
+        right[0],
+        ("restaurant", "bakery", "bubble tea bar", "photography shop", "seafood shop", "tobacco shop"),
+        -4.0,
+        36.3,
+        RIGHT_WALK,
     )
     lane.houses(right[1], ("butcher shop", "video game store", "tattoo shop", "travel agency"), 0.2, 28.9, RIGHT_WALK)
     lane.houses(right[2], ("greengrocer", "ice cream shop"), 1.5, 12.2, RIGHT_WALK)
@@ -268,4 +272,4 @@ def _houses(lane: Canvas, left: list[Edge], right: list[Edge]) -> None:
     depth, width, height = lane.sizes["temple"][1]
     lane.put("temple", *SHRINE.at(7.6, depth / 2 + 0.3), 180.0, size=(depth, width, height))
     lane.put("shrine", *SHRINE.at(1.75, -6.0), 180.0, 1)
-    lane.put("gate", *polar((76.3, 6.4), 0.0, 0.0), 180.0, size=(0.4, 4.4, 3.2))
+    lane.put("gate", 76.3, 6.4, 180.0, size=(0.4, 4.4, 3.2))

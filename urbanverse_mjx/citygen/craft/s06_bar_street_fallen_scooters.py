@@ -33,7 +33,7 @@ SCOOTERS_LEFT = (
     ),
     (
         (3.0, 3.55, 20.0, FALLEN),
-        (9.6, 1.0, 100.0, FALLEN),
+        (9.8, 0.95, 0.0, FALLEN),
         (11.0, 1.0, 80.0, FALLEN),
         (12.4, 0.6, 0.0, UPRIGHT),
         (25.0, 1.0, 45.0, FALLEN),
@@ -184,7 +184,7 @@ CROWD_LEFT = (
     ),
     (
         ("security guard", 2.6, 1.0, 200.0, 1),
-        ("pedestrian adult", 12.6, 2.6, 30.0, 2),
+        ("pedestrian adult", 12.6, 3.4, 30.0, 2),
         ("pedestrian adult", 26.8, 2.0, "-", 5),
         ("pedestrian adult", 28.2, 0.8, "-", 1),
         ("bottle", 8.4, 3.7, 0.0, 2),
