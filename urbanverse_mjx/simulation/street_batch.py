@@ -137,7 +137,8 @@ class Streets:
     def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
         mjm = model.model
         parts = np.zeros((len(geoms), 2, 4), np.float32)
-        parts[:, 0, :3] = model.robot_half[:, 0]
+        # `place` turns the balls with the body, so their centres are needed in its frame, not in the geom's.
+        parts[:, 0, :3] = model.robot_position + np.einsum("nij,nj->ni", model.robot_rotation, model.robot_half[:, 0])
         parts[:, 0, 3] = np.linalg.norm(model.robot_half[:, 1], axis=1)
         material = mjm.geom_matid[geoms]
         parts[:, 1, 0] = resolve_geom_materials(mjm)[2][geoms]
