@@ -261,7 +261,7 @@ def build() -> Canvas:
         street.along(line.road(), rows)
     street.row("lamppost", left[0], (1.4, 14.6, 28.4, 39.0), 0.45, "street", 0)
     street.row("lamppost", left[1], (5.2, 18.6, 30.6), 0.45, "street", 0)
-    street.row("lamppost", right[0], (4.6, 15.0 - 0.4, 29.9, 38.4), 0.45, "street", 0)
+    street.row("lamppost", right[0], (4.6, 14.6, 29.9, 38.4), 0.45, "street", 0)
     street.row("lamppost", right[1], (7.6, 21.6, 32.8), 0.45, "street", 0)
     street.trees(left[1], (14.4,), 0.9, "palm")
     street.trees(right[0], (36.2,), 0.9, "palm")
