@@ -309,7 +309,7 @@ def _yards(c: Canvas) -> None:
     c.put("washing machine", -43.4, -1.4, 0.0, 0)
     c.put("mattress", -43.2, -3.6, 90.0, 1)
     c.put("armchair", -41.6, -4.2, 60.0)
-    bicycles(c, -37.6, -5.6, 90.0, (False, True, False, True), rack=False)
+    bicycles(c, -37.6, -5.6, 90.0, (False, True, False), rack=False)
     c.put("street cabinet", -34.4, -5.6, 180.0, 0)
     c.put("tricycle", -39.0, 0.2, 20.0, 0)
     c.put("lamppost", -32.6, 4.4, 0.0, 0)
