@@ -17,10 +17,10 @@ PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 ENV ?= CocoNav
 LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
-.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets base thumbnails gallery doctor lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets base thumbnails gallery scene-gallery doctor lock wheel clean distclean
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: $(VENV)/.stamp-main ## create .venv and install the locked packages (CUDA ones too where nvidia-smi works)
 	@:
@@ -74,6 +74,9 @@ thumbnails: setup ## draw the thumbnails of all base shapes into the cache; goes
 
 gallery: setup ## draw a contact sheet per middle category into the cache (ARGS="--out FOLDER")
 	@MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/urbanverse assets gallery $(ARGS)
+
+scene-gallery: setup ## draw a page of compiled scenes with their numbers into the cache (ARGS="FOLDER ... --out FOLDER")
+	@MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/urbanverse scene gallery $(ARGS)
 
 doctor: setup ## say what this machine has and how to mend what is missing
 	@$(BIN)/urbanverse doctor $(ARGS)

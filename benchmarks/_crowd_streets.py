@@ -18,16 +18,29 @@ from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.living import slot_kinds
 from urbanverse_mjx.envs.registry import load_default_bank
+from urbanverse_mjx.simulation import body_slots
 
 #: s after which somebody with an errand who has hardly moved is stuck, and m that bodies may overlap (issue 7).
 STUCK, OVERLAP = 20.0, 0.02
-_SCENARIOS = ("static", "dynamic")
+
+
+def _scenarios(arguments: argparse.Namespace) -> dict[str, dict[str, Any]]:
+    """Name of each environment that is timed, and what it overrides; the first is what the others are held against."""
+    ends = {"scenes": "all", "terminate_on_hit": not arguments.push}
+    found = {
+        "static": {"scenario": "static", **ends},
+        "dynamic": {"scenario": "dynamic", "movable.bodies": 0, **ends},
+    }
+    if arguments.movable:
+        sizes = {"movable.bodies": arguments.movable, "movable.awake": min(arguments.awake, arguments.movable)}
+        found["movable"] = {"scenario": "dynamic", **sizes, **ends}
+    return found
 
 
 def environment(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Env-steps/s with and without a crowd, timed in turn."""
+    """Env-steps/s with and without a crowd, and with things that can be pushed beside it, timed in turn."""
     runs, calls, figures = {}, {}, {}
-    for scenario in _SCENARIOS:
+    for scenario, overrides in _scenarios(arguments).items():
         case = _cases.Case(
             preset=arguments.preset,
             impl=arguments.impl,
@@ -35,7 +48,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
             pixels=arguments.pixels,
             bank=arguments.bank,
             scenes=arguments.scenes,
-            overrides={"scenario": scenario, "scenes": "all"},
+            overrides=overrides,
             measure=("step",),
             steps=arguments.env_steps,
             repeats=1,
@@ -52,15 +65,33 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
         "preset": arguments.preset,
         "impl": type(env.engine).__name__,
         "agents": len(env.living.kinds),
+        "movable": arguments.movable,
         "steps": arguments.env_steps,
         **{f"{name}_env_steps_per_s": float(f"{s.rate(count):.4g}") for name, s in samples.items()},
         **{f"{name}_spread": float(f"{s.spread:.3g}") for name, s in samples.items()},
-        "dynamic_to_static": float(f"{samples['static'].median / samples['dynamic'].median:.3g}"),
+        **{
+            f"{name}_to_static": float(f"{samples['static'].median / sample.median:.3g}")
+            for name, sample in samples.items()
+            if name != "static"
+        },
+        **_bodies_under_way(runs.get("movable")),
         "compile_s": {name: {k: round(s, 1) for k, s in run.compile_s.items()} for name, run in runs.items()},
         "ended_share": {name: round(f["ended_share"], 4) for name, f in figures.items()},
         "slot_overflow": {name: f["slot_overflow"] for name, f in figures.items()},
         "device": jax.devices()[0].device_kind,
     }
+
+
+def _bodies_under_way(run: _measure.Run | None) -> dict[str, Any]:
+    """How many things of an env moved in the timed steps, on average, and how many were no longer in their places."""
+    if run is None:
+        return {}
+    bodies = run.sims.bodies
+    home = jnp.asarray(run.env.bank.slot_position)[run.sims.scene[..., None], jnp.maximum(bodies.thing, 0)]
+    there = bodies.thing >= 0
+    moving = there & (jnp.linalg.norm(bodies.velocity, axis=-1) > body_slots.SLOW)
+    moved = there & (jnp.linalg.norm(bodies.position - home, axis=-1) > 0.01)
+    return {name: round(float(x.sum(-1).mean()), 3) for name, x in (("moving", moving), ("moved", moved))}
 
 
 def _segment_gap(bodies: Bodies, half: Any, radius: Any) -> Any:

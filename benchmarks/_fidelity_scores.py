@@ -28,6 +28,7 @@ class Scores:
     a turn. front: whether the heading is within 90° of the true one, with its sign. volume: m^3 differences of small
     matches. truths: how many things were seen; found: how many the graph holds.
     detections: label -> rows of (score, true positive); positives: label -> how many there are.
+    pairs: (id in the graph, true id) of the matches.
     """
 
     right: np.ndarray
@@ -40,6 +41,7 @@ class Scores:
     found: int
     detections: dict[str, np.ndarray]
     positives: dict[str, int]
+    pairs: list[tuple[str, str]]
 
 
 def seen_things(recording: Recording, things: Iterable[GraphObject], share: float = SEEN_SHARE) -> list[GraphObject]:
@@ -124,6 +126,7 @@ def score(
         found=len(found),
         detections=detections,
         positives=positives,
+        pairs=[(f.id, t.id) for f, t in pairs],
     )
 
 

@@ -8,8 +8,10 @@ steps crowds on a wrapped square, everybody under way in some direction, and pri
 half-planes and the programs take when run alone over the same state. It needs numpy and jax, no bank and no scene.
 
 `--environment` measures, instead, env-steps/s of CocoNav with the crowd of its scenario `dynamic` and without, in turn
-in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl). `--minutes 10000` lets crowds without robot live
-for so many agent-minutes, and tells how deep bodies overlap, how many stand inside an obstacle and how many are stuck.
+in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl); with `--movable 8` also with so many things that
+can be pushed beside the crowd, at most --awake of them at once (--push: hits end no episode). `--minutes 10000` lets
+crowds without robot live for so many agent-minutes, and tells how deep bodies overlap, how many stand inside an
+obstacle and how many are stuck.
 Both need a bank (--bank, or the one that `urbanverse scene bank` built).
 
 `--mix walkers` are pedestrians; in `--mix street` an eighth of the agents are wheelchairs,
@@ -107,6 +109,9 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--env-steps", type=int, default=20, help="control steps in one timed run of --environment")
     parser.add_argument("--preset", default="paper", help="of --environment")
     parser.add_argument("--impl", default="auto", help="engine of --environment")
+    parser.add_argument("--movable", type=int, default=0, help="things that can be pushed, of --environment")
+    parser.add_argument("--awake", type=int, default=3, help="how many of them can move at once")
+    parser.add_argument("--push", action="store_true", help="hits end no episode of --environment")
     parser.add_argument("--minutes", type=float, default=0.0, help="agent-minutes of crowds without robot")
     parser.add_argument("--crowd-envs", type=int, default=64, help="envs of --minutes")
     parser.add_argument("--scenes", type=int, default=None, help="first so many scenes of the bank")

@@ -6,6 +6,7 @@
 | `XDG_CACHE_HOME` | folder of all caches | `~/.cache` |
 | `URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it |
 | `URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it |
+| `URBANVERSE_PROTOCOL_ROOT` | the frozen benchmarks | `benchmarks/protocols/` beside the package, else inside it |
 | `URBANVERSE_BANK` | the scene bank that environments load | in the cache, named by what it is made of |
 | `URBANVERSE_VISION_URL` | OpenAI-compatible endpoint that describes imported assets, up to `/v1` | none: priors |
 | `URBANVERSE_VISION_KEY` | its key, where it wants one | none |
@@ -83,6 +84,15 @@ def scene_root() -> pathlib.Path:
     return _data_root("scenes", "URBANVERSE_SCENE_ROOT")
 
 
+def protocol_root() -> pathlib.Path:
+    """Folder of the frozen benchmarks.
+
+    Raises:
+      NounError: the folder named by `URBANVERSE_PROTOCOL_ROOT`, or the one that belongs to the package, is not there.
+    """
+    return _data_root("benchmarks/protocols", "URBANVERSE_PROTOCOL_ROOT")
+
+
 def default_bank_path() -> pathlib.Path:
     """File of the bank of the shipped scenes, which `urbanverse scene bank` writes and environments load.
 
@@ -96,10 +106,11 @@ def default_bank_path() -> pathlib.Path:
     if own:
         return pathlib.Path(own).expanduser().absolute()
     digest = hashlib.sha256()
-    folders = [(scene_root(), "*.json"), (asset_root(), "*")]
-    folders += [(_PACKAGE / room, "*.py") for room in _BANK_ROOMS]
+    # Of the scenes the shipped streets alone: the library's sets lie a folder deeper.
+    folders = [(scene_root(), "splits.json"), (scene_root(), "*/graph.json"), (asset_root(), "**/*")]
+    folders += [(_PACKAGE / room, "**/*.py") for room in _BANK_ROOMS]
     for folder, pattern in folders:
-        for path in sorted(p for p in folder.rglob(pattern) if p.is_file() and "__pycache__" not in p.parts):
+        for path in sorted(p for p in folder.glob(pattern) if p.is_file() and "__pycache__" not in p.parts):
             digest.update(f"{folder.name}/{path.relative_to(folder).as_posix()}\0".encode())
             digest.update(hashlib.sha256(path.read_bytes()).digest())
     return cache_dir("banks", f"bank-{digest.hexdigest()[:16]}.npz")

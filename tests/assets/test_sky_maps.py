@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets import looks, skies
+from urbanverse_mjx.assets.grounds import ground_records
 from urbanverse_mjx.assets.sky_maps import atmosphere, clouds, paint_sky, sky_records
 from urbanverse_mjx.assets.sky_maps.table import MOMENTS, WEATHERS, unit_to_sun
 from urbanverse_mjx.datatypes import NounError
@@ -178,3 +179,12 @@ def test_search() -> None:
     assert 0 < len(snowy) < 54
     with pytest.raises(NounError, match="true or false"):
         looks.sky.get_uids_conditioned(snow="yes")
+
+
+def test_its_own_descriptor_finds_every_material_and_sky_first():
+    for record in (*ground_records("road"), *ground_records("sidewalk")):
+        assert looks.rank_ground_descriptors(looks.own_ground_descriptor(record.uid), record.kind)[0][0] == record.uid
+    for record in sky_records():
+        assert looks.rank_skies(looks.own_sky_descriptor(record.uid))[0][0] == record.uid
+    with pytest.raises(NounError, match="sky"):
+        looks.own_sky_descriptor("no such sky")

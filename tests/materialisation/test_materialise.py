@@ -7,7 +7,8 @@ import pathlib
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import category_of
+from urbanverse_mjx.assets import category_of, looks
+from urbanverse_mjx.assets.ground_materials import build_material
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, NounError, SceneGraph, SceneLayout, Source
 from urbanverse_mjx.materialisation import choice, materialise
 
@@ -171,3 +172,44 @@ def test_skip_unknown_leaves_out_and_lists_what_it_does_not_know():
 def test_seed_and_cousin_are_whole_numbers(seed, cousin):
     with pytest.raises(NounError):
         materialise(graph_of(), fake_index(), seed, cousin, hulls_of=box_hulls)
+
+
+def test_descriptors_choose_materials_and_sky():
+    """Each piece gets the material whose descriptor it has; a scene without any keeps drawing them."""
+    uids = {"path": "sidewalk/brick_red_herringbone", "lawn": "grass", "far": "sidewalk/asphalt_red"}
+    sky = "autumn_noon-overcast"
+
+    def square(name: str, kind: str, x: float) -> GroundRegion:
+        ring = ((x, 0), (x + 2, 0), (x + 2, 2), (x, 2))
+        picture = build_material(uids[name]).texture
+        return GroundRegion(name, kind, ring, (0.0, 0.0, 0.0), looks.ground_descriptor(picture))
+
+    ground = (square("path", "sidewalk", 0), square("lawn", "ground", 2), square("far", "sidewalk", 4))
+    graph = dataclasses.replace(graph_of(ground=ground), sky_descriptor=looks.own_sky_descriptor(sky))
+    layout = materialise(graph, fake_index(), 3).layout
+    assert {g.id: g.material for g in layout.ground} == uids
+    assert layout.sky == sky
+    assert materialise(graph, fake_index(), 3, cousin=1).layout.ground != layout.ground
+
+
+def test_named_materials_lie_side_by_side():
+    """Touching regions wear the materials whose own descriptors they have; the rest of the piece joins the first."""
+
+    def square(name: str, kind: str, x: float, descriptor: tuple[int, ...] | None) -> GroundRegion:
+        return GroundRegion(name, kind, ((x, 0), (x + 2, 0), (x + 2, 2), (x, 2)), (0.0, 0.0, 0.0), descriptor)
+
+    flags, brick = (looks.own_ground_descriptor(f"sidewalk/{n}") for n in ("flags_buff", "brick_charcoal"))
+    grass, gravel = (looks.ground_descriptor(build_material(n).texture) for n in ("grass", "gravel"))
+    ground = (
+        square("a", "sidewalk", 0, flags),
+        square("b", "sidewalk", 2, brick),
+        square("c", "sidewalk", 4, None),
+        square("d", "ground", 6, grass),
+        square("e", "ground", 8, gravel),
+    )
+    layout = materialise(graph_of(ground=ground), fake_index(), 0).layout
+    wanted = ["sidewalk/flags_buff", "sidewalk/brick_charcoal", "sidewalk/flags_buff", "grass", "gravel"]
+    assert [g.material for g in layout.ground] == wanted
+    blurred = dataclasses.replace(ground[1], descriptor=(brick[0] + 1, *brick[1:]))
+    mixed = materialise(graph_of(ground=(ground[0], blurred, *ground[2:])), fake_index(), 0).layout
+    assert len({g.material for g in mixed.ground if g.kind == "sidewalk"}) == 1

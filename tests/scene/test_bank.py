@@ -122,3 +122,20 @@ def test_what_cannot_be_packed_is_refused() -> None:
         pack([scene], ["train"], {})
     with pytest.raises(NounError, match="split"):
         pack([scene], ["dev"], box_skies())
+
+
+def test_bank_says_what_can_be_pushed_and_one_written_before_says_nothing(tmp_path, small_bank: SceneBank) -> None:
+    for z, scene in enumerate(box_scenes(3, 0)):
+        for o, name in enumerate(scene.object_ids):
+            slot = small_bank.meta["object_ids"][z].index(name)
+            assert small_bank.slot_movable[z, slot] == scene.object_movable[o]
+            assert small_bank.slot_mass[z, slot] == np.float32(scene.object_mass[o])
+    assert 0 < small_bank.slot_movable.sum() == sum(s.object_movable.sum() for s in box_scenes(3, 0))
+    small_bank.save(tmp_path / "new.npz")
+    with np.load(tmp_path / "new.npz") as file:
+        arrays = {name: file[name] for name in file.files if name not in ("slot_movable", "slot_mass")}
+    np.savez(tmp_path / "old.npz", **arrays)
+    old = SceneBank.load(tmp_path / "old.npz")
+    assert old.slot_movable.shape == old.slot_mass.shape == old.slot_mesh.shape
+    assert not old.slot_movable.any()
+    assert not old.slot_mass.any()

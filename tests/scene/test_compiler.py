@@ -40,8 +40,10 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
 
 def test_folder_is_whole_and_loads_in_stock_mujoco(compiled: CompiledScene) -> None:
     names = {p.name for p in compiled.folder.iterdir()}
-    files = {"scene.xml", "maps.npz", "routes.json", "episodes.npz", "layout.json", "metadata.json", "geometry.npz"}
-    assert names == files | {"meshes", "textures"}
+    files = {"scene.xml", "episodes.npz", "layout.json", "metadata.json", "geometry.npz"}
+    exchange = {"map.json", "layers.npz", "annotations.json", "routes.json", "routes.txt"}
+    waypoints = {f"r{i:03d}.npy" for i in range(1, 13)}
+    assert names == files | exchange | waypoints | {"meshes", "textures"}
     code = """import mujoco, sys
 model = mujoco.MjModel.from_xml_path(sys.argv[1])
 print(model.ngeom, 'urbanverse_mjx' in sys.modules)"""
@@ -101,7 +103,7 @@ def test_episodes_keep_every_rule(compiled: CompiledScene) -> None:
             np.diff(np.concatenate([table.start[e : e + 1, :2], table.waypoints[e, :number, :2]]), axis=0), axis=1
         )
         assert gaps.max() <= 5.0 + 1e-6
-        assert table.line_free[e] == space.line_free(table.start[e, :2], table.goal[e, :2])
+    np.testing.assert_array_equal(table.line_free, space.lines_free(table.start[:, :2], table.goal[:, :2]))
     assert table.crosses_road.mean() >= 0.15
     assert 0.2 <= table.line_free.mean() <= 0.5
     heights = compiled.geometry.map.height[space.cell(table.goal[:, :2])]
@@ -126,20 +128,38 @@ def test_same_layout_same_files(compiled: CompiledScene, tmp_path: pathlib.Path)
 
 def test_routes_are_in_the_exchange_format(compiled: CompiledScene) -> None:
     body = json.loads((compiled.folder / "routes.json").read_text())
-    assert body["format"] == 1
-    assert len(body["routes"]) == compiled.metadata["counts"]["goals"]
+    assert (body["format"], body["scene"]) == (1, "toy_street")
+    assert body["robot"] == {"name": "delivery", "radius": 0.35, "height": 1.0, "step": 0.22}
+    assert len(body["routes"]) == 12
     for route in body["routes"]:
-        points = np.array(route["waypoints"])
+        points = np.load(compiled.folder / route["waypoints"])
         facts = route["facts"]
         assert points.shape[1] == 4
         assert np.linalg.norm(np.diff(points[:, :2], axis=0), axis=1).max() <= 0.5 + 1e-3
         assert route["start"] == dict(zip(("x", "y", "z", "yaw"), points[0], strict=True))
         assert [route["goal"][k] for k in "xyz"] == points[-1, :3].tolist()
-        assert facts["curbs"] == 0
-        assert facts["min_clearance_m"] >= 0.35
-        assert sum(facts["by_kind_m"].values()) == pytest.approx(facts["length_m"], abs=0.01)
+        assert facts["min_clearance_m"] >= 0.34
+        assert sum(facts["by_kind_m"].values()) == pytest.approx(facts["length_m"], abs=0.05)
         assert facts["detour"] >= 1.0
-        assert ("crosswalk" in facts["by_kind_m"]) == (facts["road_crossings"] > 0)
+        assert (facts["road_crossings"] > 0) >= (facts["curbs"] > 0)
+    longest = max(r["facts"]["length_m"] for r in body["routes"])
+    assert compiled.metadata["route_length_m"] == longest >= 50.0
+
+
+def test_metadata_tells_what_the_scene_is_like(compiled: CompiledScene) -> None:
+    """The toy street: two pavements of 60 m by 4 m, a road of 60 m by 8 m with a 4 m crosswalk; kerbs but at ramps."""
+    told = compiled.metadata
+    assert (told["city"], told["country"]) == ("none", "none")
+    told = told["statistics"]
+    assert told["categories"] == {"bollard": told["objects"]}
+    assert told["houses"] == 0
+    assert told["ground_area_m2"]["sidewalk"] == pytest.approx(2 * 60 * 4, rel=0.01)
+    assert told["ground_area_m2"]["road"] + told["ground_area_m2"]["crosswalk"] == pytest.approx(60 * 8, rel=0.01)
+    assert told["kerbs"]["length_m"] == pytest.approx(2 * 56, abs=3)
+    assert told["kerbs"]["height_m"] == pytest.approx(0.15, abs=0.01)
+    assert told["pavement"]["width_m"]["p50"] == pytest.approx(4.0, abs=0.15)
+    assert told["pavement"]["clear_width_m"]["p10"] < 3.95
+    assert 90 <= told["pavement"]["length_m"] <= 125
 
 
 def test_bank_of_the_folder_has_the_scene(compiled: CompiledScene) -> None:

@@ -83,3 +83,29 @@ def test_visual_is_textured_in_world_metres_and_its_sides_face_outwards() -> Non
 def test_paint_lies_just_above_and_has_no_sides() -> None:
     position, mesh = ground.region_mesh(_square("p", 0.0, "road_marking"), TEXTURE, 1.0, 0.7)
     np.testing.assert_allclose(mesh.vertices[:, 2] + position[2], ground.PAINT_LIFT, atol=1e-7)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, np.pi / 2, -1.2])
+def test_stripes_of_a_crosswalk_run_as_the_traffic_does(angle: float) -> None:
+    """A road along `angle` with a crosswalk across it: rows of constant v run along the road."""
+    c, s = np.cos(angle), np.sin(angle)
+
+    def piece(name: str, kind: str, x0: float, x1: float) -> GroundRegion:
+        corners = np.array([(x0, -3.0), (x1, -3.0), (x1, 3.0), (x0, 3.0)]) @ np.array([[c, s], [-s, c]])
+        return GroundRegion(name, kind, tuple(map(tuple, corners)), (0.0, 0.0, 0.0))
+
+    walk = piece("walk", "crosswalk", 5.0, 9.0)
+    regions = [piece("a", "road", 0.0, 5.0), walk, piece("b", "road", 9.0, 14.0), piece("c", "sidewalk", 14.0, 16.0)]
+    turn = ground.traffic_turn(walk, regions)
+    assert np.angle(np.exp(2j * (turn - angle))) == pytest.approx(0.0, abs=1e-5)
+    assert ground.traffic_turn(regions[0], regions) == 0.0
+    position, mesh = ground.region_mesh(walk, TEXTURE, 2.0, 0.8, turn=turn)
+    top, uv = mesh.vertices[:4] + position, mesh.uv[:4]
+    along = (top[:, :2] - top[0, :2]) @ (c, s)
+    np.testing.assert_allclose(np.abs(uv[:, 0] - uv[0, 0]) * 2.0, np.abs(along), atol=1e-4)
+
+
+def test_stripes_of_the_shipped_streets_are_not_turned() -> None:
+    for path in GRAPHS:
+        regions = SceneGraph.load(path).ground
+        assert [ground.traffic_turn(r, regions) for r in regions] == [0.0] * len(regions)

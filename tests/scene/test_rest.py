@@ -8,7 +8,7 @@ import pytest
 from tests.support.box_bank import box_scene
 from urbanverse_mjx.scene import compiler
 from urbanverse_mjx.scene.geometry import SceneGeometry
-from urbanverse_mjx.scene.rest import rest_moves
+from urbanverse_mjx.scene.rest import _around_movable, rest_moves
 
 CUBE = np.array([[x, y, z] for x in (-0.2, 0.2) for y in (-0.2, 0.2) for z in (0.0, 0.4)], np.float32)
 #: A post as high as a door on a foot of two centimetres, leaning: nothing holds it up.
@@ -81,3 +81,16 @@ def test_fallers_are_fixed_until_all_stay():
     assert [o.movable for o in layout.objects] == [True, False]
     assert rest_moves(geometry) == []
     assert rest_moves(geometry, seconds=0.01) == pytest.approx([])
+
+
+def test_only_fixed_things_near_by_count():
+    """Half a metre apart in the box street: the neighbour stays in the trial, the one after next does not."""
+    scene = dataclasses.replace(scene_of(CUBE, CUBE, CUBE), object_movable=np.array([True, False, False]))
+    position = scene.object_position.copy()
+    position[1] = position[0] + [0.8, 0, 0]
+    position[2] = position[0] + [0, 4.0, 0]
+    near = _around_movable(dataclasses.replace(scene, object_position=position))
+    assert near.object_ids == ("thing_0", "thing_1")
+    np.testing.assert_array_equal(near.object_position, position[:2])
+    assert [near.hulls[h].tolist() for h in near.inst_hull] == [CUBE.tolist()] * 2
+    assert near.inst_object.tolist() == [0, 1]

@@ -203,7 +203,7 @@ def slots_of(engine: WarpEngine, scene: np.ndarray, place: np.ndarray) -> tuple[
         wp.launch(
             warp_kernels.find_slots,
             dim=(n, 2),
-            inputs=[shared.tables, *where, split, engine.num_prism_slots, nearby],
+            inputs=[shared.tables, *where, split, engine.num_prism_slots, nearby, wp.zeros((n, 0), dtype=int)],
         )
         rows = nearby.row.numpy()
     objects, prisms = rows[:, :split], rows[:, split:]
@@ -237,7 +237,9 @@ def test_contacts_are_those_of_the_mjx_engine(small_bank: SceneBank, room: int) 
         shared = DeviceModel(engine.bank, engine._robot_model, engine.reach)
         batch = WorldBatch(shared, n, engine.num_slots, engine.num_prism_slots, room, 0, graphs=False, agents=None)
         where = [shared.tables, wp.array(scene, dtype=int), wp.array(place, dtype=wp.vec3), engine.num_slots]
-        wp.launch(warp_kernels.find_slots, dim=(n, 2), inputs=[*where, engine.num_prism_slots, batch.nearby])
+        wp.launch(
+            warp_kernels.find_slots, dim=(n, 2), inputs=[*where, engine.num_prism_slots, batch.nearby, batch.nothing]
+        )
         wp.launch(warp_kernels.place_slots, dim=batch.slots.hull.shape, inputs=[*where, batch.nearby, batch.slots])
         xpos = np.zeros((n, engine._robot_model.model.ngeom, 3), np.float32)
         xpos[:, engine._robot_model.sphere_geom] = balls - origin[:, None]

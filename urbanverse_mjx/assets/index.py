@@ -18,6 +18,7 @@ from urbanverse_mjx.settings import asset_root, imported_assets
 from . import instances, ontology
 from .materials import AIR
 from .mesh_builder import BuiltAsset
+from .mesh_cache import cached_mesh
 from .physical import composition, sample_meshes
 from .priors import prior
 from .recipe import Recipe, all_recipes, get_recipe
@@ -201,7 +202,7 @@ def base_mesh(record: AssetRecord) -> AssetMesh:
 
 @functools.lru_cache(maxsize=512)
 def _build_cached(name: str, leaf: str, variant: int) -> AssetMesh:
-    return get_recipe(name, leaf).build(variant).mesh
+    return cached_mesh(name, leaf, variant, lambda: get_recipe(name, leaf).build(variant).mesh)
 
 
 def build_index() -> AssetIndex:

@@ -348,6 +348,26 @@ def _sky_descriptors() -> tuple[list[str], np.ndarray]:
     return uids, np.array([sky_descriptor(thumbnails[uid][half // 2 : half]) for uid in uids], np.float64)
 
 
+def own_ground_descriptor(uid: str) -> tuple[int, ...]:
+    """The descriptor that finds a material of the collection ("road/...", "sidewalk/...") first.
+
+    Raises:
+      NounError: no such material.
+    """
+    uids, table = _ground_descriptors(v.choice(uid.partition("/")[0], "kind of ground", ("road", "sidewalk")))
+    return tuple(int(x) for x in table[list(uids).index(v.choice(uid, "ground material", uids))])
+
+
+def own_sky_descriptor(uid: str) -> tuple[int, ...]:
+    """The descriptor that finds a sky of the collection first: what a street camera sees of it.
+
+    Raises:
+      NounError: no such sky.
+    """
+    uids, table = _sky_descriptors()
+    return tuple(int(x) for x in table[uids.index(v.choice(uid, "sky", uids))])
+
+
 def rank_skies(descriptor: Sequence[int]) -> list[tuple[str, float]]:
     """All skies by Hellinger's distance of HSV histograms, best first: (uid, distance in [0, 1]).
 

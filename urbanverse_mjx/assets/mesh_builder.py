@@ -53,6 +53,17 @@ class BuiltAsset:
         mesh = dataclasses.replace(self.mesh, vertices=self.mesh.vertices * scale)
         return dataclasses.replace(self, mesh=mesh, volume=self.volume * float(np.prod(scale)))
 
+    def box_scale(self, size: Sequence[float | None] | np.ndarray) -> np.ndarray:
+        """(3,) factors that bring the box to size (x, y, z), m; along an axis of None or 0, the mean of the others."""
+        wanted = np.array([side or 0.0 for side in size])
+        given = wanted > 0
+        scale = wanted / np.maximum(self.mesh.extent.astype(float), 1e-9)
+        return np.where(given, scale, scale[given].mean())
+
+    def to_box(self, size: Sequence[float | None] | np.ndarray) -> "BuiltAsset":
+        """The asset scaled so that its box is size (x, y, z), m, as `box_scale` says."""
+        return self.scaled(self.box_scale(size))
+
 
 @dataclasses.dataclass(frozen=True)
 class _Part:

@@ -1,6 +1,7 @@
 """Mass properties of an asset as other simulators want them: one rigid body of even density inside its hulls."""
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -36,8 +37,14 @@ class RigidBody:
 
 
 def convex_surface(corners: np.ndarray) -> trimesh.Trimesh:
-    """The convex hull of (n, 3) corners as a closed surface, wound outwards."""
-    hull = ConvexHull(corners.astype(np.float64))
+    """The convex hull of (n, 3) corners as a closed surface, wound outwards; shared, so nobody may change it."""
+    return _convex_surface(np.ascontiguousarray(corners, np.float64).tobytes())
+
+
+# A stage asks twice for every hull, for its collider and for the mass, and cousins share assets.
+@functools.lru_cache(maxsize=4096)
+def _convex_surface(content: bytes) -> trimesh.Trimesh:
+    hull = ConvexHull(np.frombuffer(content).reshape(-1, 3))
     faces = hull.simplices.copy()
     a, b, c = (hull.points[faces[:, k]] for k in range(3))
     inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0

@@ -261,7 +261,7 @@ def split_at_creases(shape: Shape, crease_deg: float | np.ndarray, parts: Sequen
     # Part by part: which of two equal edges is found does not depend on what else the shape holds.
     ends = np.cumsum(parts if parts is not None else [len(faces)])[:-1] * 3
     blocks = np.split(forward, ends)
-    order = np.concatenate([first + np.argsort(b) for first, b in zip([0, *ends], blocks, strict=True)])
+    order = np.concatenate([first + np.argsort(b, kind="stable") for first, b in zip([0, *ends], blocks, strict=True)])
     found = np.clip(np.searchsorted(forward[order], backward), 0, len(order) - 1)
     other = order[found]
     least = np.broadcast_to(np.cos(np.radians(crease_deg)), len(faces))

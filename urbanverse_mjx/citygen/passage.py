@@ -30,7 +30,8 @@ def is_obstacle(thing: GraphObject) -> bool:
 
 def walkable(ground: Iterable[GroundRegion]) -> BaseGeometry:
     """Union of the regions that a pavement robot may be on."""
-    return shapely.union_all([shapely.Polygon(r.polygon) for r in ground if r.kind in TRAVERSABLE_KINDS])
+    pieces = [shapely.Polygon(r.polygon) for r in ground if r.kind in TRAVERSABLE_KINDS]
+    return shapely.union_all(pieces, grid_size=1e-3)  # skewed seams part by less than a millimetre
 
 
 def free_space(

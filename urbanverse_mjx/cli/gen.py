@@ -34,11 +34,43 @@ class GenArgs:
     camera_height: float = 1.5
     """Height (m) of the camera above the ground that is walked on: it gives the scale of a video."""
     blur: str | None = None
-    """Detector of faces and number plates, which are blurred before a frame is stored; none: frames stay here."""
+    """Detector of faces and number plates, which are blurred before a frame is stored: "haar", or "module:function" of
+    your own; none: frames stay here."""
+    perception: Literal["eye", "foundation"] = "eye"
+    """Who looks at the frames: the small network that comes along, or OWLv2, SAM 2, Mask2Former and a depth model."""
+    models: pathlib.Path | None = None
+    """Folder of the foundation models' weights (owlv2, sam2, mask2former, depth); default: from the hub."""
     licence: str = "unknown"
     """Of the video, for the records; as city and country."""
     city: str = "unknown"
     country: str = "unknown"
+    quiet: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class ImportArgs:
+    """Turn another project's recording into one of ours, for `urbanverse gen`; prints one JSON line."""
+
+    source: Annotated[pathlib.Path, tyro.conf.Positional]
+    """KITTI-360's root, or a folder that UrbanVerse-Gen's authors' distillation wrote."""
+    out: pathlib.Path
+    """Folder of the recording."""
+    format: Literal["kitti360", "urbanverse"]
+    """Of the source."""
+    sequence: str = "2013_05_28_drive_0000_sync"
+    """KITTI-360: which drive."""
+    first: int = 0
+    """KITTI-360: first frame; last: last frame; step: every so many frames."""
+    last: int = 10_000_000
+    step: int = 1
+    depth: Literal["auto", "scan", "boxes"] = "auto"
+    """KITTI-360: from the laser's scans, or from the annotated boxes and the road."""
+    rate: float = 1.0
+    """urbanverse: frames per second."""
+    perception: Literal["eye", "foundation"] = "eye"
+    """urbanverse: who finds things and surfaces, see `urbanverse gen`."""
+    models: pathlib.Path | None = None
+    """urbanverse: folder of the foundation models' weights."""
     quiet: bool = False
 
 
@@ -81,15 +113,45 @@ def main(argv: Sequence[str]) -> int:
     words = list(argv)
     if words[:1] == ["batch"]:
         return _batch(tyro.cli(BatchArgs, args=words[1:], prog="urbanverse gen batch"))
+    if words[:1] == ["import"]:
+        return _import(tyro.cli(ImportArgs, args=words[1:], prog="urbanverse gen import"))
     return _gen(tyro.cli(GenArgs, args=words, prog="urbanverse gen"))
 
 
 def _gen(args: GenArgs) -> int:
     from .generation import GenerationOptions, TourOptions, generate
 
-    tour = TourOptions(args.rate, args.camera_height, args.blur, args.licence, args.city, args.country)
+    tour = TourOptions(
+        args.rate,
+        args.camera_height,
+        args.blur,
+        args.licence,
+        args.city,
+        args.country,
+        args.perception,
+        None if args.models is None else str(args.models),
+    )
     options = GenerationOptions(args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, tour)
     print(json.dumps(generate(args.source, args.out, options, args.quiet)))
+    return 0
+
+
+def _import(args: ImportArgs) -> int:
+    from ..distillation.readers import Kitti360Options
+    from .generation import TourOptions
+    from .generation.importing import import_authors_tree, import_kitti360
+    from .generation.progress import StageBars
+
+    with StageBars(args.quiet) as bars:
+        report = bars.stage("recording")
+        if args.format == "kitti360":
+            options = Kitti360Options(args.sequence, args.first, args.last, args.step, args.depth)
+            recording = import_kitti360(args.source, args.out, options, report)
+        else:
+            models = None if args.models is None else str(args.models)
+            tour = TourOptions(rate=args.rate, perception=args.perception, models=models)
+            recording = import_authors_tree(args.source, args.out, tour, report)
+    print(json.dumps({"recording": str(args.out), "id": recording.id, "frames": len(recording)}))
     return 0
 
 

@@ -18,6 +18,7 @@ from .. import __version__
 COMMANDS = {
     "train": ("train", "train a policy and evaluate it on streets it has never seen"),
     "evaluate": ("evaluate", "run a trained or scripted policy over fixed episodes and write a report"),
+    "benchmark": ("benchmark", "score a policy on a frozen benchmark"),
     "play": ("play", "drive one episode and write it as a video"),
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "export-gait": ("export_gait", "write a trained gait as one small file"),

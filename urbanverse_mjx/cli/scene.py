@@ -17,6 +17,7 @@ import tyro
 from .. import settings
 from ..datatypes import SceneBank, SceneGraph
 from ..datatypes import validation as v
+from . import scene_gallery, scene_library, scene_routes
 
 if TYPE_CHECKING:
     from ..materialisation import Materialisation
@@ -35,6 +36,8 @@ class CompileArgs:
     """Chooses among equally good assets, materials and skies, and the episodes."""
     cousin: int = 0
     """Number of the digital cousin."""
+    half: int = 0
+    """1 or 2: that half of the street alone, cut across its middle; 0: all of it."""
     skip_unknown: bool = False
     """Leave out objects whose label no asset is known for, and list them, instead of refusing the graph."""
 
@@ -81,19 +84,33 @@ class TerrainArgs:
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse scene ...`."""
     args = tyro.extras.subcommand_cli_from_dict(
-        {"compile": CompileArgs, "bank": BankArgs, "join": JoinArgs, "terrain": TerrainArgs},
+        {
+            "compile": CompileArgs,
+            "bank": BankArgs,
+            "join": JoinArgs,
+            "terrain": TerrainArgs,
+            "routes": scene_routes.RoutesArgs,
+            "gallery": scene_gallery.GalleryArgs,
+            "library": scene_library.LibraryArgs,
+        },
         args=list(argv),
         prog="urbanverse scene",
     )
     if isinstance(args, TerrainArgs):
         return _terrain(args)
+    if isinstance(args, scene_routes.RoutesArgs):
+        return scene_routes.main(args)
+    if isinstance(args, scene_gallery.GalleryArgs):
+        return scene_gallery.main(args)
+    if isinstance(args, scene_library.LibraryArgs):
+        return scene_library.main(args)
     if isinstance(args, CompileArgs):
         return _compile(args)
     return _join(args) if isinstance(args, JoinArgs) else _bank(args)
 
 
 def _compile(args: CompileArgs) -> int:
-    materialised, compiled = compile_graph(args.graph, args.out, args.seed, args.cousin, args.skip_unknown)
+    materialised, compiled = compile_graph(args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half)
     for name, label in materialised.skipped:
         sys.stderr.write(f"left out {name!r}: no asset for the label {label!r}\n")
     print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **compiled.metadata["counts"]}))
@@ -101,9 +118,9 @@ def _compile(args: CompileArgs) -> int:
 
 
 def compile_graph(
-    graph: pathlib.Path, out: pathlib.Path, seed: int = 0, cousin: int = 0, skip_unknown: bool = False
+    graph: pathlib.Path, out: pathlib.Path, seed: int = 0, cousin: int = 0, skip_unknown: bool = False, half: int = 0
 ) -> "tuple[Materialisation, CompiledScene]":
-    """Reads, materialises and compiles one graph; episodes are driven by COCO with the differential drive.
+    """Reads, materialises and compiles one graph or (1, 2) a half of it; COCO with the differential drive drives it.
 
     Raises:
       NounError: whatever is wrong with the graph; then nothing is written.
@@ -111,6 +128,7 @@ def compile_graph(
     from ..scene.compiler import check_out_dir, compile_scene
     from ..scene.ground import check_regions
 
+    v.choice(str(half), "--half", ("0", "1", "2"))
     check_out_dir(out)
     scene = SceneGraph.load(graph)
     check_regions(scene.ground)
@@ -119,7 +137,7 @@ def compile_graph(
 
     index = load_index()
     materialised = materialise(scene, index, seed, cousin, skip_unknown)
-    return materialised, compile_scene(materialised.layout, index, out, make_driver())
+    return materialised, compile_scene(materialised.layout, index, out, make_driver(), place=scene.source)
 
 
 def make_driver() -> "Driver":

@@ -28,6 +28,8 @@ from .spawning import Watcher
 _ARRIVED = 1.0
 #: s, after which somebody who is held up forgets where its script sent it.
 _GIVES_UP = 8.0
+#: s, that somebody goes on before it brakes for who appears: two steps of choosing and one of turning.
+_REACTION = 0.5
 #: s, how far ahead of its front a vehicle reads its way.
 _PREVIEW = 0.4
 
@@ -192,8 +194,11 @@ class CrowdModel:
         size = self._traits.radius + self._traits.half_length
         others = crowd.present & (jnp.arange(self.num_agents) != who)
         bodies = crowd.bodies
+        # Nobody stops for who was not there: a car would run over another that appears in front of it.
+        square = bodies.vx * bodies.vx + bodies.vy * bodies.vy
+        room = size + _REACTION * jnp.sqrt(square) + 0.5 * square / self._traits.braking
         place, found = spawning.choose(
-            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, size, others, watcher, hidden, self.reach
+            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, room, others, watcher, hidden, self.reach
         )
         found &= wanted & (ways.num_goals[scene] > 0)
         x, y = ways.place[scene, place]

@@ -53,8 +53,8 @@ def choose(
     """One of the places (S, 2) m at random among those that will do.
 
     Args:
-      size: () m, radius of who appears; a place must be clear of the present bodies (B,) at x, y of radii `their_size`
-        by a step (0.5 m).
+      size: () m, radius of who appears; a place must be clear of the present bodies (B,) at x, y by a step (0.5 m);
+        their_size: m around each of them, with the way that it needs to stop.
       hidden: the place must be out of the watcher's sight; at reset anywhere a body's length away from it will do.
       reach: m; places nearer to the watcher than this come first.
 

@@ -11,7 +11,7 @@ from .robot import RobotSpec
 from .scene_bank import SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
-from .simulation import AgentMotion, AgentShapes, Contacts, SimState, Simulator
+from .simulation import AgentMotion, AgentShapes, Bodies, Contacts, SimState, Simulator
 from .validation import NounError
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "AssetMesh",
     "AssetRecord",
     "BenchmarkReport",
+    "Bodies",
     "Camera",
     "Contacts",
     "Detection",

@@ -26,6 +26,7 @@ class EpisodeResult:
       people_distance: m, least distance from the disc around the robot to a person's body; intimate_time: share of the
         episode's time within 0.45 m, [0, 1]; speed_near_people: m/s, mean within 1.2 m, None where never so near.
         All None in a street without people.
+      touches: how often contact with an object or an agent began; None in reports from before it was counted.
     """
 
     agent: str
@@ -44,6 +45,7 @@ class EpisodeResult:
     people_distance: float | None = None
     intimate_time: float | None = None
     speed_near_people: float | None = None
+    touches: int | None = None
 
     def __post_init__(self) -> None:
         where = f"episode {self.scene!r}/{self.episode}"
@@ -61,10 +63,18 @@ class EpisodeResult:
         for name in ("people_distance", "intimate_time", "speed_near_people"):
             if getattr(self, name) is not None:
                 v.number(getattr(self, name), f"{where}.{name}", 0.0)
+        if self.touches is not None:
+            v.integer(self.touches, f"{where}.touches", 0)
+
+    @property
+    def touched(self) -> bool:
+        """Whether the robot ever touched something."""
+        return self.result in ("hit", "hit_agent") or bool(self.touches)
 
     @property
     def success(self) -> bool:
-        return self.result == "goal"
+        """Reached the goal without touching anything (the paper's SR), also where an episode goes on after contact."""
+        return self.result == "goal" and not self.touched
 
     @property
     def spl(self) -> float:

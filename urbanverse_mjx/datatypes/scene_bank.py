@@ -65,6 +65,9 @@ class SceneBank:
       slot_category (Z, N) i32: row of `meta["categories"]`. Slots keep one spatial order (along the street)
       in every scene; slots of ground regions come after the objects.
 
+    What can be pushed: slot_movable (Z, N) u8, 1 where the object of a slot is, with its hulls (`inst_object`) and the
+      uniform density that slot_mass (Z, N) f32 kg (0 = empty or ground) gives them.
+
     Skies: sky_radiance (S, HS, WS, 3) f32 equirectangular, rows from zenith to nadir, column 0 at yaw -π growing
       counter-clockwise, the sun's disc taken out; sky_sun_direction (S, 3) f32 unit, from the ground to the sun;
       sky_sun_irradiance (S, 3) f32; scene_sky (Z,) i32, scene_sky_yaw (Z,) f32.
@@ -119,6 +122,8 @@ class SceneBank:
     slot_position: np.ndarray
     slot_quaternion: np.ndarray
     slot_category: np.ndarray
+    slot_movable: np.ndarray
+    slot_mass: np.ndarray
     sky_radiance: np.ndarray
     sky_sun_direction: np.ndarray
     sky_sun_irradiance: np.ndarray
@@ -194,6 +199,10 @@ class SceneBank:
         meta = json.loads(arrays.pop("meta").tobytes().decode("utf-8")) if "meta" in arrays else {}
         v.choice(meta.get("schema"), f"{path}: schema", (SCHEMA,))
         names = {f.name for f in dataclasses.fields(SceneBank)} - {"meta"}
+        if "slot_mesh" in arrays and not {"slot_movable", "slot_mass"} & set(arrays):
+            # Written before anything could be pushed: nothing can.
+            shape = arrays["slot_mesh"].shape
+            arrays |= {"slot_movable": np.zeros(shape, np.uint8), "slot_mass": np.zeros(shape, np.float32)}
         if names != set(arrays):
             wrong = ", ".join(sorted(names ^ set(arrays)))
             raise v.fail(str(path), f"other arrays than expected ({wrong})", "a bank of this version", "build it again")

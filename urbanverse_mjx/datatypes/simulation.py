@@ -53,6 +53,24 @@ class AgentMotion(NamedTuple):
     present: Any
 
 
+class Bodies(NamedTuple):
+    """M things of a scene that can be pushed, wherever they are by now.
+
+    Attributes:
+      thing: (M,) i32, object (visual slot) that the body is, -1 = none.
+      position: (M, 3) m, quaternion: (M, 4) wxyz: T_world_object, the frame of the bank's slots.
+      velocity: (M, 3) m/s of the centre of mass; spin: (M, 3) rad/s; world frame.
+      warm: (M, 6) the acceleration of velocity and spin that the solver found last.
+    """
+
+    thing: Any
+    position: Any
+    quaternion: Any
+    velocity: Any
+    spin: Any
+    warm: Any
+
+
 class SimState(NamedTuple):
     """State of one env between two control steps.
 
@@ -67,6 +85,7 @@ class SimState(NamedTuple):
       friction_scale: () f32, factor on the friction of every contact of the robot; 1 in a new state.
       mass_scale: () f32, factor on mass and inertia of every body of the robot; 1 in a new state. How softly contacts
         and joint limits give way stays that of the robot as it is described.
+      bodies: see `Bodies`; None where the engine has none.
     """
 
     scene: Any
@@ -79,13 +98,17 @@ class SimState(NamedTuple):
     carry: Any
     friction_scale: Any
     mass_scale: Any
+    bodies: Any = None
 
 
 class Simulator(Protocol):
     """An engine over a bank of scenes."""
 
-    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
-        """State at rest in the given scene with kinematics computed and no contact recorded."""
+    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+        """State at rest in the given scene with kinematics computed and no contact recorded.
+
+        things: (M,) i32, objects that shall be bodies, -1 = none; None where the engine has no body slots.
+        """
         ...
 
     def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:

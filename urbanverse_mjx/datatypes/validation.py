@@ -4,11 +4,13 @@ Every noun validates itself when it is made, so a noun that exists is a valid on
 return the checked value in its canonical Python type and raise `NounError` otherwise.
 """
 
+import gzip
 import json
 import math
 import os
 import pathlib
 import tempfile
+import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -164,13 +166,27 @@ def read_json(path: str | os.PathLike[str], noun: str) -> Any:
     if path.stat().st_size > MAX_FILE_BYTES:
         raise fail(str(path), f"{path.stat().st_size} bytes", f"a {noun} file of at most {MAX_FILE_BYTES} bytes")
     try:
-        return json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_repeats)
+        return json.loads(_text(path), object_pairs_hook=_without_repeats)
     except NounError as error:
         raise NounError(f"{path}: {error}") from error
     except OSError as error:
         raise fail(str(path), f"a file that cannot be read ({error.strerror})", f"a {noun} file") from error
     except (ValueError, RecursionError) as error:
         raise fail(str(path), f"something that is not JSON ({error})", f"a {noun} written as JSON") from error
+
+
+def _text(path: pathlib.Path) -> str:
+    """A file's text; one that ends in .gz is unpacked, up to the same size."""
+    if path.suffix != ".gz":
+        return path.read_text(encoding="utf-8")
+    with gzip.open(path) as file:
+        try:
+            body = file.read(MAX_FILE_BYTES + 1)
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise ValueError(f"broken gzip: {error}") from error
+    if len(body) > MAX_FILE_BYTES:
+        raise ValueError(f"more than {MAX_FILE_BYTES} bytes when unpacked")
+    return body.decode("utf-8")
 
 
 def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -200,5 +216,10 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
 
 
 def write_json(path: str | os.PathLike[str], value: Any) -> pathlib.Path:
+    """Writes JSON; a name that ends in .gz gets it without blanks and packed, the same bytes for the same content."""
+    if pathlib.Path(path).suffix == ".gz":
+        dense = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode("utf-8")
+        packed = gzip.compress(dense, 9, mtime=0)
+        return write_atomically(path, lambda temporary: temporary.write_bytes(packed))
     body = json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     return write_atomically(path, lambda temporary: temporary.write_text(body, encoding="utf-8"))

@@ -12,6 +12,7 @@ from ..datatypes import GROUND_KINDS, NounError, RobotSpec, SceneBank, traversab
 from ..precision import full_precision
 from . import terms
 from .living import PEOPLE_METRICS, LivingStreet
+from .movables import MOVABLE_METRICS, Movables
 from .randomization import Randomization
 from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
@@ -101,6 +102,10 @@ class NavEnv(StagedBase):
         self.living: LivingStreet | None = None
         if scenario_of(config) == "dynamic":
             self.living = LivingStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
+        #: What can be pushed; None where the engine has no body slots.
+        self.movables: Movables | None = None
+        if getattr(engine, "movable", None) is not None:
+            self.movables = Movables(bank, engine.body_table.row, engine.movable.bodies)
 
     # What users of Playground and Brax ask an environment.
 
@@ -146,7 +151,8 @@ class NavEnv(StagedBase):
             ]
         )
         key = typed_key(key)
-        sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv))
+        things = () if self.movables is None else (self.movables.near(scene, start[:3], waypoints),)
+        sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), *things)
         crowd = None
         if self.living is not None:
             crowd = self.living.begin(key, scene, start, waypoints, self._surroundings.distances)
@@ -217,6 +223,8 @@ class NavEnv(StagedBase):
         metrics = self._metrics(new, done_f, rewards)
         if self.living is not None and crowd is not None:
             metrics |= self.living.metrics(crowd, result, p_xy, velocity)
+        if self.movables is not None:
+            metrics |= self.movables.metrics(sim, result == Result.HIT)
         return new, reward, done_f, metrics
 
     @full_precision
@@ -278,6 +286,7 @@ class NavEnv(StagedBase):
             "slot_overflow",
         ]
         names += PEOPLE_METRICS if self.living is not None else ()
+        names += MOVABLE_METRICS if self.movables is not None else ()
         return {name: jnp.float32(0.0) for name in names}
 
     def is_traversable(self, scene: jax.Array, p_xy: jax.Array) -> jax.Array:
@@ -347,6 +356,8 @@ class NavEnv(StagedBase):
         assert self.renderer is not None
         look = (nav.look,) if self._randomization.looks else ()
         moving = {} if self.living is None else {"agents": self.living.places(nav.crowd, nav.sim.scene)}
+        if self.movables is not None:
+            moving["bodies"] = nav.sim.bodies
         frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat, *look, **moving)
         if not self._config.vision_config.depth:
             return frame["rgb"]

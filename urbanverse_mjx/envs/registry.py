@@ -14,6 +14,7 @@ from .config import default_config, go2_nav_config
 from .joystick import JoystickEnv
 from .joystick_config import joystick_config
 from .living import slot_kinds, slot_looks, slot_shapes
+from .movables import body_sizes
 from .navigation import NavEnv
 from .scenarios import bank_for, scenario_of
 
@@ -176,17 +177,24 @@ def _check_fit(config: ConfigDict, robot: RobotSpec) -> None:
 
 
 def make_nav_engine(
-    config: ConfigDict, bank: SceneBank, robot: RobotSpec, num_slots: int, agents: AgentShapes | None = None
+    config: ConfigDict,
+    bank: SceneBank,
+    robot: RobotSpec,
+    num_slots: int,
+    agents: AgentShapes | None = None,
+    movable: dict[str, int] | None = None,
 ) -> Any:
     """The engine that a navigation config asks for, with a gait in it where the robot walks.
 
     Raises:
       NounError: moving agents around a robot with a gait, which no engine knows yet.
     """
+    from ..simulation.body_slots import Sizes
     from ..simulation.engines import make_engine
 
     options = {"impl": config.impl, "physics_dt": config.sim_dt, "num_slots": num_slots}
     if "gait" not in config:
+        options["movable"] = None if movable is None else Sizes(**movable)
         return make_engine(bank, robot, control_dt=config.ctrl_dt, agents=agents, **options)
     if agents is not None:
         raise NounError("config.scenario: found 'dynamic' for a robot with a gait, needed 'clean' or 'static'.")
@@ -211,7 +219,8 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     if "gait" in config and config.action_mode == "joint":
         raise NounError("config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'.")
     _check_fit(config, robot)
-    engine = make_nav_engine(config, bank, robot, config.num_slots, slot_shapes(kinds) if kinds else None)
+    movable = body_sizes(config)
+    engine = make_nav_engine(config, bank, robot, config.num_slots, slot_shapes(kinds) if kinds else None, movable)
     renderer = None
     if config.vision:
         from ..simulation.renderer import Renderer
@@ -229,6 +238,7 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
             shading=view.shading,
             appearance=config.randomization.appearance,
             agents=slot_looks(kinds, bank),
+            bodies=0 if movable is None else movable["bodies"],
         )
     return NavEnv(config, bank, robot, engine, renderer)
 

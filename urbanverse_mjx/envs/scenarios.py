@@ -1,6 +1,6 @@
 """Scenarios of a street by UrbanSim's names: `clean` without objects, `static` as it stands, `dynamic` with people.
 
-`dynamic` has what `config.crowd` says; see `living`.
+`dynamic` has what `config.crowd` and `config.movable` say; see `living` and `movables`.
 """
 
 import dataclasses
@@ -36,6 +36,7 @@ def bank_for(scenario: str, bank: SceneBank) -> SceneBank:
         inst_object=np.full_like(bank.inst_object, -1),
         hull_grid=np.full_like(bank.hull_grid[..., :1], -1),
         slot_mesh=np.where(ground, bank.slot_mesh, -1),
+        slot_movable=np.zeros_like(bank.slot_movable),
     )
 
 

@@ -1,12 +1,31 @@
-"""Agents to compare with: each is (obs, key) -> action (2,) in [-1, 1], for one env."""
+"""Agents to compare with, and what else may drive: each gives an action (2,) in [-1, 1] for one env."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
+from ..envs import NavState
+
+#: (obs, key) -> action, inside jit.
 Agent = Callable[[Mapping[str, Any], jax.Array], jax.Array]
+#: Observations of n envs (name -> (n, ...)) -> actions (n, 2), in NumPy, outside jit.
+BatchAgent = Callable[[Mapping[str, np.ndarray]], np.ndarray]
+
+
+@runtime_checkable
+class Privileged(Protocol):
+    """An agent that is told more than any robot sees; inside jit like `Agent`."""
+
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
+        """What it wants to know of n episodes, as arrays with a leading axis n; scenes, rows: (n,) of the bank."""
+        ...
+
+    def act(self, nav: NavState, known: Any, /) -> jax.Array:
+        """The action in a state; known: what `prepare` found for its episode."""
+        ...
 
 
 def zero(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:

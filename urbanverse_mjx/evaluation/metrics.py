@@ -59,7 +59,7 @@ def summarise(results: Sequence[EpisodeResult]) -> dict[str, object]:
         "CT": mean([r.hit_time for r in results], 100.0, 2),
         "RC": mean([r.route_completion for r in results], 100.0),
         "DTG": mean([r.distance_to_goal for r in results], 1.0, 2),
-        "hit_episodes": share([r.result in ("hit", "hit_agent") for r in results]),
+        "hit_episodes": share([r.touched for r in results]),
         "SPL": mean([r.spl for r in results], 100.0),
         "n": len(results),
     }

@@ -2,7 +2,7 @@
 
 import csv
 import pathlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ..datatypes import RESULTS, BenchmarkReport, EpisodeResult
 from ..datatypes import validation as v
@@ -77,11 +77,16 @@ def write_report(report: BenchmarkReport, folder: pathlib.Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     report.save(folder / "report.json")
     v.write_atomically(folder / "report.md", lambda p: p.write_text(to_markdown(report), encoding="utf-8"))
+    write_csv(folder / "episodes.csv", [e.to_json() for e in report.episodes])
 
-    def write_csv(path: pathlib.Path) -> None:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(report.episodes[0].to_json()))
+
+def write_csv(path: pathlib.Path, rows: Sequence[Mapping[str, object]]) -> None:
+    """Writes rows with the same keys as a table."""
+
+    def write(temporary: pathlib.Path) -> None:
+        with temporary.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
             writer.writeheader()
-            writer.writerows(e.to_json() for e in report.episodes)
+            writer.writerows(rows)
 
-    v.write_atomically(folder / "episodes.csv", write_csv)
+    v.write_atomically(path, write)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..datatypes import RESULTS, AgentMotion, EpisodeResult, NounError
 from ..envs import NavEnv, NavState
-from .agents import Agent
+from .agents import Agent, BatchAgent, Privileged
 from .people import counted, no_people, people_fields
 
 
@@ -20,15 +20,28 @@ class EpisodeSet:
 
     Attributes:
       scenes: (n,) i32 rows of the bank; episodes: (n,) i32 rows of the episode tables.
-      seed: for agents that draw.
+      seed: for agents and streets that draw.
+      seeds: (n,) of each episode, whatever stands beside it; None = all from `seed`.
     """
 
     scenes: np.ndarray
     episodes: np.ndarray
     seed: int = 0
+    seeds: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.scenes)
+
+    def keys(self) -> jax.Array:
+        """(n,) typed keys of the episodes."""
+        if self.seeds is None:
+            return jax.random.split(jax.random.key(self.seed), len(self))
+        return jax.vmap(jax.random.key)(jnp.asarray(self.seeds, jnp.uint32))
+
+    def part(self, rows: np.ndarray) -> "EpisodeSet":
+        """The episodes of some rows."""
+        seeds = None if self.seeds is None else self.seeds[rows]
+        return dataclasses.replace(self, scenes=self.scenes[rows], episodes=self.episodes[rows], seeds=seeds)
 
 
 def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
@@ -51,9 +64,10 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
 
 
 class _Tally(NamedTuple):
-    """What is counted along the way, per env; people: `PeopleTally`, None where there are none."""
+    """What is counted along the way, per env; touches: how often contact began; people: `PeopleTally` or None."""
 
     hit_time: Any
+    touches: Any
     path_length: Any
     slot_overflow: Any
     key: Any
@@ -90,7 +104,7 @@ class Rollout:
 
     def run(
         self,
-        agents: Mapping[str, Agent],
+        agents: Mapping[str, Agent | Privileged],
         episodes: EpisodeSet,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> tuple[list[EpisodeResult], Trajectory]:
@@ -102,17 +116,13 @@ class Rollout:
           on_progress: called with (ended, total) after each chunk.
         """
         n, count = len(episodes), len(agents)
-        keys = jnp.tile(jax.random.split(jax.random.key(episodes.seed), n), count)
-        scenes, rows = np.tile(episodes.scenes, count), np.tile(episodes.episodes, count)
         who = jnp.repeat(jnp.arange(count), n)
-        nav = self._begin(keys, jnp.asarray(scenes), jnp.asarray(rows))
-        zero = jnp.zeros(n * count)
-        people = None if self.env.living is None else no_people(n * count)
-        tally = _Tally(zero, zero, zero.astype(jnp.int32), keys, people)
+        nav, tally = self._start(episodes, count)
+        known = tuple(_known(agent, episodes, count) for agent in agents.values())
         chunk = self._chunk_of(list(agents.values()))
         seen = []
         for _ in range(-(-self.env.config.episode_length // self._chunk)):
-            (nav, tally), poses = chunk(nav, tally, who)
+            (nav, tally), poses = chunk(nav, tally, who, known)
             seen.append(jax.tree.map(np.asarray, poses))
             ended = int((np.asarray(nav.result) != 0).sum())
             if on_progress is not None:
@@ -127,33 +137,91 @@ class Rollout:
             results += self._results(name, own_nav, own_tally, episodes)
         return results, trajectory
 
-    def _chunk_of(self, agents: Sequence[Agent]) -> Callable[..., Any]:
-        env, root = self.env, self._root
+    def run_batch(
+        self,
+        name: str,
+        agent: BatchAgent,
+        episodes: EpisodeSet,
+        on_progress: Callable[[int, int], None] | None = None,
+    ) -> tuple[list[EpisodeResult], Trajectory]:
+        """Every episode once by an agent that lives outside JAX and is asked for all of them at once, step by step.
 
-        def one(nav: NavState, tally: _Tally, obs: Mapping[str, Any], who: jax.Array) -> tuple[NavState, _Tally]:
+        Raises:
+          NounError: it answers with something else than a finite (n, 2).
+        """
+        nav, tally = self._start(episodes, 1)
+        observe, places = jax.jit(jax.vmap(self.env.observe)), jax.jit(self._places)
+        advance = jax.jit(jax.vmap(self._advance))
+        seen = []
+        for step in range(self.env.config.episode_length):
+            action = np.asarray(agent(jax.tree.map(np.asarray, observe(nav))))
+            if action.shape != (len(episodes), self.env.action_size) or not np.isfinite(action).all():
+                raise NounError(
+                    f"policy {name!r}: found actions of shape {action.shape}"
+                    f"{'' if np.isfinite(action).all() else ' with NaN'}, needed finite ones of shape "
+                    f"({len(episodes)}, {self.env.action_size})."
+                )
+            seen.append(jax.tree.map(np.asarray, places(nav)))
+            nav, tally = advance(nav, tally, jnp.asarray(action, jnp.float32))
+            ended = int((np.asarray(nav.result) != 0).sum())
+            if on_progress is not None and step % self._chunk == 0:
+                on_progress(ended, len(episodes))
+            if ended == len(episodes):
+                break
+        trajectory = Trajectory(*jax.tree.map(lambda *part: np.stack(part), *seen))
+        return self._results(name, nav, tally, episodes), trajectory
+
+    def _start(self, episodes: EpisodeSet, count: int) -> tuple[NavState, _Tally]:
+        """The first states of `count` times all episodes."""
+        number = len(episodes) * count
+        keys = jnp.tile(episodes.keys(), count)
+        scenes, rows = np.tile(episodes.scenes, count), np.tile(episodes.episodes, count)
+        nav = self._begin(keys, jnp.asarray(scenes), jnp.asarray(rows))
+        zero = jnp.zeros(number)
+        people = None if self.env.living is None else no_people(number)
+        return nav, _Tally(zero, zero.astype(jnp.int32), zero, zero.astype(jnp.int32), keys, people)
+
+    def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any]:
+        """What a `Trajectory` holds of one step of all envs."""
+        agents = None
+        if self.env.living is not None:
+            agents = jax.vmap(self.env.living.places)(nav.crowd, nav.sim.scene)
+        return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents
+
+    def _advance(self, nav: NavState, tally: _Tally, action: jax.Array) -> tuple[NavState, _Tally]:
+        """One env one step on; an ended episode stands still as it ended."""
+        root = self._root
+        new, _, _, metrics = self.env.advance(nav, action)
+        running = nav.result == 0
+        moved = jnp.linalg.norm(new.sim.xpos[root, :2] - nav.sim.xpos[root, :2])
+        new_tally = tally._replace(
+            hit_time=tally.hit_time + metrics["hit_time_per_step"],
+            touches=tally.touches + (new.sim.contacts.hit & ~nav.sim.contacts.hit).astype(jnp.int32),
+            path_length=tally.path_length + jnp.nan_to_num(moved),
+            slot_overflow=tally.slot_overflow + new.sim.slot_overflow,
+            people=None if tally.people is None else counted(tally.people, metrics),
+        )
+        return jax.tree.map(lambda a, b: jnp.where(running, a, b), (new, new_tally), (nav, tally))
+
+    def _chunk_of(self, agents: Sequence[Agent | Privileged]) -> Callable[..., Any]:
+        env = self.env
+
+        def one(
+            nav: NavState, tally: _Tally, obs: Mapping[str, Any], who: jax.Array, known: Any
+        ) -> tuple[NavState, _Tally]:
             key, key_act = jax.random.split(tally.key)
-            action = jnp.stack([agent(obs, key_act) for agent in agents])[who]
-            new, _, _, metrics = env.advance(nav, action)
-            running = nav.result == 0
-            moved = jnp.linalg.norm(new.sim.xpos[root, :2] - nav.sim.xpos[root, :2])
-            new_tally = _Tally(
-                tally.hit_time + metrics["hit_time_per_step"],
-                tally.path_length + jnp.nan_to_num(moved),
-                tally.slot_overflow + new.sim.slot_overflow,
-                key,
-                None if tally.people is None else counted(tally.people, metrics),
-            )
-            # An ended episode stands still as it ended.
-            return jax.tree.map(lambda a, b: jnp.where(running, a, b), (new, new_tally), (nav, tally))
+            actions = [
+                agent.act(nav, own) if isinstance(agent, Privileged) else agent(obs, key_act)
+                for agent, own in zip(agents, known, strict=True)
+            ]
+            nav, after = self._advance(nav, tally, jnp.stack(actions)[who])
+            return nav, after._replace(key=key)
 
-        def chunk(nav: NavState, tally: _Tally, who: jax.Array) -> Any:
+        def chunk(nav: NavState, tally: _Tally, who: jax.Array, known: Any) -> Any:
             def step(carry: Any, _: None) -> tuple[Any, Any]:
                 nav, tally = carry
                 obs = jax.vmap(env.observe)(nav)
-                agents = None
-                if env.living is not None:
-                    agents = jax.vmap(env.living.places)(nav.crowd, nav.sim.scene)
-                return jax.vmap(one)(nav, tally, obs, who), (nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents)
+                return jax.vmap(one)(nav, tally, obs, who, known), self._places(nav)
 
             return jax.lax.scan(step, (nav, tally), None, length=self._chunk)
 
@@ -179,10 +247,19 @@ class Rollout:
                 path_length=float(path[i]),
                 route_length=float(length[i]),
                 slot_overflow=int(tally.slot_overflow[i]),
+                touches=int(tally.touches[i]),
                 **({} if tally.people is None else people_fields(tally.people, steps, i)),
             )
             for i in range(len(episodes))
         ]
+
+
+def _known(agent: Agent | Privileged, episodes: EpisodeSet, count: int) -> Any:
+    """What a privileged agent is told of `count` times all episodes; () for the others."""
+    if not isinstance(agent, Privileged):
+        return ()
+    own = agent.prepare(episodes.scenes, episodes.episodes)
+    return jax.tree.map(lambda x: jnp.concatenate([x] * count), own)
 
 
 def result_counts(results: Sequence[EpisodeResult]) -> dict[str, int]:

@@ -19,11 +19,13 @@ from ..assets.search import ObjectLibrary, library
 from ..assets.store import catalogue_hash, recorded_content
 from ..datatypes import PAINT_KINDS, AssetRecord, GraphObject, HullSet, NounError, PlacedObject, SceneGraph, SceneLayout
 from ..datatypes import validation as v
-from . import choice, clearing, kerbs, overlap, shortlists, standing, surroundings
+from . import choice, clearing, kerbs, overlap, passage, shortlists, standing, surroundings
 from .shortlists import Candidate, LeftOut
 
 #: Grows whenever the same graph, catalogue and seed would give other layouts.
-VERSION = "cousins 1"
+VERSION = "cousins 2"
+#: `Source.video` of a graph that was composed, not filmed.
+COMPOSED = ("hand", "procedural")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,14 +98,22 @@ def materialise_cousins(
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
+    # Things composed by hand are meant to stand where they are: nobody went the tour of such a graph.
+    filmed = () if flat.source.video.startswith(COMPOSED) else flat.camera_path
+    strip = passage.walked(np.array(filmed).reshape(-1, 4))
+    # What hangs is over the ground, not on it.
+    floors = [
+        max(support.under(t) or support.near(t, standing.REACH), default=t.center[2] - t.size[2] / 2) for t in known
+    ]
     cousins = []
     for k in range(count):
         chosen = {thing.id: drawn[thing.id][k] for thing in known}
-        bodies = _stand(known, chosen, support, flat, hulls_of)
+        bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
         cleared = clearing.clear(bodies, support, things)
         if cleared.crowded:
             chosen |= _slimmer(cleared.crowded, bodies, others, things, flat, hulls_of)
-            cleared = clearing.clear(_stand(known, chosen, support, flat, hulls_of), support, things)
+            bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
+            cleared = clearing.clear(bodies, support, things)
         layout = SceneLayout(
             id=graph.id if k == 0 else f"{graph.id}_cousin{k}",
             graph_id=graph.id,
@@ -116,7 +126,7 @@ def materialise_cousins(
             sky_yaw=surroundings.sky_yaw(graph, k, seed),
             hashes=hashes,
         )
-        left_out = (*nowhere, *cleared.left_out)
+        left_out = (*nowhere, *away, *cleared.left_out)
         used = {p.id: chosen[p.id] for p in cleared.placed}
         cousins.append(Cousin(layout, left_out, cleared.moved, cleared.unresolved, used, raised, pieces, skies[k]))
     return cousins
@@ -173,6 +183,16 @@ def _stand(
         if prior(candidate.match.leaf).support_surface:
             tops.append(_top(bodies[thing.id]))
     return [bodies[thing.id] for thing in things]
+
+
+def _out_of_the_way(
+    bodies: Sequence[overlap.Body], strip: shapely.Geometry, floors: Sequence[float]
+) -> tuple[list[overlap.Body], list[LeftOut]]:
+    """Things without those that stand where the camera went, and these: somebody passed through them."""
+    gone = set(passage.in_the_way(bodies, strip, floors))
+    reason = "the camera went through where it would stand"
+    left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]
+    return [body for k, body in enumerate(bodies) if k not in gone], left_out
 
 
 def _slimmer(

@@ -21,7 +21,7 @@ from ..datatypes import (
     SceneLayout,
 )
 from ..datatypes import validation as v
-from . import choice, overlap
+from . import choice, overlap, surroundings
 
 #: Grows whenever the same graph, index and seed would give another layout.
 VERSION = "1"
@@ -91,7 +91,9 @@ def _place(thing: GraphObject, chosen: choice.Choice, support: overlap.Support) 
 
 
 def _materials(graph: SceneGraph, seed: int, cousin: int) -> tuple[PlacedGround, ...]:
-    """One material per kind; pavements that do not touch each other may differ."""
+    """One material per kind, pavements that do not touch may differ; descriptors choose where there are any."""
+    if any(r.descriptor is not None for r in graph.ground):
+        return surroundings.placed_ground(graph, surroundings.grounds(graph, cousin + 1, seed), cousin)
     pavements = [r for r in graph.ground if r.kind == "sidewalk"]
     joined = shapely.union_all([shapely.Polygon(r.polygon) for r in pavements])
     parts = sorted(shapely.get_parts(joined), key=lambda p: p.bounds) if pavements else []
@@ -107,6 +109,13 @@ def _materials(graph: SceneGraph, seed: int, cousin: int) -> tuple[PlacedGround,
         material = options[choice.pick(len(options), "ground", seed, cousin, graph.id, region.kind, part)]
         placed.append(PlacedGround(region.id, region.kind, region.polygon, region.plane, material))
     return tuple(placed)
+
+
+def _sky(graph: SceneGraph, seed: int, cousin: int) -> str:
+    if graph.sky_descriptor is not None:
+        return surroundings.skies(graph, cousin + 1, seed)[cousin].uid
+    skies = sky_ids()
+    return skies[choice.pick(len(skies), "sky", seed, cousin, graph.id)]
 
 
 def materialise(
@@ -147,7 +156,6 @@ def materialise(
         placed = _place(thing, chosen, support)
         bodies.append(overlap.Body(placed, chosen.record, overlap.prisms_of(placed, hulls_of(chosen.record))))
     left = overlap.resolve(bodies, support)
-    skies = sky_ids()
     layout = SceneLayout(
         id=graph.id if cousin == 0 else f"{graph.id}_cousin{cousin}",
         graph_id=graph.id,
@@ -156,7 +164,7 @@ def materialise(
         cousin=cousin,
         objects=tuple(overlap.moved(b) for b in bodies),
         ground=_materials(graph, seed, cousin),
-        sky=skies[choice.pick(len(skies), "sky", seed, cousin, graph.id)],
+        sky=_sky(graph, seed, cousin),
         sky_yaw=round(choice.pick(6283, "sky yaw", seed, cousin, graph.id) / 1000.0 - math.pi, 3),
         hashes={"assets": index.content_hash(), "materialiser": VERSION},
     )

@@ -47,12 +47,14 @@ class Ground:
 def grounds(graph: SceneGraph, count: int, seed: int) -> list[Ground]:
     """Materials of every piece of ground for `count` cousins.
 
-    Regions of a kind that touch are one piece. All roads of a street wear one material, pavements may differ.
+    Regions of a kind that touch are one piece. All roads of a street wear one material, pavements may differ. Where a
+    graph names materials (see `_parted`), regions wear theirs.
     """
     found = []
     for kind in dict.fromkeys(r.kind for r in graph.ground):
         regions = [r for r in graph.ground if r.kind == kind]
-        for number, piece in enumerate(_pieces(regions) if kind == "sidewalk" else [regions]):
+        pieces = _pieces(regions) if kind == "sidewalk" else [regions]
+        for number, piece in enumerate(part for whole in pieces for part in _parted(kind, whole)):
             ranked = _ranked(kind, _seen(piece))
             drawn = _one_each(ranked, count, seed, f"{graph.id}/{kind}/{number}")
             found.append(Ground(kind, tuple(r.id for r in piece), tuple(drawn)))
@@ -68,6 +70,27 @@ def _pieces(regions: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
         inside = shape.representative_point()
         groups[next(i for i, part in enumerate(parts) if part.covers(inside))].append(region)
     return [g for g in groups if g]
+
+
+def _parted(kind: str, piece: Sequence[GroundRegion]) -> list[list[GroundRegion]]:
+    """The piece, or its parts where it was given several materials by name; regions without one join the first.
+
+    A descriptor that is a material's own to the last number names it: what was seen through a camera never is.
+    """
+    named = {r.id: uid for r in piece if r.descriptor is not None and (uid := _named(kind, r.descriptor)) is not None}
+    parts: dict[str, list[GroundRegion]] = {uid: [] for uid in named.values()}
+    if len(parts) < 2:
+        return [list(piece)]
+    first = next(iter(parts))
+    for region in piece:
+        parts[named.get(region.id, first)].append(region)
+    return list(parts.values())
+
+
+@functools.lru_cache(maxsize=512)
+def _named(kind: str, descriptor: tuple[int, ...]) -> str | None:
+    best = _ranked(kind, np.array(descriptor, np.float64))[0]
+    return best.uid if best.distance == 0.0 else None
 
 
 def _seen(piece: Sequence[GroundRegion]) -> np.ndarray | None:

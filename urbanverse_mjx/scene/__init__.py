@@ -3,6 +3,7 @@
 from .bank import pack
 from .compiler import CompiledScene, compile_scene
 from .drive import Driver
+from .episodes import EpisodeRules, NoRoomError
 from .geometry import SceneGeometry
 from .mjcf import scene_mjcf, scene_spec
 from .packing import pack_bank
@@ -12,6 +13,8 @@ from .usd import export_usd
 __all__ = [
     "CompiledScene",
     "Driver",
+    "EpisodeRules",
+    "NoRoomError",
     "RestMove",
     "SceneGeometry",
     "compile_scene",

@@ -282,6 +282,8 @@ def _slots(scenes: Any, mesh_rows: Any, categories: _Library) -> Any:
         "slot_position": np.zeros((*shape, 3), np.float32),
         "slot_quaternion": np.tile(np.array([1, 0, 0, 0], np.float32), (*shape, 1)),
         "slot_category": np.full(shape, -1, np.int32),
+        "slot_movable": np.zeros(shape, np.uint8),
+        "slot_mass": np.zeros(shape, np.float32),
     }
     object_slots, object_ids = [], []
     for z, (scene, rows) in enumerate(zip(scenes, mesh_rows, strict=True)):
@@ -292,6 +294,8 @@ def _slots(scenes: Any, mesh_rows: Any, categories: _Library) -> Any:
         slots["slot_position"][z, objects] = scene.object_position
         slots["slot_position"][z, regions] = scene.region_position
         slots["slot_quaternion"][z, objects] = scene.object_quaternion
+        slots["slot_movable"][z, objects] = scene.object_movable
+        slots["slot_mass"][z, objects] = scene.object_mass
         names = [*scene.object_categories, *(ground_category(k) for k in scene.region_kind)]
         numbers = [categories.row(name, lambda name=name: name) for name in names]
         slots["slot_category"][z, np.concatenate([objects, regions])] = numbers

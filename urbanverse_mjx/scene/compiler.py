@@ -2,7 +2,6 @@
 
 import contextlib
 import dataclasses
-import math
 import os
 import pathlib
 import shutil
@@ -12,23 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
 from ..assets import AssetIndex, build_mesh, load_hulls
 from ..assets.ground_materials import build_material
 from ..assets.skies import build_sky
-from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, RobotSpec, SceneLayout
+from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
 from . import ground, maps
 from .bank import quaternion_matrix
 from .drive import Driver, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
+from .exchange import exchange_map, save_map
+from .exchange_routes import plan_all, save_annotations, save_planned
 from .geometry import EpisodeTable, SceneGeometry
+from .metadata import SCHEMA, place_metadata, scene_metadata
 from .mjcf import scene_mjcf
-from .planner import FreeSpace, RobotSize, free_space
+from .planner import RobotSize, free_space
 from .rest import rest_moves
-from .routes import routes_json
+from .routes import RoutePlanner
 
-SCHEMA = "urbanverse.compiled_scene/1"
 #: Sliding friction of every ground (URBAN-SIM's ground: 1.0 static and dynamic, facts/reference_systems.md b.5).
 GROUND_FRICTION = 1.0
 
@@ -38,8 +38,9 @@ class CompiledScene:
     """A scene folder and what is in it.
 
     Attributes:
-      folder: `scene.xml`, `meshes/`, `textures/`, `maps.npz`, `routes.json`, `episodes.npz`, `layout.json`,
-        `metadata.json`, `geometry.npz`.
+      folder: `scene.xml`, `meshes/`, `textures/`, `episodes.npz`, `layout.json`, `metadata.json`, `geometry.npz`, and
+        in the files of CraftBench-Nav `map.json`, `layers.npz`, `annotations.json`, `routes.json`, `routes.txt` and
+        the waypoints `<route>.npy` of its delivery robot.
       layout, geometry: what it was made of. metadata: the content of `metadata.json`.
     """
 
@@ -79,6 +80,7 @@ def compile_scene(
     rules: EpisodeRules | None = None,
     source: AssetSource | None = None,
     fix_fallers: bool = False,
+    place: Source | None = None,
 ) -> CompiledScene:
     """Compiles a layout and writes its folder whole or not at all.
 
@@ -88,6 +90,7 @@ def compile_scene(
       source: builds meshes and hulls of records; default: the packaged recipes and hull store.
       fix_fallers: whether what would not keep its place for two seconds at rest (`rest.rest_moves`: a bicycle without
         its stand) is not movable in the compiled scene; the folder's `layout.json` says so too.
+      place: the city and country that `metadata.json` tells: the `source` of the layout's graph.
 
     Raises:
       NounError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
@@ -106,9 +109,16 @@ def compile_scene(
         return drive_all(model, driver, space, starts, paths)
 
     geometry = dataclasses.replace(geometry, episodes=build_episodes(space, size, layout.seed, drive, rules))
-    metadata = _metadata(layout, index, geometry, robot, size)
+    exchanged = exchange_map(geometry)
+    planner = RoutePlanner(geometry.map)
+    wanted = planner.choose(layout.seed)
+    routes = plan_all(planner, layout.id, exchanged.grid, wanted)
+    metadata = scene_metadata(layout, index, geometry, robot, size) | place_metadata(place, routes, geometry)
     with replacing_folder(out_dir) as folder:
-        _write(folder, layout, geometry, space, size, metadata)
+        _write(folder, layout, geometry, metadata)
+        save_map(folder, exchanged)
+        save_annotations(folder / "annotations.json", layout.id, wanted)
+        save_planned(folder, routes)
     return CompiledScene(out_dir, layout, geometry, metadata)
 
 
@@ -191,7 +201,10 @@ def _region_fields(regions: Sequence[Any], meshes: list[AssetMesh]) -> dict[str,
     visuals = []
     for region in regions:
         material = build_material(region.material)
-        visuals.append(ground.region_mesh(region, material.texture, material.tile_size_m, material.roughness))
+        turn = ground.traffic_turn(region, regions)
+        visuals.append(
+            ground.region_mesh(region, material.texture, material.tile_size_m, material.roughness, turn=turn)
+        )
     return {
         "region_ids": tuple(r.id for r in regions),
         "region_kind": np.array([ground.kind_index(r) for r in regions], np.int32),
@@ -251,71 +264,14 @@ def _write(
     folder: pathlib.Path,
     layout: SceneLayout,
     geometry: SceneGeometry,
-    space: FreeSpace,
-    size: RobotSize,
     metadata: dict[str, Any],
 ) -> None:
     text, files = scene_mjcf(geometry, build_sky(layout.sky))
     for path, body in {"scene.xml": text.encode("utf-8"), **files}.items():
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_bytes(body)
-    m = geometry.map
-    map_file = {
-        "ground": m.height,
-        "kind": m.kind,
-        "clearance": m.clearance,
-        "origin": m.origin,
-        "resolution": m.resolution,
-    }
-    np.savez_compressed(folder / "maps.npz", allow_pickle=False, **map_file)
     table = geometry.episodes
     np.savez_compressed(folder / "episodes.npz", allow_pickle=False, **vars(table))
     geometry.save(folder / "geometry.npz")
     layout.save(folder / "layout.json")
-    v.write_json(folder / "routes.json", routes_json(layout.id, space, size, table))
     v.write_json(folder / "metadata.json", metadata)
-
-
-def _metadata(
-    layout: SceneLayout, index: AssetIndex, geometry: SceneGeometry, robot: RobotSpec, size: RobotSize
-) -> dict[str, Any]:
-    table, m = geometry.episodes, geometry.map
-    used = sorted({o.asset_uid for o in layout.objects})
-    return {
-        "schema": SCHEMA,
-        "id": layout.id,
-        "version": __version__,
-        "hashes": {"layout": layout.content_hash(), "graph": layout.graph_hash, **layout.hashes},
-        "seed": layout.seed,
-        "counts": {
-            "objects": len(geometry.object_ids),
-            "hulls": len(geometry.inst_hull),
-            "prisms": len(geometry.prism_hull),
-            "regions": len(geometry.region_ids),
-            "episodes": len(table),
-            "goals": len(np.unique(table.goal, axis=0)),
-        },
-        "map": {
-            "x_min": float(m.origin[0]),
-            "y_min": float(m.origin[1]),
-            "y_max": float(m.origin[1] + m.kind.shape[1] * m.resolution),
-            "res": m.resolution,
-            "width": m.kind.shape[0],
-            "height": m.kind.shape[1],
-        },
-        "episodes": {
-            "line_free": float(table.line_free.mean()),
-            "crosses_road": float(table.crosses_road.mean()),
-            "mean_length_m": math.fsum(table.length) / len(table),
-            "robot": robot.name,
-            "robot_size": dataclasses.asdict(size),
-        },
-        "sky": layout.sky,
-        "materials": sorted({g.material for g in layout.ground}),
-        "assets": {uid: _credits(index, uid) for uid in used},
-    }
-
-
-def _credits(index: AssetIndex, uid: str) -> dict[str, str]:
-    record = index.get(uid)
-    return {"licence": record.licence, "provenance": record.provenance}

@@ -45,29 +45,15 @@ class Drive:
 
 
 def ground_model(scene: SceneGeometry, robot: RobotSpec) -> mujoco.MjModel:
-    """The robot on the scene's ground prisms, without objects."""
-    spec = scene_spec(without_objects(scene))
-    spec.attach(mujoco.MjSpec.from_string(robot.mjcf), prefix="robot/", frame=spec.worldbody.add_frame())
+    """The robot on the scene's ground prisms, without objects and without what is only seen of the robot."""
+    spec = scene_spec(scene.with_objects(np.zeros(len(scene.object_ids), bool)))
+    body = mujoco.MjSpec.from_string(robot.mjcf)
+    for geom in [g for g in body.geoms if not (g.contype or g.conaffinity)]:
+        if geom.mass == 0.0 or geom.parent.explicitinertial:
+            body.delete(geom)
+    spec.attach(body, prefix="robot/", frame=spec.worldbody.add_frame())
     spec.option.timestep = robot.physics_timestep
     return spec.compile()
-
-
-def without_objects(scene: SceneGeometry) -> SceneGeometry:
-    """The same ground, empty."""
-    none, no = np.zeros(0, np.int32), np.zeros(0)
-    return dataclasses.replace(
-        scene,
-        object_ids=(),
-        object_categories=(),
-        object_position=np.zeros((0, 3)),
-        object_quaternion=np.zeros((0, 4)),
-        object_mesh=none,
-        object_mass=no,
-        object_friction=no,
-        object_movable=np.zeros(0, bool),
-        inst_hull=none,
-        inst_object=none,
-    )
 
 
 def drive_all(

@@ -69,7 +69,7 @@ def build_episodes(
     Rows that `drive` fails are replaced by others while there are any.
 
     Raises:
-      NounError: the walkable ground has too little room for `MIN_ROWS` rows.
+      NoRoomError: the walkable ground has too little room for `MIN_ROWS` rows.
     """
     rules = rules or EpisodeRules()
     rng = np.random.default_rng(seed)
@@ -89,9 +89,13 @@ def build_episodes(
     return _table(space, chosen, rules)
 
 
+class NoRoomError(v.NounError):
+    """The walkable ground has too little room for a table."""
+
+
 def _no_room(found: str) -> Exception:
     needed = f"walkable ground (sidewalk, crosswalk) with room for {MIN_ROWS} episodes"
-    return v.fail("scene", found, needed, "add or widen sidewalks, or free them of objects")
+    return NoRoomError(str(v.fail("scene", found, needed, "add or widen sidewalks, or free them of objects")))
 
 
 def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
@@ -142,20 +146,23 @@ def _candidates(
         np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
     )
     looks = rng.permutation(np.flatnonzero(reach))[:_LOOKS]
-    in_sight = [i for i in looks if space.line_free(space.coarse_center(cells[i]), end)]
-    rows = []
+    in_sight = looks[_seen(space, space.coarse_center(cells[looks]), end)].tolist()
+    chosen: list[int] = []
     for draw, wanted in enumerate(rng.uniform(*rules.distance, _STARTS_PER_GOAL)):
         near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))
         if in_sight and draw % 2 == 0:
-            chosen = in_sight.pop(int(np.abs(away[in_sight] - wanted).argmin()))
+            chosen.append(in_sight.pop(int(np.abs(away[in_sight] - wanted).argmin())))
         elif len(near):
-            chosen = rng.choice(near)
-        else:
-            continue
-        path = field.path(cells[chosen])
-        if path_length(path) <= rules.detour * np.linalg.norm(path[0] - path[-1]):
-            rows.append(_Row(number, path[0], path, space.line_free(path[0], path[-1]), _crosses(space, path)))
-    return rows
+            chosen.append(rng.choice(near))
+    paths = field.paths(cells[chosen])
+    paths = [p for p in paths if path_length(p) <= rules.detour * np.linalg.norm(p[0] - p[-1])]
+    free = _seen(space, np.array([p[0] for p in paths]).reshape(-1, 2), end)
+    return [_Row(number, p[0], p, bool(f), _crosses(space, p)) for p, f in zip(paths, free, strict=True)]
+
+
+def _seen(space: FreeSpace, places: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(n,) bool: whether the robot can go straight from places (n, 2) m to the goal (2,) m."""
+    return space.lines_free(places, np.broadcast_to(end, places.shape)) if len(places) else np.zeros(0, bool)
 
 
 def _crosses(space: FreeSpace, path: np.ndarray) -> bool:

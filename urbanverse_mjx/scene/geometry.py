@@ -125,6 +125,20 @@ class SceneGeometry:
     map: SceneMap
     episodes: EpisodeTable
 
+    def with_objects(self, keep: np.ndarray) -> "SceneGeometry":
+        """The same ground with some of the objects; `keep`: (O,) bool. Meshes and hulls stay as they are."""
+        number = np.cumsum(keep, dtype=np.int32) - 1
+        rows = keep[self.inst_object]
+        names = ("position", "quaternion", "mesh", "mass", "friction", "movable")
+        return dataclasses.replace(
+            self,
+            object_ids=tuple(np.array(self.object_ids, object)[keep]),
+            object_categories=tuple(np.array(self.object_categories, object)[keep]),
+            **{f"object_{name}": getattr(self, f"object_{name}")[keep] for name in names},
+            inst_hull=self.inst_hull[rows],
+            inst_object=number[self.inst_object[rows]],
+        )
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes `geometry.npz`: arrays by name, lists of arrays concatenated with their starts."""
         body: dict[str, np.ndarray] = {}

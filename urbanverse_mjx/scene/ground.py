@@ -22,6 +22,8 @@ PAINT_LIFT = 0.003
 MAX_OVERLAP = 1e-3
 #: Frames of regions sit on this raster (m), a power of two: float32 holds it exactly, so seams stay level.
 _RASTER = 1 / 64
+#: m within which a road borders on a crosswalk, and the least border that says where the traffic goes.
+_BORDER = 0.05
 
 
 class Region(Protocol):
@@ -102,13 +104,32 @@ def ground_prisms(regions: Sequence[Region]) -> list[Prism]:
     return prisms
 
 
+def traffic_turn(region: Region, regions: Sequence[Region]) -> float:
+    """rad in (-pi/2, pi/2], direction of the traffic over a crosswalk: across its borders with the roads.
+
+    0 for other kinds, and where no road is near. Borders count by length and whichever way round (doubled angles).
+    """
+    if region.kind != "crosswalk":
+        return 0.0
+    roads = shapely.union_all([shapely.Polygon(r.polygon) for r in regions if r.kind == "road"])
+    roads = roads.buffer(_BORDER)
+    ring = np.asarray(region.polygon)
+    edges = np.roll(ring, -1, 0) - ring
+    lengths = np.array(
+        [shapely.LineString([a, a + e]).intersection(roads).length for a, e in zip(ring, edges, strict=True)]
+    )
+    across = np.arctan2(-edges[:, 0], edges[:, 1])
+    mean = (lengths * np.exp(2j * across)).sum()
+    return float(np.round(np.angle(mean) / 2, 6)) if abs(mean) > _BORDER else 0.0
+
+
 def region_mesh(
-    region: Region, texture: np.ndarray, tile: float, roughness: float, metallic: float = 0.0
+    region: Region, texture: np.ndarray, tile: float, roughness: float, metallic: float = 0.0, turn: float = 0.0
 ) -> tuple[np.ndarray, AssetMesh]:
     """Visual mesh of a region and where its frame sits.
 
-    The top is textured in world coordinates, `tile` metres a repetition; other kinds than paint get a
-    skirt down to `THICKNESS` below their lowest point, which shows as the kerb's face.
+    The top is textured in world coordinates, `tile` metres a repetition and u at `turn` rad from +x; other kinds
+    than paint get a skirt down to `THICKNESS` below their lowest point, which shows as the kerb's face.
 
     Returns:
       (3,) m position without rotation, and the mesh in that frame.
@@ -116,12 +137,13 @@ def region_mesh(
     paint = region.kind in PAINT_KINDS
     position, ring = _frame(region), np.asarray(region.polygon)
     top = np.column_stack([ring, plane_height(region.plane, ring) + (PAINT_LIFT if paint else 0.0)])
-    vertices, uv, faces = [top], [ring / tile], [triangulate(ring)]
+    on_tile = ring @ _turned(turn) / tile if turn else ring / tile
+    vertices, uv, faces = [top], [on_tile], [triangulate(ring)]
     if paint:
         faces.append(faces[0][:, ::-1])  # a mesh has at least four faces; paint is seen from below by nobody
     else:
         sides = _skirt(top, _lowest(region) - THICKNESS, tile, len(ring))
-        vertices, uv, faces = ([a, b] for a, b in zip((top, ring / tile, faces[0]), sides, strict=True))
+        vertices, uv, faces = ([a, b] for a, b in zip((top, on_tile, faces[0]), sides, strict=True))
     coordinates = np.concatenate(uv)
     return position, AssetMesh(
         vertices=np.concatenate(vertices) - position,
@@ -131,6 +153,11 @@ def region_mesh(
         roughness=roughness,
         metallic=metallic,
     )
+
+
+def _turned(angle: float) -> np.ndarray:
+    """(2, 2) that takes row vectors to axes turned by `angle`."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def _skirt(top: np.ndarray, bottom: float, tile: float, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """Convex hulls as the runtime wants them: corners, outward triangles and planes, padded to one size."""
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -39,19 +40,32 @@ class ConvexPart:
 
 
 def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
-    """The convex hull of `points` (n, 3).
+    """The convex hull of `points` (n, 3); the same points give the same part, which nobody may write to.
 
     Raises:
       NounError: fewer than four points, all in one plane, or more than 32 corners.
     """
-    points = np.asarray(points, np.float32)
+    try:
+        return _convex_part(np.ascontiguousarray(points, np.float32).tobytes())
+    except _NoPart as error:
+        raise v.fail(where, *error.args) from error
+
+
+class _NoPart(ValueError):
+    """What was found, what was needed, what to try."""
+
+
+# A scene asks for a hull several times (its mass, its table), and cousins share assets.
+@functools.lru_cache(maxsize=8192)
+def _convex_part(content: bytes) -> ConvexPart:
+    points = np.frombuffer(content, np.float32).reshape(-1, 3)
     centre = points.astype(np.float64).mean(0)
     try:
         hull = ConvexHull(points.astype(np.float64) - centre)
     except (QhullError, ValueError) as error:
-        raise v.fail(where, f"{len(points)} points without volume", "a solid", "thicken or drop the part") from error
+        raise _NoPart(f"{len(points)} points without volume", "a solid", "thicken or drop the part") from error
     if len(hull.vertices) > MAX_HULL_VERTICES:
-        raise v.fail(where, f"{len(hull.vertices)} corners", f"at most {MAX_HULL_VERTICES}", "simplify the part")
+        raise _NoPart(f"{len(hull.vertices)} corners", f"at most {MAX_HULL_VERTICES}", "simplify the part")
     keep = np.sort(hull.vertices)
     number = np.zeros(len(points), np.int32)
     number[keep] = np.arange(len(keep))
@@ -62,12 +76,15 @@ def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
     triangles = np.where(flip[:, None], hull.simplices[:, ::-1], hull.simplices)
     solid = np.linalg.norm(cross, axis=1) > _SLIVER * np.ptp(hull.points, axis=0).max() ** 2
     offsets = -hull.equations[:, 3] + normals @ centre
-    return ConvexPart(
+    part = ConvexPart(
         corners=points[keep],
         triangles=number[triangles[solid]],
         planes=np.concatenate([normals, offsets[:, None]], 1)[solid].astype(np.float32),
         volume=float(hull.volume),
     )
+    for array in (part.corners, part.triangles, part.planes):
+        array.flags.writeable = False
+    return part
 
 
 def hull_table(parts: Sequence[ConvexPart]) -> dict[str, np.ndarray]:

@@ -1,10 +1,12 @@
-"""The 5 cm map of a scene: ground height, kind and free height."""
+"""The 5 cm map of a scene: ground height, kind, free height, and how high things reach."""
 
 import dataclasses
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
+from scipy import ndimage
 from skimage.draw import polygon as fill
 
 from ..datatypes.ground import PAINT_KINDS
@@ -22,6 +24,20 @@ def raster(ring: np.ndarray, origin: np.ndarray, shape: tuple[int, int]) -> tupl
     """Numbers (i, j) of the cells whose centres lie in a ring (n, 2)."""
     cells = (ring - origin) / RESOLUTION - 0.5
     return fill(cells[:, 0], cells[:, 1], shape)
+
+
+def closed(mask: np.ndarray, reach: float, resolution: float) -> np.ndarray:
+    """A mask (X, Y) with gaps of up to twice `reach` (m) between its parts filled (a morphological closing)."""
+    if not mask.any():
+        return mask
+    pad = math.ceil(reach / resolution) + 1
+    i, j = np.nonzero(mask)
+    window = np.s_[max(0, i.min() - pad) : i.max() + pad + 1, max(0, j.min() - pad) : j.max() + pad + 1]
+    near = ndimage.distance_transform_edt(~mask[window]) * resolution <= reach
+    near = np.pad(near, 1)  # beyond the window nothing is near
+    filled = mask.copy()
+    filled[window] |= (ndimage.distance_transform_edt(near) * resolution > reach)[1:-1, 1:-1]
+    return filled
 
 
 def ground_map(regions: Sequence[Region]) -> SceneMap:
@@ -55,13 +71,31 @@ def with_clearance(
     Below a hull the height of its lowest corner counts, and every cell that its footprint touches is below it.
     """
     clearance = scene_map.clearance.copy()
-    for corners, rotation, position in zip(hulls, rotations, positions, strict=True):
-        world = corners @ rotation.T + position
-        outline = shapely.MultiPoint(world[:, :2]).convex_hull.buffer(RESOLUTION * np.sqrt(0.5), quad_segs=2)
-        i, j = raster(np.array(outline.exterior.coords[:-1]), scene_map.origin, clearance.shape)
+    for i, j, low, high in _footprints(scene_map, hulls, rotations, positions):
         ground = scene_map.height[i, j]
-        low, high = world[:, 2].min(), world[:, 2].max()
         above = np.where(high > ground, np.maximum(low - ground, 0.0), FREE)
         above = np.where(above < CEILING, above, FREE)
         clearance[i, j] = np.fmin(clearance[i, j], above)
     return dataclasses.replace(scene_map, clearance=clearance)
+
+
+def tops(scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """(X, Y) float32 m: height of the highest thing in each cell, ground included, NaN where there is nothing.
+
+    Of a hull the height of its highest corner counts, as of its lowest in `with_clearance`.
+    """
+    top = scene_map.height.copy()
+    for i, j, _, high in _footprints(scene_map, hulls, rotations, positions):
+        top[i, j] = np.fmax(top[i, j], np.float32(high))
+    return top
+
+
+def _footprints(
+    scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray, float, float]]:
+    """Of each hull (n, 3) at T_world_hull the cells (i, j) that it touches from above, its lowest and highest z, m."""
+    for corners, rotation, position in zip(hulls, rotations, positions, strict=True):
+        world = corners @ rotation.T + position
+        outline = shapely.MultiPoint(world[:, :2]).convex_hull.buffer(RESOLUTION * np.sqrt(0.5), quad_segs=2)
+        i, j = raster(np.array(outline.exterior.coords[:-1]), scene_map.origin, scene_map.kind.shape)
+        yield i, j, world[:, 2].min(), world[:, 2].max()

@@ -4,6 +4,7 @@ Group 2: what is seen, no contact. Group 3: CoACD hulls of objects and ground pr
 named by its id; ground prisms belong to the world.
 """
 
+import functools
 import io
 import struct
 from collections.abc import Sequence
@@ -34,7 +35,7 @@ _SKY_FACES = {
 
 def _numbers(values: Sequence[float] | np.ndarray) -> str:
     """Shortest text that reads back as the same float32 numbers."""
-    return " ".join(np.format_float_positional(np.float32(x), unique=True, trim="-") for x in np.ravel(values))
+    return " ".join(np.ravel(values).astype(np.float32).astype("U16").tolist())
 
 
 def scene_mjcf(
@@ -98,7 +99,7 @@ def _add_ground(world: ET.Element, scene: SceneGeometry, visuals: bool) -> None:
 
 
 def _add_objects(world: ET.Element, scene: SceneGeometry, visuals: bool, free: bool) -> None:
-    volumes = np.array([convex_part(h).volume for h in scene.hulls])[scene.inst_hull]
+    volumes = np.array([convex_part(scene.hulls[h]).volume for h in scene.inst_hull])
     for o, name in enumerate(scene.object_ids):
         body = ET.SubElement(
             world,
@@ -183,8 +184,14 @@ def msh_bytes(mesh: AssetMesh) -> bytes:
 
 def png_bytes(pixels: np.ndarray) -> bytes:
     """(H, W, 3) uint8 as PNG."""
+    return _png_bytes(pixels.tobytes(), pixels.shape[0], pixels.shape[1])
+
+
+# The scene's MJCF, its USD and the cousins that follow show the same textures.
+@functools.lru_cache(maxsize=512)
+def _png_bytes(content: bytes, height: int, width: int) -> bytes:
     buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "PNG")
+    Image.fromarray(np.frombuffer(content, np.uint8).reshape(height, width, 3)).save(buffer, "PNG", compress_level=4)
     return buffer.getvalue()
 
 

@@ -1,21 +1,30 @@
-"""Where a robot can go, and the shortest ways there: fields on a 20 cm grid, paths pulled taut on the 5 cm map."""
+"""Where a robot can go, and the shortest ways there: fields on a coarse grid, paths pulled taut on the 5 cm map.
+
+Two price lists: `WALK`, by which our episodes keep to pavements and never meet a kerb (a free straight line is then
+always best), and `NAVBENCH`, by which CraftBench-Nav's robots climb kerbs and cross roads where that is worth it.
+"""
 
 import dataclasses
-import math
+from collections.abc import Generator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
-from ..datatypes.ground import GROUND_KINDS, traversable
+from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from .geometry import SceneMap
+from .maps import closed
 
-#: Cells of the 5 cm map along a side of a planning cell: 20 cm (issue 2, item 6).
+#: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm (issue 2, item 6).
 POOL = 4
 #: Cost per metre by kind; near things up to 1.0 more within 0.5 m (facts/reference_systems.md b.2).
 KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
 NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
+#: A step (m) between neighbouring cells from which on it counts as a kerb (same source).
+KERB = 0.03
+#: Road at most this far (m) from painted stripes on two sides is part of the crosswalk (same source).
+_STRIPES = 0.6
 #: Further passes that shorten a path, an even number: each turns it round.
 _PULLS = 2
 
@@ -38,19 +47,52 @@ class RobotSize:
 
 
 @dataclasses.dataclass(frozen=True)
+class PriceList:
+    """What a way costs and on how coarse a grid it is looked for.
+
+    Attributes:
+      kinds: price of a metre by kind of ground; other kinds are never entered.
+      pool: cells of the map along a side of a planning cell.
+      kerb: m of sidewalk that climbing one kerb is worth. Above 0 a straight line is taken only where it is no dearer
+        than the way it replaces.
+    """
+
+    kinds: Mapping[str, float]
+    pool: int = POOL
+    kerb: float = 0.0
+
+
+WALK = PriceList(KIND_COST)
+#: CraftBench-Nav: 10 cm cells, roads at six times a sidewalk's price, 5 m for a kerb.
+NAVBENCH = PriceList({**KIND_COST, "road": 6.0, "road_marking": 6.0}, pool=2, kerb=5.0)
+
+#: CraftBench-Nav's robots: radius, height, and the step they climb.
+ROBOTS: dict[str, RobotSize] = {
+    "delivery": RobotSize(0.35, margin=0.0, height=1.0, step=0.22),
+    "quadruped": RobotSize(0.35, margin=0.0, height=0.5, step=0.25),
+    "wheelchair": RobotSize(0.45, margin=0.0, height=1.4, step=0.05),
+}
+
+
+@dataclasses.dataclass(frozen=True)
 class FreeSpace:
     """The 5 cm map as a robot sees it.
 
     Attributes:
       map: what it was made from.
       distance: (X, Y) m from a cell to the nearest place the robot may not touch, half a cell taken off.
-      free: (X, Y) bool, its centre may be there. cost: (X // 4, Y // 4) per metre, -1 = not passable.
+      free: (X, Y) bool, its centre may be there.
+      cost: (X // pool, Y // pool) per metre, -1 = not passable.
+      pool: cells of the map along a side of a planning cell.
+      price: (X, Y) per metre where straight lines are weighed, else None: the free ones are best.
     """
 
     map: SceneMap
     distance: np.ndarray
     free: np.ndarray
     cost: np.ndarray
+    pool: int = POOL
+    price: np.ndarray | None = None
 
     def cell(self, xy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(i, j) of points (..., 2), clipped to the map."""
@@ -60,27 +102,65 @@ class FreeSpace:
 
     def coarse_center(self, cells: np.ndarray) -> np.ndarray:
         """(n, 2) centres, m, of planning cells (n, 2)."""
-        return self.map.origin + (np.asarray(cells) + 0.5) * POOL * self.map.resolution
+        return self.map.origin + (np.asarray(cells) + 0.5) * self.pool * self.map.resolution
 
-    def line_free(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Whether the robot can go straight from a to b, (2,) m each."""
+    def coarse_cell(self, xy: np.ndarray) -> np.ndarray:
+        """(..., 2) numbers of the planning cells that points (..., 2) lie in; they may be outside the map."""
+        return np.floor((np.asarray(xy) - self.map.origin) / (self.pool * self.map.resolution)).astype(int)
+
+    def _lines(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Cells (i, j) under points at most one cell (half a cell where lines are weighed) apart on each way from a to
+        b, (n, 2) m, one way after the other, and (n,) where in them each way begins."""
         way, resolution = b - a, self.map.resolution
-        number = max(1, math.ceil(math.sqrt(way.dot(way)) / resolution))
-        cells = (a - self.map.origin + np.arange(number + 1)[:, None] * (way / number)) / resolution
+        apart = resolution if self.price is None else resolution / 2
+        number = np.maximum(1, np.ceil(np.sqrt((way * way).sum(1)) / apart)).astype(np.intp)
+        first = np.concatenate([[0], np.cumsum(number + 1)])
+        step = np.arange(first[-1]) - np.repeat(first[:-1], number + 1)
+        line = np.repeat(np.arange(len(a)), number + 1)
+        cells = ((a - self.map.origin)[line] + step[:, None] * (way / number[:, None])[line]) / resolution
         i, j = cells.astype(np.intp).T
-        return bool(self.free[i, j].all())
+        return i, j, first
+
+    def lines_free(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """(n,) bool: whether the robot can go straight from a to b, (n, 2) m each."""
+        i, j, first = self._lines(a, b)
+        return np.logical_and.reduceat(self.free[i, j], first[:-1])
+
+    def line_prices(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """(n,) what the straight ways from a to b, (n, 2) m each, cost, free or not; their length where nothing has a
+        price."""
+        length = np.linalg.norm(b - a, axis=1)
+        if self.price is None:
+            return length
+        i, j, first = self._lines(a, b)
+        return length * np.add.reduceat(self.price[i, j], first[:-1]) / np.diff(first)
 
 
-def free_space(scene_map: SceneMap, size: RobotSize) -> FreeSpace:
+def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -> FreeSpace:
     """Grows everything that stops the robot by its radius and prices what is left."""
-    allowed = traversable(scene_map.kind) & (scene_map.clearance >= size.height) & ~_edges(scene_map.height, size.step)
+    kind = whole_crosswalks(scene_map).kind if prices.kerb else scene_map.kind
+    of_kind = np.array([prices.kinds.get(name, 0.0) for name in GROUND_KINDS])
+    allowed = (of_kind > 0)[kind] & (scene_map.clearance >= size.height) & ~_edges(scene_map.height, size.step)
     resolution = scene_map.resolution
     distance = (ndimage.distance_transform_edt(allowed) * resolution - resolution / 2).astype(np.float32)
     free = distance >= size.radius + size.margin
-    price = np.array([KIND_COST.get(name, 0.0) for name in GROUND_KINDS])[scene_map.kind]
-    near = np.clip(1.0 - (distance - size.radius) / NEAR_DISTANCE, 0.0, 1.0)
-    cost = np.where(_pool(free, np.all), _pool(price + NEAR_COST * near, np.max), -1.0)
-    return FreeSpace(scene_map, distance, free, cost)
+    price = of_kind[kind] + NEAR_COST * np.clip(1.0 - (distance - size.radius) / NEAR_DISTANCE, 0.0, 1.0)
+    cost = _pool(price, prices.pool, np.max)
+    if prices.kerb:
+        # Both cells beside a kerb are its edge: crossing it goes over two of them.
+        kerb = _edges(scene_map.height, KERB) * (prices.kerb / (2 * resolution))
+        cost, price = cost + _pool(kerb, prices.pool, np.mean), price + kerb
+    cost = np.where(_pool(free, prices.pool, np.all), cost, -1.0)
+    return FreeSpace(scene_map, distance, free, cost, prices.pool, price if prices.kerb else None)
+
+
+def whole_crosswalks(scene_map: SceneMap) -> SceneMap:
+    """The map with the road between the stripes of a crosswalk as crosswalk: the authors' maps hold the stripes alone,
+    and ways would weave from one to the next."""
+    stripes = scene_map.kind == KIND_INDEX["crosswalk"]
+    road = np.isin(scene_map.kind, [KIND_INDEX["road"], KIND_INDEX["road_marking"]])
+    between = closed(stripes, _STRIPES, scene_map.resolution) & road
+    return dataclasses.replace(scene_map, kind=np.where(between, np.uint8(KIND_INDEX["crosswalk"]), scene_map.kind))
 
 
 def _edges(height: np.ndarray, step: float) -> np.ndarray:
@@ -96,10 +176,10 @@ def _edges(height: np.ndarray, step: float) -> np.ndarray:
     return edge
 
 
-def _pool(cells: np.ndarray, reduce: Any) -> np.ndarray:
-    """Reduces blocks of POOL x POOL cells; an incomplete block at the far side is left out."""
-    x, y = (n // POOL for n in cells.shape)
-    return reduce(cells[: x * POOL, : y * POOL].reshape(x, POOL, y, POOL), axis=(1, 3))
+def _pool(cells: np.ndarray, side: int, reduce: Any) -> np.ndarray:
+    """Reduces blocks of side x side cells; an incomplete block at the far side is left out."""
+    x, y = (n // side for n in cells.shape)
+    return reduce(cells[: x * side, : y * side].reshape(x, side, y, side), axis=(1, 3))
 
 
 class GoalField:
@@ -111,33 +191,71 @@ class GoalField:
         self._search = MCP_Geometric(space.cost, fully_connected=True)
         costs, _ = self._search.find_costs([tuple(int(c) for c in goal)])
         #: Cost to the goal of every planning cell, inf where there is no way.
-        self.cost: np.ndarray = costs * POOL * space.map.resolution
+        self.cost: np.ndarray = costs * space.pool * space.map.resolution
 
-    def path(self, start: np.ndarray) -> np.ndarray:
-        """(n, 2) m, the taut way from a planning cell with finite cost to the goal."""
-        cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
-        path = _pull(self._space, self._space.coarse_center(cells))
+    def paths(self, starts: np.ndarray) -> list[np.ndarray]:
+        """For planning cells (n, 2) with finite cost the taut ways (k, 2) m from there to the goal."""
+        paths = []
+        for start in starts:
+            cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
+            paths.append(self._space.coarse_center(cells))
+        paths = _pull_all(self._space, paths)
         # Corners lie on planning cells; cutting again between finer points, from either end, takes most of that back.
         for _ in range(_PULLS):
-            fine = np.concatenate([path[:1], resample(path, POOL * self._space.map.resolution)])
-            path = _pull(self._space, fine[::-1])
-        return path
+            fine = [np.concatenate([p[:1], resample(p, self._space.pool * self._space.map.resolution)]) for p in paths]
+            paths = _pull_all(self._space, [p[::-1] for p in fine])
+        return paths
 
 
-def _pull(space: FreeSpace, path: np.ndarray) -> np.ndarray:
-    """Cuts every stretch short that can be driven in a straight free line, longest strides tried first by doubling."""
-    kept, here, last = [path[0]], 0, len(path) - 1
+def _pull_all(space: FreeSpace, paths: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Pulls paths (k, 2) taut side by side: their questions are answered together, which numpy does faster."""
+    kept: list[np.ndarray] = [np.zeros((0, 2))] * len(paths)
+    pulls = {n: _pull(len(path)) for n, path in enumerate(paths)}
+    answers: dict[int, bool | None] = dict.fromkeys(pulls)
+    ways = None if space.price is None else [_costs_along(space, path) for path in paths]
+    while pulls:
+        asked = {}
+        for n, pull in list(pulls.items()):
+            try:
+                asked[n] = pull.send(answers[n])
+            except StopIteration as end:
+                kept[n] = paths[n][end.value]
+                del pulls[n]
+        if asked:
+            a = np.array([paths[n][i] for n, (i, _) in asked.items()])
+            b = np.array([paths[n][j] for n, (_, j) in asked.items()])
+            good = space.lines_free(a, b)
+            if ways is not None:
+                # One part in a thousand: sampling may price the same line a little differently.
+                along = np.array([ways[n][j] - ways[n][i] for n, (i, j) in asked.items()])
+                good &= space.line_prices(a, b) <= 1.001 * along
+            answers = dict(zip(asked, good.tolist(), strict=True))
+    return kept
+
+
+def _costs_along(space: FreeSpace, path: np.ndarray) -> np.ndarray:
+    """(k,) cost of a path (k, 2) from its first point to each."""
+    return np.concatenate([[0.0], np.cumsum(space.line_prices(path[:-1], path[1:]))])
+
+
+def _pull(count: int) -> Generator[tuple[int, int], bool | None, list[int]]:
+    """Cuts every stretch short that a straight line may replace, longest strides tried first by doubling.
+
+    Yields two of the numbers of the path's `count` points, is told whether the line between them may be taken, and
+    returns the numbers of the points that stay.
+    """
+    kept, here, last = [0], 0, count - 1
     while here < last:
         near, stride = here + 1, 2
-        while near < last and space.line_free(path[here], path[min(here + stride, last)]):
+        while near < last and (yield here, min(here + stride, last)):
             near, stride = min(here + stride, last), stride * 2
         far = min(here + stride, last)
         while far - near > 1:
             middle = (near + far) // 2
-            near, far = (middle, far) if space.line_free(path[here], path[middle]) else (near, middle)
+            near, far = (middle, far) if (yield here, middle) else (near, middle)
         here = near
-        kept.append(path[here])
-    return np.array(kept)
+        kept.append(here)
+    return kept
 
 
 def path_length(path: np.ndarray) -> float:

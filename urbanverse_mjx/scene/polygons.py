@@ -39,7 +39,8 @@ def convex_parts(polygon: np.ndarray, max_corners: int = 8) -> list[np.ndarray]:
     if reflex:
         rings = _fewest(ring, _triangles(ring), bound=(reflex + 1) // 2 + 1)
     rings = [part for whole in rings for part in _chunks(whole, max_corners)]
-    return [ring[part] for part in rings]
+    # Corners in one line, ramp tops along a pavement, may leave triangles without area.
+    return [ring[part] for part in rings if shapely.Polygon(ring[part]).area > _STRAIGHT]
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

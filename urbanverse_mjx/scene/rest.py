@@ -5,6 +5,7 @@ import dataclasses
 import mujoco
 import numpy as np
 
+from .bank import quaternion_matrix
 from .geometry import SceneGeometry
 from .mjcf import scene_mjcf
 
@@ -13,6 +14,8 @@ SECONDS = 2.0
 TIMESTEP = 0.005
 #: m and rad from which a thing has moved: hulls may overlap by 1 cm and settle by as much; a tipping thing turns.
 SHIFT, TILT = 0.05, np.radians(10.0)
+#: m around what is movable within which fixed things count: who has come farther has moved anyway.
+REACH = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,6 +33,9 @@ def rest_moves(scene: SceneGeometry, seconds: float = SECONDS) -> list[RestMove]
     Everything movable hangs on a free joint and starts where the scene has it; nothing pushes it but gravity and
     contact. A state that is no longer finite counts as moved without end.
     """
+    scene = _around_movable(scene)
+    if not scene.object_movable.any():
+        return []
     text, _ = scene_mjcf(scene, visuals=False, free=True)
     model = mujoco.MjModel.from_xml_string(text)
     model.opt.timestep = TIMESTEP
@@ -48,3 +54,16 @@ def rest_moves(scene: SceneGeometry, seconds: float = SECONDS) -> list[RestMove]
         RestMove(n, float(s), float(t)) for n, s, t in zip(names, shift, tilt, strict=True) if s > SHIFT or t > TILT
     ]
     return sorted(moved, key=lambda m: -m.shift)
+
+
+def _around_movable(scene: SceneGeometry) -> SceneGeometry:
+    """The scene with what is movable and the fixed things within `REACH` of that, by their upright boxes."""
+    rotations = quaternion_matrix(scene.object_quaternion)
+    low, high = np.full((2, len(scene.object_ids), 3), [[[np.inf]], [[-np.inf]]])
+    for hull, o in zip(scene.inst_hull, scene.inst_object, strict=True):
+        world = scene.hulls[hull] @ rotations[o].T + scene.object_position[o]
+        low[o], high[o] = np.minimum(low[o], world.min(0)), np.maximum(high[o], world.max(0))
+    near = scene.object_movable.copy()
+    for o in np.flatnonzero(scene.object_movable):
+        near |= ((low <= high[o] + REACH) & (high >= low[o] - REACH)).all(1)
+    return scene.with_objects(near)

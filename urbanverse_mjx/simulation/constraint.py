@@ -73,10 +73,12 @@ def contact_rows(
     centre: Any,
     qvel: Any,
     timestep: float,
+    pushed: "Pushed | None" = None,
 ) -> Rows:
     """Four rows per contact.
 
     Args:
+      pushed: what the contacts do to bodies, whose 6 W velocities then follow the robot's in qvel; None = no bodies.
       slot_friction: (C,) of the hulls; friction_scale: () factor on the friction of each contact.
       motion: (nv, 6) MJX's cdof, angular then linear, about `centre` (3,).
       qvel: (nv,).
@@ -89,20 +91,46 @@ def contact_rows(
     velocity = velocity * jnp.asarray(spheres.dof_mask, jnp.float32)[sphere][..., None]
     first, second = tangents(contacts.normal)
     axes = jnp.stack([contacts.normal, first, second], axis=1)
-    along, side, up = jnp.moveaxis(jnp.einsum("nki,nvi->nkv", axes, velocity), 1, 0)
+    relative = jnp.einsum("nki,nvi->nkv", axes, velocity)
+    if pushed is not None:
+        relative = jnp.concatenate([relative, -pushed.columns(axes, contacts.position)], axis=-1)
 
     own, slippery = jnp.asarray(spheres.own_friction)[sphere], jnp.asarray(spheres.slippery)[sphere]
     friction = jnp.asarray(spheres.friction, jnp.float32)[sphere]
     friction = jnp.where(own, friction, jnp.maximum(friction, slot_friction[contacts.slot]))
     friction = jnp.where(slippery, 0.0, friction * friction_scale)[:, None]
+    solref = jnp.asarray(spheres.solref, jnp.float32)[sphere]
+    solimp = jnp.asarray(spheres.solimp, jnp.float32)[sphere]
+    weight = jnp.asarray(spheres.invweight, jnp.float32)[sphere]
+    if pushed is not None:
+        weight = weight + pushed.weight()
+    return pyramid_rows(relative, friction, slippery, acts, depth, solref, solimp, weight, qvel, timestep)
+
+
+def pyramid_rows(
+    relative: Any,
+    friction: Any,
+    slippery: Any,
+    acts: Any,
+    depth: Any,
+    solref: Any,
+    solimp: Any,
+    weight: Any,
+    qvel: Any,
+    timestep: float,
+) -> Rows:
+    """The four edges of the friction pyramid of n contacts.
+
+    Args:
+      relative: (n, 3, nv) velocity of the first surface against the second along the normal and both tangents.
+      friction: (n, 1). slippery, acts: (n,) bool, without friction; touching. depth: (n,) m, negative where it acts.
+      solref: (n, 2), solimp: (n, 5), weight: (n,) 1/kg.
+    """
+    along, side, up = jnp.moveaxis(relative, 1, 0)
     jacobian = jnp.stack(
         [along + friction * side, along - friction * side, along + friction * up, along - friction * up], 1
     )
-
-    solref = jnp.asarray(spheres.solref, jnp.float32)[sphere]
-    solimp = jnp.asarray(spheres.solimp, jnp.float32)[sphere]
     stiffness, damping, impedance = _spring(solref, solimp, depth, timestep)
-    weight = jnp.asarray(spheres.invweight, jnp.float32)[sphere]
     square = friction[:, 0] ** 2
     # A contact without friction is one row in MuJoCo: here the same row four times at a quarter of its stiffness.
     diagonal = jnp.where(slippery, 4.0 * weight, 2.0 * square * (1.0 + square) * weight)
@@ -135,6 +163,30 @@ def limit_rows(limits: LimitTable, qpos: Any, qvel: Any, timestep: float) -> Row
 
 def join(first: Rows, second: Rows) -> Rows:
     return Rows(*(jnp.concatenate([a, b]) for a, b in zip(first, second, strict=True)))
+
+
+class Pushed(NamedTuple):
+    """What n contacts do to W bodies.
+
+    Attributes:
+      body: (n,) i32 body that each contact pushes, -1 = none. place: (W, 3) m, centres of mass; inverse: (W,) 1/kg.
+    """
+
+    body: Any
+    place: Any
+    inverse: Any
+
+    def columns(self, axes: Any, position: Any) -> Any:
+        """(n, 3, 6 W): velocity at position (n, 3) m along axes (n, 3, 3) for each of the bodies' velocities."""
+        mine = (self.body[:, None] == jnp.arange(len(self.place))).astype(jnp.float32)
+        arm = position[:, None] - self.place
+        turn = jnp.cross(arm[:, None], axes[:, :, None])
+        both = jnp.concatenate([jnp.broadcast_to(axes[:, :, None], turn.shape), turn], axis=-1)
+        return (both * mine[:, None, :, None]).reshape(*axes.shape[:2], -1)
+
+    def weight(self) -> Any:
+        """(n,) 1/kg of the bodies."""
+        return jnp.where(self.body >= 0, self.inverse[jnp.maximum(self.body, 0)], 0.0)
 
 
 class _Search(NamedTuple):

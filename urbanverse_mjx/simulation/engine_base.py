@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from mujoco import mjx
 
-from ..datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
+from ..datatypes import AgentMotion, AgentShapes, Bodies, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from ..precision import full_precision
+from . import body_contact, body_slots
 from .physics_model import make_physics_model
 
 #: Pairs of a sphere and an agent that may touch at once: one who stands against a flat side of COCO touches three.
@@ -41,8 +42,13 @@ class EngineBase:
         num_slots: int,
         num_prism_slots: int,
         agents: AgentShapes | None,
+        movable: body_slots.Sizes | None = None,
     ) -> None:
         self.robot = robot
+        #: Sizes of the body slots; None where there are none.
+        self.movable = body_slots.checked_sizes(movable)
+        if self.movable is not None:
+            self.body_table, self.body_constants = body_slots.constants(bank, self.movable)
         #: Shapes of the agent slots; None where there are none.
         self.agents = agents if agents is not None and len(agents.radius) else None
         self.physics = make_physics_model(robot)
@@ -78,6 +84,12 @@ class EngineBase:
         return 0 if self.agents is None else min(AGENT_CONTACTS, len(self.agents.radius) * self.num_spheres)
 
     @property
+    def num_body_contacts(self) -> int:
+        """Contacts of movable bodies with anything but the robot."""
+        each = body_contact.GROUND_CONTACTS + body_contact.OTHER_CONTACTS
+        return 0 if self.movable is None else self.movable.awake * each
+
+    @property
     def num_spheres(self) -> int:
         return len(self.physics.spheres.radius)
 
@@ -87,8 +99,11 @@ class EngineBase:
         return (self.num_slots + self.num_prism_slots) * self.num_spheres
 
     @full_precision
-    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
-        """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,)."""
+    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+        """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,).
+
+        things: (M,) i32, objects that shall be bodies, -1 = none; where there are slots and none is named, none is.
+        """
         scene = jnp.asarray(scene, jnp.int32)
         qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
@@ -98,4 +113,15 @@ class EngineBase:
         contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()), feet, nobody)
         zero, one = jnp.zeros((), jnp.int32), jnp.ones(())
         warm = jnp.zeros_like(qvel)
-        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one)
+        bodies = self._first_bodies(scene, things)
+        return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one, bodies)
+
+    def _first_bodies(self, scene: Any, things: Any) -> Bodies | None:
+        wanted = 0 if self.movable is None else self.movable.bodies
+        given = wanted if things is None else len(things)
+        if given != wanted:
+            raise v.fail("engine.init: things", f"{given} of them", f"as many as the engine has body slots ({wanted})")
+        if self.movable is None:
+            return None
+        things = jnp.full(wanted, -1, jnp.int32) if things is None else jnp.asarray(things, jnp.int32)
+        return body_slots.begin(self.body_constants, scene, things)

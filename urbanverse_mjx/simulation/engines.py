@@ -7,6 +7,7 @@ from typing import Any
 import jax
 
 from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
+from .body_slots import Sizes
 
 IMPLS = ("auto", "jax", "warp")
 
@@ -19,6 +20,7 @@ def make_engine(
     physics_dt: float | None = None,
     num_slots: int = 16,
     agents: AgentShapes | None = None,
+    movable: Sizes | None = None,
     **sizes: Any,
 ) -> Any:
     """A `Simulator` over a bank.
@@ -29,6 +31,7 @@ def make_engine(
       control_dt: s, one control step; physics_dt: s, one physics step, default the robot's.
       num_slots: object hulls streamed per control step.
       agents: shapes of moving agents; None = none.
+      movable: how many things can be pushed; None = none.
       sizes: of the engine, such as num_prism_slots, num_contacts, iterations, line_steps; default its own.
 
     Raises:
@@ -42,10 +45,12 @@ def make_engine(
         # Warp takes a second to import, and says so: only those who use it pay.
         from .warp_engine import WarpEngine
 
-        return WarpEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, **sizes)
+        return WarpEngine(
+            bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, movable=movable, **sizes
+        )
     from .jax_engine import JaxEngine
 
-    return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, **sizes)
+    return JaxEngine(bank, robot, control_dt=control_dt, num_slots=num_slots, agents=agents, movable=movable, **sizes)
 
 
 def choose_impl(impl: str) -> str:

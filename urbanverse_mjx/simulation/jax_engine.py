@@ -18,7 +18,7 @@ from mujoco import mjx
 from ..datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from ..precision import full_precision
-from . import agent_slots, constraint, hull_contact, slots
+from . import agent_slots, body_dynamics, body_slots, constraint, hull_contact, slots
 from .engine_base import EngineBase, Substeps
 
 
@@ -62,6 +62,7 @@ class JaxEngine(EngineBase):
       num_contacts: pairs of a sphere and a hull that may touch at once.
       iterations, line_steps: of the constraint solver.
       agents: shapes of moving agents, which `step` is then told of; None = none.
+      movable: how many things can be pushed, which `init` is then told of; None = none.
 
     Raises:
       NounError: a control period that is no multiple of the time step, too many or no slots, or a bank whose grids
@@ -79,8 +80,9 @@ class JaxEngine(EngineBase):
         iterations: int = 10,
         line_steps: int = 8,
         agents: AgentShapes | None = None,
+        movable: body_slots.Sizes | None = None,
     ) -> None:
-        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents)
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable)
         self.num_contacts = v.integer(num_contacts, "engine.num_contacts", 1, self.num_pairs)
         self.iterations = v.integer(iterations, "engine.iterations", 1)
         self.line_steps = v.integer(line_steps, "engine.line_steps", 1)
@@ -88,6 +90,9 @@ class JaxEngine(EngineBase):
         self.tables = EngineTables(
             hull_contact.hull_table(bank), objects, prisms, jnp.asarray(bank.grid_origin), jnp.asarray(bank.grid_cell)
         )
+        if self.movable is not None:
+            self._prism_planes = body_dynamics.prism_planes(bank, self.tables.hulls)
+            self._boxes = jnp.asarray(bank.hull_box)
         self._grid_shape = (bank.hull_grid.shape[1], bank.hull_grid.shape[2])
         first = int(self.physics.model.jnt_qposadr[self.physics.model.body_jntadr[self.physics.root]])
         self._root_qpos = slice(first, first + 3)
@@ -103,7 +108,8 @@ class JaxEngine(EngineBase):
         """`step`, and what happened on the way."""
         self.check_agents(agents)
         centre = state.xpos[self.physics.root]
-        nearby, overflow = self.find_slots(state.scene, centre)
+        taken = None if state.bodies is None else state.bodies.thing
+        nearby, overflow = self.find_slots(state.scene, centre, taken)
         ctrl = jnp.asarray(ctrl, jnp.float32)
         # Tens of metres from the origin float32 knows places to a few micrometres, too coarse for lever arms and for
         # tyres that sink in by 0.2 mm: the physics runs about a whole-metre origin next to the robot.
@@ -112,10 +118,16 @@ class JaxEngine(EngineBase):
         model = self._scaled_model(state.mass_scale)
         if agents is not None:
             agents = agents._replace(position=agents.position - origin)
+        awake, slot, around, scenery = None, None, state.bodies, None
+        if around is not None:
+            slot, awake, asleep = self._wake(state, centre)
+            overflow += asleep
+            scenery = self._scenery(state, awake, origin)
+            awake = awake._replace(place=awake.place - origin)
 
         def substep(carry: Any, number: Any) -> tuple[Any, Substeps]:
             met = None if agents is None else agent_slots.moved(agents, number * self.robot.physics_timestep)
-            after = self._physics_step(model, state.friction_scale, nearby, met, ctrl, *carry)
+            after = self._physics_step(model, state.friction_scale, nearby, met, scenery, ctrl, *carry)
             return after, Substeps(after[0].at[self._root_qpos].add(origin), after[3].count > carry[3].count)
 
         zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
@@ -124,8 +136,8 @@ class JaxEngine(EngineBase):
         numbers = None
         if agents is not None:
             touch, numbers = touch._replace(agent=none, agent_force=jnp.zeros(())), jnp.arange(self.num_substeps)
-        start = (state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch)
-        (qpos, qvel, warm, touch), record = jax.lax.scan(substep, start, numbers, length=self.num_substeps)
+        start = (state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch, awake)
+        (qpos, qvel, warm, touch, awake), record = jax.lax.scan(substep, start, numbers, length=self.num_substeps)
         qpos = qpos.at[self._root_qpos].add(origin)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
         contacts = Contacts(
@@ -138,6 +150,9 @@ class JaxEngine(EngineBase):
             hit_agent=touch.agent,
         )
         missed = overflow + touch.missed
+        if around is not None:
+            awake = awake._replace(place=awake.place + origin)
+            around = body_slots.put_back(self.body_constants, around, slot, awake)
         after = state._replace(
             qpos=qpos,
             qvel=qvel,
@@ -146,16 +161,40 @@ class JaxEngine(EngineBase):
             contacts=contacts,
             slot_overflow=missed,
             carry=warm,
+            bodies=around,
         )
         return after, record
 
-    def find_slots(self, scene: Any, centre: Any) -> tuple[slots.Slots, Any]:
-        """The hulls near `centre` (3,) in a scene, objects first, and () i32, how many within reach found no slot."""
+    def find_slots(self, scene: Any, centre: Any, taken: Any = None) -> tuple[slots.Slots, Any]:
+        """The hulls near `centre` (3,) in a scene, objects first, and () i32, how many within reach found no slot.
+
+        taken: (M,) i32, objects that are bodies and so no static hulls; None = no such.
+        """
         tables = self.tables
         cell = slots.grid_cell(tables.grid_origin[scene], tables.grid_cell, self._grid_shape, centre)
-        hulls, missing = slots.nearest(tables.objects, cell, scene, centre, self.reach, self.num_slots)
+        hulls, missing = slots.nearest(tables.objects, cell, scene, centre, self.reach, self.num_slots, taken)
         prisms, absent = slots.nearest(tables.prisms, cell, scene, centre, self.reach, self.num_prism_slots)
         return slots.join(hulls, prisms), missing + absent
+
+    def _wake(self, state: SimState, centre: Any) -> tuple[Any, body_slots.Awake, Any]:
+        assert self.movable is not None
+        return body_slots.wake(self.body_constants, state.scene, state.bodies, centre, self.reach, self.movable.awake)
+
+    def _scenery(self, state: SimState, awake: body_slots.Awake, origin: Any) -> body_dynamics.Scenery:
+        """What stands near each of the bodies, about the origin (3,)."""
+        tables, scene = self.tables, state.scene
+
+        def near(place: Any, reach: Any) -> Any:
+            cell = slots.grid_cell(tables.grid_origin[scene], tables.grid_cell, self._grid_shape, place)
+            where = cell, scene, place, reach
+            prisms, _ = slots.nearest(tables.prisms, *where, body_slots.PRISMS)
+            hulls, _ = slots.nearest(tables.objects, *where, body_slots.HULLS, state.bodies.thing)
+            return prisms, hulls
+
+        reach = body_slots.reach(self.body_constants, awake, self.control_dt)
+        found = jax.vmap(near)(awake.place, reach)
+        prisms, hulls = (x._replace(position=x.position - origin) for x in found)
+        return body_dynamics.Scenery(prisms, hulls, self._prism_planes, self._boxes, tables.hulls)
 
     def _scaled_model(self, mass_scale: Any) -> Any:
         """The robot's model with all its masses multiplied by () mass_scale."""
@@ -169,11 +208,13 @@ class JaxEngine(EngineBase):
         friction_scale: Any,
         nearby: slots.Slots,
         agents: AgentMotion | None,
+        scenery: body_dynamics.Scenery | None,
         ctrl: Any,
         qpos: Any,
         qvel: Any,
         warm: Any,
         touch: _Touch,
+        awake: body_slots.Awake | None,
     ) -> Any:
         spheres, dt = self.physics.spheres, self.robot.physics_timestep
         data = self._data.replace(qpos=qpos, qvel=qvel, ctrl=ctrl)
@@ -182,20 +223,38 @@ class JaxEngine(EngineBase):
         data = mjx.fwd_acceleration(model, mjx.fwd_actuation(model, data))
         radii = jnp.asarray(spheres.radius, jnp.float32)
         places = data.geom_xpos[spheres.geom]
+        own, static = None, nearby.hull.shape[0]
+        if awake is not None:
+            own = body_dynamics.matter(self.body_constants, awake)
+            hulls = body_dynamics.hull_slots(awake, own)
+            nearby = slots.join(nearby, hulls)
         found = hull_contact.find_contacts(places, radii, nearby, self.tables.hulls, self.num_contacts)
         if agents is not None and self.agents is not None:
             room = self.num_agent_contacts
             found, nearby = agent_slots.with_agents(found, places, radii, agents, self.agents, nearby, room)
         centre = data.subtree_com[self.physics.root]
         grip = nearby.friction, friction_scale
-        rows = constraint.contact_rows(found, spheres, *grip, data.cdof, centre, qvel, dt)
+        mass, free, pushed, speed = mjx.full_m(model, data), data.qacc_smooth, None, qvel
+        if awake is not None and own is not None:
+            pushed = body_dynamics.pushed(found.slot - static, awake, own)
+            mass = body_dynamics.joint_mass(mass, awake, own)
+            free = jnp.concatenate([free, body_dynamics.free_acceleration(awake, own)])
+            speed = jnp.concatenate([qvel, body_dynamics.velocities(awake)])
+            warm = jnp.concatenate([warm, awake.warm.reshape(-1)])
+        rows = constraint.contact_rows(found, spheres, *grip, data.cdof, centre, speed, dt, pushed)
+        if awake is not None and own is not None and scenery is not None:
+            theirs = body_dynamics.find_contacts(awake, own, hulls, scenery)
+            rows = constraint.join(rows, body_dynamics.contact_rows(theirs, awake, own, speed, dt))
         if len(self.physics.limits.dof):
-            rows = constraint.join(rows, constraint.limit_rows(self.physics.limits, data.qpos, qvel, dt))
-        mass = mjx.full_m(model, data)
-        qacc, force = constraint.solve(mass, data.qacc_smooth, warm, rows, self.iterations, self.line_steps)
-        data = mjx.euler(model, data.replace(qacc=qacc, qfrc_constraint=force @ rows.jacobian))
+            rows = constraint.join(rows, constraint.limit_rows(self.physics.limits, data.qpos, speed, dt))
+        qacc, force = constraint.solve(mass, free, warm, rows, self.iterations, self.line_steps)
+        pull, robot = force @ rows.jacobian, qvel.shape[0]
+        if awake is not None:
+            awake = body_dynamics.moved(awake, qacc[robot:], dt)
+            qacc, pull = qacc[:robot], pull[:robot]
+        data = mjx.euler(model, data.replace(qacc=qacc, qfrc_constraint=pull))
         normal_force = force[: 4 * len(found.sphere)].reshape(-1, 4).sum(1)
-        return data.qpos, data.qvel, qacc, self._note(touch, found, nearby, normal_force)
+        return data.qpos, data.qvel, qacc, self._note(touch, found, nearby, normal_force), awake
 
     def _note(self, touch: _Touch, found: hull_contact.SphereContacts, nearby: slots.Slots, force: Any) -> _Touch:
         """Adds the contacts of one physics step: robot against object, and no foot against the ground."""

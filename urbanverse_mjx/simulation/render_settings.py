@@ -24,7 +24,7 @@ class Settings:
     """What is drawn and how.
 
     outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
-    which looks differ; see `Renderer`.
+    which looks differ; bodies: things of a scene that may have moved; see `Renderer`.
     """
 
     height: int
@@ -35,3 +35,4 @@ class Settings:
     samples: int
     shading: str
     appearance: float = 0.0
+    bodies: int = 0

@@ -14,12 +14,15 @@ import numpy as np
 import warp as wp
 
 from .. import settings as process
-from ..datatypes import AgentMotion, NounError, RobotSpec, SceneBank
+from ..datatypes import AgentMotion, Bodies, NounError, RobotSpec, SceneBank
 from ..precision import full_precision
 from .render_model import build_render_model
 from .render_settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Settings
 from .street_batch import StreetBatch, Streets
 from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
+
+#: m and 1 - cos of half the angle from which an object stands elsewhere than in the bank, to be seen at all.
+_MOVED, _TURNED = 1e-3, 1e-6
 
 __all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
 
@@ -42,6 +45,27 @@ def _draw(
     """What JAX calls; outputs that were not asked for have no pixel."""
     out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}
     registered(owner)._render((scene, xpos, xquat, eye, turn, fovy, looks), out)
+
+
+def _draw_moved(
+    owner: int,
+    scene: wp.array[wp.int32],
+    xpos: wp.array2d[wp.vec3],
+    xquat: wp.array2d[wp.vec4],
+    eye: wp.array[wp.vec3],
+    turn: wp.array[wp.vec4],
+    fovy: wp.array[wp.float32],
+    looks: wp.array[wp.int32],
+    moved: wp.array2d[wp.int32],
+    rgb: wp.array4d[wp.uint8],
+    depth: wp.array3d[wp.float32],
+    category: wp.array3d[wp.int32],
+    object: wp.array3d[wp.int32],
+    normal: wp.array3d[wp.vec3],
+) -> None:
+    """The same with objects that stand elsewhere; moved: their slots, -1 = none."""
+    out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}
+    registered(owner)._render((scene, xpos, xquat, eye, turn, fovy, looks, moved), out)
 
 
 class Renderer:
@@ -68,6 +92,7 @@ class Renderer:
       appearance: by what share looks may differ: a frame drawn with a `look` other than 0 shows every object, and the
         light, brighter or darker and in another tone by up to this share. 0 leaves that out.
       agents: row of the bank's agents (`SceneBank.agents`) that each moving agent looks like.
+      bodies: how many objects may stand elsewhere than in the bank, see `Bodies`.
 
     Raises:
       NounError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
@@ -88,6 +113,7 @@ class Renderer:
         shading: str = "pbr",
         appearance: float = 0.0,
         agents: Sequence[int] = (),
+        bodies: int = 0,
     ) -> None:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
@@ -103,10 +129,11 @@ class Renderer:
         if not 0.0 <= appearance < 1.0:
             raise NounError(f"appearance: found {appearance}; needed 0 to below 1; mend the number")
         self.bank = bank
-        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance)
+        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies)
         self.threads = threads or process.num_threads()
         self._model = build_render_model(bank, robot, agents)
         self.num_bodies = self._model.num_bodies - len(agents)
+        self._homes = jnp.asarray(bank.slot_position), jnp.asarray(bank.slot_quaternion)
         self.camera = None if robot is None else self._find_camera(camera or robot.camera)
         self._devices: DeviceStore[Streets, StreetBatch] = DeviceStore()
         self._pool: concurrent.futures.ThreadPoolExecutor | None = None
@@ -121,7 +148,13 @@ class Renderer:
 
     @full_precision
     def __call__(
-        self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: AgentMotion | None = None
+        self,
+        scene: Any,
+        xpos: Any,
+        xquat: Any,
+        look: Any = 0,
+        agents: AgentMotion | None = None,
+        bodies: Bodies | None = None,
     ) -> dict[str, jax.Array]:
         """One frame through the robot's camera; pure, works alone, under jit and any nesting of vmap.
 
@@ -129,6 +162,7 @@ class Renderer:
           scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
           look: () i32, 0 = as the bank says; other numbers stand for other looks, see `appearance`.
           agents: where they are (position, heading, present); None leaves them out.
+          bodies: objects that stand elsewhere; None = all stand where the bank has them.
 
         Returns:
           the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
@@ -140,7 +174,7 @@ class Renderer:
         body = self.camera.body
         eye = xpos[body] + _rotate(xquat[body], jnp.asarray(self.camera.position))
         turn = _multiply(xquat[body], jnp.asarray(self.camera.quaternion))
-        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look, agents)
+        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look, agents, bodies)
 
     def view(
         self,
@@ -152,6 +186,7 @@ class Renderer:
         xquat: Any = None,
         look: Any = 0,
         agents: AgentMotion | None = None,
+        bodies: Bodies | None = None,
     ) -> dict[str, jax.Array]:
         """One frame through a free camera.
 
@@ -160,13 +195,13 @@ class Renderer:
           position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
           fovy: () vertical field of view, rad.
           xpos, xquat: the robot's bodies; None leaves the robot out of the picture, far below the ground.
-          look: () i32, agents: see `__call__`.
+          look: () i32, agents, bodies: see `__call__`.
         """
-        bodies = self.num_bodies
+        own = self.num_bodies
         if xpos is None:
-            xpos, xquat = np.tile([0.0, 0.0, NOWHERE], (bodies, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))
+            xpos, xquat = np.tile([0.0, 0.0, NOWHERE], (own, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (own, 1))
         arrays = [jnp.asarray(x, jnp.float32) for x in (xpos, xquat, position, quaternion, fovy)]
-        wanted = ((bodies, 3), (bodies, 4), (3,), (4,), ())
+        wanted = ((own, 3), (own, 4), (3,), (4,), ())
         for name, array, shape in zip(("xpos", "xquat", "position", "quaternion", "fovy"), arrays, wanted, strict=True):
             if array.shape != shape:
                 raise NounError(f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more")
@@ -174,7 +209,23 @@ class Renderer:
             arrays[:2] = [jnp.concatenate(x) for x in zip(arrays[:2], self._agent_bodies(agents), strict=True)]
         # Warp does not check indices; JAX's own gathers clamp them.
         scene = jnp.clip(jnp.asarray(scene, jnp.int32), 0, self.bank.num_scenes - 1)
-        return self._view(scene, *arrays, jnp.asarray(look, jnp.int32))
+        moved = ()
+        if self.settings.bodies:
+            moved, *poses = self._moved(scene, bodies)
+            moved, arrays[:2] = (moved,), [jnp.concatenate(x) for x in zip(arrays[:2], poses, strict=True)]
+        return self._view(scene, *arrays, jnp.asarray(look, jnp.int32), *moved)
+
+    def _moved(self, scene: Any, bodies: Bodies | None) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """Slots (M,) of the objects that stand elsewhere, -1 = none, and T_world_object: places (M, 3), quaternions."""
+        number = self.settings.bodies
+        if bodies is None:
+            still = jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))
+            return jnp.full(number, -1, jnp.int32), jnp.zeros((number, 3)), still
+        slot = jnp.clip(bodies.thing, 0, self.bank.slot_mesh.shape[1] - 1)
+        place, turn = (home[scene, slot] for home in self._homes)
+        gone = jnp.max(jnp.abs(bodies.position - place), axis=-1) > _MOVED
+        gone |= jnp.abs(jnp.sum(bodies.quaternion * turn, axis=-1)) < 1.0 - _TURNED
+        return jnp.where(gone & (bodies.thing >= 0), bodies.thing, -1), bodies.position, bodies.quaternion
 
     def _agent_bodies(self, agents: AgentMotion | None) -> tuple[jax.Array, jax.Array]:
         """Places (A, 3) and quaternions (A, 4); who is not there is far below the ground."""
@@ -196,7 +247,8 @@ class Renderer:
 
         Args:
           inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
-            quaternions (n,) vec4, vertical fields of view (n,) float and looks (n,) int.
+            quaternions (n,) vec4, vertical fields of view (n,) float and looks (n,) int; slots of objects that stand
+            elsewhere (n, bodies) int where there may be any.
           outputs: by name, with a leading axis of n; without a pixel where not asked for.
         """
         scene = inputs[0]
@@ -227,7 +279,8 @@ def _batch_function(number: int, settings: Settings) -> Any:
     """(scene (n,), xpos (n, nbody, 3), ...) -> outputs with a leading axis n. Holds the renderer by its number."""
     height, width = settings.height, settings.width
     # Contexts are made when a call first runs, which a graph capture would not allow.
-    function = wp.jax_callable(_draw, num_outputs=len(OUTPUTS), graph_mode=wp.JaxCallableGraphMode.NONE)
+    call = _draw_moved if settings.bodies else _draw
+    function = wp.jax_callable(call, num_outputs=len(OUTPUTS), graph_mode=wp.JaxCallableGraphMode.NONE)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> dict[str, jax.Array]:
         n = scene.shape[0]

@@ -74,13 +74,16 @@ def box_distance(point: Any, centre: Any, rotation: Any, half: Any) -> Any:
     return jnp.linalg.norm(jnp.maximum(jnp.abs(local) - half, 0.0), axis=-1)
 
 
-def nearest(table: InstanceTable, cell: Any, scene: Any, centre: Any, reach: float, number: int) -> tuple[Slots, Any]:
+def nearest(
+    table: InstanceTable, cell: Any, scene: Any, centre: Any, reach: Any, number: int, taken: Any = None
+) -> tuple[Slots, Any]:
     """The `number` hulls nearest to `centre` (3,) among those of a grid cell.
 
     Args:
       cell: (2,) i32 within the grid.
       scene: () i32.
       reach: m; hulls farther away leave their slot empty.
+      taken: (M,) i32 objects that are bodies, whose hulls here are none; None = no such.
 
     Returns:
       The slots and () i32, how many hulls within reach found none.
@@ -93,6 +96,10 @@ def nearest(table: InstanceTable, cell: Any, scene: Any, centre: Any, reach: flo
         centre, table.box_centre[scene, row], table.rotation[scene, row], table.box_half[scene, row]
     )
     distance = jnp.where(listed >= 0, distance, jnp.inf)
+    if taken is not None:
+        owner = table.owner[scene, row]
+        gone = ((owner[:, None] == taken) & (taken >= 0)).any(-1)
+        distance = jnp.where(gone, jnp.inf, distance)
     found = jnp.sum(distance <= reach)
     negative, order = jax.lax.top_k(-distance, number)
     row, valid = row[order], -negative <= reach

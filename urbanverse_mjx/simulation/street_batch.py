@@ -58,6 +58,16 @@ def _face_rows(model: RenderModel, corners: np.ndarray, mesh: np.ndarray) -> np.
     return _rows(*columns).reshape(-1, 4, 4)
 
 
+def _mesh_balls(bank: SceneBank) -> np.ndarray:
+    """(M, 4) f32: centre and radius of a ball around each mesh of the bank, m."""
+    balls = np.zeros((bank.num_meshes, 4), np.float32)
+    for ball, first, last in zip(balls, bank.mesh_vertex_start[:-1], bank.mesh_vertex_start[1:], strict=True):
+        corners = bank.mesh_vertices[first:last]
+        ball[:3] = 0.5 * (corners.min(0) + corners.max(0))
+        ball[3] = np.linalg.norm(corners - ball[:3], axis=1).max()
+    return balls
+
+
 class Streets:
     """Everything that does not move: triangles, search trees, materials, skies, the kernel."""
 
@@ -65,9 +75,9 @@ class Streets:
         self.settings = settings
         mjm = model.model
         geoms = model.num_slots + np.arange(mjm.ngeom - model.num_slots)
-        self.num_parts = len(geoms)
+        self.num_parts = len(geoms) + settings.bodies
         self.street, self._tables = Street(), []
-        self.street.num_parts = len(geoms)
+        self.street.num_parts, self.street.num_bodies = self.num_parts, settings.bodies
         self._add_things(bank, model, self._add_meshes(model), geoms)
         self._add_parts(model, geoms)
         self._add_light(bank)
@@ -130,22 +140,31 @@ class Streets:
         things = np.concatenate([poses, _rows(colour, thing_roots)[:, None], looks[:, None]], axis=1)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
         self.street.things, self.street.num_objects = self._keep(things), len(mesh)
+        self.street.balls = self._keep(_mesh_balls(bank)[mesh])
+        thing_of_slot = np.full(bank.slot_mesh.shape, -1, np.int32)
+        thing_of_slot[scene, number] = np.arange(len(mesh))
+        self.thing_of_slot = wp.array(thing_of_slot, dtype=int)
         label = np.stack([number, bank.slot_category[scene, number]], -1)
         self.labels = wp.array(np.concatenate([label, model.labels]), dtype=wp.vec2i)
         self.textures = wp.array(textures, dtype=wp.Texture2D)
 
     def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
         mjm = model.model
-        parts = np.zeros((len(geoms), 2, 4), np.float32)
+        count, bodies = len(geoms), self.settings.bodies
+        parts = np.zeros((count + bodies, 2, 4), np.float32)
         # `place` turns the balls with the body, so their centres are needed in its frame, not in the geom's.
-        parts[:, 0, :3] = model.robot_position + np.einsum("nij,nj->ni", model.robot_rotation, model.robot_half[:, 0])
-        parts[:, 0, 3] = np.linalg.norm(model.robot_half[:, 1], axis=1)
+        middle = np.einsum("nij,nj->ni", model.robot_rotation, model.robot_half[:, 0])
+        parts[:count, 0, :3] = model.robot_position + middle
+        parts[:count, 0, 3] = np.linalg.norm(model.robot_half[:, 1], axis=1)
         material = mjm.geom_matid[geoms]
-        parts[:, 1, 0] = resolve_geom_materials(mjm)[2][geoms]
-        parts[:, 1, 1] = np.where(material >= 0, mjm.mat_emission[material], 0.0)
+        parts[:count, 1, 0] = resolve_geom_materials(mjm)[2][geoms]
+        parts[:count, 1, 1] = np.where(material >= 0, mjm.mat_emission[material], 0.0)
+        parts[count:, 1, 0] = 0.5  # of what belongs to the street
         self.street.parts = self._keep(parts)
-        self.shapes = _table(inverse_rows(model.robot_rotation, model.robot_position))
-        self.bodies = wp.array(model.robot_body, dtype=int)
+        turns = np.concatenate([model.robot_rotation, np.tile(np.eye(3), (bodies, 1, 1))])
+        places = np.concatenate([model.robot_position, np.zeros((bodies, 3))])
+        self.shapes = _table(inverse_rows(turns, places))
+        self.bodies = wp.array(np.concatenate([model.robot_body, model.num_bodies + np.arange(bodies)]), dtype=int)
 
     def _add_light(self, bank: SceneBank) -> None:
         """Light tables; see `street_kernels.LIGHT`."""
@@ -213,16 +232,21 @@ class StreetBatch:
         parts = streets.num_parts
         self._placed = [wp.zeros(num_worlds * rows, dtype=wp.vec4) for rows in (4, 3 * parts, parts + 1)]
         self._placed.append(wp.zeros(num_worlds * (parts + 1), dtype=int))
+        self._moved = wp.full(max(num_worlds * streets.settings.bodies, 1), -1, dtype=int)
+        self._unmoved = wp.zeros((num_worlds, 0), dtype=int)
         self.views = Views()
         self.views.cameras, self.views.poses, self.views.balls, self.views.seen = (x.ptr or 0 for x in self._placed)
+        self.views.moved = self._moved.ptr or 0
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
         """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
-        scene, xpos, xquat, eye, turn, fovy, looks = inputs
+        scene, xpos, xquat, eye, turn, fovy, looks, *moved = inputs
         s, settings = self.streets, self.streets.settings
         aspect = settings.width / settings.height
         robot = [s.street, s.shapes, s.bodies, xpos, xquat]
-        wp.launch(place, dim=self.num_worlds, inputs=[*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed])
+        views = [*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed]
+        elsewhere = [scene, *(moved or [self._unmoved]), s.thing_of_slot, self._moved]
+        wp.launch(place, dim=self.num_worlds, inputs=[*views, *elsewhere])
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, looks]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
         return [functools.partial(self._draw, *piece, [*kept, *out]) for piece in self.pieces]

@@ -30,7 +30,9 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
     want_labels = want_category or want_object
     share = 1.0 / samples
     appearance = settings.appearance
-    surface = make_surface(want_rgb, settings.shading == "pbr")
+    moved = settings.bodies > 0
+    nearest_hit = k.nearest_hit_of_moved if moved else k.nearest_hit
+    surface = make_surface(want_rgb, settings.shading == "pbr", moved)
     shade = make_shade(settings)
     background, display = make_background(settings, sky_width), make_display(settings)
 
@@ -86,16 +88,20 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
             gap = at[3] * wp.static(2.0 * share / height) / length
             lean = x * wp.static(width / height) * at[3] / length
             spread = gap * wp.sqrt(wp.max(1.0 - lean * lean, 0.0))
-            hit = k.nearest_hit(street, views, root, world, origin, direction, wp.static(far) * length)
+            hit = nearest_hit(street, views, root, world, origin, direction, wp.static(far) * length)
             seen = Surface()
             radiance = wp.vec3(0.0)
+            thing = hit.thing
+            if wp.static(moved):
+                if thing >= 0:
+                    thing = k.thing_of(street, views, world, hit.thing)
             if hit.thing >= 0:
                 if wp.static(want_rgb or want_normal):
                     seen = surface(street, views, world, textures, hit, direction, spread)
                 if wp.static(want_rgb):
                     if wp.static(appearance > 0.0):
-                        if hit.thing < street.num_objects:
-                            tint = k.factors(looks[world], hit.thing, wp.static(appearance))
+                        if thing < street.num_objects:
+                            tint = k.factors(looks[world], thing, wp.static(appearance))
                             seen.colour = wp.min(wp.cw_mul(seen.colour, tint), wp.vec3(1.0))
                     point = origin + direction * hit.distance
                     radiance = shade(street, views, skies, root, world, scene, point, direction, seen)
@@ -107,7 +113,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
                 if wp.static(want_labels):
                     label = wp.vec2i(-1, -1)
                     if hit.thing >= 0:
-                        label = labels[hit.thing]
+                        label = labels[thing]
                     if wp.static(want_object):
                         object[world, py, px] = label[0]
                     if wp.static(want_category):

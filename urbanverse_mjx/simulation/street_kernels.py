@@ -11,7 +11,7 @@ poses of the robot's parts, which are met after the street, if a ray passes near
 
 import warp as wp
 
-from .street_native import BUILD_OPTIONS, any_hit, load, nearest
+from .street_native import BUILD_OPTIONS, Found, any_hit, any_hit_of_moved, load, nearest, nearest_of_moved
 
 wp.set_module_options({"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
 
@@ -59,7 +59,9 @@ class Hit:
 
 @wp.struct
 class Street:
-    """Where the tables of rows stand that all worlds share; num_objects: things before the first part of the robot."""
+    """Where the tables of rows stand that all worlds share; num_objects: things before the first part of the robot;
+    balls: around each of them in its frame; num_bodies: the last parts, which are things of the street that moved.
+    """
 
     nodes: wp.uint64
     triangles: wp.uint64
@@ -67,8 +69,10 @@ class Street:
     things: wp.uint64
     lights: wp.uint64
     parts: wp.uint64
+    balls: wp.uint64
     num_objects: int
     num_parts: int
+    num_bodies: int
 
 
 @wp.struct
@@ -76,18 +80,37 @@ class Views:
     """Where the tables stand that are filled anew for each frame, one world after the other.
 
     cameras: 4 rows a world; poses: 3 rows of T_part_world a part; balls: P + 1, around the parts and around all of
-    them; seen: P + 1, how many parts are in view, and which.
+    them; seen: P + 1, how many parts are in view, and which; moved: the thing that each body is, -1 = none.
     """
 
     cameras: wp.uint64
     poses: wp.uint64
     balls: wp.uint64
     seen: wp.uint64
+    moved: wp.uint64
 
 
 @wp.func
 def xyz(row: wp.vec4) -> wp.vec3:
     return wp.vec3(row[0], row[1], row[2])
+
+
+@wp.func_native("""
+    return reinterpret_cast<const int*>(table)[index];
+""")
+def number_at(table: wp.uint64, index: int) -> int:
+    """An entry of a table of whole numbers."""
+
+
+@wp.func
+def as_hit(found: Found) -> Hit:
+    hit = Hit()
+    hit.thing = found[0]
+    hit.face = found[1]
+    hit.distance = wp.cast(found[2], wp.float32)
+    hit.u = wp.cast(found[3], wp.float32)
+    hit.v = wp.cast(found[4], wp.float32)
+    return hit
 
 
 @wp.func
@@ -109,13 +132,32 @@ def nearest_hit(
         direction,
         limit,
     )
-    hit = Hit()
-    hit.thing = found[0]
-    hit.face = found[1]
-    hit.distance = wp.cast(found[2], wp.float32)
-    hit.u = wp.cast(found[3], wp.float32)
-    hit.v = wp.cast(found[4], wp.float32)
-    return hit
+    return as_hit(found)
+
+
+@wp.func
+def nearest_hit_of_moved(
+    street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
+) -> Hit:
+    """`nearest_hit` where things of the street stand elsewhere."""
+    first = world * (street.num_parts + 1)
+    found = nearest_of_moved(
+        street.nodes,
+        street.triangles,
+        street.things,
+        views.poses + wp.uint64(48 * world * street.num_parts),
+        views.balls + wp.uint64(16 * first),
+        views.seen + wp.uint64(4 * first),
+        views.moved + wp.uint64(4 * world * street.num_bodies),
+        street.num_objects,
+        street.num_parts - street.num_bodies,
+        street.num_bodies,
+        root,
+        origin,
+        direction,
+        limit,
+    )
+    return as_hit(found)
 
 
 @wp.func
@@ -133,6 +175,37 @@ def is_hidden(street: Street, views: Views, root: int, world: int, origin: wp.ve
         origin,
         direction,
     )
+
+
+@wp.func
+def is_hidden_by_moved(
+    street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3
+) -> bool:
+    """`is_hidden` where things of the street stand elsewhere."""
+    return any_hit_of_moved(
+        street.nodes,
+        street.triangles,
+        street.things,
+        views.poses + wp.uint64(48 * world * street.num_parts),
+        views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
+        views.moved + wp.uint64(4 * world * street.num_bodies),
+        street.num_objects,
+        street.num_parts - street.num_bodies,
+        street.num_bodies,
+        street.num_parts,
+        root,
+        origin,
+        direction,
+    )
+
+
+@wp.func
+def thing_of(street: Street, views: Views, world: int, thing: int) -> int:
+    """The thing that a ray met, where a part may be a thing of the street that stands elsewhere."""
+    body = thing - street.num_objects - street.num_parts + street.num_bodies
+    if body < 0:
+        return thing
+    return number_at(views.moved, world * street.num_bodies + body)
 
 
 @wp.func
@@ -156,10 +229,15 @@ def place(
     poses: wp.array[wp.vec4],
     balls: wp.array[wp.vec4],
     seen: wp.array[int],
+    scene: wp.array[int],
+    slot: wp.array2d[int],
+    thing_of_slot: wp.array2d[int],
+    moved: wp.array[int],
 ):
     """Fills the tables of `Views`; dim worlds.
 
-    shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state blew up.
+    shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state blew up; slot (worlds, bodies): objects
+    that stand elsewhere, -1 = none, whose things are thing_of_slot (Z, N).
     """
     w = wp.tid()
     origin = eye[w]
@@ -193,13 +271,26 @@ def place(
             across = frame @ xyz(shape)
             _put(poses, 3 * (w * number + i) + row, across, shape[3] - wp.dot(across, place))
         ball = load(street.parts, PART * i)
+        k = i - number + street.num_bodies
+        absent = int(0)  # noqa: RUF046, UP018
+        if k >= 0:
+            thing = int(-1)  # noqa: RUF046, UP018
+            if slot[w, k] >= 0:
+                thing = thing_of_slot[scene[w], slot[w, k]]
+            moved[w * street.num_bodies + k] = thing
+            if thing >= 0:
+                ball = load(street.balls, thing)
+            else:
+                # Nobody sees it, and it makes the ball around all parts no larger.
+                absent = 1
+                place = xyz(balls[w * (number + 1)])
         middle = place + frame @ xyz(ball)
         _put(balls, w * (number + 1) + i, middle, ball[3])
         centre += middle / float(number)
         local = (middle - origin) @ turn
         x = (wp.abs(local[0]) + local[2] * right) / slant_x
         y = (wp.abs(local[1]) + local[2] * up) / slant_y
-        if x < ball[3] and y < ball[3] and local[2] < ball[3]:
+        if x < ball[3] and y < ball[3] and local[2] < ball[3] and absent == 0:
             in_view += 1
             seen[w * (number + 1) + in_view] = i
     seen[w * (number + 1)] = in_view

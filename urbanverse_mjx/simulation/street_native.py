@@ -131,10 +131,22 @@ struct Tables {
     wp::uint64 nodes, triangles, things, poses, balls;
     const int* list;
     int objects, total;
+    // Things of the street that stand elsewhere in this world: those of the parts from `first` on, -1 = none.
+    const int* moved;
+    int first, number;
 };
 
+CUDA_CALLABLE inline bool has_moved(const Tables& t, int thing)
+{
+    for (int i = 0; i < t.number; ++i)
+        if (t.moved[i] == thing) return true;
+    return false;
+}
+
 // The nearest triangle (ANY: some triangle) of the street below `root`, then of the listed parts of the robot.
-template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Found& found)
+// MOVED: some things of the street may stand elsewhere.
+template <bool ANY, bool MOVED>
+CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Found& found)
 {
     // Warp builds no tree deeper than 32, and here one leads on into another.
     struct alignas(8) Aside { int reference; float at; } stack[64];
@@ -157,6 +169,7 @@ template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, co
             }
             current = first || second ? bits(to_first ? a.w : e.w) : EMPTY;
         }
+        if (MOVED && current < EMPTY && thing < 0 && has_moved(t, current - LEAF)) current = EMPTY;
         if (current < EMPTY) {
             if (thing < 0) {
                 thing = current - LEAF;
@@ -183,9 +196,11 @@ template <bool ANY> CUDA_CALLABLE inline void walk(const Tables& t, int root, co
             const int part = ANY ? listed : t.list[listed];
             ++listed;
             if (misses(load(from(t.balls, part)), world)) continue;
+            const int like = MOVED && part >= t.first ? t.moved[part - t.first] : t.objects + part;
+            if (MOVED && like < 0) continue;
             thing = t.objects + part;
             floor = 0;
-            current = bits(load(from(t.things, 5 * thing + 3)).w);
+            current = bits(load(from(t.things, 5 * like + 3)).w);
             ray.set(world, from(t.poses, 3 * part));
         }
         if (current == EMPTY) return;
@@ -214,7 +229,9 @@ def load(table: wp.uint64, row: int) -> wp.vec4:
     const int* list = reinterpret_cast<const int*>(seen);
     urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
     const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
-    urbanverse::walk<false>({ nodes, triangles, things, poses, balls, list + 1, objects, list[0] }, root, line, found);
+    urbanverse::walk<false, false>(
+        { nodes, triangles, things, poses, balls, list + 1, objects, list[0], nullptr, 0, 0 }, root, line, found
+    );
     wp::vec_t<5, wp::int32> out;
     out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
     out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
@@ -241,7 +258,9 @@ def nearest(
     const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
     const urbanverse::Row around = urbanverse::load(urbanverse::from(balls, parts));
     const int total = parts == 0 || urbanverse::misses(around, line) ? 0 : parts;
-    urbanverse::walk<true>({ nodes, triangles, things, poses, balls, nullptr, objects, total }, root, line, found);
+    urbanverse::walk<true, false>(
+        { nodes, triangles, things, poses, balls, nullptr, objects, total, nullptr, 0, 0 }, root, line, found
+    );
     return found.thing >= 0;
 """)
 def any_hit(
@@ -257,3 +276,64 @@ def any_hit(
     direction: wp.vec3,
 ) -> bool:
     """Whether a ray meets any triangle."""
+
+
+@wp.func_native("""
+    const int* list = reinterpret_cast<const int*>(seen);
+    const int* gone = reinterpret_cast<const int*>(moved);
+    urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
+    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
+    urbanverse::walk<false, true>(
+        { nodes, triangles, things, poses, balls, list + 1, objects, list[0], gone, first, number }, root, line, found
+    );
+    wp::vec_t<5, wp::int32> out;
+    out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
+    out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
+    return out;
+""")
+def nearest_of_moved(
+    nodes: wp.uint64,
+    triangles: wp.uint64,
+    things: wp.uint64,
+    poses: wp.uint64,
+    balls: wp.uint64,
+    seen: wp.uint64,
+    moved: wp.uint64,
+    objects: int,
+    first: int,
+    number: int,
+    root: int,
+    origin: wp.vec3,
+    direction: wp.vec3,
+    limit: float,
+) -> Found:
+    """`nearest` where things of the street stand elsewhere: moved (of this world), as the parts from `first` on."""
+
+
+@wp.func_native("""
+    const int* gone = reinterpret_cast<const int*>(moved);
+    urbanverse::Found found = { 1.0e6f, 0.0f, 0.0f, -1, -1 };
+    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
+    const urbanverse::Row around = urbanverse::load(urbanverse::from(balls, parts));
+    const int total = urbanverse::misses(around, line) ? 0 : parts;
+    urbanverse::walk<true, true>(
+        { nodes, triangles, things, poses, balls, nullptr, objects, total, gone, first, number }, root, line, found
+    );
+    return found.thing >= 0;
+""")
+def any_hit_of_moved(
+    nodes: wp.uint64,
+    triangles: wp.uint64,
+    things: wp.uint64,
+    poses: wp.uint64,
+    balls: wp.uint64,
+    moved: wp.uint64,
+    objects: int,
+    first: int,
+    number: int,
+    parts: int,
+    root: int,
+    origin: wp.vec3,
+    direction: wp.vec3,
+) -> bool:
+    """`any_hit` where things of the street stand elsewhere."""

@@ -67,10 +67,10 @@ def scalars(street: Street, scene: int, first: int) -> wp.vec3:
     return wp.vec3(a[3], b[3], c[3])
 
 
-def make_surface(want_colour: bool, gloss: bool) -> Any:
+def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
     """surface(street, views, world, textures, hit, direction, spread): what is seen there.
 
-    spread: angle between neighbouring rays.
+    spread: angle between neighbouring rays; moved: things of the street may stand elsewhere.
     """
 
     @wp.func
@@ -103,8 +103,11 @@ def make_surface(want_colour: bool, gloss: bool) -> Any:
         facing = wp.dot(normal, direction)
         out.normal = wp.where(facing > 0.0, -normal, normal)
         if wp.static(want_colour):
-            out.colour = k.xyz(k.load(street.things, hit.thing * THING + 3))
-            look = k.load(street.things, hit.thing * THING + 4)
+            thing = hit.thing
+            if wp.static(moved):
+                thing = k.thing_of(street, views, world, hit.thing)
+            out.colour = k.xyz(k.load(street.things, thing * THING + 3))
+            look = k.load(street.things, thing * THING + 4)
             if look[0] >= 0.0:
                 e = k.load(street.faces, hit.face * FACE + 3)
                 uv = wp.vec2(b[3], c[3]) * w + wp.vec2(e[0], e[1]) * hit.u + wp.vec2(e[2], e[3]) * hit.v
@@ -129,6 +132,7 @@ def make_surface(want_colour: bool, gloss: bool) -> Any:
 def make_shade(settings: Settings) -> Any:
     """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the eye."""
     sky, shadows, gloss = settings.sky, settings.shadows, settings.shading == "pbr"
+    is_hidden = k.is_hidden_by_moved if settings.bodies else k.is_hidden
 
     @wp.func
     def sunlight(
@@ -139,7 +143,7 @@ def make_shade(settings: Settings) -> Any:
         if cosine <= 0.0:
             return wp.vec3(0.0)
         if wp.static(shadows):
-            if k.is_hidden(street, views, root, world, point + normal * k.OFFSET, sun):
+            if is_hidden(street, views, root, world, point + normal * k.OFFSET, sun):
                 return wp.vec3(0.0)
         return scalars(street, scene, 3) * cosine
 

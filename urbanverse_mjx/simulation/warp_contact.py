@@ -42,7 +42,7 @@ class Hulls:
 
 @wp.struct
 class Spheres:
-    """S collision spheres; see `physics_model.SphereTable`. ground: the geom that stands for all hulls."""
+    """S collision spheres; see `physics_model.SphereTable`."""
 
     geom: wp.array[int]
     radius: wp.array[float]
@@ -51,18 +51,19 @@ class Spheres:
     slippery: wp.array[int]
     solref: wp.array[wp.vec2]
     solimp: wp.array[vec5]
-    ground: int
 
 
 @wp.struct
 class Slots:
-    """C hulls near each of n worlds; hull (n, C): row of the table, -1 = empty; owner (n, C): object, -1 = ground.
+    """C hulls near each of n worlds; hull (n, C): row of the table, -1 = empty; owner (n, C): object, -1 = ground;
+    geom (n, C): the geom that stands for it in contacts.
 
     friction_scale (n,): factor on the friction of each contact of a world.
     """
 
     hull: wp.array2d[int]
     owner: wp.array2d[int]
+    geom: wp.array2d[int]
     position: wp.array2d[wp.vec3]
     rotation: wp.array2d[wp.mat33]
     friction: wp.array2d[float]
@@ -136,13 +137,22 @@ def hull_distance(hulls: Hulls, hull: int, point: wp.vec3, limit: float) -> wp.v
 
 
 @wp.func
-def _write(places: Places, k: int, c: int, geom: int, ground: int, distance: float, position: wp.vec3, inward: wp.vec3):
+def slide(friction: float) -> vec5:
+    """The friction of a contact that slides with so much of it."""
+    return vec5(friction, friction, _TORSION, _ROLLING, _ROLLING)
+
+
+@wp.func
+def write_contact(
+    places: Places, k: int, c: int, geom: int, other: int, distance: float, position: wp.vec3, inward: wp.vec3
+):
+    """Place k: a contact of two geoms, the second in slot c (-1: in none)."""
     places.slot[k] = c
     places.type[k] = _ACTIVE
-    places.geom[k] = wp.vec2i(geom, ground)
+    places.geom[k] = wp.vec2i(geom, other)
     places.dist[k] = distance
     places.pos[k] = position
-    # MuJoCo's normal points from the first geom, the sphere, to the second.
+    # MuJoCo's normal points from the first geom to the second.
     places.frame[k] = make_frame(inward)
     for i in range(places.address.shape[1]):
         places.address[k, i] = -1
@@ -164,13 +174,13 @@ def put_contact(
     number = wp.atomic_add(places.count, w, 1)
     if number < places.room:
         k = w * places.room + number
-        _write(places, k, c, spheres.geom[s], spheres.ground, distance, point, inward)
+        write_contact(places, k, c, spheres.geom[s], slots.geom[w, c], distance, point, inward)
         friction = float(spheres.friction[s])
         if spheres.own_friction[s] == 0:
             friction = wp.max(friction, slots.friction[w, c])
         friction *= slots.friction_scale[w]
         places.dim[k] = 3 - 2 * spheres.slippery[s]
-        places.friction[k] = vec5(friction, friction, _TORSION, _ROLLING, _ROLLING)
+        places.friction[k] = slide(friction)
         places.solref[k] = spheres.solref[s]
         places.solimp[k] = spheres.solimp[s]
 

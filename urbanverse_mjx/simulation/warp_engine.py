@@ -17,8 +17,10 @@ import warp as wp
 
 from ..datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
+from . import body_slots, warp_bodies_input
 from .engine_base import EngineBase, Substeps
 from .warp_batch import WorldBatch
+from .warp_bodies_input import STATE
 from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
 from .warp_model import DeviceModel, build_robot_model
 
@@ -82,6 +84,43 @@ def _step_with_agents(
     registered(owner)._run(inputs, (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, feet, path, hit))
 
 
+def _step_with_bodies(
+    owner: int,
+    scene: wp.array[wp.int32],
+    centre: wp.array[wp.vec3],
+    qpos: wp.array2d[wp.float32],
+    qvel: wp.array2d[wp.float32],
+    warm: wp.array2d[wp.float32],
+    ctrl: wp.array2d[wp.float32],
+    friction: wp.array[wp.float32],
+    mass: wp.array[wp.float32],
+    position: wp.array2d[wp.vec3],
+    heading: wp.array2d[wp.float32],
+    velocity: wp.array2d[wp.vec3],
+    turn_rate: wp.array2d[wp.float32],
+    present: wp.array2d[wp.int32],
+    taken: wp.array2d[wp.int32],
+    row: wp.array2d[wp.int32],
+    thing: wp.array2d[wp.int32],
+    body: wp.array3d[wp.float32],
+    qpos_out: wp.array2d[wp.float32],
+    qvel_out: wp.array2d[wp.float32],
+    warm_out: wp.array2d[wp.float32],
+    xpos: wp.array2d[wp.vec3],
+    xquat: wp.array2d[wp.vec4],
+    force: wp.array[wp.float32],
+    touch: wp.array2d[wp.int32],
+    feet: wp.array2d[wp.float32],
+    path: wp.array3d[wp.float32],
+    hit: wp.array2d[wp.int32],
+    body_out: wp.array3d[wp.float32],
+) -> None:
+    """The same with movable things, see `body_slots.Awake`; where there are no agents their arrays are empty."""
+    inputs = (scene, centre, qpos, qvel, warm, ctrl, friction, mass, position, heading, velocity, turn_rate, present)
+    outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, feet, path, hit, body_out)
+    registered(owner)._run((*inputs, taken, row, thing, body), outputs)
+
+
 class WarpEngine(EngineBase):
     """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
 
@@ -95,6 +134,7 @@ class WarpEngine(EngineBase):
       iterations, line_steps: of the constraint solver.
       graphs: whether physics steps are captured once and replayed; off for looking into them.
       agents: shapes of moving agents, which `step` is then told of; None = none.
+      movable: how many things can be pushed, which `init` is then told of; None = none.
 
     Raises:
       NounError: a control period that is no multiple of the time step, too many or no slots, or a bank whose grids
@@ -113,8 +153,9 @@ class WarpEngine(EngineBase):
         line_steps: int = 10,
         graphs: bool = True,
         agents: AgentShapes | None = None,
+        movable: body_slots.Sizes | None = None,
     ) -> None:
-        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents)
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable)
         self.bank = bank
         self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), self.num_pairs)
         self._robot_model = build_robot_model(
@@ -122,6 +163,7 @@ class WarpEngine(EngineBase):
             self.physics,
             v.integer(iterations, "engine.iterations", 1),
             v.integer(line_steps, "engine.line_steps", 1),
+            *(() if self.movable is None else (self.movable.awake, self.body_table)),
         )
         self.graphs = graphs
         self._devices: DeviceStore[DeviceModel, WorldBatch] = DeviceStore()
@@ -129,8 +171,11 @@ class WarpEngine(EngineBase):
         model = self.physics.model
         sizes = (model.nq, model.nv, model.nbody, len(robot.foot_geoms))
         run = _step if self.agents is None else _step_with_agents
-        self._call = batched_call(_batch_function(run, number, sizes, 0))
-        self._call_and_record = batched_call(_batch_function(run, number, sizes, self.num_substeps))
+        awake = 0
+        if self.movable is not None:
+            run, awake = _step_with_bodies, self.movable.awake
+        self._call = batched_call(_batch_function(run, number, sizes, 0, awake))
+        self._call_and_record = batched_call(_batch_function(run, number, sizes, self.num_substeps, awake))
 
     def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""
@@ -157,8 +202,16 @@ class WarpEngine(EngineBase):
         moving = ()
         if agents is not None:
             moving = (*(jnp.asarray(x, jnp.float32) for x in agents[:-1]), jnp.asarray(agents.present, jnp.int32))
+        slot, awake, asleep, bodies = None, None, None, state.bodies
+        if bodies is not None and self.movable is not None:
+            robot = state.xpos[self.physics.root]
+            table = self.body_constants
+            slot, awake, asleep = body_slots.wake(table, scene, bodies, robot, self.reach, self.movable.awake)
+            if agents is None:
+                moving = warp_bodies_input.nobody()
+            moving += warp_bodies_input.inputs(bodies, awake)
         out = call(scene, *(jnp.asarray(x, jnp.float32) for x in arrays), *moving)
-        qpos, qvel, warm, xpos, xquat, force, touch, feet, path, hit = out
+        qpos, qvel, warm, xpos, xquat, force, touch, feet, path, hit, *after_bodies = out
         owner, ground, count, overflow, agent = (touch[i] for i in range(5))
         contacts = Contacts(
             hit=count > 0,
@@ -169,8 +222,19 @@ class WarpEngine(EngineBase):
             foot_force=feet / self.num_substeps,
             hit_agent=None if self.agents is None else agent,
         )
+        if awake is not None:
+            overflow = overflow + asleep
+            awake = warp_bodies_input.read(awake, after_bodies[0])
+            bodies = body_slots.put_back(self.body_constants, bodies, slot, awake)
         after = state._replace(
-            qpos=qpos, qvel=qvel, xpos=xpos, xquat=xquat, contacts=contacts, slot_overflow=overflow, carry=warm
+            qpos=qpos,
+            qvel=qvel,
+            xpos=xpos,
+            xquat=xquat,
+            contacts=contacts,
+            slot_overflow=overflow,
+            carry=warm,
+            bodies=bodies,
         )
         return after, path, hit
 
@@ -180,39 +244,44 @@ class WarpEngine(EngineBase):
         Args:
           inputs: scene (n,) int, the root body's place (n,) vec3, qpos (n, nq), qvel (n, nv), warm start (n, nv),
             ctrl (n, nu), factors on friction and mass (n,); the fields of `AgentMotion` where there are agents.
+            and where there are bodies: objects that are one (n, M), rows, objects and states (n, W, 19) of those awake.
           outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 5), feet
             (n, F), path (n, S, nq) and hit (n, S), S = 0 where no physics step is asked for; see
-            `warp_kernels.finish`, `record`.
+            `warp_kernels.finish`, `record`; states of bodies (n, W, 19).
         """
         scene = inputs[0]
         if scene.shape[0] == 0:
             return
         with device_lock(scene.device):
-            batch = self._batch(scene.device, scene.shape[0], outputs[-1].shape[1])
+            batch = self._batch(scene.device, scene.shape[0], outputs[9].shape[1])
             batch.control_step(inputs, outputs, self.num_substeps)
 
     def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch:
         shared, batches = self._devices.get_or_make(
             device, lambda: DeviceModel(self.bank, self._robot_model, self.reach)
         )
-        sizes = (self.num_slots, self.num_prism_slots, self.num_contacts + self.num_agent_contacts)
+        room = self.num_contacts + self.num_agent_contacts + self.num_body_contacts
+        sizes = (self.num_slots, self.num_prism_slots, room)
         return batches.get_or_make(
-            (total, recorded), lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs, self.agents)
+            (total, recorded),
+            lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs, self.agents, self.movable),
         )
 
 
-def _batch_function(run: Any, number: int, sizes: tuple[int, int, int, int], recorded: int) -> Any:
+def _batch_function(run: Any, number: int, sizes: tuple[int, int, int, int], recorded: int, awake: int) -> Any:
     """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number."""
     nq, nv, nbody, feet = sizes
     # Batches are made when a call first runs, which a graph capture around it would not allow; they capture their own
     # graphs.
-    function = wp.jax_callable(run, num_outputs=10, graph_mode=wp.JaxCallableGraphMode.NONE)
+    function = wp.jax_callable(run, num_outputs=11 if awake else 10, graph_mode=wp.JaxCallableGraphMode.NONE)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> Any:
         n = scene.shape[0]
         shapes: dict[str, tuple[int, ...]] = {"qpos_out": (n, nq), "qvel_out": (n, nv), "warm_out": (n, nv)}
         shapes |= {"xpos": (n, nbody), "xquat": (n, nbody), "force": (n,), "touch": (n, 5), "feet": (n, feet)}
         shapes |= {"path": (n, recorded, nq), "hit": (n, recorded)}
+        if awake:
+            shapes["body_out"] = (n, awake, STATE)
         return function(number, scene, *arrays, output_dims=shapes)
 
     return batch

@@ -105,7 +105,7 @@ def _cell_number(place: float, origin: float, cell: float, count: int) -> int:
 
 
 @wp.func
-def _nearest(
+def find_nearest(
     table: Instances,
     tables: Tables,
     z: int,
@@ -115,8 +115,14 @@ def _nearest(
     number: int,
     row: wp.array2d[int],
     distance: wp.array2d[float],
+    reach: float,
+    taken: wp.array2d[int],
+    world: int,
 ) -> int:
-    """Fills slots first..first+number of world w, nearest first; returns how many within reach found none."""
+    """Fills slots first..first+number of line w, nearest first; returns how many within reach (m) found none.
+
+    taken (n, M): objects that are bodies in each world, whose hulls are left out.
+    """
     i = _cell_number(place[0], tables.origin[z][0], tables.cell, table.grid.shape[1])
     j = _cell_number(place[1], tables.origin[z][1], tables.cell, table.grid.shape[2])
     found = int(0)
@@ -126,7 +132,10 @@ def _nearest(
             break  # a list ends with its first empty entry
         local = wp.transpose(table.rotation[z, q]) @ (place - table.box_centre[z, q])
         d = outside_box(local, wp.vec3(0.0), table.box_half[z, q])
-        if d <= tables.reach:
+        for m in range(taken.shape[1]):
+            if taken[world, m] == table.owner[z, q]:
+                d = 1.0e30
+        if d <= reach:
             # Insertion from behind; of equals the one listed first stays first.
             k = wp.min(found, number)
             while k > 0 and distance[w, first + k - 1] > d:
@@ -145,17 +154,45 @@ def _nearest(
 
 @wp.kernel
 def find_slots(
-    tables: Tables, scene: wp.array[int], centre: wp.array[wp.vec3], num_objects: int, num_prisms: int, nearby: Nearby
+    tables: Tables,
+    scene: wp.array[int],
+    centre: wp.array[wp.vec3],
+    num_objects: int,
+    num_prisms: int,
+    nearby: Nearby,
+    taken: wp.array2d[int],
 ):
     """The hulls (second index 0) and ground prisms (1) nearest to each robot; dim (n, 2)."""
     w, group = wp.tid()
     if group == 0:
-        nearby.missing[w, 0] = _nearest(
-            tables.objects, tables, scene[w], centre[w], w, 0, num_objects, nearby.row, nearby.distance
+        nearby.missing[w, 0] = find_nearest(
+            tables.objects,
+            tables,
+            scene[w],
+            centre[w],
+            w,
+            0,
+            num_objects,
+            nearby.row,
+            nearby.distance,
+            tables.reach,
+            taken,
+            w,
         )
     else:
-        nearby.missing[w, 1] = _nearest(
-            tables.prisms, tables, scene[w], centre[w], w, num_objects, num_prisms, nearby.row, nearby.distance
+        nearby.missing[w, 1] = find_nearest(
+            tables.prisms,
+            tables,
+            scene[w],
+            centre[w],
+            w,
+            num_objects,
+            num_prisms,
+            nearby.row,
+            nearby.distance,
+            tables.reach,
+            taken,
+            w,
         )
 
 
@@ -204,11 +241,11 @@ def begin(
     w = wp.tid()
     here = whole_metres(centre[w])
     origin[w] = here
-    for i in range(qpos.shape[1]):
+    for i in range(qpos_in.shape[1]):
         qpos[w, i] = qpos_in[w, i]
     for k in range(3):
         qpos[w, root + k] = qpos_in[w, root + k] - here[k]
-    for i in range(qvel.shape[1]):
+    for i in range(qvel_in.shape[1]):
         qvel[w, i] = qvel_in[w, i]
         warm[w, i] = warm_in[w, i]
     for i in range(ctrl.shape[1]):
@@ -242,6 +279,8 @@ def note(foot_of: wp.array[int], slots: Slots, row_force: wp.array2d[float], pla
     for number in range(wp.min(count, places.room)):
         k = w * places.room + number
         places.type[k] = 0
+        if places.slot[k] < 0:
+            continue  # a body against something else than the robot
         thing = slots.owner[w, places.slot[k]]
         foot = foot_of[places.geom[k][0]]
         force = float(0.0)
@@ -284,7 +323,7 @@ def record(
     s = step[w]
     if s >= path.shape[1]:
         return
-    for i in range(qpos.shape[1]):
+    for i in range(path.shape[2]):
         path[w, s, i] = qpos[w, i]
     for k in range(3):
         path[w, s, root + k] = qpos[w, root + k] + origin[w][k]
@@ -320,14 +359,14 @@ def finish(
     (n, F): N, sums over the physics steps; dim n."""
     w = wp.tid()
     here = origin[w]
-    for i in range(qpos.shape[1]):
+    for i in range(qpos_out.shape[1]):
         qpos_out[w, i] = qpos[w, i]
     for k in range(3):
         qpos_out[w, root + k] = qpos[w, root + k] + here[k]
-    for i in range(qvel.shape[1]):
+    for i in range(qvel_out.shape[1]):
         qvel_out[w, i] = qvel[w, i]
         warm_out[w, i] = warm[w, i]
-    for b in range(xpos.shape[1]):
+    for b in range(xpos_out.shape[1]):
         q = xquat[w, b]
         xquat_out[w, b] = wp.vec4(q[0], q[1], q[2], q[3])
         if b == 0:

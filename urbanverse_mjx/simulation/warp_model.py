@@ -17,11 +17,15 @@ from mujoco_warp._src.types import vec5
 
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
-from . import slots
+from . import slots, warp_bodies
 from . import warp_contact as contact
 from . import warp_kernels as kernels
+from .body_table import BodyTable
 from .hull_contact import planes_and_edges
 from .physics_model import PhysicsModel, bare_robot
+
+#: What MuJoCo Warp's dense solver takes; up to 32 it factorises in one piece, which is faster.
+MOST_VELOCITIES = 60
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,6 +37,7 @@ class RobotModel:
       physics: what is known of the spheres, whose numbers in `model` are sphere_geom (S,).
       ground: number of the world's geom.
       root: address in qpos of the robot's place.
+      bodies: the free bodies that movable things take turns in, behind the robot's own; None where there are none.
       objects, prisms: the bank's instances, numpy.
     """
 
@@ -43,21 +48,61 @@ class RobotModel:
     root: int
     objects: slots.InstanceTable
     prisms: slots.InstanceTable
+    bodies: "FreeBodies | None" = None
 
 
-def build_robot_model(bank: SceneBank, physics: PhysicsModel, iterations: int, line_steps: int) -> RobotModel:
+@dataclasses.dataclass(frozen=True)
+class FreeBodies:
+    """W free bodies in the robot's model, each with a geom; their first addresses, and what they may be."""
+
+    number: int
+    qpos: int
+    dof: int
+    body: int
+    geom: int
+    table: BodyTable
+
+
+def _add_free_bodies(spec: mujoco.MjSpec, number: int) -> None:
+    """Bodies whose frames are their principal axes; mass and inertia are data of each world."""
+    for b in range(number):
+        body = spec.worldbody.add_body(name=f"movable/{b}", mass=1.0, inertia=[1.0, 1.0, 1.0], explicitinertial=True)
+        body.add_freejoint(name=f"movable/{b}")
+        size = [0.01, 0.0, 0.0]
+        body.add_geom(name=f"movable/{b}", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, contype=0, conaffinity=0)
+
+
+def build_robot_model(
+    bank: SceneBank,
+    physics: PhysicsModel,
+    iterations: int,
+    line_steps: int,
+    awake: int = 0,
+    table: BodyTable | None = None,
+) -> RobotModel:
     """Compiles the robot for MuJoCo Warp.
 
+    Args:
+      awake: free bodies beside it; table: the things that they may be.
+
     Raises:
-      NounError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry.
+      NounError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry, or more
+        velocities than the solver takes.
     """
     spec = bare_robot(mujoco.MjSpec.from_string(physics.spec.mjcf))
     for geom in spec.geoms:
         geom.contype = geom.conaffinity = 0
     size = [0.01, 0.0, 0.0]
     spec.worldbody.add_geom(name="hulls", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, contype=0, conaffinity=0)
+    _add_free_bodies(spec, awake)
+    # Left to itself MuJoCo Warp turns to sparse rows above 32 velocities, for which it keeps no room where contacts are
+    # ours: everything would fall through the ground.
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     spec.option.iterations, spec.option.ls_iterations = iterations, line_steps
     model = spec.compile()
+    if model.nv > MOST_VELOCITIES:
+        found = f"{model.nv} velocities of the robot and {awake} bodies"
+        raise v.fail("engine.movable.awake", found, f"at most {MOST_VELOCITIES}", "let fewer be awake at once")
     for name, what in (
         ("na", "activations"),
         ("neq", "equalities"),
@@ -71,7 +116,12 @@ def build_robot_model(bank: SceneBank, physics: PhysicsModel, iterations: int, l
     geoms = np.array([model.geom(name).id for name in physics.spheres.name])
     first = int(model.jnt_qposadr[model.body_jntadr[physics.root]])
     tables = jax.device_get(slots.instance_tables(bank))
-    return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, *tables)
+    bodies = None
+    if awake and table is not None:
+        joint = model.joint("movable/0")
+        addresses = int(joint.qposadr[0]), int(joint.dofadr[0]), int(model.body("movable/0").id)
+        bodies = FreeBodies(awake, *addresses, int(model.geom("movable/0").id), table)
+    return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, *tables, bodies)
 
 
 class DeviceModel:
@@ -97,6 +147,7 @@ class DeviceModel:
         self.tables.objects, self.tables.prisms = _instances(robot.objects), _instances(robot.prisms)
         self.tables.origin = wp.array(bank.grid_origin, dtype=wp.vec2)
         self.tables.cell, self.tables.reach = float(bank.grid_cell), reach
+        self.body_table = None if robot.bodies is None else _body_table(robot.bodies.table)
 
 
 def _spheres(robot: RobotModel) -> Any:
@@ -107,7 +158,6 @@ def _spheres(robot: RobotModel) -> Any:
     for name in ("own_friction", "slippery"):
         setattr(out, name, wp.array(getattr(table, name).astype(np.int32), dtype=int))
     out.solref, out.solimp = wp.array(table.solref, dtype=wp.vec2), wp.array(table.solimp, dtype=vec5)
-    out.ground = robot.ground
     return out
 
 
@@ -123,6 +173,25 @@ def _hulls(bank: SceneBank) -> Any:
     out.normal, out.offset = wp.array(planes[:, :3], dtype=wp.vec3), wp.array(planes[:, 3], dtype=float)
     out.start, out.way = wp.array(edges[:, :3], dtype=wp.vec3), wp.array(edges[:, 3:], dtype=wp.vec3)
     out.centre, out.half = (wp.array(bank.hull_box[:, i], dtype=wp.vec3) for i in range(2))
+    return out
+
+
+def _body_table(table: BodyTable) -> Any:
+    out = warp_bodies.BodyTable()
+
+    def filled(array: np.ndarray) -> np.ndarray:
+        return array if len(array) else np.zeros((1, *array.shape[1:]), array.dtype)
+
+    for name in ("shape", "hull"):
+        setattr(out, name, wp.array(filled(getattr(table, name)), dtype=int))
+    for name in ("mass", "friction", "radius"):
+        setattr(out, name, wp.array(filled(getattr(table, name)), dtype=float))
+    for name in ("centre", "inertia", "points"):
+        setattr(out, name, wp.array(filled(getattr(table, name)), dtype=wp.vec3))
+    turn = np.zeros((max(len(table.axes), 1), 4))
+    for quaternion, axes in zip(turn, table.axes, strict=False):
+        mujoco.mju_mat2Quat(quaternion, axes.ravel())
+    out.turn = wp.array(turn, dtype=wp.vec4)
     return out
 
 

@@ -45,7 +45,6 @@ class PolicySpec:
 
     @staticmethod
     def of(environment: str, env: Any, ppo_config: ConfigDict, steps: int) -> "PolicySpec":
-        packages = ("urbanverse_mjx", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "jax", "brax")
         ids = [env.bank.scene_ids[i] for i in env.scenes]
         return PolicySpec(
             environment=environment,
@@ -56,7 +55,7 @@ class PolicySpec:
             scene_ids=ids,
             bank_hashes=dict(env.bank.meta.get("hashes", {})),
             steps=steps,
-            versions={p: _version(p) for p in packages},
+            versions=package_versions(),
         )
 
     def save(self, folder: pathlib.Path) -> None:
@@ -69,6 +68,12 @@ class PolicySpec:
         m = dict(v.mapping(body, "policy", ["schema", *fields]))
         v.choice(m.pop("schema"), "policy.schema", (SCHEMA,))
         return PolicySpec(**m)
+
+
+def package_versions() -> dict[str, str]:
+    """Versions of the packages that decide what a policy does."""
+    packages = ("urbanverse_mjx", "mujoco", "mujoco-mjx", "mujoco-warp", "mujoco-warp-pbr", "jax", "brax")
+    return {p: _version(p) for p in packages}
 
 
 def _version(package: str) -> str:

@@ -52,7 +52,7 @@ def annotate(endpoint: VisionEndpoint, pictures: Sequence[bytes], name: str) -> 
     for picture in pictures:
         url = "data:image/png;base64," + base64.b64encode(picture).decode()
         content.append({"type": "image_url", "image_url": {"url": url}})
-    answer = _post(
+    answer = post(
         endpoint,
         {
             "model": endpoint.model,
@@ -75,7 +75,12 @@ def annotate(endpoint: VisionEndpoint, pictures: Sequence[bytes], name: str) -> 
     return fields, complaints
 
 
-def _post(endpoint: VisionEndpoint, body: dict[str, Any]) -> Any:
+def post(endpoint: VisionEndpoint, body: dict[str, Any]) -> Any:
+    """The endpoint's answer to a request for a chat completion; what may pass by itself is tried again.
+
+    Raises:
+      VisionError: no answer, or none in JSON.
+    """
     headers = {"Content-Type": "application/json"}
     if endpoint.key:
         headers["Authorization"] = f"Bearer {endpoint.key}"

@@ -20,12 +20,10 @@ def fitted(built: BuiltAsset, size: Point3) -> BuiltAsset:
     Raises:
       NounError: the axes' scales differ by more than `GREATEST_DISTORTION`.
     """
-    wanted, extent = np.asarray(size, float), np.asarray(built.mesh.extent, float)
-    given = wanted > 0
-    scale = np.where(given, wanted / extent, np.mean(wanted[given] / extent[given]))
+    scale = built.box_scale(size)
     if scale.max() / scale.min() > GREATEST_DISTORTION:
         raise NounError(
-            f"{built.description!r}: found a box of {extent.round(2)} m to be fitted to {wanted} m, needed the same "
-            f"proportions within a factor of {GREATEST_DISTORTION}; draw the parts nearer to that size."
+            f"{built.description!r}: found a box of {built.mesh.extent.round(2)} m to be fitted to {np.array(size)} m, "
+            f"needed the same proportions within a factor of {GREATEST_DISTORTION}; draw the parts nearer to that size."
         )
     return built.scaled(scale)

@@ -34,6 +34,6 @@ def fitted(built: BuiltAsset, leaf: str, size: Size) -> BuiltAsset:
 
     Recipes draw nearly the right size, so that circles stay round; the fit takes up what eaves and steps add.
     """
-    scale = np.asarray(size) / np.maximum(built.mesh.extent, 1e-9)
-    volume = float(ConvexHull(built.mesh.vertices * scale).volume)
-    return dataclasses.replace(built.scaled(scale), volume=min(volume, FORMS[prior(leaf).form] * float(np.prod(size))))
+    boxed = built.to_box(size)
+    volume = float(ConvexHull(boxed.mesh.vertices).volume)
+    return dataclasses.replace(boxed, volume=min(volume, FORMS[prior(leaf).form] * float(np.prod(size))))

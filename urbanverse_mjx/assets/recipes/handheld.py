@@ -30,7 +30,7 @@ def finished(
     """The asset of what was drawn, its bounding box brought to `size_cm` = (x, y, z), give or take `SPREAD`."""
     asset = b.build(description, params)
     size = 0.01 * np.asarray(size_cm, float) * rng.uniform(1 - SPREAD, 1 + SPREAD)
-    return asset.scaled(size / asset.mesh.extent.astype(float))
+    return asset.to_box(size)
 
 
 # Shapes ---------------------------------------------------------------------------------------------------------------

@@ -87,4 +87,4 @@ def sized(
 ) -> BuiltAsset:
     """Builds what was drawn and stretches it to size (x, y, z), m, give or take `jitter`; params hold the style."""
     built = b.build(description, {"style": style})
-    return built.scaled(np.asarray(size) * (1.0 + rng.uniform(-jitter, jitter, 3)) / built.mesh.extent)
+    return built.to_box(np.asarray(size) * (1.0 + rng.uniform(-jitter, jitter, 3)))

@@ -29,13 +29,10 @@ def made(
       params: recorded in the index.
     """
     built = b.build(words, params)
-    wanted = [s / e if s else None for s, e in zip(size, built.mesh.extent, strict=True)]
-    mean = float(np.mean([s for s in wanted if s is not None]))
-    scale = np.array([mean if s is None else s for s in wanted])
-    made_to_size = built.scaled(scale)
+    boxed = built.to_box(size)
     if fill is None:
-        return made_to_size
-    return dataclasses.replace(made_to_size, volume=float(ConvexHull(made_to_size.mesh.vertices).volume) * fill)
+        return boxed
+    return dataclasses.replace(boxed, volume=float(ConvexHull(boxed.mesh.vertices).volume) * fill)
 
 
 def soft(

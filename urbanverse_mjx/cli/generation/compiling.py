@@ -1,6 +1,5 @@
 """One cousin from its layout to files: MuJoCo scene, USD, and the check that all of it stands still."""
 
-import dataclasses
 import multiprocessing
 import multiprocessing.connection
 import os
@@ -13,6 +12,8 @@ from ...datatypes import AssetRecord, SceneLayout
 from ...datatypes import validation as v
 from .run_folder import Clock
 
+#: m from start to goal where the ground is too small for the task's 10 to 30 m.
+NEAR = (4.0, 30.0)
 LAYOUT, ASSETS, SCENE, USD, CHECK = "layout.json", "assets.json", "scene", "usd", "check.json"
 
 
@@ -43,36 +44,40 @@ def leave_with_parent() -> None:
 def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     """Compiles the layout of a folder beside it and checks the result; returns what `check.json` says.
 
+    What would not stay for two seconds of C MuJoCo is fixed (`kept_fixed`); all else has been seen to stay.
+
     Raises:
       NounError: the layout cannot be compiled.
     """
     import mujoco
 
     from ...assets.skies import build_sky
-    from ...scene import compile_scene, export_usd, rest_moves
+    from ...scene import EpisodeRules, NoRoomError, compile_scene, export_usd
     from ..scene import make_driver
 
     clock = Clock()
     layout = SceneLayout.load(folder / LAYOUT)
-    compiled = compile_scene(layout, load_assets(folder), folder / SCENE, make_driver(), fix_fallers=True)
+    assets, driver = load_assets(folder), make_driver()
+    rules = EpisodeRules()
+    try:
+        compiled = compile_scene(layout, assets, folder / SCENE, driver, rules=rules, fix_fallers=True)
+    except NoRoomError:
+        # A short clip may show no 256 ways of the task's length.
+        rules = EpisodeRules(distance=NEAR)
+        compiled = compile_scene(layout, assets, folder / SCENE, driver, rules=rules, fix_fallers=True)
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))
     if with_usd:
         export_usd(compiled.geometry, build_sky(layout.sky), folder / USD)
-    moves = rest_moves(compiled.geometry)
     fixed = [a.id for a, b in zip(layout.objects, compiled.layout.objects, strict=True) if a.movable != b.movable]
     check = {
         "id": layout.id,
         **compiled.metadata["counts"],
         "geoms": int(model.ngeom),
         "movable": int(compiled.geometry.object_movable.sum()),
+        "goals_m": list(rules.distance),
         "usd": with_usd,
         "seconds": round(clock.seconds, 3),
         "kept_fixed": fixed,
-        "moved_at_rest": [{k: _finite(x) for k, x in dataclasses.asdict(m).items()} for m in moves],
     }
     v.write_json(folder / CHECK, check)
     return check
-
-
-def _finite(value: Any) -> Any:
-    return round(min(value, 1e3), 3) if isinstance(value, float) else value

@@ -4,9 +4,9 @@ import pathlib
 from collections.abc import Callable
 
 from ...datatypes import Recording, Source
-from ...distillation.eye.seeing import Eye
 from ...distillation.perception import Perception, SamplingOptions, blur_by_name, perceive, sample
 from ...distillation.perception.frames import load as load_frames
+from .seeing import make_sees
 from .tours import TourOptions
 
 Report = Callable[[int, int], None]
@@ -25,11 +25,11 @@ def sample_to(source: pathlib.Path, folder: pathlib.Path, tour: TourOptions, rep
 def perceive_to(
     frames: pathlib.Path, folder: pathlib.Path, video: pathlib.Path, tour: TourOptions, report: Report
 ) -> Recording:
-    """Makes a recording of frames, with the small network and poses from the pictures.
+    """Makes a recording of frames, poses from the pictures, things and surfaces by the model that the options name.
 
     Raises:
-      NounError: see `perceive`; or there are no weights of the network.
+      NounError: see `perceive` and `make_sees`.
     """
-    perception = Perception(Eye.load(), camera_height=tour.camera_height)
+    perception = Perception(make_sees(tour, frames), camera_height=tour.camera_height)
     source = Source(video.name, tour.licence, tour.city, tour.country)
     return perceive(load_frames(frames), folder, perception, source, video.stem, report)

@@ -235,7 +235,7 @@ def _summary(run: RunFolder, options: GenerationOptions) -> dict[str, Any]:
         "nodes": record["graph"]["objects"],
         "placed": [c["objects"] for c in checks],
         "left_out": [len(c["left_out"]) for c in record["cousins"]],
-        "moved_at_rest": [len(c["moved_at_rest"]) for c in checks],
+        "kept_fixed": [len(c["kept_fixed"]) for c in checks],
         "seconds": {name: s for name, s in run.seconds.items() if "/" not in name},
         "report": str(run.path / "report.html"),
     }

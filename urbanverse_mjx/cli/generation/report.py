@@ -127,8 +127,9 @@ def _checks(record: Mapping[str, Any], checks: Sequence[Mapping[str, Any]]) -> s
     columns = ("cousin", "placed", "left out", "moved (most, m)", "still overlapping", "movable", "hulls", "at rest")
     rows = []
     for cousin, check in zip(record["cousins"], checks, strict=True):
-        moves = ", ".join(html.escape(m["id"]) for m in check["moved_at_rest"])
-        rest = f"leave their place in 2 s: {moves}" if moves else "all stay for 2 s"
+        rest = "all stay for 2 s"
+        low, high = check["goals_m"]
+        rest += f"; goals {low:g} to {high:g} m away"
         if check["kept_fixed"]:
             rest += f"; kept fixed, because they would fall: {', '.join(map(html.escape, check['kept_fixed']))}"
         most = max((m for _, m in cousin["moved"]), default=0.0)

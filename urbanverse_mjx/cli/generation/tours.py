@@ -10,6 +10,7 @@ class TourOptions:
     Attributes:
       rate: frames taken per second.
       camera_height: m above the ground that is walked on: it gives the metric scale.
+      perception: who looks at the frames: "eye", the small network, or "foundation" models. models: folder of these.
       blur: detector of faces and plates that are made unreadable before a frame is stored; None looks for none.
       licence, city, country: of the video, for the records.
     """
@@ -20,3 +21,5 @@ class TourOptions:
     licence: str = "unknown"
     city: str = "unknown"
     country: str = "unknown"
+    perception: str = "eye"
+    models: str | None = None

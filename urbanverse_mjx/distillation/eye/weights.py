@@ -1,4 +1,9 @@
-"""The eye's weights: one file of 16-bit numbers, with the classes they were trained for."""
+"""The eye's weights: one file, kernels as 8-bit numbers with a scale per output channel, with the classes they are for.
+
+A kernel k is stored as q = round(k / s), s = max |k| over its output channel / 127 (symmetric quantisation per channel,
+Krishnamoorthi 2018, "Quantizing deep convolutional networks for efficient inference"); all else has 16 bits. Arithmetic
+stays in floats: the file is what shrinks.
+"""
 
 import json
 import os
@@ -14,8 +19,12 @@ from ...datatypes.validation import write_atomically
 from . import classes
 from .network import EyeNetwork
 
-SCHEMA = "urbanverse.eye/1"
+SCHEMA = "urbanverse.eye/2"
 _META = "meta"
+#: Ends the name of the array that holds a kernel's scales.
+_SCALE = "/scale8"
+_LEVELS = 127
+_SMALLEST = 2.0**-24  # the least number of 16 bits above 0
 
 
 def shipped() -> pathlib.Path:
@@ -26,7 +35,9 @@ def shipped() -> pathlib.Path:
 def save(path: str | os.PathLike[str], variables: Any, record: dict[str, Any]) -> pathlib.Path:
     """Writes parameters and running statistics; `record` says how they were trained."""
     flat = traverse_util.flatten_dict(jax.device_get(dict(variables)), sep="/")
-    body: dict[str, Any] = {name: np.asarray(x, np.float16) for name, x in flat.items()}
+    body: dict[str, Any] = {}
+    for name, x in flat.items():
+        body |= _packed(name, np.asarray(x))
     meta = {"schema": SCHEMA, "classes": list(classes.names()), "record": record}
     body[_META] = np.frombuffer(json.dumps(meta).encode("utf-8"), np.uint8)
     return write_atomically(path, lambda temporary: np.savez_compressed(temporary, allow_pickle=False, **body))
@@ -52,9 +63,30 @@ def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any
         raise NounError(f"{path}: found an unreadable file ({error}), needed weights of the eye.") from error
     if meta.get("schema") != SCHEMA or tuple(meta.get("classes", ())) != classes.names():
         raise NounError(f"{path}: found weights for other classes, needed this version's; train them again.")
-    return traverse_util.unflatten_dict({k: x.astype(np.float32) for k, x in body.items()}, sep="/"), meta["record"]
+    return traverse_util.unflatten_dict(_unpacked(body), sep="/"), meta["record"]
 
 
 def network(dtype: Any = np.float32) -> EyeNetwork:
     """The network that the weights belong to."""
     return EyeNetwork(len(classes.names()), dtype=dtype)
+
+
+def _packed(name: str, x: np.ndarray) -> dict[str, np.ndarray]:
+    """A kernel (..., output channels) as 8-bit numbers and scales; anything else as 16-bit numbers."""
+    if not (name.endswith("kernel") and x.ndim >= 2):
+        return {name: x.astype(np.float16)}
+    largest = np.abs(x).max(axis=tuple(range(x.ndim - 1)))
+    # Rounded before it is used, so that the numbers belong to the scale that is stored.
+    scale = np.maximum(largest / _LEVELS, _SMALLEST).astype(np.float16)
+    levels = np.clip(np.round(x / scale.astype(np.float32)), -_LEVELS, _LEVELS)
+    return {name: levels.astype(np.int8), name + _SCALE: scale}
+
+
+def _unpacked(body: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """name -> float32 array."""
+    scales = {name.removesuffix(_SCALE): x.astype(np.float32) for name, x in body.items() if name.endswith(_SCALE)}
+    return {
+        name: x.astype(np.float32) * scales.get(name, np.float32(1.0))
+        for name, x in body.items()
+        if not name.endswith(_SCALE)
+    }

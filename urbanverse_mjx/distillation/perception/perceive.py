@@ -68,7 +68,7 @@ def perceive(
         sights.append(perception.sees(rgb, structure.camera.fx))
         say(3 * count + k + 1, 5 * count)
     metric = to_metric(structure, _codes(structure, sights), perception.camera_height)
-    writer = RecordingWriter(folder, _identifier(name), source, structure.camera)
+    writer = RecordingWriter(folder, identifier(name), source, structure.camera)
     ground = densify.levels(metric)
     row_of = {int(number): row for row, number in enumerate(structure.registered)}
     for number in range(count):
@@ -115,5 +115,6 @@ def _record(frames: Frames, structure: Structure, metric: Metric, sights: list[S
     }
 
 
-def _identifier(name: str) -> str:
+def identifier(name: str) -> str:
+    """A name as a recording's id: what an id cannot hold becomes "_"."""
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name)[:80] or "tour"

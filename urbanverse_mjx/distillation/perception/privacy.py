@@ -10,6 +10,9 @@ from scipy import ndimage
 
 from ...datatypes import NounError
 
+#: Short names of detectors.
+_SHORT = {"haar": f"{__package__}.haar:detector"}
+
 
 class FindsPrivate(Protocol):
     """(H, W, 3) u8 RGB -> (k, 4) left, top, right, bottom in pixels of faces and plates."""
@@ -61,12 +64,13 @@ def _coarse(part: np.ndarray) -> np.ndarray:
 
 
 def blur_by_name(name: str) -> Blur:
-    """A blur from "module:attribute", where the attribute makes a detector when it is called without arguments.
+    """A blur from "module:attribute", where the attribute makes a detector when it is called without arguments; "haar"
+    is the one of `haar`.
 
     Raises:
       NounError: no such module or attribute.
     """
-    module, _, attribute = name.partition(":")
+    module, _, attribute = _SHORT.get(name, name).partition(":")
     try:
         make: Callable[[], FindsPrivate] = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError, ValueError) as error:

@@ -1,0 +1,129 @@
+"""Tours of the fidelity benchmark: filmed streets with their truth, and what a row's perception makes of them."""
+
+import dataclasses
+import pathlib
+import shutil
+from typing import Any
+
+import numpy as np
+
+from benchmarks import _fidelity_scores as scores
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.assets.ontology import UnknownLabelError
+from urbanverse_mjx.capture import PathOptions, TourOptions, tour
+from urbanverse_mjx.capture.truth import object_id, object_slots
+from urbanverse_mjx.datatypes import AssetRecord, GraphObject, Recording, RecordingWriter, SceneBank, SceneGraph
+from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.distillation.eye.seeing import Eye
+from urbanverse_mjx.distillation.perception import Perception, perceive
+from urbanverse_mjx.distillation.perception.frames import Frames
+from urbanverse_mjx.materialisation import materialise, materialise_cousins
+from urbanverse_mjx.settings import scene_root
+
+#: Frames per second of the tours with pictures: COLMAP wants steps of less than a metre.
+RGB_RATE = 2.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Tour:
+    """A filmed street: its perfect recording, the true things seen and hardly seen, and which have a heading.
+
+    scene: its name.
+    """
+
+    recording: Recording
+    seen: list[GraphObject]
+    unseen: list[GraphObject]
+    turnable: dict[str, bool]
+    scene: str
+
+
+def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: tuple[int, int], rgb: bool) -> Tour:
+    """One tour, with pictures or black; a folder that holds it already is read."""
+    name = bank.scene_ids[scene]
+    folder = folder / (f"{name}_rgb" if rgb else name)
+    if (folder / "recording.json").is_file() and len(Recording.load(folder)) == frames:
+        recording = Recording.load(folder)
+    else:
+        options = TourOptions(width=size[0], height=size[1], rgb=rgb)
+        path = PathOptions(frames=frames, rate=RGB_RATE if rgb else 1.0)
+        recording = tour(bank, scene, folder, path, options)
+    truth = SceneGraph.load(folder / "truth.json").objects
+    turnable = {}
+    for slot in object_slots(bank, scene):
+        mesh = bank.slot_mesh[scene, slot]
+        corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1], :2]
+        turnable[object_id(bank, scene, slot)] = scores.is_turnable(corners)
+    return _with_truth(recording, truth, turnable, name)
+
+
+def imported(folder: pathlib.Path) -> Tour:
+    """A recording that `urbanverse gen import` made of KITTI-360, with the boxes beside it as truth.
+
+    Raises:
+      NounError: no such recording, or no boxes beside it.
+    """
+    recording = Recording.load(folder)
+    rows = v.items(v.read_json(folder / "boxes.json", "boxes of a recording"), "boxes")
+    truth = [GraphObject.from_json(row, f"boxes[{i}]") for i, row in enumerate(rows)]
+    turnable = {t.id: max(t.size[:2]) > 1.15 * min(t.size[:2]) for t in truth}
+    return _with_truth(recording, truth, turnable, recording.id)
+
+
+def _with_truth(recording: Recording, truth: Any, turnable: dict[str, bool], scene: str) -> Tour:
+    seen = scores.seen_things(recording, truth)
+    ids = {t.id for t in seen}
+    return Tour(recording, seen, [t for t in truth if t.id not in ids], turnable, scene)
+
+
+def from_pictures(filmed: Tour, folder: pathlib.Path) -> Recording:
+    """Everything from the pictures alone: COLMAP's poses and the small network's things, surfaces and depth."""
+    (folder / "frames").mkdir(parents=True)
+    names = []
+    for k, frame in enumerate(filmed.recording.frames):
+        names.append(f"{k:06d}.png")
+        shutil.copyfile(filmed.recording.folder / frame.rgb, folder / "frames" / names[-1])
+    camera = filmed.recording.camera
+    times = tuple(f.time_s for f in filmed.recording.frames)
+    frames = Frames(folder / "frames", tuple(names), times, camera.width, camera.height)
+    source = filmed.recording.source
+    return perceive(frames, folder / "recording", Perception(Eye.load()), source, filmed.recording.id)
+
+
+def seen_by_the_eye(filmed: Tour, folder: pathlib.Path) -> Recording:
+    """True poses and depth; things and surfaces by the small network."""
+    eye, given = Eye.load(), filmed.recording
+    writer = RecordingWriter(folder / "eye", given.id, given.source, given.camera, given.depth_unit_m, lossless=False)
+    for k, frame in enumerate(given.frames):
+        rgb = given.rgb(k)
+        sight = eye(rgb, given.camera.fx)
+        writer.add(frame.time_s, rgb, given.depth(k), sight.masks, sight.surfaces, frame.pose, sight.detections)
+    return writer.close()
+
+
+def retrieved(filmed: Tour, graph: SceneGraph, pairs: list[tuple[str, str]]) -> np.ndarray | None:
+    """(n,) bool over matches whose true asset is known: whether the first cousin stands on the same base shape.
+
+    The paper's Ast is the share of correctly retrieved objects; what is correct there was judged by eye. Here a thing
+    counts where the asset chosen among the catalogue's 102,444 is of the very shape that was filmed, whatever its
+    size and tint. None where the street is none of the shipped ones, whose assets are known.
+    """
+    path = scene_root() / filmed.scene / "graph.json"
+    if not path.is_file():
+        return None
+    index = load_index()
+    true = {p.id: index.get(p.asset_uid) for p in materialise(SceneGraph.load(path), index, 0, 0).layout.objects}
+    try:
+        (cousin,) = materialise_cousins(graph, 1, 0)
+    except UnknownLabelError:
+        return None
+    rows = [
+        _shape(cousin.chosen[found].record) == _shape(true[name])
+        for found, name in pairs
+        if found in cousin.chosen and name in true
+    ]
+    return np.array(rows, bool)
+
+
+def _shape(record: AssetRecord) -> tuple[str, str, int]:
+    return record.recipe, record.leaf, int(record.params["variant"])

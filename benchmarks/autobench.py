@@ -1,0 +1,12 @@
+"""A policy on AutoBench: `python benchmarks/autobench.py --policy planner --impl auto --out DIR`; see --help."""
+
+import pathlib
+import sys
+
+# Run as a script, from any folder.
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+from benchmarks._protocol import run
+
+if __name__ == "__main__":
+    sys.exit(run("autobench"))

@@ -1,0 +1,52 @@
+"""Freezes a benchmark: which episodes of which scenes it drives, from then on.
+
+    python -m benchmarks.freeze craftbench --bank BANK --extra 03_residential... 12_courtyard...
+
+writes benchmarks/protocols/NAME.json with 64 episodes of every scene of a bank, spread evenly over the scene's episode
+table, in random order, with their seeds and the scene's canonical hash. The same bank, name and seed give the same
+file. `--half` keeps to ways within the first half of each scene, at most 100 m of it, under the name NAME_half.
+Prints one JSON line. Existing lists are replaced only with --force: that makes another benchmark of them.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+from urbanverse_mjx.cli.benchmark import benchmark_bank
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.evaluation.frozen import freeze
+
+FOLDER = pathlib.Path(__file__).parent / "protocols"
+EPISODES, HALF = 64, 100.0
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.freeze", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("name", help="of the benchmark, which is that of its set of scenes")
+    parser.add_argument("--bank", type=pathlib.Path, help="bank of its scenes; default: the set's own")
+    parser.add_argument("--extra", nargs="*", default=[], help="ids of scenes that the protocol `paper` leaves out")
+    parser.add_argument("--half", action="store_true", help="half-length ways, under the name NAME_half")
+    parser.add_argument("--episodes", type=int, default=EPISODES)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", type=pathlib.Path, default=FOLDER, help="folder of the list")
+    parser.add_argument("--force", action="store_true", help="replace a list that is there")
+    args = parser.parse_args(argv)
+    name = f"{args.name}_half" if args.half else args.name
+    path = args.out / f"{name}.json"
+    try:
+        if path.exists() and not args.force:
+            raise NounError(f"{path}: found a frozen list, needed none; --force replaces it.")
+        bank = SceneBank.load(args.bank) if args.bank else benchmark_bank(args.name)
+        protocol = freeze(name, bank, args.episodes, args.seed, args.extra, HALF if args.half else None)
+        protocol.save(path)
+    except NounError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    print(json.dumps({"list": str(path), "scenes": len(protocol.scenes), "hash": protocol.content_hash()}))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

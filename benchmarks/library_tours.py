@@ -1,0 +1,116 @@
+"""Films and distils the layouts of UrbanVerse-160 and AutoBench: a block after each city, through UrbanVerse-Gen.
+
+    python -m benchmarks.library_tours --out DIR [--set autobench] [--only Tokyo] [--workers 16]
+
+writes DIR/<set>/<layout>/graph.json.gz (what `scenes/` holds) and DIR/scores/<set>/<layout>.json: how faithful the
+graph is to what stood there, as `benchmarks.fidelity` scores it, and DIR/sheets/<layout>.jpg: 12 frames. Layouts whose
+graph and scores are there are left alone, so a stopped run goes on. One process a layout at a time, on the CPU; some
+1.5 GB each. Prints one JSON line.
+"""
+
+import argparse
+import concurrent.futures
+import json
+import multiprocessing
+import os
+import pathlib
+import sys
+import tempfile
+import time
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from benchmarks import _fidelity_scores as scores
+from urbanverse_mjx import settings
+from urbanverse_mjx.citygen import cities
+from urbanverse_mjx.citygen.cities.block import LENGTH
+from urbanverse_mjx.datatypes import NounError, Recording, SceneGraph
+from urbanverse_mjx.datatypes import validation as v
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.library_tours", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--set", choices=sorted(cities.PROFILES), action="append", help="default: all")
+    parser.add_argument("--only", default="", help="layouts with this in their id")
+    parser.add_argument("--workers", type=int, default=settings.num_threads())
+    parser.add_argument("--length", type=float, default=LENGTH, help="m of street; shorter ones to try things out")
+    parser.add_argument("--keep", action="store_true", help="keep the recordings in DIR/recordings")
+    arguments = parser.parse_args(argv)
+    jobs = [
+        (name, layout, arguments.out, arguments.keep, arguments.length)
+        for name in arguments.set or sorted(cities.PROFILES)
+        for layout in cities.layouts(name)
+        if arguments.only in layout and not all(p.is_file() for p in _files(arguments.out, name, layout))
+    ]
+    begin, failed = time.monotonic(), {}
+    # Every process draws on one core: its threads would fight with the others'. JAX and Warp stay on the CPU.
+    os.environ |= {"OMP_NUM_THREADS": "1", "URBANVERSE_THREADS": "1", "JAX_PLATFORMS": "cpu"}
+    context = multiprocessing.get_context("spawn")
+    workers = max(1, min(arguments.workers, len(jobs) or 1))
+    with concurrent.futures.ProcessPoolExecutor(workers, mp_context=context) as pool:
+        tickets = {pool.submit(_film, *job): job[1] for job in jobs}
+        for number, ticket in enumerate(concurrent.futures.as_completed(tickets), 1):
+            layout = tickets[ticket]
+            try:
+                said = json.dumps(ticket.result())
+            except NounError as error:
+                failed[layout] = said = str(error)
+            print(
+                f"{number}/{len(jobs)} {time.monotonic() - begin:.0f} s {layout}: {said}", file=sys.stderr, flush=True
+            )
+    print(json.dumps({"filmed": len(jobs) - len(failed), "failed": failed, "seconds": round(time.monotonic() - begin)}))
+    return 1 if failed else 0
+
+
+def _files(out: pathlib.Path, name: str, layout: str) -> tuple[pathlib.Path, pathlib.Path]:
+    return out / name / layout / "graph.json.gz", out / "scores" / name / f"{layout}.json"
+
+
+def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
+    """One layout in this process: its graph and its scores."""
+    from urbanverse_mjx.capture.truth import object_id, object_slots
+    from urbanverse_mjx.cli.library.tours import film
+
+    graph_file, score_file = _files(out, name, layout)
+    begin, processor = time.monotonic(), time.process_time()
+    with tempfile.TemporaryDirectory(prefix="urbanverse-tour-") as work:
+        folder = out / "recordings" / layout if keep else pathlib.Path(work)
+        made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder, length)
+        truth = SceneGraph.load(folder / "truth.json").objects
+        seen = scores.seen_things(made.recording, truth)
+        _sheet(made.recording, out / "sheets" / f"{layout}.jpg")
+    ids = {t.id for t in seen}
+    turnable = {}
+    for slot in object_slots(made.bank, 0):
+        mesh = made.bank.slot_mesh[0, slot]
+        rows = slice(made.bank.mesh_vertex_start[mesh], made.bank.mesh_vertex_start[mesh + 1])
+        turnable[object_id(made.bank, 0, slot)] = scores.is_turnable(made.bank.mesh_vertices[rows, :2])
+    row = scores.table_row([scores.score(made.graph.objects, seen, [t for t in truth if t.id not in ids], turnable)])
+    figures = {
+        **row,
+        "frames": len(made.recording),
+        "things_in_block": len(truth),
+        "objects": len(made.graph.objects),
+        "regions": len(made.graph.ground),
+        "processor_s": round(time.process_time() - processor, 1),
+        "wall_s": round(time.monotonic() - begin, 1),
+    }
+    made.graph.save(graph_file)
+    v.write_json(score_file, figures)
+    return {**figures, "kB": round(graph_file.stat().st_size / 1e3, 1)}
+
+
+def _sheet(recording: Recording, path: pathlib.Path) -> None:
+    """Twelve frames of a tour, four in a row."""
+    frames = [recording.rgb(int(i)) for i in np.linspace(1, len(recording) - 2, 12)]
+    rows = [np.concatenate(frames[k : k + 4], axis=1) for k in range(0, 12, 4)]
+    picture = Image.fromarray(np.concatenate(rows))
+    v.write_atomically(path, lambda p: picture.save(p, "JPEG", quality=85))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

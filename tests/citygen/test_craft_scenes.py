@@ -1,0 +1,126 @@
+"""CraftBench: what is asked of hand-made scenes, counted on the committed files."""
+
+import itertools
+import math
+import pathlib
+
+import numpy as np
+import pytest
+import shapely
+
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.citygen.craft import BUILDERS, build, write
+from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.materialisation.choice import distortion
+from urbanverse_mjx.scene.ground import check_regions, ground_prisms
+
+SCENES = pathlib.Path(__file__).parents[2] / "scenes" / "craftbench"
+IDS = list(BUILDERS)
+#: The ids of the authors' release (facts/reference_systems.md b.1).
+PUBLISHED = {
+    "01_residential_street_dual_sidewalks_dense_bollards_trash_bags",
+    "02_residential_street_single_sidewalk_door_to_street_buildings",
+    "03_residential_street_dual_sidewalks_clean",
+    "04_commercial_street_asymmetric_sidewalks_benches_bicycles",
+    "05_japanese_tourist_street_dual_sidewalks_blocked_by_vehicles",
+    "06_bar_street_dual_sidewalks_obstructed_fallen_scooters",
+    "07_narrow_alley_outdoor_dining",
+    "08_commercial_street_bike_lane_dual_sidewalks",
+    "09_cbd_t_intersection_construction_sites",
+    "10_cbd_cross_intersection_diverse_obstacles",
+    "11_urban_park_dogs_sports_area",
+    "12_courtyard_plaza_central_fountain",
+}
+#: Ground prisms that an engine looks at, and how far around a robot's middle (scene.grids).
+PRISMS, REACH = 8, 0.55 + 2.0 * 0.2
+
+
+@pytest.fixture(scope="module", params=IDS)
+def graph(request) -> SceneGraph:
+    return SceneGraph.load(SCENES / request.param / "graph.json")
+
+
+@pytest.mark.parametrize("scene_id", IDS)
+def test_the_committed_file_is_what_the_builder_writes(scene_id, tmp_path):
+    committed = SCENES / scene_id / "graph.json"
+    written = write(build(scene_id), tmp_path / "graph.json")
+    assert committed.read_bytes() == written.read_bytes()
+    assert committed.stat().st_size <= 55_000
+
+
+def test_every_scene_is_one_of_the_published_ids():
+    assert set(IDS) <= PUBLISHED
+    assert {p.parent.name for p in SCENES.glob("*/graph.json")} == set(IDS)
+    with pytest.raises(NounError, match="01_residential"):
+        build("nowhere")
+
+
+@pytest.mark.parametrize("scene_id", IDS)
+def test_an_eye_finds_nothing_to_object_to(scene_id):
+    assert BUILDERS[scene_id]().problems() == []
+
+
+def test_rich_and_long_enough(graph):
+    assert 150 <= len(graph.objects) <= 300
+    assert len({o.label for o in graph.objects}) >= 30
+    way = [p[:2] for p in graph.camera_path]
+    assert 80.0 <= sum(math.dist(a, b) for a, b in itertools.pairwise(way)) <= 600.0
+    assert graph.source.video == "hand"
+    assert graph.sky_descriptor is not None
+
+
+def test_ground_compiles_and_no_place_has_more_prisms_than_an_engine_looks_at(graph):
+    check_regions(graph.ground)
+    boxes = []
+    for prism in ground_prisms(graph.ground):
+        corners = prism.position[:2] + prism.corners[:, :2]
+        boxes.append(shapely.box(*corners.min(0), *corners.max(0)))
+    walked = [shapely.Polygon(r.polygon) for r in graph.ground if r.kind in ("sidewalk", "crosswalk", "ground")]
+    area = shapely.union_all(walked, grid_size=1e-3)
+    x0, y0, x1, y1 = area.bounds
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(x0, x1, 0.5), np.arange(y0, y1, 0.5)))
+    points = np.array(shapely.points(x, y), dtype=object)
+    points = points[shapely.contains(area, points)]
+    near, _ = shapely.STRtree(boxes).query(points, predicate="dwithin", distance=REACH)
+    counts = np.bincount(near, minlength=len(points))
+    worst = points[counts.argmax()]
+    assert counts.max() <= PRISMS, f"{counts.max()} prisms near ({worst.x:.1f}, {worst.y:.1f})"
+
+
+def test_every_thing_has_an_asset_of_its_size(graph):
+    """Nothing but house fronts, hedges and fences is stretched when assets are chosen."""
+    index = load_index()
+    for thing in graph.objects:
+        records = index.by_label(thing.label)
+        assert records, thing.label
+        if records[0].category[0] == "building" or thing.label in ("shrub", "fence", "wall", "gate", "guard rail"):
+            continue
+        assert min(distortion(thing.size, r) for r in records) < 0.2, (thing.id, thing.size)
+
+
+def test_scenes_differ_in_character():
+    """No two scenes share more than 70 % of their labels, weighted by count."""
+    counts = []
+    for scene_id in IDS:
+        labels = [o.label for o in SceneGraph.load(SCENES / scene_id / "graph.json").objects]
+        counts.append({name: labels.count(name) for name in set(labels)})
+    for a, b in itertools.combinations(counts, 2):
+        common = sum(min(a.get(k, 0), b.get(k, 0)) for k in a)
+        assert common / max(sum(a.values()), sum(b.values())) < 0.7
+
+
+def test_fallen_scooters_lie_and_bollards_are_dense():
+    def things(prefix: str, label: str) -> list:
+        found = next(s for s in IDS if s.startswith(prefix))
+        return [o for o in SceneGraph.load(SCENES / found / "graph.json").objects if o.label == label]
+
+    scooters = things("06", "scooter")
+    assert sum(o.size[2] < 0.6 and min(o.size[:2]) > 1.0 for o in scooters) >= 25
+    index = load_index()
+    lying = [r for r in index.by_label("scooter") if r.height < 0.6]
+    assert lying
+    for thing in scooters:
+        best = min(index.by_label("scooter"), key=lambda r: distortion(thing.size, r))
+        assert (best in lying) == (thing.size[2] < 0.6)
+    assert len(things("01", "bollard")) >= 60
+    assert len(things("01", "garbage bag")) >= 35

@@ -1,0 +1,97 @@
+"""Policies from outside: what they are given, what they answer, and what is refused in one sentence."""
+
+import pathlib
+import sys
+
+import numpy as np
+import pytest
+
+from tests.support.onnx_bytes import linear_policy
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal
+from urbanverse_mjx.evaluation.foreign import load_callable, load_onnx
+
+
+class Remembering:
+    """Heads for the goal, and counts how often it was asked."""
+
+    observations = ("goal",)
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def __call__(self, obs: dict[str, np.ndarray]) -> np.ndarray:
+        self.asked += 1
+        return obs["goal"] / np.maximum(np.linalg.norm(obs["goal"], axis=1, keepdims=True), 1e-6)
+
+
+def wrong_shape(obs: dict[str, np.ndarray]) -> np.ndarray:
+    return np.zeros(2)
+
+
+NUMBER = 3
+
+
+def test_a_callable_drives_as_the_same_rule_inside_jax(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 120})
+    episodes = fixed_episodes(env, 6)
+    policy = load_callable(f"{__name__}:Remembering")
+    assert not policy.sees
+    outside, ways = Rollout(env).run_batch("rule", policy.agent, episodes)
+    inside, _ = Rollout(env).run({"rule": go_to_goal}, episodes)
+    for a, b in zip(outside, inside, strict=True):
+        assert (a.result, a.steps, a.touches) == (b.result, b.steps, b.touches)
+        assert a.path_length == pytest.approx(b.path_length, abs=0.02)
+    assert policy.agent.asked == len(ways.xpos) == max(r.steps for r in outside)  # type: ignore[attr-defined]
+
+
+def test_what_is_no_callable_is_refused(small_bank: SceneBank) -> None:
+    with pytest.raises(NounError, match=r"found no module 'nowhere\.at_all'"):
+        load_callable("nowhere.at_all:act")
+    with pytest.raises(NounError, match="found no 'absent' in"):
+        load_callable(f"{__name__}:absent")
+    with pytest.raises(NounError, match="to be a int, needed something to call"):
+        load_callable(f"{__name__}:NUMBER")
+    env = unicycle_env(small_bank)
+    with pytest.raises(NounError, match=r"found actions of shape \(2,\), needed finite ones of shape \(3, 2\)"):
+        Rollout(env).run_batch("bad", load_callable(f"{__name__}:wrong_shape").agent, fixed_episodes(env, 3))
+
+
+def test_without_onnxruntime_the_package_to_install_is_named(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "policy.onnx"
+    with pytest.raises(NounError, match="found no file"):
+        load_onnx(path)
+    path.write_bytes(linear_policy(np.eye(2)))
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    with pytest.raises(NounError, match=r"pip install 'urbanverse_mjx\[onnx\]'"):
+        load_onnx(path)
+
+
+def test_an_onnx_file_answers_as_its_weights_say(tmp_path: pathlib.Path) -> None:
+    pytest.importorskip("onnxruntime")
+    weights = np.array([[0.5, 0.1], [0.0, -1.0]])
+    goal = np.random.default_rng(0).normal(size=(4, 2)).astype(np.float32)
+    for batch in ("n", 1):
+        path = tmp_path / f"policy_{batch}.onnx"
+        path.write_bytes(linear_policy(weights, batch))
+        policy = load_onnx(path)
+        assert not policy.sees
+        np.testing.assert_allclose(policy.agent({"goal": goal}), goal @ weights, rtol=1e-5, atol=1e-6)
+    path.write_bytes(b"no model")
+    with pytest.raises(NounError, match="that onnxruntime cannot load"):
+        load_onnx(path)
+
+
+def test_an_onnx_file_sees_pictures_as_it_wants_them(tmp_path: pathlib.Path) -> None:
+    pytest.importorskip("onnxruntime")
+    path = tmp_path / "seeing.onnx"
+    path.write_bytes(linear_policy(np.zeros((2, 2)), picture=("n", 3, 12, 16)))
+    policy = load_onnx(path)
+    assert (policy.sees, policy.size) == (True, (12, 16))
+    pictures = np.random.default_rng(0).integers(0, 256, (2, 12, 16, 3), dtype=np.uint8)
+    found = policy.agent({"goal": np.zeros((2, 2), np.float32), "pixels/front": pictures})
+    expected = pictures.reshape(2, -1).mean(1) / 255
+    np.testing.assert_allclose(found, np.stack([expected, expected], 1), rtol=1e-4)

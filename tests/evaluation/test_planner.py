@@ -1,0 +1,107 @@
+"""The privileged planner: its model of COCO against C MuJoCo, its waypoints, its maps, and that it arrives."""
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+import pytest
+
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.envs.room import build_room, to_outline
+from urbanverse_mjx.envs.scenarios import bank_for
+from urbanverse_mjx.evaluation import Rollout, fixed_episodes
+from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, footprint, waypoint_of
+from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.robots.waypoint import pd_velocity
+
+
+@pytest.mark.parametrize("drive", ["differential", "ackermann"])
+@pytest.mark.parametrize("command", [(2.0, 0.0), (1.0, 0.8), (2.0, 0.5)])
+def test_the_model_of_coco_stays_beside_c_mujoco(drive: str, command: tuple[float, float]) -> None:
+    """Two seconds after a start from rest: within 0.4 m and 9°, five times as long as a command is held."""
+    robot = make_coco(drive)  # type: ignore[arg-type]
+    spec = mujoco.MjSpec.from_string(robot.mjcf)
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[2] = robot.spawn_height
+    motion, (x, y, yaw, v, w) = MOTIONS[robot.name], np.zeros(5)
+    omega = float(np.clip(command[1], -command[0] * motion.curvature, command[0] * motion.curvature))
+    data.ctrl[:] = np.asarray(robot.command(jnp.array([command[0], omega])))
+    dt = model.opt.timestep
+    for _ in range(round(2.0 / dt)):
+        mujoco.mj_step(model, data)
+        v += (command[0] - v) * (1.0 - np.exp(-dt / motion.speed_lag))
+        w += (omega - w) * (1.0 - np.exp(-dt / motion.turn_lag * (1.0 + v / motion.eases)))
+        side = motion.pivot * w
+        x, y = x + (v * np.cos(yaw) - side * np.sin(yaw)) * dt, y + (v * np.sin(yaw) + side * np.cos(yaw)) * dt
+        yaw += w * dt
+    heading = 2.0 * np.arctan2(data.qpos[6], data.qpos[3])
+    assert np.hypot(*(data.qpos[:2] - [x, y])) < 0.4
+    assert abs(np.arctan2(np.sin(heading - yaw), np.cos(heading - yaw))) < 0.16
+
+
+def test_waypoints_mean_the_command_they_are_made_of() -> None:
+    for v in (0.0, 0.4, 1.4, 2.0):
+        for w in (-1.0, -0.25, 0.0, 0.6, 1.0):
+            point = waypoint_of(jnp.float32(v), jnp.float32(w), 2.0, 0.2)
+            assert float(jnp.abs(point).max()) <= 1.0
+            found = pd_velocity(point, 0.2, 2.0, 1.0)
+            assert found[0] == pytest.approx(v, abs=0.011)
+            assert found[1] == pytest.approx(w, abs=1e-3)
+
+
+def test_distance_to_an_outline_by_hand() -> None:
+    square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)])
+    found = to_outline(square, np.array([-1.0, 0.5, 3.0, 5.0]), np.array([0.5, 4.0 + 1.0]))
+    np.testing.assert_allclose(found[:, 0], [1.0, -0.5, 1.0, 3.0], atol=1e-6)
+    assert found[3, 1] == pytest.approx(5.0)
+
+
+def test_coco_covers_its_collision_spheres() -> None:
+    body = footprint(make_coco())
+    assert body.half_width == pytest.approx(0.346, abs=1e-3)
+    assert body.reach == pytest.approx(0.443, abs=1e-3)
+    assert (body.discs[:, 0] + body.discs[:, 2]).max() == pytest.approx(0.353, abs=1e-3)
+    assert len(body.feet) == 4
+
+
+def test_the_room_knows_where_hulls_stand(small_bank: SceneBank) -> None:
+    room = build_room(small_bank, [0], 1.0)
+    hull, position = small_bank.inst_hull[0], small_bank.inst_position[0]
+    rotation = small_bank.inst_rotation[0]
+    checked = 0
+    for q in np.flatnonzero(hull >= 0):
+        corners = small_bank.hull_vertices[hull[q], : small_bank.hull_num_vertices[hull[q]]]
+        middle = (corners @ rotation[q].T + position[q])[:, :2].mean(0)
+        i, j = np.floor((middle - room.origin[0]) / 0.05).astype(int)
+        if min(i, j) >= 0 and i < room.to_hull.shape[1] and j < room.to_hull.shape[2]:
+            assert room.to_hull[0, i, j] < 0.0
+            checked += 1
+    assert checked > 20
+    starts = small_bank.episode_start[0, : small_bank.num_episodes[0], :2]
+    i, j = np.floor((starts - room.origin[0]) / 0.05).astype(int).T
+    assert room.to_hull[0, i, j].min() > 0.3
+    assert room.to_edge[0, i, j].min() > 0.3
+
+
+def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
+    env = unicycle_env(bank_for("clean", small_bank))
+    results, _ = Rollout(env).run({"planner": Planner(env)}, fixed_episodes(env, 6))
+    assert [r.result for r in results] == ["goal"] * 6
+    assert all(r.path_length < 1.3 * r.route_length + 1.0 for r in results)
+
+
+def test_it_stands_rather_than_touch(small_bank: SceneBank) -> None:
+    """Dropped in front of a wall at full speed, with every way ahead barred, it brakes."""
+    env = unicycle_env(small_bank)
+    planner, episodes = Planner(env), fixed_episodes(env, 1)
+    way = jax.tree.map(lambda x: x[0], planner.prepare(episodes.scenes, episodes.episodes))
+    state = jnp.asarray(np.append(small_bank.episode_start[0, 0, :2], [0.0, 2.0, 0.0]), jnp.float32)
+    agents = jnp.array([[*(np.asarray(state[:2]) + [2.2, 0.0]), 0.0, 0.0, 1.0, 1.0]])
+    costs = np.asarray(planner.costs(0, state, way, agents))
+    fast = costs[np.asarray(planner.first[:, 0]) == 2.0].min()
+    still = costs[np.asarray(planner.first[:, 0]) == 0.0].min()
+    assert still < fast
+    assert still < 1000.0 <= fast

@@ -1,0 +1,66 @@
+"""Nothing solid stands where the camera went; crowns above and kerbs below it do not count."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import shapely
+
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.datatypes import HullSet, PlacedObject
+from urbanverse_mjx.materialisation import materialise_cousins, overlap, passage
+
+from .catalogue_part import few_objects
+from .test_cousins import street, thing
+
+RECORD = load_index().by_label("bench")[0]
+
+
+def body(x: float, y: float, low: float, high: float, side: float = 1.0, ground: float = 0.15) -> overlap.Body:
+    """A block with a square of `side` m seen from above, from `low` to `high` m over the ground it stands on."""
+    corners = np.array([[a, b, c] for a in (-0.5, 0.5) for b in (-0.5, 0.5) for c in (0.0, 1.0)])
+    hull = corners * [side, side, high - low] + [0, 0, low]
+    placed = PlacedObject(
+        "a", "bench", "bench", RECORD.uid, (x, y, ground), 0.3, (1.0, 1.0, 1.0), mass=1.0, friction=0.5, movable=False
+    )
+    return overlap.Body(placed, RECORD, overlap.prisms_of(placed, HullSet((hull.astype(np.float32),))))
+
+
+STRIP = passage.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5, 0], [40, 0, 1.5, 0], [44, 0, 1.5, 0]]))
+
+
+@pytest.mark.parametrize(
+    ("block", "stands_in_the_way"),
+    [
+        (body(5, 0, 0, 1), True),
+        (body(5, 1.2, 0, 1), False),  # half its diagonal and the strip reach 1.16 m
+        (body(5, 1.0, 0, 1), True),
+        (body(5, 0, 2.2, 5), False),  # a crown
+        (body(5, 0, 0, 0.2), False),  # a manhole's rim
+        (body(25, 0, 0, 1), False),  # the tour jumped: nobody knows who stands there
+        (body(42, 0, 0, 1), True),
+    ],
+)
+def test_what_blocks_the_way(block: overlap.Body, stands_in_the_way: bool) -> None:
+    assert (passage.in_the_way([block], STRIP) == [0]) is stands_in_the_way
+
+
+def test_a_moved_thing_counts_where_it_is_and_no_tour_blocks_nothing() -> None:
+    block = body(5, 0, 0, 1)
+    assert passage.in_the_way([dataclasses.replace(block, offset=(0.0, 2.0))], STRIP) == []
+    assert passage.in_the_way([block], passage.walked(np.zeros((0, 4)))) == []
+    assert passage.walked(np.array([[1.0, 1, 0, 0]])).contains(shapely.Point(1.2, 1.2))
+
+
+def test_cousins_leave_out_what_the_camera_went_through() -> None:
+    graph = street(
+        thing("here", "bench", 0, 5),
+        thing("beside", "bench", 0, 7.3),
+        camera_path=((-9.0, 5.0, 1.6, 0.0), (-5.0, 5.0, 1.6, 0.0), (-1.0, 5.0, 1.6, 0.0), (3.0, 5.0, 1.6, 0.0)),
+    )
+    filmed = dataclasses.replace(graph, source=dataclasses.replace(graph.source, video="tour.mp4"))
+    (cousin,) = materialise_cousins(filmed, 1, objects=few_objects())
+    assert [p.id for p in cousin.layout.objects] == ["beside"]
+    assert [(gone.id, "camera went through" in gone.reason) for gone in cousin.left_out] == [("here", True)]
+    (cousin,) = materialise_cousins(graph, 1, objects=few_objects())
+    assert [p.id for p in cousin.layout.objects] == ["here", "beside"]

@@ -1,0 +1,30 @@
+"""Blocks after cities: reviewed profiles, and the generator that makes a street of one."""
+
+from ...datatypes import validation as v
+from . import africa, asia, autobench, europe, middle_east, north_america, oceania, south_america
+from .block import block
+from .profile import CityProfile
+
+_LIBRARY = (africa, asia, europe, middle_east, north_america, oceania, south_america)
+
+#: The paper's 32 cities (appendix on the scene library), one layout each, and AutoBench's ten others.
+PROFILES: dict[str, tuple[CityProfile, ...]] = {
+    "urbanverse160": tuple(p for continent in _LIBRARY for p in continent.PROFILES),
+    "autobench": autobench.PROFILES,
+}
+
+
+def layouts(name: str) -> dict[str, CityProfile]:
+    """Layout id (Continent_Country_City_walk_01) -> profile, of a set.
+
+    Raises:
+      NounError: no set of blocks has this name.
+    """
+    v.choice(name, "set of blocks", PROFILES)
+    return {f"{profile.name}_01": profile for profile in PROFILES[name]}
+
+
+#: Seed of the blocks of each set: AutoBench's are others.
+SEEDS = {"urbanverse160": 160, "autobench": 10}
+
+__all__ = ["PROFILES", "SEEDS", "CityProfile", "block", "layouts"]

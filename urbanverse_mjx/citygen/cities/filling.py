@@ -1,0 +1,206 @@
+"""`Filler`: puts things onto a block where nothing stands, and keeps a lane free for whoever walks."""
+
+import math
+import random
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from ...datatypes import GraphObject
+from .. import catalogue, passage
+from . import stock
+from .ground import CROSSWALK_HALF, END_RAMP, Plan
+from .line import Point
+
+#: What stands along a narrow pavement rather than across it.
+TWO_WHEELED = frozenset({"bicycle", "motorcycle", "scooter"})
+#: m between two things.
+APART = 0.06
+#: m along the street between the points of a lane, and from bend to bend of it.
+STEP, WANDER = 2.0, 11.0
+#: m at both ends of the road that stay free.
+ENDS = 4.0
+#: m before and after a crosswalk that nothing stands on.
+MOUTH = CROSSWALK_HALF + 0.5
+
+
+class Filler:
+    """Collects the objects of a block.
+
+    Places are given as s (m along the street), side (+1 left, -1 right) and v (m from the kerb, negative on the road).
+    """
+
+    def __init__(self, plan: Plan, rng: random.Random) -> None:
+        self.plan, self.rng, self.line = plan, rng, plan.line
+        self.objects: list[GraphObject] = []
+        self._counts: dict[str, int] = {}
+        self._shapes: list[BaseGeometry] = []
+        self._bounds: list[tuple[float, float, float, float]] = []
+        self.blocked: dict[int, list[tuple[float, float]]] = {1: [], -1: []}
+        self.lanes = {side: self._lane(side) for side in (1, -1) if plan.walked(side)}
+        self._closed: list[BaseGeometry] = []
+
+    def uniform(self, low: float, high: float) -> float:
+        return low + (high - low) * self.rng.random()
+
+    def chance(self, share: float) -> bool:
+        return self.rng.random() < share
+
+    # -- what stays free ------------------------------------------------------------------------------------------
+
+    def _lane(self, side: int) -> list[Point]:
+        """(s, v) of the middle of a side's lane: it wanders between kerb and houses."""
+        plan = self.plan
+        low = plan.verge(side) + plan.profile.lane / 2 + 0.1
+        high = max(plan.width(side) - plan.profile.lane / 2 - 0.1, low)
+        knots = np.arange(0.0, self.line.length + WANDER, WANDER)
+        wanted, at = [], self.uniform(low, high)
+        for _ in knots:
+            wanted.append(at)
+            at = min(max(at + self.uniform(-0.6, 0.6) * (high - low), low), high)
+        s = np.arange(0.0, self.line.length + STEP / 2, STEP)
+        return [(float(a), float(b)) for a, b in zip(s, np.interp(s, knots, wanted), strict=True)]
+
+    def close_zones(self) -> None:
+        """Fixes what stays free: lanes but for their blocked parts, crosswalks, mouths of side streets."""
+        plan, zones = self.plan, []
+        for side, lane in self.lanes.items():
+            half = plan.profile.lane / 2
+            run: list[Point] = []
+            for s, v in [*lane, (math.inf, 0.0)]:
+                shut = s == math.inf or any(a <= s <= b for a, b in self.blocked[side])
+                if not shut:
+                    run.append((s, v))
+                elif run:
+                    edges = [self.at(a, side, b - half) for a, b in run] + [
+                        self.at(a, side, b + half) for a, b in reversed(run)
+                    ]
+                    if len(run) > 1:
+                        zones.append(shapely.Polygon(edges).buffer(0))
+                    run = []
+        reach = plan.half + max(plan.profile.left, plan.profile.right)
+        zones += [self._box(c - MOUTH, c + MOUTH, -reach, reach) for c in plan.crosswalks]
+        for m in plan.side_streets:
+            near, far = m.side * (plan.half - 1.5), m.side * (plan.half + plan.width(m.side) + 0.2)
+            zones.append(self._box(m.begin - END_RAMP, m.end + END_RAMP, near, far))
+        self._closed = zones
+
+    def _box(self, s0: float, s1: float, t0: float, t1: float) -> shapely.Polygon:
+        piece = self.line.piece_at((s0 + s1) / 2)
+        return shapely.Polygon([self.line.place(s, t, piece) for s, t in ((s0, t0), (s1, t0), (s1, t1), (s0, t1))])
+
+    # -- placing --------------------------------------------------------------------------------------------------
+
+    def at(self, s: float, side: int, v: float) -> Point:
+        return self.line.place(s, side * (self.plan.half + v))
+
+    def level(self, side: int, s: float, v: float) -> float:
+        """z (m) of the ground, away from ramps."""
+        if v < 0 or (v < self.plan.front(side) and any(m.begin <= s <= m.end for m in self.plan.mouths(side))):
+            return 0.0
+        return self.plan.profile.kerb
+
+    def degrees(self, facing: str | float, side: int, s: float) -> float:
+        """World yaw in degrees of "street", "wall", "+", "-" (along or against the street), or degrees from along."""
+        turn = {"street": -90.0 * side, "wall": 90.0 * side, "+": 0.0, "-": 180.0}
+        relative = turn[facing] if isinstance(facing, str) else facing
+        return math.degrees(self.line.yaw(s)) + relative
+
+    def put(
+        self,
+        item: stock.Item,
+        s: float,
+        side: int,
+        v: float,
+        facing: str | float = "street",
+        foot: float | None = None,
+        free: bool = False,
+        lane: bool = False,
+    ) -> bool:
+        """Adds a thing if nothing is in its way.
+
+        Args:
+          foot: m above the ground where it hangs; None: it stands. free: nothing is asked. lane: it may stand in the
+            lane.
+        """
+        x, y = self.at(s, side, v)
+        yaw = passage.heading(self.degrees(facing, side, s))
+        along, _, up = item.size
+        stem = catalogue.STEMS.get(item.label)
+        if stem:
+            ahead = stem.offset * along / 2
+            x, y = x - ahead * math.cos(yaw), y - ahead * math.sin(yaw)
+        z = (foot or 0.0) + self.level(side, s, v) + up / 2
+        number = self._counts.get(item.label, 0)
+        name = f"{item.label.replace(' ', '_')}_{number:02d}"
+        center = (round(x, 3), round(y, 3), round(z, 4))
+        thing = GraphObject(name, item.label, center, item.size, yaw, 1.0, item.descriptor)
+        shape = passage.footprint(thing)
+        if not free and not self._fits(shape, lane):
+            return False
+        if foot is None and passage.is_obstacle(thing):
+            self._shapes.append(shape)
+            self._bounds.append(shape.bounds)
+        self._counts[item.label] = number + 1
+        self.objects.append(thing)
+        return True
+
+    def _fits(self, shape: BaseGeometry, lane: bool) -> bool:
+        wide = shape.buffer(APART)
+        if not lane and any(zone.intersects(shape) for zone in self._closed):
+            return False
+        if not self._bounds:
+            return True
+        x0, y0, x1, y1 = np.array(self._bounds).T
+        a0, b0, a1, b1 = wide.bounds
+        near = np.flatnonzero((x0 < a1) & (x1 > a0) & (y0 < b1) & (y1 > b0))
+        return not any(self._shapes[i].intersects(wide) for i in near)
+
+    def somewhere(
+        self,
+        names: stock.Mix,
+        side: int,
+        band: str,
+        facing: str | float | None = None,
+        tries: int = 25,
+        span: tuple[float, float] | None = None,
+    ) -> bool:
+        """One thing of a mix at a free place of a band: "kerb", "wall" or "any"."""
+        width, verge = self.plan.width(side), self.plan.verge(side)
+        a, b = span or (1.0, self.line.length - 1.0)
+        for _ in range(tries):
+            item = stock.draw(stock.pick(names, self.rng), self.rng)
+            s = self.uniform(a, b)
+            stem = catalogue.STEMS.get(item.label)
+            along, across = (stem.side, stem.side) if stem else item.size[:2]
+            turned = facing
+            if turned is None and item.label in TWO_WHEELED and band != "any" and width < 3.6:
+                turned = "+" if self.chance(0.5) else "-"
+            if turned is None:
+                turned = self.uniform(-180, 180) if band == "any" else ("street" if band == "wall" else "wall")
+            deep = along if turned in ("street", "wall") else across if turned in ("+", "-") else max(along, across)
+            if band == "kerb":
+                v = max(0.12 + deep / 2, self.uniform(0.2, max(verge, 0.5) - 0.1))
+            elif band == "wall":
+                v = width - 0.08 - deep / 2 - (self.uniform(0, 0.25) if width > 2.5 else 0.0)
+            else:
+                v = self.uniform(0.1 + deep / 2, max(width - deep / 2, 0.2 + deep / 2))
+            turn = self.degrees(turned, side, s) - math.degrees(self.line.yaw(s))
+            if self.put(item, s, side, v, turn + self.uniform(-4, 4)):
+                return True
+        return False
+
+    def stretch(self, side: int, length: float, road: bool = False) -> float:
+        """s where a stretch of a side begins at random, away from crosswalks and mouths."""
+        for _ in range(30):
+            s = self.uniform(ENDS, self.line.length - ENDS - length)
+            clear = all(c + MOUTH < s or c - MOUTH > s + length for c in self.plan.crosswalks)
+            if clear and all(m.end + END_RAMP < s or m.begin - END_RAMP > s + length for m in self.plan.mouths(side)):
+                return s
+        return self.uniform(ENDS, self.line.length - ENDS - length)
+
+    def sides(self) -> Sequence[int]:
+        """The sides that one walks on."""
+        return tuple(self.lanes)

@@ -1,0 +1,121 @@
+"""`CityProfile`: what a street of a city is made of, as one row of a reviewed table."""
+
+import dataclasses
+from typing import Literal
+
+from ...datatypes import validation as v
+
+#: (name, share): how often each comes, relative to the others. A name may end in "#2": the third base shape of a leaf.
+Mix = tuple[tuple[str, float], ...]
+Side = Literal["left", "right"]
+
+
+def mix(text: str) -> Mix:
+    """ "cafe#1 3, bar 2" as (("cafe#1", 3.0), ("bar", 2.0)); a name without a number counts once.
+
+    Raises:
+      NounError: an empty entry, or a share that is not above 0.
+    """
+    found = []
+    for entry in text.split(","):
+        words = entry.split()
+        if not words:
+            raise v.fail("mix", repr(text), "names with shares, parted by commas", "remove the empty entry")
+        share = float(words[-1]) if words[-1].replace(".", "", 1).isdigit() and len(words) > 1 else None
+        name = " ".join(words if share is None else words[:-1])
+        found.append((name, v.number(1.0 if share is None else share, f"mix {name!r}", above=0.0)))
+    return tuple(found)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class CityProfile:
+    """A street of a city.
+
+    Lengths are m, densities things per 100 m of one pavement (of the whole road for traffic).
+
+    Attributes:
+      continent, country, city, way: of the scene's id; the tour walks or drives.
+      drives: side of the road that one drives on.
+      road: width between the kerbs. left, right: widths of the pavements; below 1 m nobody walks there.
+      kerb: height. verge: green strip between kerb and pavement. yard: front gardens between pavement and houses.
+      bends: degrees by which the street turns at equal distances, positive to the left.
+      side_streets: how many open to either side. crosswalks: how many, spread evenly.
+      lane: width that stays free for whoever walks, except at `blocked` places per pavement.
+      houses: leaves of the fronts. height, frontage: their range. gaps: share of fronts with a gap (fence) after it.
+      parked_left, parked_right: share of the kerb taken by parked vehicles. parked: which.
+      on_pavement: vehicles parked on the pavement. traffic: which drive; moving: how many.
+      kerbside, wallside: what stands along the kerb and along the houses; furniture, clutter: how many.
+      people: which; crowd: how many.
+      groups: cafes, stalls, works ... (`groups.GROUPS`), with how many of each on the whole street.
+      hung: what hangs on the fronts; hangings: how many.
+      trees: growths (`stock.GROWTHS`). spacing: between them; 0 for none.
+      asphalt, paving, open_ground: materials of road, pavement, and verges and yards. skies: names of skies.
+      reason: why the numbers are what they are.
+    """
+
+    continent: str
+    country: str
+    city: str
+    way: Literal["walk", "drive"] = "walk"
+    drives: Side = "right"
+    road: float
+    left: float
+    right: float
+    kerb: float = 0.15
+    verge: float = 0.0
+    yard: float = 0.0
+    bends: tuple[float, ...] = ()
+    side_streets: int = 2
+    crosswalks: int = 3
+    lane: float = 1.5
+    blocked: int = 0
+    houses: Mix
+    height: tuple[float, float]
+    frontage: tuple[float, float] = (6.0, 14.0)
+    gaps: float = 0.0
+    parked_left: float = 0.5
+    parked_right: float = 0.5
+    parked: Mix
+    on_pavement: float = 0.0
+    traffic: Mix
+    moving: float = 3.0
+    kerbside: Mix
+    furniture: float = 16.0
+    wallside: Mix
+    clutter: float = 14.0
+    people: Mix
+    crowd: float = 8.0
+    groups: Mix = ()
+    hung: Mix = ()
+    hangings: float = 0.0
+    trees: Mix = ()
+    spacing: float = 0.0
+    asphalt: Mix
+    paving: Mix
+    open_ground: str = "grass"
+    skies: Mix
+    reason: str
+
+    def __post_init__(self) -> None:
+        where = f"profile of {self.city}"
+        v.choice(self.way, f"{where}: way", ("walk", "drive"))
+        v.choice(self.drives, f"{where}: drives", ("left", "right"))
+        for name, low, high in (("road", 3.0, 30.0), ("left", 0.4, 12.0), ("right", 0.4, 12.0), ("lane", 1.1, 4.0)):
+            v.number(getattr(self, name), f"{where}: {name}", low, high)
+        v.number(self.kerb, f"{where}: kerb", 0.06, 0.25)
+        v.number(max(self.left, self.right), f"{where}: the wider pavement", self.lane, 12.0)
+        v.text(self.reason, f"{where}: reason")
+        if any(abs(b) > 14.0 for b in self.bends):
+            raise v.fail(
+                f"{where}: bends", v.show(self.bends), "at most 14 degrees each", "spread them over more bends"
+            )
+
+    @property
+    def name(self) -> str:
+        """Continent_Country_City_way, without blanks and accents, as the authors name scenes."""
+        return "_".join((*(_plain(x) for x in (self.continent, self.country, self.city)), self.way))
+
+
+def _plain(text: str) -> str:
+    table = str.maketrans({"ã": "a", "á": "a", "é": "e", "í": "i", "ó": "o", "ü": "u", " ": "", "-": ""})
+    return text.translate(table)

@@ -1,0 +1,186 @@
+"""Cities of South America: profiles and their reasons."""
+
+from .mixes import BUSY, EUROPEAN_CARS
+from .profile import CityProfile
+from .profile import mix as m
+
+PROFILES = (
+    CityProfile(
+        continent="South America",
+        country="Argentina",
+        city="Buenos Aires",
+        road=7.6,
+        left=3.0,
+        right=3.0,
+        kerb=0.16,
+        bends=(),
+        side_streets=2,
+        crosswalks=3,
+        lane=1.5,
+        houses=m(
+            "hotel#0 2, apartment building#2 3, bakery#1 1, cafe#0 2, bookstore#1 2, bank#0 1, apartment "
+            "building#3 2, pharmacy#1 1"
+        ),
+        height=(9.0, 24.0),
+        frontage=(8.0, 12.0),
+        parked_left=0.8,
+        parked_right=0.15,
+        parked=EUROPEAN_CARS,
+        on_pavement=0,
+        traffic=m("taxi 5, hatchback car 3, bus 1.5, motorcycle rider 1"),
+        moving=4,
+        kerbside=m("trash bin 2, dumpster 2, kiosk#0 1.2, newspaper stand 1, bollard 1, dog 0.8, no parking sign 1"),
+        furniture=12,
+        wallside=m("chair 3, table#1 2, garbage bag 2, advertising board 2, potted plant 1, motorcycle 0.6, flower 1"),
+        clutter=12,
+        people=m("pedestrian adult 10, elderly person 2, dog 2.5, pedestrian child 1"),
+        crowd=9,
+        groups=m("cafe 5, skip 3, rubbish 3, stalls 1, spread lamppost 1, works 1"),
+        hung=m("awning 4, air conditioner 6, banner 1"),
+        hangings=22,
+        trees=m("blossom 3, street 2, wide 1"),
+        spacing=8.0,
+        asphalt=m("setts_granite 1, asphalt_old-patched 1"),
+        paving=m("flags_checks 1, tiles_black_white 0.6, flags_small-cracked 1"),
+        open_ground="earth",
+        skies=m("spring_noon-clear 1, autumn_noon-cirrus 1"),
+        reason="French-looking blocks beside tall party walls, jacarandas in bloom, kiosks for papers and "
+        "flowers, containers in the "
+        "road, dogs, broken small tiles, black-and-yellow taxis, parking along one side.",
+    ),
+    CityProfile(
+        continent="South America",
+        country="Brazil",
+        city="São Paulo",
+        road=9.0,
+        left=2.8,
+        right=3.0,
+        kerb=0.17,
+        bends=(-6.0, 5.0),
+        side_streets=3,
+        crosswalks=3,
+        lane=1.4,
+        blocked=1,
+        houses=m(
+            "apartment building#2 3, office building#0 2, office building#2 2, bank#2 1, bar#2 1, laundry 1, "
+            "auto repair shop 0.6, garage 1, apartment building#3 2"
+        ),
+        height=(6.0, 34.0),
+        frontage=(7.0, 14.0),
+        gaps=0.2,
+        parked_left=0.45,
+        parked_right=0.4,
+        parked=m("hatchback car 6, sedan 2, suv 2, motorcycle 3, van 0.7"),
+        on_pavement=2,
+        traffic=m("hatchback car 4, motorcycle rider 5, bus 1.5, taxi 1, truck 0.4"),
+        moving=6,
+        kerbside=m("utility pole 3, transformer tower 0.1, trash bin 1.5, garbage bag 3, bollard 1, motorcycle 1"),
+        furniture=14,
+        wallside=m(
+            "stool 3, table#0 2, storage box 2, garbage bag 2, mattress 0.6, tent 0.6, shopping cart 0.6, plant pot 1"
+        ),
+        clutter=13,
+        people=BUSY,
+        crowd=12,
+        groups=m("terrace 3, vendors 2, rubbish 4, bus stop 2, cluster motorcycle 3, spread utility pole 1, works 1"),
+        hung=m("air conditioner 4, banner 3, awning 2, surveillance camera 0.6"),
+        hangings=18,
+        trees=m("wide 1, street 1, palm 0.6"),
+        spacing=19.0,
+        asphalt=m("asphalt_used-patched 1, asphalt_old-cracked 1"),
+        paving=m("calcada_net 2, concrete_grey-cracked 1"),
+        open_ground="earth",
+        skies=m("summer_morning-thin_overcast 1, autumn_noon-stratocumulus 1"),
+        reason="Towers beside workshops and corner bars, broken mosaic pavements interrupted by driveways and "
+        "thick poles with wires, "
+        "couriers on motorcycles, people who live on the street, drizzle.",
+    ),
+    CityProfile(
+        continent="South America",
+        country="Brazil",
+        city="Rio de Janeiro",
+        road=8.0,
+        left=5.4,
+        right=3.2,
+        kerb=0.15,
+        bends=(8.0,),
+        side_streets=2,
+        crosswalks=3,
+        lane=1.8,
+        houses=m(
+            "hotel#2 3, apartment building#2 3, juice bar#0 1.5, juice bar#1 1.5, pharmacy#0 1, bar#1 1, "
+            "apartment building#3 1"
+        ),
+        height=(5.0, 28.0),
+        frontage=(8.0, 13.0),
+        parked_left=0.4,
+        parked_right=0.45,
+        parked=m("hatchback car 5, taxi 2, suv 2, motorcycle 1, bicycle 2"),
+        traffic=m("taxi 5, hatchback car 3, bus 1.5, cyclist 1"),
+        moving=4,
+        kerbside=m("bicycle 3, trash bin 2, kiosk 1.2, bench 1, bicycle rental 0.2, newspaper stand 1"),
+        furniture=13,
+        wallside=m("chair 4, table#1 2, beach chair 3, surfboard 0.8, umbrella 1, potted plant 1, stool 2"),
+        clutter=13,
+        people=m("pedestrian adult 10, jogger 3, pedestrian child 1, dog 1.5, roller skater 0.8"),
+        crowd=11,
+        groups=m("stalls 4, cafe 4, vendors 2, seats 2, cluster bicycle 2, spread lamppost 1"),
+        hung=m("awning 4, air conditioner 7, banner 1"),
+        hangings=22,
+        trees=m("palm 4, wide 1"),
+        spacing=10.0,
+        asphalt=m("asphalt_used 1"),
+        paving=m("calcada_waves 1"),
+        open_ground="grass_dry",
+        skies=m("summer_noon-few_cumulus 2, summer_afternoon-scattered_cumulus 1"),
+        reason="Near the beach: black and white waves underfoot, palms, juice bars and kiosks with plastic "
+        "chairs, joggers and "
+        "bathers, yellow taxis, white blocks with air conditioners.",
+    ),
+    CityProfile(
+        continent="South America",
+        country="Colombia",
+        city="Bogotá",
+        road=7.0,
+        left=2.4,
+        right=2.2,
+        kerb=0.18,
+        bends=(6.0, -8.0),
+        side_streets=3,
+        crosswalks=3,
+        lane=1.4,
+        blocked=1,
+        houses=m(
+            "clothing store#1 2, bookstore#0 2, convenience store#2 2, apartment building#1 4, house#2 2, cafe#1 "
+            "1, tattoo shop#0 1, bakery#2 1"
+        ),
+        height=(6.0, 15.0),
+        frontage=(6.0, 11.0),
+        parked_left=0.35,
+        parked_right=0.3,
+        parked=m("taxi 2, hatchback car 4, motorcycle 3, suv 1, van 1"),
+        on_pavement=2,
+        traffic=m("taxi 3, bus 2, motorcycle rider 4, cyclist 2, van 1, handcart 1"),
+        moving=6,
+        kerbside=m("bollard 5, trash bin 1.5, utility pole 2, dog 1.5, traffic cone 1, fire hydrant 0.4"),
+        furniture=15,
+        wallside=m(
+            "storage box 3, chair 2, garbage bag 3, stool 1, advertising board 2, potted plant 1, barrel or bucket 1"
+        ),
+        clutter=14,
+        people=BUSY,
+        crowd=12,
+        groups=m("vendors 4, stalls 2, row bollard 4, rubbish 3, cluster motorcycle 2, spread utility pole 1, works 2"),
+        hung=m("banner 3, awning 3"),
+        hangings=14,
+        trees=m("street 1, street 1"),
+        spacing=21.0,
+        asphalt=m("concrete_pale-cracked 1, asphalt_old-patched 1"),
+        paving=m("brick_red_running 2, blocks_grey-worn 1"),
+        open_ground="grass",
+        skies=m("spring_noon-overcast 2, autumn_noon-broken_cumulus 1"),
+        reason="Red brick nearly everywhere, houses and pavements; rows of bollards against parking, carts with "
+        "sweets and fruit, "
+        "yellow taxis and buses, stray dogs, heavy clouds over the Andes.",
+    ),
+)

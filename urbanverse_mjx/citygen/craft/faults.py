@@ -1,0 +1,96 @@
+"""What an eye would object to in a composed scene: things off the ground or in one another, gaps, a blocked way."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+import shapely.ops
+
+from ...datatypes import GraphObject
+from ...datatypes.ground import PAINT_KINDS
+from .. import passage
+from ..stage import Stage
+from . import ground_layers
+
+#: Free width (m) that a tour must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
+PASSAGE = 1.2
+#: m over the ground up to which a thing's foot counts as meant to stand on it.
+NEAR = 0.3
+#: m², more than this two things may not share seen from above.
+TOUCH = 0.02
+#: m between the highest and the lowest ground under a thing from which it stands over a kerb.
+ASTRIDE = 0.035
+#: m from a point of the tour within which there must be a free place.
+REACH = 1.0
+
+
+def problems(stage: Stage, tour: Sequence[tuple[float, float]], width: float = PASSAGE) -> list[str]:
+    """Sentences on things off the ground, in one another or half over a kerb, on gaps, and on a blocked tour."""
+    found = ground_layers.seams([r for r in stage.regions if r.kind not in PAINT_KINDS])
+    standing = [o for o in stage.objects if passage.is_obstacle(o) and foot(stage, o) < NEAR]
+    for thing in standing:
+        if abs(foot(stage, thing)) > 2e-3:
+            found.append(f"{thing.id} stands {foot(stage, thing):.2f} m off the ground")
+        if not _carried(stage, thing):
+            found.append(f"{thing.id} stands beside the ground")
+        elif _astride(stage, thing):
+            found.append(f"{thing.id} stands half over a kerb")
+    return found + _touching(standing) + _blocked(stage, standing, tour, width)
+
+
+def foot(stage: Stage, thing: GraphObject) -> float:
+    """m, how far a thing's box begins above the ground."""
+    spot = passage.footprint(thing).centroid
+    return thing.center[2] - thing.size[2] / 2 - stage.ground_height(spot.x, spot.y)
+
+
+def is_house(stage: Stage, thing: GraphObject) -> bool:
+    """Whether a thing is as large as a house, whose back needs no ground."""
+    return stage.sizes[thing.label][0][0] >= 5.0 and thing.size[2] >= 3.2 and thing.size[1] >= 4.0
+
+
+def _carried(stage: Stage, thing: GraphObject) -> bool:
+    shape = passage.footprint(thing)
+    spot = shape if is_house(stage, thing) else shape.centroid
+    return stage.on_ground(spot)
+
+
+def _astride(stage: Stage, thing: GraphObject) -> bool:
+    if is_house(stage, thing):
+        return False
+    corners = shapely.get_coordinates(passage.footprint(thing).exterior)[:-1]
+    heights = [stage.ground_height(x, y) for x, y in corners]
+    return max(heights) - min(heights) > ASTRIDE
+
+
+def _touching(standing: Sequence[GraphObject]) -> list[str]:
+    shapes = [passage.footprint(o) for o in standing]
+    boxes = np.array(shapes, dtype=object)
+    found = []
+    for i, j in shapely.STRtree(boxes).query(boxes, predicate="intersects").T:
+        share = shapes[i].intersection(shapes[j]).area if i < j else 0.0
+        if share > TOUCH:
+            found.append(f"{standing[i].id} and {standing[j].id} share {share:.2f} m²")
+    return found
+
+
+def _blocked(
+    stage: Stage, standing: Sequence[GraphObject], tour: Sequence[tuple[float, float]], width: float
+) -> list[str]:
+    space = passage.free_space(stage.regions, standing, width)
+    pieces = [p for p in shapely.get_parts(space) if isinstance(p, shapely.Polygon)]
+    homes = []
+    for x, y in tour:
+        point = shapely.Point(x, y)
+        near = max(
+            (k for k, p in enumerate(pieces) if p.distance(point) <= REACH), key=lambda k: pieces[k].area, default=-1
+        )
+        if near < 0:
+            return [f"the tour's point ({x:g}, {y:g}) is more than {REACH:g} m from any free place"]
+        homes.append(near)
+    found = []
+    for i in (i for i in range(len(homes) - 1) if homes[i] != homes[i + 1]):
+        near, far = shapely.ops.nearest_points(pieces[homes[i]], pieces[homes[i + 1]])
+        where = f"where ({near.x:.1f}, {near.y:.1f}) and ({far.x:.1f}, {far.y:.1f}) do not meet"
+        found.append(f"the tour is blocked from {tour[i]} to {tour[i + 1]}, {where}")
+    return found

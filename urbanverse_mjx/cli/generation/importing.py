@@ -1,0 +1,38 @@
+"""Other people's recordings -> ours: the work behind `urbanverse gen import`."""
+
+import pathlib
+from collections.abc import Callable
+
+from ...datatypes import Recording, Source
+from ...datatypes import validation as v
+from ...distillation.readers import Kitti360Options, read_authors_tree, read_kitti360
+from .seeing import make_sees
+from .tours import TourOptions
+
+Report = Callable[[int, int], None]
+
+
+def import_kitti360(root: pathlib.Path, folder: pathlib.Path, options: Kitti360Options, report: Report) -> Recording:
+    """A stretch of a KITTI-360 sequence, with its own labels.
+
+    Raises:
+      NounError: see `read_kitti360`; or the folder is in use.
+    """
+    _free(folder)
+    return read_kitti360(root, folder, options, report)
+
+
+def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, tour: TourOptions, report: Report) -> Recording:
+    """A folder as UrbanVerse-Gen's authors document it; things and surfaces are seen anew.
+
+    Raises:
+      NounError: see `read_authors_tree` and `make_sees`; or the folder is in use.
+    """
+    _free(folder)
+    source = Source(root.absolute().name, tour.licence, tour.city, tour.country)
+    return read_authors_tree(root, folder, make_sees(tour), source, tour.rate, progress=report)
+
+
+def _free(folder: pathlib.Path) -> None:
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise v.fail(str(folder), "something there already", "a new or empty folder", "choose another")

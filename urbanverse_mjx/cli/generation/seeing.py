@@ -1,0 +1,41 @@
+"""Which model looks at the frames: the small network that comes with the package, or foundation models."""
+
+import pathlib
+
+from ... import settings
+from ...assets import ontology
+from ...datatypes import NounError
+from ...distillation.eye.seeing import Eye
+from ...distillation.perception import Sees
+from ...distillation.perception.foundation import FoundationSees
+from .listing import list_categories
+from .tours import TourOptions
+
+PERCEPTIONS = ("eye", "foundation")
+
+
+def make_sees(tour: TourOptions, frames: pathlib.Path | None = None) -> Sees:
+    """The model that the options name.
+
+    Args:
+      frames: folder of the tour's pictures. Where an endpoint is configured and frames were blurred it lists what to
+        look for in some of them; else the ontology does.
+
+    Raises:
+      NounError: no weights, a missing package, or no such perception.
+    """
+    if tour.perception == "eye":
+        return Eye.load()
+    if tour.perception != "foundation":
+        raise NounError(f"--perception: found {tour.perception!r}, needed one of {', '.join(PERCEPTIONS)}.")
+    labels = list(ontology.categories())
+    endpoint = settings.vision_endpoint()
+    if endpoint is not None and frames is not None:
+        if tour.blur is None:
+            raise NounError(
+                "URBANVERSE_VISION_URL: found an endpoint and no detector of faces and plates, needed --blur: frames "
+                "that are not blurred never leave this machine; name a detector or unset the address."
+            )
+        pictures = sorted(p for p in frames.iterdir() if p.suffix == ".png")
+        labels = list_categories(endpoint, pictures)
+    return FoundationSees.load(labels, None if tour.models is None else pathlib.Path(tour.models))

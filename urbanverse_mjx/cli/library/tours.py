@@ -1,0 +1,117 @@
+"""A block after a city, filmed and distilled: what a layout of UrbanVerse-160 or AutoBench comes from.
+
+The block's true graph is materialised once, filmed along its tour with exact poses, depth and masks, and thrown away:
+what is kept is the graph that UrbanVerse-Gen distils from the recording.
+"""
+
+import dataclasses
+import pathlib
+
+import numpy as np
+
+from ...assets.index import load_index
+from ...assets.label_priors import LabelPriors
+from ...assets.skies import build_sky
+from ...capture import CameraPath, TourOptions, tour
+from ...capture.path import camera_poses
+from ...capture.street import StreetGrid, street_grid
+from ...citygen.cities import CityProfile, block
+from ...citygen.cities.block import LENGTH, VERSION
+from ...datatypes import Recording, SceneBank, SceneGraph, Source
+from ...distillation import distil
+from ...materialisation import index_of, materialise_cousins
+from ...scene.bank import pack
+from ...scene.compiler import scene_geometry
+from ...scene.geometry import EpisodeTable
+from ..generation.distilling import DESCRIBE
+
+#: Pixels of the pictures: a bollard 8 m away is still 14 pixels high.
+SIZE = (320, 180)
+#: s between frames; rad that the camera looks to both sides in turn, and frames of one turn to and fro.
+PERIOD, SWAY, SWAY_FRAMES = 1.7, np.radians(38.0), 7
+PITCH = np.radians(5.0)
+#: m that a walker keeps from things, and how far the way is moved for it.
+_BODY, _REACH = 0.3, 3.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Tour:
+    """A filmed block: its bank of one scene, the recording with the truth beside it, and the distilled graph."""
+
+    bank: SceneBank
+    recording: Recording
+    graph: SceneGraph
+
+
+def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, length: float = LENGTH) -> Tour:
+    """Makes, films and distils one block.
+
+    Args:
+      profile, seed: of the block. name: id of the layout.
+      folder: of the recording, some 30 MB. length: m of street.
+
+    Raises:
+      NounError: a profile that asks for what the asset index does not hold, or a tour that saw no ground.
+    """
+    truth = block(profile, seed, name, length)
+    layout = materialise_cousins(truth, 1, kerb=0.0)[0].layout
+    geometry = scene_geometry(layout, index_of(layout))
+    geometry = dataclasses.replace(geometry, episodes=_one_episode(truth))
+    bank = pack([geometry], ["train"], {layout.sky: build_sky(layout.sky)})
+    options = TourOptions(width=SIZE[0], height=SIZE[1], samples=2)
+    recording = tour(bank, 0, folder, _way(truth, profile, bank), options)
+    graph = distil(recording, LabelPriors(load_index()), describe=DESCRIBE).graph
+    words = f"synthetic tour of a block that follows the statistics of {profile.city} (block {VERSION}, seed {seed})"
+    source = Source(words, "Apache-2.0", profile.city, profile.country)
+    return Tour(bank, recording, compact(dataclasses.replace(graph, id=name, source=source)))
+
+
+def _one_episode(truth: SceneGraph) -> EpisodeTable:
+    """What a bank wants of every scene; nobody drives here."""
+    (x, y, z, _), (gx, gy, gz, _) = truth.camera_path[0], truth.camera_path[-1]
+    goal, no = np.array([[gx, gy, gz]]), np.zeros(1, bool)
+    return EpisodeTable(
+        np.array([[x, y, z, 0.0]]), goal, goal[:, None], np.ones(1, np.int32), np.ones(1), no, no, np.array([-1.0])
+    )
+
+
+def _way(truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
+    """The block's tour, moved off things that came to stand in it, the camera looking to both sides in turn."""
+    path = np.array(truth.camera_path)
+    if profile.way == "walk":
+        path[:, :2] = _cleared(path[:, :2], street_grid(bank, 0))
+    count = np.arange(len(path))
+    yaw = path[:, 3] + SWAY * np.sin(2 * np.pi * count / SWAY_FRAMES)
+    return CameraPath(count * PERIOD, camera_poses(path[:, :3], yaw, PITCH))
+
+
+def _cleared(places: np.ndarray, street: StreetGrid) -> np.ndarray:
+    """(n, 2) m: places in something are moved to the nearest free one, if that is near."""
+    free = np.argwhere(street.clearance >= _BODY)
+    points = street.middle(free)
+    out = places.copy()
+    for k, place in enumerate(places):
+        if street.clearance[tuple(street.cell(place))] < _BODY and len(points):
+            away = np.linalg.norm(points - place, axis=1)
+            if away.min() <= _REACH:
+                out[k] = points[away.argmin()]
+    return out
+
+
+def compact(graph: SceneGraph) -> SceneGraph:
+    """The graph in whole millimetres and milliradians, scores in hundredths, every second place of the tour."""
+    objects = tuple(
+        dataclasses.replace(
+            o,
+            center=tuple(round(x, 3) for x in o.center),
+            size=tuple(max(round(x, 3), 0.001) for x in o.size),
+            yaw=round(o.yaw, 3),
+            score=round(o.score, 2),
+        )
+        for o in graph.objects
+    )
+    ground = tuple(
+        dataclasses.replace(r, plane=(*(round(p, 6) for p in r.plane[:2]), round(r.plane[2], 4))) for r in graph.ground
+    )
+    path = tuple(tuple(round(x, 2) for x in place) for place in graph.camera_path[::2])
+    return dataclasses.replace(graph, objects=objects, ground=ground, camera_path=path)

@@ -1,0 +1,82 @@
+"""What open-vocabulary detectors and box-prompted segmenters answer, as labels, boxes and one picture of masks."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+
+@dataclasses.dataclass(frozen=True)
+class Boxes:
+    """k things found: box (k, 4) left, top, right, bottom in pixels; label (k,) row of the queries; score (k,)."""
+
+    box: np.ndarray
+    label: np.ndarray
+    score: np.ndarray
+
+
+def decode_owl(logits: np.ndarray, boxes: np.ndarray, height: int, width: int, least: float) -> Boxes:
+    """OWLv2's answer (Minderer et al., NeurIPS 2023).
+
+    Args:
+      logits: (p, q) of every patch for every query. boxes: (p, 4) centre, width and height in shares of the square that
+        the picture was padded to at its right and bottom.
+      height, width: of the picture. least: smallest score.
+    """
+    score = 1.0 / (1.0 + np.exp(-logits.astype(np.float64)))
+    label = score.argmax(1)
+    best = score[np.arange(len(score)), label]
+    cx, cy, w, h = boxes.astype(np.float64).T * max(height, width)
+    corners = np.stack([cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2], 1)
+    corners = np.clip(corners, 0, [width, height, width, height])
+    keep = (best >= least) & (corners[:, 2] - corners[:, 0] >= 1) & (corners[:, 3] - corners[:, 1] >= 1)
+    return Boxes(corners[keep], label[keep], best[keep])
+
+
+def joined(parts: Sequence[Boxes], starts: Sequence[int]) -> Boxes:
+    """Answers to several lists of queries as one; `starts`: number of each list's first query."""
+    return Boxes(
+        np.concatenate([p.box for p in parts]),
+        np.concatenate([p.label + s for p, s in zip(parts, starts, strict=True)]),
+        np.concatenate([p.score for p in parts]),
+    )
+
+
+def suppressed(found: Boxes, most: float = 0.6) -> Boxes:
+    """The surest of boxes that overlap by more than `most` (of their joint area), whatever their labels: words that
+    mean nearly the same find one thing twice."""
+    order = np.argsort(-found.score, kind="stable")
+    kept: list[int] = []
+    for i in order:
+        low = np.maximum(found.box[i, :2], found.box[kept, :2])
+        high = np.minimum(found.box[i, 2:], found.box[kept, 2:])
+        shared = np.prod(np.maximum(high - low, 0.0), axis=-1)
+        joint = _area(found.box[i]) + _area(found.box[kept]) - shared
+        if not (shared > most * joint).any():
+            kept.append(int(i))
+    return Boxes(found.box[kept], found.label[kept], found.score[kept])
+
+
+def _area(box: np.ndarray) -> np.ndarray:
+    return (box[..., 2] - box[..., 0]) * (box[..., 3] - box[..., 1])
+
+
+def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple[np.ndarray, np.ndarray]:
+    """One picture of masks: small things lie on top of large ones, as what stands in front of a wall does.
+
+    Args:
+      masks: (k, H, W) bool. score: (k,).
+
+    Returns:
+      (H, W) i32 row of what is kept, -1 = none; and (n,) the numbers of what is kept, surest first.
+    """
+    area = masks.sum((1, 2))
+    picture = np.full(masks.shape[1:], -1, np.int32)
+    for k in np.argsort(-area, kind="stable"):
+        picture[masks[k]] = k
+    left = np.bincount(picture[picture >= 0], minlength=len(masks))
+    kept = np.flatnonzero(left >= least_pixels)
+    kept = kept[np.argsort(-score[kept], kind="stable")]
+    row = np.full(len(masks) + 1, -1, np.int32)
+    row[kept] = np.arange(len(kept))
+    return row[picture], kept

@@ -1,0 +1,82 @@
+"""Loads a model of the transformers library from a folder or by its name on the hub."""
+
+import dataclasses
+import importlib
+import pathlib
+from typing import Any
+
+from ....datatypes import NounError
+
+
+@dataclasses.dataclass(frozen=True)
+class Part:
+    """One model: folder below the models' folder, name on the hub, its classes in `transformers`."""
+
+    folder: str
+    hub: str
+    model: str
+    processor: str
+
+
+DETECTOR = Part("owlv2", "google/owlv2-base-patch16-ensemble", "Owlv2ForObjectDetection", "Owlv2Processor")
+SEGMENTER = Part("sam2", "facebook/sam2.1-hiera-small", "Sam2Model", "Sam2Processor")
+GROUND = Part(
+    "mask2former",
+    "facebook/mask2former-swin-large-mapillary-vistas-semantic",
+    "Mask2FormerForUniversalSegmentation",
+    "AutoImageProcessor",
+)
+DEPTH = Part(
+    "depth",
+    "depth-anything/Depth-Anything-V2-Metric-Outdoor-Small-hf",
+    "AutoModelForDepthEstimation",
+    "AutoImageProcessor",
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Loaded:
+    """A model in evaluation mode and what prepares its inputs; `device` is where it lies."""
+
+    model: Any
+    processor: Any
+    device: str
+
+
+def load(part: Part, models: pathlib.Path | None) -> Loaded:
+    """Loads a part.
+
+    Args:
+      models: folder with a folder per part; a part that is not there, and None, mean the name on the hub.
+
+    Raises:
+      NounError: torch or transformers is not installed, or there are no weights.
+    """
+    torch, transformers = _module("torch"), _module("transformers")
+    local = models is not None and (models / part.folder).is_dir()
+    name = str(models / part.folder) if models is not None and local else part.hub
+    try:
+        processor = getattr(transformers, part.processor).from_pretrained(name)
+        model = getattr(transformers, part.model).from_pretrained(name)
+    except AttributeError as error:
+        raise NounError(
+            f"transformers {transformers.__version__}: found no {part.model}, needed a newer version; "
+            "`pip install -U transformers`."
+        ) from error
+    except (OSError, ValueError) as error:
+        raise NounError(
+            f"{part.folder}: found no weights under {name!r} ({str(error).splitlines()[0][:100]}), needed the network "
+            f"once or a folder {part.folder!r} with them below --models."
+        ) from error
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    return Loaded(model.to(device).eval(), processor, device)
+
+
+def _module(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        raise NounError(
+            f"--perception foundation: found no package {name!r}, needed it; "
+            'install `pip install "urbanverse_mjx[foundation]"`, or leave the option out for the small network.'
+        ) from error

@@ -1,0 +1,96 @@
+"""`FoundationSees`: OWLv2 finds boxes, SAM 2 their masks, Mask2Former the ground, a metric model the depth."""
+
+import dataclasses
+import pathlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from ....datatypes import Detection
+from ..sight import Sight
+from . import boxes, grounds
+from .loading import DEPTH, DETECTOR, GROUND, SEGMENTER, Loaded, load
+
+#: Queries that OWLv2 is asked at once, and what its scores mean little below (they are of sigmoids, low by nature).
+QUERIES, LEAST_SCORE = 64, 0.2
+
+
+@dataclasses.dataclass(frozen=True)
+class FoundationSees:
+    """`Sees` by four models. Make it with `load`.
+
+    Attributes:
+      labels: what is looked for; detector, segmenter, ground, depth: the models; codes: surfaces of ground's classes.
+    """
+
+    labels: tuple[str, ...]
+    detector: Loaded
+    segmenter: Loaded
+    ground: Loaded
+    depth: Loaded
+    codes: np.ndarray
+
+    @staticmethod
+    def load(labels: Sequence[str], models: pathlib.Path | None = None) -> "FoundationSees":
+        """Loads the models from folders `owlv2`, `sam2`, `mask2former` and `depth` below `models`, or from the hub.
+
+        Raises:
+          NounError: a package or weights are missing.
+        """
+        parts = [load(part, models) for part in (DETECTOR, SEGMENTER, GROUND, DEPTH)]
+        names = {int(k): str(name) for k, name in parts[2].model.config.id2label.items()}
+        return FoundationSees(tuple(labels), *parts, grounds.surface_codes(names))
+
+    def __call__(self, rgb: np.ndarray, focal: float, /) -> Sight:
+        """See `Sees`; the metric model knows no lens, so its depth is corrected by the scale that poses give."""
+        picture = Image.fromarray(rgb)
+        found = boxes.suppressed(self._detect(picture))
+        masks, kept = boxes.paint(self._masks(picture, found), found.score)
+        things = tuple(Detection(self.labels[found.label[k]], float(found.score[k])) for k in kept)
+        surfaces = self.codes[self._classes(picture)]
+        # What a thing's mask covers is the thing, whatever the ground's model says.
+        return Sight(np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, things, self._depth(picture))
+
+    def _detect(self, picture: Image.Image) -> boxes.Boxes:
+        starts = range(0, len(self.labels), QUERIES)
+        parts = []
+        for start in starts:
+            texts = [[f"a photo of a {label}" for label in self.labels[start : start + QUERIES]]]
+            answer = _ask(self.detector, text=texts, images=picture)
+            logits, where = (x[0].float().cpu().numpy() for x in (answer.logits, answer.pred_boxes))
+            parts.append(boxes.decode_owl(logits, where, picture.height, picture.width, LEAST_SCORE))
+        return boxes.joined(parts, list(starts))
+
+    def _masks(self, picture: Image.Image, found: boxes.Boxes) -> np.ndarray:
+        """(k, H, W) bool."""
+        if not len(found.box):
+            return np.zeros((0, picture.height, picture.width), bool)
+        inputs = self.segmenter.processor(images=picture, input_boxes=[found.box.tolist()], return_tensors="pt")
+        answer = _answer(self.segmenter, inputs, multimask_output=False)
+        masks = self.segmenter.processor.post_process_masks(answer.pred_masks.cpu(), inputs["original_sizes"])[0]
+        return np.asarray(masks)[:, 0].astype(bool)
+
+    def _classes(self, picture: Image.Image) -> np.ndarray:
+        """(H, W) numbers of classes."""
+        answer = _ask(self.ground, images=picture)
+        sizes = [(picture.height, picture.width)]
+        return np.asarray(self.ground.processor.post_process_semantic_segmentation(answer, target_sizes=sizes)[0].cpu())
+
+    def _depth(self, picture: Image.Image) -> np.ndarray:
+        """(H, W) f32 m."""
+        depth = _ask(self.depth, images=picture).predicted_depth[0].float().cpu().numpy()
+        scaled = Image.fromarray(depth, "F").resize(picture.size, Image.Resampling.BILINEAR)
+        return np.maximum(np.asarray(scaled, np.float32), 0.0)
+
+
+def _ask(part: Loaded, **given: Any) -> Any:
+    return _answer(part, part.processor(**given, return_tensors="pt"))
+
+
+def _answer(part: Loaded, inputs: Any, **options: Any) -> Any:
+    import torch
+
+    with torch.inference_mode():
+        return part.model(**inputs.to(part.device), **options)

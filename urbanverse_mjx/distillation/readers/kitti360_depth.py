@@ -1,0 +1,91 @@
+"""Depth for KITTI-360's frames, which come without any: the laser's points, or the annotated boxes and the road."""
+
+import pathlib
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import scipy.ndimage
+from scipy.spatial import ConvexHull, QhullError
+
+from ...datatypes import Camera, Detection
+from ...datatypes import validation as v
+from ...datatypes.recording import SKY
+from .kitti360_boxes import Kitti360Box
+
+#: m, the cameras over the road (the data set's sensor drawing).
+CAMERA_HEIGHT = 1.55
+#: Pixels to which one of the laser's points spreads: its lines lie 6 to 8 pixels apart.
+_SPREAD = 3
+#: m; farther the road is seen too flat for its level to say how far it is.
+_ROAD_RANGE = 40.0
+
+
+def scan_depth(path: pathlib.Path, T_camera_scan: np.ndarray, camera: Camera) -> np.ndarray:
+    """(H, W) f32 m: every pixel within `_SPREAD` of a point takes the nearest point's depth, 0 elsewhere.
+
+    Raises:
+      NounError: no such scan, or one that is no list of four floats each.
+    """
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise v.fail(str(path), f"no readable scan ({error})", "one per frame", "use the boxes for depth") from error
+    if len(raw) % 16:
+        raise v.fail(str(path), f"{len(raw)} bytes", "four float32 for every point", "download it again")
+    points = np.frombuffer(raw, "<f4").reshape(-1, 4)[:, :3] @ T_camera_scan[:3, :3].T + T_camera_scan[:3, 3]
+    points = points[points[:, 2] > 0.5]
+    u = np.floor(camera.fx * points[:, 0] / points[:, 2] + camera.cx).astype(int)
+    w = np.floor(camera.fy * points[:, 1] / points[:, 2] + camera.cy).astype(int)
+    inside = (u >= 0) & (u < camera.width) & (w >= 0) & (w < camera.height)
+    u, w, z = u[inside], w[inside], points[inside, 2]
+    sparse = np.full((camera.height, camera.width), np.inf, np.float32)
+    np.minimum.at(sparse, (w, u), z.astype(np.float32))
+    if not len(z):
+        return np.zeros_like(sparse)
+    away, at = scipy.ndimage.distance_transform_edt(np.isinf(sparse), return_indices=True)
+    return np.where(away <= _SPREAD, sparse[tuple(at)], 0.0).astype(np.float32)
+
+
+def boxes_depth(
+    masks: np.ndarray,
+    detections: Sequence[Detection],
+    surfaces: np.ndarray,
+    boxes: Mapping[str, Kitti360Box],
+    origin: np.ndarray,
+    T_world_camera: np.ndarray,
+    camera: Camera,
+) -> np.ndarray:
+    """(H, W) f32 m: a thing's pixels where their rays enter its box, the ground's where they meet the road's level.
+
+    Args:
+      masks, detections, surfaces: of the frame; tracks are the boxes' ids.
+      boxes: that hold at the frame; origin: (3,) m, of the recording's world in KITTI-360's.
+    """
+    rays = camera.rays() @ T_world_camera[:3, :3].T
+    eye = T_world_camera[:3, 3]
+    depth = np.zeros(masks.shape, np.float32)
+    down = rays[..., 2]
+    ground = (surfaces > 0) & (surfaces != SKY) & (down < 0)
+    level = np.where(ground, CAMERA_HEIGHT / np.maximum(-down, 1e-6), 0.0)
+    depth[:] = np.where(level < _ROAD_RANGE, level, 0.0)
+    for k, detection in enumerate(detections):
+        box = boxes.get(detection.track or "")
+        mine = masks == k
+        depth[mine] = 0.0 if box is None else _entry(box.corners - origin - eye, rays[mine])
+    return depth
+
+
+def _entry(corners: np.ndarray, rays: np.ndarray) -> np.ndarray:
+    """(n,) how often a ray (n, 3) from the zero point fits up to where it enters the hull of (k, 3) corners; 0 where
+    it passes by: outlines drawn by hand are a pixel or two wide."""
+    try:
+        planes = ConvexHull(corners).equations
+    except (QhullError, ValueError):
+        return np.zeros(len(rays))
+    along, offset = rays @ planes[:, :3].T, planes[:, 3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cross = -offset / along
+    enter = np.where(along < 0, cross, -np.inf).max(1)
+    leave = np.where(along > 0, cross, np.inf).min(1)
+    outside = ((along == 0) & (offset > 0)).any(1)
+    return np.where((enter > 0) & (enter <= leave) & ~outside, enter, 0.0)

@@ -1,0 +1,69 @@
+"""Which things of a street can be pushed in an episode: those nearest to its route.
+
+In:   an engine with body slots, the scene, the route.
+Out:  objects for `engine.init`, metrics.
+When: tables at construction; the rest at reset and every control step, inside jit, per env.
+"""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from ml_collections import ConfigDict
+
+from ..datatypes import NounError, SceneBank, SimState
+
+#: The episode ended by touching something that can be pushed; such a hit counts as one of an object, too.
+MOVABLE_METRICS = ("hit_movable",)
+
+
+def body_sizes(config: Any) -> dict[str, int] | None:
+    """Sizes of the body slots that an environment's config asks for: its `movable` in the scenario dynamic, else None
+    (also for policies trained before there were any).
+
+    Raises:
+      NounError: fewer things than none, or more awake than there are.
+    """
+    sizes = config.get("movable", None) if config.get("scenario", "static") == "dynamic" else None
+    if sizes is None or sizes.bodies == 0:
+        return None
+    if not 0 < sizes.awake <= sizes.bodies or sizes.hulls < 1:
+        raise NounError(
+            f"config.movable: found {ConfigDict(sizes).to_dict()}, needed bodies >= awake > 0 and hulls > 0; "
+            "set bodies to 0 for none."
+        )
+    return {name: int(sizes[name]) for name in ("bodies", "awake", "hulls")}
+
+
+class Movables:
+    """The things of every scene that can be pushed.
+
+    Args:
+      bank: the scenes. row: (Z, N) i32, -1 for what cannot be pushed. number: M, how many an env has.
+    """
+
+    def __init__(self, bank: SceneBank, row: np.ndarray, number: int) -> None:
+        found = [np.flatnonzero(r >= 0) for r in row]
+        width = max([number, *(len(f) for f in found)])
+        things = np.full((len(row), width), -1, np.int32)
+        for line, slots in zip(things, found, strict=True):
+            line[: len(slots)] = slots
+        place = np.take_along_axis(bank.slot_position[..., :2], np.maximum(things, 0)[..., None], axis=1)
+        self._things, self._place, self._number = jnp.asarray(things), jnp.asarray(place, jnp.float32), number
+
+    def near(self, scene: Any, start: Any, waypoints: Any) -> Any:
+        """(M,) i32, objects nearest to the route start (3,), waypoints (W, 3) m; -1 where a scene has fewer."""
+        points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
+        begin, span = points[:-1], jnp.diff(points, axis=0)
+        away = self._place[scene][:, None] - begin
+        share = (away * span).sum(-1) / jnp.maximum((span * span).sum(-1), 1e-9)
+        distance = jnp.linalg.norm(away - jnp.clip(share, 0.0, 1.0)[..., None] * span, axis=-1).min(-1)
+        _, pick = jax.lax.top_k(-jnp.where(self._things[scene] >= 0, distance, jnp.inf), self._number)
+        return self._things[scene][pick]
+
+    def metrics(self, sim: SimState, ended: Any) -> dict[str, Any]:
+        """`MOVABLE_METRICS`; ended: () bool, with a touch of an object."""
+        hit = sim.contacts.hit_object
+        mine = (hit >= 0) & (hit == sim.bodies.thing).any()
+        return {MOVABLE_METRICS[0]: (ended & mine).astype(jnp.float32)}

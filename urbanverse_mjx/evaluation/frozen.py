@@ -1,0 +1,274 @@
+"""Frozen protocols: which episodes of which scenes a benchmark drives, as a file that never changes.
+
+In:   a bank (`freeze`), or a file and a bank (`Protocol.load`, `Protocol.on`).
+Out:  the file; the bank with the frozen episodes in place of its own tables, and which of them to drive.
+When: once per benchmark; before every run.
+
+A file holds the canonical hash of each scene, and start, goal, way and seed of every episode: tables that are planned
+anew do not change a benchmark, and a scene that has changed is refused by its name.
+"""
+
+import dataclasses
+import json
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..datatypes import NounError, SceneBank
+from ..datatypes import validation as v
+from ..datatypes.hashing import content_hash
+from .rollouts import EpisodeSet
+
+SCHEMA = "urbanverse.protocol/1"
+#: Runs of the protocol `paper`: every scene once each (paper: "five runs per scene").
+RUNS = 5
+KINDS = ("paper", "full")
+#: m, decimals of places, and rad, of angles, in a file: 1 mm and 0.1 mrad.
+_DECIMALS = (3, 3, 3, 4)
+
+
+@dataclasses.dataclass(frozen=True)
+class FrozenEpisode:
+    """One episode.
+
+    Attributes:
+      start: x, y, z of the ground (m), yaw (rad). goal: x, y, z (m).
+      way: waypoints x, y, z (m) of the shortest way, every 5 m and the goal. length: m, of the way.
+      seed: of what draws along the way.
+    """
+
+    start: tuple[float, ...]
+    goal: tuple[float, ...]
+    way: tuple[tuple[float, ...], ...]
+    length: float
+    seed: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", v.vector(self.start, "episode.start", 4))
+        object.__setattr__(self, "goal", v.vector(self.goal, "episode.goal", 3))
+        way = tuple(v.vector(p, f"episode.way[{i}]", 3) for i, p in enumerate(v.items(self.way, "episode.way", 1)))
+        object.__setattr__(self, "way", way)
+        v.number(self.length, "episode.length", above=0.0)
+        v.integer(self.seed, "episode.seed", 0)
+
+
+@dataclasses.dataclass(frozen=True)
+class FrozenScene:
+    """The episodes of one scene; hash: canonical, of its layout."""
+
+    id: str
+    hash: str
+    episodes: tuple[FrozenEpisode, ...]
+
+    def __post_init__(self) -> None:
+        v.text(self.id, "scene.id")
+        v.text(self.hash, f"scene {self.id!r}.hash")
+        object.__setattr__(self, "episodes", tuple(self.episodes))
+
+
+@dataclasses.dataclass(frozen=True)
+class Protocol:
+    """A benchmark.
+
+    Attributes:
+      name: e.g. "craftbench". paper_scenes: ids of the scenes that the protocol `paper` drives.
+      scenes: all of them, which the protocol `full` drives.
+    """
+
+    name: str
+    paper_scenes: tuple[str, ...]
+    scenes: tuple[FrozenScene, ...]
+
+    def __post_init__(self) -> None:
+        v.text(self.name, "protocol.name")
+        object.__setattr__(self, "paper_scenes", tuple(self.paper_scenes))
+        object.__setattr__(self, "scenes", tuple(self.scenes))
+        ids = [s.id for s in self.scenes]
+        if not ids or len(set(ids)) != len(ids):
+            raise v.fail(f"protocol {self.name!r}", f"{len(ids)} scenes, {len(set(ids))} names", "scenes, named once")
+        for scene in self.paper_scenes:
+            v.choice(scene, f"protocol {self.name!r}.paper_scenes", ids)
+
+    def content_hash(self) -> str:
+        """Canonical hash of the list."""
+        return content_hash(dataclasses.asdict(self))
+
+    def to_json(self) -> dict[str, Any]:
+        return {"schema": SCHEMA, "hash": self.content_hash(), **dataclasses.asdict(self)}
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the file, an episode a line: a change shows as what it is."""
+        body = self.to_json()
+        scenes = []
+        for scene in body.pop("scenes"):
+            rows = ",\n".join("   " + json.dumps(e, separators=(",", ":")) for e in scene.pop("episodes"))
+            scenes.append(f'  {json.dumps(scene)[:-1]}, "episodes": [\n{rows}\n  ]}}')
+        joined = ",\n".join(scenes)
+        text = f'{json.dumps(body)[:-1]}, "scenes": [\n{joined}\n]}}\n'
+        v.write_atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> "Protocol":
+        """Reads a file.
+
+        Raises:
+          NounError: no protocol, or one whose content is not what its hash was taken of.
+        """
+        m = v.mapping(v.read_json(path, "protocol"), "protocol", ("schema", "hash", "name", "paper_scenes", "scenes"))
+        v.choice(m["schema"], "protocol.schema", (SCHEMA,))
+        scenes = []
+        for i, value in enumerate(v.items(m["scenes"], "protocol.scenes")):
+            s = v.mapping(value, f"protocol.scenes[{i}]", ("id", "hash", "episodes"))
+            names = [f.name for f in dataclasses.fields(FrozenEpisode)]
+            rows = [FrozenEpisode(**v.mapping(e, f"scene {s['id']!r}", names)) for e in v.items(s["episodes"], "rows")]
+            scenes.append(FrozenScene(s["id"], s["hash"], tuple(rows)))
+        found = Protocol(m["name"], tuple(m["paper_scenes"]), tuple(scenes))
+        if found.content_hash() != m["hash"]:
+            raise v.fail(
+                str(path), "episodes that do not fit their hash", "a list as it was frozen", "restore the file from git"
+            )
+        return found
+
+    def on(self, bank: SceneBank, kind: str = "full", limit: int | None = None) -> "Runs":
+        """The frozen episodes in a bank.
+
+        Args:
+          kind: "paper": `RUNS` runs over `paper_scenes`, one episode each; "full": every episode of every scene.
+          limit: at most so many scenes, the first ones.
+
+        Raises:
+          NounError: unknown kind, a scene that is missing or is another one.
+        """
+        v.choice(kind, "protocol", KINDS)
+        scenes = [s for s in self.scenes if kind == "full" or s.id in self.paper_scenes][:limit]
+        hashes = bank.meta.get("hashes", {})
+        for scene in scenes:
+            if scene.id not in bank.scene_ids:
+                raise NounError(
+                    f"benchmark {self.name!r}: found no scene {scene.id!r} in the bank, needed it; build the bank with "
+                    "the command of this version."
+                )
+            if hashes.get(scene.id) != scene.hash:
+                raise NounError(
+                    f"scene {scene.id!r}: found hash {str(hashes.get(scene.id))[:12]}, needed {scene.hash[:12]} as "
+                    f"benchmark {self.name!r} was frozen; build the scenes of that version."
+                )
+        count = [RUNS if kind == "paper" else len(s.episodes) for s in scenes]
+        for scene, wanted in zip(scenes, count, strict=True):
+            if len(scene.episodes) < wanted:
+                raise NounError(f"scene {scene.id!r}: found {len(scene.episodes)} frozen episodes, needed {wanted}.")
+        rows = [bank.scene_ids.index(s.id) for s in scenes]
+        number = np.concatenate([np.arange(n) for n in count])
+        which = np.repeat(np.array(rows, np.int32), count)
+        seeds = [s.episodes[i].seed for s, n in zip(scenes, count, strict=True) for i in range(n)]
+        episodes = EpisodeSet(which, number.astype(np.int32), 0, np.array(seeds, np.uint32))
+        return Runs(self, kind, tuple(s.id for s in scenes), _with_episodes(bank, rows, scenes), episodes)
+
+
+@dataclasses.dataclass(frozen=True)
+class Runs:
+    """A protocol in a bank, ready to be driven.
+
+    Attributes:
+      kind: see `KINDS`. scenes: ids. bank: whose tables of these scenes are the frozen ones.
+      episodes: what to drive; under `paper` the run of an episode is its number in its scene.
+    """
+
+    protocol: Protocol
+    kind: str
+    scenes: tuple[str, ...]
+    bank: SceneBank
+    episodes: EpisodeSet
+
+
+def _with_episodes(bank: SceneBank, rows: Sequence[int], scenes: Sequence[FrozenScene]) -> SceneBank:
+    """The bank with other episode tables in some rows; the other rows keep as many of theirs as there is room for."""
+    most = max(len(s.episodes) for s in scenes)
+    longest = max(max(len(e.way) for e in s.episodes) for s in scenes)
+    longest = max(longest, bank.episode_waypoints.shape[2])
+
+    def table(old: np.ndarray, *more: int) -> np.ndarray:
+        new = np.zeros((bank.num_scenes, most, *more), old.dtype)
+        part = old[:, :most]
+        new[:, : part.shape[1]] = part
+        return new
+
+    start, goal = table(bank.episode_start, 4), table(bank.episode_goal, 3)
+    number, length = table(bank.episode_num_waypoints), table(bank.episode_length)
+    old = bank.episode_waypoints
+    old = np.concatenate([old, np.repeat(old[:, :, -1:], longest - old.shape[2], 2)], 2)
+    way, total = table(old, longest, 3), np.minimum(bank.num_episodes, most)
+    for row, scene in zip(rows, scenes, strict=True):
+        for k, episode in enumerate(scene.episodes):
+            start[row, k], goal[row, k], length[row, k] = episode.start, episode.goal, episode.length
+            number[row, k] = len(episode.way)
+            way[row, k] = [*episode.way, *[episode.way[-1]] * (longest - len(episode.way))]
+        total[row] = len(scene.episodes)
+    return dataclasses.replace(
+        bank,
+        episode_start=start,
+        episode_goal=goal,
+        episode_waypoints=way,
+        episode_num_waypoints=number,
+        episode_length=length,
+        num_episodes=total,
+    )
+
+
+def freeze(
+    name: str, bank: SceneBank, count: int, seed: int, extra: Sequence[str] = (), half: float | None = None
+) -> Protocol:
+    """A protocol with `count` episodes of every scene of a bank, spread evenly over its table, in random order.
+
+    Args:
+      extra: ids of scenes that the protocol `paper` leaves out.
+      half: m; only ways that stay within so much of the scene's beginning along its longer side: half a street.
+
+    Raises:
+      NounError: fewer episodes than wanted, a bank without hashes, an unknown id in `extra`.
+    """
+    v.integer(count, "episodes of a scene", RUNS)
+    for scene in extra:
+        v.choice(scene, "extra scenes", bank.scene_ids)
+    scenes = []
+    for row, scene in enumerate(bank.scene_ids):
+        if scene not in bank.meta.get("hashes", {}):
+            raise v.fail(f"bank: scene {scene!r}", "no hash", "a bank that was packed from compiled scenes")
+        rows = np.arange(int(bank.num_episodes[row])) if half is None else half_rows(bank, row, half)
+        if len(rows) < count:
+            raise v.fail(f"scene {scene!r}", f"{len(rows)} episodes that fit", f"at least {count}")
+        rows = rows[np.linspace(0, len(rows) - 1, count).round().astype(int)]
+        rng = np.random.default_rng([seed, *content_hash([name, scene]).encode()[:16]])
+        rows = rng.permutation(rows)
+        seeds = rng.integers(0, 2**31, count)
+        episodes = tuple(_episode(bank, row, int(k), int(s)) for k, s in zip(rows, seeds, strict=True))
+        scenes.append(FrozenScene(scene, bank.meta["hashes"][scene], episodes))
+    paper = tuple(s.id for s in scenes if s.id not in extra)
+    return Protocol(name, paper, tuple(scenes))
+
+
+def half_rows(bank: SceneBank, scene: int, half: float) -> np.ndarray:
+    """(n,) rows of a scene's table that stay within the first half of its longer side, and within `half` m of it."""
+    number = int(bank.num_episodes[scene])
+    places = np.concatenate(
+        [bank.episode_start[scene, :number, None, :2], bank.episode_waypoints[scene, :number, :, :2]], 1
+    )
+    axis = int(np.ptp(places.reshape(-1, 2), axis=0).argmax())
+    along = places[..., axis] - places[..., axis].min()
+    return np.flatnonzero(along.max(1) <= min(half, along.max() / 2.0))
+
+
+def _episode(bank: SceneBank, scene: int, row: int, seed: int) -> FrozenEpisode:
+    def place(values: np.ndarray) -> tuple[float, ...]:
+        return tuple(round(float(x), d) for x, d in zip(values, _DECIMALS, strict=False))
+
+    way = bank.episode_waypoints[scene, row, : int(bank.episode_num_waypoints[scene, row])]
+    return FrozenEpisode(
+        start=place(bank.episode_start[scene, row]),
+        goal=place(bank.episode_goal[scene, row]),
+        way=tuple(place(p) for p in way),
+        length=round(float(bank.episode_length[scene, row]), 3),
+        seed=seed,
+    )

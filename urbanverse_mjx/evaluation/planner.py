@@ -1,0 +1,351 @@
+"""The privileged planner: a driver that knows the scene, the ceiling that a benchmark is measured against.
+
+In:   the scene's room, an episode's ways, the robot's pose and speed.
+Out:  a waypoint, the same action as any policy's.
+When: every control step, inside jit, per env.
+
+It judges a few hundred commands of two phases each by driving a simple model of the robot ahead: a lag of first order
+on speed and yaw rate (`Motion`), the robot's collision spheres as discs on the ground. What counts is the way left at
+the end (`ways`), how near the discs come to hulls and wheels to edges, and touching nothing, which goes before all
+else: a command is taken only while some continuation of it stays clear, to stand still among them. That is the dynamic
+window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global dynamic window
+planning (Brock, Khatib 1999).
+
+It is told of moving agents, too, where it shall be: their discs go on as they move now.
+"""
+
+import dataclasses
+import itertools
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from ..datatypes import RobotSpec
+from ..envs import NavEnv, NavState, terms
+from ..envs.room import CELL, build_room
+from ..robots.waypoint import WAYPOINT_REACH
+from .ways import NODE, build_ways
+
+#: s of each look ahead; how many of them the first phase lasts. Faster than 2 m/s nothing drives: between two looks
+#: it moves less than a robot's length.
+_LOOKS, _FIRST = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3), 2
+#: Shares of the top speed and of the top yaw rate in the first and in the second phase.
+_SPEEDS, _TURNS = (0.0, 0.2, 0.4, 0.7, 1.0), (-1.0, -0.6, -0.25, 0.0, 0.25, 0.6, 1.0)
+_SPEEDS_AFTER, _TURNS_AFTER = (0.0, 0.35, 1.0), (-1.0, -0.4, 0.0, 0.4, 1.0)
+#: Shares of the top speed at which the second phase may also follow the field downhill, and (rad/s) / rad of that.
+_FOLLOW, _GAIN = (0.15, 0.35, 0.6, 1.0), 2.5
+#: m ahead of the robot where its field is felt, too, so that it minds where it points; and rad to both sides.
+_NOSE, _SIDES = 0.6, 0.6
+#: m; nearer than the first counts as touching, and up to the second, more at speed (per m/s), it costs.
+_TOUCH, _SHY, _SHY_SPEED = 0.02, 0.10, 0.08
+#: Cost of a second right beside something, of touching at once, and m of way left that still count as arrived.
+_SHY_COST, _TOUCH_COST, _ARRIVED = 20.0, 1000.0, 0.6
+#: m that wheels keep from an edge.
+_EDGE = 0.04
+#: m that agents are kept away by, and how much more per second ahead: nobody knows where they will go.
+_AGENT, _AGENT_DRIFT = 0.15, 0.1
+#: Share of the mean way left in the cost: of two commands that end alike the one that gets there sooner is better.
+_SOON = 1.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Motion:
+    """How a robot answers a command (v, omega).
+
+    Attributes:
+      speed_lag, turn_lag: s, time constants; the second one's of a turn on the spot.
+      eases: m/s, speed at which the turn's lag is half of that: a robot on wheels that roll turns in more easily.
+      pivot: m, how far behind the root body's origin the point lies that moves straight ahead (the rear axle).
+      curvature: 1/m, of the tightest bend; infinite for who turns on the spot.
+    """
+
+    speed_lag: float
+    turn_lag: float
+    pivot: float
+    curvature: float
+    eases: float = np.inf
+
+
+#: Robot -> motion; tests/evaluation/test_planner.py drives COCO's in C MuJoCo. The Go2's lag is that of its gait's
+#: training (docs/decisions/go2.md); others get `DEFAULT`.
+MOTIONS = {
+    "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
+    "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),
+    "go2": Motion(0.25, 0.25, 0.0, np.inf),
+}
+DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
+
+
+@dataclasses.dataclass(frozen=True)
+class Footprint:
+    """A robot on the ground, in its heading frame.
+
+    Attributes:
+      discs: (D, 3) x, y, radius (m) of the collision spheres that can be the outermost.
+      feet: (F, 2) m, where it stands. half_width: m, farthest point beside its heading line. reach: m, farthest point.
+    """
+
+    discs: np.ndarray
+    feet: np.ndarray
+    half_width: float
+    reach: float
+
+
+def footprint(robot: RobotSpec) -> Footprint:
+    """The robot's in its first pose."""
+    model = mujoco.MjModel.from_xml_string(robot.mjcf)
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
+    data.qpos[:7] = 0, 0, 0, 1, 0, 0, 0
+    mujoco.mj_kinematics(model, data)
+    solid = [g for g in range(model.ngeom) if model.geom_contype[g] or model.geom_conaffinity[g]]
+    spheres = np.array([(*data.geom_xpos[g, :2], model.geom_size[g, 0]) for g in solid])
+    angle = np.linspace(-np.pi, np.pi, 128, endpoint=False)
+    support = spheres[:, :2] @ np.stack([np.cos(angle), np.sin(angle)]) + spheres[:, 2:]
+    discs = spheres[np.unique(support.argmax(0))]
+    feet = np.array([data.geom(name).xpos[:2] for name in robot.foot_geoms])
+    half_width = float((np.abs(spheres[:, 1]) + spheres[:, 2]).max())
+    return Footprint(discs, feet, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
+
+
+class Way(NamedTuple):
+    """What the planner knows of one episode: see `Ways`."""
+
+    origin: Any
+    cost: Any
+
+
+def _commands(robot: RobotSpec, motion: Motion, speeds: Sequence[float], turns: Sequence[float]) -> np.ndarray:
+    """(K, 2) commands (m/s, rad/s) that the robot can follow."""
+    top = np.array([robot.max_speed, robot.max_yaw_rate])
+    found = np.array(list(itertools.product(speeds, turns))) * top
+    if np.isfinite(motion.curvature):
+        found = found[np.abs(found[:, 1]) <= found[:, 0] * motion.curvature + 1e-9]
+    return found
+
+
+class _Ahead(NamedTuple):
+    """A drive ahead: where it is, and what it has cost so far."""
+
+    pose: Any
+    speed: Any
+    turn: Any
+    shy: Any
+    mean: Any
+    touched: Any
+    left: Any
+    under_way: Any
+
+
+class Planner:
+    """The driver; `act` wants the env's whole state.
+
+    Args:
+      env: whose scenes it shall know.
+      people: it is told of moving agents, too.
+    """
+
+    def __init__(self, env: NavEnv, people: bool = True) -> None:
+        robot = env.robot
+        self._env, self._people = env, people and env.living is not None
+        self._root = env.mj_model.body(robot.root_body).id
+        self._robot, self._motion = robot, MOTIONS.get(robot.name, DEFAULT)
+        self._body = footprint(robot)
+        scenes = [int(s) for s in env.scenes]
+        self._room = build_room(env.bank, scenes, robot.planner_height)
+        self._to_hull, self._to_edge = (
+            _Field.of(x, scenes, self._room.origin) for x in (self._room.to_hull, self._room.to_edge)
+        )
+        self.first = jnp.asarray(_commands(robot, self._motion, _SPEEDS, _TURNS), jnp.float32)
+        self._after = jnp.asarray(_commands(robot, self._motion, _SPEEDS_AFTER, _TURNS_AFTER), jnp.float32)
+
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Way:
+        """What it knows of n episodes: leading axis n.
+
+        Args:
+          scenes, rows: (n,) rows of the bank and of the scenes' episode tables.
+        """
+        bank = self._env.bank
+        start, way = bank.episode_start[scenes, rows], bank.episode_waypoints[scenes, rows]
+        routes = np.concatenate([start[:, None, :2], way[..., :2]], 1).astype(np.float64)
+        lengths = bank.episode_length[scenes, rows]
+        goals = bank.episode_goal[scenes, rows, :2].astype(np.float64)
+        ways = build_ways(self._room, scenes, goals, routes, lengths, self._body.half_width)
+        return Way(jnp.asarray(ways.origin), jnp.asarray(ways.cost))
+
+    def act(self, nav: NavState, way: Way) -> Any:
+        """(2,) waypoint in [-1, 1]."""
+        xy, quaternion = nav.sim.xpos[self._root, :2], nav.sim.xquat[self._root]
+        yaw = terms.yaw_of(quaternion)
+        speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
+        agents = self._agents(nav) if self._people else None
+        state = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw, speed, nav.sim.qvel[5]]))
+        best = self.first[jnp.argmin(self.costs(nav.sim.scene, state, way, agents).min(1))]
+        return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
+
+    def costs(self, scene: Any, state: Any, way: Way, agents: Any) -> Any:
+        """(first, after) cost of every command of the first phase with every one after it, held ones before followed.
+
+        Args:
+          state: (5,) x, y, yaw, speed, yaw rate. agents: (A, 6), see `_agents`, or None.
+        """
+        zero = jnp.float32(0.0)
+        start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0))
+
+        dts, numbers = jnp.array(_LOOKS, jnp.float32), jnp.arange(len(_LOOKS))
+        ends = jnp.cumsum(dts)
+
+        def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
+            def look(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
+                told = self._downhill(way, ahead.pose, command) if follow else command
+                return self._look(scene, way, agents, ahead, told, *now), None
+
+            # A loop and not a row of copies: compiled in a tenth of the time.
+            return jax.lax.scan(look, ahead, (numbers[part], dts[part], ends[part]))[0]
+
+        begin, go_on = slice(0, _FIRST), slice(_FIRST, None)
+
+        def whole(first: Any) -> Any:
+            middle = drive(start, first, begin)
+            held = jax.vmap(lambda after: _cost(drive(middle, after, go_on)))(self._after)
+            speeds = jnp.array(_FOLLOW) * self._robot.max_speed
+            return jnp.concatenate([held, jax.vmap(lambda v: _cost(drive(middle, v, go_on, follow=True)))(speeds)])
+
+        return jax.vmap(whole)(self.first)
+
+    def _agents(self, nav: NavState) -> Any:
+        """(A, 6) x, y, vx, vy, radius, presence of moving agents, long ones as discs around the whole of them."""
+        living, bodies = self._env.living, nav.crowd.bodies
+        assert living is not None
+        size = jnp.asarray(living.shapes.radius + living.shapes.half_length)
+        return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, nav.crowd.present.astype(jnp.float32)], -1)
+
+    def _downhill(self, way: Way, pose: Any, speed: Any) -> Any:
+        """(2,) command that turns to where the field falls, and drives at up to `speed` when it points there."""
+        left, right = (_field_at(way, pose, _NOSE, side) for side in (_SIDES, -_SIDES))
+        ahead, here = _field_at(way, pose, _NOSE), _field_at(way, pose, 0.0)
+        # On a plane field that falls by 1 a metre at an angle e from straight ahead: sin e and cos e.
+        sine, cosine = (right - left) / (2.0 * _NOSE * np.sin(_SIDES)), (here - ahead) / _NOSE
+        top = self._robot.max_yaw_rate
+        omega = jnp.clip(_GAIN * jnp.arctan2(sine, cosine), -top, top)
+        v = speed * jnp.clip(cosine, 0.0, 1.0)
+        if np.isfinite(self._motion.curvature):
+            v = speed
+            omega = jnp.clip(omega, -v * self._motion.curvature, v * self._motion.curvature)
+        return jnp.stack([v, omega])
+
+    def _look(
+        self, scene: Any, way: Way, agents: Any, ahead: _Ahead, command: Any, k: Any, dt: Any, end: Any
+    ) -> _Ahead:
+        """The drive at its look `k`, `dt` s after the one before and `end` s from now."""
+        motion = self._motion
+        v = command[0] + (ahead.speed - command[0]) * jnp.exp(-dt / motion.speed_lag)
+        turn_lag = motion.turn_lag / (1.0 + 0.5 * jnp.abs(v + ahead.speed) / motion.eases)
+        w = command[1] + (ahead.turn - command[1]) * jnp.exp(-dt / turn_lag)
+        mean_v, mean_w = 0.5 * (v + ahead.speed), 0.5 * (w + ahead.turn)
+        heading, side = ahead.pose[2] + 0.5 * mean_w * dt, motion.pivot * mean_w
+        c, s = jnp.cos(heading), jnp.sin(heading)
+        pose = ahead.pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w])
+        gap = self._gap(scene, pose)
+        if agents is not None:
+            gap = jnp.minimum(gap, self._agent_gap(agents, pose[:2], end))
+        wanted = _SHY + _SHY_SPEED * v
+        under_way = ahead.under_way
+        shy = dt * under_way * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
+        touched = under_way * (gap < _TOUCH) * (2.0 - k / len(_LOOKS))
+        here = _field_at(way, pose, 0.0) - _ARRIVED
+        # The episode ends where the goal is reached: what would come then does not count.
+        under_way = under_way * (here > 0.0)
+        left = under_way * (0.5 * (here + _field_at(way, pose, _NOSE) - _ARRIVED) + _NOSE)
+        mean = ahead.mean + left * dt / sum(_LOOKS)
+        return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, under_way)
+
+    def _gap(self, scene: Any, pose: Any) -> Any:
+        """m, how near the discs are to hulls, or the feet to an edge."""
+        c, s = jnp.cos(pose[2]), jnp.sin(pose[2])
+
+        def world(places: np.ndarray) -> tuple[Any, Any]:
+            px, py = places[:, 0].astype(np.float32), places[:, 1].astype(np.float32)
+            return pose[0] + c * px - s * py, pose[1] + s * px + c * py
+
+        to_hull = self._to_hull.at(scene, *world(self._body.discs)) - self._body.discs[:, 2].astype(np.float32)
+        return jnp.minimum(to_hull.min(), self._to_edge.at(scene, *world(self._body.feet)).min() - _EDGE)
+
+    def _agent_gap(self, agents: Any, xy: Any, ahead: Any) -> Any:
+        dx, dy = agents[:, 0] + ahead * agents[:, 2] - xy[0], agents[:, 1] + ahead * agents[:, 3] - xy[1]
+        gap = jnp.sqrt(dx * dx + dy * dy) - agents[:, 4] - self._body.half_width - _AGENT - _AGENT_DRIFT * ahead
+        return jnp.where(agents[:, 5] > 0.0, gap, jnp.inf).min()
+
+
+def waypoint_of(v: Any, omega: Any, max_speed: float, control_period: float) -> Any:
+    """(2,) m in [-1, 1]: the waypoint that `robots.waypoint.pd_velocity` turns into (v, omega)."""
+    horizon = max(WAYPOINT_REACH / max_speed, control_period)
+    bearing = omega * horizon
+    # A turn on the spot is a waypoint close by; straight ahead of no length means to stand still.
+    x = jnp.where((v < 1e-3) & (jnp.abs(omega) > 1e-3), 5e-3, v * horizon)
+    y = x * jnp.tan(jnp.clip(bearing, -1.5, 1.5))
+    return jnp.stack([x, y]) / jnp.maximum(jnp.maximum(jnp.abs(x), jnp.abs(y)), 1.0)
+
+
+def _cost(ahead: _Ahead) -> Any:
+    return ahead.left + _SOON * ahead.mean + _SHY_COST * ahead.shy + _TOUCH_COST * ahead.touched
+
+
+def _field_at(way: Way, pose: Any, ahead: float, side: float = 0.0) -> Any:
+    """Cost-metres to the goal from `ahead` m before a pose (3,), `side` rad to its left."""
+    angle = pose[2] + side
+    point = pose[:2] + ahead * jnp.stack([jnp.cos(angle), jnp.sin(angle)]) if ahead else pose[:2]
+    return _bilinear(way.cost, (point - way.origin) / NODE)
+
+
+class _Field(NamedTuple):
+    """Fields of scenes in half cells of the room, looked up without interpolation, which is off by 1 cm.
+
+    Attributes:
+      values: (n,) i16 mm, scene after scene. row: (Z,) place of a scene among them. shape: (X, Y). origin: (Z, 2) m.
+    """
+
+    values: Any
+    row: Any
+    shape: tuple[int, int]
+    origin: Any
+
+    @staticmethod
+    def of(field: np.ndarray, scenes: Sequence[int], origin: np.ndarray) -> "_Field":
+        x, y = 2 * field.shape[1], 2 * field.shape[2]
+        values = np.zeros((len(scenes), x, y), np.int16)
+        row = np.zeros(len(field), np.int32)
+        at = [(np.arange(n) + 0.5) / 2 - 0.5 for n in (x, y)]
+        for k, scene in enumerate(scenes):
+            row[scene] = k
+            values[k] = np.rint(1000.0 * _stretched(_stretched(field[scene].astype(np.float32), at[0]).T, at[1]).T)
+        return _Field(jnp.asarray(values.reshape(-1)), jnp.asarray(row), (x, y), jnp.asarray(origin, jnp.float32))
+
+    def at(self, scene: Any, x: Any, y: Any) -> Any:
+        """(...) m at places x, y (...) of the world, m."""
+        i = jnp.clip(((x - self.origin[scene, 0]) * (2 / CELL)).astype(jnp.int32), 0, self.shape[0] - 1)
+        j = jnp.clip(((y - self.origin[scene, 1]) * (2 / CELL)).astype(jnp.int32), 0, self.shape[1] - 1)
+        flat = (self.row[scene] * self.shape[0] + i) * self.shape[1] + j
+        return self.values.at[flat].get(mode="promise_in_bounds").astype(jnp.float32) * 1e-3
+
+
+def _stretched(rows: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Rows at broken row numbers, linearly."""
+    low = np.clip(np.floor(at).astype(int), 0, len(rows) - 2)
+    share = np.clip(at - low, 0.0, 1.0)[:, None].astype(np.float32)
+    return rows[low] * (1.0 - share) + rows[low + 1] * share
+
+
+def _bilinear(field: Any, cell: Any) -> Any:
+    """Value of a field (X, Y) at (2,) cells, whose centres are whole numbers; the border's beyond it."""
+    x, y = field.shape
+    cx, cy = jnp.clip(cell[0], 0.0, x - 1.001), jnp.clip(cell[1], 0.0, y - 1.001)
+    i, j = cx.astype(jnp.int32), cy.astype(jnp.int32)
+    fx, fy = cx - i, cy - j
+    flat = field.reshape(-1).at[jnp.stack([i * y + j, i * y + j + 1, (i + 1) * y + j, (i + 1) * y + j + 1])]
+    a, b, c, d = flat.get(mode="promise_in_bounds")
+    return (a * (1.0 - fy) + b * fy) * (1.0 - fx) + (c * (1.0 - fy) + d * fy) * fx

@@ -1,0 +1,125 @@
+"""A scene from above as a map, with the ways that robots drove on it, coloured by how they ended."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from PIL import Image, ImageDraw
+from scipy.spatial import ConvexHull, QhullError
+
+from ..datatypes import GROUND_KINDS, SceneBank
+
+#: sRGB of the kinds of ground, of what stands, and of how an episode ended.
+GROUND = {
+    "none": (250, 250, 250),
+    "road": (150, 152, 158),
+    "road_marking": (205, 205, 205),
+    "crosswalk": (214, 206, 178),
+    "sidewalk": (232, 226, 216),
+    "ground": (206, 222, 190),
+}
+THING, OVERHEAD = (92, 88, 92), (180, 190, 172)
+ENDS = {
+    "goal": (24, 140, 60),
+    "hit": (206, 32, 38),
+    "hit_agent": (160, 30, 150),
+    "timeout": (222, 130, 0),
+    "off_traversable": (30, 90, 200),
+    "fall": (110, 60, 20),
+    "non_finite": (0, 0, 0),
+}
+#: m above the ground below which a hull is in a robot's way.
+_LOW = 1.0
+#: Pixels of the longer side at most, and per metre at most.
+_LONGEST, _FINEST = 1800, 24.0
+_LEGEND = 26
+
+
+def route_picture(
+    bank: SceneBank, scene: int, ways: Sequence[np.ndarray], ends: Sequence[str], goals: np.ndarray
+) -> np.ndarray:
+    """(H, W, 3) uint8, north (y) up.
+
+    Args:
+      ways: (T, 2) m each; ends: result of each; goals: (n, 2) m, drawn as rings of the success radius.
+    """
+    low, high = _extent(bank, scene, ways)
+    scale = min(_FINEST, _LONGEST / float((high - low).max()))
+    width, height = (int(np.ceil(n * scale)) for n in high - low)
+    # Twice as large, then halved: smooth edges.
+    fine = 2.0 * scale
+
+    def pixels(points: np.ndarray) -> list[tuple[float, float]]:
+        xy = (np.asarray(points, float)[:, :2] - low) * fine
+        return [(float(x), float(2 * height - y)) for x, y in xy]
+
+    picture = _ground(bank, scene, low, fine, (2 * width, 2 * height))
+    draw = ImageDraw.Draw(picture)
+    for ring, colour in _outlines(bank, scene):
+        draw.polygon(pixels(ring), fill=colour)
+    order = sorted(range(len(ways)), key=lambda i: ends[i] != "goal")
+    for i in order:
+        colour = ENDS[ends[i]]
+        goal = pixels(goals[i : i + 1])[0]
+        draw.ellipse([goal[0] - fine, goal[1] - fine, goal[0] + fine, goal[1] + fine], outline=colour, width=2)
+        if len(ways[i]) > 1:
+            draw.line(pixels(ways[i]), fill=colour, width=max(3, round(0.12 * fine)), joint="curve")
+        r = 0.25 * fine
+        x, y = pixels(ways[i][:1])[0]
+        draw.ellipse([x - r, y - r, x + r, y + r], fill=colour)
+        x, y = pixels(ways[i][-1:])[0]
+        if ends[i] != "goal":
+            draw.line([(x - r, y - r), (x + r, y + r)], fill=(0, 0, 0), width=4)
+            draw.line([(x - r, y + r), (x + r, y - r)], fill=(0, 0, 0), width=4)
+    small = picture.resize((width, height), Image.Resampling.LANCZOS)
+    return np.asarray(_with_legend(small, ends))
+
+
+def _extent(bank: SceneBank, scene: int, ways: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """(2,), (2,) m: the ground of the scene that anybody could walk or drive on, and all ways."""
+    cells = np.argwhere(bank.map_kind[scene] > 0)
+    resolution = float(bank.map_resolution)
+    points = np.concatenate([bank.map_origin[scene] + (cells + 0.5) * resolution, *ways])
+    return points.min(0) - 1.0, points.max(0) + 1.0
+
+
+def _ground(bank: SceneBank, scene: int, low: np.ndarray, fine: float, size: tuple[int, int]) -> Image.Image:
+    x = low[0] + (np.arange(size[0]) + 0.5) / fine
+    y = low[1] + (size[1] - np.arange(size[1]) - 0.5) / fine
+    resolution, origin = float(bank.map_resolution), bank.map_origin[scene]
+    kind = bank.map_kind[scene]
+    i, j = (np.floor((a - o) / resolution).astype(int) for a, o in zip((x, y), origin, strict=True))
+    seen = kind[np.clip(i, 0, kind.shape[0] - 1)[None, :], np.clip(j, 0, kind.shape[1] - 1)[:, None]]
+    colours = np.array([GROUND[name] for name in GROUND_KINDS], np.uint8)
+    return Image.fromarray(colours[seen])
+
+
+def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, int, int]]]:
+    """Outlines (n, 2) m of the hulls from above, those overhead first, and their colours."""
+    number = int(bank.num_episodes[scene])
+    ground = float(np.median(bank.episode_start[scene, :number, 2]))
+    found = []
+    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
+        hull = bank.inst_hull[scene, q]
+        corners = bank.hull_vertices[hull, : bank.hull_num_vertices[hull]] @ bank.inst_rotation[scene, q].T
+        corners = corners + bank.inst_position[scene, q]
+        try:
+            ring = corners[ConvexHull(corners[:, :2]).vertices, :2]
+        except QhullError:
+            continue  # no area from above
+        found.append((ring, OVERHEAD if corners[:, 2].min() > ground + _LOW else THING))
+    return sorted(found, key=lambda entry: entry[1] == THING)
+
+
+def _with_legend(picture: Image.Image, ends: Sequence[str]) -> Image.Image:
+    """The picture above a line that says how many episodes ended how."""
+    whole = Image.new("RGB", (picture.width, picture.height + _LEGEND), (255, 255, 255))
+    whole.paste(picture, (0, 0))
+    draw, x = ImageDraw.Draw(whole), 8
+    for name, colour in ENDS.items():
+        count = sum(e == name for e in ends)
+        if count:
+            draw.rectangle([x, picture.height + 8, x + 18, picture.height + 18], fill=colour)
+            text = f"{name} {count}"
+            draw.text((x + 24, picture.height + 7), text, fill=(0, 0, 0))
+            x += 40 + round(draw.textlength(text))
+    return whole

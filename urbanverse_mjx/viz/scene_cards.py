@@ -1,0 +1,108 @@
+"""Pictures of one compiled scene for its card: from above, at eye level twice, and its map with the routes."""
+
+import dataclasses
+import io
+import pathlib
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from ..datatypes.ground import GROUND_KINDS
+from ..datatypes.validation import write_atomically
+from ..scene import CompiledScene, pack_bank
+from ..scene.exchange_routes import load_planned
+from ..scene.planner import path_length, resample
+from .graphs import GROUND_COLOURS
+from .pictures import EYE_HEIGHT, Studio
+from .scene_gallery import NAMES
+
+#: Pixels of the rendered pictures, and the most of a map.
+SIZE, MAP_SIZE = (768, 400), (960, 540)
+ELEVATION = np.radians(62.0)
+SAMPLES = 2
+#: What begins lower than this (m) above the ground is drawn as being in the way, the rest as a shade.
+_HEAD = 1.0
+_OBSTACLE, _SHADE = (70, 62, 60), 0.82
+_ROUTES = ((214, 66, 40), (40, 96, 190), (32, 140, 90), (150, 60, 160), (230, 150, 20), (20, 150, 170))
+#: Where a person looks from: at least this far (m) from anything, at things this near and far (m) and this far (rad)
+#: to the side.
+_ROOM, _SEEN, _CONE = 1.2, (3.0, 25.0), np.radians(35.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Viewpoint:
+    """(x, y, z) m of an eye, and what it looks at."""
+
+    eye: np.ndarray
+    target: np.ndarray
+
+
+def draw_card(folder: pathlib.Path, out: pathlib.Path) -> dict[str, str]:
+    """Draws a compiled scene's pictures; `NAMES` -> the file's name in `out`."""
+    scene = CompiledScene.load(folder)
+    bank = pack_bank([folder], ["test"])
+    studio = Studio(bank, *SIZE, samples=SAMPLES)
+    pictures = {"map": route_map(scene), "above": studio.birdseye(0, ELEVATION)}
+    for k, view in enumerate(viewpoints(scene)):
+        pictures[f"eye_{k}"] = studio.view(0, view.eye, view.target)
+    return {
+        name: _save(pictures[name], out / f"{scene.layout.id}_{name}.jpg").name for name in NAMES if name in pictures
+    }
+
+
+def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
+    """Two places on the longest route, one in either half, that see most: many things near by and ahead."""
+    routes = load_planned(scene.folder).planned
+    if not routes:
+        return []
+    path = max(routes, key=lambda r: path_length(r.path)).path
+    way = np.concatenate([path[:1], resample(path, 1.0)])
+    places = scene.geometry.object_position[:, :2]
+    ahead = way[np.minimum(np.arange(len(way)) + 5, len(way) - 1)] - way
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
+    to = places[None] - way[:, None]
+    away = np.linalg.norm(to, axis=-1)
+    straight = (to * ahead[:, None]).sum(-1) / np.maximum(away, 1e-9) > np.cos(_CONE)
+    score = (straight & (away > _SEEN[0]) & (away < _SEEN[1])).sum(1) * (away.min(1, initial=np.inf) > _ROOM)
+    score = score[: max(1, len(way) - 6)]  # the last metres look nowhere
+    found = []
+    for part in np.array_split(np.arange(len(score)), 2):
+        if len(part):
+            row = int(part[score[part].argmax()])
+            found.append(_look(scene, way[row], ahead[row]))
+    return found
+
+
+def _look(scene: CompiledScene, place: np.ndarray, ahead: np.ndarray) -> Viewpoint:
+    m = scene.geometry.map
+    i, j = np.clip(((place - m.origin) / m.resolution).astype(int), 0, np.array(m.kind.shape) - 1)
+    eye = np.array([*place, float(m.height[i, j]) + EYE_HEIGHT])
+    return Viewpoint(eye, eye + np.array([*(ahead * 8.0), -0.7]))
+
+
+def route_map(scene: CompiledScene) -> np.ndarray:
+    """(H, W, 3) u8: ground by kind, what is in the way, and the delivery robot's routes; north up."""
+    m = scene.geometry.map
+    colours = np.array([(238, 238, 234), *(GROUND_COLOURS[k] for k in GROUND_KINDS[1:])], np.float64)
+    picture = colours[m.kind]
+    picture[m.clearance < 9.0] *= _SHADE
+    picture[m.clearance < _HEAD] = _OBSTACLE
+    image = Image.fromarray(picture.astype(np.uint8).transpose(1, 0, 2)[::-1])
+    scale = min(MAP_SIZE[0] / image.width, MAP_SIZE[1] / image.height)
+    size = max(1, round(image.width * scale)), max(1, round(image.height * scale))
+    image = image.resize(size, Image.Resampling.BOX)
+    draw = ImageDraw.Draw(image)
+    for k, route in enumerate(load_planned(scene.folder).planned):
+        cells = (route.path - m.origin) / m.resolution * scale
+        line = [(float(x), image.height - float(y)) for x, y in cells]
+        colour = _ROUTES[k % len(_ROUTES)]
+        draw.line(line, fill=colour, width=2)
+        (x, y), r = line[-1], 4
+        draw.ellipse((x - r, y - r, x + r, y + r), fill=colour)
+    return np.asarray(image)
+
+
+def _save(picture: np.ndarray, path: pathlib.Path) -> pathlib.Path:
+    file = io.BytesIO()
+    Image.fromarray(picture).save(file, "JPEG", quality=82, optimize=True)
+    return write_atomically(path, lambda temporary: temporary.write_bytes(file.getvalue()))
