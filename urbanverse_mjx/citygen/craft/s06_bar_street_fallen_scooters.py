@@ -248,9 +248,11 @@ def build() -> Canvas:
     ):
         for line, scooters, laid, wall, kerb, crowd, motorcycles in zip(lines, *tables, strict=True):
             for s, d, turn, look in scooters:
-                street.put("scooter", *line.at(s, d), line.degrees + turn, look)
+                x, y = line.at(s, d)
+                street.put("scooter", x, y, line.degrees + turn, look)
             for s, seats, shade in laid:
-                laid_table(street, *line.at(s, WALK - 0.6), line.degrees, seats, shade)
+                x, y = line.at(s, WALK - 0.6)
+                laid_table(street, x, y, line.degrees, seats, shade)
             street.against(line.back(WALK), wall)
             street.against(line, kerb, 0.25)
             street.along(line, crowd)

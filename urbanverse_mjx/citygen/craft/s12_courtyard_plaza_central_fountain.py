@@ -106,7 +106,7 @@ def _fountain(c: Canvas) -> None:
 
 
 def _beds(c: Canvas) -> None:
-    for x, y, turn in ((11.6, 9.1, 10.0), (15.0, 9.1, 80.0), (11.6, -9.1, 140.0), (15.0, -9.1, 200.0)):
+    for x, y, turn in ((11.2, 9.1, 10.0), (15.3, 9.1, 80.0), (11.2, -9.1, 140.0), (15.3, -9.1, 200.0)):
         c.put("tree", x, y, turn, size=(3.7, 3.4, 7.4))
     c.put("tree", -15.0, -2.3, 40.0, size=(5.3, 5.5, 6.6))
     for label, x, y, turn in (
