@@ -36,7 +36,8 @@ def outside(points: np.ndarray, hulls) -> np.ndarray:
 def test_hulls_of_a_leaf(leaf: str) -> None:
     """They enclose the surface within 6 cm (25 cm overhead) but for foot plates, and little more than its hull.
 
-    Of what is larger than a house: within 1 % of its longest side, 2 % overhead (32 corners make a coarse dome).
+    Of what is larger than a house: within 1 % of its longest side, 3 % overhead (32 corners in a sphere leave a tenth
+    of its radius out; grown halfway, 2.5 % of the width stays out: a balloon).
     """
     for record in INDEX.by_leaf(leaf):
         mesh, hulls = build_mesh(record), load_hulls(record).hulls
@@ -47,7 +48,7 @@ def test_hulls_of_a_leaf(leaf: str) -> None:
         low = points[:, 2] < 2.0
         share = 0.01 * max(record.extent_xyz)
         assert missed[low].max(initial=0.0) <= max(0.06, share), record.uid
-        assert missed.max() <= max(0.25, 2 * share), record.uid
+        assert missed.max() <= max(0.25, 3 * share), record.uid
         if record.height > FLUSH_HEIGHT:
             filled = sum(ConvexHull(h).volume for h in hulls)
             shell = ConvexHull(mesh.vertices + np.zeros(3)).volume

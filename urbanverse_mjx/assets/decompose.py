@@ -38,6 +38,10 @@ HIGH = 1.7  # m; space above robots and most people counts little
 HIGH_WEIGHT = 0.1
 SHADOW_HEIGHT = 0.15  # m; ground newly covered counts as space of this height: two thin plates do not become a slab
 BATCH = 40  # meshes to a set of worker processes
+# A hull of too few corners grows until it misses less of its piece than this, or than this share of its longest side.
+GAP, GAP_OF_PIECE = 0.05, 0.007  # m, 1
+GROWTHS = 3  # at most
+BESIDE = 0.02  # share of a side of the mesh's box that a hull may stand out of it
 NEIGHBOURS = 10  # candidates for a union per piece
 COACD_THRESHOLD = 0.1  # concavity; performance_anchors.md section 5: 0.05-0.1 is the usual range
 
@@ -229,23 +233,33 @@ def simplified(corners: np.ndarray, limit: int = MAX_HULL_VERTICES) -> np.ndarra
     missed = 0.0
     while len(chosen) <= limit:
         try:
-            planes = ConvexHull(corners[chosen]).equations
+            missing = _gaps(corners, corners[chosen])
         except QhullError:
             chosen.append(next(k for k in range(len(corners)) if k not in chosen))
             continue
-        outside = (corners @ planes[:, :3].T + planes[:, 3]).max(1)
-        missed = float(outside.max())
+        missed = float(missing.max())
         if missed < 1e-3 or len(chosen) == limit:
             break
-        chosen.append(int(outside.argmax()))
-    kept = corners[chosen]
-    centre = kept.mean(0)
-    away = kept - centre
-    reach = np.linalg.norm(away, axis=1, keepdims=True)
-    grown = centre + away * (1 + 0.7 * missed / np.maximum(reach, 1e-6))
-    # Never below what the piece itself reaches: hulls do not dig into the pavement.
-    grown[:, 2] = np.clip(grown[:, 2], corners[:, 2].min(), corners[:, 2].max())
+        chosen.append(int(missing.argmax()))
+    # Never beyond what the piece itself reaches overhead and below: hulls do not dig into the pavement.
+    low, high = corners[:, 2].min(), corners[:, 2].max()
+    grown = corners[chosen]
+    bound = max(GAP, GAP_OF_PIECE * float(np.ptp(corners, axis=0).max()))
+    for _ in range(GROWTHS):
+        away = grown - grown.mean(0)
+        reach = np.linalg.norm(away, axis=1, keepdims=True)
+        grown = grown + away * 0.7 * missed / np.maximum(reach, 1e-6)
+        grown[:, 2] = np.clip(grown[:, 2], low, high)
+        missed = float(_gaps(corners, grown).max())
+        if missed <= bound:
+            break
     return grown
+
+
+def _gaps(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(n,) how far points (n, 3) lie outside the hull of the corners, m; negative within."""
+    planes = ConvexHull(corners).equations
+    return (points @ planes[:, :3].T + planes[:, 3]).max(1)
 
 
 def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = None) -> tuple[np.ndarray, ...]:
@@ -265,7 +279,11 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
         solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > FOOT_PLATE + 1e-4]
         parts = [p for v, f in solids for p in split_piece(v, f, budget, allowance)]
         pieces = merge_pieces(parts, budget)
-    rounded = [np.round(simplified(p.corners) / MILLIMETRE).astype(np.int32) for p in pieces]
+    # CoACD cuts a voxel copy of the mesh, which stands out of it by up to a voxel: a hull stays within the mesh's box,
+    # but for what corners of a coarse circle need beside it.
+    slack = np.array([BESIDE, BESIDE, 0.0]) * mesh.extent if mesh.extent[2] > FLUSH_HEIGHT else np.inf
+    low, high = mesh.vertices.min(0) - slack, mesh.vertices.max(0) + slack
+    rounded = [np.round(np.clip(simplified(p.corners), low, high) / MILLIMETRE).astype(np.int32) for p in pieces]
     # Largest first, ties by place: the order is part of the content.
     keyed = sorted(zip(pieces, rounded, strict=True), key=lambda x: (-round(x[0].volume, 6), x[1].min(0).tolist()))
     return tuple(np.unique(r, axis=0) for _, r in keyed)
