@@ -11,7 +11,7 @@ import shapely
 
 from urbanverse_mjx import settings
 from urbanverse_mjx.citygen import cities, passage
-from urbanverse_mjx.citygen.cities import block as blocks
+from urbanverse_mjx.citygen.cities.block import plan_of
 from urbanverse_mjx.citygen.cities.filling import Filler
 from urbanverse_mjx.citygen.cities.ground import ground
 from urbanverse_mjx.citygen.cities.line import StreetLine
@@ -61,7 +61,7 @@ def test_mixes_are_read() -> None:
 @pytest.mark.parametrize("profile", ALL, ids=lambda p: p.city)
 def test_ground_is_whole(profile: CityProfile) -> None:
     """Regions do not overlap, and no gap lies between them along the street."""
-    plan = blocks._plan(profile, random.Random(1), 200.0)
+    plan = plan_of(profile, random.Random(1), 200.0)
     regions = ground(plan)
     check_regions(regions)
     whole = shapely.union_all([shapely.Polygon(r.polygon).buffer(1e-6) for r in regions])
@@ -111,7 +111,7 @@ def test_cars_keep_to_their_side() -> None:
 
 
 def test_the_lane_stays_free() -> None:
-    plan = blocks._plan(city("Naples"), random.Random(5), 80.0)
+    plan = plan_of(city("Naples"), random.Random(5), 80.0)
     filler = Filler(plan, random.Random(5))
     filler.close_zones()
     for _ in range(300):
