@@ -7,7 +7,8 @@ import pytest
 import shapely
 
 from urbanverse_mjx.citygen import catalogue, passage
-from urbanverse_mjx.citygen.procedural import COUNT, TEMPLATES, build, template_of
+from urbanverse_mjx.citygen.procedural import COUNT, build, template_of
+from urbanverse_mjx.citygen.procedural_templates import TEMPLATES
 from urbanverse_mjx.datatypes import NounError, SceneGraph
 from urbanverse_mjx.datatypes.ground import height_at
 from urbanverse_mjx.scene.ground import check_regions, ground_prisms

@@ -53,3 +53,15 @@ def test_triangles_cover_and_turn_left() -> None:
     areas = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
     assert (areas > 0).all()
     assert areas.sum() == pytest.approx(shapely.Polygon(ring).area)
+
+
+def test_corners_in_one_line_leave_no_part_without_area() -> None:
+    """A pavement with four ramps whose tops lie in one line: parts cover it exactly and each has an area."""
+    ring = [(0.0, -12.0), (96.0, -12.0), (96.0, -7.0)]
+    for x in (72.0, 58.2, 17.8, 4.3):
+        ring += [(round(x + dx, 3), y) for dx, y in ((1.9, -7.0), (1.0, -8.5), (-1.0, -8.5), (-1.9, -7.0))]
+    ring += [(0.0, -7.0)]
+    parts = convex_parts(np.array(ring))
+    shapes = [shapely.Polygon(part) for part in parts]
+    assert min(s.area for s in shapes) > 1e-6
+    assert shapely.union_all(shapes).symmetric_difference(shapely.Polygon(ring)).area < 1e-9

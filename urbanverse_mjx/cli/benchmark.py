@@ -88,7 +88,13 @@ def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
         from .scene import ensure_default_bank
 
         return ensure_default_bank(quiet)
-    raise NounError(f"benchmark {name!r}: found no bank, needed its scenes; say which file with --bank.")
+    path = settings.cache_dir("library", name, "bank.npz")
+    if not path.is_file():
+        raise NounError(
+            f"benchmark {name!r}: found no bank at {path}, needed its scenes; run `urbanverse scene library {name}` or "
+            "say which file with --bank."
+        )
+    return SceneBank.load(path)
 
 
 def run(args: BenchmarkArgs, runs: Any, out: pathlib.Path) -> str:

@@ -1,8 +1,9 @@
 """Loop-consistent poses: where a tour comes by again, things seen both times pull the two passes together.
 
 Drift is slow, so the correction is a shift and a turn about z at knots along the tour, linear in between. Every thing
-seen in two passes says that both sightings are one place; between knots the odometry says that corrections hardly
-change. Wrong pairs are outvoted: their weight falls with the square of their misfit (Geman and McClure), whose scale
+seen in two passes says that both sightings are one place; between knots the odometry says that the turn hardly changes,
+changes evenly, and carries the way with it: a tour that bends by a degree is off by more the farther it goes. Wrong
+pairs are outvoted: their weight falls with the square of their misfit (Geman and McClure), whose scale
 shrinks from round to round (graduated non-convexity: Yang et al., "Graduated Non-Convexity for Robust Spatial
 Perception", 2020).
 """
@@ -24,9 +25,9 @@ _GATES = (8.0, 6.0, 4.0, 3.0)
 #: m; larger things show another middle from another side.
 _LARGEST = 2.5
 _SIGHTING = 0.3  # m, error of a sighting
-#: Change of the correction from knot to knot: m, and rad. The benchmark's drift of 1 % and 0.3° per 10 m is 0.11 m and
-#: 0.34° over a knot of 8 steps of 1.4 m.
-_SHIFT_STEP, _TURN_STEP = 0.15, np.radians(0.4)
+#: From knot to knot: m that the way is off beside what the turn does to it, rad by which the turn changes, and rad by
+#: which that change changes. Drift of 1 % and 0.3° per 10 m is 0.11 m and 0.34° over a knot of 8 steps of 1.4 m.
+_SHIFT_STEP, _TURN_STEP, _BEND_STEP = 0.15, np.radians(0.6), np.radians(0.2)
 _ALIKE = 0.9
 #: Fewer pairs that agree (to `_AGREED` m) in the end, or pairs that were this near (m) before: poses stay as they are.
 _MIN_PAIRS, _OPEN, _AGREED = 8, 0.4, 1.5
@@ -158,12 +159,42 @@ def _solve(
         block[:, :, 3] = weights[i] * slope[i, axis, None] - weights[j] * slope[j, axis, None]
         blocks.append((block * trust[:, None, None]).reshape(len(pairs), -1))
         values.append(-misfit[:, axis] * trust)
-    steps = np.array([_SHIFT_STEP, _SHIFT_STEP, _SHIFT_STEP / 2, _TURN_STEP])
-    smooth = np.einsum("ab,cd->acbd", np.diff(np.eye(knots), axis=0), np.diag(1.0 / steps)).reshape(-1, knots * 4)
-    anchor = np.zeros((4, knots * 4))
-    anchor[np.arange(4), np.arange(4)] = 1e3
     flat = correction.ravel()
-    blocks += [smooth, anchor]
-    values += [-smooth @ flat, -anchor @ flat]
+    for block, value in (_odometry(correction, at, poses), _anchor(correction)):
+        blocks.append(block)
+        values.append(value)
     step, *_ = np.linalg.lstsq(np.concatenate(blocks), np.concatenate(values), rcond=None)
     return (flat + step).reshape(knots, 4)
+
+
+def _odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of what the odometry says of the correction (k, 4): (r, 4 k) slopes and (r,) what is to be made up."""
+    knots = len(correction)
+    place = np.array([poses[int(column.argmax()), :3, 3] for column in at.T])
+    way = np.diff(place, axis=0)
+    change = np.diff(np.eye(knots), axis=0)
+    turn = 0.5 * (correction[1:, 3] + correction[:-1, 3])
+    c, s = np.cos(turn), np.sin(turn)
+    bent = np.stack([(c - 1) * way[:, 0] - s * way[:, 1], s * way[:, 0] + (c - 1) * way[:, 1], 0 * c], -1)
+    slope = np.stack([-s * way[:, 0] - c * way[:, 1], c * way[:, 0] - s * way[:, 1], 0 * c], -1)
+    middle = 0.5 * np.abs(change)
+    blocks, values = [], []
+    for axis, sigma in enumerate((_SHIFT_STEP, _SHIFT_STEP, _SHIFT_STEP / 2)):
+        block = np.zeros((knots - 1, knots, 4))
+        block[:, :, axis] = change
+        block[:, :, 3] = -slope[:, axis, None] * middle
+        blocks.append(block.reshape(-1, knots * 4) / sigma)
+        values.append(-(change @ correction[:, axis] - bent[:, axis]) / sigma)
+    for rows, sigma in ((change, _TURN_STEP), (np.diff(np.eye(knots), n=2, axis=0), _BEND_STEP)):
+        block = np.zeros((len(rows), knots, 4))
+        block[:, :, 3] = rows
+        blocks.append(block.reshape(-1, knots * 4) / sigma)
+        values.append(-rows @ correction[:, 3] / sigma)
+    return np.concatenate(blocks), np.concatenate(values)
+
+
+def _anchor(correction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows that hold the first knot."""
+    block = np.zeros((4, correction.size))
+    block[np.arange(4), np.arange(4)] = 1e3
+    return block, -block @ correction.ravel()

@@ -2,7 +2,6 @@
 
 import contextlib
 import dataclasses
-import math
 import os
 import pathlib
 import shutil
@@ -12,26 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
 from ..assets import AssetIndex, build_mesh, load_hulls
 from ..assets.ground_materials import build_material
 from ..assets.skies import build_sky
-from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, RobotSpec, SceneLayout, Source
+from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
 from . import ground, maps
 from .bank import quaternion_matrix
 from .drive import Driver, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
 from .exchange import exchange_map, save_map
-from .exchange_routes import PlannedRoutes, plan_all, save_annotations, save_planned
+from .exchange_routes import plan_all, save_annotations, save_planned
 from .geometry import EpisodeTable, SceneGeometry
+from .metadata import SCHEMA, place_metadata, scene_metadata
 from .mjcf import scene_mjcf
 from .planner import RobotSize, free_space
 from .rest import rest_moves
 from .routes import RoutePlanner
-from .statistics import scene_statistics
 
-SCHEMA = "urbanverse.compiled_scene/1"
 #: Sliding friction of every ground (URBAN-SIM's ground: 1.0 static and dynamic, facts/reference_systems.md b.5).
 GROUND_FRICTION = 1.0
 
@@ -116,7 +113,7 @@ def compile_scene(
     planner = RoutePlanner(geometry.map)
     wanted = planner.choose(layout.seed)
     routes = plan_all(planner, layout.id, exchanged.grid, wanted)
-    metadata = _metadata(layout, index, geometry, robot, size) | _place(place, routes, geometry)
+    metadata = scene_metadata(layout, index, geometry, robot, size) | place_metadata(place, routes, geometry)
     with replacing_folder(out_dir) as folder:
         _write(folder, layout, geometry, metadata)
         save_map(folder, exchanged)
@@ -278,59 +275,3 @@ def _write(
     geometry.save(folder / "geometry.npz")
     layout.save(folder / "layout.json")
     v.write_json(folder / "metadata.json", metadata)
-
-
-def _place(place: Source | None, routes: PlannedRoutes, geometry: SceneGeometry) -> dict[str, Any]:
-    """Where the scene is meant to be and what it is like."""
-    return {
-        "city": "none" if place is None else place.city,
-        "country": "none" if place is None else place.country,
-        "source": "" if place is None else place.video,
-        "route_length_m": max((r.facts["length_m"] for r in routes.planned), default=0.0),
-        "statistics": scene_statistics(geometry),
-    }
-
-
-def _metadata(
-    layout: SceneLayout, index: AssetIndex, geometry: SceneGeometry, robot: RobotSpec, size: RobotSize
-) -> dict[str, Any]:
-    table, m = geometry.episodes, geometry.map
-    used = sorted({o.asset_uid for o in layout.objects})
-    return {
-        "schema": SCHEMA,
-        "id": layout.id,
-        "version": __version__,
-        "hashes": {"layout": layout.content_hash(), "graph": layout.graph_hash, **layout.hashes},
-        "seed": layout.seed,
-        "counts": {
-            "objects": len(geometry.object_ids),
-            "hulls": len(geometry.inst_hull),
-            "prisms": len(geometry.prism_hull),
-            "regions": len(geometry.region_ids),
-            "episodes": len(table),
-            "goals": len(np.unique(table.goal, axis=0)),
-        },
-        "map": {
-            "x_min": float(m.origin[0]),
-            "y_min": float(m.origin[1]),
-            "y_max": float(m.origin[1] + m.kind.shape[1] * m.resolution),
-            "res": m.resolution,
-            "width": m.kind.shape[0],
-            "height": m.kind.shape[1],
-        },
-        "episodes": {
-            "line_free": float(table.line_free.mean()),
-            "crosses_road": float(table.crosses_road.mean()),
-            "mean_length_m": math.fsum(table.length) / len(table),
-            "robot": robot.name,
-            "robot_size": dataclasses.asdict(size),
-        },
-        "sky": layout.sky,
-        "materials": sorted({g.material for g in layout.ground}),
-        "assets": {uid: _credits(index, uid) for uid in used},
-    }
-
-
-def _credits(index: AssetIndex, uid: str) -> dict[str, str]:
-    record = index.get(uid)
-    return {"licence": record.licence, "provenance": record.provenance}

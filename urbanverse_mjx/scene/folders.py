@@ -4,7 +4,7 @@ import pathlib
 from collections.abc import Sequence
 
 from ..datatypes import validation as v
-from .compiler import SCHEMA
+from .metadata import SCHEMA
 
 
 def scene_folders(places: Sequence[pathlib.Path]) -> list[pathlib.Path]:

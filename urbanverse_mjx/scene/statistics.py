@@ -27,8 +27,9 @@ NARROW = {"robot": 0.70, "ada": 0.915, "prowag": 1.22}
 WIDTHS = (2.0, 3.0)
 #: Things nearer than this height (m) to the ground narrow a pavement: a delivery robot's height.
 HEAD = 1.0
-#: Narrower strips (m) are no pavement, and neither are gaps between houses up to this wide (m).
-LEAST, _SLIT = 0.6, 1.5
+#: Narrower strips (m) are no pavement (what is left before steps and in corners), and neither are gaps between houses
+#: up to this wide (m).
+LEAST, _SLIT = 0.9, 1.5
 #: m between cross-sections, and of the map's cells that their middle lines are found on.
 _EVERY, _POOL = 0.5, 2
 #: m from a cross-section's middle within which the middle line's direction is taken.

@@ -11,6 +11,7 @@ hulls against each other are neither (docs/decisions/movable.md).
 
 from typing import NamedTuple
 
+import mujoco
 import numpy as np
 
 from ..datatypes import SceneBank
@@ -22,6 +23,9 @@ _SAME = 0.01
 #: m by which a body may be larger around than the bank's grids reach (a scooter's handlebar is 1.1 m from its middle);
 #: ground that begins out there may be missed.
 _LEAN = 0.3
+#: s that a shape is watched alone on flat ground in C MuJoCo, and rad by which it may tip meanwhile: what falls by
+#: itself (a scooter whose stand ends in the air) would do so as soon as a robot comes near, and is no body.
+_WATCHED, _TIPPED = 1.5, np.radians(15.0)
 #: m between the surface points from which the even ones are picked.
 _GRAIN = 0.04
 
@@ -115,7 +119,7 @@ def surface_points(bank: SceneBank, hulls: tuple[int, ...], number: int = NUM_PO
 
 
 def _shape(bank: SceneBank, hulls: tuple[int, ...]) -> tuple[np.ndarray, ...]:
-    """centre, inertia, axes, radius and points of a shape; see `BodyTable`."""
+    """centre, inertia, axes, radius and points of a shape, see `BodyTable`, and whether it stands."""
     volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
     for t in hulls:
         corners = bank.hull_vertices[t, : bank.hull_num_vertices[t]]
@@ -127,12 +131,30 @@ def _shape(bank: SceneBank, hulls: tuple[int, ...]) -> tuple[np.ndarray, ...]:
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     corners = np.concatenate([bank.hull_vertices[t, : bank.hull_num_vertices[t]] for t in hulls])
     radius = np.linalg.norm(corners - centre, axis=1).max()
-    return centre, moments, axes, radius, surface_points(bank, hulls) - centre
+    return centre, moments, axes, radius, surface_points(bank, hulls) - centre, stands(bank, hulls)
+
+
+def stands(bank: SceneBank, hulls: tuple[int, ...]) -> bool:
+    """Whether a thing of these hulls stays upright on flat ground: C MuJoCo lets it go there."""
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10.0, 10.0, 1.0])
+    corners = [bank.hull_vertices[t, : bank.hull_num_vertices[t]] for t in hulls]
+    body = spec.worldbody.add_body(name="thing", pos=[0.0, 0.0, -float(min(c[:, 2].min() for c in corners))])
+    body.add_freejoint()
+    for t, own in zip(hulls, corners, strict=True):
+        spec.add_mesh(name=str(t), uservert=own.ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX)
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=str(t), density=100.0)
+    model = spec.compile()
+    model.opt.timestep = 0.005
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, round(_WATCHED / model.opt.timestep))
+    up = 1.0 - 2.0 * (data.qpos[4] ** 2 + data.qpos[5] ** 2)
+    return bool(up > np.cos(_TIPPED))
 
 
 def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
-    """The things that may become bodies: movable, with weight, of at most `num_hulls` hulls, and not much larger around
-    than the bank's grids reach (`grid_reach`), so that what is near them is listed."""
+    """The things that may become bodies: movable, with weight, of at most `num_hulls` hulls, that stand by themselves,
+    and not much larger around than the bank's grids reach (`grid_reach`), so that what is near them is listed."""
     reach = float(bank.meta["grid_reach"]) + _LEAN
     row = np.full(bank.slot_mesh.shape, -1, np.int32)
     shapes: dict[tuple[int, ...], int] = {}
@@ -150,7 +172,7 @@ def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
             if key not in shapes:
                 shapes[key] = len(found)
                 found.append(_shape(bank, key))
-            if found[shapes[key]][3] > reach:
+            if found[shapes[key]][3] > reach or not found[shapes[key]][5]:
                 continue
             row[z, slot] = len(things)
             place = bank.slot_position[z, slot], bank.slot_quaternion[z, slot]
@@ -163,9 +185,9 @@ def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
     for key, s in shapes.items():
         hull[s, : len(key)] = key
     shape, *rest = columns
-    centre, inertia, axes, radius, points = moments
+    centre, inertia, axes, radius, points, _ = moments
     return BodyTable(row, shape.astype(np.int32), *rest, centre, inertia, axes, radius, hull, points)
 
 
 _EMPTY = ((), (), (), (3,), (4,))
-_EMPTY_SHAPE = ((3,), (3,), (3, 3), (), (NUM_POINTS, 3))
+_EMPTY_SHAPE = ((3,), (3,), (3, 3), (), (NUM_POINTS, 3), ())

@@ -106,7 +106,7 @@ def _fountain(c: Canvas) -> None:
 
 
 def _beds(c: Canvas) -> None:
-    for x, y, turn in ((11.6, 9.1, 10.0), (15.0, 9.1, 80.0), (11.6, -9.1, 140.0), (15.0, -9.1, 200.0)):
+    for x, y, turn in ((11.2, 9.1, 10.0), (15.3, 9.1, 80.0), (11.2, -9.1, 140.0), (15.3, -9.1, 200.0)):
         c.put("tree", x, y, turn, size=(3.7, 3.4, 7.4))
     c.put("tree", -15.0, -2.3, 40.0, size=(5.3, 5.5, 6.6))
     for label, x, y, turn in (
@@ -309,7 +309,7 @@ def _yards(c: Canvas) -> None:
     c.put("washing machine", -43.4, -1.4, 0.0, 0)
     c.put("mattress", -43.2, -3.6, 90.0, 1)
     c.put("armchair", -41.6, -4.2, 60.0)
-    bicycles(c, -37.6, -5.6, 90.0, (False, True, False, True), rack=False)
+    bicycles(c, -37.6, -5.6, 90.0, (False, True, False), rack=False)
     c.put("street cabinet", -34.4, -5.6, 180.0, 0)
     c.put("tricycle", -39.0, 0.2, 20.0, 0)
     c.put("lamppost", -32.6, 4.4, 0.0, 0)

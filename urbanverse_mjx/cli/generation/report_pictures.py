@@ -3,6 +3,7 @@
 import pathlib
 from collections.abc import Callable, Sequence
 
+import mujoco
 import numpy as np
 from PIL import Image
 
@@ -57,7 +58,8 @@ def asset_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str
     """uid -> file; empty where no OpenGL renders off screen."""
     try:
         found = library().load_thumbnails(list(dict.fromkeys(uids)))
-    except (NounError, ImportError, OSError):
+    except (NounError, ImportError, OSError, AttributeError, mujoco.FatalError):
+        # MuJoCo's own renderer without OpenGL, or with half of one, ends in any of these.
         return {}
     return {uid: save_jpeg(picture, folder / f"{uid.replace('/', '--')}.jpg") for uid, picture in found.items()}
 
