@@ -17,7 +17,7 @@ PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 ENV ?= CocoNav
 LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
-.PHONY: help setup setup-dev train test test-slow test-gpu check format bench scenes assets base thumbnails gallery scene-gallery doctor lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu check format bench streets scenes assets base thumbnails gallery scene-gallery doctor lock wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -56,8 +56,11 @@ format: setup-dev ## format the code and mend what ruff can mend
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
-scenes: setup ## compile the shipped streets into a scene bank in the cache, where they changed
-	@$(BIN)/urbanverse scene bank $(ARGS)
+streets: setup ## compile the six shipped streets into a scene bank in the cache, where they changed
+	@$(BIN)/urbanverse scene bank
+
+scenes: streets ## build the scene library into the cache: 342 scenes, hours; goes on where it stopped (ARGS="autobench")
+	@$(BIN)/urbanverse scene library $(ARGS)
 
 bench: setup ## measure throughput; prints one JSON line
 	@$(BIN)/python -m benchmarks.throughput --impl jax --num-envs 64 --pixels 36x64 --json $(ARGS)

@@ -60,7 +60,11 @@ def _build(name: str, args: LibraryArgs) -> int:
     for failure in failures:
         sys.stderr.write(f"{failure.layout}: {failure.reason}\n")
     known = library.shipped_hashes(name)
-    other = [scene for scene, r in records.items() if scene in known and known[scene] != r["hashes"]]
+    other = [
+        scene
+        for scene, r in records.items()
+        if (known.get(scene, {}) | r["hashes"]) != (r["hashes"] | known.get(scene, {}))
+    ]
     if args.write_hashes:
         write_hashes(name, records)
         other = []
@@ -80,7 +84,7 @@ def _build(name: str, args: LibraryArgs) -> int:
 def _summary(name: str, records: dict[str, dict[str, Any]]) -> dict[str, Any]:
     rows = list(records.values())
     objects = sum(r["objects"] for r in rows)
-    fixed = sum(len(r["kept_fixed"]) for r in rows)
+    let_go, moved = sum(r["let_go"] for r in rows), sum(len(r["moved_when_let_go"]) for r in rows)
     return {
         "set": name,
         "built": len(rows),
@@ -88,6 +92,8 @@ def _summary(name: str, records: dict[str, dict[str, Any]]) -> dict[str, Any]:
         "hulls": sum(r["hulls"] for r in rows),
         "episodes_least": min((r["episodes"] for r in rows), default=0),
         "left_out": sum(len(r["left_out"]) for r in rows),
-        "at_rest_percent": round(100 * (1 - fixed / max(objects, 1)), 2),
+        "let_go": let_go,
+        "still_percent_of_let_go": round(100 * (1 - moved / max(let_go, 1)), 1),
+        "still_percent_of_all": round(100 * (1 - moved / max(objects, 1)), 1),
         "processor_s": round(sum(r["processor_s"] for r in rows)),
     }

@@ -27,11 +27,14 @@ class RestMove:
     tilt: float
 
 
-def rest_moves(scene: SceneGeometry, seconds: float = SECONDS) -> list[RestMove]:
+def rest_moves(
+    scene: SceneGeometry, seconds: float = SECONDS, shift: float = SHIFT, tilt: float = TILT
+) -> list[RestMove]:
     """The movable things that leave their place within `seconds` at rest, the farthest first; empty when all stay.
 
     Everything movable hangs on a free joint and starts where the scene has it; nothing pushes it but gravity and
-    contact. A state that is no longer finite counts as moved without end.
+    contact. A state that is no longer finite counts as moved without end. `shift` (m) and `tilt` (rad): from
+    which a thing has moved.
     """
     scene = _around_movable(scene)
     if not scene.object_movable.any():
@@ -45,13 +48,13 @@ def rest_moves(scene: SceneGeometry, seconds: float = SECONDS) -> list[RestMove]
     start, turned = data.xipos[bodies].copy(), data.xquat[bodies].copy()
     mujoco.mj_step(model, data, round(seconds / TIMESTEP))
     mujoco.mj_forward(model, data)
-    shift = np.linalg.norm(data.xipos[bodies] - start, axis=1)
+    went = np.linalg.norm(data.xipos[bodies] - start, axis=1)
     alike = np.abs((data.xquat[bodies] * turned).sum(1))
-    tilt = 2.0 * np.arccos(np.clip(alike, 0.0, 1.0))
-    shift, tilt = (np.where(np.isfinite(x), x, np.inf) for x in (shift, tilt))
+    turn = 2.0 * np.arccos(np.clip(alike, 0.0, 1.0))
+    went, turn = (np.where(np.isfinite(x), x, np.inf) for x in (went, turn))
     names = np.array(scene.object_ids, dtype=object)[scene.object_movable]
     moved = [
-        RestMove(n, float(s), float(t)) for n, s, t in zip(names, shift, tilt, strict=True) if s > SHIFT or t > TILT
+        RestMove(n, float(s), float(t)) for n, s, t in zip(names, went, turn, strict=True) if s > shift or t > tilt
     ]
     return sorted(moved, key=lambda m: -m.shift)
 

@@ -29,7 +29,7 @@ def block(profile: CityProfile, seed: int, name: str | None = None, length: floa
     Its camera path is the tour: along both pavements, or along both lanes of the road where the profile drives.
     """
     rng = random.Random(f"{profile.name}/{seed}/{VERSION}")
-    plan = _plan(profile, rng, length)
+    plan = plan_of(profile, rng, length)
     filler = Filler(plan, rng)
     _block_lanes(filler)
     filler.close_zones()
@@ -52,7 +52,8 @@ def rng_of(profile: CityProfile, seed: int, what: str) -> random.Random:
     return random.Random(f"{profile.name}/{seed}/{VERSION}/{what}")
 
 
-def _plan(profile: CityProfile, rng: random.Random, length: float) -> Plan:
+def plan_of(profile: CityProfile, rng: random.Random, length: float) -> Plan:
+    """Where crosswalks and side streets are: spread over the length, clear of bends, ends and each other."""
     line = StreetLine(length, profile.bends)
     taken = [(0.0, _CLEAR), (length - _CLEAR, length), *((j - _CLEAR, j + _CLEAR) for j in line.joints)]
 

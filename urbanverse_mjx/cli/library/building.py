@@ -114,6 +114,7 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
     from ...materialisation import index_of
     from ...scene import compile_scene
     from ...scene.episodes import EpisodeRules
+    from ...scene.settling import settle
     from ..scene import make_driver
 
     folder, path = _paths(name, cousin.layout.id)
@@ -130,6 +131,7 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
         )
     except v.NounError as error:
         raise v.NounError(f"{cousin.layout.id}: {error}") from error
+    settled = settle(compiled.geometry)
     both = zip(sorted(cousin.layout.objects, key=_id), sorted(compiled.layout.objects, key=_id), strict=True)
     record = {
         "key": key,
@@ -139,6 +141,9 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
         "left_out": [entry.id for entry in cousin.left_out],
         "overlapping": [list(pair) for pair in cousin.unresolved],
         "kept_fixed": [a.id for a, b in both if a.movable != b.movable],
+        "let_go": settled.standing,
+        "hanging": len(settled.hanging),
+        "moved_when_let_go": [m.id for m in settled.moved],
         "processor_s": round(time.process_time() - processor, 2),
         "wall_s": round(time.monotonic() - begin, 2),
     }
@@ -205,5 +210,6 @@ def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, int]:
 def write_hashes(name: str, records: dict[str, dict[str, Any]]) -> pathlib.Path:
     """Writes the hashes of the scenes beside the set's graphs, to be committed; those of other scenes stay."""
     path = settings.scene_root() / name / library.HASHES
-    known = library.shipped_hashes(name) | {scene: record["hashes"] for scene, record in records.items()}
+    known = library.shipped_hashes(name)
+    known |= {scene: known.get(scene, {}) | record["hashes"] for scene, record in records.items()}
     return v.write_json(path, dict(sorted(known.items())))

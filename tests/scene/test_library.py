@@ -1,0 +1,98 @@
+"""The sets of the scene library: their table, ids, hashes, and what is said where a bank is missing."""
+
+import dataclasses
+import gzip
+import json
+import pathlib
+
+import numpy as np
+import pytest
+
+from urbanverse_mjx import settings
+from urbanverse_mjx.cli.library.building import cousins_of, graph_of, layouts_of
+from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
+from urbanverse_mjx.scene import library
+from urbanverse_mjx.scene.settling import hanging
+
+from .test_rest import CUBE, scene_of
+
+
+def test_sets_and_ids() -> None:
+    sets = library.sets()
+    assert {"urbanverse160", "autobench", "craftbench", "procedural"} <= set(sets)
+    assert sum(sets[n].cousins * len(layouts_of(sets[n])) for n in ("urbanverse160", "autobench", "procedural")) == 330
+    assert sets["urbanverse160"].scene_id("Africa_Egypt_Cairo_walk_01", 4) == "Africa_Egypt_Cairo_walk_01_Cousin_05"
+    assert sets["procedural"].scene_id("procedural_007", 0) == "procedural_007"
+    assert graph_of(sets["procedural"], "procedural_007").id == "procedural_007"
+
+
+def test_a_missing_bank_names_the_command(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    with pytest.raises(NounError, match="run `urbanverse scene library autobench`"):
+        library.bank_path("autobench")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(NounError, match="set of scenes"):
+        library.bank_path("nonsense")
+
+
+def test_a_damaged_table_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
+    monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(tmp_path))
+    (tmp_path / "library.json").write_text('{"a": {"cousins": 0, "split": "train", "seed": 0}}')
+    with pytest.raises(NounError, match="a: cousins"):
+        library.sets()
+
+
+def test_packed_graphs_have_the_same_bytes_and_broken_ones_are_refused(tmp_path: pathlib.Path) -> None:
+    autobench = library.scene_set("autobench")
+    graph = graph_of(autobench, layouts_of(autobench)[0])
+    a, b = tmp_path / "a.json.gz", tmp_path / "b.json.gz"
+    graph.save(a)
+    graph.save(b)
+    assert a.read_bytes() == b.read_bytes()
+    assert SceneGraph.load(a) == graph
+    b.write_bytes(a.read_bytes()[:500])
+    with pytest.raises(NounError, match="not JSON"):
+        SceneGraph.load(b)
+    b.write_bytes(b"{}")
+    with pytest.raises(NounError, match="not JSON"):
+        SceneGraph.load(b)
+    assert json.loads(gzip.decompress(a.read_bytes()))["id"] == graph.id
+
+
+def test_a_layout_has_the_committed_hash() -> None:
+    """Materialised anew, without compiling."""
+    autobench = library.scene_set("autobench")
+    layout = "NorthAmerica_Cuba_Havana_walk_01"
+    cousin = next(iter(cousins_of(autobench, layout)))
+    known = library.shipped_hashes("autobench")[cousin.layout.id]
+    assert cousin.layout.content_hash() == known["layout"]
+    assert len(cousin.layout.objects) > 0.9 * len(graph_of(autobench, layout).objects)
+
+
+def test_most_hulls_in_reach_is_what_the_shipped_streets_allow(bank: SceneBank) -> None:
+    assert 0 < max(library.most_in_reach(bank, z, 500) for z in range(bank.num_scenes)) <= library.SLOTS
+
+
+def test_what_hangs_is_told_from_what_stands() -> None:
+    scene = scene_of(CUBE)
+    up = dataclasses.replace(scene, object_position=scene.object_position + np.array([0.0, 0.0, 2.0]))
+    assert not hanging(scene).any()
+    assert hanging(up).all()
+
+
+def test_the_cache_key_of_the_streets_ignores_the_library(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+) -> None:
+    monkeypatch.delenv("URBANVERSE_BANK", raising=False)
+    root = tmp_path / "scenes"
+    (root / "one").mkdir(parents=True)
+    (root / "one" / "graph.json").write_text("{}")
+    (root / "splits.json").write_text("{}")
+    monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(root))
+    before = settings.default_bank_path()
+    (root / "set" / "layout").mkdir(parents=True)
+    (root / "set" / "layout" / "graph.json").write_text("{}")
+    (root / "set" / "hashes.json").write_text("{}")
+    assert settings.default_bank_path() == before
+    (root / "one" / "graph.json").write_text("[]")
+    assert settings.default_bank_path() != before

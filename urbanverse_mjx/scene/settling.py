@@ -1,0 +1,64 @@
+"""Whether a whole scene stands still: everything that nothing holds is let go for two seconds, cars and benches too.
+
+Held are: what hangs (awnings, signs, air conditioners), what is rooted (trees, lamps, bollards), what lives and keeps
+its own balance, and houses, because the ground ends a few metres behind their fronts.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from ..assets.ontology import category_of
+from ..assets.priors import prior
+from .bank import quaternion_matrix
+from .geometry import SceneGeometry
+from .rest import RestMove, rest_moves
+
+#: m over the ground from which a thing's lowest point hangs.
+HANGS = 0.3
+#: How things rest (`assets.priors`) that are not let go.
+HELD = frozenset({"fixed", "alive", "hangs"})
+#: m and rad below which a thing counts as still (issue 6).
+SHIFT, TILT = 0.05, np.radians(5.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Settling:
+    """How many things were let go, ids of those that hang, and what moved, the farthest first."""
+
+    standing: int
+    hanging: tuple[str, ...]
+    moved: tuple[RestMove, ...]
+
+    @property
+    def still_percent(self) -> float:
+        """Share of the standing things that stay."""
+        return 100.0 * (1.0 - len(self.moved) / max(self.standing, 1))
+
+
+def settle(scene: SceneGeometry) -> Settling:
+    """Lets go of everything that is not held; some seconds for 300 things."""
+    hangs = hanging(scene)
+    held = [prior(leaf).rest in HELD or category_of(leaf)[0] == "building" for leaf in scene.object_categories]
+    loose = ~hangs & ~np.array(held, bool)
+    free = dataclasses.replace(scene, object_movable=loose)
+    moved = tuple(m for m in rest_moves(free, shift=SHIFT, tilt=TILT))
+    names = tuple(name for name, up in zip(scene.object_ids, hangs, strict=True) if up)
+    return Settling(int(loose.sum()), names, moved)
+
+
+def hanging(scene: SceneGeometry) -> np.ndarray:
+    """(n,) bool: things whose lowest point is over the ground below, and over the tops of what else stands there."""
+    rotation = quaternion_matrix(scene.object_quaternion)
+    low = np.full(len(scene.object_ids), np.inf)
+    for hull, thing in zip(scene.inst_hull, scene.inst_object, strict=True):
+        corners = scene.hulls[hull] @ rotation[thing].T + scene.object_position[thing]
+        low[thing] = min(low[thing], float(corners[:, 2].min()))
+    ground = scene.map.height
+    cells = np.floor((scene.object_position[:, :2] - scene.map.origin) / scene.map.resolution).astype(int)
+    inside = ((cells >= 0) & (cells < ground.shape)).all(1)
+    floor = np.full(len(low), np.nan)
+    floor[inside] = ground[tuple(cells[inside].T)]
+    # Houses stand behind the ground: their own foot is their floor.
+    floor = np.where(np.isfinite(floor), floor, np.where(np.isfinite(low), np.minimum(low, HANGS), 0.0))
+    return np.isfinite(low) & (low > floor + HANGS)
