@@ -26,7 +26,8 @@ SETTLE, WINDOW = 1.0, 0.5
 #: m, and share of the height (up) at which a robot has passed a kerb that lies at x = 0.
 PASSED = 0.7
 KERBS = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20)
-SLOPES = (1 / 12, 1 / 8, 0.2, 0.3)
+#: Ramps of streets go up to 1:8; the steepest that the gait was trained on is 24 degrees (0.45).
+SLOPES = (0.05, 1 / 12, 1 / 8, 0.2, 0.3, 0.4, 0.45)
 #: rad and m/s: how a kerb or a ramp is met; m before it where a robot starts.
 ANGLE, SPEED, RUN_UP = np.pi / 4, (0.5, 1.0), 1.0
 #: 1/s. A commander that wants to go straight turns a robot back by this much yaw rate a radian (mjlab's 0.5).

@@ -280,10 +280,10 @@ def _worked(streets: Sequence[Street], processes: int) -> Iterator[tuple[str, di
 def _text(result: dict[str, Any]) -> str:
     if "scaling" in result:
         return "\n".join(", ".join(f"{k} {v}" for k, v in row.items()) for row in result["scaling"])
-    lines = [f"{'':42}" + "".join(f"{name:>16}" for name in _COLUMNS)]
+    lines = [f"{'':42}" + "".join(f"{name:>18}" for name in _COLUMNS)]
     for row in [*result["rows"], {"row": "the paper, on KITTI-360", **result["paper"]}]:
         cells = ["-" if row.get(c) is None else f"{row[c]}" for c in _COLUMNS]
-        lines.append(f"{row['row']:42}" + "".join(f"{c:>16}" for c in cells))
+        lines.append(f"{row['row']:42}" + "".join(f"{c:>18}" for c in cells))
     return "\n".join(lines)
 
 

@@ -106,10 +106,11 @@ def default_bank_path() -> pathlib.Path:
     if own:
         return pathlib.Path(own).expanduser().absolute()
     digest = hashlib.sha256()
-    folders = [(scene_root(), "*.json"), (asset_root(), "*")]
-    folders += [(_PACKAGE / room, "*.py") for room in _BANK_ROOMS]
+    # Of the scenes the shipped streets alone: the library's sets lie a folder deeper.
+    folders = [(scene_root(), "splits.json"), (scene_root(), "*/graph.json"), (asset_root(), "**/*")]
+    folders += [(_PACKAGE / room, "**/*.py") for room in _BANK_ROOMS]
     for folder, pattern in folders:
-        for path in sorted(p for p in folder.rglob(pattern) if p.is_file() and "__pycache__" not in p.parts):
+        for path in sorted(p for p in folder.glob(pattern) if p.is_file() and "__pycache__" not in p.parts):
             digest.update(f"{folder.name}/{path.relative_to(folder).as_posix()}\0".encode())
             digest.update(hashlib.sha256(path.read_bytes()).digest())
     return cache_dir("banks", f"bank-{digest.hexdigest()[:16]}.npz")

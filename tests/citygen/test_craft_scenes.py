@@ -79,7 +79,7 @@ def test_ground_compiles_and_no_place_has_more_prisms_than_an_engine_looks_at(gr
     area = shapely.union_all(walked, grid_size=1e-3)
     x0, y0, x1, y1 = area.bounds
     x, y = (a.ravel() for a in np.meshgrid(np.arange(x0, x1, 0.5), np.arange(y0, y1, 0.5)))
-    points = shapely.points(x, y)
+    points = np.array(shapely.points(x, y), dtype=object)
     points = points[shapely.contains(area, points)]
     near, _ = shapely.STRtree(boxes).query(points, predicate="dwithin", distance=REACH)
     counts = np.bincount(near, minlength=len(points))

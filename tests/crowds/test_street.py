@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import HALF_WIDTH, KERB_Y
-from urbanverse_mjx.crowds import Bodies, behaviours, crossings, flats, free_space, goal_fields, spawning
+from urbanverse_mjx.crowds import (
+    KINDS,
+    Bodies,
+    Wish,
+    behaviours,
+    crossings,
+    flats,
+    free_space,
+    goal_fields,
+    lanes,
+    spawning,
+    traits_of,
+)
 from urbanverse_mjx.crowds.crowd import CrowdModel, CrowdTables, make_tables
 from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
 from urbanverse_mjx.datatypes import NounError, SceneBank
@@ -270,3 +282,29 @@ def test_a_crowd_lives_in_streets_it_does_not_leave(small_bank: SceneBank, table
     moved = np.hypot(x[-1] - x[0], y[-1] - y[0])
     assert moved[:, :2].max() < 0.7
     assert np.median(moved[:, 2:8]) > 5.0
+
+
+def test_vehicles_drive_no_faster_than_they_can_stop() -> None:
+    """A car at 8 m/s that wants to go on, with another across its lane, beside it, driving away, and behind it."""
+    kinds = [KINDS["pedestrian"], KINDS["car"], KINDS["car"]]
+    traits = jax.tree.map(lambda a: a[:, 0], traits_of(kinds))
+    car = KINDS["car"]
+    wish = Wish(jnp.array([1.0, 8.0, 0.0]), jnp.zeros(3), jnp.zeros(3))
+
+    def speed(x: float, y: float, vx: float, heading: float) -> float:
+        zero = jnp.zeros(3)
+        bodies = Bodies(
+            jnp.array([0.0, 0.0, x]), jnp.array([50.0, 0.0, y]), zero.at[2].set(vx), zero, zero.at[2].set(heading)
+        )
+        new = lanes.stop_in_time(wish, bodies, traits, 1)
+        assert float(new.x[0]) == 1.0
+        return float(new.x[1])
+
+    across = speed(10.0, 0.5, 0.0, np.pi / 2)
+    gap = 10.0 - car.half_length - 2 * car.radius - lanes.BUMPER
+    np.testing.assert_allclose(across, np.sqrt(2 * car.braking * gap), rtol=1e-5)
+    assert speed(4.0, 0.0, 0.0, np.pi / 2) < 2.5
+    assert speed(3.0, 0.0, 0.0, np.pi / 2) == 0.0
+    assert speed(10.0, 2.0, 0.0, 0.0) == 8.0
+    assert speed(-6.0, 0.0, 0.0, 0.0) == 8.0
+    assert speed(8.0, 0.0, 6.0, 0.0) == 8.0

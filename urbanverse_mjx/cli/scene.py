@@ -17,7 +17,7 @@ import tyro
 from .. import settings
 from ..datatypes import SceneBank, SceneGraph
 from ..datatypes import validation as v
-from . import scene_gallery, scene_routes
+from . import scene_gallery, scene_library, scene_routes
 
 if TYPE_CHECKING:
     from ..materialisation import Materialisation
@@ -91,6 +91,7 @@ def main(argv: Sequence[str]) -> int:
             "terrain": TerrainArgs,
             "routes": scene_routes.RoutesArgs,
             "gallery": scene_gallery.GalleryArgs,
+            "library": scene_library.LibraryArgs,
         },
         args=list(argv),
         prog="urbanverse scene",
@@ -101,6 +102,8 @@ def main(argv: Sequence[str]) -> int:
         return scene_routes.main(args)
     if isinstance(args, scene_gallery.GalleryArgs):
         return scene_gallery.main(args)
+    if isinstance(args, scene_library.LibraryArgs):
+        return scene_library.main(args)
     if isinstance(args, CompileArgs):
         return _compile(args)
     return _join(args) if isinstance(args, JoinArgs) else _bank(args)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
-from . import behaviours, crossings, flats, free_space, goal_fields, patience, spawning
+from . import behaviours, crossings, flats, free_space, goal_fields, lanes, patience, spawning
 from .behaviours import GO, ROAM, Script
 from .bodies import Bodies, Traits, Wish, num_wheeled, traits_of
 from .goal_fields import RULE_OF_KIND, RULES
@@ -237,6 +237,7 @@ class CrowdModel:
             present=crowd.present, limit=jnp.minimum(self._traits.limit, crowd.speed * self._headroom)
         )
         everybody = Traits(*(jnp.append(a, b) for a, b in zip(traits, robot[1], strict=True)))
+        aside = lanes.stop_in_time(aside, joined, everybody, self.num_agents - num_wheeled(self.kinds))
         walls = self._walls(crowd.bodies, scene)
         bodies, _ = self._step(joined, everybody, disturbed(aside, keys[1], crowd.side), *walls)
         blocked = patience.held_up(crowd.blocked, aside, (bodies.vx, bodies.vy), self.dt)

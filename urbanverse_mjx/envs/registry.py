@@ -4,6 +4,8 @@ import difflib
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+import jax.numpy as jnp
+import mujoco
 from ml_collections import ConfigDict
 
 from .. import settings
@@ -149,14 +151,29 @@ def load_terrain_bank() -> SceneBank:
 
 
 def make_robot(config: ConfigDict) -> RobotSpec:
-    """The robot a config names."""
-    from ..robots import make_coco, make_go2
+    """The robot a config names: "coco", "go2", "wheelchair", or a robot.json of one's own (see `robots.load`)."""
+    from .. import robots
 
     if config.robot == "go2":
-        return make_go2(config.get("menagerie") or None)
-    if config.robot != "coco":
-        raise NounError(f"config.robot: found {config.robot!r}, needed 'coco' or 'go2'.")
-    return make_coco(drive=config.drive)
+        return robots.make_go2(config.get("menagerie") or None)
+    if config.robot == "coco":
+        return robots.make_coco(drive=config.drive)
+    return robots.load(config.robot)
+
+
+def _check_fit(config: ConfigDict, robot: RobotSpec) -> None:
+    """Raises `NounError` where a robot and a navigation config do not go together."""
+    if config.sim_dt > robot.physics_timestep + 1e-9:
+        raise NounError(
+            f"config.sim_dt: found {config.sim_dt:g} s, needed at most the {robot.physics_timestep:g} s that the MJCF "
+            f"of {robot.name!r} asks for; override sim_dt."
+        )
+    told, motors = robot.command(jnp.zeros(2)).shape[0], mujoco.MjModel.from_xml_string(robot.mjcf).nu
+    if "gait" not in config and told != motors:
+        raise NounError(
+            f"config.robot: found {robot.name!r}, which walks by a gait, needed a robot on wheels; take Go2Nav with "
+            "robot and gait overridden."
+        )
 
 
 def make_nav_engine(
@@ -201,6 +218,7 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
         )
     if "gait" in config and config.action_mode == "joint":
         raise NounError("config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'.")
+    _check_fit(config, robot)
     movable = body_sizes(config)
     engine = make_nav_engine(config, bank, robot, config.num_slots, slot_shapes(kinds) if kinds else None, movable)
     renderer = None

@@ -23,7 +23,7 @@ class Privileged(Protocol):
         """What it wants to know of n episodes, as arrays with a leading axis n; scenes, rows: (n,) of the bank."""
         ...
 
-    def act(self, nav: NavState, known: Any) -> jax.Array:
+    def act(self, nav: NavState, known: Any, /) -> jax.Array:
         """The action in a state; known: what `prepare` found for its episode."""
         ...
 

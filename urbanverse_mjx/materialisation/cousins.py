@@ -25,7 +25,7 @@ from .shortlists import Candidate, LeftOut
 #: Grows whenever the same graph, catalogue and seed would give other layouts.
 VERSION = "cousins 2"
 #: `Source.video` of a graph that was composed, not filmed.
-BY_HAND = "hand"
+COMPOSED = ("hand", "procedural")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -99,16 +99,20 @@ def materialise_cousins(
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
     # Things composed by hand are meant to stand where they are: nobody went the tour of such a graph.
-    filmed = () if flat.source.video == BY_HAND else flat.camera_path
+    filmed = () if flat.source.video.startswith(COMPOSED) else flat.camera_path
     strip = passage.walked(np.array(filmed).reshape(-1, 4))
+    # What hangs is over the ground, not on it.
+    floors = [
+        max(support.under(t) or support.near(t, standing.REACH), default=t.center[2] - t.size[2] / 2) for t in known
+    ]
     cousins = []
     for k in range(count):
         chosen = {thing.id: drawn[thing.id][k] for thing in known}
-        bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip)
+        bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
         cleared = clearing.clear(bodies, support, things)
         if cleared.crowded:
             chosen |= _slimmer(cleared.crowded, bodies, others, things, flat, hulls_of)
-            bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip)
+            bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
             cleared = clearing.clear(bodies, support, things)
         layout = SceneLayout(
             id=graph.id if k == 0 else f"{graph.id}_cousin{k}",
@@ -182,10 +186,10 @@ def _stand(
 
 
 def _out_of_the_way(
-    bodies: Sequence[overlap.Body], strip: shapely.Geometry
+    bodies: Sequence[overlap.Body], strip: shapely.Geometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
     """Things without those that stand where the camera went, and these: somebody passed through them."""
-    gone = set(passage.in_the_way(bodies, strip))
+    gone = set(passage.in_the_way(bodies, strip, floors))
     reason = "the camera went through where it would stand"
     left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]
     return [body for k, body in enumerate(bodies) if k not in gone], left_out

@@ -32,6 +32,13 @@ def blocks(body: overlap.Body, strip: shapely.Geometry, ground: float) -> bool:
     return any(strip.intersects(shapely.Polygon(p.corners + shift)) for p in reach)
 
 
-def in_the_way(bodies: Sequence[overlap.Body], strip: shapely.Geometry) -> list[int]:
-    """Numbers of the things that stand where the camera went; each stands on the ground that its foot is on."""
-    return [k for k, body in enumerate(bodies) if blocks(body, strip, body.placed.position[2])]
+def in_the_way(
+    bodies: Sequence[overlap.Body], strip: shapely.Geometry, floors: Sequence[float] | None = None
+) -> list[int]:
+    """Numbers of the things that stand where the camera went.
+
+    Args:
+      floors: m, height of the ground below each; None: each stands on the ground that its foot is on, nothing hangs.
+    """
+    heights = [body.placed.position[2] for body in bodies] if floors is None else floors
+    return [k for k, body in enumerate(bodies) if blocks(body, strip, heights[k])]

@@ -1,6 +1,7 @@
 """Robots as data."""
 
 from .coco import make_coco
+from .description import load
 from .go2 import make_go2
 
-__all__ = ["make_coco", "make_go2"]
+__all__ = ["load", "make_coco", "make_go2"]

@@ -8,17 +8,16 @@ Its actuators take joint angles. Which angles make it walk is a policy's work (`
 its gait a body velocity (`simulation.gait_engine`).
 """
 
+import functools
 import math
 import pathlib
 from typing import Any
-
-import jax.numpy as jnp
 
 from ..datatypes import RobotSpec
 from . import go2_body as body
 from .gait import Gait
 from .go2_menagerie import make_menagerie_mjcf
-from .waypoint import clip_velocity, pd_velocity
+from .waypoint import gait_command, pd_velocity
 
 #: m/s, rad/s: the commands that `Go2Joystick` trains.
 MAX_SPEED, MAX_YAW_RATE = 1.0, 1.0
@@ -32,12 +31,6 @@ def waypoint_to_velocity(waypoint: Any, control_period: float) -> tuple[Any, Any
     """`pd_velocity` of this robot: a waypoint 1 m ahead means 1 m/s. It could go sideways as well, but then a waypoint
     would mean something else than to a robot on wheels."""
     return pd_velocity(waypoint, control_period, MAX_SPEED, MAX_YAW_RATE)
-
-
-def gait_command(velocity: Any) -> Any:
-    """(3,) m/s ahead, m/s left, rad/s, as a gait is told them, for (v, omega)."""
-    v, omega = clip_velocity(velocity, MAX_SPEED, MAX_YAW_RATE)
-    return jnp.stack([v, 0.0 * v, omega])
 
 
 def load_gait(path: str | pathlib.Path | None = None) -> Gait:
@@ -75,7 +68,7 @@ def make_go2(menagerie: str | pathlib.Path | None = None) -> RobotSpec:
         max_speed=MAX_SPEED,
         max_yaw_rate=MAX_YAW_RATE,
         physics_timestep=body.PHYSICS_TIMESTEP,
-        command=gait_command,
+        command=functools.partial(gait_command, max_speed=MAX_SPEED, max_yaw_rate=MAX_YAW_RATE),
         waypoint_to_velocity=waypoint_to_velocity,
         planner_radius=PLANNER_RADIUS,
         planner_height=PLANNER_HEIGHT,

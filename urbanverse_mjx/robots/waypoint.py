@@ -20,6 +20,12 @@ def clip_velocity(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
     return jnp.stack([jnp.clip(velocity[0], 0.0, max_speed), jnp.clip(velocity[1], -max_yaw_rate, max_yaw_rate)])
 
 
+def gait_command(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
+    """(3,) m/s ahead, m/s left, rad/s, as a gait is told them, for (v, omega)."""
+    v, omega = clip_velocity(velocity, max_speed, max_yaw_rate)
+    return jnp.stack([v, 0.0 * v, omega])
+
+
 def pd_velocity(waypoint: Any, control_period: float, max_speed: float, max_yaw_rate: float) -> tuple[Any, Any]:
     """Reach the waypoint, and face it, within one horizon.
 

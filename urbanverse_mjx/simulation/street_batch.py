@@ -152,7 +152,9 @@ class Streets:
         mjm = model.model
         count, bodies = len(geoms), self.settings.bodies
         parts = np.zeros((count + bodies, 2, 4), np.float32)
-        parts[:count, 0, :3] = model.robot_half[:, 0]
+        # `place` turns the balls with the body, so their centres are needed in its frame, not in the geom's.
+        middle = np.einsum("nij,nj->ni", model.robot_rotation, model.robot_half[:, 0])
+        parts[:count, 0, :3] = model.robot_position + middle
         parts[:count, 0, 3] = np.linalg.norm(model.robot_half[:, 1], axis=1)
         material = mjm.geom_matid[geoms]
         parts[:count, 1, 0] = resolve_geom_materials(mjm)[2][geoms]

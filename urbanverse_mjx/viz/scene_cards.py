@@ -18,7 +18,8 @@ from .scene_gallery import NAMES
 
 #: Pixels of the rendered pictures, and the most of a map.
 SIZE, MAP_SIZE = (768, 400), (960, 540)
-ELEVATION = np.radians(62.0)
+#: Steep, or houses hide narrow streets.
+ELEVATION = np.radians(74.0)
 SAMPLES = 2
 #: What begins lower than this (m) above the ground is drawn as being in the way, the rest as a shade.
 _HEAD = 1.0

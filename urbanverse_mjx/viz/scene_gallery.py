@@ -15,7 +15,7 @@ from ..datatypes import BenchmarkReport, NounError
 from ..datatypes import validation as v
 
 #: Grows whenever the pictures of an unchanged scene would be others.
-VERSION = 1
+VERSION = 2
 _PICTURES = "pictures"
 #: Pictures of a card, in the order they are shown.
 NAMES = ("above", "eye_0", "eye_1", "map")

@@ -179,6 +179,8 @@ def _yards(filler: Filler) -> None:
         base, deep = plan.width(side), plan.profile.yard
         for _ in range(round(0.22 * filler.line.length)):
             name = stock.pick((("shrub", 4), ("flower", 3), ("tree", 1.5), ("grass patch", 1)), filler.rng)
+            if name == "tree" and plan.profile.trees:
+                name = f"tree#{stock.pick(plan.profile.trees, filler.rng)}"
             s, v = filler.uniform(2, filler.line.length - 2), base + filler.uniform(0.6, deep - 0.7)
             filler.put(stock.draw(name, filler.rng), s, side, v, filler.uniform(-180, 180))
         at = 2.0

@@ -80,8 +80,9 @@ def _wall(filler: Filler, side: int, begin: float, end: float) -> None:
     size = (wall.size[0], round(width - JOINT, 3), wall.size[2])
     depth = filler.plan.front(side) - filler.plan.half
     filler.put(stock.Item(wall.label, size, wall.descriptor), begin + width / 2, side, depth + 0.2, "street", free=True)
-    if width > 2.0:
-        filler.put(stock.draw("tree", filler.rng), begin + width / 2, side, depth + 2.0, "street", free=True)
+    if width > 2.0 and filler.plan.profile.trees:
+        growth = stock.pick(filler.plan.profile.trees, filler.rng)
+        filler.put(stock.draw(f"tree#{growth}", filler.rng), begin + width / 2, side, depth + 2.0, "street", free=True)
 
 
 def _close(filler: Filler, plan: Plan, at_end: bool) -> None:

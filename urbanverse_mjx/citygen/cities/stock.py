@@ -19,7 +19,7 @@ from ...datatypes import validation as v
 from .profile import Mix
 
 #: Growths of trees: base shapes of the leaf "tree", in the order of the index.
-GROWTHS = {"broad": 0, "round": 1, "slim": 2, "blossom": 3, "street": 4, "wide": 5, "young": 6, "palm": 7}
+GROWTHS = {"broad": 0, "round": 0, "wide": 1, "slim": 2, "blossom": 3, "street": 4, "autumn": 5, "fir": 6, "palm": 7}
 
 
 @dataclasses.dataclass(frozen=True)

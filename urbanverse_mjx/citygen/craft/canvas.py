@@ -17,7 +17,7 @@ from ...assets.ground_materials import build_material
 from ...datatypes import GraphObject, GroundRegion, NounError, SceneGraph, Source
 from ...datatypes.ground import PAINT_KINDS
 from .. import catalogue
-from ..section import LOT_DEPTH, RAMP_HALF_WIDTH, RAMP_RUN
+from ..section import RAMP_HALF_WIDTH, RAMP_RUN
 from ..stage import JOINT, Stage
 from . import faults, ground_layers, things
 from .ground_layers import Corner, Layer
@@ -137,10 +137,6 @@ class Canvas(Stage):
         """Parts all ground, or what is visible of one piece, along a line; see `ground_layers.Cut`."""
         self._cuts.append(ground_layers.Cut(name, start, end))
 
-    def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:
-        for layer in ground_layers.stairs(self._layers, name, foot, degrees, width, count):
-            self._lay(layer)
-
     def paint(self, name: str, corners: Iterable[Corner]) -> None:
         """A painted mark on what lies there (a level piece); robots on the pavement may not drive on it."""
         ring = ground_layers.outline(corners)
@@ -247,11 +243,6 @@ class Canvas(Stage):
             box = (depth, round(width - JOINT, 3), height)
             self.put(label, *line.at(s + width / 2, d + depth / 2), line.facing("street"), size=box)
             s += width
-
-    def lot(self, name: str, line: Edge, s0: float, s1: float, d: float, z: float, kind: str = "sidewalk") -> None:
-        """Ground under house fronts: less deep than any house, so that nobody walks behind them."""
-        far = d + LOT_DEPTH
-        self.ground(name, kind, [line.at(s0, d), line.at(s1, d), line.at(s1, far), line.at(s0, far)], z)
 
     def problems(self, passage_width: float = faults.PASSAGE) -> list[str]:
         """What an eye would object to, a sentence each; see `faults`."""

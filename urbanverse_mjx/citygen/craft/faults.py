@@ -64,9 +64,10 @@ def _astride(stage: Stage, thing: GraphObject) -> bool:
 
 
 def _touching(standing: Sequence[GraphObject]) -> list[str]:
-    shapes = np.array([passage.footprint(o) for o in standing], dtype=object)
+    shapes = [passage.footprint(o) for o in standing]
+    boxes = np.array(shapes, dtype=object)
     found = []
-    for i, j in shapely.STRtree(shapes).query(shapes, predicate="intersects").T:
+    for i, j in shapely.STRtree(boxes).query(boxes, predicate="intersects").T:
         share = shapes[i].intersection(shapes[j]).area if i < j else 0.0
         if share > TOUCH:
             found.append(f"{standing[i].id} and {standing[j].id} share {share:.2f} m²")

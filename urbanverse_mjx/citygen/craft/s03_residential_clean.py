@@ -70,8 +70,8 @@ VERGE_RIGHT = (
         ("traffic sign", 29.6, 0.5, "-", 0),
     ),
 )
-TREES_LEFT = ((5.0, 25.4), (3.4, 17.4, 33.0), (1.0, 16.8, 25.0))
-TREES_RIGHT = ((3.6, 28.2), (4.0, 15.0, 26.8), (3.8, 8.4, 21.4))
+TREES_LEFT = ((5.0, 25.4), (3.4, 17.4, 33.0), (6.4, 16.8, 25.0))
+TREES_RIGHT = ((3.6, 28.2), (4.0, 15.0, 26.8), (3.8, 8.4, 27.2))
 
 #: In the gardens, d from the kerb: lawns begin at 3.6, fronts stand at 8.6.
 GARDENS_LEFT = (

@@ -248,9 +248,11 @@ def build() -> Canvas:
     ):
         for line, scooters, laid, wall, kerb, crowd, motorcycles in zip(lines, *tables, strict=True):
             for s, d, turn, look in scooters:
-                street.put("scooter", *line.at(s, d), line.degrees + turn, look)
+                x, y = line.at(s, d)
+                street.put("scooter", x, y, line.degrees + turn, look)
             for s, seats, shade in laid:
-                laid_table(street, *line.at(s, WALK - 0.6), line.degrees, seats, shade)
+                x, y = line.at(s, WALK - 0.6)
+                laid_table(street, x, y, line.degrees, seats, shade)
             street.against(line.back(WALK), wall)
             street.against(line, kerb, 0.25)
             street.along(line, crowd)
@@ -259,7 +261,7 @@ def build() -> Canvas:
         street.along(line.road(), rows)
     street.row("lamppost", left[0], (1.4, 14.6, 28.4, 39.0), 0.45, "street", 0)
     street.row("lamppost", left[1], (5.2, 18.6, 30.6), 0.45, "street", 0)
-    street.row("lamppost", right[0], (4.6, 15.0 - 0.4, 29.9, 38.4), 0.45, "street", 0)
+    street.row("lamppost", right[0], (4.6, 14.6, 29.9, 38.4), 0.45, "street", 0)
     street.row("lamppost", right[1], (7.6, 21.6, 32.8), 0.45, "street", 0)
     street.trees(left[1], (14.4,), 0.9, "palm")
     street.trees(right[0], (36.2,), 0.9, "palm")

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Every policy on both benchmarks, protocol full, side by side on one machine; freezes lists that are not there yet.
+#
+#     bash benchmarks/all_policies.sh OUT AUTOBENCH_BANK CRAFTBENCH_BANK [IMPL]
+#
+# PYTHON names the interpreter, SERIAL=1 runs one after the other, MORE holds further options (`--scenes 1`).
+# OUT gets lists/NAME.json and NAME-POLICY/report.md, report.json, episodes.csv, scenes.csv; a failed run leaves its log.
+set -u
+out=$1 impl=${4:-auto}
+declare -A banks=([autobench]=$2 [craftbench]=$3)
+# The paper has ten scenes, the release twelve; docs/decisions/benchmarks.md says why these two are extra.
+extra="03_residential_street_dual_sidewalks_clean 12_courtyard_plaza_central_fountain"
+export XLA_PYTHON_CLIENT_PREALLOCATE=false PYTHONPATH=${PYTHONPATH:-$PWD}
+mkdir -p "$out/lists"
+pids=()
+# shellcheck disable=SC2086
+one() { # benchmark, policy, folder
+  ${PYTHON:-python} -m urbanverse_mjx.cli.main benchmark "$out/lists/$1.json" --bank "${banks[$1]}" --policy "$2" --protocol full \
+    --impl "$impl" --at-once 768 --no-pictures --quiet ${MORE:-} --out "$out/$1-$3" > "$out/$1-$3.log" 2>&1 \
+    && rm "$out/$1-$3.log"
+}
+for name in autobench craftbench; do
+  [ -s "${banks[$name]}" ] || continue
+  if [ -s "benchmarks/protocols/$name.json" ]; then
+    cp "benchmarks/protocols/$name.json" "$out/lists/"
+  else
+    [ "$name" = craftbench ] && more="--extra $extra" || more=""
+    # shellcheck disable=SC2086
+    ${PYTHON:-python} -m benchmarks.freeze "$name" --bank "${banks[$name]}" --out "$out/lists" $more || continue
+  fi
+  for policy in planner zero random go_to_goal benchmarks/policies/coco_paper; do
+    one "$name" "$policy" "$(basename "$policy")" &
+    pids+=($!)
+    [ -n "${SERIAL:-}" ] && wait $!
+  done
+done
+for pid in "${pids[@]}"; do wait "$pid" 2> /dev/null; done
+grep -h -E "^\| (policy|planner|zero|random|go_to_goal|coco_paper) " "$out"/*/report.md

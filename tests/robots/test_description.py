@@ -1,0 +1,216 @@
+"""Robots from files: one from outside the repository drives the streets; the wheelchair that comes with the package."""
+
+import json
+import pathlib
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+import pytest
+
+from tests.robots.test_coco_drive import Driver, ground
+from tests.support.box_bank import box_bank, box_scenes
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs import NavEnv, registry
+from urbanverse_mjx.robots import load, make_coco, make_go2
+from urbanverse_mjx.scene.mjcf import scene_spec
+from urbanverse_mjx.simulation import truth
+from urbanverse_mjx.simulation.engines import make_engine
+from urbanverse_mjx.simulation.physics_model import make_physics_model
+
+TUTORIAL = pathlib.Path(__file__).parents[2] / "docs" / "tutorials" / "own_robot.md"
+WHEELCHAIR = "wheelchair"
+
+
+def blocks(language: str) -> list[str]:
+    """The tutorial's blocks of code of a language."""
+    parts = TUTORIAL.read_text(encoding="utf-8").split("```" + language + "\n")[1:]
+    return [part.split("```")[0] for part in parts]
+
+
+@pytest.fixture
+def folder(tmp_path: pathlib.Path) -> pathlib.Path:
+    """The tutorial's robot, written somewhere else, with a mesh in a folder of its own for its looks."""
+    (tmp_path / "tug.xml").write_text(blocks("xml")[0])
+    (tmp_path / "robot.json").write_text(blocks("json")[0])
+    corners = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (0.0, 0.1)]
+    faces = "1 2 4 1 4 3 5 7 8 5 8 6 1 5 6 1 6 2 3 4 8 3 8 7 1 3 7 1 7 5 2 6 8 2 8 4".split()
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {' '.join(faces[i : i + 3])}" for i in range(0, 36, 3)]
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "crate.obj").write_text("\n".join(lines))
+    return tmp_path
+
+
+def change(folder: pathlib.Path, **fields: Any) -> pathlib.Path:
+    path = folder / "robot.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | fields))
+    return path
+
+
+def test_what_is_not_said_is_worked_out(folder: pathlib.Path) -> None:
+    robot = load(folder)
+    assert robot.mjcf == load(str(folder / "robot.json")).mjcf
+    model = mujoco.MjModel.from_xml_string(robot.mjcf)
+    assert robot.physics_timestep == model.opt.timestep == 0.005
+    # Wheels of 0.12 m whose axle is at the root's height; the farthest sphere: the bumper's at 0.3 m with 0.1 m.
+    assert robot.spawn_height == pytest.approx(0.12)
+    assert robot.circumradius == pytest.approx(0.4)
+    assert (model.geom_contype == 0).all(), "its parts never touch each other"
+    np.testing.assert_allclose(robot.command(np.array([0.6, 0.0])), [5.0, 5.0], rtol=1e-6)
+    # 0.5 rad/s with a track of 0.4 m: 0.1 m/s more and less; faster than it can, it does what it can.
+    np.testing.assert_allclose(robot.command(np.array([0.6, 0.5])), np.array([0.5, 0.7]) / 0.12, rtol=1e-6)
+    np.testing.assert_allclose(robot.command(np.array([9.0, 0.0])), [10.0, 10.0], rtol=1e-6)
+    told = change(folder, spawn_height=0.2, circumradius=0.9)
+    assert (load(told).spawn_height, load(told).circumradius) == (0.2, 0.9)
+
+
+def test_a_bound_on_the_reach_holds_for_every_robot() -> None:
+    """The bound that is worked out is no smaller than what the built-in robots state by geometry."""
+    from urbanverse_mjx.robots.description import reach
+
+    for robot, slack in ((make_coco("differential"), 1e-6), (make_go2(), 0.2)):
+        model = mujoco.MjModel.from_xml_string(robot.mjcf)
+        bound = reach(model, model.body(robot.root_body).id)
+        assert robot.circumradius - 1e-6 <= bound <= robot.circumradius + slack
+
+
+def test_a_robot_from_outside_drives_to_its_waypoints(folder: pathlib.Path, small_bank: SceneBank) -> None:
+    options = {"preset": "cpu", "scenes": "all", "vision_config.height": 18, "vision_config.width": 32, "impl": "jax"}
+    free = {"terminate_on_hit": False, "terminate_off_traversable": False, "success_radius": 1e-3}
+    with pytest.raises(NounError, match="sim_dt"):
+        registry.load("CocoNav", config_overrides={**options, "robot": str(folder)}, bank=small_bank)
+    options |= {"robot": str(folder), "sim_dt": 0.005, **free}
+    env: NavEnv = registry.load("CocoNav", config_overrides=options, bank=small_bank)
+    state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 2))
+    assert state.obs["pixels/front"].shape == (2, 18, 32, 3)
+    step, first = jax.jit(jax.vmap(env.step)), np.asarray(state.data.sim.xpos[:, 1])
+    for _ in range(10):
+        state = step(state, jnp.tile(jnp.array([0.5, 0.0]), (2, 1)))
+    # 2 s at half of 1.2 m/s, less the start.
+    gone = np.linalg.norm(np.asarray(state.data.sim.xpos[:, 1]) - first, axis=1)
+    assert (gone > 0.8).all()
+    assert (gone < 1.25).all()
+    # Its crate, from a file, is in the model of what is seen.
+    model = mujoco.MjModel.from_xml_string(env.robot.mjcf)
+    assert model.nmesh == 1
+
+
+def test_an_axle_that_steers(folder: pathlib.Path) -> None:
+    xml = (folder / "tug.xml").read_text()
+    steering = '<position name="steer" joint="swivel" kp="10" ctrlrange="-0.4 0.4"/></actuator>'
+    swivel = '<body name="nose" pos="0.2 0 0"><joint name="swivel" axis="0 0 1"/><geom size="0.02" mass="1"'
+    swivel += ' contype="0" conaffinity="0"/></body><camera'
+    (folder / "tug.xml").write_text(xml.replace("</actuator>", steering).replace("<camera", swivel, 1))
+    drive = json.loads((folder / "robot.json").read_text())["drive"]
+    with pytest.raises(NounError, match=r"found 2 actuators named, needed each of the 3"):
+        load(folder)
+    change(folder, drive={**drive, "kind": "ackermann", "steer": "steer", "wheelbase": 0.5})
+    # The nose weighs as much where what is only seen of it has been taken away.
+    assert make_physics_model(load(folder)).model.body("nose").mass[0] == pytest.approx(1.0)
+    left, right, angle = np.asarray(load(folder).command(np.array([1.0, 0.5])), np.float64)
+    assert angle == pytest.approx(np.arctan(0.5 * 0.5))
+    np.testing.assert_allclose([left, right], np.array([0.9, 1.1]) / 0.12, rtol=1e-5)
+    # Sharper than it can: at the end of its range, and the wheels turn as that circle asks.
+    left, right, angle = np.asarray(load(folder).command(np.array([0.5, 1.0])), np.float64)
+    turn = 0.5 * np.tan(0.4) / 0.5
+    assert angle == pytest.approx(0.4)
+    np.testing.assert_allclose([left, right], np.array([0.5 - 0.2 * turn, 0.5 + 0.2 * turn]) / 0.12, rtol=1e-5)
+
+
+def test_a_robot_told_by_a_gait(folder: pathlib.Path) -> None:
+    change(folder, drive={"kind": "gait"})
+    np.testing.assert_allclose(load(folder).command(np.array([0.7, -0.2])), [0.7, 0.0, -0.2], rtol=1e-6)
+    options = {"preset": "cpu", "robot": str(folder), "sim_dt": 0.005, "vision": False}
+    with pytest.raises(NounError, match="walks by a gait"):
+        registry.load("CocoNav", config_overrides=options, bank=box_bank(1))
+    with pytest.raises(NounError, match="one for 12 joints, needed one for the 2"):
+        registry.load("Go2Nav", config_overrides=options, bank=box_bank(1))
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"mjcf": "none.xml"}, "found no file"),
+        ({"camera": "eye"}, r"camera: found 'eye', needed a camera of the MJCF; it has front"),
+        ({"feet": ["left_tyre", "paw"]}, r"feet\[1\]: found 'paw'"),
+        ({"max_speed": -1.0}, "greater than 0"),
+        ({"drive": {"kind": "tracks"}}, "one of differential, ackermann, gait"),
+        ({"planner": {"radius": 0.3}}, "height"),
+        ({"colour": "red"}, "colour"),
+        ({"schema": "urbanverse.robot/9"}, "urbanverse.robot/1"),
+    ],
+)
+def test_what_is_wrong_is_said(folder: pathlib.Path, fields: dict[str, Any], words: str) -> None:
+    with pytest.raises(NounError, match=words):
+        load(change(folder, **fields))
+
+
+def test_what_is_wrong_in_the_mjcf_is_said(folder: pathlib.Path) -> None:
+    xml = (folder / "tug.xml").read_text()
+    for old, new, words in (
+        ("<worldbody>", '<worldbody><geom type="plane" size="1 1 1"/>', "the robot alone"),
+        ('name="bumper" ', 'name="bumper" type="box" size="1 1 1" ', "cover it with spheres"),
+        ("</mujoco>", "", "does not read"),
+    ):
+        changed = xml.replace('name="bumper" size="0.1"', 'name="bumper" ') if "bumper" in old else xml
+        (folder / "tug.xml").write_text(changed.replace(old, new, 1))
+        with pytest.raises(NounError, match=words):
+            load(folder)
+    with pytest.raises(NounError, match=r"coco, go2, wheelchair, or a robot\.json"):
+        load(folder / "nowhere")
+
+
+# The wheelchair.
+
+
+def test_the_wheelchair_is_as_the_planner_has_it() -> None:
+    """facts/reference_systems.md b.2: radius 0.45 m, height 1.4 m, step 0.05 m."""
+    robot = load(WHEELCHAIR)
+    assert (robot.planner_radius, robot.planner_height, robot.step_height) == (0.45, 1.4, 0.05)
+    model = mujoco.MjModel.from_xml_string(robot.mjcf)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    spheres = np.flatnonzero(model.geom_conaffinity)
+    centre, radius = data.geom_xpos[spheres] - data.xpos[1], model.geom_size[spheres, 0]
+    assert (np.linalg.norm(centre[:, :2], axis=1) + radius).max() <= 0.45 + 1e-3
+    assert (centre[:, 2] + radius).max() + robot.spawn_height == pytest.approx(1.4, abs=0.01)
+
+
+@pytest.mark.parametrize(("speed", "yaw_rate"), [(0.3, 1.0), (1.0, 0.3), (1.0, -1.0), (0.0, -0.8)])
+def test_the_wheelchair_follows_its_commands(speed: float, yaw_rate: float) -> None:
+    driver = Driver(load(WHEELCHAIR), ground([(-30.0, 30.0, 0.0, 0.0)], half_width=30.0))
+    driver.drive(speed, yaw_rate, 3.0)
+    v, w = driver.velocity()
+    assert abs(v - speed) < 0.02
+    # In a fast bend the mass in front of the axle holds against the motors.
+    assert abs(w - yaw_rate) < 0.15 * abs(yaw_rate)
+    assert driver.data.qpos[2] == pytest.approx(load(WHEELCHAIR).spawn_height, abs=1e-3)
+
+
+def test_the_wheelchair_takes_its_step_a_ramp_and_no_kerb() -> None:
+    robot = load(WHEELCHAIR)
+    for step, passes in ((robot.step_height, True), (0.15, False)):
+        driver = Driver(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 40.0, step, step)]))
+        driver.drive(0.8, 0.0, 6.0)
+        assert (driver.data.qpos[0] > 2.0) == passes, f"step of {step} m"
+    driver = Driver(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 3.0, 0.0, 0.25), (3.0, 30.0, 0.25, 0.25)]))
+    driver.drive(0.5, 0.0, 14.0)
+    assert driver.data.qpos[0] > 4.0
+
+
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+def test_engines_drive_the_wheelchair_as_c_mujoco_does(impl: str) -> None:
+    robot, bank, control_dt = load(WHEELCHAIR), box_bank(2), 0.2
+    drives = truth.mixed_drives(bank, robot, 8, 10, control_dt, seed=2)
+    models = [truth.truth_model(scene_spec(s), robot) for s in box_scenes(2)]
+    expected = truth.drive_truth(models, robot, drives, control_dt)
+    found = truth.drive_engine(make_engine(bank, robot, impl=impl, control_dt=control_dt), bank, drives)
+    report = truth.compare(expected, found, robot)
+    summary = report.summary()
+    # Twice COCO's tolerance: the root is twice as high above the ground, and a hair of tilt shows twice as much.
+    assert report.before.max() <= 0.002, summary
+    assert report.onset.max() <= 1, summary
+    assert (report.onset >= 0).all(), summary
+    assert report.ends_agree.all(), summary

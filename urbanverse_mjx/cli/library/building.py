@@ -1,0 +1,209 @@
+"""A layout of a set -> its cousins, compiled; and all scenes of a set -> one bank. Goes on where it stopped."""
+
+import concurrent.futures
+import dataclasses
+import multiprocessing
+import pathlib
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from ... import settings
+from ...datatypes import SceneGraph
+from ...datatypes import validation as v
+from ...scene import library
+from ..generation.run_folder import key_of
+
+if TYPE_CHECKING:
+    from ...materialisation import Cousin
+
+#: Rows of the episode tables (issue 6, item 5).
+ROWS = 512
+#: Grows whenever a compiled scene of the same layout would differ.
+VERSION = "1"
+#: Random places per scene at which hulls in reach are counted.
+POSES = 2_000
+
+
+@dataclasses.dataclass(frozen=True)
+class Failure:
+    """A layout that could not be built, and why."""
+
+    layout: str
+    reason: str
+
+
+def layouts_of(scenes: library.SceneSet) -> list[str]:
+    """Ids of a set's layouts.
+
+    Raises:
+      NounError: the set has no graph.
+    """
+    if scenes.builder:
+        from ...citygen import procedural
+
+        return [f"{scenes.builder}_{k:03d}" for k in range(procedural.COUNT)]
+    found = list(scenes.graphs())
+    if not found:
+        raise v.fail(
+            f"scenes/{scenes.name}", "no graph", "a folder with a graph per layout", "see `scenes/library.json`"
+        )
+    return found
+
+
+def graph_of(scenes: library.SceneSet, layout: str) -> SceneGraph:
+    """The graph of a layout, from its file or its generator."""
+    if scenes.builder:
+        from ...citygen import procedural
+
+        return dataclasses.replace(procedural.build(int(layout.rsplit("_", 1)[1])), id=layout)
+    return SceneGraph.load(scenes.graphs()[layout])
+
+
+def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
+    """The cousins of a layout, under the set's scene ids."""
+    from ...materialisation import materialise_cousins
+
+    graph = graph_of(scenes, layout)
+    for k, cousin in enumerate(materialise_cousins(graph, scenes.cousins, scenes.seed)):
+        named = dataclasses.replace(cousin.layout, id=scenes.scene_id(layout, k))
+        yield dataclasses.replace(cousin, layout=named)
+
+
+def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
+    """Compiles what is missing of a layout's scenes, in this process: meshes and hulls of its cousins are shared.
+
+    Returns:
+      the record of each scene.
+
+    Raises:
+      NounError: a scene that cannot be compiled; those before it are kept.
+    """
+    from ...assets.store import inputs_key
+    from ...materialisation.cousins import VERSION as MATERIALISER
+
+    scenes = library.scene_set(name)
+    graph = graph_of(scenes, layout)
+    key = key_of(
+        library=VERSION, graph=graph.content_hash(), assets=inputs_key(), materialiser=MATERIALISER,
+        cousins=scenes.cousins, seed=scenes.seed,
+    )  # fmt: skip
+    ids = [scenes.scene_id(layout, k) for k in range(scenes.cousins)]
+    done = [_record(name, scene, key) for scene in ids]
+    if not all(done):
+        for k, cousin in enumerate(cousins_of(scenes, layout)):
+            done[k] = done[k] or _compile(name, cousin, graph, key)
+    return [record for record in done if record]
+
+
+def _paths(name: str, scene: str) -> tuple[pathlib.Path, pathlib.Path]:
+    root = library.folder(name)
+    return root / library.SCENES / scene, root / library.RECORDS / f"{scene}.json"
+
+
+def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
+    """A scene's record, where it was built of the same things and its folder is whole."""
+    folder, path = _paths(name, scene)
+    if not (path.is_file() and (folder / "metadata.json").is_file()):
+        return None
+    record = v.read_json(path, "record of a scene")
+    return record if record.get("key") == key else None
+
+
+def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[str, Any]:
+    from ...materialisation import index_of
+    from ...scene import compile_scene
+    from ...scene.episodes import EpisodeRules
+    from ..scene import make_driver
+
+    folder, path = _paths(name, cousin.layout.id)
+    begin, processor = time.monotonic(), time.process_time()
+    try:
+        compiled = compile_scene(
+            cousin.layout,
+            index_of(cousin.layout),
+            folder,
+            make_driver(),
+            rules=EpisodeRules(rows=ROWS),
+            fix_fallers=True,
+            place=graph.source,
+        )
+    except v.NounError as error:
+        raise v.NounError(f"{cousin.layout.id}: {error}") from error
+    both = zip(sorted(cousin.layout.objects, key=_id), sorted(compiled.layout.objects, key=_id), strict=True)
+    record = {
+        "key": key,
+        "id": cousin.layout.id,
+        "hashes": {"layout": cousin.layout.content_hash(), "scene": compiled.metadata["hashes"]["layout"]},
+        **compiled.metadata["counts"],
+        "left_out": [entry.id for entry in cousin.left_out],
+        "overlapping": [list(pair) for pair in cousin.unresolved],
+        "kept_fixed": [a.id for a, b in both if a.movable != b.movable],
+        "processor_s": round(time.process_time() - processor, 2),
+        "wall_s": round(time.monotonic() - begin, 2),
+    }
+    v.write_json(path, record)
+    return record
+
+
+def _id(placed: Any) -> str:
+    return placed.id
+
+
+def build_set(
+    name: str,
+    workers: int,
+    only: str = "",
+    progress: Callable[[int, int, str], None] = lambda done, total, said: None,
+) -> tuple[dict[str, dict[str, Any]], list[Failure]]:
+    """Compiles a set, a process per core, a layout at a time.
+
+    Args:
+      only: layouts with this in their id.
+      progress: called with (layouts done, in all, what was done).
+
+    Returns:
+      record of every scene by id, in the set's order, and the layouts that failed.
+    """
+    from ..generation.compiling import leave_with_parent
+
+    scenes = library.scene_set(name)
+    wanted = [layout for layout in layouts_of(scenes) if only in layout]
+    if not wanted:
+        raise v.fail("--only", v.show(only), f"a part of a layout's id of {name}", "leave it out")
+    records: dict[str, dict[str, Any]] = {}
+    failures = []
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(
+        max(1, min(workers, len(wanted))), mp_context=context, initializer=leave_with_parent
+    ) as pool:
+        jobs = {pool.submit(build_layout, name, layout): layout for layout in wanted}
+        for number, job in enumerate(concurrent.futures.as_completed(jobs), 1):
+            layout = jobs[job]
+            try:
+                records |= {record["id"]: record for record in job.result()}
+                said = layout
+            except v.NounError as error:
+                failures.append(Failure(layout, str(error)))
+                said = f"{layout}: {error}"
+            progress(number, len(wanted), said)
+    order = [scenes.scene_id(layout, k) for layout in wanted for k in range(scenes.cousins)]
+    return {scene: records[scene] for scene in order if scene in records}, failures
+
+
+def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, int]:
+    """Packs the scenes of a set into its bank; returns the most hulls in reach of a robot, by scene."""
+    from ...scene import pack_bank
+
+    scenes = library.scene_set(name)
+    bank = pack_bank([_paths(name, scene)[0] for scene in records], [scenes.split] * len(records))
+    most = {scene: library.most_in_reach(bank, z, POSES) for z, scene in enumerate(bank.scene_ids)}
+    bank.save(library.folder(name) / library.BANK)
+    return most
+
+
+def write_hashes(name: str, records: dict[str, dict[str, Any]]) -> pathlib.Path:
+    """Writes the hashes of the scenes beside the set's graphs, to be committed; those of other scenes stay."""
+    path = settings.scene_root() / name / library.HASHES
+    known = library.shipped_hashes(name) | {scene: record["hashes"] for scene, record in records.items()}
+    return v.write_json(path, dict(sorted(known.items())))

@@ -1,0 +1,213 @@
+"""Robots as data: an MJCF and a short description beside it, from this package or from anywhere.
+
+In:   a folder with robot.json, or that file; or the name of a robot that comes with the package in this form.
+Out:  `RobotSpec`.
+When: once, at construction.
+
+docs/tutorials/own_robot.md says what the file holds and what the MJCF must be like.
+"""
+
+import functools
+import os
+import pathlib
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from ..datatypes import RobotSpec
+from ..datatypes import validation as v
+from .waypoint import gait_command, pd_velocity
+from .wheel_drive import WheelDrive
+
+SCHEMA = "urbanverse.robot/1"
+FILE = "robot.json"
+#: Robots of this form that come with the package, each a folder beside this file.
+SHIPPED = ("wheelchair",)
+_REQUIRED = ("schema", "name", "mjcf", "root_body", "camera", "feet", "max_speed", "max_yaw_rate", "drive", "planner")
+_OPTIONAL = ("spawn_height", "circumradius")
+Command = Callable[[Any], Any]
+
+
+def load(source: str | os.PathLike[str]) -> RobotSpec:
+    """The robot that a description describes.
+
+    Args:
+      source: its folder, its robot.json, or one of `SHIPPED`.
+
+    Raises:
+      NounError: what is missing or wrong in the description or its MJCF.
+    """
+    path = _file_of(source)
+    body = v.mapping(v.read_json(path, "robot"), str(path), _REQUIRED, _OPTIONAL)
+    v.choice(body["schema"], f"{path}: schema", (SCHEMA,))
+    name = v.identifier(body["name"], f"{path}: name")
+    where = f"robot {name!r}"
+    spec = _read_mjcf(path.parent / v.text(body["mjcf"], f"{where}.mjcf"), where)
+    model = spec.compile()
+    root = _named(model, mujoco.mjtObj.mjOBJ_BODY, body["root_body"], f"{where}.root_body")
+    _named(model, mujoco.mjtObj.mjOBJ_CAMERA, body["camera"], f"{where}.camera")
+    feet = tuple(v.items(body["feet"], f"{where}.feet", 1))
+    geoms = [_named(model, mujoco.mjtObj.mjOBJ_GEOM, foot, f"{where}.feet[{i}]") for i, foot in enumerate(feet)]
+    limits = {key: v.number(body[key], f"{where}.{key}", above=0.0) for key in ("max_speed", "max_yaw_rate")}
+    planner = v.mapping(body["planner"], f"{where}.planner", ("radius", "height", "step"))
+    drive = _drive(body["drive"], model, limits, f"{where}.drive")
+    return RobotSpec(
+        name=name,
+        mjcf=spec.to_xml(),
+        root_body=body["root_body"],
+        foot_geoms=feet,
+        camera=body["camera"],
+        circumradius=_or(body, "circumradius", where, lambda: reach(model, root)),
+        spawn_height=_or(body, "spawn_height", where, lambda: standing_height(model, root, geoms)),
+        physics_timestep=float(model.opt.timestep),
+        command=drive,
+        waypoint_to_velocity=functools.partial(_waypoint_to_velocity, **limits),
+        planner_radius=planner["radius"],
+        planner_height=planner["height"],
+        step_height=planner["step"],
+        **limits,
+    )
+
+
+def _file_of(source: str | os.PathLike[str]) -> pathlib.Path:
+    if isinstance(source, str) and source in SHIPPED:
+        return pathlib.Path(__file__).parent / source / FILE
+    path = pathlib.Path(source).expanduser()
+    path = path / FILE if path.is_dir() else path
+    if not path.is_file():
+        needed = f"coco, go2, {', '.join(SHIPPED)}, or a {FILE} or its folder"
+        raise v.fail("robot", v.show(os.fspath(source)), needed, "see docs/tutorials/own_robot.md")
+    return path.absolute()
+
+
+def _or(body: Mapping[str, Any], key: str, where: str, otherwise: Callable[[], float]) -> float:
+    return v.number(body[key], f"{where}.{key}", above=0.0) if key in body else otherwise()
+
+
+def _waypoint_to_velocity(waypoint: Any, control_period: float, max_speed: float, max_yaw_rate: float) -> Any:
+    return pd_velocity(waypoint, control_period, max_speed, max_yaw_rate)
+
+
+# The MJCF.
+
+
+def _read_mjcf(path: pathlib.Path, where: str) -> mujoco.MjSpec:
+    """The robot alone, its files named by absolute paths; its spheres collide with the world, not with each other."""
+    if not path.is_file():
+        raise v.fail(f"{where}.mjcf", f"no file {path}", "the robot's MJCF, named relative to the description")
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        model = spec.compile()
+    except ValueError as error:
+        raise v.fail(f"{where}.mjcf", f"{path}, which MuJoCo does not read ({error})", "an MJCF model") from error
+    if spec.worldbody.geoms:
+        raise v.fail(
+            f"{where}.mjcf", "geoms of the world (a floor?)", "the robot alone: streets bring their own ground"
+        )
+    for light in list(spec.lights):
+        spec.delete(light)
+    for things, folder in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
+        for thing in things:
+            if thing.file:
+                thing.file = str((path.parent / folder / thing.file).absolute())
+    spec.meshdir = spec.texturedir = ""
+    for geom in spec.geoms:
+        if geom.contype == 0 and geom.conaffinity == 0:
+            continue
+        if geom.type != mujoco.mjtGeom.mjGEOM_SPHERE:
+            found = f"a collision shape that is no sphere on body {geom.parent.name!r}"
+            hint = 'cover it with spheres and give it contype="0" conaffinity="0"'
+            raise v.fail(f"{where}.mjcf: geom {geom.name!r}", found, "collision spheres alone", hint)
+        geom.contype, geom.conaffinity = 0, 1
+    # Engines drop the geoms that are only seen; what they weigh must stay.
+    for link in list(spec.bodies)[1:]:
+        same = model.body(link.name) if link.name else model.body(link.id)
+        link.explicitinertial = True
+        link.mass, link.ipos, link.iquat, link.inertia = float(same.mass[0]), same.ipos, same.iquat, same.inertia
+        link.fullinertia = np.full(6, np.nan)
+    return spec
+
+
+def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) -> int:
+    """Number of what has that name."""
+    number = mujoco.mj_name2id(model, kind, v.text(name, where))
+    if number < 0:
+        what = kind.name.removeprefix("mjOBJ_").lower()
+        count = {"body": model.nbody, "camera": model.ncam, "geom": model.ngeom, "actuator": model.nu}[what]
+        known = [mujoco.mj_id2name(model, kind, i) for i in range(count)]
+        raise v.fail(where, v.show(name), f"a {what} of the MJCF", f"it has {', '.join(map(str, known)) or 'none'}")
+    return number
+
+
+def _at_rest(model: mujoco.MjModel) -> mujoco.MjData:
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.key_qpos[0] if model.nkey else model.qpos0
+    mujoco.mj_kinematics(model, data)
+    return data
+
+
+def standing_height(model: mujoco.MjModel, root: int, feet: Sequence[int]) -> float:
+    """m, the root's origin above level ground that the lowest foot just touches."""
+    data = _at_rest(model)
+    return float(data.xpos[root, 2] - min(data.geom_xpos[g, 2] - model.geom_size[g, 0] for g in feet))
+
+
+def reach(model: mujoco.MjModel, root: int) -> float:
+    """m, a bound on the distance of any collision point from the root's origin, in any position of the joints: links
+    stretched out, turned about joints that need not lie at their origins, slid to their ends."""
+    farthest = 0.0
+    for g in np.flatnonzero(model.geom_conaffinity):
+        length, point, body = float(model.geom_size[g, 0]), model.geom_pos[g].copy(), int(model.geom_bodyid[g])
+        while body not in (root, 0):
+            joints = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
+            if joints:
+                length += float(np.linalg.norm(point))
+                point = model.body_pos[body].copy()
+                for j in joints:
+                    slides = model.jnt_type[j] == mujoco.mjtJoint.mjJNT_SLIDE
+                    ends = np.abs(model.jnt_range[j]).max() if slides else 2.0 * np.linalg.norm(model.jnt_pos[j])
+                    length += float(ends)
+            else:  # fixed to what carries it
+                turned = np.zeros(3)
+                mujoco.mju_rotVecQuat(turned, point, model.body_quat[body])
+                point = model.body_pos[body] + turned
+            body = int(model.body_parentid[body])
+        farthest = max(farthest, length + float(np.linalg.norm(point)))
+    return farthest
+
+
+# From body velocity to actuators.
+
+
+def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: str) -> Command:
+    """(v, omega) -> what the robot is told, see `RobotSpec.command`."""
+    kinds = {
+        "differential": ("left", "right", "wheel_radius", "track"),
+        "ackermann": ("left", "right", "wheel_radius", "track", "steer", "wheelbase"),
+        "gait": (),
+    }
+    kind = v.choice(body.get("kind") if isinstance(body, Mapping) else None, f"{where}.kind", kinds)
+    m = v.mapping(body, where, ("kind", *kinds[kind]))
+    if kind == "gait":
+        return functools.partial(gait_command, **limits)
+    sizes = {k: v.number(m[k], f"{where}.{k}", above=0.0) for k in ("wheel_radius", "track", "wheelbase") if k in m}
+    sides = {
+        side: tuple(
+            _named(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name, f"{where}.{side}[{i}]")
+            for i, name in enumerate(v.items(m[side], f"{where}.{side}", 1))
+        )
+        for side in ("left", "right")
+    }
+    told = [*sides["left"], *sides["right"]]
+    steering: dict[str, Any] = {}
+    if kind == "ackermann":
+        steer = _named(model, mujoco.mjtObj.mjOBJ_ACTUATOR, m["steer"], f"{where}.steer")
+        end = float(model.actuator_ctrlrange[steer, 1])
+        v.number(end, f"{where}.steer: upper end of the ctrlrange of {m['steer']!r}", above=0.0, maximum=1.5)
+        steering = {"steer": steer, "max_steer": end}
+        told.append(steer)
+    if sorted(told) != list(range(model.nu)):
+        raise v.fail(where, f"{len(set(told))} actuators named", f"each of the {model.nu} of the MJCF once")
+    return WheelDrive(**sides, size=model.nu, **sizes, **limits, **steering)

@@ -1,0 +1,52 @@
+"""From a body velocity to wheel speeds, for robots that are described by a file.
+
+In:   (v, omega).
+Out:  actuator commands.
+When: every control step, inside jit.
+"""
+
+import dataclasses
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .waypoint import STANDSTILL, clip_velocity
+
+
+@dataclasses.dataclass(frozen=True)
+class WheelDrive:
+    """Two sides of wheels about the middle of their axle; with an axle in front that steers, they only follow it.
+
+    Attributes:
+      left, right: numbers of the actuators of both sides, which take wheel speeds (rad/s).
+      wheel_radius: m; track: m between the sides.
+      size: number of all actuators.
+      max_speed: m/s, max_yaw_rate: rad/s.
+      steer: number of the actuator that takes the front axle's angle (rad); None = the sides alone turn the robot.
+      wheelbase: m between the axles; max_steer: rad.
+    """
+
+    left: tuple[int, ...]
+    right: tuple[int, ...]
+    wheel_radius: float
+    track: float
+    size: int
+    max_speed: float
+    max_yaw_rate: float
+    steer: int | None = None
+    wheelbase: float = 1.0
+    max_steer: float = 0.0
+
+    def __call__(self, velocity: Any) -> Any:
+        """(size,) commands for (2,) m/s, rad/s."""
+        speed, yaw_rate = clip_velocity(velocity, self.max_speed, self.max_yaw_rate)
+        told = jnp.zeros(self.size)
+        if self.steer is not None:
+            # At rest nothing turns: the angle is then only held at its side.
+            angle = jnp.arctan2(self.wheelbase * yaw_rate, jnp.maximum(speed, STANDSTILL))
+            angle = jnp.clip(angle, -self.max_steer, self.max_steer)
+            told, yaw_rate = told.at[self.steer].set(angle), speed * jnp.tan(angle) / self.wheelbase
+        half = 0.5 * self.track * yaw_rate
+        told = told.at[np.array(self.left)].set((speed - half) / self.wheel_radius)
+        return told.at[np.array(self.right)].set((speed + half) / self.wheel_radius)

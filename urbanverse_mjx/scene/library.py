@@ -1,0 +1,113 @@
+"""The sets of the scene library: which there are, where their graphs, scenes and banks lie, and what a bank must hold.
+
+`scenes/library.json` names the sets; `urbanverse scene library` builds them into the cache.
+"""
+
+import dataclasses
+import pathlib
+
+import numpy as np
+
+from .. import settings
+from ..datatypes import SceneBank, traversable
+from ..datatypes import validation as v
+
+TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
+#: Hull slots of the physics model (design, section 3); m of COCO's root above the ground.
+SLOTS, ROOT = 16, 0.3
+
+
+@dataclasses.dataclass(frozen=True)
+class SceneSet:
+    """A set of scenes.
+
+    Attributes:
+      name: of its folder below `scenes/` and in the cache.
+      cousins: of each layout. split: "train" or "test". seed: of materialisation and episodes.
+      numbered: whether scene ids end in _Cousin_<k>, as the authors' do.
+      builder: "" where graphs are files, else the generator that makes them.
+    """
+
+    name: str
+    cousins: int
+    split: str
+    seed: int
+    numbered: bool = True
+    builder: str = ""
+
+    def scene_id(self, layout: str, cousin: int) -> str:
+        """Id of a layout's cousin number `cousin`, from 0."""
+        return f"{layout}_Cousin_{cousin + 1:02d}" if self.numbered else layout
+
+    def graphs(self) -> dict[str, pathlib.Path]:
+        """Layout id -> its graph's file, by name; empty where a generator makes them."""
+        root = settings.scene_root() / self.name
+        return {path.parent.name: path for path in sorted(root.glob("*/graph.json*"))}
+
+
+def sets() -> dict[str, SceneSet]:
+    """All sets, by name.
+
+    Raises:
+      NounError: the table is damaged.
+    """
+    rows = v.read_json(settings.scene_root() / TABLE, "table of scene sets")
+    if not isinstance(rows, dict):
+        raise v.fail(TABLE, v.show(rows), "an object with a set per name")
+    found = {}
+    for name, row in rows.items():
+        row = v.mapping(row, f"{TABLE}: {name}", ("cousins", "split", "seed"), ("numbered", "builder"))
+        v.choice(row["split"], f"{TABLE}: {name}: split", ("train", "test"))
+        v.integer(row["cousins"], f"{TABLE}: {name}: cousins", 1, 64)
+        found[name] = SceneSet(name, **row)
+    return found
+
+
+def scene_set(name: str) -> SceneSet:
+    """A set by name.
+
+    Raises:
+      NounError: no set has this name.
+    """
+    known = sets()
+    return known[v.choice(name, "set of scenes", tuple(known))]
+
+
+def folder(name: str) -> pathlib.Path:
+    """Where a set is built: `scenes/<id>/`, `records/<id>.json`, `report.json` and `bank.npz`."""
+    return settings.cache_dir("library", scene_set(name).name)
+
+
+def bank_path(name: str) -> pathlib.Path:
+    """The bank of a set; nothing is built.
+
+    Raises:
+      NounError: no such set, or it was not built; the message says by what command it is.
+    """
+    path = folder(name) / BANK
+    if not path.is_file():
+        raise v.fail(
+            f"set {name!r}", f"no {path.name} in the cache", "its bank", f"run `urbanverse scene library {name}`"
+        )
+    return path
+
+
+def shipped_hashes(name: str) -> dict[str, dict[str, str]]:
+    """Scene id -> {"layout": hash of the materialised layout, "scene": of the compiled one}, as committed."""
+    path = settings.scene_root() / scene_set(name).name / HASHES
+    return v.read_json(path, "table of scene hashes") if path.is_file() else {}
+
+
+def most_in_reach(bank: SceneBank, scene: int, poses: int, seed: int = 0) -> int:
+    """The most hulls within reach of a robot at random places that it may be at; from the boxes, not from the grid."""
+    rng = np.random.default_rng([seed, scene])
+    cells = np.argwhere(traversable(bank.map_kind[scene]))
+    chosen = cells[rng.integers(0, len(cells), poses)]
+    flat = bank.map_origin[scene] + (chosen + rng.random(chosen.shape)) * float(bank.map_resolution)
+    points = np.column_stack([flat, np.full(len(flat), ROOT + 0.15)])
+    count = np.zeros(len(points), int)
+    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
+        centre, half = bank.hull_box[bank.inst_hull[scene, q]]
+        local = (points - bank.inst_position[scene, q]) @ bank.inst_rotation[scene, q] - centre
+        count += np.linalg.norm(np.maximum(np.abs(local) - half, 0.0), axis=1) <= bank.meta["grid_reach"]
+    return int(count.max())
