@@ -65,6 +65,7 @@ def _ground(c: Canvas) -> None:
     c.wear((-40.0, 8.0), "sidewalk/flags_large")
     c.wear((-40.0, -8.0), "sidewalk/flags_large")
     c.wear((40.0, 8.0), "sidewalk/granite_courses")
+    c.wear((7.7, 31.0), "sidewalk/granite_courses")
     c.wear((40.0, -8.0), "sidewalk/flags_charcoal")
     c.wear("crosswalk", "zebra_new")
     c.wear("road_marking", "paint_white")

@@ -46,8 +46,11 @@ def _ground(c: Canvas) -> None:
     c.ramp("ramp_north", (9.0, 13.0), 90.0, 1.0, RAMP, parted=False)
     c.ramp("ramp_south", (-8.0, -13.0), -90.0, 1.0, RAMP)
     c.wear((-21.0, 0.0), "sidewalk/flags_buff")
-    c.wear((-12.0, 3.0), "sidewalk/limestone_polished")
-    c.wear((0.0, 6.0), "sidewalk/setts_bows")
+    # a layer with holes falls into parts, and each part is named
+    for spot in ((-17.7, -2.2), (-10.7, -1.2), (10.6, 0.0), (16.1, 3.3)):
+        c.wear(spot, "sidewalk/limestone_polished")
+    for spot in ((-5.7, 0.0), (5.7, 0.0)):
+        c.wear(spot, "sidewalk/setts_bows")
     c.wear((0.0, 2.0), "sidewalk/granite_dark")
     c.wear((0.0, 17.0), "sidewalk/granite_light")
     c.wear((16.0, 26.0), "sidewalk/concrete_grey-stained")
