@@ -14,6 +14,7 @@ import shapely
 
 from ..assets import AssetIndex, load_hulls
 from ..assets.matching import Matcher
+from ..assets.ontology import category_of
 from ..assets.priors import prior
 from ..assets.search import ObjectLibrary, library
 from ..assets.store import catalogue_hash, recorded_content
@@ -24,8 +25,8 @@ from .shortlists import Candidate, LeftOut
 
 #: Grows whenever the same graph, catalogue and seed would give other layouts.
 VERSION = "cousins 2"
-#: `Source.video` of a graph that was composed, not filmed.
-BY_HAND = "hand"
+#: `Source.video` of graphs that were composed, not filmed: the tour in them is a plan.
+COMPOSED = ("hand", "synthetic")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,7 +85,14 @@ def materialise_cousins(
     leaves, nowhere = _leaves(flat.objects, _matcher(objects))
     nowhere += clearing.found_twice([thing for thing in flat.objects if thing.label in leaves])
     gone = {entry.id for entry in nowhere}
-    known = [thing for thing in flat.objects if thing.id not in gone]
+    # What was composed is meant to stand where it is: nobody went the tour of such a graph.
+    filmed = () if flat.source.video in COMPOSED else flat.camera_path
+    strip = passage.walked(np.array(filmed).reshape(-1, 4))
+    known = [
+        passage.cut_back(thing, strip) if category_of(leaves[thing.label])[0] == "building" else thing
+        for thing in flat.objects
+        if thing.id not in gone
+    ]
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
@@ -98,9 +106,6 @@ def materialise_cousins(
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
-    # Things composed by hand are meant to stand where they are: nobody went the tour of such a graph.
-    filmed = () if flat.source.video == BY_HAND else flat.camera_path
-    strip = passage.walked(np.array(filmed).reshape(-1, 4))
     cousins = []
     for k in range(count):
         chosen = {thing.id: drawn[thing.id][k] for thing in known}
