@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.datatypes import HullSet, PlacedObject
+from urbanverse_mjx.datatypes import GraphObject, HullSet, PlacedObject
 from urbanverse_mjx.materialisation import materialise_cousins, overlap, passage
 
 from .catalogue_part import few_objects
@@ -64,3 +64,20 @@ def test_cousins_leave_out_what_the_camera_went_through() -> None:
     assert [(gone.id, "camera went through" in gone.reason) for gone in cousin.left_out] == [("here", True)]
     (cousin,) = materialise_cousins(graph, 1, objects=few_objects())
     assert [p.id for p in cousin.layout.objects] == ["here", "beside"]
+
+
+def test_a_building_is_cut_back_from_the_way_on_its_cheapest_side() -> None:
+    """A house of 10 x 8 m, its front (+y) 0.5 m beyond the strip's near edge: that half metre goes, the back stays."""
+    strip = passage.walked(np.array([[float(x), 0.0, 1.5, 0.0] for x in range(-12, 13, 3)]))
+    house = GraphObject("h", "house", (0.0, -4.0 - 0.45 + 0.5, 4.0), (10.0, 8.0, 8.0), 0.0)
+    cut = passage.cut_back(house, strip)
+    np.testing.assert_allclose(cut.size, (10.0, 7.5, 8.0), atol=1e-6)
+    np.testing.assert_allclose(cut.center, (0.0, -0.45 - 3.75, 4.0), atol=1e-6)
+    turned = dataclasses.replace(house, size=(8.0, 10.0, 8.0), yaw=np.pi / 2)
+    again = passage.cut_back(turned, strip)
+    np.testing.assert_allclose(again.center, cut.center, atol=1e-6)
+    np.testing.assert_allclose(again.size, (7.5, 10.0, 8.0), atol=1e-6)
+    astride = dataclasses.replace(house, center=(0.0, 0.0, 4.0))
+    assert passage.cut_back(astride, strip) == astride
+    away = dataclasses.replace(house, center=(0.0, -10.0, 4.0))
+    assert passage.cut_back(away, strip) == away

@@ -6,6 +6,7 @@ ground materials and skies differ. What does not depend on the cousin is done on
 
 import dataclasses
 import functools
+import re
 import math
 from collections.abc import Callable, Mapping, Sequence
 
@@ -14,6 +15,7 @@ import shapely
 
 from ..assets import AssetIndex, load_hulls
 from ..assets.matching import Matcher
+from ..assets.ontology import category_of
 from ..assets.priors import prior
 from ..assets.search import ObjectLibrary, library
 from ..assets.store import catalogue_hash, recorded_content
@@ -24,8 +26,9 @@ from .shortlists import Candidate, LeftOut
 
 #: Grows whenever the same graph, catalogue and seed would give other layouts.
 VERSION = "cousins 2"
-#: `Source.video` of a graph that was composed, not filmed.
-COMPOSED = ("hand", "procedural")
+#: How `Source.video` begins in graphs that were composed, not filmed: the tour in them is a plan. Tours filmed through
+#: blocks of our own say "synthetic tour of ...".
+COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,7 +87,14 @@ def materialise_cousins(
     leaves, nowhere = _leaves(flat.objects, _matcher(objects))
     nowhere += clearing.found_twice([thing for thing in flat.objects if thing.label in leaves])
     gone = {entry.id for entry in nowhere}
-    known = [thing for thing in flat.objects if thing.id not in gone]
+    # What was composed is meant to stand where it is: nobody went the tour of such a graph.
+    filmed = () if COMPOSED.match(flat.source.video) else flat.camera_path
+    strip = passage.walked(np.array(filmed).reshape(-1, 4))
+    known = [
+        passage.cut_back(thing, strip) if category_of(leaves[thing.label])[0] == "building" else thing
+        for thing in flat.objects
+        if thing.id not in gone
+    ]
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
@@ -98,9 +108,6 @@ def materialise_cousins(
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
-    # Things composed by hand are meant to stand where they are: nobody went the tour of such a graph.
-    filmed = () if flat.source.video.startswith(COMPOSED) else flat.camera_path
-    strip = passage.walked(np.array(filmed).reshape(-1, 4))
     # What hangs is over the ground, not on it.
     floors = [
         max(support.under(t) or support.near(t, standing.REACH), default=t.center[2] - t.size[2] / 2) for t in known

@@ -1,10 +1,12 @@
 """Somebody walked or drove where the camera went: nothing solid may stand there, whatever a detector made of it."""
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
 import shapely
 
+from ..datatypes import GraphObject
 from . import overlap
 
 #: m to both sides of the camera's way that were free: a person's shoulders, a delivery robot's half width and a hand.
@@ -13,6 +15,8 @@ HALF_WIDTH = 0.45
 _LOW, _HIGH = 0.25, 1.3
 #: m; two places of the tour farther apart (a cut, a lost stretch) are not joined.
 _LONGEST_STEP = 5.0
+#: A building keeps at least this share of its ground when it is cut back from the way; else it is left as it is.
+_KEPT = 0.5
 
 
 def walked(way: np.ndarray) -> shapely.Geometry:
@@ -42,3 +46,27 @@ def in_the_way(
     """
     heights = [body.placed.position[2] for body in bodies] if floors is None else floors
     return [k for k, body in enumerate(bodies) if blocks(body, strip, heights[k])]
+
+
+def cut_back(building: GraphObject, strip: shapely.Geometry) -> GraphObject:
+    """A building whose box reaches over the strip, without the part of it beyond: of the four sides the one is moved in
+    that costs least. Depth blurs fronts outwards, and what was not seen of a house is guessed."""
+    crossed = overlap.ground_box(building).intersection(strip)
+    if crossed.is_empty:
+        return building
+    c, s = np.cos(building.yaw), np.sin(building.yaw)
+    turn = np.array([[c, s], [-s, c]])
+    corners = (shapely.get_coordinates(crossed) - building.center[:2]) @ turn.T
+    low, high = corners.min(0), corners.max(0)
+    half = np.array(building.size[:2]) / 2
+    sides = [(axis, sign) for axis in (0, 1) for sign in (-1.0, 1.0)]
+    kept = [(half[a] + low[a] if sign > 0 else half[a] - high[a]) / (2 * half[a]) for a, sign in sides]
+    best = int(np.argmax(kept))
+    axis, sign = sides[best]
+    if kept[best] < _KEPT:
+        return building
+    size, shift = list(building.size), np.zeros(2)
+    size[axis] = float(kept[best] * size[axis])
+    shift[axis] = -sign * (half[axis] - size[axis] / 2)
+    x, y = np.array(building.center[:2]) + turn.T @ shift
+    return dataclasses.replace(building, center=(float(x), float(y), building.center[2]), size=tuple(size))
