@@ -6,8 +6,8 @@ ground materials and skies differ. What does not depend on the cousin is done on
 
 import dataclasses
 import functools
-import re
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
