@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ..assets import AssetIndex, load_hulls
 from ..assets.matching import Matcher
@@ -186,9 +187,7 @@ def _stand(
     return [bodies[thing.id] for thing in things]
 
 
-def _out_of_the_way(
-    bodies: Sequence[overlap.Body], strip: shapely.Geometry
-) -> tuple[list[overlap.Body], list[LeftOut]]:
+def _out_of_the_way(bodies: Sequence[overlap.Body], strip: BaseGeometry) -> tuple[list[overlap.Body], list[LeftOut]]:
     """Things without those that stand where the camera went, and these: somebody passed through them."""
     gone = set(passage.in_the_way(bodies, strip))
     reason = "the camera went through where it would stand"
