@@ -27,7 +27,8 @@ def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetM
     try:
         with np.load(path, allow_pickle=False) as file:
             roughness, metallic = file["surface"].tolist()
-            return AssetMesh(*(file[part] for part in _ARRAYS), roughness, metallic)
+            arrays = {part: file[part] for part in _ARRAYS}
+        return AssetMesh(**arrays, roughness=roughness, metallic=metallic)
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, NounError):
         pass
     mesh = build()

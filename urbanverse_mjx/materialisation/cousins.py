@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ..assets import AssetIndex, load_hulls
 from ..assets.matching import Matcher
@@ -193,7 +194,7 @@ def _stand(
 
 
 def _out_of_the_way(
-    bodies: Sequence[overlap.Body], strip: shapely.Geometry, floors: Sequence[float]
+    bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
     """Things without those that stand where the camera went, and these: somebody passed through them."""
     gone = set(passage.in_the_way(bodies, strip, floors))

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GraphObject
 from . import overlap
@@ -19,7 +20,7 @@ _LONGEST_STEP = 5.0
 _KEPT = 0.5
 
 
-def walked(way: np.ndarray) -> shapely.Geometry:
+def walked(way: np.ndarray) -> BaseGeometry:
     """The strip that a tour (n, 2 or more) m passed over; empty without one."""
     steps = np.linalg.norm(np.diff(way[:, :2], axis=0), axis=1)
     parts = np.split(way[:, :2], np.flatnonzero(steps > _LONGEST_STEP) + 1)
@@ -27,7 +28,7 @@ def walked(way: np.ndarray) -> shapely.Geometry:
     return shapely.union_all([line.buffer(HALF_WIDTH) for line in lines])
 
 
-def blocks(body: overlap.Body, strip: shapely.Geometry, ground: float) -> bool:
+def blocks(body: overlap.Body, strip: BaseGeometry, ground: float) -> bool:
     """Whether some part of a thing at a walker's height reaches into the strip over ground of that height (m)."""
     if strip.is_empty or not strip.intersects(shapely.box(*body.bounds)):
         return False
@@ -36,9 +37,7 @@ def blocks(body: overlap.Body, strip: shapely.Geometry, ground: float) -> bool:
     return any(strip.intersects(shapely.Polygon(p.corners + shift)) for p in reach)
 
 
-def in_the_way(
-    bodies: Sequence[overlap.Body], strip: shapely.Geometry, floors: Sequence[float] | None = None
-) -> list[int]:
+def in_the_way(bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float] | None = None) -> list[int]:
     """Numbers of the things that stand where the camera went.
 
     Args:
@@ -48,7 +47,7 @@ def in_the_way(
     return [k for k, body in enumerate(bodies) if blocks(body, strip, heights[k])]
 
 
-def cut_back(building: GraphObject, strip: shapely.Geometry) -> GraphObject:
+def cut_back(building: GraphObject, strip: BaseGeometry) -> GraphObject:
     """A building whose box reaches over the strip, without the part of it beyond: of the four sides the one is moved in
     that costs least. Depth blurs fronts outwards, and what was not seen of a house is guessed."""
     crossed = overlap.ground_box(building).intersection(strip)

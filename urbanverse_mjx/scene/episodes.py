@@ -153,7 +153,7 @@ def _candidates(
         if in_sight and draw % 2 == 0:
             chosen.append(in_sight.pop(int(np.abs(away[in_sight] - wanted).argmin())))
         elif len(near):
-            chosen.append(rng.choice(near))
+            chosen.append(int(rng.choice(near)))
     paths = field.paths(cells[chosen])
     paths = [p for p in paths if path_length(p) <= rules.detour * np.linalg.norm(p[0] - p[-1])]
     free = _seen(space, np.array([p[0] for p in paths]).reshape(-1, 2), end)

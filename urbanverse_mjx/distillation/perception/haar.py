@@ -4,6 +4,7 @@ They find faces that look at the camera, from the side, and plates of one line, 
 deep learning misses less. OpenCV 5 no longer ships the cascades' files.
 """
 
+import importlib
 import pathlib
 from typing import Any
 
@@ -28,7 +29,7 @@ def detector() -> "HaarDetector":
       NounError: OpenCV is not installed, or came without the cascades.
     """
     try:
-        import cv2
+        cv2: Any = importlib.import_module("cv2")
     except ModuleNotFoundError as error:
         raise NounError(
             '--blur haar: found no OpenCV, needed version 4; install `pip install "urbanverse_mjx[privacy]"`.'

@@ -177,7 +177,8 @@ def _calibration(folder: pathlib.Path, camera: int) -> tuple[Camera, np.ndarray]
     def numbers(key: str, count: int) -> np.ndarray:
         if key not in values:
             raise v.fail(str(folder), f"no {key}", f"a line {key!r}", "download the calibration again")
-        return _numbers(*values[key][:1], count, values[key][1])
+        words, where = values[key]
+        return _numbers(words, count, where)
 
     P = numbers(f"P_rect_{camera:02d}", 12).reshape(3, 4)
     width, height = (int(x) for x in numbers(f"S_rect_{camera:02d}", 2))

@@ -1,6 +1,7 @@
 """`FoundationSees`: OWLv2 finds boxes, SAM 2 their masks, Mask2Former the ground, a metric model the depth."""
 
 import dataclasses
+import importlib
 import pathlib
 from collections.abc import Sequence
 from typing import Any
@@ -39,9 +40,9 @@ class FoundationSees:
         Raises:
           NounError: a package or weights are missing.
         """
-        parts = [load(part, models) for part in (DETECTOR, SEGMENTER, GROUND, DEPTH)]
-        names = {int(k): str(name) for k, name in parts[2].model.config.id2label.items()}
-        return FoundationSees(tuple(labels), *parts, grounds.surface_codes(names))
+        detector, segmenter, ground, depth = (load(part, models) for part in (DETECTOR, SEGMENTER, GROUND, DEPTH))
+        names = {int(k): str(name) for k, name in ground.model.config.id2label.items()}
+        return FoundationSees(tuple(labels), detector, segmenter, ground, depth, grounds.surface_codes(names))
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> Sight:
         """See `Sees`; the metric model knows no lens, so its depth is corrected by the scale that poses give."""
@@ -90,7 +91,6 @@ def _ask(part: Loaded, **given: Any) -> Any:
 
 
 def _answer(part: Loaded, inputs: Any, **options: Any) -> Any:
-    import torch
-
+    torch: Any = importlib.import_module("torch")
     with torch.inference_mode():
         return part.model(**inputs.to(part.device), **options)
