@@ -57,6 +57,16 @@ def test_a_dropped_kerb_joins_road_and_pavement_in_any_direction():
             assert heights == pytest.approx([0.0, 0.15, 0.15], abs=1e-3)
 
 
+def test_stairs_climb_evenly():
+    canvas = Canvas("steps")
+    canvas.ground("low", "sidewalk", rectangle(0, 0, 5, 5))
+    canvas.ground("high", "sidewalk", rectangle(5, 0, 12, 5), 0.6)
+    canvas.stairs("flight", (5, 2.5), 0.0, 3.0, 3)
+    canvas.settle()
+    tops = [r.plane[2] for r in canvas.regions if r.id.startswith("flight")]
+    assert tops == pytest.approx([0.15, 0.3, 0.45])
+
+
 def test_things_stand_where_an_edge_says():
     canvas = street()
     left, right = edge((0, 4), (40, 4), 1), edge((0, -4), (40, -4), -1)

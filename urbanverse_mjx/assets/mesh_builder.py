@@ -55,10 +55,8 @@ class BuiltAsset:
 
     def box_scale(self, size: Sequence[float | None] | np.ndarray) -> np.ndarray:
         """(3,) factors that bring the box to size (x, y, z), m; along an axis of None or 0, the mean of the others."""
-        wanted = np.array([side or 0.0 for side in size])
-        given = wanted > 0
-        scale = wanted / np.maximum(self.mesh.extent.astype(float), 1e-9)
-        return np.where(given, scale, scale[given].mean())
+        scale = np.array([side or 0.0 for side in size]) / np.maximum(self.mesh.extent.astype(float), 1e-9)
+        return np.where(scale > 0, scale, scale[scale > 0].mean())
 
     def to_box(self, size: Sequence[float | None] | np.ndarray) -> "BuiltAsset":
         """The asset scaled so that its box is size (x, y, z), m, as `box_scale` says."""
@@ -346,11 +344,7 @@ class MeshBuilder:
             self.add(face, at=at, turn_deg=(0, 0, 180), picture=picture)
 
     def quad(
-        self,
-        corners: Points3,
-        color: Color | None = None,
-        picture: Picture | None = None,
-        both_sides: bool = False,
+        self, corners: Points3, color: Color | None = None, picture: Picture | None = None, both_sides: bool = False
     ) -> None:
         """Four corners: lower left, lower right, upper right, upper left, seen from the visible side."""
         self.sheet(np.asarray(corners, float)[[0, 1, 3, 2]].reshape(2, 2, 3), color, picture, both_sides)

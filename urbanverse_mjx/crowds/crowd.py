@@ -363,20 +363,11 @@ class CrowdModel:
     def _robot_body(self, watcher: Watcher, velocity: tuple[Any, Any]) -> tuple[Bodies, Traits]:
         body = Bodies(watcher.x, watcher.y, *velocity, watcher.heading)
         one = jnp.ones(())
-        like = Traits(
+        like = Traits(*(one for _ in Traits._fields))._replace(
             present=watcher.present,
             radius=one * self.robot.radius,
             half_length=0.0 * one,
             margin=0.1 * one,
-            limit=one,
-            acceleration=one,
-            braking=one,
-            lateral=one,
-            turn_radius=one,
-            pivot=one,
-            turn_rate=one,
-            horizon=one,
-            wall_horizon=one,
             yielding=one * self.robot.yielding,
         )
         return body, like

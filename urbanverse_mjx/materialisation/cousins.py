@@ -88,14 +88,8 @@ def materialise_cousins(
     leaves, nowhere = _leaves(flat.objects, _matcher(objects))
     nowhere += clearing.found_twice([thing for thing in flat.objects if thing.label in leaves])
     gone = {entry.id for entry in nowhere}
-    # What was composed is meant to stand where it is: nobody went the tour of such a graph.
-    filmed = () if COMPOSED.match(flat.source.video) else flat.camera_path
-    strip = passage.walked(np.array(filmed).reshape(-1, 4))
-    known = [
-        passage.cut_back(thing, strip) if category_of(leaves[thing.label])[0] == "building" else thing
-        for thing in flat.objects
-        if thing.id not in gone
-    ]
+    strip = _way_of(flat)
+    known = [_cut_back(thing, leaves, strip) for thing in flat.objects if thing.id not in gone]
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
@@ -109,10 +103,7 @@ def materialise_cousins(
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
     things = {thing.id: thing for thing in known}
-    # What hangs is over the ground, not on it.
-    floors = [
-        max(support.under(t) or support.near(t, standing.REACH), default=t.center[2] - t.size[2] / 2) for t in known
-    ]
+    floors = [_floor_of(thing, support) for thing in known]
     cousins = []
     for k in range(count):
         chosen = {thing.id: drawn[thing.id][k] for thing in known}
@@ -191,6 +182,22 @@ def _stand(
         if prior(candidate.match.leaf).support_surface:
             tops.append(_top(bodies[thing.id]))
     return [bodies[thing.id] for thing in things]
+
+
+def _way_of(graph: SceneGraph) -> BaseGeometry:
+    """Where the camera went. What was composed is meant to stand where it is: nobody went the tour of such a graph."""
+    filmed = () if COMPOSED.match(graph.source.video) else graph.camera_path
+    return passage.walked(np.array(filmed).reshape(-1, 4))
+
+
+def _cut_back(thing: GraphObject, leaves: Mapping[str, str], strip: BaseGeometry) -> GraphObject:
+    return passage.cut_back(thing, strip) if category_of(leaves[thing.label])[0] == "building" else thing
+
+
+def _floor_of(thing: GraphObject, support: overlap.Support) -> float:
+    """m, of the ground that a thing stands on, or hangs over."""
+    bottom = thing.center[2] - thing.size[2] / 2
+    return max(support.under(thing) or support.near(thing, standing.REACH), default=bottom)
 
 
 def _out_of_the_way(

@@ -11,7 +11,7 @@ import numpy as np
 import warp as wp
 
 from ..datatypes import AgentShapes
-from . import body_slots, warp_agents, warp_bodies
+from . import body_slots, warp_agents, warp_bodies, warp_body_types
 from . import warp_contact as contact
 from . import warp_kernels as kernels
 from .warp_model import DeviceModel
@@ -117,7 +117,7 @@ class WorldBatch:
         """Room for the bodies that are awake, and their geoms in the slots of their hulls."""
         free, table = self.shared.robot.bodies, self.shared.body_table
         assert free is not None, "an engine with body slots has bodies"
-        out, each = warp_bodies.Bodies(), (self.number, free.number)
+        out, each = warp_body_types.Bodies(), (self.number, free.number)
         near, points = (*each, body_slots.PRISMS + body_slots.HULLS), (*each, table.points.shape[1])
         out.row = wp.full(each, -1, dtype=int)
         out.near_row, out.near_distance = (wp.zeros((each[0] * each[1], near[2]), dtype=t) for t in (int, float))

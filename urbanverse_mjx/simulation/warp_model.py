@@ -17,7 +17,7 @@ from mujoco_warp._src.types import vec5
 
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
-from . import slots, warp_bodies
+from . import slots, warp_body_types
 from . import warp_contact as contact
 from . import warp_kernels as kernels
 from .body_table import BodyTable
@@ -177,7 +177,7 @@ def _hulls(bank: SceneBank) -> Any:
 
 
 def _body_table(table: BodyTable) -> Any:
-    out = warp_bodies.BodyTable()
+    out = warp_body_types.BodyTable()
 
     def filled(array: np.ndarray) -> np.ndarray:
         return array if len(array) else np.zeros((1, *array.shape[1:]), array.dtype)

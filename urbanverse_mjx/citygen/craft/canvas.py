@@ -137,6 +137,11 @@ class Canvas(Stage):
         """Parts all ground, or what is visible of one piece, along a line; see `ground_layers.Cut`."""
         self._cuts.append(ground_layers.Cut(name, start, end))
 
+    def stairs(self, name: str, foot: Corner, degrees: float, width: float, count: int) -> None:
+        """`count` treads up from the ground before `foot`; see `ground_layers.stairs`."""
+        for layer in ground_layers.stairs(self._layers, name, foot, degrees, width, count):
+            self._lay(layer)
+
     def paint(self, name: str, corners: Iterable[Corner]) -> None:
         """A painted mark on what lies there (a level piece); robots on the pavement may not drive on it."""
         ring = ground_layers.outline(corners)

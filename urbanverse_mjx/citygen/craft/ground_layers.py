@@ -197,6 +197,26 @@ def dropped_kerb(
     return found, sides
 
 
+def stairs(
+    layers: Sequence[Layer], name: str, foot: Corner, degrees: float, width: float, count: int, tread: float = 0.32
+) -> list[Layer]:
+    """`count` treads that lead evenly from the ground before `foot` to the ground behind the last of them."""
+    angle = math.radians(degrees)
+    up, along = (math.cos(angle), math.sin(angle)), (math.sin(angle), -math.cos(angle))
+
+    def at(right: float, ahead: float) -> Corner:
+        return foot[0] + right * along[0] + ahead * up[0], foot[1] + right * along[1] + ahead * up[1]
+
+    low, high = top_at(layers, *at(0.0, -0.05)), top_at(layers, *at(0.0, count * tread + 0.05))
+    found = []
+    for i in range(count):
+        near, far, half = i * tread, (i + 1) * tread, width / 2
+        ring = outline([at(-half, near), at(half, near), at(half, far), at(-half, far)])
+        z = round(low + (high - low) * (i + 1) / (count + 1), 4)
+        found.append(Layer(f"{name}_{i}", "sidewalk", ring, level(z)))
+    return found
+
+
 def seams(regions: Sequence[GroundRegion]) -> list[str]:
     """What is wrong with the tiling: overlaps, and slits between neighbours that do not touch."""
     shapes = [shapely.Polygon(r.polygon) for r in regions]
