@@ -9,7 +9,7 @@ its surface: its corners first, then spread evenly. Points against planes are ch
 hulls against each other are neither (docs/decisions/movable.md).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -118,7 +118,7 @@ def surface_points(bank: SceneBank, hulls: tuple[int, ...], number: int = NUM_PO
     return np.array(chosen + [chosen[0]] * (number - len(chosen)))
 
 
-def _shape(bank: SceneBank, hulls: tuple[int, ...]) -> tuple[np.ndarray, ...]:
+def _shape(bank: SceneBank, hulls: tuple[int, ...]) -> tuple[Any, ...]:
     """centre, inertia, axes, radius and points of a shape, see `BodyTable`, and whether it stands."""
     volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
     for t in hulls:
@@ -184,9 +184,11 @@ def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
     hull = np.full((len(shapes), num_hulls), -1, np.int32)
     for key, s in shapes.items():
         hull[s, : len(key)] = key
-    shape, *rest = columns
+    shape, mass, friction, home, home_quaternion = columns
     centre, inertia, axes, radius, points, _ = moments
-    return BodyTable(row, shape.astype(np.int32), *rest, centre, inertia, axes, radius, hull, points)
+    kinds = shape.astype(np.int32)
+    seen = centre, inertia, axes, radius, hull, points
+    return BodyTable(row, kinds, mass, friction, home, home_quaternion, *seen)
 
 
 _EMPTY = ((), (), (), (3,), (4,))

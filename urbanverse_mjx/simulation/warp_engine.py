@@ -163,7 +163,8 @@ class WarpEngine(EngineBase):
             self.physics,
             v.integer(iterations, "engine.iterations", 1),
             v.integer(line_steps, "engine.line_steps", 1),
-            *(() if self.movable is None else (self.movable.awake, self.body_table)),
+            0 if self.movable is None else self.movable.awake,
+            None if self.movable is None else self.body_table,
         )
         self.graphs = graphs
         self._devices: DeviceStore[DeviceModel, WorldBatch] = DeviceStore()

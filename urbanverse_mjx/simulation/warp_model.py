@@ -119,8 +119,8 @@ def build_robot_model(
     bodies = None
     if awake and table is not None:
         joint = model.joint("movable/0")
-        addresses = int(joint.qposadr[0]), int(joint.dofadr[0]), int(model.body("movable/0").id)
-        bodies = FreeBodies(awake, *addresses, int(model.geom("movable/0").id), table)
+        body, geom = int(model.body("movable/0").id), int(model.geom("movable/0").id)
+        bodies = FreeBodies(awake, int(joint.qposadr[0]), int(joint.dofadr[0]), body, geom, table)
     return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, *tables, bodies)
 
 
