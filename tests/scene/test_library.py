@@ -24,6 +24,9 @@ def test_sets_and_ids() -> None:
     assert sets["urbanverse160"].scene_id("Africa_Egypt_Cairo_walk_01", 4) == "Africa_Egypt_Cairo_walk_01_Cousin_05"
     assert sets["procedural"].scene_id("procedural_007", 0) == "procedural_007"
     assert graph_of(sets["procedural"], "procedural_007").id == "procedural_007"
+    assert len(layouts_of(sets["craftbench"])) == 12
+    with pytest.raises(NounError, match="layout of procedural"):
+        graph_of(sets["procedural"], "procedural_160")
 
 
 def test_a_missing_bank_names_the_command(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
@@ -39,6 +42,9 @@ def test_a_damaged_table_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: p
     monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(tmp_path))
     (tmp_path / "library.json").write_text('{"a": {"cousins": 0, "split": "train", "seed": 0}}')
     with pytest.raises(NounError, match="a: cousins"):
+        library.sets()
+    (tmp_path / "library.json").write_text('{"a": {"cousins": 1, "split": "train", "seed": 0, "builder": "magic"}}')
+    with pytest.raises(NounError, match="a: builder"):
         library.sets()
 
 

@@ -1,16 +1,14 @@
 """CraftBench compiled: every scene has its episodes, and the engine misses no hull and no piece of ground in it."""
 
-import pathlib
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from urbanverse_mjx.assets.skies import build_sky
-from urbanverse_mjx.citygen.craft import BUILDERS
+from urbanverse_mjx.citygen.craft import BUILDERS, build
 from urbanverse_mjx.cli.scene import make_driver
-from urbanverse_mjx.datatypes import SceneGraph, traversable
+from urbanverse_mjx.datatypes import traversable
 from urbanverse_mjx.materialisation import index_of, materialise_cousins
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.bank import pack
@@ -19,14 +17,13 @@ from urbanverse_mjx.scene.episodes import EpisodeRules
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.truth_drives import ground_height
 
-SCENES = pathlib.Path(__file__).parents[2] / "scenes" / "craftbench"
 POSES, ROWS = 10_000, 512
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene_id", list(BUILDERS))
 def test_a_hand_made_scene_compiles_whole(scene_id, tmp_path):
-    (cousin,) = materialise_cousins(SceneGraph.load(SCENES / scene_id / "graph.json"), 1)
+    (cousin,) = materialise_cousins(build(scene_id), 1)
     assert len(cousin.left_out) <= 2
     rules = EpisodeRules(rows=ROWS)
     layout = cousin.layout

@@ -15,6 +15,8 @@ from ..datatypes import validation as v
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
 #: Hull slots of the physics model (design, section 3); m of COCO's root above the ground.
 SLOTS, ROOT = 16, 0.3
+#: What makes the graphs of a set that has no files: `citygen.craft` by hand, `citygen.procedural` from templates.
+GENERATORS = ("craft", "procedural")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +27,7 @@ class SceneSet:
       name: of its folder below `scenes/` and in the cache.
       cousins: of each layout. split: "train" or "test". seed: of materialisation and episodes.
       numbered: whether scene ids end in _Cousin_<k>, as the authors' do.
-      builder: "" where graphs are files, else the generator that makes them.
+      builder: "" where graphs are files, else the generator that makes them: one of `GENERATORS`.
     """
 
     name: str
@@ -59,6 +61,7 @@ def sets() -> dict[str, SceneSet]:
         row = v.mapping(row, f"{TABLE}: {name}", ("cousins", "split", "seed"), ("numbered", "builder"))
         v.choice(row["split"], f"{TABLE}: {name}: split", ("train", "test"))
         v.integer(row["cousins"], f"{TABLE}: {name}: cousins", 1, 64)
+        v.choice(row.get("builder", ""), f"{TABLE}: {name}: builder", ("", *GENERATORS))
         found[name] = SceneSet(name, **row)
     return found
 
@@ -93,7 +96,7 @@ def bank_path(name: str) -> pathlib.Path:
 
 
 def shipped_hashes(name: str) -> dict[str, dict[str, str]]:
-    """Scene id -> {"layout": hash of the materialised layout, "scene": of the compiled one}, as committed."""
+    """Scene id -> the hash of its "graph", of its materialised "layout" and of the compiled "scene", as committed."""
     path = settings.scene_root() / scene_set(name).name / HASHES
     return v.read_json(path, "table of scene hashes") if path.is_file() else {}
 

@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.viz.streets`: the pictures of the shipped streets in `docs/streets/`.
+"""`python -m urbanverse_mjx.viz.streets`: two pictures of each shipped street, into `runs/streets/`.
 
 Each street from above and from the pavement, lit and shaded as a policy sees it.
 """
@@ -62,7 +62,7 @@ def street_pictures(bank: SceneBank, out: pathlib.Path, only: str | None = None)
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bank", type=pathlib.Path, help="scene bank; default: the shipped streets' own")
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("docs/streets"), help="folder of the pictures")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/streets"), help="folder of the pictures")
     parser.add_argument("--only", choices=sorted(PAVEMENT_VIEWS), help="one street instead of all")
     args = parser.parse_args()
     bank = SceneBank.load(args.bank or default_bank_path())

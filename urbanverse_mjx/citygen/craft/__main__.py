@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.citygen.craft`: writes `scenes/craftbench/<id>/graph.json` and says what is wrong."""
+"""`python -m urbanverse_mjx.citygen.craft`: says what is wrong in CraftBench's scenes; `--out` writes their graphs."""
 
 import argparse
 import pathlib
@@ -9,7 +9,7 @@ from . import BUILDERS, write
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("scenes/craftbench"), help="folder of scenes")
+    parser.add_argument("--out", type=pathlib.Path, help="folder for <id>/graph.json; nothing is written without it")
     parser.add_argument("--only", nargs="*", default=[""], help="beginnings of the ids wanted, 03 for example")
     args = parser.parse_args()
     wrong = 0
@@ -19,9 +19,9 @@ def main() -> None:
             sys.stderr.write(f"{scene_id}: {problem}\n")
             wrong += 1
         graph = canvas.graph()
-        path = write(graph, args.out / scene_id / "graph.json")
-        size = path.stat().st_size / 1e3
-        sys.stdout.write(f"{path}: {len(graph.objects)} objects, {len(graph.ground)} regions, {size:.0f} kB\n")
+        if args.out:
+            write(graph, args.out / scene_id / "graph.json")
+        sys.stdout.write(f"{scene_id}: {len(graph.objects)} objects, {len(graph.ground)} regions\n")
     sys.exit(1 if wrong else 0)
 
 

@@ -33,17 +33,29 @@ class Failure:
     reason: str
 
 
+def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
+    """What makes the graph of each layout of a set: a file to read, or the generator that the set's row names."""
+    if scenes.builder == "procedural":
+        from ...citygen import procedural
+
+        names = {f"procedural_{k:03d}": k for k in range(procedural.COUNT)}
+        return {
+            name: lambda k=k, name=name: dataclasses.replace(procedural.build(k), id=name) for name, k in names.items()
+        }
+    if scenes.builder == "craft":
+        from ...citygen import craft
+
+        return {name: lambda name=name: craft.build(name) for name in craft.BUILDERS}
+    return {name: lambda path=path: SceneGraph.load(path) for name, path in scenes.graphs().items()}
+
+
 def layouts_of(scenes: library.SceneSet) -> list[str]:
     """Ids of a set's layouts.
 
     Raises:
       NounError: the set has no graph.
     """
-    if scenes.builder:
-        from ...citygen import procedural
-
-        return [f"{scenes.builder}_{k:03d}" for k in range(procedural.COUNT)]
-    found = list(scenes.graphs())
+    found = list(_makers(scenes))
     if not found:
         raise v.fail(
             f"scenes/{scenes.name}", "no graph", "a folder with a graph per layout", "see `scenes/library.json`"
@@ -52,12 +64,13 @@ def layouts_of(scenes: library.SceneSet) -> list[str]:
 
 
 def graph_of(scenes: library.SceneSet, layout: str) -> SceneGraph:
-    """The graph of a layout, from its file or its generator."""
-    if scenes.builder:
-        from ...citygen import procedural
+    """The graph of a layout, from its file or its generator.
 
-        return dataclasses.replace(procedural.build(int(layout.rsplit("_", 1)[1])), id=layout)
-    return SceneGraph.load(scenes.graphs()[layout])
+    Raises:
+      NounError: the set has no layout of this id, or its file is damaged.
+    """
+    makers = _makers(scenes)
+    return makers[v.choice(layout, f"layout of {scenes.name}", tuple(makers))]()
 
 
 def cousins_of(scenes: library.SceneSet, layout: str) -> Iterator["Cousin"]:
@@ -136,7 +149,11 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
     record = {
         "key": key,
         "id": cousin.layout.id,
-        "hashes": {"layout": cousin.layout.content_hash(), "scene": compiled.metadata["hashes"]["layout"]},
+        "hashes": {
+            "graph": graph.content_hash(),
+            "layout": cousin.layout.content_hash(),
+            "scene": compiled.metadata["hashes"]["layout"],
+        },
         **compiled.metadata["counts"],
         "left_out": [entry.id for entry in cousin.left_out],
         "overlapping": [list(pair) for pair in cousin.unresolved],
