@@ -41,7 +41,7 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
     off as soon as physics runs; two fixed things may share a little.
     """
     found = list(bodies)
-    left = overlap.resolve(found, support)
+    left = overlap.resolve(found, support, kerbs=True)
     gone: dict[int, LeftOut] = {}
     no_room = []
     for i, j in left:
