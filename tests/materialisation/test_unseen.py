@@ -93,6 +93,13 @@ def test_who_cannot_leave_a_kerb_stays_where_it_is():
     assert block.offset == (0.0, 0.0)
 
 
+@pytest.mark.parametrize(("y", "lift"), [(-0.4, 0.0), (0.4, 0.15)])
+def test_who_cannot_leave_stands_on_what_its_middle_is_over(y, lift):
+    block = body(y, 0.0, wide=2.2)
+    overlap.resolve([block], SUPPORT, kerbs=True)
+    assert overlap.moved(block, SUPPORT.step_up(block)).position == pytest.approx((0.0, y, lift))
+
+
 def test_what_stands_on_the_pavement_may_reach_over_its_edge():
     block = body(0.1, 0.15)
     assert not SUPPORT.in_kerb(block, block.offset)

@@ -84,11 +84,11 @@ class Body:
         return house or sign or self.record.leaf in ROOTED
 
 
-def moved(body: Body) -> PlacedObject:
-    """The thing where it has been moved to."""
+def moved(body: Body, lift: float = 0.0) -> PlacedObject:
+    """The thing where it has been moved to, and `lift` m higher."""
     x, y, z = body.placed.position
     dx, dy = body.offset
-    return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), z))
+    return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), round(z + lift, 4)))
 
 
 def prisms_of(placed: PlacedObject, hulls: HullSet) -> list[Prism]:
@@ -213,6 +213,14 @@ class Support:
                     if max(foot, prism.low) + KERB_TOUCH < height <= foot + HIGHEST_KERB:
                         return True
         return False
+
+    def step_up(self, body: Body) -> float:
+        """m that a thing must rise to stand on the pavement which its origin is over and which it is sunk in."""
+        if not self.in_kerb(body, body.offset):
+            return 0.0
+        x, y, z = body.placed.position
+        heights = [h - z for h, _ in self.at(x + body.offset[0], y + body.offset[1])]
+        return max((h for h in heights if 0.0 < h <= HIGHEST_KERB), default=0.0)
 
     def carries(self, body: Body, offset: tuple[float, float]) -> bool:
         """Whether the ground under a thing's origin, after a move, is as high as the thing stands."""
