@@ -36,6 +36,14 @@ def test_solids_are_closed_outward_and_of_the_known_volume(name: str, shape: Sha
     assert shapes.volume(shape) == pytest.approx(volume, rel=1e-2)
 
 
+def test_products_are_rounded_after_every_step() -> None:
+    """As one multiplication and one addition after the other, never fused: numbers of whole floats tell the two."""
+    rng = np.random.default_rng(0)
+    a, b = rng.normal(size=(50, 3)), rng.normal(size=(3, 4))
+    expected = [[(r[0] * c[0] + r[1] * c[1]) + r[2] * c[2] for c in b.T.tolist()] for r in a.tolist()]
+    np.testing.assert_array_equal(shapes.product(a, b), np.array(expected))
+
+
 def test_a_bevel_cuts_only_edges() -> None:
     plain, cut = shapes.box((1, 1, 1)), shapes.box((1, 1, 1), bevel=0.1)
     assert np.ptp(cut.vertices, axis=0) == pytest.approx([1, 1, 1])

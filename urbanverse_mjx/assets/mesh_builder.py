@@ -105,7 +105,7 @@ class MeshBuilder:
     def frame(self, at: Point3 = ZERO, turn_deg: Point3 = ZERO, scale: Point3 | float = 1.0) -> Iterator["MeshBuilder"]:
         """Parts added inside are placed in this frame (frames nest; a negative scale mirrors)."""
         outer = self._frame
-        self._frame = outer @ affine(at, turn_deg, scale)
+        self._frame = shapes.product(outer, affine(at, turn_deg, scale))
         try:
             yield self
         finally:
@@ -129,7 +129,7 @@ class MeshBuilder:
             raise ValueError("part: found both or neither of color and picture, needed exactly one.")
         if picture is not None and shape.uv is None:
             raise ValueError("part: found a picture on a shape without UV, needed a panel, quad, sheet or box skin.")
-        placed = shape.transformed(self._frame @ affine(at, turn_deg, scale))
+        placed = shape.transformed(shapes.product(self._frame, affine(at, turn_deg, scale)))
         paint = None if color is None else palette.rgb(color)
         number = None if picture is None else self._picture(picture)
         self._parts.append(_Part(placed, paint, number, crease_deg, self._solid))
@@ -274,11 +274,11 @@ class MeshBuilder:
         """A straight bar of rectangular section; `width` lies level across the bar, `depth` is the other side."""
         a, b = np.asarray(start, float), np.asarray(end, float)
         axis = b - a
-        length = float(np.linalg.norm(axis))
+        length = shapes.length(axis)
         axis /= length
         reference = np.array([0.0, 0.0, 1.0]) if abs(axis[2]) < 0.999 else np.array([1.0, 0.0, 0.0])
         level = np.cross(reference, axis)
-        level /= np.linalg.norm(level)
+        level /= shapes.length(level)
         matrix = np.eye(4)
         matrix[:3, :3] = np.stack([np.cross(level, axis), level, axis], 1)
         matrix[:3, 3] = a
@@ -317,7 +317,7 @@ class MeshBuilder:
         self.add(shapes.quad(corners), picture=picture)
         if back is not None:
             normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
-            self.add(shapes.quad(corners - 0.001 * normal / np.linalg.norm(normal)).flipped(), back)
+            self.add(shapes.quad(corners - 0.001 * normal / shapes.length(normal)).flipped(), back)
 
     def plate(
         self,

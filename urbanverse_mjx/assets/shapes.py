@@ -6,6 +6,7 @@ are centred on the origin. Lengths in metres. Vertices are shared between faces;
 """
 
 import dataclasses
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -36,13 +37,28 @@ class Shape:
 
     def transformed(self, matrix: np.ndarray) -> "Shape":
         """The shape under a (4, 4) affine matrix; a mirroring one also turns the faces round."""
-        vertices = self.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        vertices = product(self.vertices, matrix[:3, :3].T) + matrix[:3, 3]
         faces = self.faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else self.faces
         return Shape(vertices, faces, self.uv)
 
     def flipped(self) -> "Shape":
         """The same triangles seen from the other side."""
         return Shape(self.vertices, self.faces[:, ::-1], self.uv)
+
+
+def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n, k) times (k, m), rounded alike on every machine.
+
+    BLAS fuses multiplications with additions on some processors and not on others. The last bit decides where an edge
+    counts as sharp and how a flat polygon is cut, and so whether a mesh finds its hulls (`hulls.mesh_key`).
+    """
+    return sum((a[:, k, None] * b[k] for k in range(1, len(b))), a[:, 0, None] * b[0])
+
+
+def length(vector: np.ndarray) -> float:
+    """Of a vector (3,), rounded alike on every machine, as `product` is."""
+    x, y, z = vector.tolist()
+    return math.sqrt(x * x + y * y + z * z)
 
 
 def merged(shapes: Sequence[Shape]) -> Shape:
@@ -188,8 +204,8 @@ def tube(path: Points3, radius: float | Sequence[float], sides: int = 8, closed:
     angles = np.arange(sides) * (2 * np.pi / sides)
     sections = []
     for p, t, r in zip(points, tangent, radii, strict=True):
-        side = side - t * (side @ t)
-        side = side / np.linalg.norm(side)
+        side = side - t * (side * t).sum()
+        side = side / length(side)
         other = np.cross(t, side)
         sections.append(p + r * (np.cos(angles)[:, None] * side + np.sin(angles)[:, None] * other))
     return loft(sections, closed=closed)

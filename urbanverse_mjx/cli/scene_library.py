@@ -16,7 +16,8 @@ from ..scene import library
 class LibraryArgs:
     """Build sets of scenes into the cache: cousins, compiled scenes, one bank each; prints one JSON line per set.
 
-    Goes on where it stopped. Exit status 1 where a layout failed or a scene's hash is not the committed one.
+    Goes on where it stopped. Exit status 1 where a layout failed, a scene's hash is not the committed one, or more
+    hulls come within a robot's reach than the physics model has slots for.
     """
 
     sets: Annotated[tuple[str, ...], tyro.conf.Positional] = ()
@@ -74,11 +75,13 @@ def _build(name: str, args: LibraryArgs) -> int:
     if args.bank and records and not args.only:
         most = pack_set(name, records)
         summary |= {"bank": str(library.bank_path(name)), "most_hulls_in_reach": max(most.values())}
-        summary["slot_overflow"] = [scene for scene, n in most.items() if n > library.SLOTS]
+        summary["slot_overflow"] = {scene: n for scene, n in most.items() if n > library.SLOTS}
+        for scene, n in summary["slot_overflow"].items():
+            sys.stderr.write(f"{scene}: {n} hulls within a robot's reach, more than the {library.SLOTS} slots\n")
     report_file = library.folder(name) / "report.json"
     v.write_json(report_file, {**summary, "scenes": records, "failed": [dataclasses.asdict(f) for f in failures]})
     print(json.dumps({**summary, "failed": [f.layout for f in failures], "other_hash": other}))
-    return 1 if failures or other else 0
+    return 1 if failures or other or summary.get("slot_overflow") else 0
 
 
 def _summary(name: str, records: dict[str, dict[str, Any]]) -> dict[str, Any]:

@@ -38,10 +38,11 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
     """Ends penetrations.
 
     Things are moved by at most `overlap.LIMIT`. Of a pair that stays, the movable one is left out: it would be thrown
-    off as soon as physics runs; two fixed things may share a little.
+    off as soon as physics runs; two fixed things may share a little. What is sunk in a pavement and found no place
+    beside it is put on it.
     """
     found = list(bodies)
-    left = overlap.resolve(found, support)
+    left = overlap.resolve(found, support, kerbs=True)
     gone: dict[int, LeftOut] = {}
     no_room = []
     for i, j in left:
@@ -55,7 +56,7 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
         no_room.append((found[k].placed.id, other.id))
     kept = [b for k, b in enumerate(found) if k not in gone]
     return Cleared(
-        placed=tuple(overlap.moved(b) for b in kept),
+        placed=tuple(overlap.moved(b, support.step_up(b)) for b in kept),
         left_out=tuple(gone.values()),
         moved=tuple((b.placed.id, b.distance) for b in kept if b.distance),
         unresolved=tuple((found[i].placed.id, found[j].placed.id) for i, j in left if i not in gone and j not in gone),

@@ -22,11 +22,11 @@ from ..assets.search import ObjectLibrary, library
 from ..assets.store import catalogue_hash, recorded_content
 from ..datatypes import PAINT_KINDS, AssetRecord, GraphObject, HullSet, NounError, PlacedObject, SceneGraph, SceneLayout
 from ..datatypes import validation as v
-from . import choice, clearing, kerbs, overlap, passage, shortlists, standing, surroundings
+from . import choice, clearing, kerbs, overlap, passage, shortlists, standing, surroundings, unseen
 from .shortlists import Candidate, LeftOut
 
 #: Grows whenever the same graph, catalogue and seed would give other layouts.
-VERSION = "cousins 2"
+VERSION = "cousins 3"
 #: How `Source.video` begins in graphs that were composed, not filmed: the tour in them is a plan. Tours filmed through
 #: blocks of our own say "synthetic tour of ...".
 COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")
@@ -88,6 +88,8 @@ def materialise_cousins(
     leaves, nowhere = _leaves(flat.objects, _matcher(objects))
     nowhere += clearing.found_twice([thing for thing in flat.objects if thing.label in leaves])
     gone = {entry.id for entry in nowhere}
+    if not COMPOSED.match(graph.source.video):
+        flat = unseen.fill(flat, leaves)
     strip = _way_of(flat)
     known = [_cut_back(thing, leaves, strip) for thing in flat.objects if thing.id not in gone]
     drawn: dict[str, list[Candidate]] = {}

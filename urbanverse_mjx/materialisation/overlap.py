@@ -20,6 +20,8 @@ from ..datatypes import validation as v
 TOUCH = 0.01
 LIMIT = 0.5  # m, the farthest a thing is moved from where the graph has it
 STEP = 0.05  # m
+#: m: steps up to this are kerbs; m of a step, and m² of a thing's outline over it, below which it stands beside it.
+HIGHEST_KERB, KERB_TOUCH, SHARED_KERB = 0.35, 0.02, 1e-3
 DIRECTIONS = 16
 #: Never moved: what is rooted in the ground. Trees and poles stand where the street's rhythm wants them.
 ROOTED = frozenset(
@@ -82,11 +84,11 @@ class Body:
         return house or sign or self.record.leaf in ROOTED
 
 
-def moved(body: Body) -> PlacedObject:
-    """The thing where it has been moved to."""
+def moved(body: Body, lift: float = 0.0) -> PlacedObject:
+    """The thing where it has been moved to, and `lift` m higher."""
     x, y, z = body.placed.position
     dx, dy = body.offset
-    return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), z))
+    return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), round(z + lift, 4)))
 
 
 def prisms_of(placed: PlacedObject, hulls: HullSet) -> list[Prism]:
@@ -196,6 +198,35 @@ class Support:
         place = shapely.ops.nearest_points(ring, middle)[0]
         return [a * place.x + b * place.y + c]
 
+    def in_kerb(self, body: Body, offset: tuple[float, float]) -> bool:
+        """Whether a thing that stands on the ground reaches into higher ground beside it: a wheel in the kerb."""
+        foot = body.placed.position[2]
+        for prism in body.prisms:
+            if prism.low > foot + HIGHEST_KERB:
+                continue
+            outline = shapely.Polygon(prism.corners + np.array(offset))
+            for k in self._tree.query(outline, predicate="intersects"):
+                ring, _, (a, b, c) = self._regions[int(k)]
+                shared = ring.intersection(outline)
+                if shared.area > SHARED_KERB:
+                    height = a * shared.centroid.x + b * shared.centroid.y + c
+                    if max(foot, prism.low) + KERB_TOUCH < height <= foot + HIGHEST_KERB:
+                        return True
+        return False
+
+    def step_up(self, body: Body) -> float:
+        """m that a thing must rise to stand on the pavement which its origin is over and which it is sunk in."""
+        if not self.in_kerb(body, body.offset):
+            return 0.0
+        x, y, z = body.placed.position
+        heights = [h - z for h, _ in self.at(x + body.offset[0], y + body.offset[1])]
+        return max((h for h in heights if 0.0 < h <= HIGHEST_KERB), default=0.0)
+
+    def carries(self, body: Body, offset: tuple[float, float]) -> bool:
+        """Whether the ground under a thing's origin, after a move, is as high as the thing stands."""
+        x, y, z = body.placed.position
+        return any(abs(h - z) < 0.01 for h, _ in self.at(x + offset[0], y + offset[1]))
+
     def same(self, x: float, y: float, dx: float, dy: float) -> bool:
         """Whether the ground (height within 1 cm and kind) is the same after a move."""
         before, after = self.at(x, y), self.at(x + dx, y + dy)
@@ -211,36 +242,41 @@ def _within_reach(body: Body, bounds: tuple[float, float, float, float]) -> bool
     return bool(bx0 < x1 + LIMIT and x0 - LIMIT < bx1 and by0 < y1 + LIMIT and y0 - LIMIT < by1)
 
 
-def _free_offset(body: Body, bodies: Sequence[Body], support: Support) -> tuple[float, float] | None:
+def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bool) -> tuple[float, float] | None:
     """The least offset from the graph's place at which the thing touches nothing, or None within `LIMIT`."""
+    stuck = kerbs and support.in_kerb(body, body.offset)
     others = [o for o in bodies if o is not body and _within_reach(body, o.bounds)]
     for ring in range(1, round(LIMIT / STEP) + 1):
         for k in range(DIRECTIONS):
             angle = math.tau * k / DIRECTIONS
             shift = (ring * STEP * math.cos(angle), ring * STEP * math.sin(angle))
-            if support.same(*body.placed.position[:2], *shift) and all(
-                penetration(body, o, shift) == 0.0 for o in others
-            ):
-                return shift
+            here = support.carries(body, shift) if stuck else support.same(*body.placed.position[:2], *shift)
+            if here and all(penetration(body, o, shift) == 0.0 for o in others):
+                if not (kerbs and support.in_kerb(body, shift)):
+                    return shift
     return None
 
 
-def resolve(bodies: Sequence[Body], support: Support) -> list[tuple[int, int]]:
+def resolve(bodies: Sequence[Body], support: Support, kerbs: bool = False) -> list[tuple[int, int]]:
     """Moves things (changing their `offset`) until none penetrate; returns the pairs that stay.
+
+    With `kerbs` things also leave higher ground that they reach into; one that cannot stays where it is.
 
     Of a pair the movable and lighter thing gives way first, rooted things never. A move is taken only to a place
     where the thing touches nothing at all, so every move lowers the number of penetrations.
     """
     pairs, stuck = penetrating_pairs(bodies), set[int]()
+    # A thing in a kerb is its own other one.
+    pairs += [(i, i) for i, body in enumerate(bodies) if kerbs and support.in_kerb(body, body.offset)]
     while True:
         candidates = {i for pair in pairs for i in pair if not bodies[i].rooted and i not in stuck}
         if not candidates:
-            return pairs
+            return [pair for pair in pairs if pair[0] != pair[1]]
         _, _, _, mover = min(
             (not bodies[i].record.movable, bodies[i].placed.mass, bodies[i].placed.id, i) for i in candidates
         )
         left_behind = bodies[mover].bounds
-        shift = _free_offset(bodies[mover], bodies, support)
+        shift = _free_offset(bodies[mover], bodies, support, kerbs)
         if shift is None:
             stuck.add(mover)
             continue

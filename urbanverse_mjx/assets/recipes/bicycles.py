@@ -7,6 +7,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, shade
 from ..recipe import Physics, recipe
+from .wheels import two_legged_stand
 
 _BICYCLE = Physics(
     ("aluminium", "rubber", "steel"),
@@ -169,22 +170,21 @@ def _bike_extras(b: MeshBuilder, bike: Bike) -> None:
     if "lamp" in bike.extras:
         b.cylinder(0.035, 0.06, (0.44, 0, 0.90), "lamp", (0, 90, 0), segments=10)
         b.box((0.03, 0.05, 0.05), (_REAR - 0.175, 0, r + 0.40), "red", centered=True)
-    if "stand" in bike.extras:
-        b.rod(tuple(_CRANK + [-0.08, 0.03, 0.0]), (-0.12, 0.16, 0.0), 0.010, "dark grey", sides=5)
 
 
 BIKES = (
-    Bike("dark green", "city", extras=("fenders", "rack", "lamp", "stand")),
+    Bike("dark green", "city", extras=("fenders", "rack", "lamp")),
     Bike("red", "road", 0.34, 0.013),
     Bike("signal blue", "mountain", 0.34, 0.030),
-    Bike("cream", "step", 0.345, 0.02, ("fenders", "basket", "rack", "lamp", "stand")),
+    Bike("cream", "step", 0.345, 0.02, ("fenders", "basket", "rack", "lamp")),
 )
 
 
-@recipe("bicycle", 4, _BICYCLE, hulls=5)
+@recipe("bicycle", 4, _BICYCLE, hulls=4)
 def bicycle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45, metallic=0.2)
     build_bicycle(b, BIKES[variant])
+    two_legged_stand(b, _CRANK + [-0.08, 0.03, 0.0], (-0.12, 0.16), 0.010)
     names = (
         "A dark green city bicycle with a rack",
         "A red racing bicycle",

@@ -23,7 +23,6 @@ _CYCLIST = Physics(
 @recipe("cyclist", 3, _CYCLIST, hulls=4)
 def cyclist(variant: int, rng: np.random.Generator) -> BuiltAsset:
     bike = (BIKES[0], BIKES[1], dataclasses.replace(BIKES[3], color="light blue"))[variant]
-    bike = dataclasses.replace(bike, extras=tuple(e for e in bike.extras if e != "stand"))
     look = (
         Look(1.78, 1.0, "skin light", "short", "#4a3524", "jacket", "#8a2f2f", "trousers", "#2d3a55", "white"),
         Look(

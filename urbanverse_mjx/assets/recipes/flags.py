@@ -81,7 +81,7 @@ def field(style: str, size: tuple[int, int] = (72, 48)) -> Image.Image:
     return paint.shrunk(image, size)
 
 
-@recipe("flag", 3)
+@recipe("flag", 3, hulls=4)
 def flag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two flags on masts with truck, rope and foot; a tall feather flag on a cross base. The cloth flies towards +y."""
     b = MeshBuilder(roughness=0.7)

@@ -7,6 +7,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color
 from ..recipe import Physics, recipe
+from .wheels import two_legged_stand
 
 _SCOOTER = Physics(
     ("aluminium", "rubber", "plastic"),
@@ -16,6 +17,9 @@ _SCOOTER = Physics(
     True,
     "shared electric kick scooters weigh 12-30 kg and are moved with one hand; grip tape and tyres rub at about 0.6",
 )
+
+#: Degrees about its length at which a fallen scooter rests on both tyres and a grip.
+LYING = 79.6
 
 
 def _kick_scooter(b: MeshBuilder, color: Color, accent: Color) -> None:
@@ -45,7 +49,6 @@ def _kick_scooter(b: MeshBuilder, color: Color, accent: Color) -> None:
     b.box((0.05, 0.09, 0.04), (0.275, 0, 1.13), "black", bevel=0.01)
     b.cylinder(0.028, 0.03, (0.305, 0, 1.04), "lamp", (0, 90, 0), segments=10)
     b.box((0.012, 0.05, 0.03), (rear - 0.125, 0, r + 0.02), "red")
-    b.rod((-0.12, 0.07, 0.09), (-0.16, 0.17, 0.0), 0.009, "dark grey", sides=5)
 
 
 @recipe("scooter", 4, _SCOOTER, hulls=4)
@@ -53,8 +56,10 @@ def scooter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color, accent = (("charcoal", "lime"), ("white", "orange"), ("black", "teal"), ("dark grey", "signal red"))[variant]
     b = MeshBuilder(roughness=0.5, metallic=0.2)
     lying = variant in (1, 3)
-    with b.frame((0, 0, 0.15 if lying else 0), ((86 if variant == 1 else -86) if lying else 0, 0, 0)):
+    with b.frame(turn_deg=((LYING if variant == 1 else -LYING) if lying else 0, 0, 0)):
         _kick_scooter(b, color, accent)
+    if not lying:
+        two_legged_stand(b, (-0.12, 0.07, 0.09), (-0.16, 0.17), 0.009)
     state = "lying on its side" if lying else "standing"
     built = b.build(f"A shared electric kick scooter with {accent} marks, {state}", {"state": state}, mass=24.0)
     return dataclasses.replace(built, volume=0.015)

@@ -11,6 +11,7 @@ from .figure import Figure, Look, Pose
 from .fitted import fitted
 from .limbs import reach_foot, reach_hand
 from .motorcycles import oval_yz
+from .wheels import two_legged_stand
 
 
 @dataclasses.dataclass(frozen=True)
@@ -134,13 +135,13 @@ def motorbike(b: MeshBuilder, bike: Motorbike) -> dict[str, np.ndarray]:
 _FENDER = ((-0.30, 0.06), (0.10, 0.10), (0.36, -0.02), (0.34, -0.04), (0.08, 0.07), (-0.28, 0.03))
 
 
-@recipe("dirt bike", 3)
+@recipe("dirt bike", 3, hulls=5)
 def dirt_bike(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, accent = (("safety orange", "black"), ("#1f5fbf", "white"), ("#8fc31f", "black"))[variant]
     base = (1.46, 1.42, 1.38)[variant]
     motorbike(b, Motorbike("trail", color, accent, 0.92, 1.14, (0.35, 0.33), base))
-    b.rod((-0.05, 0.12, 0.34), (0.0, 0.30, 0.0), 0.012, "dark grey", sides=5)
+    two_legged_stand(b, (-0.05, 0.12, 0.34), (0.0, 0.30), 0.012)
     names = ("An orange motocross bike", "A blue enduro bike", "A small green dirt bike")
     size = ((2.12, 0.80, 1.24), (2.20, 0.84, 1.28), (1.92, 0.74, 1.12))[variant]
     return fitted(b.build(names[variant], {"color": color}), size)
@@ -156,7 +157,7 @@ def full_helmet(f: Figure, color: Color) -> None:
         b.ball((0.6 * rx, 0.9 * ry, 0.35 * rz), (0.85 * rx, 0, -0.62 * rz), color, segments=10, rings=6)
 
 
-@recipe("motorcycle rider", 3)
+@recipe("motorcycle rider", 3, hulls=5)
 def motorcycle_rider(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     bike = (

@@ -7,7 +7,7 @@ import numpy as np
 from ..mesh_builder import BuiltAsset, MeshBuilder
 from ..palette import Color, shade
 from ..recipe import Physics, recipe
-from .wheels import number_plate
+from .wheels import number_plate, two_legged_stand
 
 _MOTORCYCLE = Physics(
     ("steel", "aluminium", "rubber"),
@@ -112,7 +112,7 @@ def _moped(b: MeshBuilder, color: Color, box: bool) -> None:
     b.box((0.02, 0.14, 0.06), (-0.935, 0, 0.56), "red")
     b.panel(number_plate("M 204", size=(32, 16)), (-0.95, 0, 0.46), 0.18, 0.10, "-x", back="black")
     b.cylinder(0.045, 0.34, (-0.86, -0.17, 0.27), "dark grey", (0, 90, 0), segments=10)
-    b.rod((-0.05, 0.10, 0.28), (-0.02, 0.24, 0.0), 0.014, "dark grey", sides=5)
+    two_legged_stand(b, (-0.05, 0.10, 0.28), (-0.02, 0.24), 0.014)
     if box:
         b.box((0.44, 0.46, 0.46), (-0.78, 0, 0.82), "white", bevel=0.03)
         b.box((0.446, 0.466, 0.10), (-0.78, 0, 0.98), "red", bevel=0.0)
@@ -209,4 +209,4 @@ def _big_motorcycle(b: MeshBuilder, color: Color, cruiser: bool) -> None:
     )
     b.box((0.02, 0.13, 0.06), (-0.93, 0, seat - 0.02), "red")
     b.panel(number_plate("MC 77", size=(32, 20)), (-0.95, 0, seat - 0.14), 0.20, 0.13, "-x", back="black")
-    b.rod((-0.02, 0.12, 0.28), (0.02, 0.30, 0.0), 0.016, "dark grey", sides=5)
+    two_legged_stand(b, (-0.02, 0.12, 0.28), (0.02, 0.30), 0.016)

@@ -37,6 +37,8 @@ def _wheelie(b: MeshBuilder, color: Color, lid: Color, height: float) -> None:
     b.box((0.42, 0.44, height - 0.12), (0, 0, 0.06), color, taper=(1.22, 1.2), bevel=0.02)
     b.box((0.56, 0.56, 0.05), (0.0, 0, height - 0.08), color, bevel=0.015)
     b.box((0.6, 0.56, 0.06), (0.01, 0, height - 0.045), lid, bevel=0.025, taper=(0.92, 0.92))
+    # The wheels carry the back, this edge the front: without it the bin tips forward.
+    b.box((0.06, 0.4, 0.1), (0.18, 0, 0), color, bevel=0.01)
     b.rod((-0.33, -0.24, height - 0.06), (-0.33, 0.24, height - 0.06), 0.016, "black", sides=6)
     for y in (-0.26, 0.26):
         b.beam((-0.25, y * 0.9, height - 0.06), (-0.33, y * 0.9, height - 0.06), 0.03, 0.03, "black")

@@ -1,4 +1,4 @@
-"""Wheels with pictures of rims, and number plates, shared by the vehicles."""
+"""Wheels with pictures of rims, number plates and stands, shared by the vehicles."""
 
 import functools
 
@@ -8,6 +8,7 @@ from PIL import Image
 from .. import paint
 from ..mesh_builder import MeshBuilder
 from ..palette import Color, rgb
+from ..shapes import Point2, Point3
 
 
 @functools.cache
@@ -75,6 +76,20 @@ def wheel(
         builder.lathe(profile, (0, 0, 0), "rubber", segments=segments)
     side = radius * rim_share * 2.02
     builder.panel(rim, (at[0], at[1] + outside * (half - 0.018), at[2]), side, side, "+y" if outside > 0 else "-y")
+
+
+def two_legged_stand(b: MeshBuilder, top: Point3, foot: Point2, radius: float) -> None:
+    """What a parked two-wheeler stands on, a leg at each side: upright on one leg it would fall to the other side.
+
+    Args:
+      top: m, upper end of the left leg. foot: m, where it meets the ground. radius: m, of a leg.
+    """
+    x, y, z = (float(t) for t in top)
+    aside = np.hypot(foot[0] - x, foot[1] - y)
+    # The end of a slanting leg is a slanting disc: its lowest point is what stands.
+    low = radius * aside / np.hypot(aside, z)
+    for side in (1, -1):
+        b.rod((x, side * y, z), (foot[0], side * foot[1], low), radius, "dark grey", sides=5)
 
 
 @functools.cache

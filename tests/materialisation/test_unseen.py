@@ -1,0 +1,106 @@
+"""Ground that things hid is given back; what stands in a kerb leaves it."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.datatypes import GraphObject, GroundRegion, HullSet, PlacedObject, SceneGraph, Source
+from urbanverse_mjx.materialisation import overlap, unseen
+from urbanverse_mjx.scene.ground import check_regions
+
+SOURCE = Source("tour.mp4", "Apache-2.0", "none", "none")
+LEAVES = {"car": "sedan", "house": "apartment building", "lamp": "street light"}
+#: A road of 20 x 6 m in two halves, around a hole of 4 x 2 m in its middle.
+HALVES = (
+    GroundRegion(
+        "low", "road", ((-10, -3), (10, -3), (10, 0), (2, 0), (2, -1), (-2, -1), (-2, 0), (-10, 0)), (0, 0, 0)
+    ),
+    GroundRegion("high", "road", ((-10, 0), (-2, 0), (-2, 1), (2, 1), (2, 0), (10, 0), (10, 3), (-10, 3)), (0, 0, 0)),
+)
+
+
+def box(name: str, label: str, x: float, y: float, size=(4.0, 1.8, 1.4), foot: float = 0.0) -> GraphObject:
+    return GraphObject(name, label, (x, y, foot + size[2] / 2), size, 0.0)
+
+
+def filled(*objects: GraphObject, ground=HALVES) -> SceneGraph:
+    return unseen.fill(SceneGraph("street", SOURCE, objects, ground), LEAVES)
+
+
+def outline(graph: SceneGraph) -> shapely.Geometry:
+    return shapely.union_all([shapely.Polygon(r.polygon) for r in graph.ground])
+
+
+def test_a_hole_in_a_road_is_closed_and_nothing_else():
+    done = filled()
+    check_regions(done.ground)
+    assert [r.id for r in done.ground] == ["low", "high"]
+    assert outline(done).symmetric_difference(shapely.box(-10, -3, 10, 3)).area < 1e-6
+
+
+def test_a_courtyard_keeps_its_house():
+    graph = filled(box("h", "house", 0, 0, (3.5, 1.8, 9.0)))
+    assert graph.ground == HALVES
+
+
+def test_ground_grows_under_what_stands_half_beside_it():
+    car = box("c", "car", 11.0, 1.5)
+    done = filled(car)
+    check_regions(done.ground)
+    grown = shapely.box(9.0, 0.6, 13.0, 2.4).buffer(unseen.MARGIN, join_style="mitre")
+    assert outline(done).symmetric_difference(shapely.box(-10, -3, 10, 3).union(grown)).area < 1e-6
+
+
+@pytest.mark.parametrize("thing", [box("c", "car", 11.0, 1.5, foot=3.0), box("h", "house", 13.0, 0.0, (5, 5, 9))])
+def test_nothing_grows_under_what_flies_or_is_a_house(thing):
+    assert outline(filled(thing)).equals_exact(outline(filled()), 1e-9)
+
+
+def body(y: float, foot: float, wide: float = 0.6) -> overlap.Body:
+    """A block of 2.4 x `wide` x 0.8 m that stands at x = 0."""
+    corners = [(x, s * wide / 2, z) for x in (-1.2, 1.2) for s in (-1, 1) for z in (0.0, 0.8)]
+    record = load_index().by_leaf("jersey barrier")[0]
+    placed = PlacedObject(
+        "b", "jersey barrier", "jersey barrier", record.uid, (0.0, y, foot), 0.0, (1.0, 1.0, 1.0), 900.0, 0.7, False
+    )
+    return overlap.Body(placed, record, overlap.prisms_of(placed, HullSet((np.array(corners, np.float32),))))
+
+
+SUPPORT = overlap.Support(
+    [
+        (shapely.box(-30, -8, 30, 0), "road", (0.0, 0.0, 0.0)),
+        (shapely.box(-30, 0, 30, 8), "sidewalk", (0.0, 0.0, 0.15)),
+    ]
+)
+
+
+@pytest.mark.parametrize("y", [-0.2, 0.05])
+def test_what_stands_in_a_kerb_leaves_it_by_the_least_move(y):
+    block = body(y, 0.0)
+    assert overlap.resolve([block], SUPPORT, kerbs=True) == []
+    dx, dy = block.offset
+    assert dx == pytest.approx(0.0, abs=1e-9)
+    assert y + dy <= -0.3 + 1e-6
+    assert y + dy > -0.3 - overlap.STEP - 1e-6
+
+
+def test_who_cannot_leave_a_kerb_stays_where_it_is():
+    block = body(0.0, 0.0, wide=2.2)
+    assert overlap.resolve([block], SUPPORT, kerbs=True) == []
+    assert block.offset == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(("y", "lift"), [(-0.4, 0.0), (0.4, 0.15)])
+def test_who_cannot_leave_stands_on_what_its_middle_is_over(y, lift):
+    block = body(y, 0.0, wide=2.2)
+    overlap.resolve([block], SUPPORT, kerbs=True)
+    assert overlap.moved(block, SUPPORT.step_up(block)).position == pytest.approx((0.0, y, lift))
+
+
+def test_what_stands_on_the_pavement_may_reach_over_its_edge():
+    block = body(0.1, 0.15)
+    assert not SUPPORT.in_kerb(block, block.offset)
+    assert math.isclose(block.distance, 0.0)

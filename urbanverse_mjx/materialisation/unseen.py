@@ -1,0 +1,97 @@
+"""Ground that the camera never saw, because things stood in front of it: parked cars leave holes in a road.
+
+Who is let go over such a hole falls for ever. Holes, and what is missing under things that stand, are given to the
+ground beside them.
+"""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import shapely
+import shapely.ops
+
+from ..assets.ontology import category_of
+from ..assets.priors import prior
+from ..datatypes import PAINT_KINDS, GraphObject, GroundRegion, SceneGraph
+from . import overlap
+
+#: m²: larger holes are courtyards or what nobody looked at. Share of a hole that houses may cover, else it is theirs.
+LARGEST, HOUSES = 400.0, 0.2
+#: m around a thing that has ground under it; m that its foot may be off the ground beside it; m to that ground.
+MARGIN, FOOT, REACH = 0.3, 0.5, 3.0
+#: m² below which a missing piece is the rounding of an outline; m that two pieces of ground may gape.
+SLIVER, GAPE = 0.02, 0.02
+#: m: corners of outlines lie on whole millimetres, as graphs keep them.
+GRID = 1e-3
+#: Kinds that grow under things only where nothing else borders on the hole.
+LAST = frozenset({"crosswalk"})
+
+
+def fill(graph: SceneGraph, leaves: Mapping[str, str]) -> SceneGraph:
+    """The graph with ground where things hid it.
+
+    Args:
+      leaves: label -> leaf; things of other labels are not looked at.
+    """
+    carrying = [r for r in graph.ground if r.kind not in PAINT_KINDS]
+    shapes = {r.id: shapely.Polygon(r.polygon) for r in carrying}
+    ground = shapely.union_all(list(shapes.values()), grid_size=GRID)
+    closed = ground.buffer(GAPE, join_style="mitre").buffer(-GAPE, join_style="mitre")
+    things = [thing for thing in graph.objects if thing.label in leaves]
+    houses = shapely.union_all([overlap.ground_box(t) for t in things if _is_house(leaves[t.label])])
+    missing = shapely.union_all([*_holes(closed, houses), *_under(things, leaves, closed, houses, carrying)])
+    for part in shapely.get_parts(shapely.difference(missing, ground, grid_size=GRID)):
+        if part.area > SLIVER and isinstance(part, shapely.Polygon):
+            _give(part, carrying, shapes)
+    grown = {
+        r.id: dataclasses.replace(r, polygon=tuple(shapes[r.id].exterior.coords[:-1]))
+        for r in carrying
+        if not shapes[r.id].equals(shapely.Polygon(r.polygon))
+    }
+    return dataclasses.replace(graph, ground=tuple(grown.get(r.id, r) for r in graph.ground)) if grown else graph
+
+
+def _is_house(leaf: str) -> bool:
+    return category_of(leaf)[0] == "building"
+
+
+def _holes(ground: shapely.Geometry, houses: shapely.Geometry) -> list[shapely.Polygon]:
+    rings = [ring for part in shapely.get_parts(ground) for ring in shapely.get_rings(part)[1:]]
+    holes = [shapely.Polygon(ring) for ring in rings]
+    return [h for h in holes if h.area <= LARGEST and h.intersection(houses).area <= HOUSES * h.area]
+
+
+def _under(
+    things: Sequence[GraphObject],
+    leaves: Mapping[str, str],
+    ground: shapely.Geometry,
+    houses: shapely.Geometry,
+    carrying: Sequence[GroundRegion],
+) -> list[shapely.Geometry]:
+    """What is missing under things that stand at the height of the ground beside them."""
+    support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
+    found = []
+    for thing in things:
+        leaf = leaves[thing.label]
+        box = overlap.ground_box(thing)
+        if _is_house(leaf) or prior(leaf).rest == "hangs" or ground.covers(box):
+            continue
+        foot = thing.center[2] - thing.size[2] / 2
+        beside = support.under(thing) or support.near(thing, REACH)
+        if any(abs(z - foot) <= FOOT for z in beside):
+            found.append(box.buffer(MARGIN, join_style="mitre").difference(houses))
+    return found
+
+
+def _give(part: shapely.Polygon, regions: Sequence[GroundRegion], shapes: dict[str, shapely.Polygon]) -> None:
+    """Joins a piece to the region that shares the longest border with it, where both make one plain outline."""
+    near = part.buffer(GAPE)
+    borders = {r.id: shapes[r.id].exterior.intersection(near).length for r in regions if r.id in shapes}
+    order = sorted(regions, key=lambda r: (r.kind in LAST, -borders[r.id], r.id))
+    for region in order:
+        if borders[region.id] <= 2 * GAPE:
+            continue
+        both = shapely.union_all([shapes[region.id], part], grid_size=GRID)
+        if isinstance(both, shapely.Polygon) and not both.interiors:
+            shapes[region.id] = both
+            return
