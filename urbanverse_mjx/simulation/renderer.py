@@ -41,7 +41,7 @@ _INPUTS = {
 _MOVED_INPUT = {"moved": wp.array2d[wp.int32]}
 _FLOATS, _NUMBERS = wp.array3d[wp.float32], wp.array3d[wp.int32]
 _PICTURE_TYPES = wp.array4d[wp.uint8], _FLOATS, _NUMBERS, _NUMBERS, wp.array3d[wp.vec3]
-_PICTURES = dict(zip(OUTPUTS, _PICTURE_TYPES, strict=True))
+_PICTURES: dict[str, Any] = dict(zip(OUTPUTS, _PICTURE_TYPES, strict=True))
 
 
 @functools.cache

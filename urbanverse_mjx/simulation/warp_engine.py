@@ -175,7 +175,7 @@ class WarpEngine(EngineBase):
             foot_force=feet / self.num_substeps,
             hit_agent=None if self.agents is None else agent,
         )
-        if awake is not None:
+        if bodies is not None and awake is not None:
             overflow = overflow + asleep
             awake = warp_bodies_input.read(awake, after_bodies[0])
             bodies = body_slots.put_back(self.body_constants, bodies, slot, awake)
