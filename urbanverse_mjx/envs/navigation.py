@@ -263,15 +263,7 @@ class NavEnv(StagedBase):
 
     def info_of(self, nav: NavState) -> dict[str, jax.Array]:
         """Where the env is and how its episode ended."""
-        timeout = (nav.result == Result.TIMEOUT).astype(jnp.float32)
-        return {
-            "scene": nav.sim.scene,
-            "episode": nav.episode,
-            "result": nav.result,
-            "steps": nav.steps.astype(jnp.float32),
-            "truncation": timeout,
-            "time_out": timeout,
-        }
+        return self.episode_info(nav.sim.scene, nav.episode, nav.result, nav.steps)
 
     def zero_metrics(self) -> dict[str, jax.Array]:
         """The metrics of a first state."""
