@@ -49,7 +49,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     overrides = case.config_overrides(registry.get_default_config("CocoNav", arguments.preset).ctrl_dt)
     bank = None if arguments.bank is None else SceneBank.load(arguments.bank)
-    env = wrap_for_training(registry.load("CocoNav", config_overrides=overrides, bank=bank), arguments.episode_length)
+    task = registry.load("CocoNav", config_overrides=overrides, bank=bank)
+    env, num_scenes = wrap_for_training(task, arguments.episode_length), task.bank.num_scenes
     n = arguments.num_envs
 
     def step(carry: Any, _: None) -> tuple[Any, None]:
@@ -69,7 +70,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     state = jax.jit(env.reset)(jax.random.split(jax.random.key(arguments.seed), n))
     zero = jnp.int32(0)
-    carry = (state, jax.random.key(arguments.seed + 1), zero, zero, jnp.zeros(env.unwrapped.bank.num_scenes, jnp.int32))
+    carry = (state, jax.random.key(arguments.seed + 1), zero, zero, jnp.zeros(num_scenes, jnp.int32))
     carry = jax.block_until_ready(steps(steps(carry)))
     compilations, begin, calls, tenth = Compilations(), time.monotonic(), 0, 0
     memory, log = [in_use_mib()], []
@@ -99,7 +100,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "compilations": compilations.count,
         "memory_growth_mib": round(max(memory) - memory[0], 1),
         "scenes_begun_in": int((np.asarray(carry[4]) > 0).sum()),
-        "num_scenes": env.unwrapped.bank.num_scenes,
+        "num_scenes": num_scenes,
         "log": log,
     }
 

@@ -151,7 +151,7 @@ class Bare:
 
     def draw(self) -> None:
         with wp.ScopedDevice(self.device):
-            self.renderer._render(self.inputs, self.outputs)
+            self.renderer._render(self.inputs, list(self.outputs.values()))
 
     def place(self) -> None:
         """What comes before the rays."""

@@ -195,7 +195,7 @@ def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.Monke
             asked.append(name)
             raise OSError("offline\nand more")
 
-    library: Any = types.SimpleNamespace(Owlv2Processor=NoWeights, __version__="4.0")
+    library: Any = types.SimpleNamespace(Owlv2Processor=NoWeights, Owlv2ForObjectDetection=NoWeights, __version__="4.0")
     monkeypatch.setitem(sys.modules, "torch", types.SimpleNamespace())  # type: ignore[arg-type]
     monkeypatch.setitem(sys.modules, "transformers", library)
     (tmp_path / "owlv2").mkdir()

@@ -23,6 +23,29 @@ def test_route_position_is_arc_length(point: tuple[float, float], arc: float) ->
     assert float(terms.route_position(jnp.array(point, jnp.float32), START, ROUTE)) == pytest.approx(arc, abs=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("point", "driven", "completed"),
+    [
+        ((2.0, 0.0), 2.0, 2.0),
+        ((5.0, 3.0), 9.0, 8.0),
+        ((-3.0, 0.0), 3.0, 0.0),
+        # Near the goal but not at it: beyond it, and on the way along the other two sides of the square.
+        ((5.0, 9.0), 20.0, 6.0),
+        ((1.0, 5.0), 6.0, 6.0),
+        ((1.0, 5.0), 30.0, 6.0),
+        # Straight across: the second leg is the nearer one after 4 m.
+        ((3.2, 2.4), 4.0, 4.0),
+    ],
+)
+def test_no_more_of_a_route_is_completed_than_can_be_true(
+    point: tuple[float, float], driven: float, completed: float
+) -> None:
+    at = jnp.array(point, jnp.float32)
+    left = jnp.linalg.norm(ROUTE[-1, :2] - at)
+    found = terms.route_completed(at, START, ROUTE, jnp.float32(10.0), left, jnp.float32(driven))
+    assert float(found) == pytest.approx(completed, abs=1e-5)
+
+
 def test_next_waypoint_moves_on_within_two_metres_and_stops_at_the_goal() -> None:
     count = jnp.int32(2)
     assert int(terms.next_waypoint(jnp.array([2.9, 0.0]), jnp.int32(0), ROUTE, count)) == 0

@@ -1,5 +1,6 @@
 """Evaluation: intervals against published numbers, rollouts against the kinematic engine, reports that round-trip."""
 
+import dataclasses
 import json
 import pathlib
 
@@ -98,6 +99,27 @@ def test_rollouts_tell_agents_apart_and_repeat(small_bank: SceneBank) -> None:
     assert poses.xpos.shape[1] == 18
     again, _ = Rollout(env).run(agents, episodes)
     assert again == results
+
+
+def test_another_way_than_the_lists_completes_no_more_than_is_true(small_bank: SceneBank) -> None:
+    """The list's way leads round two sides of a square and the robot drives along its diagonal."""
+    start, goal = small_bank.episode_start[..., None, :2], small_bank.episode_goal[..., None, :2]
+    across = (goal - start)[..., ::-1] * np.array([-0.5, 0.5], np.float32)
+    waypoints = small_bank.episode_waypoints.copy()
+    waypoints[..., :2] = goal
+    waypoints[..., :1, :2] = 0.5 * (start + goal) + across
+    bank = dataclasses.replace(small_bank, episode_waypoints=waypoints)
+    env = unicycle_env(bank, {"terminate_off_traversable": False, "episode_length": 22})
+    results, _ = Rollout(env).run({"go_to_goal": go_to_goal}, fixed_episodes(env, 9))
+    ended = [r for r in results if not r.success]
+    assert len(ended) >= 3
+    for r in ended:
+        most = min(r.path_length, r.route_length - r.distance_to_goal)
+        assert 0.05 < r.route_completion * r.route_length <= most + 1e-4
+    # Past the middle the second leg is the nearer one, at half its length or more: the nearest point alone says 75 %.
+    beyond = [r for r in ended if r.distance_to_goal < 0.48 * r.route_length / np.sqrt(2.0)]
+    assert beyond
+    assert all(r.route_completion < 0.71 for r in beyond)
 
 
 def test_blank_image_covers_only_pixels() -> None:

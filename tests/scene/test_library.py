@@ -4,13 +4,16 @@ import dataclasses
 import gzip
 import json
 import pathlib
+from typing import Any
 
 import numpy as np
 import pytest
 
 from urbanverse_mjx import settings
+from urbanverse_mjx.cli.library import building
 from urbanverse_mjx.cli.library.building import cousins_of, graph_of, layouts_of
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
+from urbanverse_mjx.datatypes.validation import write_json
 from urbanverse_mjx.scene import library
 from urbanverse_mjx.scene.settling import hanging
 
@@ -73,6 +76,34 @@ def test_a_layout_has_the_committed_hash() -> None:
     known = library.shipped_hashes("autobench")[cousin.layout.id]
     assert cousin.layout.content_hash() == known["layout"]
     assert len(cousin.layout.objects) > 0.9 * len(graph_of(autobench, layout).objects)
+
+
+def test_a_record_of_another_format_counts_as_not_built(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path
+) -> None:
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
+    layout = layouts_of(library.scene_set("autobench"))[0]
+    scene = library.scene_set("autobench").scene_id(layout, 0)
+    folder, path = building._paths("autobench", scene)
+    built = []
+
+    def compiled(name: str, cousin: str, graph: SceneGraph, key: str) -> dict[str, Any]:
+        built.append(scene)
+        write_json(folder / "metadata.json", {})
+        record = dict.fromkeys(building.RECORD_FIELDS, 0) | {"key": key, "id": scene}
+        write_json(path, record)
+        return record
+
+    monkeypatch.setattr(building, "cousins_of", lambda scenes, layout: iter(["its cousin"]))
+    monkeypatch.setattr(building, "_compile", compiled)
+    (record,) = building.build_layout("autobench", layout)
+    assert building.build_layout("autobench", layout) == [record]
+    assert len(built) == 1
+    older = {name: value for name, value in record.items() if name != "let_go"}
+    for number, other in enumerate((older, older | {"fallen": 3}, [record]), 2):
+        write_json(path, other)
+        assert building.build_layout("autobench", layout) == [record]
+        assert len(built) == number
 
 
 def test_most_hulls_in_reach_is_what_the_shipped_streets_allow(bank: SceneBank) -> None:

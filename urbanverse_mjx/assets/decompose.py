@@ -18,7 +18,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import optional
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh
 
 from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
@@ -143,14 +143,7 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
     air = whole.volume - signed_volume(vertices, faces)
     if air < max(EXCESS_SHARE * whole.volume, allowance):
         return [whole]
-    try:
-        import coacd
-    except ImportError as error:
-        raise NounError(
-            "CoACD: found no module named coacd, needed it to cut a mesh that is not convex; "
-            "install the extra with `pip install urbanverse_mjx[hulls]`."
-        ) from error
-
+    coacd = optional.package("coacd", "a mesh that is not convex", "hulls")
     coacd.set_log_level("error")
     parts = coacd.run_coacd(
         coacd.Mesh(vertices, faces),

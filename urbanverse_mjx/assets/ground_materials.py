@@ -98,16 +98,12 @@ def _(rng: np.random.Generator) -> np.ndarray:
 
 @_material("cobble_grey", "road", 2.0, 0.8, "grey granite cobblestones")
 def _(rng: np.random.Generator) -> np.ndarray:
-    joint, value = p.setts(rng, 16, 12, 1.8)
-    image = p.tone((0.47, 0.46, 0.45), value * 0.16, noise.periodic_noise(rng, SIZE, 0.6) * 0.06)
-    return p.mix(image, (0.24, 0.22, 0.2), joint * 0.9)
+    return p.paved(rng, p.setts(rng, 16, 12, 1.8), (0.47, 0.46, 0.45), 0.16, (0.6, 0.06), (0.24, 0.22, 0.2), 0.9)
 
 
 @_material("brick_road", "road", 2.0, 0.85, "red clinker bricks laid across the road")
 def _(rng: np.random.Generator) -> np.ndarray:
-    joint, value = p.bricks(rng, 10, 20, 1.3)
-    image = p.tone((0.50, 0.30, 0.24), value * 0.16, noise.periodic_noise(rng, SIZE, 0.8) * 0.06)
-    return p.mix(image, (0.33, 0.28, 0.25), joint * 0.9)
+    return p.paved(rng, p.bricks(rng, 10, 20, 1.3), (0.50, 0.30, 0.24), 0.16, (0.8, 0.06), (0.33, 0.28, 0.25), 0.9)
 
 
 # Sidewalks.
@@ -136,30 +132,22 @@ def _(rng: np.random.Generator) -> np.ndarray:
 
 @_material("brick_herringbone", "sidewalk", 1.6, 0.85, "red bricks in herringbone")
 def _(rng: np.random.Generator) -> np.ndarray:
-    joint, value = p.herringbone(rng, 16, 1.1)
-    image = p.tone((0.60, 0.36, 0.29), value * 0.14, noise.periodic_noise(rng, SIZE, 0.8) * 0.05)
-    return p.mix(image, (0.62, 0.56, 0.48), joint * 0.75)
+    return p.paved(rng, p.herringbone(rng, 16, 1.1), (0.60, 0.36, 0.29), 0.14, (0.8, 0.05), (0.62, 0.56, 0.48), 0.75)
 
 
 @_material("herringbone_grey", "sidewalk", 1.6, 0.85, "grey concrete blocks in herringbone")
 def _(rng: np.random.Generator) -> np.ndarray:
-    joint, value = p.herringbone(rng, 16, 1.0)
-    image = p.tone((0.56, 0.55, 0.54), value * 0.11, noise.periodic_noise(rng, SIZE, 0.8) * 0.05)
-    return p.mix(image, (0.3, 0.29, 0.28), joint * 0.8)
+    return p.paved(rng, p.herringbone(rng, 16, 1.0), (0.56, 0.55, 0.54), 0.11, (0.8, 0.05), (0.3, 0.29, 0.28), 0.8)
 
 
 @_material("brick_running", "sidewalk", 1.8, 0.85, "brown bricks in running bond")
 def _(rng: np.random.Generator) -> np.ndarray:
-    joint, value = p.bricks(rng, 16, 8, 1.2)
-    image = p.tone((0.52, 0.40, 0.33), value * 0.17, noise.periodic_noise(rng, SIZE, 0.8) * 0.05)
-    return p.mix(image, (0.35, 0.32, 0.29), joint * 0.85)
+    return p.paved(rng, p.bricks(rng, 16, 8, 1.2), (0.52, 0.40, 0.33), 0.17, (0.8, 0.05), (0.35, 0.32, 0.29), 0.85)
 
 
 @_material("granite_setts", "sidewalk", 1.5, 0.8, "small granite setts in wavy courses")
 def _(rng: np.random.Generator) -> np.ndarray:
-    joint, value = p.setts(rng, 16, 16, 1.8)
-    image = p.tone((0.60, 0.585, 0.57), value * 0.15, noise.periodic_noise(rng, SIZE, 0.4) * 0.07)
-    return p.mix(image, (0.36, 0.34, 0.31), joint * 0.9)
+    return p.paved(rng, p.setts(rng, 16, 16, 1.8), (0.60, 0.585, 0.57), 0.15, (0.4, 0.07), (0.36, 0.34, 0.31), 0.9)
 
 
 @_material("mosaic_two_tone", "sidewalk", 2.4, 0.75, "white limestone mosaic with dark basalt waves")

@@ -92,6 +92,26 @@ def setts(rng: np.random.Generator, rows: int, columns: int, joint_px: float) ->
     return joint[rows_at, columns_at], value[rows_at, columns_at]
 
 
+def paved(
+    rng: np.random.Generator,
+    pattern: tuple[np.ndarray, np.ndarray],
+    colour: Colour,
+    varied: float,
+    grain: tuple[float, float],
+    joint_colour: Colour,
+    filled: float,
+) -> np.ndarray:
+    """(256, 256, 3): units that differ in brightness, and the joints between them.
+
+    Args:
+      pattern: of `bricks`, `herringbone` or `setts`. varied: by what share units differ.
+      grain: slope of the noise on them and its share. filled: how much of a joint has its own colour.
+    """
+    joint, value = pattern
+    image = tone(colour, value * varied, noise.periodic_noise(rng, SIZE, grain[0]) * grain[1])
+    return mix(image, joint_colour, joint * filled)
+
+
 def asphalt(
     rng: np.random.Generator, grey: float, chips: float, wear: float, tint: Colour = (1.0, 1.0, 1.02)
 ) -> np.ndarray:

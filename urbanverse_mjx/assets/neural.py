@@ -6,13 +6,12 @@ that holds them is named.
 
 import dataclasses
 import functools
-import importlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import NounError
+from ..datatypes import optional
 
 SENTENCE_MODEL = "sentence-transformers/all-mpnet-base-v2"  # the official toolkit's default
 PICTURE_MODEL = "facebook/dinov2-base"  # DINOv2 with patches of 14 pixels and vectors of 768 numbers
@@ -20,23 +19,11 @@ BATCH = 32
 
 
 def _module(name: str) -> Any:
-    try:
-        return importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        raise NounError(
-            f"embedding: found no package {name!r}, needed it for neural embeddings; "
-            'install `pip install "urbanverse_mjx[embeddings]"`, or leave the model out to match offline.'
-        ) from error
+    return optional.package(name, "embedding", "embeddings", "leave the model out to match offline")
 
 
-def _loaded(what: str, load: Any, model: str) -> Any:
-    try:
-        return load()
-    except (OSError, ValueError) as error:
-        raise NounError(
-            f"{what}: found no weights of {model!r} ({str(error).splitlines()[0][:100]}), needed the network once or "
-            "the name of a folder that holds them."
-        ) from error
+def _loaded(what: str, load: Callable[[], Any], model: str) -> Any:
+    return optional.weights(load, what, model, "the name of a folder that holds them")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

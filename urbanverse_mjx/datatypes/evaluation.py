@@ -1,10 +1,10 @@
 """`EpisodeResult` (what one rollout did) and `BenchmarkReport` (many of them, summed up, with their record)."""
 
 import dataclasses
-import os
-from typing import Any
+from typing import Any, ClassVar, Self
 
 from . import validation as v
+from .json_noun import JsonNoun
 
 SCHEMA = "urbanverse.benchmark_report/1"
 RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent")
@@ -92,7 +92,7 @@ class EpisodeResult:
 
 
 @dataclasses.dataclass(frozen=True)
-class BenchmarkReport:
+class BenchmarkReport(JsonNoun):
     """Results of several agents on the same episodes.
 
     Attributes:
@@ -101,6 +101,8 @@ class BenchmarkReport:
       episodes: every episode.
       record: everything that made them: versions, configs, hashes, seeds, command.
     """
+
+    NOUN: ClassVar[str] = "benchmark report"
 
     title: str
     summary: dict[str, dict[str, Any]]
@@ -122,17 +124,10 @@ class BenchmarkReport:
             "record": self.record,
         }
 
-    @staticmethod
-    def from_json(value: Any) -> "BenchmarkReport":
+    @classmethod
+    def from_json(cls, value: Any) -> Self:
         m = v.mapping(value, "report", ("schema", "title", "summary", "episodes", "record"))
         v.choice(m["schema"], "report.schema", (SCHEMA,))
         episodes = v.items(m["episodes"], "episodes")
         made = tuple(EpisodeResult.from_json(e, f"episodes[{i}]") for i, e in enumerate(episodes))
-        return BenchmarkReport(m["title"], m["summary"], made, m["record"])
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        v.write_json(path, self.to_json())
-
-    @staticmethod
-    def load(path: str | os.PathLike[str]) -> "BenchmarkReport":
-        return BenchmarkReport.from_json(v.read_json(path, "benchmark report"))
+        return cls(m["title"], m["summary"], made, m["record"])

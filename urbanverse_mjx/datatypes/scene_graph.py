@@ -1,12 +1,11 @@
 """`SceneGraph`: what a street holds, before any asset is chosen. File: `graph.json`."""
 
 import dataclasses
-import os
-from typing import Any
+from typing import Any, ClassVar, Self
 
 from . import ground
 from . import validation as v
-from .hashing import content_hash
+from .json_noun import JsonNoun
 
 SCHEMA = "urbanverse.scene_graph/1"
 MAX_OBJECTS = 5_000
@@ -147,7 +146,7 @@ class Source:
 
 
 @dataclasses.dataclass(frozen=True)
-class SceneGraph:
+class SceneGraph(JsonNoun):
     """⟨objects, ground, sky⟩ plus where they come from.
 
     Attributes:
@@ -158,6 +157,8 @@ class SceneGraph:
       sky_descriptor: look of the sky or None (any sky).
       camera_path: (n, 4) of x, y, z (m), yaw (rad): the way the tour went; may be empty.
     """
+
+    NOUN: ClassVar[str] = "scene graph"
 
     id: str
     source: Source
@@ -190,8 +191,8 @@ class SceneGraph:
             "camera_path": [list(p) for p in self.camera_path],
         }
 
-    @staticmethod
-    def from_json(value: Any) -> "SceneGraph":
+    @classmethod
+    def from_json(cls, value: Any) -> Self:
         m = v.mapping(value, "scene graph", ("schema", "id", "source", "objects", "ground", "sky"), ("camera_path",))
         v.choice(m["schema"], "scene graph.schema", (SCHEMA,))
         source = v.mapping(m["source"], "source", ("video", "licence", "city", "country"))
@@ -199,7 +200,7 @@ class SceneGraph:
         _optional(sky, "sky")
         objects = v.items(m["objects"], "objects", maximum=MAX_OBJECTS)
         regions = v.items(m["ground"], "ground", minimum=1, maximum=MAX_REGIONS)
-        return SceneGraph(
+        return cls(
             id=m["id"],
             source=Source(**source),
             objects=tuple(GraphObject.from_json(o, f"objects[{i}]") for i, o in enumerate(objects)),
@@ -207,14 +208,3 @@ class SceneGraph:
             sky_descriptor=sky.get("descriptor"),
             camera_path=m.get("camera_path", ()),
         )
-
-    def content_hash(self) -> str:
-        """Hash over the canonical content (see `hashing`)."""
-        return content_hash(self.to_json())
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        v.write_json(path, self.to_json())
-
-    @staticmethod
-    def load(path: str | os.PathLike[str]) -> "SceneGraph":
-        return SceneGraph.from_json(v.read_json(path, "scene graph"))

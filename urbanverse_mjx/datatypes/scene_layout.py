@@ -1,12 +1,11 @@
 """`SceneLayout`: one digital cousin, every asset chosen and placed. File: `layout.json`."""
 
 import dataclasses
-import os
-from typing import Any
+from typing import Any, ClassVar, Self
 
 from . import ground
 from . import validation as v
-from .hashing import content_hash
+from .json_noun import JsonNoun
 from .scene_graph import MAX_OBJECTS, MAX_REGIONS
 
 SCHEMA = "urbanverse.scene_layout/1"
@@ -97,7 +96,7 @@ class PlacedGround:
 
 
 @dataclasses.dataclass(frozen=True)
-class SceneLayout:
+class SceneLayout(JsonNoun):
     """One cousin of a graph: what stands where, on which ground, under which sky.
 
     Attributes:
@@ -108,6 +107,8 @@ class SceneLayout:
       sky: id of a sky; sky_yaw: rad, its rotation about z.
       hashes: further inputs, name to hash (asset index, materialiser).
     """
+
+    NOUN: ClassVar[str] = "scene layout"
 
     id: str
     graph_id: str
@@ -154,26 +155,15 @@ class SceneLayout:
             "hashes": dict(self.hashes),
         }
 
-    @staticmethod
-    def from_json(value: Any) -> "SceneLayout":
-        names = [f.name for f in dataclasses.fields(SceneLayout)]
+    @classmethod
+    def from_json(cls, value: Any) -> Self:
+        names = [f.name for f in dataclasses.fields(cls)]
         m = dict(v.mapping(value, "layout", ["schema", *names]))
         v.choice(m.pop("schema"), "layout.schema", (SCHEMA,))
         objects = v.items(m.pop("objects"), "objects", maximum=MAX_OBJECTS)
         regions = v.items(m.pop("ground"), "ground", minimum=1, maximum=MAX_REGIONS)
-        return SceneLayout(
+        return cls(
             objects=tuple(PlacedObject.from_json(o, f"objects[{i}]") for i, o in enumerate(objects)),
             ground=tuple(PlacedGround.from_json(g, f"ground[{i}]") for i, g in enumerate(regions)),
             **m,
         )
-
-    def content_hash(self) -> str:
-        """Hash over the canonical content (see `hashing`)."""
-        return content_hash(self.to_json())
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        v.write_json(path, self.to_json())
-
-    @staticmethod
-    def load(path: str | os.PathLike[str]) -> "SceneLayout":
-        return SceneLayout.from_json(v.read_json(path, "scene layout"))

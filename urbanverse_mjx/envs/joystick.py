@@ -211,15 +211,7 @@ class JoystickEnv(StagedBase):
 
     def info_of(self, gait: GaitState) -> dict[str, jax.Array]:
         """Where the env is and how its episode ended."""
-        timeout = (gait.result == Result.TIMEOUT).astype(jnp.float32)
-        return {
-            "scene": gait.sim.scene,
-            "episode": jnp.int32(0),
-            "result": gait.result,
-            "steps": gait.steps.astype(jnp.float32),
-            "truncation": timeout,
-            "time_out": timeout,
-        }
+        return self.episode_info(gait.sim.scene, jnp.int32(0), gait.result, gait.steps)
 
     def zero_metrics(self) -> dict[str, jax.Array]:
         """The metrics of a first state."""

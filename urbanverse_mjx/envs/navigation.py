@@ -168,6 +168,7 @@ class NavEnv(StagedBase):
             waypoint=jnp.int32(0),
             route_length=terms.route_length(start[:3], waypoints),
             route_done=zero,
+            driven=zero,
             goal_distance=jnp.linalg.norm(goal[:2] - start[:2]),
             steps=jnp.int32(0),
             age=jnp.int32(0),
@@ -205,12 +206,14 @@ class NavEnv(StagedBase):
         )
         done = result != Result.RUNNING
         done_f = done.astype(jnp.float32)
-        on_route = terms.route_position(p_xy, nav.start, nav.waypoints)
-        route_done = jnp.where(result == Result.GOAL, nav.route_length, jnp.maximum(nav.route_done, on_route))
+        driven = nav.driven + jnp.linalg.norm(p_xy - nav.sim.xpos[self._root, :2])
+        completed = terms.route_completed(p_xy, nav.start, nav.waypoints, nav.route_length, distance, driven)
+        route_done = jnp.where(result == Result.GOAL, nav.route_length, jnp.maximum(nav.route_done, completed))
         new = nav._replace(
             sim=sim,
             waypoint=terms.next_waypoint(p_xy, nav.waypoint, nav.waypoints, nav.num_waypoints),
             route_done=route_done,
+            driven=driven,
             goal_distance=distance,
             steps=steps,
             age=nav.age + 1,
@@ -260,15 +263,7 @@ class NavEnv(StagedBase):
 
     def info_of(self, nav: NavState) -> dict[str, jax.Array]:
         """Where the env is and how its episode ended."""
-        timeout = (nav.result == Result.TIMEOUT).astype(jnp.float32)
-        return {
-            "scene": nav.sim.scene,
-            "episode": nav.episode,
-            "result": nav.result,
-            "steps": nav.steps.astype(jnp.float32),
-            "truncation": timeout,
-            "time_out": timeout,
-        }
+        return self.episode_info(nav.sim.scene, nav.episode, nav.result, nav.steps)
 
     def zero_metrics(self) -> dict[str, jax.Array]:
         """The metrics of a first state."""

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from ml_collections import ConfigDict
 
-from .types import State
+from .types import Result, State
 
 
 class StagedBase:
@@ -49,6 +49,19 @@ class StagedBase:
     @property
     def unwrapped(self) -> Self:
         return self
+
+    @staticmethod
+    def episode_info(scene: Any, episode: Any, result: Any, steps: Any) -> dict[str, jax.Array]:
+        """What `info_of` tells: where the env is and how its episode ended, () each."""
+        timeout = (result == Result.TIMEOUT).astype(jnp.float32)
+        return {
+            "scene": scene,
+            "episode": episode,
+            "result": result,
+            "steps": steps.astype(jnp.float32),
+            "truncation": timeout,
+            "time_out": timeout,
+        }
 
     def reset(self, key: jax.Array) -> State:
         """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""

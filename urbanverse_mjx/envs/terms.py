@@ -64,6 +64,21 @@ def route_position(p_xy: jax.Array, start: jax.Array, waypoints: jax.Array) -> j
     return before[best] + t[best] * length[best]
 
 
+def route_completed(
+    p_xy: jax.Array, start: jax.Array, waypoints: jax.Array, length: jax.Array, left: jax.Array, driven: jax.Array
+) -> jax.Array:
+    """Metres of a route of `length` m that are behind somebody at `p_xy` (2,), for the paper's RC.
+
+    On the route it is the nearest point's place. Who takes another way may come near a later part of the route, or near
+    its end with a wall between: no less can be left than the straight line to the goal, and nobody is farther along
+    the shortest way than he has driven.
+
+    Args:
+      left: () m, straight to the goal. driven: () m.
+    """
+    return jnp.clip(jnp.minimum(route_position(p_xy, start, waypoints), length - left), 0.0, driven)
+
+
 def next_waypoint(p_xy: jax.Array, waypoint: jax.Array, waypoints: jax.Array, count: jax.Array) -> jax.Array:
     """Index of the waypoint to head for: moves on when within 2 m of the present one."""
     near = jnp.linalg.norm(waypoints[waypoint, :2] - p_xy) < 2.0

@@ -59,7 +59,8 @@ class NavState(NamedTuple):
       num_waypoints: () i32.
       waypoint: () i32, the next waypoint to pass.
       route_length: () f32 m along start, waypoints, goal.
-      route_done: () f32 m, farthest point of the route reached so far.
+      route_done: () f32 m, most of the route completed so far, see `terms.route_completed`.
+      driven: () f32 m on the ground plane.
       goal_distance: () f32 m, ground distance robot to goal.
       steps: () i32 control steps done.
       age, episodes: () i32, control steps and ended episodes behind this env; they alone outlive an episode.
@@ -79,6 +80,7 @@ class NavState(NamedTuple):
     waypoint: Any
     route_length: Any
     route_done: Any
+    driven: Any
     goal_distance: Any
     steps: Any
     age: Any

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import NounError
+from ..datatypes import NounError, optional
 from .agents import BatchAgent
 
 PICTURE = "pixels/front"
@@ -76,12 +76,7 @@ def load_onnx(path: pathlib.Path) -> ForeignPolicy:
     """
     if not path.is_file():
         raise NounError(f"--policy: found no file {path}, needed an ONNX file.")
-    try:
-        import onnxruntime  # type: ignore[import-not-found]
-    except ModuleNotFoundError as error:
-        raise NounError(
-            "--policy: found no package onnxruntime, needed it for ONNX files; pip install 'urbanverse_mjx[onnx]'."
-        ) from error
+    onnxruntime = optional.package("onnxruntime", f"--policy {path.name}", "onnx")
     options = onnxruntime.SessionOptions()
     # One thread adds up in one order: the same numbers every time.
     options.intra_op_num_threads = 1

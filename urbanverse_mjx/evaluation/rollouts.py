@@ -68,7 +68,6 @@ class _Tally(NamedTuple):
 
     hit_time: Any
     touches: Any
-    path_length: Any
     slot_overflow: Any
     key: Any
     people: Any
@@ -100,7 +99,6 @@ class Rollout:
         self.env = env
         self._chunk = chunk
         self._begin = jax.jit(jax.vmap(env.begin_at))
-        self._root = env.mj_model.body(env.robot.root_body).id
 
     def run(
         self,
@@ -177,9 +175,9 @@ class Rollout:
         keys = jnp.tile(episodes.keys(), count)
         scenes, rows = np.tile(episodes.scenes, count), np.tile(episodes.episodes, count)
         nav = self._begin(keys, jnp.asarray(scenes), jnp.asarray(rows))
-        zero = jnp.zeros(number)
+        hit_time, none = jnp.zeros(number), jnp.zeros(number, jnp.int32)
         people = None if self.env.living is None else no_people(number)
-        return nav, _Tally(zero, zero.astype(jnp.int32), zero, zero.astype(jnp.int32), keys, people)
+        return nav, _Tally(hit_time, none, none, keys, people)
 
     def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any]:
         """What a `Trajectory` holds of one step of all envs."""
@@ -190,14 +188,11 @@ class Rollout:
 
     def _advance(self, nav: NavState, tally: _Tally, action: jax.Array) -> tuple[NavState, _Tally]:
         """One env one step on; an ended episode stands still as it ended."""
-        root = self._root
         new, _, _, metrics = self.env.advance(nav, action)
         running = nav.result == 0
-        moved = jnp.linalg.norm(new.sim.xpos[root, :2] - nav.sim.xpos[root, :2])
         new_tally = tally._replace(
             hit_time=tally.hit_time + metrics["hit_time_per_step"],
             touches=tally.touches + (new.sim.contacts.hit & ~nav.sim.contacts.hit).astype(jnp.int32),
-            path_length=tally.path_length + jnp.nan_to_num(moved),
             slot_overflow=tally.slot_overflow + new.sim.slot_overflow,
             people=None if tally.people is None else counted(tally.people, metrics),
         )
@@ -231,7 +226,7 @@ class Rollout:
         steps, result, length = np.asarray(nav.steps), np.asarray(nav.result), np.asarray(nav.route_length)
         done = np.clip(np.asarray(nav.route_done) / np.maximum(length, 1e-6), 0.0, 1.0)
         hit_time = np.clip(np.asarray(tally.hit_time) / steps, 0.0, 1.0)
-        goal_distance, path = np.asarray(nav.goal_distance), np.asarray(tally.path_length)
+        goal_distance, path = np.asarray(nav.goal_distance), np.asarray(nav.driven)
         return [
             EpisodeResult(
                 agent=name,

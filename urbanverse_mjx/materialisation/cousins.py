@@ -116,15 +116,10 @@ def materialise_cousins(
             bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
             cleared = clearing.clear(bodies, support, things)
         layout = SceneLayout(
-            id=graph.id if k == 0 else f"{graph.id}_cousin{k}",
-            graph_id=graph.id,
-            graph_hash=graph.content_hash(),
-            seed=seed,
-            cousin=k,
+            **surroundings.identity(graph, k, seed),
             objects=cleared.placed,
             ground=surroundings.placed_ground(flat, pieces, k),
             sky=skies[k].uid,
-            sky_yaw=surroundings.sky_yaw(graph, k, seed),
             hashes=hashes,
         )
         left_out = (*nowhere, *away, *cleared.left_out)

@@ -157,15 +157,10 @@ def materialise(
         bodies.append(overlap.Body(placed, chosen.record, overlap.prisms_of(placed, hulls_of(chosen.record))))
     left = overlap.resolve(bodies, support)
     layout = SceneLayout(
-        id=graph.id if cousin == 0 else f"{graph.id}_cousin{cousin}",
-        graph_id=graph.id,
-        graph_hash=graph.content_hash(),
-        seed=seed,
-        cousin=cousin,
+        **surroundings.identity(graph, cousin, seed),
         objects=tuple(overlap.moved(b) for b in bodies),
         ground=_materials(graph, seed, cousin),
         sky=_sky(graph, seed, cousin),
-        sky_yaw=round(choice.pick(6283, "sky yaw", seed, cousin, graph.id) / 1000.0 - math.pi, 3),
         hashes={"assets": index.content_hash(), "materialiser": VERSION},
     )
     moved = tuple((b.placed.id, b.distance) for b in bodies if b.distance)

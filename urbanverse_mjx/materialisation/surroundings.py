@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import shapely
@@ -141,7 +142,19 @@ def _one_each(ranked: Sequence[Look], count: int, seed: int, key: str) -> list[L
     return [drawn[k % len(drawn)] for k in range(count)]
 
 
-def sky_yaw(graph: SceneGraph, cousin: int, seed: int) -> float:
+def identity(graph: SceneGraph, cousin: int, seed: int) -> dict[str, Any]:
+    """The fields of a layout that say of what it is a cousin, and how its sky is turned."""
+    return {
+        "id": graph.id if cousin == 0 else f"{graph.id}_cousin{cousin}",
+        "graph_id": graph.id,
+        "graph_hash": graph.content_hash(),
+        "seed": seed,
+        "cousin": cousin,
+        "sky_yaw": _sky_yaw(graph, cousin, seed),
+    }
+
+
+def _sky_yaw(graph: SceneGraph, cousin: int, seed: int) -> float:
     """rad, the sky's rotation about z."""
     return round(pick(6283, "sky yaw", seed, cousin, graph.id) / 1000.0 - math.pi, 3)
 

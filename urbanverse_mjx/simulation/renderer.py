@@ -5,6 +5,7 @@ mujoco-warp-pbr's materials; this module is the only one that the rest of the pr
 """
 
 import concurrent.futures
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,7 +20,7 @@ from ..precision import full_precision
 from .render_model import build_render_model
 from .render_settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Settings
 from .street_batch import StreetBatch, Streets
-from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
+from .warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 
 #: m and 1 - cos of half the angle from which an object stands elsewhere than in the bank, to be seen at all.
 _MOVED, _TURNED = 1e-3, 1e-6
@@ -27,45 +28,26 @@ _MOVED, _TURNED = 1e-3, 1e-6
 __all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
 
 
-def _draw(
-    owner: int,
-    scene: wp.array[wp.int32],
-    xpos: wp.array2d[wp.vec3],
-    xquat: wp.array2d[wp.vec4],
-    eye: wp.array[wp.vec3],
-    turn: wp.array[wp.vec4],
-    fovy: wp.array[wp.float32],
-    looks: wp.array[wp.int32],
-    rgb: wp.array4d[wp.uint8],
-    depth: wp.array3d[wp.float32],
-    category: wp.array3d[wp.int32],
-    object: wp.array3d[wp.int32],
-    normal: wp.array3d[wp.vec3],
-) -> None:
-    """What JAX calls; outputs that were not asked for have no pixel."""
-    out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}
-    registered(owner)._render((scene, xpos, xquat, eye, turn, fovy, looks), out)
+#: What goes in and what comes out, in the order of `Renderer._render`.
+_INPUTS = {
+    "scene": wp.array[wp.int32],
+    "xpos": wp.array2d[wp.vec3],
+    "xquat": wp.array2d[wp.vec4],
+    "eye": wp.array[wp.vec3],
+    "turn": wp.array[wp.vec4],
+    "fovy": wp.array[wp.float32],
+    "looks": wp.array[wp.int32],
+}
+_MOVED_INPUT = {"moved": wp.array2d[wp.int32]}
+_FLOATS, _NUMBERS = wp.array3d[wp.float32], wp.array3d[wp.int32]
+_PICTURE_TYPES = wp.array4d[wp.uint8], _FLOATS, _NUMBERS, _NUMBERS, wp.array3d[wp.vec3]
+_PICTURES: dict[str, Any] = dict(zip(OUTPUTS, _PICTURE_TYPES, strict=True))
 
 
-def _draw_moved(
-    owner: int,
-    scene: wp.array[wp.int32],
-    xpos: wp.array2d[wp.vec3],
-    xquat: wp.array2d[wp.vec4],
-    eye: wp.array[wp.vec3],
-    turn: wp.array[wp.vec4],
-    fovy: wp.array[wp.float32],
-    looks: wp.array[wp.int32],
-    moved: wp.array2d[wp.int32],
-    rgb: wp.array4d[wp.uint8],
-    depth: wp.array3d[wp.float32],
-    category: wp.array3d[wp.int32],
-    object: wp.array3d[wp.int32],
-    normal: wp.array3d[wp.vec3],
-) -> None:
-    """The same with objects that stand elsewhere; moved: their slots, -1 = none."""
-    out = {"rgb": rgb, "depth": depth, "category": category, "object": object, "normal": normal}
-    registered(owner)._render((scene, xpos, xquat, eye, turn, fovy, looks, moved), out)
+@functools.cache
+def _call_into_warp(moved: bool) -> Any:
+    """What JAX calls; moved: with objects that stand elsewhere."""
+    return jax_callable("Renderer.draw", Renderer._render, _INPUTS | (_MOVED_INPUT if moved else {}), _PICTURES)
 
 
 class Renderer:
@@ -242,20 +224,20 @@ class Renderer:
         """Batches for which a render context is kept; made when a batch of a new size is first drawn."""
         return self._devices.num_batches
 
-    def _render(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
+    def _render(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array]) -> None:
         """Draws a batch of worlds, on the CPU in several threads; called by Warp with its device set.
 
         Args:
           inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
             quaternions (n,) vec4, vertical fields of view (n,) float and looks (n,) int; slots of objects that stand
-            elsewhere (n, bodies) int where there may be any.
-          outputs: by name, with a leading axis of n; without a pixel where not asked for.
+            elsewhere (n, bodies) int, -1 = none, where there may be any.
+          outputs: of `OUTPUTS`, with a leading axis of n; without a pixel where not asked for.
         """
         scene = inputs[0]
         if scene.shape[0] == 0:
             return
         with device_lock(scene.device):
-            self._draw_all(scene.device, inputs, outputs)
+            self._draw_all(scene.device, inputs, dict(zip(OUTPUTS, outputs, strict=True)))
 
     def _draw_all(self, device: Any, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
         assets, batch = self._batch(device, inputs[0].shape[0])
@@ -278,9 +260,7 @@ class Renderer:
 def _batch_function(number: int, settings: Settings) -> Any:
     """(scene (n,), xpos (n, nbody, 3), ...) -> outputs with a leading axis n. Holds the renderer by its number."""
     height, width = settings.height, settings.width
-    # Contexts are made when a call first runs, which a graph capture would not allow.
-    call = _draw_moved if settings.bodies else _draw
-    function = wp.jax_callable(call, num_outputs=len(OUTPUTS), graph_mode=wp.JaxCallableGraphMode.NONE)
+    function = _call_into_warp(settings.bodies > 0)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> dict[str, jax.Array]:
         n = scene.shape[0]

@@ -31,9 +31,9 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
     share = 1.0 / samples
     appearance = settings.appearance
     moved = settings.bodies > 0
-    nearest_hit = k.nearest_hit_of_moved if moved else k.nearest_hit
+    nearest_hit, is_hidden = k.make_rays(moved)
     surface = make_surface(want_rgb, settings.shading == "pbr", moved)
-    shade = make_shade(settings)
+    shade = make_shade(settings, is_hidden)
     background, display = make_background(settings, sky_width), make_display(settings)
 
     @wp.kernel(

@@ -9,9 +9,11 @@ poses of the robot's parts, which are met after the street, if a ray passes near
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
+from typing import Any
+
 import warp as wp
 
-from .street_native import BUILD_OPTIONS, Found, any_hit, any_hit_of_moved, load, nearest, nearest_of_moved
+from .street_native import BUILD_OPTIONS, Hit, as_hit, load, make_walks
 
 wp.set_module_options({"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
 
@@ -44,17 +46,6 @@ def factors(look: int, thing: int, share: float) -> wp.vec3:
     green = 1.0 + share * (wp.randf(state) - 0.5)
     blue = 1.0 + share * (wp.randf(state) - 0.5)
     return wp.vec3(whole * red, whole * green, whole * blue)
-
-
-@wp.struct
-class Hit:
-    """Nearest surface; thing: row number, -1 = none; face: row number; u, v: of its second and third corner."""
-
-    distance: float
-    thing: int
-    face: int
-    u: float
-    v: float
 
 
 @wp.struct
@@ -102,101 +93,54 @@ def number_at(table: wp.uint64, index: int) -> int:
     """An entry of a table of whole numbers."""
 
 
-@wp.func
-def as_hit(found: Found) -> Hit:
-    hit = Hit()
-    hit.thing = found[0]
-    hit.face = found[1]
-    hit.distance = wp.cast(found[2], wp.float32)
-    hit.u = wp.cast(found[3], wp.float32)
-    hit.v = wp.cast(found[4], wp.float32)
-    return hit
+def make_rays(moved: bool) -> tuple[Any, Any]:
+    """`nearest_hit` and `is_hidden`; moved: things of the street may stand elsewhere."""
+    nearest, any_hit = make_walks(moved)
 
+    @wp.func
+    def nearest_hit(
+        street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
+    ) -> Hit:
+        """What a ray meets first of the street below `root` and of the robot's parts that the camera sees."""
+        first = world * (street.num_parts + 1)
+        found = nearest(
+            street.nodes,
+            street.triangles,
+            street.things,
+            views.poses + wp.uint64(48 * world * street.num_parts),
+            views.balls + wp.uint64(16 * first),
+            views.seen + wp.uint64(4 * first),
+            views.moved + wp.uint64(4 * world * street.num_bodies),
+            street.num_objects,
+            street.num_parts - street.num_bodies,
+            street.num_bodies,
+            root,
+            origin,
+            direction,
+            limit,
+        )
+        return as_hit(found)
 
-@wp.func
-def nearest_hit(
-    street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
-) -> Hit:
-    """What a ray meets first of the street below `root` and of the robot's parts that the camera sees."""
-    first = world * (street.num_parts + 1)
-    found = nearest(
-        street.nodes,
-        street.triangles,
-        street.things,
-        views.poses + wp.uint64(48 * world * street.num_parts),
-        views.balls + wp.uint64(16 * first),
-        views.seen + wp.uint64(4 * first),
-        street.num_objects,
-        root,
-        origin,
-        direction,
-        limit,
-    )
-    return as_hit(found)
+    @wp.func
+    def is_hidden(street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3) -> bool:
+        """Whether anything of the street below `root` or any part of the robot hides the far end of a ray."""
+        return any_hit(
+            street.nodes,
+            street.triangles,
+            street.things,
+            views.poses + wp.uint64(48 * world * street.num_parts),
+            views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
+            views.moved + wp.uint64(4 * world * street.num_bodies),
+            street.num_objects,
+            street.num_parts - street.num_bodies,
+            street.num_bodies,
+            street.num_parts,
+            root,
+            origin,
+            direction,
+        )
 
-
-@wp.func
-def nearest_hit_of_moved(
-    street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
-) -> Hit:
-    """`nearest_hit` where things of the street stand elsewhere."""
-    first = world * (street.num_parts + 1)
-    found = nearest_of_moved(
-        street.nodes,
-        street.triangles,
-        street.things,
-        views.poses + wp.uint64(48 * world * street.num_parts),
-        views.balls + wp.uint64(16 * first),
-        views.seen + wp.uint64(4 * first),
-        views.moved + wp.uint64(4 * world * street.num_bodies),
-        street.num_objects,
-        street.num_parts - street.num_bodies,
-        street.num_bodies,
-        root,
-        origin,
-        direction,
-        limit,
-    )
-    return as_hit(found)
-
-
-@wp.func
-def is_hidden(street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3) -> bool:
-    """Whether anything of the street below `root` or any part of the robot hides the far end of a ray."""
-    return any_hit(
-        street.nodes,
-        street.triangles,
-        street.things,
-        views.poses + wp.uint64(48 * world * street.num_parts),
-        views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
-        street.num_objects,
-        street.num_parts,
-        root,
-        origin,
-        direction,
-    )
-
-
-@wp.func
-def is_hidden_by_moved(
-    street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3
-) -> bool:
-    """`is_hidden` where things of the street stand elsewhere."""
-    return any_hit_of_moved(
-        street.nodes,
-        street.triangles,
-        street.things,
-        views.poses + wp.uint64(48 * world * street.num_parts),
-        views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
-        views.moved + wp.uint64(4 * world * street.num_bodies),
-        street.num_objects,
-        street.num_parts - street.num_bodies,
-        street.num_bodies,
-        street.num_parts,
-        root,
-        origin,
-        direction,
-    )
+    return nearest_hit, is_hidden
 
 
 @wp.func

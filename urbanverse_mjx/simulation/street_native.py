@@ -5,7 +5,9 @@ every branch and call of a loop (a tenth to a fifth of all frames on a CPU).
 """
 
 # Warp's types in annotations are values; Warp itself checks them.
-# pyright: reportInvalidTypeForm=false, reportReturnType=false
+# pyright: reportGeneralTypeIssues=false, reportInvalidTypeForm=false, reportReturnType=false
+
+from typing import Any
 
 import warp as wp
 
@@ -210,7 +212,7 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
 }  // namespace urbanverse
 """
 
-#: What a kernel must be built with that calls `nearest` or `any_hit`.
+#: What a kernel must be built with that calls functions of `make_walks`.
 BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_NUMBERS + _WALK, extra_cpu_preamble=_NUMBERS + _WALK)
 
 #: thing, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).
@@ -225,115 +227,99 @@ def load(table: wp.uint64, row: int) -> wp.vec4:
     """A row of a table in one 16-byte load."""
 
 
-@wp.func_native("""
-    const int* list = reinterpret_cast<const int*>(seen);
-    urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
-    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
-    urbanverse::walk<false, false>(
-        { nodes, triangles, things, poses, balls, list + 1, objects, list[0], nullptr, 0, 0 }, root, line, found
-    );
-    wp::vec_t<5, wp::int32> out;
-    out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
-    out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
-    return out;
-""")
-def nearest(
-    nodes: wp.uint64,
-    triangles: wp.uint64,
-    things: wp.uint64,
-    poses: wp.uint64,
-    balls: wp.uint64,
-    seen: wp.uint64,
-    objects: int,
-    root: int,
-    origin: wp.vec3,
-    direction: wp.vec3,
-    limit: float,
-) -> Found:
-    """The nearest triangle on a ray; poses, balls and seen: of this world."""
+@wp.struct
+class Hit:
+    """Nearest surface; thing: row number, -1 = none; face: row number; u, v: of its second and third corner."""
+
+    distance: float
+    thing: int
+    face: int
+    u: float
+    v: float
 
 
-@wp.func_native("""
-    urbanverse::Found found = { 1.0e6f, 0.0f, 0.0f, -1, -1 };
-    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
-    const urbanverse::Row around = urbanverse::load(urbanverse::from(balls, parts));
-    const int total = parts == 0 || urbanverse::misses(around, line) ? 0 : parts;
-    urbanverse::walk<true, false>(
-        { nodes, triangles, things, poses, balls, nullptr, objects, total, nullptr, 0, 0 }, root, line, found
-    );
-    return found.thing >= 0;
-""")
-def any_hit(
-    nodes: wp.uint64,
-    triangles: wp.uint64,
-    things: wp.uint64,
-    poses: wp.uint64,
-    balls: wp.uint64,
-    objects: int,
-    parts: int,
-    root: int,
-    origin: wp.vec3,
-    direction: wp.vec3,
-) -> bool:
-    """Whether a ray meets any triangle."""
+@wp.func
+def as_hit(found: Found) -> Hit:
+    hit = Hit()
+    hit.thing = found[0]
+    hit.face = found[1]
+    hit.distance = wp.cast(found[2], wp.float32)
+    hit.u = wp.cast(found[3], wp.float32)
+    hit.v = wp.cast(found[4], wp.float32)
+    return hit
 
 
-@wp.func_native("""
-    const int* list = reinterpret_cast<const int*>(seen);
+_LINE = """
     const int* gone = reinterpret_cast<const int*>(moved);
-    urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
     const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
-    urbanverse::walk<false, true>(
+"""
+_NEAREST = """
+    const int* list = reinterpret_cast<const int*>(seen);
+    urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
+    urbanverse::walk<false, MOVED>(
         { nodes, triangles, things, poses, balls, list + 1, objects, list[0], gone, first, number }, root, line, found
     );
     wp::vec_t<5, wp::int32> out;
     out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
     out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
     return out;
-""")
-def nearest_of_moved(
-    nodes: wp.uint64,
-    triangles: wp.uint64,
-    things: wp.uint64,
-    poses: wp.uint64,
-    balls: wp.uint64,
-    seen: wp.uint64,
-    moved: wp.uint64,
-    objects: int,
-    first: int,
-    number: int,
-    root: int,
-    origin: wp.vec3,
-    direction: wp.vec3,
-    limit: float,
-) -> Found:
-    """`nearest` where things of the street stand elsewhere: moved (of this world), as the parts from `first` on."""
-
-
-@wp.func_native("""
-    const int* gone = reinterpret_cast<const int*>(moved);
+"""
+_ANY_HIT = """
     urbanverse::Found found = { 1.0e6f, 0.0f, 0.0f, -1, -1 };
-    const urbanverse::Line line = { origin[0], origin[1], origin[2], direction[0], direction[1], direction[2] };
     const urbanverse::Row around = urbanverse::load(urbanverse::from(balls, parts));
-    const int total = urbanverse::misses(around, line) ? 0 : parts;
-    urbanverse::walk<true, true>(
+    const int total = parts == 0 || urbanverse::misses(around, line) ? 0 : parts;
+    urbanverse::walk<true, MOVED>(
         { nodes, triangles, things, poses, balls, nullptr, objects, total, gone, first, number }, root, line, found
     );
     return found.thing >= 0;
-""")
-def any_hit_of_moved(
-    nodes: wp.uint64,
-    triangles: wp.uint64,
-    things: wp.uint64,
-    poses: wp.uint64,
-    balls: wp.uint64,
-    moved: wp.uint64,
-    objects: int,
-    first: int,
-    number: int,
-    parts: int,
-    root: int,
-    origin: wp.vec3,
-    direction: wp.vec3,
-) -> bool:
-    """`any_hit` where things of the street stand elsewhere."""
+"""
+
+
+def make_walks(moved: bool) -> tuple[Any, Any]:
+    """`nearest` and `any_hit` for streets in which things stand where the bank has them, or (moved) may not.
+
+    Such things are the `number` parts from `first` on; moved (of this world): which thing each is. Where there are none
+    the compilers drop all that is told of them.
+    """
+
+    of_moved = str(moved).lower()
+
+    # Warp knows functions in C++ by the decorator's name.
+    @wp.func_native((_LINE + _NEAREST).replace("MOVED", of_moved))
+    def nearest(
+        nodes: wp.uint64,
+        triangles: wp.uint64,
+        things: wp.uint64,
+        poses: wp.uint64,
+        balls: wp.uint64,
+        seen: wp.uint64,
+        moved: wp.uint64,
+        objects: int,
+        first: int,
+        number: int,
+        root: int,
+        origin: wp.vec3,
+        direction: wp.vec3,
+        limit: float,
+    ) -> Found:
+        """The nearest triangle on a ray; poses, balls and seen: of this world."""
+
+    @wp.func_native((_LINE + _ANY_HIT).replace("MOVED", of_moved))
+    def any_hit(
+        nodes: wp.uint64,
+        triangles: wp.uint64,
+        things: wp.uint64,
+        poses: wp.uint64,
+        balls: wp.uint64,
+        moved: wp.uint64,
+        objects: int,
+        first: int,
+        number: int,
+        parts: int,
+        root: int,
+        origin: wp.vec3,
+        direction: wp.vec3,
+    ) -> bool:
+        """Whether a ray meets any triangle."""
+
+    return nearest, any_hit

@@ -14,7 +14,8 @@ from mujoco_warp_pbr._src import brdf, color, envmap, material, texture
 
 from . import street_kernels as k
 from .render_settings import PBR_EXPOSURE, PLAIN_SKY, Settings
-from .street_kernels import FACE, LIGHT, PART, THING, Hit, Street, Views
+from .street_kernels import FACE, LIGHT, PART, THING, Street, Views
+from .street_native import Hit
 
 #: Colour of the flat sky in linear light.
 _FLAT = tuple(float(x) for x in color.srgb_to_linear(PLAIN_SKY[:3]))
@@ -129,10 +130,12 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
     return surface
 
 
-def make_shade(settings: Settings) -> Any:
-    """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the eye."""
+def make_shade(settings: Settings, is_hidden: Any) -> Any:
+    """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the eye.
+
+    is_hidden: of `street_kernels.make_rays`.
+    """
     sky, shadows, gloss = settings.sky, settings.shadows, settings.shading == "pbr"
-    is_hidden = k.is_hidden_by_moved if settings.bodies else k.is_hidden
 
     @wp.func
     def sunlight(

@@ -117,6 +117,7 @@ class WorldBatch:
         """Room for the bodies that are awake, and their geoms in the slots of their hulls."""
         free, table = self.shared.robot.bodies, self.shared.body_table
         assert free is not None, "an engine with body slots has bodies"
+        assert table is not None, "a model with bodies has their table"
         out, each = warp_body_types.Bodies(), (self.number, free.number)
         near, points = (*each, body_slots.PRISMS + body_slots.HULLS), (*each, table.points.shape[1])
         out.row = wp.full(each, -1, dtype=int)
@@ -180,8 +181,8 @@ class WorldBatch:
         after = [*state[:3], data.xpos, data.xquat, self.origin, root, self.touch, self.nearby]
         launch(kernels.finish, dim=n, inputs=after, outputs=list(outputs[:8]))
         if self.bodies is not None:
-            inputs = [*state[:3], self.origin, shared.body_table, self.bodies]
-            launch(warp_bodies.finish_bodies, dim=self.bodies.row.shape, inputs=inputs, outputs=[outputs[10]])
+            moved = [*state[:3], self.origin, shared.body_table, self.bodies]
+            launch(warp_bodies.finish_bodies, dim=self.bodies.row.shape, inputs=moved, outputs=[outputs[10]])
         if self.recorded:
             wp.copy(outputs[8], self.path)
             wp.copy(outputs[9], self.hit)

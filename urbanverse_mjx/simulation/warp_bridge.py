@@ -5,11 +5,12 @@ keep compiled functions for ever, and so a deleted renderer can give its memory 
 """
 
 import collections
+import inspect
 import itertools
 import math
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import jax
@@ -46,6 +47,35 @@ def registered(number: int) -> Any:
             "it as long as functions compiled with it are used"
         )
     return owner
+
+
+def jax_callable(
+    name: str,
+    run: Callable[[Any, Sequence[wp.array], Sequence[wp.array]], None],
+    inputs: Mapping[str, Any],
+    outputs: Mapping[str, Any],
+) -> Any:
+    """A call from JAX into Warp: (number of the owner, arrays, output_dims=shapes by name) -> outputs in their order.
+
+    Warp takes what goes in and out from a function's signature, which is written here after the two tables. JAX keeps
+    every call for ever, so each kind is to be made once.
+
+    Args:
+      name: stands in compiled programs, made unique by Warp.
+      run: (owner, input arrays, output arrays), called with Warp's device set.
+      inputs, outputs: name -> Warp array type.
+    """
+
+    def call(owner: int, *arrays: wp.array) -> None:
+        run(registered(owner), arrays[: len(inputs)], arrays[len(inputs) :])
+
+    types: dict[str, Any] = {"owner": int, **inputs, **outputs}
+    kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    signature = inspect.Signature([inspect.Parameter(argument, kind) for argument in types])
+    call.__qualname__, call.__annotations__ = name, types
+    setattr(call, "__signature__", signature)  # noqa: B010 (no attribute of functions in their own type)
+    # Owners make their batches when a call first runs, which a graph capture around it would not allow.
+    return wp.jax_callable(call, num_outputs=len(outputs), graph_mode=wp.JaxCallableGraphMode.NONE)
 
 
 def device_lock(device: Any) -> threading.RLock:

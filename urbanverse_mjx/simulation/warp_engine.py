@@ -8,6 +8,7 @@ A control step is one call into Warp: slots are found, the physics steps run, th
 The bank stands on the Warp device once, so which scene an env is in is data: changing it compiles nothing.
 """
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,104 +22,57 @@ from . import body_slots, warp_bodies_input
 from .engine_base import EngineBase, Substeps
 from .warp_batch import WorldBatch
 from .warp_bodies_input import STATE
-from .warp_bridge import DeviceStore, batched_call, device_lock, register, registered
+from .warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from .warp_model import DeviceModel, build_robot_model
 
 __all__ = ["WarpEngine"]
 
 
-def _step(
-    owner: int,
-    scene: wp.array[wp.int32],
-    centre: wp.array[wp.vec3],
-    qpos: wp.array2d[wp.float32],
-    qvel: wp.array2d[wp.float32],
-    warm: wp.array2d[wp.float32],
-    ctrl: wp.array2d[wp.float32],
-    friction: wp.array[wp.float32],
-    mass: wp.array[wp.float32],
-    qpos_out: wp.array2d[wp.float32],
-    qvel_out: wp.array2d[wp.float32],
-    warm_out: wp.array2d[wp.float32],
-    xpos: wp.array2d[wp.vec3],
-    xquat: wp.array2d[wp.vec4],
-    force: wp.array[wp.float32],
-    touch: wp.array2d[wp.int32],
-    feet: wp.array2d[wp.float32],
-    path: wp.array3d[wp.float32],
-    hit: wp.array2d[wp.int32],
-) -> None:
-    """What JAX calls; path and hit have no physics step where none is asked for."""
-    outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, feet, path, hit)
-    registered(owner)._run((scene, centre, qpos, qvel, warm, ctrl, friction, mass), outputs)
+#: What goes in and what comes out, in the order of `WarpEngine._run`.
+_STATE = {
+    "scene": wp.array[wp.int32],
+    "centre": wp.array[wp.vec3],
+    "qpos": wp.array2d[wp.float32],
+    "qvel": wp.array2d[wp.float32],
+    "warm": wp.array2d[wp.float32],
+    "ctrl": wp.array2d[wp.float32],
+    "friction": wp.array[wp.float32],
+    "mass": wp.array[wp.float32],
+}
+_AGENTS = {
+    "position": wp.array2d[wp.vec3],
+    "heading": wp.array2d[wp.float32],
+    "velocity": wp.array2d[wp.vec3],
+    "turn_rate": wp.array2d[wp.float32],
+    "present": wp.array2d[wp.int32],
+}
+_BODIES = {
+    "taken": wp.array2d[wp.int32],
+    "row": wp.array2d[wp.int32],
+    "thing": wp.array2d[wp.int32],
+    "body": wp.array3d[wp.float32],
+}
+_AFTER = {
+    "qpos_out": wp.array2d[wp.float32],
+    "qvel_out": wp.array2d[wp.float32],
+    "warm_out": wp.array2d[wp.float32],
+    "xpos": wp.array2d[wp.vec3],
+    "xquat": wp.array2d[wp.vec4],
+    "force": wp.array[wp.float32],
+    "touch": wp.array2d[wp.int32],
+    "feet": wp.array2d[wp.float32],
+    "path": wp.array3d[wp.float32],
+    "hit": wp.array2d[wp.int32],
+}
+_BODIES_AFTER = {"body_out": wp.array3d[wp.float32]}
 
 
-def _step_with_agents(
-    owner: int,
-    scene: wp.array[wp.int32],
-    centre: wp.array[wp.vec3],
-    qpos: wp.array2d[wp.float32],
-    qvel: wp.array2d[wp.float32],
-    warm: wp.array2d[wp.float32],
-    ctrl: wp.array2d[wp.float32],
-    friction: wp.array[wp.float32],
-    mass: wp.array[wp.float32],
-    position: wp.array2d[wp.vec3],
-    heading: wp.array2d[wp.float32],
-    velocity: wp.array2d[wp.vec3],
-    turn_rate: wp.array2d[wp.float32],
-    present: wp.array2d[wp.int32],
-    qpos_out: wp.array2d[wp.float32],
-    qvel_out: wp.array2d[wp.float32],
-    warm_out: wp.array2d[wp.float32],
-    xpos: wp.array2d[wp.vec3],
-    xquat: wp.array2d[wp.vec4],
-    force: wp.array[wp.float32],
-    touch: wp.array2d[wp.int32],
-    feet: wp.array2d[wp.float32],
-    path: wp.array3d[wp.float32],
-    hit: wp.array2d[wp.int32],
-) -> None:
-    """The same with agents, see `AgentMotion`."""
-    inputs = (scene, centre, qpos, qvel, warm, ctrl, friction, mass, position, heading, velocity, turn_rate, present)
-    registered(owner)._run(inputs, (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, feet, path, hit))
-
-
-def _step_with_bodies(
-    owner: int,
-    scene: wp.array[wp.int32],
-    centre: wp.array[wp.vec3],
-    qpos: wp.array2d[wp.float32],
-    qvel: wp.array2d[wp.float32],
-    warm: wp.array2d[wp.float32],
-    ctrl: wp.array2d[wp.float32],
-    friction: wp.array[wp.float32],
-    mass: wp.array[wp.float32],
-    position: wp.array2d[wp.vec3],
-    heading: wp.array2d[wp.float32],
-    velocity: wp.array2d[wp.vec3],
-    turn_rate: wp.array2d[wp.float32],
-    present: wp.array2d[wp.int32],
-    taken: wp.array2d[wp.int32],
-    row: wp.array2d[wp.int32],
-    thing: wp.array2d[wp.int32],
-    body: wp.array3d[wp.float32],
-    qpos_out: wp.array2d[wp.float32],
-    qvel_out: wp.array2d[wp.float32],
-    warm_out: wp.array2d[wp.float32],
-    xpos: wp.array2d[wp.vec3],
-    xquat: wp.array2d[wp.vec4],
-    force: wp.array[wp.float32],
-    touch: wp.array2d[wp.int32],
-    feet: wp.array2d[wp.float32],
-    path: wp.array3d[wp.float32],
-    hit: wp.array2d[wp.int32],
-    body_out: wp.array3d[wp.float32],
-) -> None:
-    """The same with movable things, see `body_slots.Awake`; where there are no agents their arrays are empty."""
-    inputs = (scene, centre, qpos, qvel, warm, ctrl, friction, mass, position, heading, velocity, turn_rate, present)
-    outputs = (qpos_out, qvel_out, warm_out, xpos, xquat, force, touch, feet, path, hit, body_out)
-    registered(owner)._run((*inputs, taken, row, thing, body), outputs)
+@functools.cache
+def _call_into_warp(agents: bool, bodies: bool) -> Any:
+    """What JAX calls; with bodies but no agents the agents' arrays are empty."""
+    inputs = _STATE | (_AGENTS if agents or bodies else {}) | (_BODIES if bodies else {})
+    outputs = _AFTER | (_BODIES_AFTER if bodies else {})
+    return jax_callable("WarpEngine.step", WarpEngine._run, inputs, outputs)
 
 
 class WarpEngine(EngineBase):
@@ -171,12 +125,10 @@ class WarpEngine(EngineBase):
         number = register(self)
         model = self.physics.model
         sizes = (model.nq, model.nv, model.nbody, len(robot.foot_geoms))
-        run = _step if self.agents is None else _step_with_agents
-        awake = 0
-        if self.movable is not None:
-            run, awake = _step_with_bodies, self.movable.awake
-        self._call = batched_call(_batch_function(run, number, sizes, 0, awake))
-        self._call_and_record = batched_call(_batch_function(run, number, sizes, self.num_substeps, awake))
+        awake = 0 if self.movable is None else self.movable.awake
+        function = _call_into_warp(self.agents is not None, self.movable is not None)
+        self._call = batched_call(_batch_function(function, number, sizes, 0, awake))
+        self._call_and_record = batched_call(_batch_function(function, number, sizes, self.num_substeps, awake))
 
     def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
         """One control step with the commands `ctrl` (nu,) held."""
@@ -223,7 +175,7 @@ class WarpEngine(EngineBase):
             foot_force=feet / self.num_substeps,
             hit_agent=None if self.agents is None else agent,
         )
-        if awake is not None:
+        if bodies is not None and awake is not None:
             overflow = overflow + asleep
             awake = warp_bodies_input.read(awake, after_bodies[0])
             bodies = body_slots.put_back(self.body_constants, bodies, slot, awake)
@@ -269,12 +221,14 @@ class WarpEngine(EngineBase):
         )
 
 
-def _batch_function(run: Any, number: int, sizes: tuple[int, int, int, int], recorded: int, awake: int) -> Any:
-    """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number."""
+def _batch_function(function: Any, number: int, sizes: tuple[int, int, int, int], recorded: int, awake: int) -> Any:
+    """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number.
+
+    Args:
+      function: of `_call_into_warp`. sizes: nq, nv, nbody and feet.
+      recorded: physics steps that are told of. awake: bodies that may move; 0 = there are none.
+    """
     nq, nv, nbody, feet = sizes
-    # Batches are made when a call first runs, which a graph capture around it would not allow; they capture their own
-    # graphs.
-    function = wp.jax_callable(run, num_outputs=11 if awake else 10, graph_mode=wp.JaxCallableGraphMode.NONE)
 
     def batch(scene: jax.Array, *arrays: jax.Array) -> Any:
         n = scene.shape[0]

@@ -115,13 +115,13 @@ def build_robot_model(
             )
     geoms = np.array([model.geom(name).id for name in physics.spheres.name])
     first = int(model.jnt_qposadr[model.body_jntadr[physics.root]])
-    tables = jax.device_get(slots.instance_tables(bank))
+    objects, prisms = jax.device_get(slots.instance_tables(bank))
     bodies = None
     if awake and table is not None:
         joint = model.joint("movable/0")
         body, geom = int(model.body("movable/0").id), int(model.geom("movable/0").id)
         bodies = FreeBodies(awake, int(joint.qposadr[0]), int(joint.dofadr[0]), body, geom, table)
-    return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, *tables, bodies)
+    return RobotModel(model, physics, geoms, int(model.geom("hulls").id), first, objects, prisms, bodies)
 
 
 class DeviceModel:

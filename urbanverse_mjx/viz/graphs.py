@@ -7,7 +7,9 @@ from PIL import Image, ImageDraw
 
 from ..datatypes import GraphObject, NounError, Recording, SceneGraph
 
+#: sRGB of the kinds of ground, as all maps have them.
 GROUND_COLOURS = {
+    "none": (238, 238, 234),
     "road": (92, 94, 100),
     "road_marking": (215, 215, 205),
     "crosswalk": (168, 160, 120),
@@ -44,7 +46,7 @@ def plan(graph: SceneGraph, truth: Sequence[GraphObject] = (), width: int = 1600
     def to_pixels(xy: np.ndarray) -> list[tuple[float, float]]:
         return [(float(x), float(y)) for x, y in np.c_[(xy[:, 0] - low[0]) * scale, (high[1] - xy[:, 1]) * scale]]
 
-    image = Image.new("RGB", size, (238, 238, 234))
+    image = Image.new("RGB", size, GROUND_COLOURS["none"])
     draw = ImageDraw.Draw(image)
     for region in graph.ground:
         draw.polygon(to_pixels(np.array(region.polygon)), fill=GROUND_COLOURS[region.kind], outline=(120, 120, 120))

@@ -7,16 +7,11 @@ from PIL import Image, ImageDraw
 from scipy.spatial import ConvexHull, QhullError
 
 from ..datatypes import GROUND_KINDS, SceneBank
+from .graphs import GROUND_COLOURS
 
-#: sRGB of the kinds of ground, of what stands, and of how an episode ended.
-GROUND = {
-    "none": (250, 250, 250),
-    "road": (150, 152, 158),
-    "road_marking": (205, 205, 205),
-    "crosswalk": (214, 206, 178),
-    "sidewalk": (232, 226, 216),
-    "ground": (206, 222, 190),
-}
+#: Share of white in the ground's colours, so that ways and things stand out, and sRGB of what stands and of how an
+#: episode ended.
+_PALE = 0.55
 THING, OVERHEAD = (92, 88, 92), (180, 190, 172)
 ENDS = {
     "goal": (24, 140, 60),
@@ -89,8 +84,8 @@ def _ground(bank: SceneBank, scene: int, low: np.ndarray, fine: float, size: tup
     kind = bank.map_kind[scene]
     i, j = (np.floor((a - o) / resolution).astype(int) for a, o in zip((x, y), origin, strict=True))
     seen = kind[np.clip(i, 0, kind.shape[0] - 1)[None, :], np.clip(j, 0, kind.shape[1] - 1)[:, None]]
-    colours = np.array([GROUND[name] for name in GROUND_KINDS], np.uint8)
-    return Image.fromarray(colours[seen])
+    colours = np.array([GROUND_COLOURS[name] for name in GROUND_KINDS])
+    return Image.fromarray((_PALE * 255 + (1.0 - _PALE) * colours).astype(np.uint8)[seen])
 
 
 def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, int, int]]]:

@@ -84,7 +84,7 @@ def _look(scene: CompiledScene, place: np.ndarray, ahead: np.ndarray) -> Viewpoi
 def route_map(scene: CompiledScene) -> np.ndarray:
     """(H, W, 3) u8: ground by kind, what is in the way, and the delivery robot's routes; north up."""
     m = scene.geometry.map
-    colours = np.array([(238, 238, 234), *(GROUND_COLOURS[k] for k in GROUND_KINDS[1:])], np.float64)
+    colours = np.array([GROUND_COLOURS[kind] for kind in GROUND_KINDS], np.float64)
     picture = colours[m.kind]
     picture[m.clearance < 9.0] *= _SHADE
     picture[m.clearance < _HEAD] = _OBSTACLE

@@ -5,7 +5,7 @@ import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from ...datatypes import NounError
+from ...datatypes import NounError, optional
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,11 +75,7 @@ class RayExecutor:
     """
 
     def __init__(self, workers: int) -> None:
-        try:
-            import ray
-        except ImportError as error:
-            raise NounError("--executor ray: found no module named ray, needed it; `pip install ray`.") from error
-        self._ray, self._workers = ray, workers
+        self._ray, self._workers = optional.package("ray", "--executor ray", "cluster"), workers
         self.size = workers
 
     def __enter__(self) -> "RayExecutor":

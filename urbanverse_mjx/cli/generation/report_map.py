@@ -7,18 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...datatypes import Recording, SceneGraph
+from ...viz.graphs import GROUND_COLOURS
 
 #: m of a cell of the picture from above, and every how many pixels and frames the recording is read.
 CELL, PIXEL_STRIDE, MOST_FRAMES = 0.1, 3, 60
 #: m: what is farther from the camera is too coarse for cells of 10 cm; what is higher over it hides the street.
 FAR, HIGH = 25.0, 1.0
-GROUND_COLOURS = {
-    "road": "#5a5f66",
-    "road_marking": "#e8e4d0",
-    "crosswalk": "#8d939c",
-    "sidewalk": "#c9bfae",
-    "ground": "#9db48a",
-}
 _MARGIN = 2.0  # m around the ground
 
 
@@ -71,7 +65,8 @@ def svg(graph: SceneGraph, colours: dict[str, str], picture: str | None = None) 
     for region in graph.ground:
         corners = " ".join(f"{x:.2f},{-y:.2f}" for x, y in region.polygon)
         opacity = 0.0 if picture else 1.0
-        style = f'fill="{GROUND_COLOURS[region.kind]}" fill-opacity="{opacity}" stroke="#3a3f46" stroke-width="0.06"'
+        fill = f"rgb{GROUND_COLOURS[region.kind]}"
+        style = f'fill="{fill}" fill-opacity="{opacity}" stroke="#3a3f46" stroke-width="0.06"'
         lines.append(f'<polygon points="{corners}" {style}><title>{html.escape(region.id)}</title></polygon>')
     if graph.camera_path:
         way = " ".join(f"{p[0]:.2f},{-p[1]:.2f}" for p in graph.camera_path)

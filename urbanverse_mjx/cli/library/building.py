@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 ROWS = 512
 #: Grows whenever a compiled scene of the same layout would differ.
 VERSION = "1"
+#: The record of a scene; one with other fields was written by another version, and its scene is built again.
+RECORD_FIELDS = (
+    "key", "id", "hashes", "objects", "hulls", "prisms", "regions", "episodes", "goals", "left_out", "overlapping",
+    "kept_fixed", "let_go", "hanging", "moved_when_let_go", "processor_s", "wall_s",
+)  # fmt: skip
 #: Random places per scene at which hulls in reach are counted.
 POSES = 2_000
 
@@ -115,12 +120,16 @@ def _paths(name: str, scene: str) -> tuple[pathlib.Path, pathlib.Path]:
 
 
 def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
-    """A scene's record, where it was built of the same things and its folder is whole."""
+    """A scene's record, where it has today's fields, was built of the same things and its folder is whole."""
     folder, path = _paths(name, scene)
     if not (path.is_file() and (folder / "metadata.json").is_file()):
         return None
     record = v.read_json(path, "record of a scene")
-    return record if record.get("key") == key else None
+    try:
+        v.mapping(record, path.name, RECORD_FIELDS)
+    except v.NounError:
+        return None
+    return record if record["key"] == key else None
 
 
 def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[str, Any]:
@@ -164,7 +173,7 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
         "processor_s": round(time.process_time() - processor, 2),
         "wall_s": round(time.monotonic() - begin, 2),
     }
-    v.write_json(path, record)
+    v.write_json(path, v.mapping(record, path.name, RECORD_FIELDS))
     return record
 
 

@@ -4,13 +4,12 @@ They find faces that look at the camera, from the side, and plates of one line, 
 deep learning misses less. OpenCV 5 no longer ships the cascades' files.
 """
 
-import importlib
 import pathlib
 from typing import Any
 
 import numpy as np
 
-from ...datatypes import NounError
+from ...datatypes import NounError, optional
 
 _CASCADES = (
     "haarcascade_frontalface_default.xml",
@@ -28,12 +27,7 @@ def detector() -> "HaarDetector":
     Raises:
       NounError: OpenCV is not installed, or came without the cascades.
     """
-    try:
-        cv2: Any = importlib.import_module("cv2")
-    except ModuleNotFoundError as error:
-        raise NounError(
-            '--blur haar: found no OpenCV, needed version 4; install `pip install "urbanverse_mjx[privacy]"`.'
-        ) from error
+    cv2 = optional.package("cv2", "--blur haar: OpenCV 4", "privacy")
     folder = pathlib.Path(cv2.__file__).parent / "data"
     missing = [name for name in _CASCADES if not (folder / name).is_file()]
     if missing:

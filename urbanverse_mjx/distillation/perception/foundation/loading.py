@@ -1,11 +1,10 @@
 """Loads a model of the transformers library from a folder or by its name on the hub."""
 
 import dataclasses
-import importlib
 import pathlib
 from typing import Any
 
-from ....datatypes import NounError
+from ....datatypes import NounError, optional
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,31 +51,24 @@ def load(part: Part, models: pathlib.Path | None) -> Loaded:
     Raises:
       NounError: torch or transformers is not installed, or there are no weights.
     """
-    torch, transformers = _module("torch"), _module("transformers")
+    torch, transformers = (
+        optional.package(package, "--perception foundation", "foundation", "leave the option out for the small network")
+        for package in ("torch", "transformers")
+    )
     local = models is not None and (models / part.folder).is_dir()
     name = str(models / part.folder) if models is not None and local else part.hub
     try:
-        processor = getattr(transformers, part.processor).from_pretrained(name)
-        model = getattr(transformers, part.model).from_pretrained(name)
+        makers = [getattr(transformers, kind) for kind in (part.processor, part.model)]
     except AttributeError as error:
         raise NounError(
             f"transformers {transformers.__version__}: found no {part.model}, needed a newer version; "
             "`pip install -U transformers`."
         ) from error
-    except (OSError, ValueError) as error:
-        raise NounError(
-            f"{part.folder}: found no weights under {name!r} ({str(error).splitlines()[0][:100]}), needed the network "
-            f"once or a folder {part.folder!r} with them below --models."
-        ) from error
+    processor, model = optional.weights(
+        lambda: [maker.from_pretrained(name) for maker in makers],
+        part.folder,
+        name,
+        f"a folder {part.folder!r} with them below --models",
+    )
     device = "cuda" if torch.cuda.is_available() else "cpu"
     return Loaded(model.to(device).eval(), processor, device)
-
-
-def _module(name: str) -> Any:
-    try:
-        return importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        raise NounError(
-            f"--perception foundation: found no package {name!r}, needed it; "
-            'install `pip install "urbanverse_mjx[foundation]"`, or leave the option out for the small network.'
-        ) from error

@@ -1,0 +1,39 @@
+"""Packages that only some uses need, and weights that they load: one sentence where they are not there."""
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+from . import validation as v
+
+
+def package(name: str, where: str, extra: str, instead: str = "") -> Any:
+    """Imports a package that an extra of ours installs.
+
+    Args:
+      where: what asks for it. instead: what else to do.
+
+    Raises:
+      NounError: it or a package that it needs is not installed, or cannot be imported.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        found = f"a package {name!r} that cannot be imported ({error})"
+        if isinstance(error, ModuleNotFoundError):
+            found = f"no package {(error.name or name)!r}"
+        hint = f'install `pip install "urbanverse_mjx[{extra}]"`' + (f", or {instead}" if instead else "")
+        raise v.fail(where, found, "it", hint) from error
+
+
+def weights[Model](load: Callable[[], Model], where: str, name: str, needed: str) -> Model:
+    """What `load` makes of the weights of a name or folder.
+
+    Raises:
+      NounError: there are none.
+    """
+    try:
+        return load()
+    except (OSError, ValueError) as error:
+        reason = str(error).splitlines()[0][:100]
+        raise v.fail(where, f"no weights under {name!r} ({reason})", f"the network once or {needed}") from error
