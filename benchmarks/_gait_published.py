@@ -42,7 +42,7 @@ def _minutes(found: Found) -> str | None:
     if not meta.get("wall_seconds"):
         return None
     wall = float(np.sum(meta["wall_seconds"]))
-    return f"{meta['steps'] / 1e6:.0f} M in {wall / 60:.1f} min"
+    return f"{meta['steps'] / 1e6:.0f} M in {wall / 60:.1f} min, {meta['device']}"
 
 
 def _rate(found: Found) -> str | None:
@@ -73,11 +73,11 @@ _MAKER = "the maker's product page, read second hand and not checked"
 PUBLISHED = (
     Published("speed when told 1.0 m/s ahead, m/s", "0.9", "Go1, mjlab", _RL_GAMES, _speed),
     Published("training", "200 M env-steps in 7 min", "Go1 joystick, Playground, one RTX 4090", _PLAYGROUND, _minutes),
-    Published("", "197 M in 17.1 min", "Go1 velocity, mjlab, one RTX 4090", _RL_GAMES, _minutes),
-    Published("", "30 M in under 4 min", "ANYmal on flat ground, Isaac Gym, one GPU", _RUDIN, _minutes),
-    Published("", "147 M in 20 min", "ANYmal on rough ground, Isaac Gym, one GPU", _RUDIN, _minutes),
+    Published("training", "197 M in 17.1 min", "Go1 velocity, mjlab, one RTX 4090", _RL_GAMES, _minutes),
+    Published("training", "30 M in under 4 min", "ANYmal on flat ground, Isaac Gym, one GPU", _RUDIN, _minutes),
+    Published("training", "147 M in 20 min", "ANYmal on rough ground, Isaac Gym, one GPU", _RUDIN, _minutes),
     Published("env-steps/s with PPO", "476 k", "Go1 joystick, Playground, one RTX 4090", _PLAYGROUND, _rate),
-    Published("", "200 k", "Go1 velocity, mjlab, one RTX 4090", _RL_GAMES, _rate),
+    Published("env-steps/s with PPO", "200 k", "Go1 velocity, mjlab, one RTX 4090", _RL_GAMES, _rate),
     Published("highest step, cm", "16", "Go2 with its own controller", _MAKER, _highest),
     Published("steepest slope, degrees", "40", "Go2 with its own controller", _MAKER, _steepest),
 )

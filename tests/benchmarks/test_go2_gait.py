@@ -54,7 +54,7 @@ def test_a_robot_that_stands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixtu
 def test_what_is_published_stands_beside_the_same_of_ours() -> None:
     kerbs = [(0.15, "up", 100.0), (0.15, "down", 92.0), (0.18, "up", 89.0), (0.18, "down", 100.0)]
     found = {
-        "meta": {"steps": 60_000_000, "wall_seconds": [100, 20]},
+        "meta": {"steps": 60_000_000, "wall_seconds": [100, 20], "device": "a GPU"},
         "straight": {"episodes": 1, "told_m_s": 1.0, "speed_m_s": 0.987},
         "kerbs": [{"height_m": h, "way": way, "episodes": 9, "passed_percent": p} for h, way, p in kerbs],
         "ramps": [{"slope": 0.125, "episodes": 9, "passed_percent": 100.0}],
@@ -62,7 +62,7 @@ def test_what_is_published_stands_beside_the_same_of_ours() -> None:
     table = published_table(found)
     for cells in (
         "speed when told 1.0 m/s ahead, m/s | 0.99 | 0.9",
-        "training | 60 M in 2.0 min | 200 M env-steps in 7 min",
+        "training | 60 M in 2.0 min, a GPU | 200 M env-steps in 7 min",
         "env-steps/s with PPO | 500 k, compilation included | 476 k",
         "highest step, cm | 15 in at least 90 % | 16",
         "steepest slope, degrees | 7, always | 40",
