@@ -203,6 +203,16 @@ def judge_flat(judge: Judge, episodes: int, seconds: float, seed: int) -> dict[s
     }
 
 
+def judge_straight(judge: Judge, episodes: int, seed: int) -> dict[str, Any]:
+    """Told full speed ahead from rest: the mean forward speed once it has settled."""
+    model, speed, seconds = judge.model(flat()), float(RANGE[0]), HOLD
+    yaws = np.random.default_rng([seed, 3]).uniform(-np.pi, np.pi, episodes)
+    told = Wandering(np.tile([speed, 0.0, 0.0], (episodes, 1, 1)))
+    found = judge.run(model, judge.start(model, np.zeros((episodes, 3)), yaws), told, seconds)
+    settled = found.velocity[:, round(SETTLE / judge.gait.control_dt) :, 0]
+    return {"episodes": episodes, "told_m_s": speed, "speed_m_s": _mean(settled)}
+
+
 def judge_pushes(judge: Judge, episodes: int, seed: int) -> dict[str, Any]:
     """A kick of `PUSH` m/s from a random side while walking; 5 s later the robot must be on its feet."""
     model, rng = judge.model(flat()), np.random.default_rng([seed, 2])

@@ -3,7 +3,8 @@
 #
 #     bash benchmarks/all_policies.sh OUT AUTOBENCH_BANK CRAFTBENCH_BANK [IMPL]
 #
-# PYTHON names the interpreter, SERIAL=1 runs one after the other, MORE holds further options (`--scenes 1`).
+# PYTHON names the interpreter, SERIAL=1 runs one after the other, POLICIES names others than those of the paper's table,
+# MORE holds further options (`--scenes 1`, `--env-name Go2Nav`).
 # OUT gets lists/NAME.json and NAME-POLICY/report.md, report.json, episodes.csv, scenes.csv; a failed run leaves its log.
 set -u
 out=$1 impl=${4:-auto}
@@ -28,11 +29,11 @@ for name in autobench craftbench; do
     # shellcheck disable=SC2086
     ${PYTHON:-python} -m benchmarks.freeze "$name" --bank "${banks[$name]}" --out "$out/lists" $more || continue
   fi
-  for policy in planner zero random go_to_goal benchmarks/policies/coco_paper; do
+  for policy in ${POLICIES:-planner zero random go_to_goal benchmarks/policies/coco_paper}; do
     one "$name" "$policy" "$(basename "$policy")" &
     pids+=($!)
     [ -n "${SERIAL:-}" ] && wait $!
   done
 done
 for pid in "${pids[@]}"; do wait "$pid" 2> /dev/null; done
-grep -h -E "^\| (policy|planner|zero|random|go_to_goal|coco_paper) " "$out"/*/report.md
+grep -H -E "^\| (policy|planner|zero|random|go_to_goal|coco_paper|go2_nav) " "$out"/*/report.md

@@ -3,10 +3,12 @@
     python -m benchmarks.go2_gait --json
 
 walks the shipped gait of the Go2 (or `--gait`, a gait file): random commands on level ground (velocity error, falls,
-cost of transport, foot slip, torque, speed and joint limits), kicks, kerbs up and down by height, ramps. One JSON line
-says what was found and which of the issue's goals hold; the exit status is 1 where one does not.
+cost of transport, foot slip, torque, speed and joint limits), full speed ahead, kicks, kerbs up and down by height,
+ramps. One JSON line says what was found and which of the issue's goals hold; the exit status is 1 where one does not.
 
-Published figures of others that were measured as these are, we found none: see docs/decisions/go2.md.
+Without `--json` it prints two tables: what was found beside the goals, and beside figures that others published
+(`_gait_published`). `--show FILE` prints them of an earlier JSON line. The whole is 47,000 s of walking, half an hour
+of one processor core.
 """
 
 import argparse
@@ -17,13 +19,16 @@ import os
 import pathlib
 import sys
 import time
+from collections.abc import Mapping
 from typing import Any
 
 from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.robots import make_go2
 from urbanverse_mjx.robots.go2 import load_gait
 
-from ._gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps
+from ._gait_published import goals_table, published_table
+from ._gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps, judge_straight
 
 #: What a gait has to reach (issue 8): at most, or at least. Kerbs in both ways, every ramp of a street (1:8).
 AT_MOST = {"error_linear_m_s": 0.1, "error_angular_rad_s": 0.15, "falls_percent": 1.0}
@@ -42,7 +47,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--slopes", type=float, nargs="*", default=SLOPES)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)))
-    parser.add_argument("--json", action="store_true", help="print one JSON line")
+    parser.add_argument("--json", action="store_true", help="print one JSON line in place of the tables")
+    parser.add_argument(
+        "--show", type=pathlib.Path, metavar="FILE", help="walk nothing, print the tables of a JSON line"
+    )
     arguments = parser.parse_args(argv)
     if min(arguments.episodes, arguments.trials, arguments.processes) < 1 or arguments.seconds < 2.0:
         parser.error("--episodes, --trials and --processes must be at least 1, --seconds at least 2")
@@ -64,6 +72,8 @@ def _judge(arguments: argparse.Namespace, judge: Judge) -> dict[str, Any]:
     found: dict[str, Any] = {"gait": name, "meta": judge.gait.meta, "seed": arguments.seed}
     found["flat"] = judge_flat(judge, arguments.episodes, arguments.seconds, arguments.seed)
     _say("level ground", found["flat"])
+    found["straight"] = judge_straight(judge, arguments.trials, arguments.seed)
+    _say("straight ahead", found["straight"])
     found["pushes"] = judge_pushes(judge, 2 * arguments.trials, arguments.seed)
     _say("kicks", found["pushes"])
     found["kerbs"] = []
@@ -93,6 +103,17 @@ def goals(found: dict[str, Any]) -> dict[str, bool]:
     return reached
 
 
+def tables(found: Mapping[str, Any]) -> str:
+    """Markdown: what was found beside the goals, and beside what others published."""
+    return f"{goals_table(found, AT_MOST, KERB_GOALS, PUSH_GOAL, RAMP_GOAL)}\n\n{published_table(found)}"
+
+
+def _earlier(path: pathlib.Path) -> Mapping[str, Any]:
+    """What an earlier run found."""
+    parts = ("gait", "meta", "seed", "flat", "straight", "pushes", "kerbs", "ramps", "goals", "wall_seconds")
+    return v.mapping(v.read_json(path, "what the judge found"), str(path), parts)
+
+
 def _say(what: str, row: dict[str, Any]) -> None:
     text = ", ".join(f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items())
     print(f"{what}: {text}", file=sys.stderr, flush=True)
@@ -101,11 +122,11 @@ def _say(what: str, row: dict[str, Any]) -> None:
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
-        found = judge_all(arguments)
+        found = _earlier(arguments.show) if arguments.show else judge_all(arguments)
     except NounError as error:
         print(error, file=sys.stderr)
         return 2
-    print(json.dumps(found) if arguments.json else json.dumps(found, indent=2))
+    print(json.dumps(found) if arguments.json else tables(found))
     return 0 if all(found["goals"].values()) else 1
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks import _gait_trials as trials
+from benchmarks._gait_published import published_table
 from benchmarks.go2_gait import goals, main
 from tests.support.gaits import make_gait
 from urbanverse_mjx.evaluation.gait_walks import Walk
@@ -39,6 +40,34 @@ def test_a_robot_that_stands(tmp_path: pathlib.Path, capsys: pytest.CaptureFixtu
     assert found["goals"]["kicks_survived"]
     assert not found["goals"]["kerb_0.12_up"]
     assert not found["goals"]["error_linear_m_s"]
+    assert found["straight"]["speed_m_s"] == pytest.approx(0.0, abs=0.03)
+    (tmp_path / "found.json").write_text(json.dumps(found))
+    assert main(["--show", str(tmp_path / "found.json")]) == 1
+    page = capsys.readouterr().out
+    assert "| falls, % | 1 | 0 |" in page
+    assert "| kerb of 12 cm up, % of 1 | 90 | 0 |" in page
+    # It has no history of training and climbed nothing: nothing of its own stands beside those figures.
+    assert "| env-steps/s with PPO | not tried | 476 k |" in page
+    assert "| highest step, cm | not tried | 16 |" in page
+
+
+def test_what_is_published_stands_beside_the_same_of_ours() -> None:
+    kerbs = [(0.15, "up", 100.0), (0.15, "down", 92.0), (0.18, "up", 89.0), (0.18, "down", 100.0)]
+    found = {
+        "meta": {"steps": 60_000_000, "wall_seconds": [100, 20], "device": "a GPU"},
+        "straight": {"episodes": 1, "told_m_s": 1.0, "speed_m_s": 0.987},
+        "kerbs": [{"height_m": h, "way": way, "episodes": 9, "passed_percent": p} for h, way, p in kerbs],
+        "ramps": [{"slope": 0.125, "episodes": 9, "passed_percent": 100.0}],
+    }
+    table = published_table(found)
+    for cells in (
+        "speed when told 1.0 m/s ahead, m/s | 0.99 | 0.9",
+        "training | 60 M in 2.0 min, a GPU | 200 M env-steps in 7 min",
+        "env-steps/s with PPO | 500 k, compilation included | 476 k",
+        "highest step, cm | 15 in at least 90 % | 16",
+        "steepest slope, degrees | 7, always | 40",
+    ):
+        assert f"| {cells} |" in table
 
 
 def test_no_gait(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,13 +6,15 @@ import mujoco
 import numpy as np
 import pytest
 
+from benchmarks._gait_trials import Judge, Wandering, flat
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs.room import build_room, to_outline
 from urbanverse_mjx.envs.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, footprint, waypoint_of
-from urbanverse_mjx.robots import make_coco
+from urbanverse_mjx.robots import make_coco, make_go2
+from urbanverse_mjx.robots.go2 import load_gait
 from urbanverse_mjx.robots.waypoint import pd_velocity
 
 
@@ -40,6 +42,28 @@ def test_the_model_of_coco_stays_beside_c_mujoco(drive: str, command: tuple[floa
     heading = 2.0 * np.arctan2(data.qpos[6], data.qpos[3])
     assert np.hypot(*(data.qpos[:2] - [x, y])) < 0.4
     assert abs(np.arctan2(np.sin(heading - yaw), np.cos(heading - yaw))) < 0.16
+
+
+def test_the_model_of_the_go2_stays_beside_c_mujoco() -> None:
+    """Two seconds after a start from rest within 0.1 m and 9°; where it is told too little to walk, both stand."""
+    told = np.array([(1.0, 0.0), (0.5, 0.6), (1.0, 1.0), (0.4, 0.0), (0.0, 1.0), (0.2, 0.25), (0.2, 0.0), (0.0, 0.25)])
+    stand = 5
+    judge, seconds, dt = Judge(make_go2(), load_gait()), 2.0, 0.02
+    model = judge.model(flat())
+    start = judge.start(model, np.zeros((len(told), 3)), np.zeros(len(told)))
+    commands = np.stack([told[:, 0], 0.0 * told[:, 0], told[:, 1]], 1)[:, None]
+    walked = judge.run(model, start, Wandering(commands), seconds)
+    motion, (x, y, yaw, v, w) = MOTIONS["go2"], np.zeros((5, len(told)))
+    goal_v, goal_w = (np.asarray(part) for part in motion.obeyed(told[:, 0], told[:, 1]))
+    np.testing.assert_array_equal(goal_v[:stand], told[:stand, 0])
+    np.testing.assert_array_equal(np.stack([goal_v, goal_w])[:, stand:], 0.0)
+    for _ in range(round(seconds / dt)):
+        v += (goal_v - v) * (1.0 - np.exp(-dt / motion.speed_lag))
+        w += (goal_w - w) * (1.0 - np.exp(-dt / motion.turn_lag))
+        x, y, yaw = x + v * np.cos(yaw) * dt, y + v * np.sin(yaw) * dt, yaw + w * dt
+    off = np.hypot(walked.position[:, -1, 0] - x, walked.position[:, -1, 1] - y)
+    assert off.max() < 0.1
+    assert np.abs(np.angle(np.exp(1j * (walked.yaw[:, -1] - yaw)))).max() < 0.16
 
 
 def test_waypoints_mean_the_command_they_are_made_of() -> None:

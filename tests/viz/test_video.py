@@ -25,16 +25,19 @@ def test_cameras_look_at_their_target_with_the_horizon_level() -> None:
     assert (rotation.apply([0.0, 1.0, 0.0])[:, 2] > 0).all()
 
 
+@pytest.mark.parametrize("rate", [5.0, 25.0])
 @pytest.mark.parametrize("steps", [1, 3, 40])
-def test_chase_camera_stays_behind_and_above(steps: int) -> None:
+def test_chase_camera_stays_behind_and_above(steps: int, rate: float) -> None:
     yaw = np.linspace(0.0, 1.5, steps)
     xpos, xquat = np.zeros((steps, 2, 3)), np.zeros((steps, 2, 4))
     xpos[:, 1, 0] = np.arange(steps)
     xquat[:, 1, 0], xquat[:, 1, 3] = np.cos(yaw / 2), np.sin(yaw / 2)
-    eye, _ = _chase_cameras(xpos, xquat)
+    eye, _ = _chase_cameras(xpos, xquat, rate, 1.0)
     ahead = np.stack([np.cos(yaw), np.sin(yaw)], -1)
     assert (((eye - xpos[:, 1])[:, :2] * ahead).sum(-1) < -2.0).all()
     assert (eye[:, 2] > 1.0).all()
+    nearer, _ = _chase_cameras(xpos, xquat, rate, 0.5)
+    np.testing.assert_allclose(nearer - xpos[:, 1], 0.75 * (eye - xpos[:, 1]), atol=1e-9)
 
 
 def test_mp4_round_trip(tmp_path: pathlib.Path) -> None:

@@ -30,9 +30,9 @@ from ..envs.room import CELL, build_room
 from ..robots.waypoint import WAYPOINT_REACH
 from .ways import NODE, build_ways
 
-#: s of each look ahead; how many of them the first phase lasts. Faster than 2 m/s nothing drives: between two looks
-#: it moves less than a robot's length.
-_LOOKS, _FIRST = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3), 2
+#: s of each look ahead at 2 m/s, faster than which nothing drives: between two looks it moves less than a robot's
+#: length. How many of them the first phase lasts; whoever is slower looks as many metres ahead after that.
+_LOOKS, _FIRST, _FASTEST = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3), 2, 2.0
 #: Shares of the top speed and of the top yaw rate in the first and in the second phase.
 _SPEEDS, _TURNS = (0.0, 0.2, 0.4, 0.7, 1.0), (-1.0, -0.6, -0.25, 0.0, 0.25, 0.6, 1.0)
 _SPEEDS_AFTER, _TURNS_AFTER = (0.0, 0.35, 1.0), (-1.0, -0.4, 0.0, 0.4, 1.0)
@@ -42,7 +42,8 @@ _FOLLOW, _GAIN = (0.15, 0.35, 0.6, 1.0), 2.5
 _NOSE, _SIDES = 0.6, 0.6
 #: m; nearer than the first counts as touching, and up to the second, more at speed (per m/s), it costs.
 _TOUCH, _SHY, _SHY_SPEED = 0.02, 0.10, 0.08
-#: Cost of a second right beside something, of touching at once, and m of way left that still count as arrived.
+#: Cost of a second right beside something at 2 m/s (the slower pay as much for the metre), of touching at once, and m
+#: of way left that still count as arrived.
 _SHY_COST, _TOUCH_COST, _ARRIVED = 20.0, 1000.0, 0.6
 #: m that wheels keep from an edge.
 _EDGE = 0.04
@@ -61,6 +62,7 @@ class Motion:
       eases: m/s, speed at which the turn's lag is half of that: a robot on wheels that roll turns in more easily.
       pivot: m, how far behind the root body's origin the point lies that moves straight ahead (the rear axle).
       curvature: 1/m, of the tightest bend; infinite for who turns on the spot.
+      dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which it stays where it is; 0 for none.
     """
 
     speed_lag: float
@@ -68,14 +70,22 @@ class Motion:
     pivot: float
     curvature: float
     eases: float = np.inf
+    dead: tuple[float, float] = (0.0, 0.0)
+
+    def obeyed(self, v: Any, omega: Any) -> tuple[Any, Any]:
+        """What comes of a command (v, omega) in the end: nothing where it is too small to move the robot."""
+        if not all(self.dead):
+            return v, omega
+        moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
+        return moves * v, moves * omega
 
 
-#: Robot -> motion; tests/evaluation/test_planner.py drives COCO's in C MuJoCo. The Go2's lag is that of its gait's
-#: training (docs/decisions/go2.md); others get `DEFAULT`.
+#: Robot -> motion; tests/evaluation/test_planner.py drives COCO's and the Go2's in C MuJoCo, whose gait stands
+#: where it is told to walk slower than that (docs/decisions/go2.md); others get `DEFAULT`.
 MOTIONS = {
     "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),
-    "go2": Motion(0.25, 0.25, 0.0, np.inf),
+    "go2": Motion(0.2, 0.05, 0.0, np.inf, dead=(0.28, 0.45)),
 }
 DEFAULT = Motion(0.3, 0.3, 0.0, np.inf)
 
@@ -155,6 +165,8 @@ class Planner:
         self._root = env.mj_model.body(robot.root_body).id
         self._robot, self._motion = robot, MOTIONS.get(robot.name, DEFAULT)
         self._body = footprint(robot)
+        self._slower = _FASTEST / robot.max_speed
+        self._looks = np.array(_LOOKS) * np.where(np.arange(len(_LOOKS)) < _FIRST, 1.0, self._slower)
         scenes = [int(s) for s in env.scenes]
         self._room = build_room(env.bank, scenes, robot.planner_height)
         self._to_hull, self._to_edge = (
@@ -196,7 +208,7 @@ class Planner:
         zero = jnp.float32(0.0)
         start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0))
 
-        dts, numbers = jnp.array(_LOOKS, jnp.float32), jnp.arange(len(_LOOKS))
+        dts, numbers = jnp.asarray(self._looks, jnp.float32), jnp.arange(len(_LOOKS))
         ends = jnp.cumsum(dts)
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
@@ -243,9 +255,10 @@ class Planner:
     ) -> _Ahead:
         """The drive at its look `k`, `dt` s after the one before and `end` s from now."""
         motion = self._motion
-        v = command[0] + (ahead.speed - command[0]) * jnp.exp(-dt / motion.speed_lag)
+        told_v, told_w = motion.obeyed(command[0], command[1])
+        v = told_v + (ahead.speed - told_v) * jnp.exp(-dt / motion.speed_lag)
         turn_lag = motion.turn_lag / (1.0 + 0.5 * jnp.abs(v + ahead.speed) / motion.eases)
-        w = command[1] + (ahead.turn - command[1]) * jnp.exp(-dt / turn_lag)
+        w = told_w + (ahead.turn - told_w) * jnp.exp(-dt / turn_lag)
         mean_v, mean_w = 0.5 * (v + ahead.speed), 0.5 * (w + ahead.turn)
         heading, side = ahead.pose[2] + 0.5 * mean_w * dt, motion.pivot * mean_w
         c, s = jnp.cos(heading), jnp.sin(heading)
@@ -255,13 +268,13 @@ class Planner:
             gap = jnp.minimum(gap, self._agent_gap(agents, pose[:2], end))
         wanted = _SHY + _SHY_SPEED * v
         under_way = ahead.under_way
-        shy = dt * under_way * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
+        shy = dt / self._slower * under_way * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
         touched = under_way * (gap < _TOUCH) * (2.0 - k / len(_LOOKS))
         here = _field_at(way, pose, 0.0) - _ARRIVED
         # The episode ends where the goal is reached: what would come then does not count.
         under_way = under_way * (here > 0.0)
         left = under_way * (0.5 * (here + _field_at(way, pose, _NOSE) - _ARRIVED) + _NOSE)
-        mean = ahead.mean + left * dt / sum(_LOOKS)
+        mean = ahead.mean + left * dt / self._looks.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, under_way)
 
     def _gap(self, scene: Any, pose: Any) -> Any:

@@ -17,21 +17,30 @@ from .pictures import look_at
 
 HEIGHT, WIDTH = 180, 320
 _BATCH = 16
+#: Of a robot 1 m high; one half as high is seen from three quarters of that.
 _CHASE_BACK, _CHASE_UP, _CHASE_FOV = 3.2, 1.9, 1.05  # m, m, rad
+_CHASE_SMOOTH = 1.8  # s
 
 
-def _chase_cameras(xpos: np.ndarray, xquat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eye (T, 3) and quaternion (T, 4) of a camera behind the root body, its heading smoothed over two seconds."""
+def _chase_cameras(
+    xpos: np.ndarray, xquat: np.ndarray, frames_per_second: float, height: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Eye (T, 3) and quaternion (T, 4) of a camera behind the root body, its heading smoothed over two seconds.
+
+    Args:
+      height: m, of the robot.
+    """
     w, x, y, z = xquat[:, 1].T
     heading = np.stack([1 - 2 * (y * y + z * z), 2 * (w * z + x * y)], -1)
-    window = min(9, len(heading))
+    window = min(round(_CHASE_SMOOTH * frames_per_second) // 2 * 2 + 1, len(heading))
     smooth = np.stack(
         [np.convolve(np.pad(h, window // 2, "edge"), np.ones(window) / window, "valid")[: len(h)] for h in heading.T],
         -1,
     )
     smooth /= np.maximum(np.linalg.norm(smooth, axis=-1, keepdims=True), 1e-6)
     root = xpos[:, 1]
-    eye = root - _CHASE_BACK * np.pad(smooth, ((0, 0), (0, 1))) + [0.0, 0.0, _CHASE_UP]
+    near = 0.5 + 0.5 * height
+    eye = root + near * (np.array([0.0, 0.0, _CHASE_UP]) - _CHASE_BACK * np.pad(smooth, ((0, 0), (0, 1))))
     target = root + 1.5 * np.pad(smooth, ((0, 0), (0, 1)))
     return eye, np.stack([look_at(e, t) for e, t in zip(eye, target, strict=True)])
 
@@ -97,6 +106,9 @@ def write_rollout_video(
     goals: Sequence[np.ndarray],
     frames_per_second: float,
     looks: Sequence[int] = (),
+    size: tuple[int, int] = (HEIGHT, WIDTH),
+    samples: int = 1,
+    quality: float = 7.0,
 ) -> None:
     """Draws some envs of an evaluation, one after the other: from behind on the left, the robot's view on the right.
 
@@ -107,8 +119,9 @@ def write_rollout_video(
       columns: which envs of it; scenes: their rows of the bank; goals: their (3,) m goals.
       frames_per_second: the control rate shows it in real time.
       looks: row of the bank's agents for each moving agent of the trajectory.
+      size: height and width of each of the two pictures; samples: rays a pixel. quality: see `write_video`.
     """
-    renderer = Renderer(bank, robot, HEIGHT, WIDTH, shadows=True, agents=looks)
+    renderer = Renderer(bank, robot, *size, shadows=True, agents=looks, samples=samples)
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
     chase = jax.jit(jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, _CHASE_FOV, p, q, 0, _agents(a))["rgb"]))
     frames: list[np.ndarray] = []
@@ -116,7 +129,7 @@ def write_rollout_video(
         length = int(trajectory.running[:, column].sum())
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
-        eye, turn = (x.astype(np.float32) for x in _chase_cameras(xpos, xquat))
+        eye, turn = (x.astype(np.float32) for x in _chase_cameras(xpos, xquat, frames_per_second, robot.planner_height))
         moving = [] if trajectory.agents is None else [x[:length, column] for x in trajectory.agents]
         left = _batched(chase, where, eye, turn, xpos, xquat, *moving)
         right = _batched(front, where, xpos, xquat, *moving)
@@ -126,4 +139,4 @@ def write_rollout_video(
             frames.append(
                 _caption(both, f"{bank.scene_ids[scene]}   {t / frames_per_second:4.1f} s   goal {away:4.1f} m")
             )
-    write_video(path, frames, frames_per_second)
+    write_video(path, frames, frames_per_second, quality)
