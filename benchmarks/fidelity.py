@@ -1,6 +1,6 @@
 """How faithful the graphs are that are distilled from recordings: the paper's table on streets whose truth is known.
 
-    python -m benchmarks.fidelity --banks bank16.npz --scenes 10 --frames 180 --json
+    python -m benchmarks.fidelity --banks bank16.npz --scenes 10 --frames 180 --markdown fidelity.md --json
 
 films tours through the streets of banks (default: the six shipped ones), distils each and scores the graph against the
 true one. Alignment: SE(3) on the trajectory, no scale. Matching: Hungarian on the distance of centres, 5 m gate,
@@ -15,8 +15,11 @@ Rows: perfect inputs; the protocol's errors (`_injection`), each thing from its 
 with --rgb, from tours with pictures: perfect inputs with Ast, the small network on true poses and depth, and all from
 the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same tours:
 NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes as truth.
-Tracks are never used.
-`--scaling` times 10 to 720 frames of one tour instead.
+Tracks are never used. One process films and scores one street, with pictures or without; a row that fails on a street
+is named and missing there. --results keeps what was scored, and a second call goes on with the rest: empty it when the
+code changes.
+`--scaling` times instead how long the first 10, 40, 80, 180 and 720 frames of one tour take, or those named, from the
+recording to five compiled cousins (`_fidelity_scaling`).
 """
 
 import argparse
@@ -25,7 +28,9 @@ import dataclasses
 import functools
 import json
 import multiprocessing
+import os
 import pathlib
+import resource
 import sys
 import tempfile
 import time
@@ -34,6 +39,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import _fidelity_scaling, _fidelity_store
 from benchmarks import _fidelity_scores as scores
 from benchmarks._fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_eye
 from benchmarks._injection import inject
@@ -43,15 +49,15 @@ from urbanverse_mjx.assets.label_priors import LabelPriors
 from urbanverse_mjx.cli.generation.distilling import DESCRIBE
 from urbanverse_mjx.cli.scene import ensure_default_bank
 from urbanverse_mjx.datatypes import NounError, Recording, SceneBank
+from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation import Describe, DistilOptions, distil
 
 #: The paper's table (45 sequences of KITTI-360, MASt3R and YoWorldSAM2); other streets, shown without a claim.
 PAPER = {"cat_percent": 93.1, "dist_m": 1.4, "ori_deg": 19.8, "scale_m3": 0.8, "map25": 28.2, "ast_percent": 75.1}
 SINGLE = DistilOptions(single_view=True, depth_scale=False, close_loops=False, place=False)
-SCALING = (10, 40, 80, 180, 720)
 _COLUMNS = (
     *("cat_percent", "dist_m", "ori_deg", "scale_m3", "map25", "ast_percent", "recall_percent", "precision_percent"),
-    *("trajectory_m", "registered"),
+    *("trajectory_m", "registered", "streets"),
 )
 
 
@@ -91,19 +97,21 @@ def judge(
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """One row: its name, how things are distilled, and what makes a recording of a tour in an empty folder."""
+    """One row: its name, how things are distilled, what makes a recording of a tour in an empty folder, and, where Ast
+    is measured, descriptors of looks."""
 
     row: str
     options: DistilOptions
     recording_of: Callable[[Tour, pathlib.Path], Recording]
+    describe: Describe | None = None
 
 
 @dataclasses.dataclass(frozen=True)
 class Street:
     """One street's work, whole in one process: bank file and row, or an imported recording; which rows it has.
 
-    tours: folder of the films. frames, size: of the tour without pictures; rgb_frames, rgb_size: with them, 0 = none.
-    others: folders of recordings of the same tours. seed: of the errors. assets: whether Ast is measured.
+    tours: folder of the films. frames, size: of the tour. rgb: whether it is filmed with pictures, for the rows that
+    look at them. others: folders of recordings of the same tours. seed: of the errors. results: folder of scores.
     """
 
     bank: pathlib.Path | None
@@ -112,51 +120,65 @@ class Street:
     tours: pathlib.Path
     frames: int
     size: tuple[int, int]
-    rgb_frames: int
-    rgb_size: tuple[int, int]
+    rgb: bool
     others: tuple[pathlib.Path, ...]
     seed: int
-    assets: bool
+    results: pathlib.Path
+
+    def plans(self) -> list[Plan]:
+        """Its rows."""
+        perfect = Plan("perfect inputs", DistilOptions(), lambda t, _: t.recording)
+        if self.recording is not None:
+            return [perfect]
+        if self.rgb:
+            return [
+                dataclasses.replace(perfect, row="perfect inputs, with pictures", describe=DESCRIBE),
+                Plan("the small network, true poses and depth", DistilOptions(), seen_by_the_eye),
+                Plan("RGB alone", DistilOptions(), from_pictures),
+            ]
+        return [
+            perfect,
+            Plan("injected errors, single view", SINGLE, _noisy(self.seed)),
+            Plan("injected errors, fused", DistilOptions(), _noisy(self.seed)),
+            *(Plan(f.name, DistilOptions(), functools.partial(_given, f)) for f in self.others),
+        ]
 
 
-def street_rows(street: Street) -> tuple[str, dict[str, tuple[scores.Scores, dict[str, float]]]]:
-    """Name of a street, and row -> what it scored."""
+@dataclasses.dataclass(frozen=True)
+class Work:
+    """What a process made of a street: its name, row -> what it scored, row -> why it failed, MB that it took."""
+
+    name: str
+    rows: dict[str, _fidelity_store.Row]
+    failed: dict[str, str]
+    peak_mb: int
+
+
+def street_rows(street: Street) -> Work:
+    """Films a street, or takes what was filmed, and scores the rows that have no scores yet."""
     priors = LabelPriors(load_index())
-    geometry = [
-        Plan("perfect inputs", DistilOptions(), lambda t, _: t.recording),
-        Plan("injected errors, single view", SINGLE, _noisy(street.seed)),
-        Plan("injected errors, fused", DistilOptions(), _noisy(street.seed)),
-    ]
-    geometry += [Plan(f.name, DistilOptions(), functools.partial(_given, f)) for f in street.others]
-    seeing = [
-        Plan("the small network, true poses and depth", DistilOptions(), seen_by_the_eye),
-        Plan("RGB alone", DistilOptions(), from_pictures),
-    ]
-    found = {}
     if street.recording is not None:
-        given = imported(street.recording)
-        name = given.scene
-        found["perfect inputs"] = judge(given.recording, given, priors, DistilOptions())
+        filmed = imported(street.recording)
     else:
         assert street.bank is not None
-        bank = SceneBank.load(street.bank)
-        name = bank.scene_ids[street.scene]
-        films = [(geometry, street.frames, street.size, False)]
-        if street.rgb_frames:
-            films.append((seeing, street.rgb_frames, street.rgb_size, True))
-        for plans, frames, size, rgb in films:
-            filmed = film(bank, street.scene, street.tours, frames, size, rgb)
-            if rgb and street.assets:
-                key = "perfect inputs, with pictures"
-                found[key] = judge(filmed.recording, filmed, priors, DistilOptions(), DESCRIBE)
-            for plan in plans:
-                with tempfile.TemporaryDirectory(prefix="urbanverse-fidelity-") as work:
-                    given = plan.recording_of(filmed, pathlib.Path(work))
-                    found[plan.row] = judge(given, filmed, priors, plan.options)
-    return name, found
+        filmed = film(SceneBank.load(street.bank), street.scene, street.tours, street.frames, street.size, street.rgb)
+    kind = "rgb" if street.rgb else "depth"
+    file = street.results / f"{filmed.scene}-{kind}-{street.frames}-{street.seed}.json"
+    rows, failed = _fidelity_store.load(file), {}
+    for plan in street.plans():
+        if plan.row in rows:
+            continue
+        with tempfile.TemporaryDirectory(prefix="urbanverse-fidelity-") as work:
+            try:
+                given = plan.recording_of(filmed, pathlib.Path(work))
+                rows[plan.row] = judge(given, filmed, priors, plan.options, plan.describe)
+            except NounError as error:
+                failed[plan.row] = str(error)
+        _fidelity_store.save(file, rows)
+    return Work(filmed.scene, rows, failed, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
 
 
-def table_of(streets: Sequence[dict[str, tuple[scores.Scores, dict[str, float]]]]) -> list[dict[str, Any]]:
+def table_of(streets: Sequence[dict[str, _fidelity_store.Row]]) -> list[dict[str, Any]]:
     """The rows over all streets that have them."""
     table = []
     for row in dict.fromkeys(name for street in streets for name in street):
@@ -175,29 +197,6 @@ def _noisy(seed: int) -> Callable[[Tour, pathlib.Path], Recording]:
     return lambda t, work: inject(t.recording, work, seed + sum(map(ord, t.recording.id)))
 
 
-def scaling(filmed: Tour, priors: LabelPriors) -> list[dict[str, float]]:
-    """Seconds to distil the first n frames of a tour; processor time hardly counts other work on the machine."""
-    table = []
-    for frames in SCALING:
-        if frames > len(filmed.recording):
-            continue
-        part = dataclasses.replace(without_tracks(filmed.recording), frames=filmed.recording.frames[:frames])
-        wall, processor = time.perf_counter(), time.process_time()
-        made = distil(part, priors)
-        took = time.process_time() - processor
-        table.append(
-            {
-                "frames": frames,
-                "views": made.views,
-                "objects": len(made.graph.objects),
-                "processor_s": round(took, 2),
-                "wall_s": round(time.perf_counter() - wall, 2),
-                "ms_per_frame": round(1000 * took / frames, 1),
-            }
-        )
-    return table
-
-
 def parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fidelity", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
@@ -213,8 +212,11 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--tours", type=pathlib.Path, help="keeps the filmed tours, and reads those that are there")
     parser.add_argument("--recordings", type=pathlib.Path, nargs="*", default=[], help="more rows, see above")
     parser.add_argument("--seed", type=int, default=0, help="of the injected errors")
-    parser.add_argument("--processes", type=int, default=1, help="streets at a time")
-    parser.add_argument("--scaling", action="store_true", help="time 10 to 720 frames of the first street")
+    parser.add_argument("--results", type=pathlib.Path, help="keeps the scores, and goes on with those that are there")
+    parser.add_argument("--processes", type=int, default=1, help="streets at a time, on the CPU")
+    parser.add_argument("--threads", type=int, default=1, help="of each process")
+    parser.add_argument("--scaling", type=int, nargs="*", metavar="FRAMES", help="time the first street, see above")
+    parser.add_argument("--markdown", type=pathlib.Path, help="write the table there, too")
     parser.add_argument("--json", action="store_true", help="print one JSON line instead of a table")
     return parser.parse_args(argv)
 
@@ -225,20 +227,15 @@ def streets_of(arguments: argparse.Namespace, tours: pathlib.Path) -> list[Stree
     if arguments.shipped or not (paths or arguments.kitti360):
         ensure_default_bank(quiet=True)
         paths.insert(0, settings.default_bank_path())
-    common = {
-        "tours": tours,
-        "frames": arguments.frames,
-        "size": tuple(arguments.size),
-        "rgb_size": tuple(arguments.rgb_size),
-        "others": tuple(arguments.recordings),
-        "seed": arguments.seed,
-        "assets": True,
-    }
-    work = [Street(None, 0, path, rgb_frames=0, **common) for path in arguments.kitti360]
-    for path in paths:
-        for z in range(min(SceneBank.load(path).num_scenes, arguments.scenes)):
-            work.append(Street(path, z, None, rgb_frames=arguments.rgb_frames * (z < arguments.rgb), **common))
-    return work
+    common = {"tours": tours, "others": tuple(arguments.recordings), "seed": arguments.seed}
+    common["results"] = arguments.results or tours / "results"
+    seen = {"frames": arguments.rgb_frames, "size": tuple(arguments.rgb_size), "rgb": True}
+    felt = {"frames": arguments.frames, "size": tuple(arguments.size), "rgb": False}
+    work = [Street(None, 0, path, **felt, **common) for path in arguments.kitti360]
+    scenes = [(path, range(min(SceneBank.load(path).num_scenes, arguments.scenes))) for path in paths]
+    # Those with pictures take longest: they come first.
+    work += [Street(path, z, None, **seen, **common) for path, rows in scenes for z in rows if z < arguments.rgb]
+    return work + [Street(path, z, None, **felt, **common) for path, rows in scenes for z in rows]
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -247,44 +244,84 @@ def main(argv: list[str] | None = None) -> int:
         with tempfile.TemporaryDirectory(prefix="urbanverse-tours-") as work:
             folder = arguments.tours or pathlib.Path(work)
             streets = streets_of(arguments, folder)
-            if arguments.scaling:
-                first = streets[0]
-                if first.bank is None:
-                    raise NounError("--scaling: found an imported recording, needed a bank to film; name one.")
-                filmed = film(SceneBank.load(first.bank), first.scene, folder, max(SCALING), first.size, False)
-                result: dict[str, Any] = {"scaling": scaling(filmed, LabelPriors(load_index())), "scene": filmed.scene}
-            else:
-                done = {}
-                for name, rows in _worked(streets, arguments.processes):
-                    done[name] = rows
-                    took = ", ".join(f"{k} {f['processor_s']:.1f} s" for k, (_, f) in rows.items())
-                    print(f"{name}: {took}", file=sys.stderr, flush=True)
-                frames = {"frames": arguments.frames, "rgb_frames": arguments.rgb_frames if arguments.rgb else 0}
-                result = {"rows": table_of(list(done.values())), "paper": PAPER, "scenes": list(done), **frames}
+            result = (
+                _timed(streets[0], folder, arguments.scaling)
+                if arguments.scaling is not None
+                else _scored(streets, arguments)
+            )
     except NounError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    if arguments.markdown is not None:
+        v.write_atomically(arguments.markdown, lambda p: p.write_text(_text(result) + "\n", encoding="utf-8"))
     print(json.dumps(result) if arguments.json else _text(result))
     return 0
 
 
-def _worked(streets: Sequence[Street], processes: int) -> Iterator[tuple[str, dict]]:
+def _timed(street: Street, folder: pathlib.Path, frames: Sequence[int]) -> dict[str, Any]:
+    if street.bank is None:
+        raise NounError("--scaling: found an imported recording, needed a bank to film; name one.")
+    counts = tuple(frames) or _fidelity_scaling.FRAMES
+    most = max(*_fidelity_scaling.FRAMES, *counts)
+    filmed = film(SceneBank.load(street.bank), street.scene, folder, most, street.size, False)
+    table = _fidelity_scaling.scaling(without_tracks(filmed.recording), counts)
+    return {"scaling": table, "scene": filmed.scene, "cores": settings.num_threads()}
+
+
+def _scored(streets: Sequence[Street], arguments: argparse.Namespace) -> dict[str, Any]:
+    done: list[dict[str, _fidelity_store.Row]] = []
+    failed: dict[str, dict[str, str]] = {}
+    peak = 0
+    for work in _worked(streets, arguments.processes, arguments.threads):
+        done.append(work.rows)
+        peak = max(peak, work.peak_mb)
+        for row, why in work.failed.items():
+            failed.setdefault(row, {})[work.name] = why
+        took = ", ".join(f"{k} {f['processor_s']:.1f} s" for k, (_, f) in work.rows.items())
+        print(f"{work.name}: {took}; {work.peak_mb} MB; failed: {work.failed}", file=sys.stderr, flush=True)
+    frames = {"frames": arguments.frames, "rgb_frames": arguments.rgb_frames if arguments.rgb else 0}
+    return {"rows": table_of(done), "paper": PAPER, "failed": failed, "peak_mb_of_a_process": peak, **frames}
+
+
+def _worked(streets: Sequence[Street], processes: int, threads: int) -> Iterator[Work]:
     if processes <= 1:
         yield from map(street_rows, streets)
         return
+    # What the new processes import reads these: on many cores every library would start as many threads.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "URBANVERSE_THREADS"):
+        os.environ[name] = str(threads)
+    os.environ["JAX_PLATFORMS"] = "cpu"
     context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(processes, mp_context=context) as pool:
-        yield from pool.map(street_rows, streets)
+    taken = context.Value("i", 0)
+    with concurrent.futures.ProcessPoolExecutor(
+        processes, mp_context=context, initializer=_settle, initargs=(taken, threads)
+    ) as pool:
+        for ticket in concurrent.futures.as_completed([pool.submit(street_rows, street) for street in streets]):
+            yield ticket.result()
+
+
+def _settle(taken: Any, threads: int) -> None:
+    """Keeps this process on cores of its own, the next that no other has: XLA takes as many threads as it sees."""
+    if hasattr(os, "sched_setaffinity"):
+        cores = sorted(os.sched_getaffinity(0))
+        with taken.get_lock():
+            first, taken.value = taken.value, taken.value + threads
+        os.sched_setaffinity(0, {cores[(first + k) % len(cores)] for k in range(threads)})
 
 
 def _text(result: dict[str, Any]) -> str:
+    """The result as a table in Markdown."""
     if "scaling" in result:
-        return "\n".join(", ".join(f"{k} {v}" for k, v in row.items()) for row in result["scaling"])
-    lines = [f"{'':42}" + "".join(f"{name:>18}" for name in _COLUMNS)]
+        rows = result["scaling"]
+        return _markdown(list(rows[0]), [[str(x) for x in row.values()] for row in rows])
+    body = []
     for row in [*result["rows"], {"row": "the paper, on KITTI-360", **result["paper"]}]:
-        cells = ["-" if row.get(c) is None else f"{row[c]}" for c in _COLUMNS]
-        lines.append(f"{row['row']:42}" + "".join(f"{c:>18}" for c in cells))
-    return "\n".join(lines)
+        body.append([row["row"], *("-" if row.get(c) is None else f"{row[c]}" for c in _COLUMNS)])
+    return _markdown(["row", *_COLUMNS], body)
+
+
+def _markdown(head: list[str], body: list[list[str]]) -> str:
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (head, ["---"] * len(head), *body))
 
 
 if __name__ == "__main__":

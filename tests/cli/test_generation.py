@@ -6,6 +6,8 @@ import json
 import multiprocessing
 import multiprocessing.synchronize
 import pathlib
+import subprocess
+import sys
 import time
 
 import mujoco
@@ -17,7 +19,6 @@ from urbanverse_mjx.cli.generation.executors import EXECUTORS, Job, Outcome
 from urbanverse_mjx.cli.generation.pipeline import GenerationOptions, generate
 from urbanverse_mjx.cli.generation.run_folder import RunFolder, key_of
 from urbanverse_mjx.cli.generation.sources import recognise
-from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
 from urbanverse_mjx.scene import CompiledScene, rest_moves
 
@@ -37,24 +38,6 @@ def test_sources_are_told_apart(tmp_path: pathlib.Path) -> None:
     video = tmp_path / "tour.mp4"
     video.write_bytes(b"x" * 100)
     assert recognise(video).kind == "video"
-
-
-@pytest.mark.parametrize("broken", ["missing", "empty folder", "empty file", "broken graph", "broken recording"])
-def test_broken_sources_are_one_sentence_and_leave_nothing(
-    broken: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    source = tmp_path / ("given.json" if "graph" in broken else "given")
-    if "folder" in broken or "recording" in broken:
-        source.mkdir()
-    elif broken != "missing":
-        source.write_bytes(b"" if broken == "empty file" else b"{not json")
-    if "recording" in broken:
-        (source / "recording.json").write_text("{}")
-    assert main(["gen", str(source), "--out", str(tmp_path / "out"), "--quiet"]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("error: ")
-    assert said.count("\n") == 1
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_folder_with_other_things_or_of_another_run_is_not_touched(tmp_path: pathlib.Path) -> None:
@@ -93,7 +76,21 @@ def test_half_a_stage_leaves_the_old_one_whole(tmp_path: pathlib.Path) -> None:
             (folder / "a").write_text("new")
             raise KeyboardInterrupt
         assert (run.path / "part" / "a").read_text() == "old"
-        assert sorted(p.name for p in run.path.iterdir()) == [".lock", "part"]
+        assert sorted(p.name for p in run.path.iterdir()) == [".lock", "part", "run.json"]
+
+
+def test_what_a_killed_run_left_half_made_is_swept_out(tmp_path: pathlib.Path) -> None:
+    """A run that dies in its first stage, as by SIGKILL, leaves its record and work in progress."""
+    code = (
+        "import os, sys; from urbanverse_mjx.cli.generation.run_folder import RunFolder\n"
+        "with RunFolder.open(sys.argv[1], 's') as run, run.replacing('part') as folder:\n"
+        "    (folder / 'a').write_text('half'); os.kill(os.getpid(), 9)"
+    )
+    assert subprocess.run([sys.executable, "-c", code, str(tmp_path / "run")], check=False).returncode == -9
+    assert any(p.name.startswith(".part-") for p in (tmp_path / "run").iterdir())
+    with RunFolder.open(tmp_path / "run", "s") as run:
+        assert sorted(p.name for p in run.path.iterdir()) == [".lock", "run.json"]
+        run.finish("one", "key", 1.0)
 
 
 def test_one_run_at_a_time(tmp_path: pathlib.Path) -> None:

@@ -55,4 +55,5 @@ class LabelPriors:
             on_ground=known.rest != "hangs",
             stands_on=stands_on(leaf),
             fixed=known.rest not in ("alive", "rolls"),
+            faces_road=category_of(leaf)[0] == "building",
         )

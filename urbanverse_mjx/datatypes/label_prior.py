@@ -17,12 +17,14 @@ class LabelPrior:
       on_ground: whether it stands, lies or is parked on the ground, instead of hanging or flying.
       stands_on: kinds of ground on which it is usually found; empty = any.
       fixed: whether it cannot move by itself or be driven away.
+      faces_road: whether its front is turned to the road, as that of a house.
     """
 
     extents: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
     on_ground: bool = True
     stands_on: tuple[str, ...] = ()
     fixed: bool = True
+    faces_road: bool = False
 
     def __post_init__(self) -> None:
         extents = np.asarray(self.extents, np.float64).reshape(-1, 3)

@@ -13,6 +13,8 @@ _COARSE, _FINE = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.
 _CLEAR = 1.12
 #: Things farther than this (sum of log ratios) from every known size of their label are left as they were seen.
 _UNLIKE = 0.5
+#: What a house lacks (log) of its known depth, width and height counts so much.
+_HOPE = (0.25, 1.0, 0.25)
 #: By how much a roof is higher than the edge that one sees of it from below.
 _ROOF = 1.12
 _LACKING = 0.75
@@ -177,7 +179,8 @@ def _heading(size: np.ndarray, middle: np.ndarray, eyes: np.ndarray, prior: Labe
     facing = [towards[0], towards[1], -towards[0], -towards[1]]
     axis = int(np.argmax(np.abs(towards)))
     if len(prior.extents):
-        fits = [misfit(size[[0, 1, 2]], prior), misfit(size[[1, 0, 2]], prior)]
+        known = _front_misfit if prior.faces_road else misfit
+        fits = [known(size[[0, 1, 2]], prior), known(size[[1, 0, 2]], prior)]
         if abs(fits[0] - fits[1]) > np.log(_CLEAR):
             axis = int(np.argmin(fits))
     return axis if facing[axis] >= 0 else axis + 2
@@ -187,6 +190,12 @@ def misfit(size: np.ndarray, prior: LabelPrior) -> float:
     """Sum of the log ratios to the nearest known size; an unseen part makes a side shorter, hardly ever longer."""
     ratio = np.log(prior.extents / size)
     return float(np.where(ratio > 0, 0.7 * ratio, -1.3 * ratio).sum(1).min())
+
+
+def _front_misfit(size: np.ndarray, prior: LabelPrior) -> float:
+    """`misfit` of what one walks past the front of: the front is seen whole, the depth behind it hardly ever."""
+    ratio = np.log(prior.extents / size)
+    return float(np.where(ratio > 0, ratio * _HOPE, -1.3 * ratio).sum(1).min())
 
 
 def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:

@@ -46,6 +46,8 @@ class RunFolder:
     def open(path: str | os.PathLike[str], source: str) -> Iterator["RunFolder"]:
         """Makes or takes up a run's folder, for one process at a time.
 
+        What a killed run left half made is swept out; of a run that fails before its first stage is done nothing stays.
+
         Raises:
           NounError: no write access, a file or other things in the way, another process in it, or a record of
             something else.
@@ -55,6 +57,7 @@ class RunFolder:
             raise v.fail(str(path), "a file", "the name of a folder", "choose another")
         if path.is_dir() and not (path / FILE).is_file() and any(p.name != LOCK for p in path.iterdir()):
             raise v.fail(str(path), "a folder with other things", "a new name or an earlier run", "choose another")
+        made = not path.exists()
         try:
             path.mkdir(parents=True, exist_ok=True)
             lock = (path / LOCK).open("a")
@@ -65,7 +68,20 @@ class RunFolder:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
                 raise v.fail(str(path), "another run at work in it", "a folder of its own", "wait for it") from error
-            yield RunFolder(path, _read(path / FILE, source))
+            run = RunFolder(path, _read(path / FILE, source))
+            _sweep(path)
+            try:
+                if not (path / FILE).is_file():
+                    # At once: by its record a killed run knows its folder again.
+                    v.write_json(path / FILE, run.record)
+                yield run
+            finally:
+                _sweep(path)
+                if not run.record["stages"] and {p.name for p in path.iterdir()} == {FILE, LOCK}:
+                    for name in (FILE, LOCK):
+                        (path / name).unlink(missing_ok=True)
+                    if made:
+                        path.rmdir()
 
     def done(self, stage: str, key: str, *files: str) -> bool:
         """Whether a stage was finished from the same things and its files are still there."""
@@ -96,6 +112,15 @@ class RunFolder:
             (work / "new").rename(target)
         finally:
             shutil.rmtree(work, ignore_errors=True)
+
+
+def _sweep(folder: pathlib.Path) -> None:
+    """Removes work in progress: everything whose name begins with a dot, as `replacing` and atomic writing name it."""
+    for path in list(folder.rglob(".*")):
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        elif path != folder / LOCK:
+            path.unlink(missing_ok=True)
 
 
 def _read(path: pathlib.Path, source: str) -> dict[str, Any]:
