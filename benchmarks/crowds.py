@@ -5,7 +5,8 @@
 steps crowds on a wrapped square, everybody under way in some direction, and prints one JSON line for each size
 `ENVSxAGENTSxNEIGHBOURS` as soon as it is measured: agent-steps/s (median over the repeats; `*_spread` is
 (slowest - fastest) / median), seconds to compile, and with --parts the seconds of a step that looking around, building
-half-planes and the programs take when run alone over the same state. It needs numpy and jax, no bank and no scene.
+half-planes, the programs and the last word on a step take when run alone over the same state. It needs numpy and jax,
+no bank and no scene.
 
 `--environment` measures, instead, env-steps/s of CocoNav with the crowd of its scenario `dynamic` and without, in turn
 in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl); with `--movable 8` also with so many things that
@@ -43,8 +44,10 @@ from urbanverse_mjx.crowds import (
     half_planes,
     linear_program,
     make_step,
+    num_long,
     num_wheeled,
     orca,
+    settle,
     traits_of,
 )
 from urbanverse_mjx.datatypes import NounError
@@ -167,13 +170,16 @@ def fence(case: Case, bodies: Bodies, traits: Traits, end: float) -> HalfPlanes:
 
 def stepper(case: Case, dt: float, seed: int) -> Any:
     """A function (bodies, traits, directions, number of steps) -> bodies."""
-    step, rolling = make_step(case.options(dt)), num_wheeled(case.kinds())
+    step, last_word = make_step(case.options(dt)), settle.make_settle(num_long(case.kinds()))
+    rolling = num_wheeled(case.kinds())
 
     def one(bodies: Bodies, traits: Traits, direction: Any, key: Any) -> Bodies:
         speed = 0.8 * traits.limit
         wish = disturbed(Wish(speed * jnp.cos(direction), speed * jnp.sin(direction), direction), key)
         rear = HalfPlanes(*(a[:, case.agents - rolling :] for a in fence(case, bodies, traits, -1.0)))
-        new, _ = step(bodies, traits, wish, fence(case, bodies, traits, 1.0), rear)
+        front = fence(case, bodies, traits, 1.0)
+        new, _ = step(bodies, traits, wish, front, rear)
+        new = last_word(bodies, new, traits, settle.keeps_off(front, rear, bodies, new, traits))
         return new._replace(x=jnp.mod(new.x, case.side), y=jnp.mod(new.y, case.side))
 
     def steps(bodies: Bodies, traits: Traits, direction: Any, number: int) -> Bodies:
@@ -200,6 +206,9 @@ def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments:
     limit = traits.limit.reshape(-1)
     first = _timing.compile_(linear_program.nearest_permitted, flat, limit, *wish)
     both = _timing.compile_(lambda a, b, *c: linear_program.solve(a, case.walls, b, *c), flat, limit, *wish)
+    allowed = jnp.ones(bodies.x.shape, bool)
+    settled = functools.partial(settle.settled, num_long=num_long(case.kinds()))
+    last = _timing.compile_(settled, bodies, bodies, traits, allowed)
     failed = first.call(flat, limit, *wish)[2]
     samples = _timing.time_in_turn(
         {
@@ -207,6 +216,7 @@ def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments:
             "half_planes": lambda: build.call(bodies, traits, near),
             "first_program": lambda: first.call(flat, limit, *wish),
             "both_programs": lambda: both.call(flat, limit, *wish),
+            "settle": lambda: last.call(bodies, bodies, traits, allowed),
         },
         arguments.repeats,
     )

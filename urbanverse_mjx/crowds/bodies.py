@@ -98,3 +98,10 @@ def num_wheeled(kinds: Sequence[AgentKind]) -> int:
         found = f"a {late} after a {kinds[first].name}"
         raise v.fail("crowd kinds", found, "those who walk before those who roll", "sort them by `kind.wheeled`")
     return sum(rolls)
+
+
+def num_long(kinds: Sequence[AgentKind]) -> int:
+    """How many of the agents, the last ones, are not known to be discs: the first that is longer than wide, and all
+    behind it."""
+    long = [kind.half_length > 0.0 for kind in kinds]
+    return len(long) - long.index(True) if any(long) else 0

@@ -15,13 +15,24 @@ import numpy as np
 
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
-from . import behaviours, crossings, flats, free_space, goal_fields, lanes, patience, spawning
+from . import (
+    behaviours,
+    crossings,
+    flats,
+    free_space,
+    goal_fields,
+    lanes,
+    open_ground,
+    patience,
+    settle,
+    spawning,
+)
 from .behaviours import GO, ROAM, Script
-from .bodies import Bodies, Traits, Wish, num_wheeled, traits_of
+from .bodies import Bodies, Traits, Wish, num_long, num_wheeled, traits_of
+from .footing import Footing
 from .goal_fields import RULE_OF_KIND, RULES
 from .kinds import KINDS, SURFACES, AgentKind
-from .linear_program import HalfPlanes
-from .orca import Options, disturbed, make_step, no_walls
+from .orca import Options, disturbed, make_step
 from .spawning import Watcher
 
 #: m from a goal (and half a vehicle's length) at which one has arrived.
@@ -61,9 +72,10 @@ class Crowd(NamedTuple):
 
 
 class CrowdTables(NamedTuple):
-    """What a bank's scenes mean to a crowd: flats by surface, ways by group, crosswalks."""
+    """What a bank's scenes mean to a crowd: flats and free ground by surface, ways by group, crosswalks."""
 
     flats: dict[str, flats.Flats]
+    ground: dict[str, open_ground.OpenGround]
     ways: dict[str, goal_fields.Ways]
     crossings: crossings.Crossings
 
@@ -75,6 +87,7 @@ def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTa
     by_surface = {name: [s[name] for s in spaces] for name in SURFACES}
     return CrowdTables(
         flats={name: flats.make_flats(by_surface[name], flats.REACH[name]) for name in SURFACES},
+        ground={name: open_ground.make_open_ground(by_surface[name]) for name in SURFACES},
         ways={name: goal_fields.make_ways(by_surface[rules.surface], rules) for name, rules in RULES.items()},
         crossings=crossings.make_crossings(by_surface["foot"]),
     )
@@ -122,10 +135,10 @@ class CrowdModel:
         options = Options(
             dt, num_neighbours, num_wheeled(self.kinds), discs_only=all(k.half_length == 0 for k in self.kinds)
         )
-        self._step = make_step(options)
+        self._step, self._settle = make_step(options), settle.make_settle(num_long(self.kinds))
         self._traits: Traits = jax.tree.map(lambda a: a[:, 0], traits_of(self.kinds))
         self._groups = {g: self._rows(lambda k, g=g: RULE_OF_KIND[k.name] == g) for g in RULES}
-        self._surfaces = {s: self._rows(lambda k, s=s: k.surface == s) for s in SURFACES}
+        self._footing = Footing(tables.flats, tables.ground, self.kinds, self._traits)
         self._on_foot = jnp.array([k.surface == "foot" for k in self.kinds])
         self._sidesteps = jnp.array([0.0 if k.wheeled else 1.0 for k in self.kinds])
         self._headroom = jnp.array([k.headroom for k in self.kinds])
@@ -238,8 +251,10 @@ class CrowdModel:
         )
         everybody = Traits(*(jnp.append(a, b) for a, b in zip(traits, robot[1], strict=True)))
         aside = lanes.stop_in_time(aside, joined, everybody, self.num_agents - num_wheeled(self.kinds))
-        walls = self._walls(crowd.bodies, scene)
+        walls = self._footing.walls(crowd.bodies, scene)
         bodies, _ = self._step(joined, everybody, disturbed(aside, keys[1], crowd.side), *walls)
+        free = settle.keeps_off(*walls, crowd.bodies, bodies, traits) & self._footing.stays(crowd.bodies, bodies, scene)
+        bodies = self._settle(joined, bodies, everybody, free)
         blocked = patience.held_up(crowd.blocked, aside, (bodies.vx, bodies.vy), self.dt)
         wants = wish.x * wish.x + wish.y * wish.y > 0.09
         moves = bodies.vx * bodies.vx + bodies.vy * bodies.vy > 0.01
@@ -337,28 +352,6 @@ class CrowdModel:
             crowd.mode, (crowd.anchor_x, crowd.anchor_y), crowd.face, crowd.speed, crowd.bodies
         )
         return Wish(*(jnp.where(crowd.mode == ROAM, a, b) for a, b in zip(roam, script, strict=True)))
-
-    def _walls(self, bodies: Bodies, scene: Any) -> tuple[HalfPlanes, HalfPlanes]:
-        """Half-planes of everybody's surface: (M, A) at the front discs and (M, W) at the rear discs of vehicles."""
-        traits = self._traits
-        ax, ay = traits.half_length * jnp.cos(bodies.heading), traits.half_length * jnp.sin(bodies.heading)
-
-        def at(rows: Any, end: float) -> HalfPlanes:
-            found, order = [], []
-            for surface, members in self._surfaces.items():
-                some = np.intersect1d(members, rows)
-                if len(some):
-                    x, y = bodies.x[some] + end * ax[some], bodies.y[some] + end * ay[some]
-                    table = self.tables.flats[surface]
-                    found.append(flats.walls_at(table, scene, x, y, traits.radius[some], traits.wall_horizon[some]))
-                    order.append(some)
-            if not found:
-                return no_walls(0)
-            back = np.argsort(np.concatenate(order))
-            return HalfPlanes(*(jnp.concatenate(c, axis=1)[:, back] for c in zip(*found, strict=True)))
-
-        everybody = np.arange(self.num_agents)
-        return at(everybody, 1.0), at(everybody[self.num_agents - num_wheeled(self.kinds) :], -1.0)
 
     def _robot_body(self, watcher: Watcher, velocity: tuple[Any, Any]) -> tuple[Bodies, Traits]:
         body = Bodies(watcher.x, watcher.y, *velocity, watcher.heading)

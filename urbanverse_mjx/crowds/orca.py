@@ -15,6 +15,7 @@ import jax.numpy as jnp
 
 from ..datatypes import validation as v
 from . import half_planes, motion, neighbours
+from .batching import over_envs
 from .bodies import Bodies, Traits, Wish
 from .linear_program import NO_LIMIT, HalfPlanes, join, solve
 
@@ -194,30 +195,15 @@ def disturbed(wish: Wish, key: Any, side: Any = 0.0) -> Wish:
 
 
 def make_step(options: Options) -> Callable[..., tuple[Bodies, Any]]:
-    """A function (bodies, traits, wish, walls, rear) -> (bodies, missed) over arrays of one env: `advance` without E.
+    """A function (bodies, traits, wish, walls, rear) -> (bodies, missed) over arrays of one env.
 
-    Under `jax.vmap` the envs become the last axis of one call, however deep the maps are nested.
+    It is `advance` without E; see `over_envs`.
     """
 
-    @jax.custom_batching.custom_vmap
-    def batch(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes) -> Any:
+    def step(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes) -> tuple[Bodies, Any]:
         return advance(bodies, traits, wish, walls, rear, options)
 
-    @batch.def_vmap
-    def _(size: int, batched: Any, *arguments: Any) -> Any:
-        def joined(array: Any, is_batched: bool) -> Any:
-            array = array if is_batched else jnp.broadcast_to(array, (size, *array.shape))
-            return jnp.moveaxis(array, 0, -2).reshape(*array.shape[1:-1], size * array.shape[-1])
-
-        out = batch(*jax.tree.map(joined, arguments, tuple(batched)))
-        parted = jax.tree.map(lambda a: jnp.moveaxis(a.reshape(*a.shape[:-1], size, -1), -2, 0), out)
-        return parted, jax.tree.map(lambda _: True, parted)
-
-    def step(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes) -> tuple[Bodies, Any]:
-        out = batch(*jax.tree.map(lambda a: a[..., None], (bodies, traits, wish, walls, rear)))
-        return jax.tree.map(lambda a: a[..., 0], out)
-
-    return step
+    return over_envs(step)
 
 
 def no_walls(agents: int) -> HalfPlanes:

@@ -9,14 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from .. import settings
-from ..crowds import crossings, flats, free_space, goal_fields, kinds
+from ..crowds import crossings, flats, free_space, goal_fields, kinds, open_ground
 from ..crowds.crowd import CrowdTables, make_tables
 from ..datatypes import SceneBank
 from ..datatypes.validation import write_atomically
 
 #: Cells of the free space along a cell of the height map: 0.2 m, in which a ramp of 1:12 rises by 2 cm.
 POOL = 2
-_SOURCES = (crossings, flats, free_space, goal_fields, kinds)
+_SOURCES = (crossings, flats, free_space, goal_fields, kinds, open_ground)
 _ARRAYS = ("inst_hull", "inst_position", "inst_rotation", "hull_vertices", "prism_hull", "prism_position", "map_kind")
 
 
@@ -33,6 +33,7 @@ class LivingTables(NamedTuple):
 def _parts() -> dict[str, tuple[type, Sequence[str]]]:
     """Name of each part of `CrowdTables`, its class and fields."""
     rows: dict[str, Any] = {f"flats/{name}": flats.Flats for name in kinds.SURFACES}
+    rows |= {f"ground/{name}": open_ground.OpenGround for name in kinds.SURFACES}
     rows |= {f"ways/{name}": goal_fields.Ways for name in goal_fields.RULES}
     rows["crossings"] = crossings.Crossings
     return {name: (cls, cls._fields) for name, cls in rows.items()}
@@ -42,6 +43,7 @@ def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray
     """Arrays by name; rows of scenes that are not among `scenes` stay empty: they are not simulated."""
     tables = make_tables(bank, scenes)
     groups: dict[str, Any] = {f"flats/{n}": t for n, t in tables.flats.items()}
+    groups |= {f"ground/{n}": t for n, t in tables.ground.items()}
     groups |= {f"ways/{n}": t for n, t in tables.ways.items()}
     groups["crossings"] = tables.crossings
     found = {
@@ -80,6 +82,7 @@ def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
     }
     crowd = CrowdTables(
         flats={name: parts[f"flats/{name}"] for name in kinds.SURFACES},
+        ground={name: parts[f"ground/{name}"] for name in kinds.SURFACES},
         ways={name: parts[f"ways/{name}"] for name in goal_fields.RULES},
         crossings=parts["crossings"],
     )

@@ -1,0 +1,87 @@
+"""What the scene lets each agent of a crowd do: the walls around it, and whether a step stays on free ground.
+
+In:   a crowd's tables and kinds; bodies.
+Out:  half-planes for `orca`; bools for `settle`.
+When: `Footing` once; its methods every crowd step, inside jit, per env.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from . import flats, open_ground
+from .bodies import Bodies, Traits, num_wheeled
+from .kinds import SURFACES, AgentKind
+from .linear_program import HalfPlanes
+from .orca import no_walls
+
+#: Where on its axis a vehicle asks for free ground: 1 at its front end. Between two of them a car has 0.75 m.
+_ALONG = (1.0, 0.5, 0.0, -0.5, -1.0)
+
+
+class Footing:
+    """Surfaces of the A agents of a crowd.
+
+    Args:
+      walls: `Flats` by surface. ground: `OpenGround` by surface.
+      kinds: (A,), those who walk first. traits: (A,).
+    """
+
+    def __init__(
+        self,
+        walls: dict[str, flats.Flats],
+        ground: dict[str, open_ground.OpenGround],
+        kinds: Sequence[AgentKind],
+        traits: Traits,
+    ) -> None:
+        self._flats, self._ground, self._traits = walls, ground, traits
+        self._surfaces = {s: np.flatnonzero([k.surface == s for k in kinds]) for s in SURFACES}
+        self._everybody = np.arange(len(kinds))
+        self._vehicles = self._everybody[len(kinds) - num_wheeled(kinds) :]
+
+    def _members(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        """Those of some rows who use each surface, where there are any."""
+        found = {surface: np.intersect1d(members, rows) for surface, members in self._surfaces.items()}
+        return {surface: some for surface, some in found.items() if len(some)}
+
+    def _at(self, bodies: Bodies, some: np.ndarray, end: float) -> tuple[Any, Any]:
+        """(n,) x and y m of places on the axes of some bodies."""
+        half, heading = end * self._traits.half_length[some], bodies.heading[some]
+        return bodies.x[some] + half * jnp.cos(heading), bodies.y[some] + half * jnp.sin(heading)
+
+    def walls(self, bodies: Bodies, scene: Any) -> tuple[HalfPlanes, HalfPlanes]:
+        """Half-planes of everybody's surface: (M, A) at the front discs and (M, W) at the rear discs of vehicles."""
+        traits = self._traits
+
+        def at(rows: np.ndarray, end: float) -> HalfPlanes:
+            members = self._members(rows)
+            if not members:
+                return no_walls(0)
+            found = [
+                flats.walls_at(
+                    self._flats[surface],
+                    scene,
+                    *self._at(bodies, some, end),
+                    traits.radius[some],
+                    traits.wall_horizon[some],
+                )
+                for surface, some in members.items()
+            ]
+            back = np.argsort(np.concatenate(list(members.values())))
+            return HalfPlanes(*(jnp.concatenate(c, axis=1)[:, back] for c in zip(*found, strict=True)))
+
+        return at(self._everybody, 1.0), at(self._vehicles, -1.0)
+
+    def stays(self, before: Bodies, after: Bodies, scene: Any) -> Any:
+        """(A,) bool: no place of a body's axis that is on free ground leaves it. Who is on none may go anywhere."""
+        found = jnp.ones(len(self._everybody), bool)
+        for end in _ALONG:
+            for surface, some in self._members(self._everybody if end == 1.0 else self._vehicles).items():
+                was, now = (
+                    open_ground.is_open(self._ground[surface], scene, *self._at(bodies, some, end))
+                    for bodies in (before, after)
+                )
+                found = found.at[some].set(found[some] & (now | ~was))
+        return found

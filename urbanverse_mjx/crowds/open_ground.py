@@ -1,0 +1,48 @@
+"""Whether a place is free, cell by cell: what the last word on a step (`settle`) asks of the scene.
+
+In:   `FreeSpace` of each scene.
+Out:  `OpenGround`, a table on the device; `is_open` looks it up.
+When: the table once per scene; the look-up every crowd step, inside jit.
+
+Flats (`flats`) are a convex piece of the free space and leave out what does not fit in it; this is the map itself, one
+bit a cell.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from .free_space import CELL, FreeSpace
+
+
+class OpenGround(NamedTuple):
+    """Free cells of one surface in all scenes, padded to the largest.
+
+    Attributes:
+      table: (Z, X, Y / 8) u8, eight cells along y in a byte, the first in its lowest bit.
+      origin: (Z, 2) f32 m.
+    """
+
+    table: Any
+    origin: Any
+
+
+def make_open_ground(spaces: Sequence[FreeSpace]) -> OpenGround:
+    """The table of one surface in several scenes."""
+    size = np.max([space.free.shape for space in spaces], axis=0)
+    padded = np.stack([np.pad(s.free, [(0, n - m) for n, m in zip(size, s.free.shape, strict=True)]) for s in spaces])
+    origin = np.stack([space.origin for space in spaces]).astype(np.float32)
+    return OpenGround(jnp.asarray(np.packbits(padded, axis=-1, bitorder="little")), jnp.asarray(origin))
+
+
+def is_open(ground: OpenGround, scene: Any, x: Any, y: Any) -> Any:
+    """(...) bool: places (...) m of a scene () i32 lie in free cells; outside the map there are none."""
+    origin = ground.origin[scene]
+    i = jnp.floor((x - origin[0]) / CELL).astype(jnp.int32)
+    j = jnp.floor((y - origin[1]) / CELL).astype(jnp.int32)
+    columns, rows = ground.table.shape[1], 8 * ground.table.shape[2]
+    inside = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
+    byte = ground.table[scene, jnp.clip(i, 0, columns - 1), jnp.clip(j // 8, 0, rows // 8 - 1)].astype(jnp.int32)
+    return inside & ((byte >> (j & 7)) & 1).astype(bool)
