@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, HullSet, PlacedObject, SceneGraph, Source
@@ -30,7 +31,7 @@ def filled(*objects: GraphObject, ground=HALVES) -> SceneGraph:
     return unseen.fill(SceneGraph("street", SOURCE, objects, ground), LEAVES)
 
 
-def outline(graph: SceneGraph) -> shapely.Geometry:
+def outline(graph: SceneGraph) -> BaseGeometry:
     return shapely.union_all([shapely.Polygon(r.polygon) for r in graph.ground])
 
 

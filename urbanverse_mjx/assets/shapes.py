@@ -52,7 +52,10 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     BLAS fuses multiplications with additions on some processors and not on others. The last bit decides where an edge
     counts as sharp and how a flat polygon is cut, and so whether a mesh finds its hulls (`hulls.mesh_key`).
     """
-    return sum((a[:, k, None] * b[k] for k in range(1, len(b))), a[:, 0, None] * b[0])
+    total = a[:, 0, None] * b[0]
+    for k in range(1, len(b)):
+        total = total + a[:, k, None] * b[k]
+    return total
 
 
 def length(vector: np.ndarray) -> float:

@@ -8,7 +8,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 
 import shapely
-import shapely.ops
+from shapely.geometry.base import BaseGeometry
 
 from ..assets.ontology import category_of
 from ..assets.priors import prior
@@ -55,7 +55,7 @@ def _is_house(leaf: str) -> bool:
     return category_of(leaf)[0] == "building"
 
 
-def _holes(ground: shapely.Geometry, houses: shapely.Geometry) -> list[shapely.Polygon]:
+def _holes(ground: BaseGeometry, houses: BaseGeometry) -> list[shapely.Polygon]:
     rings = [ring for part in shapely.get_parts(ground) for ring in shapely.get_rings(part)[1:]]
     holes = [shapely.Polygon(ring) for ring in rings]
     return [h for h in holes if h.area <= LARGEST and h.intersection(houses).area <= HOUSES * h.area]
@@ -64,10 +64,10 @@ def _holes(ground: shapely.Geometry, houses: shapely.Geometry) -> list[shapely.P
 def _under(
     things: Sequence[GraphObject],
     leaves: Mapping[str, str],
-    ground: shapely.Geometry,
-    houses: shapely.Geometry,
+    ground: BaseGeometry,
+    houses: BaseGeometry,
     carrying: Sequence[GroundRegion],
-) -> list[shapely.Geometry]:
+) -> list[BaseGeometry]:
     """What is missing under things that stand at the height of the ground beside them."""
     support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
     found = []
