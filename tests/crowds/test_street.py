@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from tests.crowds.test_settle import distances
 from tests.support.box_bank import HALF_WIDTH, KERB_Y
 from urbanverse_mjx.crowds import (
     KINDS,
@@ -19,7 +20,7 @@ from urbanverse_mjx.crowds import (
     spawning,
     traits_of,
 )
-from urbanverse_mjx.crowds.crowd import CrowdModel, CrowdTables, make_tables
+from urbanverse_mjx.crowds.crowd import Crowd, CrowdModel, CrowdTables, make_tables
 from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
 from urbanverse_mjx.datatypes import NounError, SceneBank
 
@@ -282,6 +283,42 @@ def test_a_crowd_lives_in_streets_it_does_not_leave(small_bank: SceneBank, table
     moved = np.hypot(x[-1] - x[0], y[-1] - y[0])
     assert moved[:, :2].max() < 0.7
     assert np.median(moved[:, 2:8]) > 5.0
+
+
+def test_who_looks_at_nothing_still_runs_into_nobody(small_bank: SceneBank, tables: CrowdTables) -> None:
+    """Agents that walk and drive in circles of 7.5 m, whoever or whatever is there: each is held before it touches."""
+    kinds = ("pedestrian",) * 9 + ("wheelchair", "scooter", "cyclist", "car", "car")
+    model = CrowdModel(tables, kinds)
+
+    def reckless(bodies: Bodies, *_: object) -> tuple[Bodies, None]:
+        x, y, way = (a[: len(kinds)] for a in (bodies.x, bodies.y, bodies.heading + 0.02))
+        vx, vy = 1.5 * jnp.cos(way), 1.5 * jnp.sin(way)
+        return Bodies(x + vx * model.dt, y + vy * model.dt, vx, vy, way), None
+
+    model._step = reckless  # type: ignore[assignment]
+    scene, still = jnp.array([0, 1]), jnp.zeros(())
+    crowd = jax.jit(jax.vmap(lambda k, z: model.init(k, z, NOBODY)))(jax.random.split(jax.random.key(0), 2), scene)
+
+    def body(crowd: Crowd, key: jax.Array) -> tuple[Crowd, tuple[Bodies, jax.Array]]:
+        step = jax.vmap(lambda c, z, k: model.step(c, z, NOBODY, (still, still), k))
+        new = step(crowd, scene, jax.random.split(key, 2))
+        return new, (new.bodies, new.present)
+
+    _, (path, present) = jax.jit(lambda c: jax.lax.scan(body, c, jax.random.split(jax.random.key(1), 200)))(crowd)
+    radius, half = (np.array([getattr(k, name) for k in model.kinds]) for name in ("radius", "half_length"))
+    need, nearest = radius + radius[:, None], np.inf
+    free = [free_space.free_spaces(small_bank, z) for z in range(2)]
+    for t in range(200):
+        for e in range(2):
+            now, there = Bodies(*(np.asarray(a[t, e]) for a in path)), np.asarray(present[t, e])
+            pairs = there & there[:, None] & ~np.eye(len(kinds), dtype=bool)
+            nearest = min(nearest, (distances(now, half, crossed=True) - need)[pairs].min())
+            for end in (-1.0, 1.0):
+                at = np.stack([now.x + end * half * np.cos(now.heading), now.y + end * half * np.sin(now.heading)], -1)
+                for i, kind in enumerate(model.kinds):
+                    space = free[int(scene[e])][kind.surface]
+                    assert not there[i] or space.free[cell_of(space, *at[i])], (t, e, kind.name)
+    assert -0.001 < nearest < 0.01, "some came to the touch"
 
 
 def test_vehicles_drive_no_faster_than_they_can_stop() -> None:

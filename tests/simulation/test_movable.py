@@ -68,18 +68,25 @@ def in_engine(name: str, impl: str) -> tuple[Push, Any]:
     return pushing.push_engine(scene_of(name), make_coco("differential"), commands(name), impl, SIZES)
 
 
+#: m to the left at which the robot of each C MuJoCo run starts: first as the engines', then up to 1 mm aside.
+ASIDES = (0.0, *(side * k * 1e-4 for k in range(1, 11) for side in (1.0, -1.0)))
+
+
 @functools.cache
-def others_in_c_mujoco(name: str) -> np.ndarray:
-    """(6, T, 3) m: the first thing's places in C MuJoCo where the robot starts up to 1 mm aside."""
-    robot, asides = make_coco("differential"), (1e-4, -1e-4, 3e-4, -3e-4, 1e-3, -1e-3)
-    return np.array([pushing.push_truth(scene_of(name), robot, commands(name), a).places[:, 0] for a in asides])
+def runs_of_c_mujoco(name: str) -> np.ndarray:
+    """(21, T, 3) m: the first thing's places in C MuJoCo, a run for each of `ASIDES`."""
+    robot = make_coco("differential")
+    return np.array([pushing.push_truth(scene_of(name), robot, commands(name), a).places[:, 0] for a in ASIDES])
 
 
 @pytest.mark.parametrize("impl", ENGINES)
 def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
-    """Before the touch nothing differs, 0.2 s after it the box is within 1 cm. From then on it sticks and slips, and
-    no two runs of C MuJoCo agree: it comes as far to 10 %, and no farther from C MuJoCo's than those whose robots
-    start up to 1 mm aside do (46 cm of 2 m, docs/decisions/movable.md)."""
+    """Before the touch nothing differs, 0.2 s after it the box is within 1 cm. Over 2 m it comes as far to 10 %.
+
+    Which way it slips aside meanwhile no two runs of C MuJoCo agree on: where the robot starts 0.1 mm aside, the box is
+    6 to 20 mm elsewhere 0.2 s after the touch (it sticks or slips on its edges), and up to 63 cm after 2 m for 1 mm. So
+    its path is held against those of 21 runs whose robots start up to 1 mm aside: all the way it is within 20 cm of one
+    of them. Each of theirs is within 11 cm of another (docs/decisions/movable.md)."""
     truth, (found, state) = in_c_mujoco("a box of 10 kg"), in_engine("a box of 10 kg", impl)
     way, ours = (np.linalg.norm(x.places[:, 0, :2] - x.places[0, 0, :2], axis=-1) for x in (truth, found))
     assert way[-1] > 2.0
@@ -90,9 +97,8 @@ def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
     np.testing.assert_allclose(found.places[onset], truth.places[onset], atol=1e-2)
     two = int((way > 2.0).argmax())
     assert abs(ours[two] - way[two]) < 0.1 * way[two]
-    apart = np.linalg.norm(found.places[: two + 1, 0] - truth.places[: two + 1, 0], axis=-1).max()
-    among = np.linalg.norm(others_in_c_mujoco("a box of 10 kg") - truth.places[:, 0], axis=-1)[:, : two + 1].max()
-    assert apart < min(among, 0.5), (apart, among)
+    apart = np.linalg.norm(runs_of_c_mujoco("a box of 10 kg") - found.places[:, 0], axis=-1)[:, : two + 1].max(1)
+    assert apart.min() < 0.2, apart
     assert (found.thing[onset:] == 0).all()
     assert pushing.tilt(found.quaternions[: two + 1]).max() < np.radians(15.0)
     assert int(state.slot_overflow) == 0
@@ -128,11 +134,17 @@ def test_bodies_push_each_other(impl: str) -> None:
 
 @pytest.mark.slow
 def test_both_engines_do_the_same() -> None:
-    """To 1 mm over the first second after the touch, while no contact has chosen another way."""
+    """To 1 mm to the end of the control step in which they touch, and for 0.6 s more no farther from each other than
+    runs of C MuJoCo whose robots start 0.1 mm to the left, in the middle and to the right (2, 5 and 7 cm)."""
     (first, _), (second, _) = (in_engine("a box of 10 kg", impl) for impl in ("jax", "warp"))
     onset = int(first.hit.argmax())
-    np.testing.assert_allclose(first.places[: onset + 5], second.places[: onset + 5], atol=1e-3)
-    np.testing.assert_allclose(first.robot[: onset + 5], second.robot[: onset + 5], atol=1e-3)
+    np.testing.assert_allclose(first.places[: onset + 1], second.places[: onset + 1], atol=1e-3)
+    np.testing.assert_allclose(first.robot[: onset + 1], second.robot[: onset + 1], atol=1e-3)
+    apart = np.linalg.norm(first.places[:, 0] - second.places[:, 0], axis=-1)
+    near = runs_of_c_mujoco("a box of 10 kg")[:3]
+    among = np.linalg.norm(near[:, None] - near, axis=-1).max((0, 1))
+    after = slice(onset + 1, onset + 4)
+    assert (apart[after] < among[after]).all(), (apart[after], among[after])
 
 
 def one_box(place: float) -> SceneGeometry:

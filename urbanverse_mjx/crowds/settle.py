@@ -130,7 +130,7 @@ def settled(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: i
       after: (A, E), where the first A would go. may: (A, E) bool, the ground there is free.
     """
     agents = after.x.shape[0]
-    here, like = (type(b)(*(a[:agents] for a in b)) for b in (bodies, traits))
+    here, like = Bodies(*(a[:agents] for a in bodies)), Traits(*(a[:agents] for a in traits))
     row = jnp.arange(bodies.x.shape[0])
     pairs = (row[:, None] != row[:agents])[..., None] & traits.present[:, None] & like.present
     halves, long = (like.half_length, traits.half_length), slice(agents - num_long, agents)
@@ -139,8 +139,8 @@ def settled(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: i
     least = jnp.minimum(reach * reach, apart(here, bodies, halves, long))
     into_place = pairs & (apart(after, bodies, halves, long) < least)
     into_step = pairs[:agents] & (apart(after, after, (halves[0], halves[0]), long) < least[:agents])
-    masks = jax.lax.optimization_barrier((packed(into_place[:agents]), packed(into_step)))
-    go = who_goes(*masks, may & ~into_place[agents:].any(0)) | ~like.present
+    place, step = jax.lax.optimization_barrier((packed(into_place[:agents]), packed(into_step)))
+    go = who_goes(place, step, may & ~into_place[agents:].any(0)) | ~like.present
     # A disc that holds turns freely: nobody meets it any sooner for that.
     heading = jnp.where(go | (like.half_length == 0.0), after.heading, here.heading)
     rest = jnp.zeros_like(here.vx)
