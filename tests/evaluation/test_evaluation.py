@@ -22,7 +22,7 @@ from urbanverse_mjx.evaluation import (
     summarise,
     to_markdown,
 )
-from urbanverse_mjx.evaluation.agents import zero
+from urbanverse_mjx.evaluation.agents import BASELINES, zero
 from urbanverse_mjx.evaluation.metrics import bootstrap_interval, wilson_interval
 from urbanverse_mjx.evaluation.report import write_report
 
@@ -120,6 +120,21 @@ def test_another_way_than_the_lists_completes_no_more_than_is_true(small_bank: S
     beyond = [r for r in ended if r.distance_to_goal < 0.48 * r.route_length / np.sqrt(2.0)]
     assert beyond
     assert all(r.route_completion < 0.71 for r in beyond)
+
+
+def test_an_answer_is_kept_for_as_many_steps_as_said(small_bank: SceneBank) -> None:
+    """A random driver turns by the same angle five steps long, then by another; episodes last as long as before."""
+    task = {"ctrl_dt": 0.04, "episode_length": 60, "terminate_off_traversable": False, "success_radius": 1e-3}
+    env = unicycle_env(small_bank, task)
+    results, poses = Rollout(env, chunk=4, hold=5).run({"random": BASELINES["random"]}, fixed_episodes(env, 3))
+    assert [r.steps for r in results] == [60] * 3
+    assert poses.running.shape == (60, 3)
+    quaternion = poses.xquat[:, :, 1]
+    turns = np.diff(np.unwrap(2.0 * np.arctan2(quaternion[..., 3], quaternion[..., 0]), axis=0), axis=0)
+    # The pose before the 60th step is the last one: its turn is not seen.
+    groups = turns[:55].reshape(11, 5, 3)
+    np.testing.assert_allclose(groups, np.broadcast_to(groups[:, :1], groups.shape), atol=1e-5)
+    assert (np.abs(np.diff(groups[:, 0], axis=0)) > 1e-4).mean() > 0.5
 
 
 def test_blank_image_covers_only_pixels() -> None:

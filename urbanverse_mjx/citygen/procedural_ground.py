@@ -17,6 +17,7 @@ from .section import CROSSWALK_HALF_WIDTH, FLARE, KERB, LOT_DEPTH, RAMP_HALF_WID
 PAVEMENT: Plane = (0.0, 0.0, KERB)
 _GRID = 0.001  # m
 _SMALLEST = 0.05  # m², pieces smaller than this are left out
+_SHARED = 1e-3  # m², what two regions may share at most, as the compiler says
 
 
 @dataclasses.dataclass(frozen=True)
@@ -91,8 +92,8 @@ def lay(arms: Sequence[Arm], half: float, pavement: float, plaza: shapely.Polygo
         *_regions("pavement", "sidewalk", walk.difference(dropped, grid_size=_GRID), PAVEMENT),
         *ramps,
         *_regions("plaza", "sidewalk", square, PAVEMENT),
-        *_regions("lot", "sidewalk", lots, PAVEMENT),
     ]
+    regions += _regions("lot", "sidewalk", lots, PAVEMENT, [shapely.Polygon(r.polygon) for r in regions])
     return Ground(tuple(regions), shapely.union_all([walk, square]), road)
 
 
@@ -148,14 +149,30 @@ def _ramp(arm: Arm, s: float, side: int, half: float, name: str) -> list[GroundR
     return [GroundRegion(f"{name}{tail}", "sidewalk", tuple(corner(*c) for c in ring), p) for tail, ring, p in parts]
 
 
-def _regions(name: str, kind: str, shape: BaseGeometry, plane: Plane) -> Iterator[GroundRegion]:
-    """A region for each simple piece of a shape; pieces with holes are cut through them."""
+def _regions(
+    name: str, kind: str, shape: BaseGeometry, plane: Plane, beside: Sequence[BaseGeometry] = ()
+) -> Iterator[GroundRegion]:
+    """A region for each simple piece of a shape; pieces with holes are cut through them, and keep off `beside`."""
     number = 0
-    for piece in _without_holes(shape):
-        if piece.area >= _SMALLEST:
-            ring = tuple((round(x, 3), round(y, 3)) for x, y in piece.exterior.coords[:-1])
-            yield GroundRegion(f"{name}_{number}", kind, ring, plane)
-            number += 1
+    for whole in _without_holes(shape):
+        for piece in _apart(whole, beside):
+            if piece.area >= _SMALLEST:
+                ring = tuple((round(x, 3), round(y, 3)) for x, y in piece.exterior.coords[:-1])
+                yield GroundRegion(f"{name}_{number}", kind, ring, plane)
+                number += 1
+
+
+def _apart(piece: shapely.Polygon, beside: Sequence[BaseGeometry]) -> Iterator[shapely.Polygon]:
+    """The piece, cut back by two millimetres from what it lies over: where a cut meets a long edge that runs askew, its
+    corner is snapped, and the edge leaves its neighbour's by up to half of one."""
+    exact = shapely.set_precision(piece, 0.0)  # on its grid it would share nothing
+    over = [other for other in beside if exact.intersection(other).area > _SHARED]
+    if not over:
+        yield piece
+        return
+    for other in over:
+        exact = exact.difference(other.buffer(2 * _GRID, join_style="mitre"))
+    yield from (part for part in shapely.get_parts(_snap(exact)) if isinstance(part, shapely.Polygon))
 
 
 def _without_holes(shape: BaseGeometry) -> Iterator[shapely.Polygon]:

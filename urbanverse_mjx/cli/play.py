@@ -31,9 +31,11 @@ class PlayArgs:
     """Of the environment, where no policy brings its own."""
     scenes: str = "test"
     num_episodes: int = 2
-    """Episodes that are driven; all are in the video unless --only-successes."""
+    """Episodes that are driven; all are in the video but for --only-successes and --shown."""
     only_successes: bool = False
     """Leave out of the video what did not end at its goal."""
+    shown: int | None = None
+    """At most so many episodes in the video, the first ones."""
     seed: int = 0
     fps: float | None = None
     """Pictures a second, a multiple of the control rate, at which the agent still decides; default: that rate."""
@@ -51,20 +53,22 @@ def main(argv: Sequence[str]) -> int:
     args = tyro.cli(PlayArgs, args=list(argv), prog="urbanverse play")
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
-    from ..evaluation.agents import Held
     from ..viz.video import write_rollout_video
     from .scene import ensure_default_bank
 
+    if args.shown is not None:
+        v.integer(args.shown, "--shown", 1)
     agent, name, config = _chosen(args)
     hold = _steps_held(args.fps, config.ctrl_dt)
     finer = {"ctrl_dt": config.ctrl_dt / hold}
     finer |= {k: config[k] * hold for k in ("episode_length", "success_after_step")}
     env = registry.load(name, config=registry.with_overrides(config, finer), bank=ensure_default_bank())
     episodes = fixed_episodes(env, args.num_episodes, args.seed)
-    results, poses = Rollout(env).run({args.agent: Held(agent, env, hold) if hold > 1 else agent}, episodes)
+    results, poses = Rollout(env, hold=hold).run({args.agent: agent}, episodes)
     shown = [i for i, r in enumerate(results) if r.success or not args.only_successes]
     if not shown:
         raise NounError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
+    shown = shown[: args.shown]
     write_rollout_video(
         args.out,
         env.bank,

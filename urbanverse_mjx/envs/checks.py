@@ -150,9 +150,9 @@ def _check_auto_reset(env: Any, step: Any, first: Any, keys: Any) -> None:
     wanted = jax.jit(jax.vmap(env.observe))(fresh)
     for i in np.flatnonzero(done):
         got = jax.tree.map(lambda x, i=i: x[i], after)
-        _require(
-            _same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh)), "auto-reset equals renew in all carried state"
-        )
+        # Two programs, so sums may be rounded in another order: 3e-8 m was seen in a pose.
+        same = _same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh), 1e-6)
+        _require(same, "auto-reset equals renew in all carried state")
         for name in wanted:
             close = (
                 _frames_close(got.obs[name], wanted[name][i])

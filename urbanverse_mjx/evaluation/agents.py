@@ -1,6 +1,5 @@
 """Agents to compare with, and what else may drive: each gives an action (2,) in [-1, 1] for one env."""
 
-import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol, runtime_checkable
 
@@ -8,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..envs import NavEnv, NavState
+from ..envs import NavState
 
 #: (obs, key) -> action, inside jit.
 Agent = Callable[[Mapping[str, Any], jax.Array], jax.Array]
@@ -56,27 +55,6 @@ def blank_image(agent: Agent) -> Agent:
         return agent(covered, key)
 
     return act
-
-
-@dataclasses.dataclass(frozen=True)
-class Held:
-    """An agent that is asked at every `steps`-th control step and keeps to its answer in between: so an env with
-    shorter control steps, whose poses make a smooth film, is driven as the one that the agent knows."""
-
-    agent: Agent
-    env: NavEnv
-    steps: int
-
-    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> tuple[()]:
-        """Nothing."""
-        del scenes, rows
-        return ()
-
-    def act(self, nav: NavState, known: Any, /) -> jax.Array:
-        """The action of the agent, or its last one."""
-        del known
-        asked = self.agent(self.env.observe(nav), nav.key)
-        return jnp.where(nav.steps % self.steps == 0, asked, nav.last_action)
 
 
 BASELINES: dict[str, Agent] = {"zero": zero, "random": random, "go_to_goal": go_to_goal}

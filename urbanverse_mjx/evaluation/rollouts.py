@@ -93,11 +93,15 @@ class Rollout:
     """Runs agents over the same episodes at the same time, `chunk` steps a call so that it can stop early.
 
     All agents share one batch and one compilation; each env asks every agent and follows its own.
+
+    Args:
+      chunk: how often agents are asked in a call. hold: control steps for which an answer is kept, so that an env with
+        shorter ones, whose poses make a smooth film, is driven as the one that the agents know.
     """
 
-    def __init__(self, env: NavEnv, chunk: int = 20):
+    def __init__(self, env: NavEnv, chunk: int = 20, hold: int = 1):
         self.env = env
-        self._chunk = chunk
+        self._chunk, self._hold = chunk, hold
         self._begin = jax.jit(jax.vmap(env.begin_at))
 
     def run(
@@ -119,7 +123,7 @@ class Rollout:
         known = tuple(_known(agent, episodes, count) for agent in agents.values())
         chunk = self._chunk_of(list(agents.values()))
         seen = []
-        for _ in range(-(-self.env.config.episode_length // self._chunk)):
+        for _ in range(-(-self.env.config.episode_length // (self._chunk * self._hold))):
             (nav, tally), poses = chunk(nav, tally, who, known)
             seen.append(jax.tree.map(np.asarray, poses))
             ended = int((np.asarray(nav.result) != 0).sum())
@@ -203,22 +207,27 @@ class Rollout:
 
         def one(
             nav: NavState, tally: _Tally, obs: Mapping[str, Any], who: jax.Array, known: Any
-        ) -> tuple[NavState, _Tally]:
+        ) -> tuple[jax.Array, _Tally]:
             key, key_act = jax.random.split(tally.key)
             actions = [
                 agent.act(nav, own) if isinstance(agent, Privileged) else agent(obs, key_act)
                 for agent, own in zip(agents, known, strict=True)
             ]
-            nav, after = self._advance(nav, tally, jnp.stack(actions)[who])
-            return nav, after._replace(key=key)
+            return jnp.stack(actions)[who], tally._replace(key=key)
 
         def chunk(nav: NavState, tally: _Tally, who: jax.Array, known: Any) -> Any:
             def step(carry: Any, _: None) -> tuple[Any, Any]:
                 nav, tally = carry
                 obs = jax.vmap(env.observe)(nav)
-                return jax.vmap(one)(nav, tally, obs, who, known), self._places(nav)
+                action, tally = jax.vmap(one)(nav, tally, obs, who, known)
 
-            return jax.lax.scan(step, (nav, tally), None, length=self._chunk)
+                def held(carry: Any, _: None) -> tuple[Any, Any]:
+                    return jax.vmap(self._advance)(*carry, action), self._places(carry[0])
+
+                return jax.lax.scan(held, (nav, tally), None, length=self._hold)
+
+            carry, poses = jax.lax.scan(step, (nav, tally), None, length=self._chunk)
+            return carry, jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), poses)
 
         return jax.jit(chunk)
 
