@@ -1,11 +1,13 @@
 """The fidelity scores against numbers worked out by hand."""
 
 import dataclasses
+import pathlib
 
 import numpy as np
 import pytest
 
 from benchmarks import _fidelity_scores as scores
+from benchmarks import _fidelity_store
 from benchmarks._injection import Errors, drifted
 from urbanverse_mjx.datatypes import GraphObject
 
@@ -41,6 +43,19 @@ def test_scores_of_a_small_street() -> None:
     assert row["precision_percent"] == 75.0
     # Of car, bench and bin (the house is large) the car alone is found.
     assert row["map25"] == pytest.approx(100 / 3, abs=0.1)
+
+
+def test_scores_come_back_from_their_file(tmp_path: pathlib.Path) -> None:
+    truth = [thing("a", "car", 0, 0, (4, 2, 1.5)), thing("b", "bench", 10, 0, (0.5, 2, 1))]
+    found = [thing("x", "car", 0.3, 0.4, (4, 2, 1.5), 0.1), thing("y", "bin", 11, 0, (0.5, 2, 1))]
+    scored = scores.score(found, truth, [], {"a": True, "b": True})
+    path = tmp_path / "new" / "street.json"
+    assert _fidelity_store.load(path) == {}
+    _fidelity_store.save(path, {"a row": (scored, {"registered": 1.0})})
+    back, figures = _fidelity_store.load(path)["a row"]
+    assert figures == {"registered": 1.0}
+    assert back.pairs == scored.pairs
+    assert scores.table_row([back, back]) == scores.table_row([scored, scored])
 
 
 def test_iou_of_boxes() -> None:

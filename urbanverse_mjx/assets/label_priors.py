@@ -2,9 +2,11 @@
 
 import functools
 
-from urbanverse_mjx.datatypes import LabelPrior
+import numpy as np
 
-from .index import AssetIndex
+from urbanverse_mjx.datatypes import AssetRecord, LabelPrior
+
+from .index import AssetIndex, build_mesh
 from .ontology import UnknownLabelError, category_of, nearest_leaves
 from .priors import prior
 
@@ -16,6 +18,7 @@ _ANYWHERE = ("person", "animal", "robot")
 _LIGHT = ("bicycle", "scooter", "motorcycle", "cyclist", "moped", "e-scooter", "handcart", "stroller", "wheelchair")
 _BESIDE = ("sidewalk", "ground")
 #: Things that people and road works set up on carriageways, too.
+_SURFACE = 1500  # points on a known shape
 _BOTH = ("access control barrier", "obstacle barrier", "street trash", "terrain")
 
 
@@ -56,4 +59,17 @@ class LabelPriors:
             stands_on=stands_on(leaf),
             fixed=known.rest not in ("alive", "rolls"),
             faces_road=category_of(leaf)[0] == "building",
+            # Of a house one side is seen: its shape tells nothing that its size does not.
+            shapes=() if category_of(leaf)[0] == "building" else tuple(_surface(r) for r in records),
         )
+
+
+def _surface(record: AssetRecord) -> np.ndarray:
+    """(`_SURFACE`, 3) m: points of a record's mesh, as many on every square metre."""
+    mesh = build_mesh(record)
+    corners = mesh.vertices[mesh.faces].astype(np.float64)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    rng = np.random.default_rng(0)
+    face = rng.choice(len(corners), _SURFACE, p=area / area.sum())
+    weight = rng.dirichlet((1.0, 1.0, 1.0), _SURFACE)
+    return np.einsum("pk,pki->pi", weight, corners[face])

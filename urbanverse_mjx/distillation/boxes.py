@@ -5,12 +5,17 @@ import dataclasses
 import numpy as np
 
 from ..datatypes import LabelPrior
+from . import shapes
 
 #: Views used for one box, the nearest first; more add nothing but time.
 MAX_VIEWS = 24
 _COARSE, _FINE = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
 #: Extents farther apart than this factor settle which of two sides is the heading.
 _CLEAR = 1.12
+#: Depth blurred by more than this share of a thing's footprint hides its shape.
+_BLURRED = 0.04
+#: A heading that is none of the sides' has at most this much of their misfit from the known shapes.
+_MUCH = 0.9
 #: Things farther than this (sum of log ratios) from every known size of their label are left as they were seen.
 _UNLIKE = 0.5
 #: What a house lacks (log) of its known depth, width and height counts so much.
@@ -142,19 +147,46 @@ def fit(points: np.ndarray, eyes: np.ndarray, prior: LabelPrior, noise: float, t
     nearest = float(np.linalg.norm(eyes - points.mean(0), axis=1).min())
     blur = noise * nearest
     yaw = direction(points[:: max(1, len(points) // _FLAT_POINTS), :2], 0.5 * blur)
-    turn = _turn(yaw)
-    local, seen_from = points @ turn.T, eyes @ turn.T
-    trim = min(0.002 + 0.4 * noise, 0.03)
-    low, high = np.quantile(local, (trim, 1 - trim), axis=0)
-    high[2] = max(high[2], low[2] if top is None else top)
-    high = np.maximum(high, low + _MIN_SIDE)
+    low, high, seen_from = _seen_along(yaw, points, eyes, noise, top)
     quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
+    told = _facing(points, yaw + np.arange(quarter, quarter + 4) * np.pi / 2, prior, blur)
+    if told is not None:
+        yaw, quarter = told, 0
+        low, high, seen_from = _seen_along(yaw, points, eyes, noise, top)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
     low, high = _bounded(low, high, prior)
     low, high, completed = _complete(low, high, seen_from, prior, top is None)
     back = _turn(yaw).T
     yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
     return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed)
+
+
+def _seen_along(
+    yaw: float, points: np.ndarray, eyes: np.ndarray, noise: float, top: float | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(3,) and (3,) m: where points begin and end along a heading, across it and up; (v, 3) m: the eyes in its axes."""
+    turn = _turn(yaw)
+    local = points @ turn.T
+    trim = min(0.002 + 0.4 * noise, 0.03)
+    low, high = np.quantile(local, (trim, 1 - trim), axis=0)
+    high[2] = max(high[2], low[2] if top is None else top)
+    return low, np.maximum(high, low + _MIN_SIDE), eyes @ turn.T
+
+
+def _facing(points: np.ndarray, sides: np.ndarray, prior: LabelPrior, blur: float) -> float | None:
+    """rad: the heading that the known shapes tell; None where they do not.
+
+    Args:
+      sides: (4,) rad, normals of the sides, first the one that is taken for the front. Sides are sharp where there are
+        any: another direction has to fit much better than theirs, and another front than the first.
+    """
+    if not prior.shapes or blur > _BLURRED * np.ptp(points[:, :2], axis=0).max():
+        return None
+    laid = shapes.lay(points, prior, sides)
+    along = np.array([laid.at(side) for side in sides])
+    if laid.misfit.min() >= _MUCH * along[0]:
+        return None
+    return float(sides[along.argmin()]) if laid.misfit.min() >= _MUCH * along.min() else laid.best
 
 
 def _turned(yaw: float, low: np.ndarray, high: np.ndarray, eyes: np.ndarray, quarter: int) -> tuple:

@@ -1,0 +1,61 @@
+"""Which way things face: houses by the front that is seen, others by the known shape on which their points lie."""
+
+import numpy as np
+import pytest
+
+from urbanverse_mjx.datatypes import LabelPrior, NounError
+from urbanverse_mjx.distillation import boxes
+
+HOUSE = LabelPrior(np.array([[9.0, 13.0, 8.0]]), faces_road=True)
+
+
+def _turned(points: np.ndarray, yaw: float) -> np.ndarray:
+    c, s = np.cos(yaw), np.sin(yaw)
+    return points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _chair(rng: np.random.Generator, count: int) -> np.ndarray:
+    """(count, 3) m: a seat of 0.5 m by 0.5 m with a back behind it (-x): as long as wide."""
+    seat = np.stack([rng.uniform(-0.25, 0.25, count), rng.uniform(-0.25, 0.25, count), np.full(count, 0.45)], -1)
+    back = np.stack([np.full(count, -0.25), rng.uniform(-0.25, 0.25, count), rng.uniform(0.45, 0.9, count)], -1)
+    legs = rng.choice([-0.24, 0.24], (count, 2))
+    leg = np.c_[legs, rng.uniform(0.0, 0.45, count)]
+    return np.concatenate([seat, back, leg])[rng.permutation(3 * count)[:count]]
+
+
+@pytest.mark.parametrize("yaw", np.radians([0.0, 35.0, 100.0, 250.0]))
+def test_a_part_of_a_front_is_no_side_wall(yaw: float) -> None:
+    """9 m of a front of 13 m, as long as the house is deep, and 2 m of a wall, seen from far along the street: from
+    there the wall is what is looked at."""
+    rng = np.random.default_rng(0)
+    front = np.stack([np.zeros(600), rng.uniform(0, 9, 600), rng.uniform(0, 8, 600)], -1)
+    wall = np.stack([rng.uniform(-2, 0, 200), np.full(200, 9.0), rng.uniform(0, 8, 200)], -1)
+    eyes = np.array([[3.0, 25.0, 1.5], [3.0, 30.0, 1.5]])
+    points, seen_from = _turned(np.concatenate([front, wall]), yaw), _turned(eyes, yaw)
+    box = boxes.fit(points, seen_from, HOUSE, 0.002, 8.0, 0.1)
+    # Modulo half a turn: the front is a side of 13 m.
+    assert abs(np.sin(box.yaw - yaw)) < 0.03
+    assert box.size[1] > box.size[0]
+
+
+@pytest.mark.parametrize("degrees", [0, 75, 140, 310])
+def test_a_known_shape_tells_front_from_back(degrees: int) -> None:
+    """A chair seen from behind: its box says nothing, and the side that was looked at is the wrong one."""
+    rng = np.random.default_rng(1)
+    shape = _chair(rng, 1500)
+    prior = LabelPrior(np.array([[0.5, 0.5, 0.9]]), shapes=(shape,))
+    yaw = np.radians(degrees)
+    points = _turned(_chair(rng, 400), yaw) + [3.0, 2.0, 0.0]
+    eyes = _turned(np.array([[-4.0, 0.3, 1.5], [-4.0, -0.3, 1.5]]), yaw) + [3.0, 2.0, 0.0]
+    box = boxes.fit(points, eyes, prior, 0.002, 0.9, 0.05)
+    assert np.cos(box.yaw - yaw) > np.cos(np.radians(5.0))
+    blind = boxes.fit(points, eyes, LabelPrior(prior.extents), 0.002, 0.9, 0.05)
+    assert np.cos(blind.yaw - yaw) < -0.9
+    # Depth blurred by a third of its size hides the shape.
+    blurred = boxes.fit(points, eyes, prior, 0.1, 0.9, 0.05)
+    assert np.cos(blurred.yaw - yaw) < -0.9
+
+
+def test_shapes_belong_to_extents() -> None:
+    with pytest.raises(NounError, match="one for each extent"):
+        LabelPrior(np.ones((2, 3)), shapes=(np.zeros((5, 3)),))
