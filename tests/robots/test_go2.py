@@ -189,3 +189,19 @@ def test_what_a_waypoint_means() -> None:
     assert [float(x) for x in go2.waypoint_to_velocity(np.array([0.0, 1.0]), 0.2)] == [0.0, 1.0]
     assert [float(x) for x in go2.waypoint_to_velocity(np.array([0.5, 0.0]), 0.2)] == [0.5, 0.0]
     np.testing.assert_array_equal(go2.command(np.array([3.0, -2.0])), [1.0, 0.0, -1.0])
+
+
+def test_nothing_of_itself_stands_before_its_camera() -> None:
+    """Rays through the whole of a 16:9 picture meet none of its own geoms, seen or not."""
+    model = mujoco.MjModel.from_xml_string(make_go2().mjcf)
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.key_qpos[0]
+    mujoco.mj_forward(model, data)
+    camera = model.camera("front_cam").id
+    eye, turn = data.cam_xpos[camera], data.cam_xmat[camera].reshape(3, 3)
+    high = np.tan(np.radians(model.cam_fovy[camera]) / 2)
+    for up in np.linspace(-high, high, 15):
+        for right in np.linspace(-high, high, 27) * 16 / 9:
+            hit = np.full(1, -1, np.int32)
+            away = mujoco.mj_ray(model, data, eye, turn @ np.array([right, up, -1.0]), None, 1, -1, hit)
+            assert away < 0.0, model.geom(hit[0]).name

@@ -222,7 +222,8 @@ class Rollout:
                 action, tally = jax.vmap(one)(nav, tally, obs, who, known)
 
                 def held(carry: Any, _: None) -> tuple[Any, Any]:
-                    return jax.vmap(self._advance)(*carry, action), self._places(carry[0])
+                    nav, tally = carry
+                    return jax.vmap(self._advance)(nav, tally, action), self._places(nav)
 
                 return jax.lax.scan(held, (nav, tally), None, length=self._hold)
 

@@ -92,8 +92,9 @@ PHYSICS_TIMESTEP = 0.005
 #: m, the trunk's origin above flat ground at rest in the standing pose: the rear feet's 0.325 and the front ones'
 #: 0.3346 (go2.json, standing_height_derived), the hips turned out by 0.1 rad.
 SPAWN_HEIGHT = 0.33
-#: On the head, looking ahead and 10 degrees down. go2.json has no camera: place and view are ours.
-CAMERA_POSITION, CAMERA_PITCH_DOWN, CAMERA_FOVY_DEG = (0.335, 0.0, 0.0), 0.1745, 70.0
+#: 5 mm before the head's foremost point (`go2_look`, the lamp), looking ahead and 10 degrees down. go2.json has no
+#: camera: place and view are ours.
+CAMERA_POSITION, CAMERA_PITCH_DOWN, CAMERA_FOVY_DEG = (0.352, 0.0, 0.0), 0.1745, 70.0
 
 
 def stand_pose() -> tuple[float, ...]:
