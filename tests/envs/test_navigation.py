@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import drive_to_goal, unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import NounError, SceneBank, traversable
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, registry, wrap_for_training
 from urbanverse_mjx.envs.checks import EnvCheckError
 from urbanverse_mjx.envs.types import NavState
@@ -40,6 +40,25 @@ def test_joint_actions_are_shares_of_the_control_range(small_bank: SceneBank) ->
     nav = jax.jit(env.begin)(jax.random.key(3))
     wheels_turn = sent(env, nav, jnp.array([1.0, 1.0, 1.0, 1.0, 0.0]))
     np.testing.assert_array_equal(sent(by_velocity, nav, jnp.array([1.0, 0.0])), wheels_turn)
+
+
+def test_where_a_robot_may_be_is_what_the_map_says(small_bank: SceneBank) -> None:
+    """At random places of every scene, in and around its map, and in its last cells; the table holds a bit a cell."""
+    env = unicycle_env(small_bank)
+    rng = np.random.default_rng(5)
+    size = np.array(small_bank.map_kind.shape[1:])
+    cells = np.concatenate([rng.uniform(-0.2, 1.2, (500, 2)) * size, size - 1.0 + rng.uniform(-1.5, 1.5, (100, 2))])
+    cells = np.floor(cells) + 0.5  # the middle of each: rounding plays no part
+    inside = ((cells >= 0) & (cells < size)).all(1)
+    at = np.clip(np.floor(cells).astype(int), 0, size - 1)
+    look_up = jax.jit(jax.vmap(env.is_traversable, (None, 0)))
+    for scene in range(small_bank.num_scenes):
+        truth = inside & traversable(small_bank.map_kind[scene, at[:, 0], at[:, 1]])
+        assert 0.05 < truth.mean() < 0.95
+        places = small_bank.map_origin[scene] + cells * float(small_bank.map_resolution)
+        np.testing.assert_array_equal(look_up(scene, jnp.asarray(places, jnp.float32)), truth)
+    constants = jax.make_jaxpr(env.is_traversable)(0, jnp.zeros(2)).consts
+    assert sum(c.nbytes for c in constants) < small_bank.map_kind.nbytes / 7
 
 
 def sent(env: NavEnv, nav: NavState, action: jax.Array) -> jax.Array:

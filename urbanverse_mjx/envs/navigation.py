@@ -8,7 +8,8 @@ import mujoco
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import GROUND_KINDS, NounError, RobotSpec, SceneBank, traversable
+from ..crowds import open_ground
+from ..datatypes import NounError, RobotSpec, SceneBank, traversable
 from ..precision import full_precision
 from . import terms
 from .living import PEOPLE_METRICS, LivingStreet
@@ -93,10 +94,8 @@ class NavEnv(StagedBase):
             name: jnp.asarray(getattr(bank, name))
             for name in ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
         }
-        self._map_kind = jnp.asarray(bank.map_kind)
-        self._map_origin = jnp.asarray(bank.map_origin)
+        self._walkable = open_ground.pack(traversable(bank.map_kind), bank.map_origin)
         self._map_resolution = float(bank.map_resolution)
-        self._traversable = jnp.asarray(traversable(np.arange(len(GROUND_KINDS))))
         self._surroundings = Surroundings(bank, robot.planner_height)
         #: The crowd of the scenario dynamic; None in the others.
         self.living: LivingStreet | None = None
@@ -286,11 +285,7 @@ class NavEnv(StagedBase):
 
     def is_traversable(self, scene: jax.Array, p_xy: jax.Array) -> jax.Array:
         """() bool: whether the ground under (2,) m is a kind a pavement robot may be on."""
-        cell = jnp.floor((p_xy - self._map_origin[scene]) / self._map_resolution).astype(jnp.int32)
-        size = jnp.array(self._map_kind.shape[1:])
-        inside = ((cell >= 0) & (cell < size)).all()
-        cell = jnp.clip(cell, 0, size - 1)
-        return inside & self._traversable[self._map_kind[scene, cell[0], cell[1]]]
+        return open_ground.is_open(self._walkable, scene, p_xy[0], p_xy[1], self._map_resolution)
 
     def _control(self, action: jax.Array) -> jax.Array:
         robot = self.robot
