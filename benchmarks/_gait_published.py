@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import _tables
+
 #: %, of trials: a kerb or ramp counts as walked.
 KERB_SHARE, RAMP_SHARE = 90.0, 100.0
 Found = Mapping[str, Any]
@@ -85,11 +87,8 @@ PUBLISHED = (
 
 def published_table(found: Found) -> str:
     """Markdown: what was found beside others' figures."""
-    lines = ["| what | this gait | others | whose | where it stands |", "|---|---|---|---|---|"]
-    for row in PUBLISHED:
-        cells = (row.what, row.ours(found) or "not tried", row.theirs, row.whose, row.source)
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+    rows = [(row.what, row.ours(found) or "not tried", row.theirs, row.whose, row.source) for row in PUBLISHED]
+    return _tables.markdown(("what", "this gait", "others", "whose", "where it stands"), rows)
 
 
 def goals_table(found: Found, at_most: dict[str, float], kerbs: dict[float, float], push: float, ramp: float) -> str:
@@ -109,8 +108,8 @@ def goals_table(found: Found, at_most: dict[str, float], kerbs: dict[float, floa
     for row in found["ramps"]:
         what = f"ramp of {np.degrees(np.arctan(row['slope'])):.1f} degrees, % of {row['episodes']}"
         rows.append((what, f"{ramp:g}", _passed(row)))
-    head = f"| {flat['episodes']} episodes of {flat['seconds']:g} s on level ground | goal | this gait |"
-    return "\n".join([head, "|---|---|---|", *(f"| {' | '.join(row)} |" for row in rows)])
+    level = f"{flat['episodes']} episodes of {flat['seconds']:g} s on level ground"
+    return _tables.markdown((level, "goal", "this gait"), rows)
 
 
 _LABELS = {

@@ -14,6 +14,7 @@ import jax
 import numpy as np
 from PIL import Image
 
+from benchmarks import _tables
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.datatypes.validation import write_atomically
@@ -141,10 +142,8 @@ def markdown(rows: Sequence[Mapping[str, Any]]) -> str:
         "peak MiB": lambda r: look_up(r, "memory.peak_device_mib") or look_up(r, "memory.peak_rss_mib"),
         "remarks": lambda r: r.get("error") or r.get("does", ""),
     }
-    lines = ["| " + " | ".join(columns) + " |", "|" + " --- |" * len(columns)]
-    for row in rows:
-        lines.append("| " + " | ".join(_cell(read(row)) for read in columns.values()) + " |")
-    return "\n".join(lines) + "\n"
+    cells = ([_cell(read(row)) for read in columns.values()] for row in rows)
+    return _tables.markdown(list(columns), cells) + "\n"
 
 
 def _cell(value: Any) -> str:

@@ -39,7 +39,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import _fidelity_scaling, _fidelity_store
+from benchmarks import _fidelity_scaling, _fidelity_store, _tables
 from benchmarks import _fidelity_scores as scores
 from benchmarks._fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_eye
 from benchmarks._injection import inject
@@ -313,15 +313,11 @@ def _text(result: dict[str, Any]) -> str:
     """The result as a table in Markdown."""
     if "scaling" in result:
         rows = result["scaling"]
-        return _markdown(list(rows[0]), [[str(x) for x in row.values()] for row in rows])
+        return _tables.markdown(list(rows[0]), [[str(x) for x in row.values()] for row in rows])
     body = []
     for row in [*result["rows"], {"row": "the paper, on KITTI-360", **result["paper"]}]:
         body.append([row["row"], *("-" if row.get(c) is None else f"{row[c]}" for c in _COLUMNS)])
-    return _markdown(["row", *_COLUMNS], body)
-
-
-def _markdown(head: list[str], body: list[list[str]]) -> str:
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (head, ["---"] * len(head), *body))
+    return _tables.markdown(["row", *_COLUMNS], body)
 
 
 if __name__ == "__main__":

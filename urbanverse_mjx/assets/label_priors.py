@@ -18,8 +18,8 @@ _ANYWHERE = ("person", "animal", "robot")
 _LIGHT = ("bicycle", "scooter", "motorcycle", "cyclist", "moped", "e-scooter", "handcart", "stroller", "wheelchair")
 _BESIDE = ("sidewalk", "ground")
 #: Things that people and road works set up on carriageways, too.
-_SURFACE = 1500  # points on a known shape
 _BOTH = ("access control barrier", "obstacle barrier", "street trash", "terrain")
+_SURFACE = 1500  # points on a known shape
 
 
 def stands_on(leaf: str) -> tuple[str, ...]:
@@ -52,15 +52,15 @@ class LabelPriors:
             leaf = records[0].leaf if records else nearest_leaves(label)[0]
         except UnknownLabelError as error:
             records, leaf = (), error.nearest[0]
-        known = prior(leaf)
+        known, house = prior(leaf), category_of(leaf)[0] == "building"
         return LabelPrior(
             extents=[r.extent_xyz for r in records],  # type: ignore[arg-type]
             on_ground=known.rest != "hangs",
             stands_on=stands_on(leaf),
             fixed=known.rest not in ("alive", "rolls"),
-            faces_road=category_of(leaf)[0] == "building",
+            faces_road=house,
             # Of a house one side is seen: its shape tells nothing that its size does not.
-            shapes=() if category_of(leaf)[0] == "building" else tuple(_surface(r) for r in records),
+            shapes=() if house else tuple(_surface(r) for r in records),
         )
 
 
