@@ -1,0 +1,37 @@
+"""Small things, whose depth is blurred, stand along or across the large things around them."""
+
+import numpy as np
+
+from urbanverse_mjx.distillation.boxes import Box
+from urbanverse_mjx.distillation.things import Street
+
+
+def house(x: float, y: float, degrees: float, size: tuple[float, float] = (9.0, 5.0)) -> Box:
+    return Box(np.array([x, y, 3.0]), np.array([*size, 6.0]), np.radians(degrees), 0.1, 0.1, (False, False, False))
+
+
+def quarter(angle: float | None) -> float:
+    assert angle is not None
+    return float(np.degrees(angle) % 90.0)
+
+
+def test_the_axis_is_that_of_the_houses_around_whatever_way_they_face() -> None:
+    street = Street.of([house(0, 5, 10), house(10, 5, 100), house(20, 5, -80), house(30, 5, 191)])
+    assert abs(quarter(street.axis(np.array([12.0, 0.0]))) - 10.0) < 1.0
+
+
+def test_near_houses_say_more_than_far_ones() -> None:
+    street = Street.of([house(x, 5, 0) for x in (0, 10, 20)] + [house(80, y, 30) for y in (0, 10, 20)])
+    assert quarter(street.axis(np.array([5.0, 0.0]))) % 89.0 < 3.0
+    assert abs(quarter(street.axis(np.array([78.0, 12.0]))) - 30.0) < 3.0
+
+
+def test_no_axis_far_from_everything_or_where_houses_disagree() -> None:
+    street = Street.of([house(0, 5, 0), house(4, -5, 45)])
+    assert street.axis(np.array([2.0, 0.0])) is None
+    assert Street.of([house(0, 5, 0)]).axis(np.array([200.0, 0.0])) is None
+    assert Street.of([]).axis(np.zeros(2)) is None
+
+
+def test_what_is_small_or_as_long_as_wide_has_no_say() -> None:
+    assert Street.of([house(0, 5, 20, (2.0, 0.5)), house(3, 5, 40, (5.0, 4.8))]).axis(np.zeros(2)) is None

@@ -1,0 +1,192 @@
+"""Poses and things adjusted together: directions in which things are seen from frame to frame tell how a tour bends.
+
+Odometry that turns a little too far with every step leads the lines of sight to one thing past each other. So poses
+(shifts and turns at knots, `knots`) and the places of things are found together that bring every view's direction and
+distance nearest to what was seen: a bundle adjustment (Triggs et al., "Bundle Adjustment - A Modern Synthesis", 2000)
+whose points are whole things. What faces the camera is nearer than a thing's middle; by how much is unknown for each
+thing and found with it, or distances would shrink the way. Outliers (views of another thing, half hidden ones) are
+outvoted as in `drift`.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from . import knots
+from .depth_scale import DepthScale
+from .fusion import PLACE, world_points
+from .lifting import Views
+
+#: m; the middle of larger things moves with the side that is seen.
+_LARGEST = 2.5
+_MIN_VIEWS, _MIN_THINGS = 8, 8
+#: Of its width that a view's middle may be beside the thing's; rad that a direction is off.
+_ASIDE, _DIRECTION = 0.15, np.radians(0.3)
+#: Of its width, by how much a view is nearer than the thing's middle, give or take as much.
+_BEHIND = 0.3
+#: Standard errors from which on a view speaks less, from round to round.
+_GATES = (6.0, 6.0, 4.0, 3.0, 3.0, 3.0)
+_STEPS = 2  # of each round
+#: Poses stay unless the median squared misfit of directions falls below this share of what it was.
+_GAIN = 0.7
+
+
+@dataclasses.dataclass(frozen=True)
+class Sights:
+    """What views say of where things are, seen from above: frame (n,), eye (n, 2) m, direction (n,) rad in the world,
+    half (n,) rad, half the width of what is seen; reach (n,) m from the eye to its middle."""
+
+    frame: np.ndarray
+    eye: np.ndarray
+    direction: np.ndarray
+    half: np.ndarray
+    reach: np.ndarray
+
+    def of(self, rows: np.ndarray) -> "Sights":
+        return Sights(*(getattr(self, f.name)[rows] for f in dataclasses.fields(self)))
+
+    @property
+    def width(self) -> np.ndarray:
+        """(n,) m."""
+        return 2.0 * self.half * self.reach
+
+
+def sights(views: Views, poses: np.ndarray, scale: np.ndarray) -> Sights:
+    """The views from above; depth comes into `reach` alone."""
+    n = len(views)
+    direction, half, reach = np.zeros(n), np.zeros(n), np.zeros(n)
+    for start in range(0, n, 512):
+        rows = slice(start, start + 512)
+        away = (world_points(views, poses, scale, rows) - poses[views.frame[rows], None, :3, 3])[..., :2]
+        middle = away.mean(1)
+        base = np.arctan2(middle[:, 1], middle[:, 0])
+        turn = np.sort(_wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[:, None]), axis=1)
+        last = turn.shape[1] - 1
+        low, high = turn[:, round(0.02 * last)], turn[:, round(0.98 * last)]
+        direction[rows], half[rows] = base + (low + high) / 2, (high - low) / 2
+        reach[rows] = np.median(np.linalg.norm(away, axis=-1), axis=1)
+    return Sights(views.frame, poses[views.frame, :2, 3], direction, half, np.maximum(reach, 0.5))
+
+
+def adjust(views: Views, thing: np.ndarray, poses: np.ndarray, depth: DepthScale) -> np.ndarray | None:
+    """(m, 4, 4) adjusted poses, or None where the views agree with these as well.
+
+    Args:
+      views: of the tour. thing: (n,) what each view shows.
+      poses: (m, 4, 4) T_world_camera. depth: each frame's scale, and the noise that remains.
+    """
+    seen = sights(views, poses, depth.scale)
+    whole = ~views.clipped[:, :2].any(1) & (seen.width < _LARGEST)
+    counts = np.bincount(thing[whole], minlength=int(thing.max(initial=-1)) + 1)
+    rows = np.flatnonzero(whole & (counts[thing] >= _MIN_VIEWS))
+    _, which = np.unique(thing[rows], return_inverse=True)
+    if not len(rows) or which.max() + 1 < _MIN_THINGS:
+        return None
+    at = knots.weights(len(poses))
+    problem = _Problem(seen.of(rows), which, at, poses, depth.noise)
+    still, moved = problem.solve(free=False), problem.solve(free=True)
+    if moved.misfit > _GAIN * still.misfit:
+        return None
+    return knots.corrected(poses, at @ moved.correction)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Solution:
+    """correction (k, 4) m and rad at the knots; misfit: median squared one of directions, in standard errors."""
+
+    correction: np.ndarray
+    misfit: float
+
+
+class _Problem:
+    """Unknown are the correction at the knots and, for every thing, its place (x, y) and how much of it is behind what
+    is seen (m). Gauss-Newton with Geman-McClure weights; things are eliminated (Schur's complement)."""
+
+    def __init__(self, seen: Sights, which: np.ndarray, at: np.ndarray, poses: np.ndarray, noise: float) -> None:
+        self.seen, self.which, self.at, self.poses = seen, which, at, poses
+        self.blend = at[seen.frame]
+        self.across = np.hypot(_DIRECTION, (PLACE + _ASIDE * seen.width) / seen.reach)
+        self.along = noise * seen.reach + PLACE
+        self.behind = _BEHIND * np.bincount(which, seen.width) / np.bincount(which)
+        self.held = 1.0 / (PLACE + self.behind) ** 2
+
+    def solve(self, free: bool) -> _Solution:
+        """With poses as they are, or `free`."""
+        things, correction = self._start(), np.zeros((self.at.shape[1], 4))
+        misfit = np.zeros((len(self.which), 2))
+        for gate in np.repeat(_GATES, _STEPS):
+            misfit, slope, bend = self._linear(things, correction)
+            trust = 1.0 / (1.0 + (misfit / gate) ** 2) ** 2
+            H = self._summed(np.einsum("nri,nr,nrj->nij", slope, trust, slope))
+            H += np.diag([1e-6, 1e-6, 0.0])
+            H[:, 2, 2] += self.held
+            g = -self._summed(np.einsum("nri,nr->ni", slope, trust * misfit))
+            g[:, 2] += self.held * (self.behind - things[:, 2])
+            if free:
+                step = self._knots(misfit, slope, bend, trust, H, g, correction)
+                correction = correction + step
+                g -= self._summed(np.einsum("nri,nr,nrj,nj->ni", slope, trust, bend, self.blend @ step, optimize=True))
+            things = things + np.linalg.solve(H, g[..., None])[..., 0]
+        return _Solution(correction, float(np.median(misfit[:, 0] ** 2)))
+
+    def _start(self) -> np.ndarray:
+        """(t, 3) things where their views put them, near ones first."""
+        seen = self.seen
+        place = seen.eye + seen.reach[:, None] * np.stack([np.cos(seen.direction), np.sin(seen.direction)], -1)
+        weight = 1.0 / seen.reach**2
+        total = np.bincount(self.which, weight)
+        middle = [np.bincount(self.which, weight * place[:, k]) / total for k in range(2)]
+        return np.stack([*middle, self.behind], -1)
+
+    def _linear(self, things: np.ndarray, correction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(n, 2) misfits of direction and distance in standard errors, and their slopes: (n, 2, 3) over the thing,
+        (n, 2, 4) over the correction of the view's pose."""
+        change = self.blend @ correction
+        away = things[self.which, :2] - self.seen.eye - change[:, :2]
+        far = np.maximum(np.linalg.norm(away, axis=1), 0.3)
+        unit = away / far[:, None]
+        side = np.stack([-unit[:, 1], unit[:, 0]], -1)
+        turn = _wrapped(np.arctan2(away[:, 1], away[:, 0]) - self.seen.direction - change[:, 3])
+        misfit = np.stack([turn / self.across, (far - things[self.which, 2] - self.seen.reach) / self.along], -1)
+        slope, bend = np.zeros((len(far), 2, 3)), np.zeros((len(far), 2, 4))
+        slope[:, 0, :2] = side / (far * self.across)[:, None]
+        slope[:, 1, :2] = unit / self.along[:, None]
+        slope[:, 1, 2] = -1.0 / self.along
+        bend[:, :, :2] = -slope[:, :, :2]
+        bend[:, 0, 3] = -1.0 / self.across
+        return misfit, slope, bend
+
+    def _summed(self, values: np.ndarray) -> np.ndarray:
+        """(t, ...) sums of (n, ...) over the views of each thing."""
+        flat = values.reshape(len(values), -1)
+        return np.stack([np.bincount(self.which, column) for column in flat.T], -1).reshape(-1, *values.shape[1:])
+
+    def _knots(
+        self,
+        misfit: np.ndarray,
+        slope: np.ndarray,
+        bend: np.ndarray,
+        trust: np.ndarray,
+        H: np.ndarray,
+        g: np.ndarray,
+        correction: np.ndarray,
+    ) -> np.ndarray:
+        """(k, 4) the step of the knots."""
+        count, blend = len(correction), self.blend
+        own = np.einsum("nri,nr,nrj->nij", bend, trust, bend)
+        normal = np.einsum("nk,nij,nl->kilj", blend, own, blend, optimize=True).reshape(4 * count, 4 * count)
+        right = -np.einsum("nk,nri,nr->ki", blend, bend, trust * misfit, optimize=True).ravel()
+        mixed = np.einsum("nri,nr,nrj->nij", bend, trust, slope)
+        cross = np.zeros((len(H), count, 4, 3))
+        np.add.at(cross, self.which, blend[:, :, None, None] * mixed[:, None])
+        cross = cross.reshape(len(H), 4 * count, 3)
+        normal -= np.einsum("tai,tij,tbj->ab", cross, np.linalg.inv(H), cross, optimize=True)
+        right -= np.einsum("tai,ti->a", cross, np.linalg.solve(H, g[..., None])[..., 0], optimize=True)
+        for block, value in (knots.odometry(correction, self.at, self.poses), knots.anchor(correction)):
+            normal += block.T @ block
+            right += block.T @ value
+        return np.linalg.solve(normal, right).reshape(count, 4)
+
+
+def _wrapped(angle: np.ndarray) -> np.ndarray:
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi

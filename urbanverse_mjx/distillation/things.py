@@ -1,0 +1,232 @@
+"""From views to things: what each is called, how sure it is, and the box around it."""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+
+from ..datatypes import Camera, LabelPrior
+from . import bearings, boxes, fusion
+from .depth_scale import DepthScale
+from .lifting import COARSE, Views
+
+#: How much less likely a thing is for every frame that should show it and does not: detectors miss a quarter to a half
+#: of what they could find, and leaves and railings hide more than one ray tells.
+_MISSED = 0.7
+#: A thing is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
+#: spread that partly hidden things have.
+_ODD_SIZE, _SIZE_SPREAD = 1.5, 0.5
+#: Labels from this similarity on may mean one thing.
+_KIN = 0.5
+#: Labels from this similarity on are one; a box is a fragment of another if more than this share of it is inside.
+_ALIKE, _INSIDE = 0.9, 0.7
+#: m; larger things that are so many times as long as wide show which way a street runs.
+_LARGE, _LONG = 4.0, 1.25
+#: m; how far around, at least so much weight of them, and how well they must agree (1 = fully).
+_AROUND, _NEAR, _AGREED = 15.0, 0.3, 0.5
+#: Depth of less noise shows by itself how things stand.
+_SHARP = 0.01
+#: Views of one thing are taken from this many directions, so many of each at most.
+_SECTORS, _PER_SECTOR = 8, 4
+
+
+@dataclasses.dataclass(frozen=True)
+class Fused:
+    """All views, and which of them show one thing.
+
+    Attributes:
+      camera: of every frame.
+      views: the views; thing (n,) i32, what each shows; alike (L, L), similarity of their labels.
+      coarse: (m, H / COARSE, W / COARSE) m, depth of the frames.
+      placed, seen: where the views are in the world, and from above.
+      poses: (m, 4, 4) T_world_camera; depth: each frame's scale and the noise that remains.
+      single_view: take each thing from one view alone.
+    """
+
+    camera: Camera
+    views: Views
+    thing: np.ndarray
+    alike: np.ndarray
+    coarse: np.ndarray
+    placed: fusion.Placed
+    seen: bearings.Sights
+    poses: np.ndarray
+    depth: DepthScale
+    single_view: bool
+
+
+@dataclasses.dataclass(frozen=True)
+class Thing:
+    """One thing: its number in `Fused.thing`, label, confidence, box, what is known of the label, rows of its views."""
+
+    number: int
+    label: str
+    score: float
+    box: boxes.Box
+    prior: LabelPrior
+    rows: np.ndarray
+
+
+def _groups(thing: np.ndarray) -> list[np.ndarray]:
+    """Views of each thing, in the order of its first view."""
+    order = np.argsort(thing, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(thing[order])) + 1) if len(order) else []
+    return sorted(groups, key=lambda rows: int(rows[0]))
+
+
+def things_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Thing]:
+    """The things of all views in the order in which they were first seen.
+
+    Large ones come first: they show which way the street runs, and what stands around mostly stands along or across.
+    """
+    groups = _groups(fused.thing)
+    label = [_label(fused, rows) for rows in groups]
+    known = [prior_of(fused.views.labels[k]).extents for k in label]
+    large = [not len(e) or e[:, :2].max() > _LARGE for e in known]
+    things = [
+        _thing(fused, rows, k, prior_of) if big else None for rows, k, big in zip(groups, label, large, strict=True)
+    ]
+    sharp = fused.single_view or fused.depth.noise < _SHARP
+    street = Street.of([t.box for t in things if t is not None and not sharp])
+    return [
+        _thing(fused, rows, k, prior_of, street) if t is None else t
+        for rows, k, t in zip(groups, label, things, strict=True)
+    ]
+
+
+@dataclasses.dataclass(frozen=True)
+class Street:
+    """Which way things run: center (n, 2) m of large ones, turn (n,) their headings as exp(4 i yaw)."""
+
+    center: np.ndarray
+    turn: np.ndarray
+
+    @classmethod
+    def of(cls, things: list[boxes.Box]) -> "Street":
+        long = [t for t in things if t.size[:2].max() > max(_LARGE, _LONG * t.size[:2].min())]
+        center = np.array([t.center[:2] for t in long]).reshape(-1, 2)
+        return cls(center, np.exp(4j * np.array([t.yaw for t in long])))
+
+    def axis(self, place: np.ndarray) -> float | None:
+        """rad modulo a quarter turn, along or across which what is near (2,) m stands; None where nothing large is near
+        or it disagrees."""
+        weight = 1.0 / (1.0 + (np.linalg.norm(self.center - place, axis=1) / _AROUND) ** 2) ** 2
+        agreed = (weight * self.turn).sum() / max(weight.sum(), 1e-9)
+        return float(np.angle(agreed) / 4) if weight.sum() > _NEAR and abs(agreed) > _AGREED else None
+
+
+def _label(fused: Fused, rows: np.ndarray) -> int:
+    """What the views of a thing say that it is, near ones first."""
+    views = fused.views
+    return int(np.bincount(views.label[rows], views.score[rows] / fused.placed.sigma[rows], len(views.labels)).argmax())
+
+
+def _thing(
+    fused: Fused, rows: np.ndarray, label: int, prior_of: Callable[[str], LabelPrior], street: Street | None = None
+) -> Thing:
+    """One thing from its views; street: how things around it stand, where its own depth does not show that."""
+    views, placed = fused.views, fused.placed
+    # Views that called it something else may show something else.
+    own = rows[fused.alike[views.label[rows], label] >= _KIN]
+    if fused.single_view:
+        own = chosen = rows[np.argsort(views.pixels[rows], kind="stable")][[len(rows) // 2]]
+        label = int(views.label[chosen[0]])
+    else:
+        chosen = _chosen(own, placed, views.clipped)
+    prior = prior_of(views.labels[label])
+    points = fusion.world_points(views, fused.poses, fused.depth.scale, chosen)
+    eyes = placed.eye[chosen]
+    noise = fused.depth.noise
+    points, sigma = boxes.consensus(points, eyes, placed.sigma[chosen], noise)
+    top = _top(own if len(chosen) > 1 else chosen, views, placed)
+    whole = own[~views.clipped[own, :2].any(1)]
+    axis = None if street is None else street.axis(np.median(placed.center[own, :2], axis=0))
+    box = boxes.fit(points.reshape(-1, 3), placed.eye[own], prior, noise, top, sigma, fused.seen.of(whole), axis)
+    name = views.labels[label]
+    return Thing(int(fused.thing[rows[0]]), name, _confidence(fused, rows, box, prior), box, prior, rows)
+
+
+def without_fragments(things: list[Thing], fused: Fused) -> list[Thing]:
+    """Things without the fragments that turn out to lie in the box of a thing of their label seen more often: the top
+    of a house over a roof, the end of a car behind another."""
+    if len(things) < 2:
+        return things
+    views, placed, alike = fused.views, fused.placed, fused.alike
+    row = {label: i for i, label in enumerate(views.labels)}
+    centers = np.array([t.box.center for t in things])
+    # What was seen of each, without what was completed.
+    spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in things]
+    frames = [set(views.frame[t.rows].tolist()) for t in things]
+    kept = set(range(len(things)))
+    for i in sorted(kept, key=lambda k: len(things[k].rows)):
+        small = things[i]
+        near = np.linalg.norm(centers[:, :2] - centers[i, :2], axis=1)
+        for j in np.argsort(near):
+            large = things[j]
+            if near[j] > 0.6 * np.linalg.norm(large.box.size[:2]) + 1.0 and near[j] > 15.0:
+                break
+            rarer = 2 * len(small.rows) <= len(large.rows)
+            if i == j or j not in kept or not rarer or alike[row[small.label], row[large.label]] < _ALIKE:
+                continue
+            inside = boxes.share_inside(*spans[i], large.box, small.box.blur)
+            if inside > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
+                kept.discard(i)
+                break
+    return [things[i] for i in sorted(kept)]
+
+
+def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.ndarray:
+    """At most `boxes.MAX_VIEWS` views: the best from every direction."""
+    if len(rows) <= boxes.MAX_VIEWS:
+        return rows
+    # A view cut off by the picture's rim is worth one from three times as far.
+    cost = placed.sigma[rows] * np.where(clipped[rows].any(1), 3.0, 1.0)
+    middle = np.median(placed.center[rows], axis=0)
+    side = placed.eye[rows] - middle
+    sector = np.floor((np.arctan2(side[:, 1], side[:, 0]) / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
+    order = np.lexsort((cost, sector))
+    ends = np.r_[0, np.flatnonzero(np.diff(sector[order])) + 1]
+    rank = np.arange(len(rows)) - np.repeat(ends, np.diff(np.r_[ends, len(rows)]))
+    picked = order[rank < _PER_SECTOR]
+    return rows[picked[np.argsort(cost[picked], kind="stable")][: boxes.MAX_VIEWS]]
+
+
+def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
+    """m: the height of a thing's top, from its best views that the picture's upper rim did not cut; None without any.
+
+    Other things may hide the top in some of them, depth may raise it in others: the 80th percentile is between.
+    """
+    whole = rows[~views.clipped[rows, 2]]
+    if not len(whole):
+        return None
+    best = whole[np.argsort(placed.sigma[whole], kind="stable")[:8]]
+    return float(np.quantile(placed.high[best, 2], 0.8))
+
+
+def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrior) -> float:
+    """Probability that a thing is there: every view speaks for it by the odds of its score, every frame that should
+    have shown it and did not speaks against it by the odds of `_MISSED`.
+
+    A frame should have shown it if its middle is in the picture, no farther than in its farthest view, and nothing
+    stands before it.
+    """
+    camera, frames = fused.camera, np.unique(fused.views.frame[rows])
+    offset = box.center - fused.poses[:, :3, 3]
+    local = np.einsum("mji,mj->mi", fused.poses[:, :3, :3], offset)
+    farthest = np.linalg.norm(box.center - fused.placed.eye[rows], axis=1).max()
+    z = np.maximum(local[:, 2], 0.5)
+    u, w = (camera.fx * local[:, 0] / z + camera.cx), (camera.fy * local[:, 1] / z + camera.cy)
+    inside = (local[:, 2] > 0.5) & (np.linalg.norm(offset, axis=1) <= farthest)
+    inside &= (u > 0) & (u < camera.width) & (w > 0) & (w < camera.height)
+    inside[frames] = False
+    missing = np.flatnonzero(inside)
+    i = np.minimum(w[missing] / COARSE, fused.coarse.shape[1] - 1).astype(int)
+    j = np.minimum(u[missing] / COARSE, fused.coarse.shape[2] - 1).astype(int)
+    depth = fused.coarse[missing, i, j] * fused.depth.scale[missing]
+    slack = 0.5 * float(np.linalg.norm(box.size[:2])) + 2 * fused.depth.noise * local[missing, 2] + 0.3
+    free = (depth == 0) | (depth > local[missing, 2] - slack)
+    score = np.clip(fused.views.score[rows], 0.02, 0.98)
+    odds = float(np.log(score / (1 - score)).sum() + free.sum() * np.log(_MISSED))
+    if len(prior.extents):
+        odds -= _ODD_SIZE * max(0.0, boxes.misfit(box.size, prior) - _SIZE_SPREAD)
+    return float(1.0 / (1.0 + np.exp(-np.clip(odds, -30, 30))))
