@@ -62,7 +62,7 @@ def sights(views: Views, poses: np.ndarray, scale: np.ndarray) -> Sights:
         base = np.arctan2(middle[:, 1], middle[:, 0])
         turn = np.sort(_wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[:, None]), axis=1)
         last = turn.shape[1] - 1
-        low, high = turn[:, round(0.02 * last)], turn[:, round(0.98 * last)]
+        low, high = turn[:, 1], turn[:, last - 1]
         direction[rows], half[rows] = base + (low + high) / 2, (high - low) / 2
         reach[rows] = np.median(np.linalg.norm(away, axis=-1), axis=1)
     return Sights(views.frame, poses[views.frame, :2, 3], direction, half, np.maximum(reach, 0.5))
