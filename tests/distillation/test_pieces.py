@@ -173,3 +173,13 @@ def test_who_stands_still_for_a_while_does_not_change_the_scale():
     assert list(metric.kept) == list(range(len(way)))
     assert trajectory_error(metric.poses, way).worst < 0.5
     np.testing.assert_allclose(metric.scale, 2.0, rtol=0.02)
+
+
+@pytest.mark.parametrize("at", [0, OUT - 1])
+def test_a_single_frame_that_stands_elsewhere_is_left_out(at: int):
+    model = _model(THERE, 1, 0.5)
+    model["poses"][at, :3, 3] += 4.0
+    structure, codes = _structure([model])
+    metric = to_metric(structure, codes, HEIGHT)
+    assert list(metric.kept) == [k for k in THERE if k != at]
+    assert _off(structure, metric) < 0.1

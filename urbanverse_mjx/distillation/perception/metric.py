@@ -10,8 +10,9 @@ from .structure import Structure
 
 #: Ground points fewer than this fit no plane worth the name.
 MIN_POINTS = 20
-#: Ground nearer than so many camera heights says how high the camera is.
-_NEAR = 5.0
+#: Ground nearer than so many camera heights says how high the camera is; the second where the first holds none. What
+#: is nearest is what is walked on, the road beside a pavement lies lower.
+_NEAR = 2.0, 5.0
 #: Of the camera's height: what still lies on the plane; a kerb of 0.15 m under a camera at 1.5 m is within.
 _THICKNESS = 0.12
 _TRIALS = 400
@@ -186,8 +187,10 @@ def _heights(points: np.ndarray, cameras: np.ndarray, up: np.ndarray) -> np.ndar
     for k, camera in enumerate(cameras):
         down = (camera - points) @ up
         aside = np.linalg.norm(points - camera + down[:, None] * up, axis=1)
-        near = down[(aside < _NEAR * usual) & (down > 0.2 * usual)]
-        if len(near) >= 3:
+        below = down > 0.2 * usual
+        found = [down[below & (aside < reach * usual)] for reach in _NEAR]
+        near = next((heights for heights in found if len(heights) >= 3), None)
+        if near is not None:
             out[k] = np.median(near)
     return out
 

@@ -53,29 +53,29 @@ class Piece:
 
 def cut(structure: Structure) -> list[np.ndarray]:
     """Rows (k,) of every piece: models, cut where the way jumps or its unit changes."""
-    models = [np.flatnonzero(structure.model == k) for k in np.unique(structure.model)]
-    pieces = [piece for rows in models for piece in _cut(structure, rows)]
+    pieces: list[np.ndarray] = []
+    for model in np.unique(structure.model):
+        rows = np.flatnonzero(structure.model == model)
+        way = np.linalg.norm(np.diff(structure.poses[rows, :3, 3], axis=0), axis=1)
+        pieces += _cut(rows, way / np.diff(structure.registered[rows]), float(np.median(way)) if len(way) else 0.0)
     return [rows for rows in pieces if len(rows) >= _LEAST] or [max(pieces, key=len)]
 
 
-def _cut(structure: Structure, rows: np.ndarray) -> list[np.ndarray]:
-    way = np.linalg.norm(np.diff(structure.poses[rows, :3, 3], axis=0), axis=1)
-    steps = way / np.diff(structure.registered[rows])
-    if len(steps) < 3:
-        return [rows]
-    # Whoever stands still for a while has not changed units.
-    floor = 0.1 * float(np.median(steps)) + 1e-12
+def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]:
+    """Rows (k,) of one model, (k - 1,) steps a frame between them and its common step, at the worst place and on."""
+    # Whoever stands still for a while has not changed units, and does not jump when going on.
+    floor = 0.1 * common + 1e-12
     worst, at = 1.0, -1
-    for k in range(1, len(steps) - 1):
-        before = float(np.median(steps[max(0, k - _WINDOW) : k])) + floor
-        after = float(np.median(steps[k + 1 : k + 1 + _WINDOW])) + floor
-        breaks = max(before / after, after / before) / _BREAK if min(k, len(steps) - 1 - k) >= 3 else 0.0
-        wrong = max(steps[k] / (_JUMP * max(before, after)), breaks)
+    for k in range(len(steps)):
+        sides = [side for side in (steps[max(0, k - _WINDOW) : k], steps[k + 1 : k + 1 + _WINDOW]) if len(side)]
+        usual = [float(np.median(side)) + floor for side in sides] or [np.inf]
+        breaks = max(usual) / min(usual) / _BREAK if min(k, len(steps) - 1 - k) >= 3 else 0.0
+        wrong = max(float(steps[k]) / (_JUMP * max(common, *usual)), breaks)
         if wrong > worst:
             worst, at = wrong, k
     if at < 0:
         return [rows]
-    return _cut(structure, rows[: at + 1]) + _cut(structure, rows[at + 1 :])
+    return _cut(rows[: at + 1], steps[:at], common) + _cut(rows[at + 1 :], steps[at + 1 :], common)
 
 
 def join(pieces: Sequence[Piece]) -> list[np.ndarray | None]:
