@@ -29,7 +29,7 @@ _COARSE, _FINE = (np.radians(2.0), np.pi, 0.5, 0.5), (np.radians(0.5), np.radian
 _SHIFT, _SHIFT_FRAME, _MOST_SHIFT = 0.5, 0.25, 3.0
 #: Share of a piece's cells that must be found again, how much better than at any other turn (by `_OTHER` rad), and how
 #: much better than at the turn that the model itself says (to `_SAME` rad).
-_FOUND, _DISTINCT, _OTHER, _SURE, _SAME = 0.25, 1.15, np.radians(35.0), 1.5, np.radians(10.0)
+_FOUND, _DISTINCT, _OTHER, _SURE, _SAME = 0.25, 1.7, np.radians(35.0), 1.5, np.radians(10.0)
 
 
 @dataclasses.dataclass(frozen=True)
