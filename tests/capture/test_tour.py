@@ -111,3 +111,13 @@ def test_the_command_films_and_writes_a_video(
     assert len(Recording.load(tmp_path / "r")) == 2
     assert main(["capture", "--out", str(tmp_path / "s"), "--scene", "nowhere", *options]) == 2
     assert "needed one of" in capsys.readouterr().err
+
+
+def test_a_walker_turns_about_in_seconds_not_between_two_frames(small_bank: SceneBank) -> None:
+    def fastest(turn_time: float) -> float:
+        path = walk(small_bank, 0, PathOptions(rate=4.0, sway=0.0, turn_time=turn_time))
+        return float(np.abs(np.diff(np.unwrap(path.plan()[:, 3]))).max()) * 4.0
+
+    # The way comes back along itself: half a turn, in a quarter of a second or spread over three.
+    assert fastest(0.0) > np.radians(300.0)
+    assert fastest(3.0) < np.radians(90.0)

@@ -158,6 +158,7 @@ def test_frames_without_a_pose_stay_in_the_recording_without_one(
         frame=structure.frame[keep],
         point=structure.point[keep],
         pixel=structure.pixel[keep],
+        model=structure.model[:8],
     )
     recording = _perceive(frames, fewer, tmp_path)
     assert list(recording.registered) == list(range(8))
@@ -189,7 +190,16 @@ def test_a_thing_stands_where_its_foot_meets_the_ground():
     sight = Sight(surfaces, np.where(board, 0, -1).astype(np.int32), (Detection("bench"),), guess)
     none = np.zeros(0, np.int32)
     structure = Structure(
-        CAMERA, 0.0, np.array([0]), pose[None], np.zeros((0, 3)), none, none, np.zeros((0, 2), np.float32), 0.0
+        CAMERA,
+        0.0,
+        np.array([0]),
+        pose[None],
+        np.zeros((0, 3)),
+        none,
+        none,
+        np.zeros((0, 2), np.float32),
+        0.0,
+        np.zeros(1, np.int32),
     )
     ground = np.array([[x, y, 0.0] for x in range(1, 9) for y in (-1, 1)], float)
     metric = dataclasses.replace(_flat(pose), points=ground, ground=np.full(len(ground), SIDEWALK, np.uint8))
@@ -201,14 +211,15 @@ def test_a_thing_stands_where_its_foot_meets_the_ground():
 def _flat(pose: np.ndarray):
     from urbanverse_mjx.distillation.perception.metric import Metric
 
-    return Metric(1.0, pose[None], np.zeros((0, 3)), np.zeros(0, np.uint8), np.array([HEIGHT]))
+    one = np.ones(1)
+    return Metric(np.zeros(1, int), one, pose[None], np.zeros((0, 3)), np.zeros(0, np.uint8), HEIGHT * one, 1)
 
 
 def test_lens_distortion_is_taken_out():
     """A straight line that the lens bent is straight again."""
     none = np.zeros(0, np.int32)
     structure = Structure(
-        CAMERA, -0.2, none, np.zeros((0, 4, 4)), np.zeros((0, 3)), none, none, np.zeros((0, 2), np.float32), 0.0
+        CAMERA, -0.2, none, np.zeros((0, 4, 4)), np.zeros((0, 3)), none, none, np.zeros((0, 2), np.float32), 0.0, none
     )
     rays = CAMERA.rays()
     # The bent picture: each of its pixels shows the ray whose distortion leads there (a few fixed-point steps).

@@ -15,6 +15,8 @@ _BODY = 0.35
 #: m: ways nearer than this to things cost more.
 _COMFORT = 1.0
 _SMOOTH = 1.5  # m, window over which corners are rounded
+_AHEAD = 0.5  # m, the point of the way that the walker goes for
+_TICK = 0.05  # s, on which turns are spread
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,6 +29,8 @@ class PathOptions:
       height: m of the camera above the ground.
       sway: rad, how far the camera looks to both sides in turn; sway_period: s of one turn to and fro.
       pitch: rad, looking up.
+      turn_time: s over which a change of direction is spread; whoever films turns about in some seconds (at 3 s by
+        60° a second), not from one frame to the next.
       frames: exactly so many, going round again where the way is too short; None = the way once.
     """
 
@@ -36,11 +40,16 @@ class PathOptions:
     sway: float = np.radians(35.0)
     sway_period: float = 12.0
     pitch: float = np.radians(4.0)
+    turn_time: float = 3.0
     frames: int | None = None
 
     def __post_init__(self) -> None:
-        if min(self.speed, self.rate, self.height, self.sway_period) <= 0 or not abs(self.pitch) < 1.2:
-            raise NounError(f"camera path: found {self}, needed positive speed, rate and height and a pitch below 1.2.")
+        positive = min(self.speed, self.rate, self.height, self.sway_period)
+        if positive <= 0 or self.turn_time < 0 or not abs(self.pitch) < 1.2:
+            raise NounError(
+                f"camera path: found {self}, needed positive speed, rate and height, a turn time of at least 0 and a "
+                "pitch below 1.2."
+            )
         if self.frames is not None and self.frames < 1:
             raise NounError(f"camera path: found {self.frames} frames, needed at least 1.")
 
@@ -72,13 +81,27 @@ def walk(bank: SceneBank, scene: int, options: PathOptions | None = None) -> Cam
     count = options.frames or max(1, int(lengths[-1] / step))
     # Round trips end where they began: whoever goes on begins anew.
     along = (np.arange(count) * step) % lengths[-1]
-    place = np.stack([np.interp(along, lengths, ring[:, k]) for k in (0, 1)], -1)
-    ahead = (along + 0.5) % lengths[-1]
-    towards = np.stack([np.interp(ahead, lengths, ring[:, k]) for k in (0, 1)], -1) - place
+    place = _at(along, lengths, ring)
     time_s = np.arange(count) / options.rate
-    yaw = np.arctan2(towards[:, 1], towards[:, 0]) + options.sway * np.sin(2 * np.pi * time_s / options.sway_period)
+    yaw = _heading(ring, lengths, time_s, options) + options.sway * np.sin(2 * np.pi * time_s / options.sway_period)
     height = _floor(street, place) + options.height
     return CameraPath(time_s, camera_poses(np.c_[place, height], yaw, options.pitch))
+
+
+def _at(along: np.ndarray, lengths: np.ndarray, ring: np.ndarray) -> np.ndarray:
+    """(n, 2) m: places after (n,) m of a way whose corners (r, 2) lie at lengths (r,)."""
+    return np.stack([np.interp(along, lengths, ring[:, k]) for k in (0, 1)], -1)
+
+
+def _heading(ring: np.ndarray, lengths: np.ndarray, time_s: np.ndarray, options: PathOptions) -> np.ndarray:
+    """(n,) rad: where the walker faces; the way's direction, each change spread evenly over `turn_time`."""
+    half = round(options.turn_time / 2 / _TICK)
+    ticks = np.arange(-half, round(time_s[-1] / _TICK) + half + 1) * _TICK
+    along = np.clip(ticks, 0.0, time_s[-1]) * options.speed
+    towards = _at((along + _AHEAD) % lengths[-1], lengths, ring) - _at(along % lengths[-1], lengths, ring)
+    yaw = np.unwrap(np.arctan2(towards[:, 1], towards[:, 0]))
+    spread = np.convolve(yaw, np.full(2 * half + 1, 1.0 / (2 * half + 1)), "valid")
+    return np.interp(time_s, ticks[half : len(ticks) - half], spread)
 
 
 def camera_poses(position: np.ndarray, yaw: np.ndarray, pitch: float | np.ndarray = 0.0) -> np.ndarray:

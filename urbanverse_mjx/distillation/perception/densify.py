@@ -64,7 +64,7 @@ def dense_depth(row: int, sight: Sight, structure: Structure, metric: Metric, gr
     pixel = np.floor(structure.pixel[mine]).astype(int)
     inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
     columns, rows = pixel[inside].T
-    points = (structure.depth()[mine] * metric.scale)[inside]
+    points = (structure.depth()[mine] * metric.scale[row])[inside]
     # Without a guess a thing is a board that faces the camera, and what is no thing stays unknown.
     guess = np.ones_like(flat) if sight.depth is None else sight.depth.astype(np.float64)
     ratio = np.log(np.maximum(points, 1e-3) / np.maximum(guess[rows, columns], 1e-3))

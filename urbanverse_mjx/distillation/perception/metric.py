@@ -5,12 +5,14 @@ import dataclasses
 import numpy as np
 
 from ...datatypes import GROUND_KINDS, NounError
+from .pieces import Piece, cut, join
 from .structure import Structure
 
 #: Ground points fewer than this fit no plane worth the name.
 MIN_POINTS = 20
-#: Ground nearer than so many camera heights says how high the camera is.
-_NEAR = 5.0
+#: Ground nearer than so many camera heights says how high the camera is; the second where the first holds none. What
+#: is nearest is what is walked on, the road beside a pavement lies lower.
+_NEAR = 2.0, 5.0
 #: Of the camera's height: what still lies on the plane; a kerb of 0.15 m under a camera at 1.5 m is within.
 _THICKNESS = 0.12
 _TRIALS = 400
@@ -20,24 +22,31 @@ _TILT = np.radians(25.0)
 
 @dataclasses.dataclass(frozen=True)
 class Metric:
-    """A structure in metres.
+    """A structure in metres: n of its m frames, those that have a place.
 
     Attributes:
-      scale: metres per unit of the structure.
-      poses: (m, 4, 4) f64 T_world_camera, z up, z = 0 on the ground under the first camera.
-      points: (p, 3) f64 m, world. ground: (p,) u8 codes of `GROUND_KINDS` that most views of the point saw; 0 = none.
-      heights: (m,) f64 m: of each camera above the ground near it, NaN where none is seen.
+      kept: (n,) rows of the structure's frames, rising.
+      scale: (n,) f64 metres per unit of the structure at each.
+      poses: (n, 4, 4) f64 T_world_camera, z up, z = 0 on the ground under the first camera.
+      points: (p, 3) f64 m, world. ground: (p,) u8 codes of `GROUND_KINDS` that most views of the point saw; 0 = none,
+        or a point that no kept frame saw.
+      heights: (n,) f64 m: of each camera above the ground near it, NaN where none is seen.
+      pieces: in so many the structure was joined.
     """
 
-    scale: float
+    kept: np.ndarray
+    scale: np.ndarray
     poses: np.ndarray
     points: np.ndarray
     ground: np.ndarray
     heights: np.ndarray
+    pieces: int
 
 
 def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> Metric:
-    """Finds the ground, turns it level, and scales until the cameras are at their height above it.
+    """Finds each piece's ground, turns it level, scales until its cameras are at their height, and joins the pieces.
+
+    A piece that sees no ground takes the speed of the others. One that fits nowhere is left out.
 
     Args:
       codes: (o,) u8 surface code that each observation's pixel shows, see `Frame.surfaces`.
@@ -47,25 +56,88 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
       NounError: too little ground among the points.
     """
     ground = _vote(structure, codes)
-    on_ground = structure.points[ground > 0]
-    if len(on_ground) < MIN_POINTS:
+    if (ground > 0).sum() < MIN_POINTS:
         raise NounError(
-            f"metric scale: found {len(on_ground)} points on the ground, needed {MIN_POINTS}; film with the ground in "
-            "the lower half of the picture."
+            f"metric scale: found {(ground > 0).sum()} points on the ground, needed {MIN_POINTS}; film with the ground "
+            "in the lower half of the picture."
         )
-    rough = -structure.poses[:, :3, 1].mean(0)
-    up = _normal(on_ground, structure.poses[:, :3, 3], rough / np.linalg.norm(rough))
-    heights = _heights(on_ground, structure.poses[:, :3, 3], up)
-    if np.isnan(heights).all():
+    rows = cut(structure)
+    owner = _owner(structure, rows)
+    stands = [_stand(structure, own, structure.points[(ground > 0) & (owner == n)]) for n, own in enumerate(rows)]
+    scales = _scales(structure, rows, [heights for _, heights in stands], camera_height)
+    pieces = [_upright(structure, own, up, scale) for own, (up, _), scale in zip(rows, stands, scales, strict=True)]
+    places = join(pieces)
+    joined = [n for n, place in enumerate(places) if place is not None]
+    kept = np.concatenate([rows[n] for n in joined])
+    poses = np.concatenate([places[n] @ pieces[n].poses for n in joined])
+    heights = np.concatenate([scales[n] * stands[n][1] for n in joined])
+    scale = np.concatenate([np.full(len(rows[n]), scales[n]) for n in joined])
+    order = np.argsort(kept)
+    kept, poses, heights, scale = kept[order], poses[order], heights[order], scale[order]
+    world = np.eye(4)
+    world[:3, :3] = _level(np.array([0.0, 0.0, 1.0]), poses[:, :3, 3])
+    world[:3, 3] = -world[:3, :3] @ (poses[0, :3, 3] - [0.0, 0.0, heights[np.isfinite(heights)][0]])
+    points = np.zeros((len(structure.points), 3))
+    for n in joined:
+        T = world @ places[n] @ pieces[n].T_unit
+        points[owner == n] = structure.points[owner == n] @ T[:3, :3].T + T[:3, 3]
+    ground = np.where(np.isin(owner, joined), ground, 0).astype(np.uint8)
+    return Metric(kept, scale, world @ poses, points, ground, heights, len(joined))
+
+
+def _owner(structure: Structure, rows: list[np.ndarray]) -> np.ndarray:
+    """(p,) number of the piece whose frames see most of each point, -1 where none does."""
+    piece = np.full(len(structure.registered), len(rows), np.int64)
+    for n, own in enumerate(rows):
+        piece[own] = n
+    votes = np.zeros((len(structure.points), len(rows) + 1), np.int64)
+    np.add.at(votes, (structure.point, piece[structure.frame]), 1)
+    return np.where(votes[:, :-1].any(1), votes[:, :-1].argmax(1), -1)
+
+
+def _stand(structure: Structure, rows: np.ndarray, on_ground: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Up (3,) of a piece in the structure's axes, and each camera's height (k,) in its unit above the points of the
+    ground (g, 3), NaN where it sees none."""
+    cameras = structure.poses[rows, :3, 3]
+    rough = -structure.poses[rows, :3, 1].mean(0)
+    rough /= np.linalg.norm(rough)
+    if len(on_ground) < MIN_POINTS:
+        return rough, np.full(len(rows), np.nan)
+    up = _normal(on_ground, cameras, rough)
+    return up, _heights(on_ground, cameras, up)
+
+
+def _scales(
+    structure: Structure, rows: list[np.ndarray], heights: list[np.ndarray], camera_height: float
+) -> list[float]:
+    """Metres per unit of every piece: from its cameras' height, else from the speed of those that have one."""
+    steps = [
+        np.median(np.linalg.norm(np.diff(structure.poses[k, :3, 3], axis=0), axis=1) / np.diff(structure.registered[k]))
+        if len(k) > 1
+        else np.nan
+        for k in rows
+    ]
+    scales = [camera_height / float(np.nanmedian(h)) if np.isfinite(h).any() else np.nan for h in heights]
+    if np.isnan(scales).all():
         raise NounError("metric scale: found no ground near any camera, needed some; film with the ground in sight.")
-    scale = camera_height / float(np.nanmedian(heights))
-    turn = _level(up, structure.poses[:, :3, 3])
-    first = heights[np.flatnonzero(~np.isnan(heights))[0]]
-    origin = structure.poses[0, :3, 3] - first * up
-    poses = np.tile(np.eye(4), (len(structure.poses), 1, 1))
-    poses[:, :3, :3] = turn @ structure.poses[:, :3, :3]
-    poses[:, :3, 3] = scale * (structure.poses[:, :3, 3] - origin) @ turn.T
-    return Metric(scale, poses, scale * (structure.points - origin) @ turn.T, ground, scale * heights)
+    speed = float(np.nanmedian(np.array(scales) * steps))
+    return [speed / max(float(u), 1e-12) if np.isnan(s) else s for s, u in zip(scales, steps, strict=True)]
+
+
+def _upright(structure: Structure, rows: np.ndarray, up: np.ndarray, scale: float) -> Piece:
+    """A piece in metres, its first camera at the origin; pieces of one model share what x is."""
+    model = int(structure.model[rows[0]])
+    turn = _axes(up, structure.poses[structure.model == model][0, :3, 0])
+    first = structure.poses[rows[0], :3, 3]
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = scale * turn, -scale * turn @ first
+    poses = np.tile(np.eye(4), (len(rows), 1, 1))
+    poses[:, :3, :3] = turn @ structure.poses[rows, :3, :3]
+    poses[:, :3, 3] = structure.poses[rows, :3, 3] @ T[:3, :3].T + T[:3, 3]
+    # All that it saw itself, whichever piece saw it more often: where little is missing, that says how they are turned.
+    seen = np.bincount(structure.point[np.isin(structure.frame, rows)], minlength=len(structure.points)) >= 2
+    points = structure.points[seen] @ T[:3, :3].T + T[:3, 3]
+    return Piece(rows, structure.registered[rows], model, poses, points, T)
 
 
 def _vote(structure: Structure, codes: np.ndarray) -> np.ndarray:
@@ -115,15 +187,21 @@ def _heights(points: np.ndarray, cameras: np.ndarray, up: np.ndarray) -> np.ndar
     for k, camera in enumerate(cameras):
         down = (camera - points) @ up
         aside = np.linalg.norm(points - camera + down[:, None] * up, axis=1)
-        near = down[(aside < _NEAR * usual) & (down > 0.2 * usual)]
-        if len(near) >= 3:
+        below = down > 0.2 * usual
+        found = [down[below & (aside < reach * usual)] for reach in _NEAR]
+        near = next((heights for heights in found if len(heights) >= 3), None)
+        if near is not None:
             out[k] = np.median(near)
     return out
 
 
 def _level(up: np.ndarray, cameras: np.ndarray) -> np.ndarray:
     """(3, 3) rotation that turns up to z and the way from the first camera to the farthest to x."""
-    way = cameras[np.argmax(np.linalg.norm(cameras - cameras[0], axis=1))] - cameras[0]
+    return _axes(up, cameras[np.argmax(np.linalg.norm(cameras - cameras[0], axis=1))] - cameras[0])
+
+
+def _axes(up: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """(3, 3) rotation that turns up to z and a way, as far as it is level, to x."""
     along = way - (way @ up) * up
     if np.linalg.norm(along) < 1e-9:
         along = np.cross(up, [0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0])

@@ -68,6 +68,7 @@ def perceive(
         sights.append(perception.sees(rgb, structure.camera.fx))
         say(3 * count + k + 1, 5 * count)
     metric = to_metric(structure, _codes(structure, sights), perception.camera_height)
+    structure, sights = structure.only(metric.kept), [sights[k] for k in metric.kept]
     writer = RecordingWriter(folder, identifier(name), source, structure.camera)
     ground = densify.levels(metric)
     row_of = {int(number): row for row, number in enumerate(structure.registered)}
@@ -109,7 +110,7 @@ def _record(frames: Frames, structure: Structure, metric: Metric, sights: list[S
         "points": len(structure.points),
         "ground_points": int((metric.ground > 0).sum()),
         "reprojection_error_pixels": round(structure.error, 3),
-        "metres_per_unit": round(metric.scale, 6),
+        "pieces": metric.pieces,
         "way_m": round(float(way), 2),
         "detections": sum(len(s.detections) for s in sights),
     }

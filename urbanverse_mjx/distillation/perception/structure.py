@@ -1,7 +1,9 @@
 """Structure from motion: where the cameras stood and some thousand points, up to a similarity. Done by COLMAP.
 
 Schönberger and Frahm, "Structure-from-Motion Revisited", CVPR 2016: SIFT, matches between frames near in time,
-incremental mapping with bundle adjustment of one shared camera.
+incremental mapping with bundle adjustment of one shared camera. Its focal length is found before, from the fundamental
+matrices of all pairs. Where no match leads from one frame to the next the structure falls into models; `pieces` joins
+them once they are metric.
 """
 
 import dataclasses
@@ -26,6 +28,10 @@ _STRAIGHT = 0.3
 _FOCAL, _LEAST_FOCAL, _MOST_FOCAL = 0.72, 0.25, 2.2
 #: No lens for filming bends more (k1): what comes out beyond is a structure that collapsed.
 _MOST_BENT = 0.5
+#: Models of fewer frames beside a larger one say little about where they stand.
+_SMALL_MODEL = 6
+#: SIFT's least contrast. Asphalt and plaster have little: COLMAP's own, 0.0067, leaves too little on them.
+_CONTRAST = 0.0015
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,7 +40,8 @@ class StructureOptions:
 
     Attributes:
       features: most per frame; 3,000 fill half a megapixel.
-      overlap: each frame is matched with so many after it, and with those at 16, 32, ... frames.
+      overlap: each frame is matched with so many after it. Never with later ones: streets repeat themselves, and of
+        the matches found at 16 frames and more the greater part were two houses, windows or signs that look alike.
       focal: pixels of the frames, where it is known; None to find it.
     """
 
@@ -45,7 +52,7 @@ class StructureOptions:
 
 @dataclasses.dataclass(frozen=True)
 class Structure:
-    """m registered frames, p points and o observations; lengths in an unknown unit.
+    """m registered frames, p points and o observations; each model's lengths in a unit and axes of its own.
 
     Attributes:
       camera: pinhole of the straightened frames. distortion: k1 of COLMAP's SIMPLE_RADIAL.
@@ -53,6 +60,7 @@ class Structure:
       points: (p, 3) f64.
       frame, point: (o,) i32 row of `registered` and of `points`; pixel: (o, 2) f32 u, v in the straightened frame.
       error: pixels, mean reprojection error.
+      model: (m,) i32 which model each frame belongs to; points are seen by the frames of one model alone.
     """
 
     camera: Camera
@@ -64,6 +72,22 @@ class Structure:
     point: np.ndarray
     pixel: np.ndarray
     error: float
+    model: np.ndarray
+
+    def only(self, rows: np.ndarray) -> "Structure":
+        """The frames of some rows (k,), in order, and what they observe; the points stay."""
+        new = np.full(len(self.registered), -1, np.int32)
+        new[rows] = np.arange(len(rows))
+        seen = new[self.frame] >= 0
+        return dataclasses.replace(
+            self,
+            registered=self.registered[rows],
+            poses=self.poses[rows],
+            frame=new[self.frame[seen]],
+            point=self.point[seen],
+            pixel=self.pixel[seen],
+            model=self.model[rows],
+        )
 
     def depth(self) -> np.ndarray:
         """(o,) f64: depth of every observation along its camera's axis."""
@@ -97,14 +121,14 @@ def reconstruct(
     options = options or StructureOptions()
     with tempfile.TemporaryDirectory() as work:
         models = _map(frames, options, pathlib.Path(work), progress or (lambda done, total: None))
-    best = max(models, key=lambda model: model.num_reg_images(), default=None)
-    count = 0 if best is None else best.num_reg_images()
-    if best is None or count < MIN_FRAMES:
+    models.sort(key=lambda model: -model.num_reg_images())
+    count = models[0].num_reg_images() if models else 0
+    if count < MIN_FRAMES:
         raise NounError(
             f"{frames.folder}: found poses for {count} of {len(frames)} frames, needed {MIN_FRAMES}; film while "
             "walking, in light that shows texture, or sample more frames a second."
         )
-    return _structure(best, frames)
+    return _structure(models, frames)
 
 
 def _map(
@@ -117,13 +141,12 @@ def _map(
     database, threads, steps = work / "database.db", settings.num_threads(), 3 * len(frames)
     extraction = pycolmap.FeatureExtractionOptions(num_threads=threads)
     extraction.sift.max_num_features = options.features
-    # Asphalt and plaster have little contrast: COLMAP's own threshold, 0.0067, leaves too little on the ground.
-    extraction.sift.peak_threshold = 0.004
+    extraction.sift.peak_threshold = _CONTRAST
     reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_FOCAL)
     if options.focal is not None:
         reader.camera_params = f"{options.focal},{frames.width / 2},{frames.height / 2},0"
     matching = pycolmap.FeatureMatchingOptions(num_threads=threads)
-    pairing = pycolmap.SequentialPairingOptions(overlap=options.overlap, quadratic_overlap=True)
+    pairing = pycolmap.SequentialPairingOptions(overlap=options.overlap, quadratic_overlap=False)
     verification = pycolmap.TwoViewGeometryOptions()
     verification.ransac.random_seed = 0
     mapping = _mapping(pycolmap, threads, options.focal is None)
@@ -139,6 +162,10 @@ def _map(
         pycolmap.extract_features(database, frames.folder, list(frames.names), cameras, reader, extraction)
         progress(len(frames), steps)
         pycolmap.match_sequential(database, matching, pairing, verification)
+        if options.focal is None:
+            calibration = pycolmap.ViewGraphCalibrationOptions(random_seed=0)
+            # What it finds no focal length for keeps the one that the search starts from.
+            pycolmap.calibrate_view_graph(database, calibration)
         progress(2 * len(frames), steps)
         models = pycolmap.incremental_mapping(
             database, frames.folder, work, mapping, next_image_callback=one_more
@@ -170,32 +197,44 @@ def _mapping(pycolmap: Any, threads: int, refine_focal: bool) -> Any:
     return mapping
 
 
-def _structure(model: Any, frames: Frames) -> Structure:
+def _structure(models: list[Any], frames: Frames) -> Structure:
+    """COLMAP's models, the largest first; a frame stays in the first that has it."""
     number = {name: k for k, name in enumerate(frames.names)}
-    images = sorted((i for i in model.images.values() if i.has_pose), key=lambda i: number[i.name])
-    lens = next(iter(model.cameras.values()))
+    lens = next(iter(models[0].cameras.values()))
     focal, cx, cy, distortion = lens.params
-    camera = Camera(frames.width, frames.height, focal, focal, cx, cy)
-    identifiers = sorted(model.points3D)
-    row = {identifier: k for k, identifier in enumerate(identifiers)}
-    poses, frame, point, bent = [], [], [], []
-    for k, image in enumerate(images):
-        pose = np.eye(4)
-        pose[:3] = image.cam_from_world().inverse().matrix()
-        poses.append(pose)
-        seen = image.get_observation_points2D()
-        frame.append(np.full(len(seen), k, np.int32))
-        point.append(np.array([row[p.point3D_id] for p in seen], np.int32))
-        bent.append(np.array([p.xy for p in seen]).reshape(-1, 2))
-    straight = lens.cam_from_img(np.concatenate(bent)) * focal + [cx, cy]
-    return Structure(
-        camera=camera,
+    taken: set[str] = set()
+    poses, registered, owner, points = [], [], [], []
+    frame, point, straight = [], [], []
+    for k, model in enumerate(models):
+        images = [i for i in model.images.values() if i.has_pose and i.name not in taken]
+        if k > 0 and len(images) < _SMALL_MODEL:
+            continue
+        taken.update(i.name for i in images)
+        own = next(iter(model.cameras.values()))
+        identifiers = sorted(model.points3D)
+        row = {identifier: sum(map(len, points)) + n for n, identifier in enumerate(identifiers)}
+        points.append(np.array([model.points3D[i].xyz for i in identifiers]).reshape(-1, 3))
+        for image in images:
+            pose = np.eye(4)
+            pose[:3] = image.cam_from_world().inverse().matrix()
+            seen = image.get_observation_points2D()
+            frame.append(np.full(len(seen), len(poses), np.int32))
+            point.append(np.array([row[p.point3D_id] for p in seen], np.int32))
+            bent = np.array([p.xy for p in seen]).reshape(-1, 2)
+            straight.append(own.cam_from_img(bent) * focal + [cx, cy])
+            poses.append(pose)
+            registered.append(number[image.name])
+            owner.append(k)
+    unsorted = Structure(
+        camera=Camera(frames.width, frames.height, focal, focal, cx, cy),
         distortion=float(distortion),
-        registered=np.array([number[i.name] for i in images], np.int32),
+        registered=np.array(registered, np.int32),
         poses=np.array(poses),
-        points=np.array([model.points3D[i].xyz for i in identifiers]).reshape(-1, 3),
+        points=np.concatenate(points),
         frame=np.concatenate(frame),
         point=np.concatenate(point),
-        pixel=straight.astype(np.float32),
-        error=float(model.compute_mean_reprojection_error()),
+        pixel=np.concatenate(straight).astype(np.float32),
+        error=float(models[0].compute_mean_reprojection_error()),
+        model=np.array(owner, np.int32),
     )
+    return unsorted.only(np.argsort(registered))

@@ -1,0 +1,223 @@
+"""Pieces of a tour whose place to each other no match tells: where they break, and how they are joined again.
+
+A walker who turns about before a bare wall leaves the pictures before and after without a match. Each piece alone is
+right, upright and metric. What is missing is a turn about z and a shift, and the shift is nearly known: the camera goes
+on at the speed at which it went. The turn is the one at which walls, poles and cars that one piece saw stand where
+others saw them: both saw the street around the place where they meet.
+"""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy import ndimage
+
+from .structure import Structure
+
+#: Steps on either side that say how fast the walker goes, and frames that a piece holds at least.
+_WINDOW, _LEAST = 5, 4
+#: A step so many times as long as those around it is a jump to a place that looks alike.
+_JUMP = 3.0
+#: Steps that grow or shrink so many times at once: the unit has changed.
+_BREAK = 2.0
+#: m: what is nearer to where two pieces meet is compared; m above and below the cameras.
+_REACH, _BELOW, _ABOVE = 40.0, 1.1, 5.0
+#: Of the coarse and the fine search: rad from one turn to the next and how far to either side, m of a cell, and m from
+#: one shift to the next.
+_COARSE, _FINE = (np.radians(2.0), np.pi, 0.5, 0.5), (np.radians(0.5), np.radians(4.0), 0.25, 0.125)
+#: m that the meeting place is off at once, and for every frame in between.
+_SHIFT, _SHIFT_FRAME, _MOST_SHIFT = 0.5, 0.25, 3.0
+#: Share of a piece's cells that must be found again, how much better than at any other turn (by `_OTHER` rad), and how
+#: much better than at the turn that the model itself says (to `_SAME` rad).
+_FOUND, _DISTINCT, _OTHER, _SURE, _SAME = 0.25, 1.7, np.radians(35.0), 1.5, np.radians(10.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Piece:
+    """Some frames of a tour, upright and in metres, at a place of their own.
+
+    Attributes:
+      rows: (k,) of the structure's registered frames. frames: (k,) their numbers, rising.
+      model: pieces of one model also know, if less surely, how they are turned to each other.
+      poses: (k, 4, 4) T_piece_camera, z up. points: (p, 3) m, what it saw.
+      T_unit: (4, 4) from the structure's unit and axes, with the scale in it.
+    """
+
+    rows: np.ndarray
+    frames: np.ndarray
+    model: int
+    poses: np.ndarray
+    points: np.ndarray
+    T_unit: np.ndarray
+
+
+def cut(structure: Structure) -> list[np.ndarray]:
+    """Rows (k,) of every piece: models, cut where the way jumps or its unit changes."""
+    pieces: list[np.ndarray] = []
+    for model in np.unique(structure.model):
+        rows = np.flatnonzero(structure.model == model)
+        way = np.linalg.norm(np.diff(structure.poses[rows, :3, 3], axis=0), axis=1)
+        pieces += _cut(rows, way / np.diff(structure.registered[rows]), float(np.median(way)) if len(way) else 0.0)
+    return [rows for rows in pieces if len(rows) >= _LEAST] or [max(pieces, key=len)]
+
+
+def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]:
+    """Rows (k,) of one model, (k - 1,) steps a frame between them and its common step, at the worst place and on."""
+    # Whoever stands still for a while has not changed units, and does not jump when going on.
+    floor = 0.1 * common + 1e-12
+    worst, at = 1.0, -1
+    for k in range(len(steps)):
+        sides = [side for side in (steps[max(0, k - _WINDOW) : k], steps[k + 1 : k + 1 + _WINDOW]) if len(side)]
+        usual = [float(np.median(side)) + floor for side in sides] or [np.inf]
+        breaks = max(usual) / min(usual) / _BREAK if min(k, len(steps) - 1 - k) >= 3 else 0.0
+        wrong = max(float(steps[k]) / (_JUMP * max(common, *usual)), breaks)
+        if wrong > worst:
+            worst, at = wrong, k
+    if at < 0:
+        return [rows]
+    return _cut(rows[: at + 1], steps[:at], common) + _cut(rows[at + 1 :], steps[at + 1 :], common)
+
+
+def join(pieces: Sequence[Piece]) -> list[np.ndarray | None]:
+    """(4, 4) T_world_piece of every piece, None where no turn fits. The world is the longest piece's.
+
+    The others follow in the order in which they meet what is joined already.
+    """
+    first = max(range(len(pieces)), key=lambda k: len(pieces[k].rows))
+    out: list[np.ndarray | None] = [None] * len(pieces)
+    out[first] = np.eye(4)
+    joined, left = pieces[first], set(range(len(pieces))) - {first}
+    while left:
+        for k in sorted(left, key=lambda k: _apart(joined, pieces[k])):
+            turned = _beside(pieces, out, k)
+            place = _meet(joined, pieces[k], turned)
+            if place is not None:
+                out[k] = place
+                joined = _together(joined, pieces[k], place)
+                left.remove(k)
+                break
+        else:
+            return out
+    return out
+
+
+def _apart(a: Piece, b: Piece) -> int:
+    return int(np.abs(a.frames[:, None] - b.frames[None]).min())
+
+
+def _beside(pieces: Sequence[Piece], places: Sequence[np.ndarray | None], k: int) -> float | None:
+    """rad: turn of the joined piece of the same model that is nearest in time; None without one."""
+    known = [
+        (_apart(piece, pieces[k]), place)
+        for piece, place in zip(pieces, places, strict=True)
+        if place is not None and piece.model == pieces[k].model
+    ]
+    if not known:
+        return None
+    _, place = min(known, key=lambda found: found[0])
+    return float(np.arctan2(place[1, 0], place[0, 0]))
+
+
+def _together(joined: Piece, piece: Piece, place: np.ndarray) -> Piece:
+    order = np.argsort(np.r_[joined.frames, piece.frames], kind="stable")
+    return dataclasses.replace(
+        joined,
+        rows=np.r_[joined.rows, piece.rows][order],
+        frames=np.r_[joined.frames, piece.frames][order],
+        poses=np.concatenate([joined.poses, place @ piece.poses])[order],
+        points=np.concatenate([joined.points, piece.points @ place[:3, :3].T + place[:3, 3]]),
+    )
+
+
+def _speed(piece: Piece, row: int) -> np.ndarray:
+    """(3,) m per frame around a row."""
+    low, high = max(0, row - 2), min(len(piece.frames) - 1, row + 2)
+    return (piece.poses[high, :3, 3] - piece.poses[low, :3, 3]) / max(1, piece.frames[high] - piece.frames[low])
+
+
+def _about_z(angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | None:
+    """(4, 4) that lays a piece beside what is joined, at the two frames nearest in time; None where no turn fits.
+
+    Args:
+      turned: rad, the turn to take where the surroundings name none.
+    """
+    gap = joined.frames[:, None] - piece.frames[None]
+    a, b = np.unravel_index(np.argmin(np.abs(gap)), gap.shape)
+    frames = -int(gap[a, b])
+    here, there = joined.poses[a, :3, 3], piece.poses[b, :3, 3]
+    before, after = _speed(joined, int(a)), _speed(piece, int(b))
+
+    def goes_on(angle: float) -> np.ndarray:
+        return frames / 2 * (before + _about_z(angle) @ after)
+
+    grown = min(_SHIFT + _SHIFT_FRAME * (abs(frames) - 1), _MOST_SHIFT)
+    known, own = _near(joined.points - here), _near(piece.points - there)
+    angle, shift = turned, np.zeros(2)
+    if len(known) and len(own):
+        cells = np.unique(np.round(own / 0.3).astype(int), axis=0) * 0.3
+        turns, scores, shifts = _search(known, cells, goes_on, 0.0, np.zeros(2), _COARSE, grown)
+        best = int(scores.argmax())
+        rival = _DISTINCT * scores[_away(turns, turns[best]) > _OTHER].max()
+        if turned is not None:
+            rival = max(rival, _SURE * scores[_away(turns, turned) < _SAME].max())
+        if scores[best] > max(_FOUND, rival):
+            fine = _search(known, cells, goes_on, turns[best], shifts[best], _FINE, _COARSE[3])
+            best = int(fine[1].argmax())
+            angle, shift = float(fine[0][best]), fine[2][best]
+    if angle is None:
+        return None
+    place = np.eye(4)
+    place[:3, :3] = _about_z(angle)
+    place[:3, 3] = here + goes_on(angle) * [1.0, 1.0, 0.0] + np.r_[shift, 0.0] - place[:3, :3] @ there
+    return place
+
+
+def _away(turns: np.ndarray, turn: float) -> np.ndarray:
+    """(t,) rad between turns and a turn."""
+    return np.abs(np.angle(np.exp(1j * (turns - turn))))
+
+
+def _near(points: np.ndarray) -> np.ndarray:
+    """Points (p, 3) relative to the meeting place that stand above the ground near it."""
+    return points[(np.abs(points[:, :2]) < _REACH).all(1) & (points[:, 2] > -_BELOW) & (points[:, 2] < _ABOVE)]
+
+
+def _search(
+    known: np.ndarray,
+    own: np.ndarray,
+    goes_on: Callable[[float], np.ndarray],
+    middle: float,
+    start: np.ndarray,
+    steps: tuple[float, float, float, float],
+    reach: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Turns (t,) rad, the share (t,) of a piece's points that known ones (p, 3) m lie near at the best shift, and that
+    shift (t, 2) m. Points are relative to where the pieces meet, on either side."""
+    turn_step, turn_reach, size, shift_step = steps
+    cell = np.array([size, size, 1.0])
+    low = -np.array([_REACH + _MOST_SHIFT + 3.0, _REACH + _MOST_SHIFT + 3.0, _BELOW + 1.0])
+    shape = np.ceil(-2 * low[:2] / size).astype(int)
+    grid = np.zeros((*shape, int(_ABOVE - low[2]) + 2), np.float32)
+    grid[tuple(np.floor((known - low) / cell).astype(int).T)] = 1.0
+    # A point counts less the farther it lies from a known one: 1 in its cell, a half some 0.6 cells aside.
+    near = np.minimum(4.0 * ndimage.gaussian_filter(grid, (0.8, 0.8, 0.5)), 1.0)
+    half = round(turn_reach / turn_step)
+    turns = middle + turn_step * np.arange(-half, half + 1)
+    offsets = np.arange(-reach, reach + 1e-9, shift_step)
+    shifts = start + np.stack(np.meshgrid(offsets, offsets, indexing="ij"), -1).reshape(-1, 2)
+    scores, best = np.zeros(len(turns)), np.zeros((len(turns), 2))
+    for k, turn in enumerate(turns):
+        moved = own @ _about_z(turn).T + goes_on(turn) * [1.0, 1.0, 0.0]
+        found = []
+        for shift in shifts:
+            at = np.floor((moved + np.r_[shift, 0.0] - low) / cell).astype(int)
+            inside = ((at >= 0) & (at < grid.shape)).all(1)
+            found.append(near[tuple(at[inside].T)].sum())
+        scores[k] = max(found) / len(own)
+        best[k] = shifts[int(np.argmax(found))]
+    return turns, scores, best
