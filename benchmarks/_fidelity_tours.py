@@ -46,7 +46,8 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
         recording = Recording.load(folder)
     else:
         options = TourOptions(width=size[0], height=size[1], rgb=rgb)
-        path = PathOptions(frames=frames, rate=RGB_RATE if rgb else 1.0)
+        # He turns about between two frames, where no true match of pictures exists: harder than a film by hand.
+        path = PathOptions(frames=frames, rate=RGB_RATE if rgb else 1.0, turn_time=0.0)
         recording = tour(bank, scene, folder, path, options)
     truth = SceneGraph.load(folder / "truth.json").objects
     turnable = {}
