@@ -105,6 +105,9 @@ class _Problem:
     def __init__(self, seen: Sights, which: np.ndarray, at: np.ndarray, poses: np.ndarray, noise: float) -> None:
         self.seen, self.which, self.at, self.poses = seen, which, at, poses
         self.blend = at[seen.frame]
+        # A view hangs on two knots alone, however many there are.
+        before, share = knots.between(len(poses))
+        self.before, self.shares = before[seen.frame], np.stack([1.0 - share, share], -1)[seen.frame]
         self.across = np.hypot(_DIRECTION, (PLACE + _ASIDE * seen.width) / seen.reach)
         self.along = noise * seen.reach + PLACE
         self.behind = _BEHIND * np.bincount(which, seen.width) / np.bincount(which)
@@ -172,14 +175,20 @@ class _Problem:
         correction: np.ndarray,
     ) -> np.ndarray:
         """(k, 4) the step of the knots."""
-        count, blend = len(correction), self.blend
+        count = len(correction)
         own = np.einsum("nri,nr,nrj->nij", bend, trust, bend)
-        normal = np.einsum("nk,nij,nl->kilj", blend, own, blend, optimize=True).reshape(4 * count, 4 * count)
-        right = -np.einsum("nk,nri,nr->ki", blend, bend, trust * misfit, optimize=True).ravel()
         mixed = np.einsum("nri,nr,nrj->nij", bend, trust, slope)
+        pull = -np.einsum("nri,nr->ni", bend, trust * misfit)
+        normal, right = np.zeros((count, count, 4, 4)), np.zeros((count, 4))
         cross = np.zeros((len(H), count, 4, 3))
-        np.add.at(cross, self.which, blend[:, :, None, None] * mixed[:, None])
-        cross = cross.reshape(len(H), 4 * count, 3)
+        for a in (0, 1):
+            at, share = self.before + a, self.shares[:, a, None, None]
+            np.add.at(right, at, share[..., 0] * pull)
+            np.add.at(cross, (self.which, at), share * mixed)
+            for b in (0, 1):
+                np.add.at(normal, (at, self.before + b), share * self.shares[:, b, None, None] * own)
+        normal = normal.transpose(0, 2, 1, 3).reshape(4 * count, 4 * count)
+        right, cross = right.ravel(), cross.reshape(len(H), 4 * count, 3)
         normal -= np.einsum("tai,tij,tbj->ab", cross, np.linalg.inv(H), cross, optimize=True)
         right -= np.einsum("tai,ti->a", cross, np.linalg.solve(H, g[..., None])[..., 0], optimize=True)
         for block, value in (knots.odometry(correction, self.at, self.poses), knots.anchor(correction)):

@@ -9,11 +9,21 @@ _KNOT = 8  # frames between knots
 _SHIFT_STEP, _TURN_STEP, _BEND_STEP = 0.15, np.radians(0.6), np.radians(0.2)
 
 
+def between(frames: int) -> tuple[np.ndarray, np.ndarray]:
+    """(frames,) the knot before each frame (never the last), and (frames,) the share of the way to the next."""
+    count = max(2, int(np.ceil((frames - 1) / _KNOT)) + 1)
+    place = np.arange(frames) * ((count - 1) / max(frames - 1, 1))
+    before = np.minimum(place.astype(int), count - 2)
+    return before, place - before
+
+
 def weights(frames: int) -> np.ndarray:
     """(frames, k) weights of the knots at every frame: linear in between."""
-    count = max(2, int(np.ceil((frames - 1) / _KNOT)) + 1)
-    places = np.linspace(0, frames - 1, count)
-    return np.stack([np.interp(np.arange(frames), places, row) for row in np.eye(count)], -1)
+    before, share = between(frames)
+    rows = np.arange(frames)
+    out = np.zeros((frames, int(before.max(initial=0)) + 2))
+    out[rows, before], out[rows, before + 1] = 1.0 - share, share
+    return out
 
 
 def corrected(poses: np.ndarray, change: np.ndarray) -> np.ndarray:
