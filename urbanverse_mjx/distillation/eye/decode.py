@@ -7,7 +7,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from . import classes
-from .network import CANONICAL_FOCAL, DEPTH_UNIT, OFFSET_UNIT
+from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, Seen
 
 #: Peaks below this are noise; Panoptic-DeepLab keeps those above 0.1 within 7 pixels.
 MIN_PEAK, PEAK_WINDOW = 0.1, 7
@@ -20,10 +20,11 @@ MAX_MISS = 24.0
 
 @dataclasses.dataclass(frozen=True)
 class Thing:
-    """One thing in one picture: number of its class and score in [0, 1]."""
+    """One thing in one picture: number of its class, score in [0, 1], and which of `classes.leaves()` it looks like."""
 
     kind: int
     score: float
+    leaf: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,19 +41,18 @@ class Decoded:
     depth: np.ndarray
 
 
-def decode(logits: np.ndarray, centre: np.ndarray, offset: np.ndarray, log_depth: np.ndarray, focal: float) -> Decoded:
+def decode(seen: Seen, focal: float) -> Decoded:
     """One picture's outputs.
 
     Args:
-      logits: (h, w, C); centre: (h, w); offset: (h, w, 2); log_depth: (h, w), see `network.Seen`.
+      seen: arrays of one picture, without the leading axis.
       focal: of the picture that the network saw, pixels.
     """
-    p = np.exp(logits - logits.max(-1, keepdims=True))
+    p = np.exp(seen.classes - seen.classes.max(-1, keepdims=True))
     p /= p.sum(-1, keepdims=True)
     kinds = p.argmax(-1).astype(np.int32)
-    peaks = _peaks(centre)
-    masks, things = _group(kinds, p, offset, peaks)
-    depth = DEPTH_UNIT * np.exp(np.clip(log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
+    masks, things = _group(kinds, p, seen, _peaks(seen.centre))
+    depth = DEPTH_UNIT * np.exp(np.clip(seen.log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
     return Decoded(kinds, masks, things, depth.astype(np.float32))
 
 
@@ -64,15 +64,13 @@ def _peaks(centre: np.ndarray) -> np.ndarray:
     return where[order[:MAX_THINGS]]
 
 
-def _group(
-    kinds: np.ndarray, p: np.ndarray, offset: np.ndarray, peaks: np.ndarray
-) -> tuple[np.ndarray, tuple[Thing, ...]]:
+def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> tuple[np.ndarray, tuple[Thing, ...]]:
     """Masks and things. A house and what stands before it never share a thing, though they may share a centre."""
     masks = np.full(kinds.shape, -1, np.int32)
     rows, columns = np.nonzero(kinds >= classes.FIRST_THING)
     if not len(peaks) or not len(rows):
         return masks, ()
-    aim = np.column_stack([rows, columns]) + offset[rows, columns] * OFFSET_UNIT
+    aim = np.column_stack([rows, columns]) + seen.offset[rows, columns] * OFFSET_UNIT
     miss, owner = cKDTree(peaks).query(aim)
     found = kinds[rows, columns]
     group = np.where(miss <= MAX_MISS, 2 * owner + (found == classes.HOUSE), -1)
@@ -88,5 +86,7 @@ def _group(
         if kind == classes.FIRST_THING:
             continue
         masks[rows[part], columns[part]] = len(things)
-        things.append(Thing(kind, float(votes[kind])))
+        looks = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
+        leaf = int(np.where(classes.leaf_classes() == kind, looks, -np.inf).argmax())
+        things.append(Thing(kind, float(votes[kind]), leaf))
     return masks, tuple(things)
