@@ -45,7 +45,8 @@ TEST_SKIES = ("golden_hour", "overcast_grey", "partly_cloudy")
 #: Layouts of the splits come from different seeds.
 SEEDS = {"train": 11, "test": 12}
 LENGTH = 70.0  # m; what is farther than this from an eye at 1.5 m is a few pixels high
-OBJECTS = (70, 120)
+#: Houses among them; the more there stands, the more there is to learn from a picture.
+OBJECTS = {"train": (90, 140), "test": (70, 120)}
 #: Instances of the training variants of each leaf that stand beside them.
 INSTANCES = 16
 _ENDS: tuple[section.End, section.End] = ("court", "junction")
@@ -168,7 +169,7 @@ def _point_hull(_: AssetRecord) -> HullSet:
 
 def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout, SceneGeometry]:
     """Street `number` of a split, as a layout and as arrays; `index` holds the split's records."""
-    layout = _streets.make_layout(SEEDS[split], number, index, OBJECTS, stock(split), make_ground(split, number))
+    layout = _streets.make_layout(SEEDS[split], number, index, OBJECTS[split], stock(split), make_ground(split, number))
     geometry = scene_geometry(layout, index, AssetSource(build_mesh, _point_hull))
     walk = _walk(make_ground(split, number).section)
     return layout, dataclasses.replace(geometry, map=coarser(geometry.map, map_stride(MAP_CELL)), episodes=walk)
