@@ -1,6 +1,6 @@
 """Makes the streets that the small network learns on and is scored on: pictures only, nothing to collide with.
 
-    python -m benchmarks.eye_streets --split train --layouts 512 --processes 16 --out eye_train.npz
+    python -m benchmarks.eye_streets --split train --layouts 256 --processes 16 --out eye_train.npz
     python -m benchmarks.eye_streets --split test --layouts 20 --out eye_test.npz
 
 The two splits share no layout, no asset (the last variant of every leaf that has three or more is the test's), no sky

@@ -1,6 +1,6 @@
 """Trains the eye on rendered streets and scores it on streets it never saw.
 
-    python -m benchmarks.eye_streets --split train --layouts 512 --processes 16 --out eye_train.npz
+    python -m benchmarks.eye_streets --split train --layouts 256 --processes 16 --out eye_train.npz
     python -m benchmarks.eye_streets --split test --layouts 20 --out eye_test.npz
     python -m urbanverse_mjx.distillation.train_eye --train eye_train.npz --test eye_test.npz --minutes 16 --out eye.npz
 
