@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
+from scipy.special import expit, logit
 
 from . import classes
 from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, Seen
@@ -15,12 +16,16 @@ MAX_THINGS = 200
 #: Output pixels: fewer say nothing about a thing.
 MIN_PIXELS = 12
 #: Output pixels from where a pixel points to the peak that may still take it.
-MAX_MISS = 24.0
+MAX_MISS = 12.0
+#: Log odds that a thing is right (half of its mask and its class): these times 1 and what `_evidence` gives. A logistic
+#: regression over the 692 things that the shipped weights saw in 48 frames of streets kept for it.
+TRUST = (-7.31, 1.26, 1.96, -3.88, 6.38)
 
 
 @dataclasses.dataclass(frozen=True)
 class Thing:
-    """One thing in one picture: number of its class, score in [0, 1], and which of `classes.leaves()` it looks like."""
+    """One thing in one picture: number of its class, chance in [0, 1] that it is right, and which of
+    `classes.leaves()` it looks like."""
 
     kind: int
     score: float
@@ -72,6 +77,7 @@ def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> t
         return masks, ()
     aim = np.column_stack([rows, columns]) + seen.offset[rows, columns] * OFFSET_UNIT
     miss, owner = cKDTree(peaks).query(aim)
+    heights = seen.centre[peaks[:, 0], peaks[:, 1]]
     found = kinds[rows, columns]
     group = np.where(miss <= MAX_MISS, 2 * owner + (found == classes.HOUSE), -1)
     order = np.argsort(group, kind="stable")
@@ -88,5 +94,19 @@ def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> t
         masks[rows[part], columns[part]] = len(things)
         looks = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
         leaf = int(np.where(classes.leaf_classes() == kind, looks, -np.inf).argmax())
-        things.append(Thing(kind, float(votes[kind]), leaf))
+        evidence = _evidence(votes[kind], heights[owner[part[0]]], rows[part], columns[part], miss[part].mean())
+        things.append(Thing(kind, float(expit(np.dot(TRUST, evidence))), leaf))
     return masks, tuple(things)
+
+
+def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray, miss: float) -> tuple[float, ...]:
+    """1 and what speaks for a thing: log odds of its class; its peak's height; `miss`, by how many output pixels its
+    pixels point past the peak, over the side of a square with as many; and what share of them is in one piece.
+
+    What is left over between two things points nowhere and lies in pieces.
+    """
+    inside = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), bool)
+    inside[rows - rows.min(), columns - columns.min()] = True
+    pieces, _ = ndimage.label(inside)
+    largest = np.bincount(pieces[inside]).max() / len(rows)
+    return 1.0, float(logit(np.clip(vote, 0.001, 0.999))), float(height), miss / len(rows) ** 0.5, float(largest)

@@ -15,8 +15,8 @@ from . import classes, weights
 from .decode import decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
-#: Things that the eye is less sure of are not reported; fusion over frames sorts out the rest.
-MIN_SCORE = 0.3
+#: Things that are more likely wrong than right are not reported: each would put something where nothing is.
+MIN_SCORE = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
