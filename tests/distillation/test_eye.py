@@ -153,6 +153,22 @@ def test_a_right_answer_costs_less_than_any_other_and_small_things_count_more(wa
     assert (person["classes"] - base["classes"]) / areas[0] > 2 * (house["classes"] - base["classes"]) / areas[1]
 
 
+def test_a_thing_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(wanted: Truth):
+    right = _right(wanted)
+    striped = right.classes.copy()
+    striped[(wanted.owner == 4) & (np.arange(len(striped)) % 4 < 2)[:, None]] = 8.0 * np.eye(len(NAMES))[ROAD]
+
+    def wrong(seen: Seen) -> float:
+        (score,) = (t.score for t in decode(seen, 200.0).things if t.kind == PERSON)
+        return 1.0 - score
+
+    sure = wrong(right)
+    assert sure < 0.1
+    assert wrong(right._replace(centre=0.3 * right.centre)) > 2.0 * sure
+    assert wrong(right._replace(offset=right.offset + 0.2)) > 2.0 * sure
+    assert wrong(right._replace(classes=striped)) > 0.2
+
+
 def test_small_things_side_by_side_keep_their_own_peaks():
     category = np.full((64, 128), -1, np.int32)
     slot = category.copy()

@@ -15,8 +15,8 @@ from . import classes, weights
 from .decode import decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
-#: Things that are more likely wrong than right are not reported: each would put something where nothing is.
-MIN_SCORE = 0.5
+#: Things less likely right than this are not reported: fused over frames, false ones stand where nothing is.
+MIN_SCORE = 0.4
 
 
 @dataclasses.dataclass(frozen=True)
