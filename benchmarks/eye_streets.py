@@ -1,12 +1,13 @@
 """Makes the streets that the small network learns on and is scored on: pictures only, nothing to collide with.
 
-    python -m benchmarks.eye_streets --split train --layouts 128 --out eye_train.npz
-    python -m benchmarks.eye_streets --split test --layouts 24 --out eye_test.npz
+    python -m benchmarks.eye_streets --split train --layouts 256 --processes 16 --out eye_train.npz
+    python -m benchmarks.eye_streets --split test --layouts 20 --out eye_test.npz
 
 The two splits share no layout, no asset (the last variant of every leaf that has three or more is the test's), no sky
-and, where a kind of ground has four materials or more, no material of it. Streets are shorter than the benchmark's and
+and, where a kind of ground has four materials or more, no material of it. The training streets show their variants
+in more sizes, proportions and paints besides, as the catalogue has them. Streets are shorter than the benchmark's and
 more mixed: parks, front yards, lane markings, junctions, and everything that stands in the shipped streets.
-Prints one JSON line. The same options give the same content hash.
+Prints one JSON line. The same options give the same content hash, whatever the number of processes.
 """
 
 import argparse
@@ -14,9 +15,11 @@ import dataclasses
 import functools
 import itertools
 import json
+import multiprocessing
 import pathlib
 import sys
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -26,7 +29,9 @@ from benchmarks.bank import coarser, map_stride
 from urbanverse_mjx.assets import AssetIndex, load_index
 from urbanverse_mjx.assets.ground_materials import material_ids
 from urbanverse_mjx.assets.index import build_mesh
+from urbanverse_mjx.assets.instances import instance_params, place
 from urbanverse_mjx.assets.skies import build_sky, sky_ids
+from urbanverse_mjx.assets.tints import tints
 from urbanverse_mjx.citygen import section
 from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, HullSet, NounError, SceneBank, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash
@@ -40,7 +45,10 @@ TEST_SKIES = ("golden_hour", "overcast_grey", "partly_cloudy")
 #: Layouts of the splits come from different seeds.
 SEEDS = {"train": 11, "test": 12}
 LENGTH = 70.0  # m; what is farther than this from an eye at 1.5 m is a few pixels high
-OBJECTS = (70, 120)
+#: Houses among them; the more there stands, the more there is to learn from a picture.
+OBJECTS = {"train": (90, 140), "test": (70, 120)}
+#: Instances of the training variants of each leaf that stand beside them.
+INSTANCES = 16
 _ENDS: tuple[section.End, section.End] = ("court", "junction")
 MAP_CELL = 0.25  # m; the map only says where a camera may stand
 
@@ -70,23 +78,48 @@ _MORE = {
 def of_split(split: str, index: AssetIndex) -> AssetIndex:
     """The records of a split: the last variant of every leaf with three or more is the test's.
 
-    Leaves with fewer are in both, so that the test's streets hold the same kinds of things.
+    Leaves with fewer are in both, so that the test's streets hold the same kinds of things. In training every leaf
+    of the streets has `INSTANCES` of its variants besides.
     """
     kept: list[AssetRecord] = []
+    shown = shown_leaves()
     for leaf in index.leaves:
         records = index.by_leaf(leaf)
-        if len(records) < 3:
-            kept += records
-        else:
-            kept += records[-1:] if split == "test" else records[:-1]
+        if len(records) >= 3:
+            records = records[-1:] if split == "test" else records[:-1]
+        kept += records
+        if split == "train" and leaf in shown:
+            kept += _instances(leaf, records)
     return AssetIndex(kept)
+
+
+def _instances(leaf: str, bases: tuple[AssetRecord, ...]) -> list[AssetRecord]:
+    """Other sizes, proportions and paints of base shapes, drawn as `assets.catalogue` draws its records."""
+    uids = [f"{leaf.replace(' ', '-')}/eye/{k:02d}" for k in range(INSTANCES)]
+    drawn = place(leaf, uids, np.array([r.extent_xyz for r in bases]))
+    records = []
+    for uid, base, extent, scale, tint in zip(uids, drawn.base, drawn.extent, drawn.scale, tints(uids), strict=True):
+        shape = bases[base]
+        params = instance_params(int(shape.params["variant"]), shape.uid, scale.tolist(), tint.tolist())
+        records.append(dataclasses.replace(shape, uid=uid, extent_xyz=tuple(extent.tolist()), params=params))
+    return records
+
+
+def shown_leaves() -> frozenset[str]:
+    """Everything that stands in some street of either split."""
+    things = (*HOUSES, *itertools.chain(*_leaves().values()))
+    return frozenset(things)
+
+
+def _leaves() -> dict[str, tuple[str, ...]]:
+    """What stands in each band."""
+    return {band: (*names, *_MORE[band].split("|")) for band, names in _streets.Stock().leaves.items()}
 
 
 def stock(split: str) -> _streets.Stock:
     """What the streets of a split are filled with."""
-    leaves = {band: (*names, *_MORE[band].split("|")) for band, names in _streets.Stock().leaves.items()}
     skies = tuple(s for s in sky_ids() if (s in TEST_SKIES) == (split == "test"))
-    return _streets.Stock(HOUSES, leaves, variants=16, skies=skies)
+    return _streets.Stock(HOUSES, _leaves(), variants=INSTANCES + 8, skies=skies)
 
 
 def materials_of(split: str, kind: str) -> tuple[str, ...]:
@@ -136,7 +169,7 @@ def _point_hull(_: AssetRecord) -> HullSet:
 
 def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout, SceneGeometry]:
     """Street `number` of a split, as a layout and as arrays; `index` holds the split's records."""
-    layout = _streets.make_layout(SEEDS[split], number, index, OBJECTS, stock(split), make_ground(split, number))
+    layout = _streets.make_layout(SEEDS[split], number, index, OBJECTS[split], stock(split), make_ground(split, number))
     geometry = scene_geometry(layout, index, AssetSource(build_mesh, _point_hull))
     walk = _walk(make_ground(split, number).section)
     return layout, dataclasses.replace(geometry, map=coarser(geometry.map, map_stride(MAP_CELL)), episodes=walk)
@@ -153,19 +186,36 @@ def _walk(street: section.StreetSection) -> EpisodeTable:
     return EpisodeTable(start, goal, points, np.array([len(x)], np.int32), np.array([length]), no, no, np.array([-1.0]))
 
 
-def build(split: str, layouts: int, progress: Any = None) -> SceneBank:
+def build(split: str, layouts: int, progress: Any = None, processes: int = 1) -> SceneBank:
     """The bank of a split; `progress` is called with (streets done, streets in all)."""
-    index = of_split(split, load_index())
     scenes, hashes = [], {}
-    for number in range(layouts):
-        layout, geometry = make_street(split, number, index)
+    for geometry, name, content in _made(split, layouts, processes):
         scenes.append(geometry)
-        hashes[layout.id] = layout.content_hash()
+        hashes[name] = content
         if progress is not None:
-            progress(number + 1, layouts)
+            progress(len(scenes), layouts)
     hashes["bank"] = content_hash({"split": split, "layouts": dict(hashes)})
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
     return pack(scenes, [split] * layouts, skies, hashes)
+
+
+def _made(split: str, layouts: int, processes: int) -> Iterator[tuple[SceneGeometry, str, str]]:
+    """Streets in their order, each with its name and content hash."""
+    if processes == 1:
+        yield from map(functools.partial(_make, split), range(layouts))
+        return
+    with multiprocessing.get_context("spawn").Pool(processes) as pool:
+        yield from pool.imap(functools.partial(_make, split), range(layouts), chunksize=4)
+
+
+def _make(split: str, number: int) -> tuple[SceneGeometry, str, str]:
+    layout, geometry = make_street(split, number, _records(split))
+    return geometry, layout.id, layout.content_hash()
+
+
+@functools.cache
+def _records(split: str) -> AssetIndex:
+    return of_split(split, load_index())
 
 
 def _say(begin: float, done: int, total: int) -> None:
@@ -178,12 +228,13 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--split", choices=SPLITS, required=True)
     parser.add_argument("--layouts", type=int, required=True, help="streets")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="bank file to write")
+    parser.add_argument("--processes", type=int, default=1, help="streets made at a time")
     arguments = parser.parse_args(argv)
-    if arguments.layouts < 1:
-        parser.error("--layouts must be at least 1")
+    if min(arguments.layouts, arguments.processes) < 1:
+        parser.error("--layouts and --processes must be at least 1")
     begin = time.monotonic()
     try:
-        bank = build(arguments.split, arguments.layouts, functools.partial(_say, begin))
+        bank = build(arguments.split, arguments.layouts, functools.partial(_say, begin), arguments.processes)
         bank.save(arguments.out)
     except NounError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -1,5 +1,6 @@
 """The eye: what it shall answer, how its answers become things, its weights' file, and its score."""
 
+import dataclasses
 import pathlib
 
 import jax
@@ -7,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from benchmarks import eye_streets
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.datatypes.ground import GROUND_KINDS
@@ -14,7 +16,8 @@ from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.eye import classes, score, seeing, weights
 from urbanverse_mjx.distillation.eye.augment import augment, jpeg, recolour
 from urbanverse_mjx.distillation.eye.decode import Decoded, Thing, decode
-from urbanverse_mjx.distillation.eye.targets import Truth, truth
+from urbanverse_mjx.distillation.eye.network import LEAF_STRIDE, Seen
+from urbanverse_mjx.distillation.eye.targets import Truth, loss, truth
 from urbanverse_mjx.distillation.eye.views import _with_mixed_ground
 
 NAMES = classes.names()
@@ -50,8 +53,17 @@ def wanted() -> Truth:
 
 
 def _answer(wanted: Truth) -> Decoded:
+    return decode(_right(wanted), 200.0)
+
+
+def _right(wanted: Truth) -> Seen:
+    """What a network that knows the truth would say."""
     logits = 8.0 * np.eye(len(NAMES), dtype=np.float32)[wanted.classes]
-    return decode(logits, wanted.centre, wanted.offset, wanted.log_depth, 200.0)
+    coarse = np.asarray(wanted.leaf)[::LEAF_STRIDE, ::LEAF_STRIDE, None]
+    # Other classes' leaves are loud: they must not be listened to.
+    loud = np.arange(len(classes.leaves())) == classes.leaves().index("bus")
+    leaves = 8.0 * (np.arange(len(classes.leaves())) == coarse) + 100.0 * loud
+    return Seen(logits, wanted.centre, wanted.offset, wanted.log_depth, leaves)
 
 
 def test_every_group_is_called_by_a_leaf_and_holds_leaves_of_the_ontology():
@@ -61,6 +73,13 @@ def test_every_group_is_called_by_a_leaf_and_holds_leaves_of_the_ontology():
         assert set(group) <= leaves
     every = [leaf for group in classes.groups().values() for leaf in group]
     assert len(every) == len(set(every))
+
+
+def test_what_is_told_apart_is_what_the_streets_show_and_every_group_has_some():
+    shown = {leaf for leaf in eye_streets.shown_leaves() if classes.class_of_leaf(leaf) != classes.FIRST_THING}
+    assert set(classes.leaves()) == shown
+    assert set(classes.leaf_classes()) == set(range(classes.FIRST_THING + 1, len(NAMES)))
+    assert (np.diff(classes.leaf_classes()) >= 0).all()
 
 
 def test_surfaces_keep_their_codes():
@@ -74,6 +93,8 @@ def test_surfaces_keep_their_codes():
 def test_a_right_answer_is_decoded_to_the_things_that_are_there(wanted: Truth):
     seen = _answer(wanted)
     assert sorted(t.kind for t in seen.things) == sorted([CAR, CAR, HOUSE, PERSON])
+    names = sorted(classes.leaves()[t.leaf] for t in seen.things)
+    assert names == ["bakery", "jogger", "taxi", "taxi"]
     for number in (1, 2, 3, 4):
         there = wanted.owner == number
         found = np.unique(seen.masks[there])
@@ -88,18 +109,77 @@ def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
     seen = _answer(wanted)
     perfect, wrong = score.Score(), score.Score()
     depth = np.where(wanted.has_depth, 8.0, 0.0)
-    perfect.add(seen, wanted.classes, wanted.owner, depth)
+    perfect.add(seen, wanted.classes, wanted.owner, depth, wanted.leaf)
     assert perfect.table()["all"] == {"there": 4, "recall": 1.0, "precision": 1.0}
     assert perfect.table()["surface_iou"]["road"] == 1.0
+    assert perfect.table()["leaf"] == 1.0
     # One car is called a person, the other is lost.
     cars = [k for k, t in enumerate(seen.things) if t.kind == CAR]
-    things = tuple(Thing(PERSON, 1.0) if k == cars[0] else t for k, t in enumerate(seen.things))
+    other = classes.leaves().index("bar")
+    things = tuple(
+        Thing(PERSON, 1.0, t.leaf)
+        if k == cars[0]
+        else dataclasses.replace(t, leaf=other if t.kind == HOUSE else t.leaf)
+        for k, t in enumerate(seen.things)
+    )
     masks = np.where(seen.masks == cars[1], -1, seen.masks)
-    wrong.add(Decoded(seen.kinds, masks, things, seen.depth), wanted.classes, wanted.owner, depth)
+    wrong.add(Decoded(seen.kinds, masks, things, seen.depth), wanted.classes, wanted.owner, depth, wanted.leaf)
     rows = wrong.table()["things"]
+    assert wrong.table()["leaf"] == 0.5
     assert rows["car"] == {"there": 2, "recall": 0.0, "precision": None}
     assert rows["pedestrian adult"] == {"there": 1, "recall": 1.0, "precision": 0.5}
     assert "| car | 2 | 0.00 | - |" in score.as_markdown(wrong.table())
+
+
+def test_a_right_answer_costs_less_than_any_other_and_small_things_count_more(wanted: Truth):
+    right, truths = (jax.tree.map(lambda x: jnp.asarray(x)[None], x) for x in (_right(wanted), wanted))
+    cost = jax.jit(lambda s: loss(s, truths, jnp.ones(1))[1])
+
+    def without(number: int) -> dict[str, float]:
+        """Parts of the loss where one thing is taken for sky and for another leaf."""
+        there = jnp.asarray(wanted.owner == number)[None]
+        sky = 8.0 * (jnp.arange(len(NAMES)) == classes.SKY_CLASS)
+        flat = right.leaves * ~there[:, ::LEAF_STRIDE, ::LEAF_STRIDE, None]
+        seen = right._replace(classes=jnp.where(there[..., None], sky, right.classes), leaves=flat)
+        return {name: float(x) for name, x in cost(seen).items()}
+
+    base = {name: float(x) for name, x in cost(right).items()}
+    assert base["centre"] == base["offset"] == base["depth"] == 0.0
+    assert base["classes"] < 0.1
+    person, house = without(4), without(1)
+    assert min(person["classes"], house["classes"]) > 2 * base["classes"]
+    assert person["leaves"] > base["leaves"]
+    areas = [(wanted.owner == k).sum() for k in (4, 1)]
+    assert (person["classes"] - base["classes"]) / areas[0] > 2 * (house["classes"] - base["classes"]) / areas[1]
+
+
+def test_a_thing_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(wanted: Truth):
+    right = _right(wanted)
+    striped = right.classes.copy()
+    striped[(wanted.owner == 4) & (np.arange(len(striped)) % 4 < 2)[:, None]] = 8.0 * np.eye(len(NAMES))[ROAD]
+
+    def wrong(seen: Seen) -> float:
+        (score,) = (t.score for t in decode(seen, 200.0).things if t.kind == PERSON)
+        return 1.0 - score
+
+    sure = wrong(right)
+    assert sure < 0.1
+    assert wrong(right._replace(centre=0.3 * right.centre)) > 2.0 * sure
+    assert wrong(right._replace(offset=right.offset + 0.2)) > 2.0 * sure
+    assert wrong(right._replace(classes=striped)) > 0.2
+
+
+def test_small_things_side_by_side_keep_their_own_peaks():
+    category = np.full((64, 128), -1, np.int32)
+    slot = category.copy()
+    for number, column in enumerate((20, 32)):
+        category[20:52, column : column + 10], slot[20:52, column : column + 10] = 3, number
+    table = jnp.asarray(classes.class_table(_CATEGORIES))
+    made = truth(*map(jnp.asarray, (category, slot, np.full(slot.shape, 8.0))), jnp.asarray(200.0), table, 2)
+    middle = np.asarray(made.centre)[17]
+    assert (np.diff(np.sign(np.diff(middle))) < 0).sum() == 2
+    seen = _answer(jax.tree.map(np.asarray, made))
+    assert len(seen.things) == 2
 
 
 def test_recolouring_gives_every_region_one_other_colour():

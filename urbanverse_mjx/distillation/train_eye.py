@@ -1,15 +1,17 @@
 """Trains the eye on rendered streets and scores it on streets it never saw.
 
-    python -m benchmarks.eye_streets --split train --layouts 128 --out eye_train.npz
-    python -m benchmarks.eye_streets --split test --layouts 24 --out eye_test.npz
-    python -m urbanverse_mjx.distillation.train_eye --train eye_train.npz --test eye_test.npz --minutes 6 --out eye.npz
+    python -m benchmarks.eye_streets --split train --layouts 256 --processes 16 --out eye_train.npz
+    python -m benchmarks.eye_streets --split test --layouts 20 --out eye_test.npz
+    python -m urbanverse_mjx.distillation.train_eye --train eye_train.npz --test eye_test.npz --minutes 16 --out eye.npz
 
 Frames are rendered while it trains, each from a random place with a random lens, look and camera fault; none is seen
 twice. The rate of learning follows the clock, so that any machine's run ends with it at zero. Prints one JSON line a
-progress report and a table at the end; weights are written every two minutes and at the end.
+progress report and a table at the end. Weights are written every minute and at the end; with `--state` all else that
+the learner knows, too: the same command after a killed or a paused (`--pause-after`) run goes on where that one was.
 """
 
 import argparse
+import dataclasses
 import functools
 import json
 import pathlib
@@ -23,6 +25,7 @@ import numpy as np
 import optax
 
 from ..datatypes import NounError, SceneBank
+from ..datatypes.validation import write_atomically
 from .eye import network, score, weights
 from .eye.augment import augment
 from .eye.decode import decode
@@ -36,7 +39,7 @@ _WEIGHT_DECAY = 1e-2
 _AVERAGE = 0.998
 #: Share of the grounds that are laid with another kind's material; see `Views.of`.
 _MIXED = 0.4
-_SAVE_EVERY, _SAY_EVERY = 120.0, 20.0  # s
+_SAVE_EVERY, _SAY_EVERY = 60.0, 20.0  # s
 
 
 class Learner(NamedTuple):
@@ -45,6 +48,14 @@ class Learner(NamedTuple):
     variables: Any
     average: Any
     moments: Any
+
+
+@dataclasses.dataclass
+class Progress:
+    """How far a run is: steps done, and s that they took."""
+
+    steps: int = 0
+    seconds: float = 0.0
 
 
 def _optimiser() -> optax.GradientTransformation:
@@ -106,18 +117,19 @@ def evaluate(model: Any, variables: Any, views: Views, frames: int, batch: int, 
 
 def _add(result: score.Score, seen: Any, wanted: Truth, i: int) -> None:
     # Depths are compared in the canonical camera, where the lens does not matter.
-    decoded = decode(seen.classes, seen.centre, seen.offset, seen.log_depth, network.CANONICAL_FOCAL)
+    decoded = decode(seen, network.CANONICAL_FOCAL)
     kinds, owner = np.asarray(wanted.classes[i]), np.asarray(wanted.owner[i])
     depth = network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * np.asarray(wanted.has_depth[i])
-    result.add(decoded, kinds, owner, depth)
+    result.add(decoded, kinds, owner, depth, np.asarray(wanted.leaf[i]))
 
 
 def train(arguments: argparse.Namespace) -> dict[str, Any]:
     """Trains, writes the weights, and returns the table on the test streets."""
     started = time.monotonic()
     model = weights.network(jnp.dtype(arguments.dtype))
-    views = Views.of(SceneBank.load(arguments.train), arguments.height, arguments.width, mixed=_MIXED)
-    test = Views.of(SceneBank.load(arguments.test), arguments.height, arguments.width, looks=0.0)
+    size = arguments.height, arguments.width
+    views = Views.of(SceneBank.load(arguments.train), *size, mixed=_MIXED, samples=arguments.samples)
+    test = Views.of(SceneBank.load(arguments.test), *size, looks=0.0, samples=arguments.samples)
     key = jax.random.key(arguments.seed)
     learner = begin(model, jax.random.fold_in(key, 0), arguments.height, arguments.width)
     record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}
@@ -126,42 +138,79 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
         variables = jax.tree.map(jnp.asarray, variables)
         learner = learner._replace(variables=variables, average=jax.tree.map(jnp.copy, variables))
         record["before"] = {name: x for name, x in before.items() if name != "score"}
-    steps = 0
+    progress = Progress()
+    if arguments.state is not None and arguments.state.is_file():
+        learner, progress = _read_state(arguments.state, learner)
     if arguments.minutes > 0:
         step = make_step(model, views, arguments.batch)
         learner, _ = step(learner, jax.random.fold_in(key, 1), jnp.asarray(0.0))
         jax.block_until_ready(learner)
         _say({"event": "compiled", "seconds": round(time.monotonic() - started, 1)})
-        learner, steps = _run(step, learner, key, arguments, record)
-    record |= {"steps": steps, "frames": steps * arguments.batch, "minutes": arguments.minutes}
-    variables = learner.average
-    weights.save(arguments.out, variables, record)
+        learner = _run(step, learner, key, arguments, record, progress)
+    record = _keep(arguments, learner, progress, record)
+    if progress.seconds < 60.0 * arguments.minutes:
+        return {**record, "paused_after_s": round(progress.seconds, 1)}
+    # What is scored is what the file holds.
+    variables, _ = weights.load(arguments.out)
     table = evaluate(model, variables, test, arguments.test_frames, arguments.test_batch, arguments.seed + 1)
     weights.save(arguments.out, variables, {**record, "score": table})
     return {**record, **table}
 
 
 def _run(
-    step: Any, learner: Learner, key: jax.Array, arguments: argparse.Namespace, record: dict[str, Any]
-) -> tuple[Learner, int]:
-    """Steps until the time is over."""
-    begin_time = said = saved = time.monotonic()
-    length, steps = arguments.minutes * 60.0, 0
-    while (progress := (time.monotonic() - begin_time) / length) < 1.0:
-        rate = jnp.asarray(rate_at(progress, arguments.rate))
-        learner, parts = step(learner, jax.random.fold_in(key, 2 + steps), rate)
-        steps += 1
+    step: Any, learner: Learner, key: jax.Array, arguments: argparse.Namespace, record: dict[str, Any], done: Progress
+) -> Learner:
+    """Steps until the time is over or a pause is due; `done` is brought up to date."""
+    before, begin = done.seconds, time.monotonic()
+    said = saved = begin
+    length = arguments.minutes * 60.0
+    end = length if arguments.pause_after is None else min(length, before + arguments.pause_after * 60.0)
+    while done.seconds < end:
+        rate = jnp.asarray(rate_at(done.seconds / length, arguments.rate))
+        learner, parts = step(learner, jax.random.fold_in(key, 2 + done.steps), rate)
+        done.steps += 1
         now = time.monotonic()
-        if now - said > _SAY_EVERY or steps == 1:
+        done.seconds = before + now - begin
+        if now - said > _SAY_EVERY or done.steps == 1:
             losses = {name: round(float(x), 4) for name, x in parts.items()}
-            _say({"event": "step", "steps": steps, "seconds": round(now - begin_time, 1), **losses})
+            _say({"event": "step", "steps": done.steps, "seconds": round(done.seconds, 1), **losses})
             said = now
         if now - saved > _SAVE_EVERY:
-            weights.save(arguments.out, learner.average, {**record, "steps": steps})
+            _keep(arguments, learner, done, record)
             saved = now
-        if steps % 8 == 0:  # a bounded queue: the clock then measures work that is done
+        if done.steps % 8 == 0:  # a bounded queue: the clock then measures work that is done
             jax.block_until_ready(parts)
-    return learner, steps
+    return learner
+
+
+def _keep(arguments: argparse.Namespace, learner: Learner, done: Progress, record: dict[str, Any]) -> dict[str, Any]:
+    """Writes the weights and, if asked to, the state; the record as it is written."""
+    record = {**record, "steps": done.steps, "frames": done.steps * arguments.batch, "minutes": arguments.minutes}
+    weights.save(arguments.out, learner.average, record)
+    if arguments.state is not None:
+        arrays = {str(i): np.asarray(x) for i, x in enumerate(jax.tree.leaves(learner))}
+        arrays["progress"] = np.array([done.steps, done.seconds])
+        write_atomically(arguments.state, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
+    return record
+
+
+def _read_state(path: pathlib.Path, like: Learner) -> tuple[Learner, Progress]:
+    """What `_keep` wrote.
+
+    Raises:
+      NounError: a file of another network, or none of ours.
+    """
+    leaves, tree = jax.tree.flatten(like)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            found = [file[str(i)] for i in range(len(leaves))]
+            steps, seconds = file["progress"]
+    except (OSError, ValueError, KeyError) as error:
+        raise NounError(f"{path}: found no state of this training ({error}), needed one; remove the file.") from error
+    if [x.shape for x in found] != [x.shape for x in leaves]:
+        raise NounError(f"{path}: found the state of another network, needed this one's; remove the file.")
+    learner = jax.tree.unflatten(tree, [jnp.asarray(x) for x in found])
+    return learner, Progress(int(steps), float(seconds))
 
 
 def _hash(views: Views) -> str:
@@ -181,11 +230,14 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--test", type=pathlib.Path, required=True, help="bank of streets to score on")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="weights to write")
     parser.add_argument("--init", type=pathlib.Path, help="weights to go on from; default: random ones")
-    parser.add_argument("--minutes", type=float, default=6.0, help="of training; 0 only scores --init")
+    parser.add_argument("--minutes", type=float, default=16.0, help="of training in all; 0 only scores --init")
+    parser.add_argument("--state", type=pathlib.Path, help="file that keeps the run, and from which it goes on")
+    parser.add_argument("--pause-after", type=float, metavar="MINUTES", help="stop after so many and keep --state")
     parser.add_argument("--batch", type=int, default=32)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
     parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 32")
     parser.add_argument("--width", type=int, default=width)
+    parser.add_argument("--samples", type=int, default=2, help="rays per pixel and side of the pictures")
     parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
     parser.add_argument("--test-frames", type=int, default=512)
     parser.add_argument("--test-batch", type=int, default=32)
@@ -193,6 +245,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     arguments = parser.parse_args(argv)
     if arguments.height % network.STRIDE or arguments.width % network.STRIDE or arguments.minutes < 0:
         parser.error(f"--height and --width must be multiples of {network.STRIDE}, --minutes 0 or more")
+    if arguments.pause_after is not None and arguments.state is None:
+        parser.error("--pause-after needs --state, or what was learnt is lost")
     return arguments
 
 
@@ -203,6 +257,9 @@ def main(argv: list[str] | None = None) -> int:
     except NounError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
+    if "paused_after_s" in table:
+        _say({"event": "paused", **table})
+        return 0
     _say({"event": "done", **table})
     sys.stdout.write(score.as_markdown(table) + "\n")
     return 0

@@ -69,11 +69,11 @@ _YIQ = np.array([[0.299, 0.587, 0.114], [0.596, -0.274, -0.322], [0.211, -0.523,
 def recolour(key: jax.Array, picture: jax.Array, region: jax.Array, regions: int) -> jax.Array:
     """A picture (H, W, 3) u8 whose regions (H, W) i32 < `regions` each have another hue, saturation and brightness.
 
-    Half of the regions keep about their hue. What a thing is, its shape has to say.
+    Most of the regions keep about their hue. What a thing is, its shape has to say.
     """
     keys, of = jax.random.split(key, 5), (regions,)
     turn = jax.random.uniform(keys[0], of, minval=-jnp.pi, maxval=jnp.pi)
-    turn = jnp.where(jax.random.bernoulli(keys[1], 0.5, of), turn, 0.15 * jax.random.normal(keys[2], of))
+    turn = jnp.where(jax.random.bernoulli(keys[1], 0.35, of), turn, 0.15 * jax.random.normal(keys[2], of))
     brightness = jnp.exp(0.3 * jax.random.normal(keys[3], of))
     colour = brightness * jax.random.uniform(keys[4], of, minval=0.2, maxval=1.8)
     table = jnp.stack([brightness, colour * jnp.cos(turn), colour * jnp.sin(turn)], -1)

@@ -1,9 +1,11 @@
 """What the eye tells apart: the sky, the kinds of ground, and groups of the ontology's leaves (`classes.json`).
 
-A group is called by the leaf that stands for it, so that the asset search knows its name.
+A group is called by the leaf that stands for it, so that the asset search knows its name. Within a group the eye says
+which of the leaves it was shown a thing looks most like (`shown.json`): sizes are known by leaf.
 """
 
 import functools
+import itertools
 import json
 import pathlib
 from collections.abc import Sequence
@@ -25,8 +27,30 @@ _GROUND_PREFIX = "ground:"
 @functools.cache
 def groups() -> dict[str, tuple[str, ...]]:
     """Name of each group of things -> its leaves."""
-    body = json.loads(pathlib.Path(__file__).with_name("classes.json").read_text(encoding="utf-8"))
-    return {name: tuple(leaves) for name, leaves in body.items()}
+    return _read("classes.json")
+
+
+@functools.cache
+def _shown() -> dict[str, tuple[str, ...]]:
+    """Name of each group -> those of its leaves that are told apart."""
+    return _read("shown.json")
+
+
+def _read(name: str) -> dict[str, tuple[str, ...]]:
+    body = json.loads(pathlib.Path(__file__).with_name(name).read_text(encoding="utf-8"))
+    return {group: tuple(leaves) for group, leaves in body.items()}
+
+
+@functools.cache
+def leaves() -> tuple[str, ...]:
+    """The leaves that are told apart, by number; those of a group follow each other."""
+    return tuple(itertools.chain(*_shown().values()))
+
+
+@functools.cache
+def leaf_classes() -> np.ndarray:
+    """(L,) i32 number of the class of each of `leaves()`."""
+    return np.array([class_of_leaf(leaf) for leaf in leaves()], np.int32)
 
 
 @functools.cache
@@ -48,21 +72,22 @@ def class_of_leaf(leaf: str) -> int:
 
 
 def class_table(categories: Sequence[str]) -> np.ndarray:
-    """(A + 1,) i32: class of each category of a bank; the last row, index -1, is the sky.
+    """(A + 1, 2) i32: class of each category of a bank and its number in `leaves()`, -1 = none; the last row, index
+    -1, is the sky.
 
     Raises:
       NounError: a ground category of no known kind.
     """
-    table = []
+    table, number = [], {leaf: i for i, leaf in enumerate(leaves())}
     for category in categories:
         kind = category.removeprefix(_GROUND_PREFIX)
         if kind == category:
-            table.append(class_of_leaf(category))
+            table.append((class_of_leaf(category), number.get(category, -1)))
         elif kind in GROUND_KINDS[1:]:
-            table.append(GROUND_KINDS.index(kind))
+            table.append((GROUND_KINDS.index(kind), -1))
         else:
             raise NounError(f"category: found {category!r}, needed ground of {GROUND_KINDS[1:]}; rebuild the bank.")
-    return np.array([*table, SKY_CLASS], np.int32)
+    return np.array([*table, (SKY_CLASS, -1)], np.int32)
 
 
 def surface_codes() -> np.ndarray:

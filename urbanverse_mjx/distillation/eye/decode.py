@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
+from scipy.special import expit, logit
 
 from . import classes
-from .network import CANONICAL_FOCAL, DEPTH_UNIT, OFFSET_UNIT
+from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, Seen
 
 #: Peaks below this are noise; Panoptic-DeepLab keeps those above 0.1 within 7 pixels.
 MIN_PEAK, PEAK_WINDOW = 0.1, 7
@@ -15,15 +16,20 @@ MAX_THINGS = 200
 #: Output pixels: fewer say nothing about a thing.
 MIN_PIXELS = 12
 #: Output pixels from where a pixel points to the peak that may still take it.
-MAX_MISS = 24.0
+MAX_MISS = 12.0
+#: Log odds that a thing is right (half of its mask and its class): these times 1 and what `_evidence` gives. A logistic
+#: regression over the 692 things that the shipped weights saw in 48 frames of streets kept for it.
+TRUST = (-7.31, 1.26, 1.96, -3.88, 6.38)
 
 
 @dataclasses.dataclass(frozen=True)
 class Thing:
-    """One thing in one picture: number of its class and score in [0, 1]."""
+    """One thing in one picture: number of its class, chance in [0, 1] that it is right, and which of
+    `classes.leaves()` it looks like."""
 
     kind: int
     score: float
+    leaf: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,19 +46,18 @@ class Decoded:
     depth: np.ndarray
 
 
-def decode(logits: np.ndarray, centre: np.ndarray, offset: np.ndarray, log_depth: np.ndarray, focal: float) -> Decoded:
+def decode(seen: Seen, focal: float) -> Decoded:
     """One picture's outputs.
 
     Args:
-      logits: (h, w, C); centre: (h, w); offset: (h, w, 2); log_depth: (h, w), see `network.Seen`.
+      seen: arrays of one picture, without the leading axis.
       focal: of the picture that the network saw, pixels.
     """
-    p = np.exp(logits - logits.max(-1, keepdims=True))
+    p = np.exp(seen.classes - seen.classes.max(-1, keepdims=True))
     p /= p.sum(-1, keepdims=True)
     kinds = p.argmax(-1).astype(np.int32)
-    peaks = _peaks(centre)
-    masks, things = _group(kinds, p, offset, peaks)
-    depth = DEPTH_UNIT * np.exp(np.clip(log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
+    masks, things = _group(kinds, p, seen, _peaks(seen.centre))
+    depth = DEPTH_UNIT * np.exp(np.clip(seen.log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
     return Decoded(kinds, masks, things, depth.astype(np.float32))
 
 
@@ -64,16 +69,15 @@ def _peaks(centre: np.ndarray) -> np.ndarray:
     return where[order[:MAX_THINGS]]
 
 
-def _group(
-    kinds: np.ndarray, p: np.ndarray, offset: np.ndarray, peaks: np.ndarray
-) -> tuple[np.ndarray, tuple[Thing, ...]]:
+def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> tuple[np.ndarray, tuple[Thing, ...]]:
     """Masks and things. A house and what stands before it never share a thing, though they may share a centre."""
     masks = np.full(kinds.shape, -1, np.int32)
     rows, columns = np.nonzero(kinds >= classes.FIRST_THING)
     if not len(peaks) or not len(rows):
         return masks, ()
-    aim = np.column_stack([rows, columns]) + offset[rows, columns] * OFFSET_UNIT
+    aim = np.column_stack([rows, columns]) + seen.offset[rows, columns] * OFFSET_UNIT
     miss, owner = cKDTree(peaks).query(aim)
+    heights = seen.centre[peaks[:, 0], peaks[:, 1]]
     found = kinds[rows, columns]
     group = np.where(miss <= MAX_MISS, 2 * owner + (found == classes.HOUSE), -1)
     order = np.argsort(group, kind="stable")
@@ -88,5 +92,21 @@ def _group(
         if kind == classes.FIRST_THING:
             continue
         masks[rows[part], columns[part]] = len(things)
-        things.append(Thing(kind, float(votes[kind])))
+        looks = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
+        leaf = int(np.where(classes.leaf_classes() == kind, looks, -np.inf).argmax())
+        evidence = _evidence(votes[kind], heights[owner[part[0]]], rows[part], columns[part], miss[part].mean())
+        things.append(Thing(kind, float(expit(np.dot(TRUST, evidence))), leaf))
     return masks, tuple(things)
+
+
+def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray, miss: float) -> tuple[float, ...]:
+    """1 and what speaks for a thing: log odds of its class; its peak's height; `miss`, by how many output pixels its
+    pixels point past the peak, over the side of a square with as many; and what share of them is in one piece.
+
+    What is left over between two things points nowhere and lies in pieces.
+    """
+    inside = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), bool)
+    inside[rows - rows.min(), columns - columns.min()] = True
+    pieces, _ = ndimage.label(inside)
+    largest = np.bincount(pieces[inside]).max() / len(rows)
+    return 1.0, float(logit(np.clip(vote, 0.001, 0.999))), float(height), miss / len(rows) ** 0.5, float(largest)

@@ -1,8 +1,9 @@
-"""The eye's network: an encoder of residual blocks, a pyramid back up to half size, and two small heads.
+"""The eye's network: an encoder of residual blocks, a pyramid back up to half size, and small heads.
 
 The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
 every pixel of a thing the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al., ICCV
 2023): depth times `CANONICAL_FOCAL` over the picture's own focal length, which makes it a matter of the picture alone.
+Added are also the leaves within each class, at a quarter of the size: a thing's pixels settle them together.
 """
 
 from collections.abc import Sequence
@@ -16,27 +17,31 @@ from flax import linen as nn
 STRIDE = 32
 #: Pixels of the picture per pixel of the outputs.
 OUTPUT_STRIDE = 2
+#: Output pixels per pixel of the leaves.
+LEAF_STRIDE = 2
 #: Size that the eye was trained at: height, width.
 SIZE = (288, 512)
 CANONICAL_FOCAL = 300.0  # pixels; about the middle of the lenses it was trained with
 #: The way to the centre is in units of so many output pixels, and the logarithm of depth is off this many m.
 OFFSET_UNIT = 16.0
 DEPTH_UNIT = 8.0
-WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 2, 3, 4, 3)
-_PYRAMID = (96, 96, 64, 48)
+WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 3, 4, 4, 3)
+_PYRAMID = (96, 96, 64, 64)
 
 
 class Seen(NamedTuple):
     """Outputs at half the picture's size, h x w.
 
     classes: (n, h, w, C) logits; centre: (n, h, w) in about [0, 1]; offset: (n, h, w, 2) rows and columns to the
-    centre, in `OFFSET_UNIT` output pixels; log_depth: (n, h, w) log of canonical depth over `DEPTH_UNIT`.
+    centre, in `OFFSET_UNIT` output pixels; log_depth: (n, h, w) log of canonical depth over `DEPTH_UNIT`; leaves:
+    (n, h / `LEAF_STRIDE`, w / `LEAF_STRIDE`, L) logits, comparable within a class alone.
     """
 
     classes: jax.Array
     centre: jax.Array
     offset: jax.Array
     log_depth: jax.Array
+    leaves: jax.Array
 
 
 class _Conv(nn.Module):
@@ -82,12 +87,13 @@ class EyeNetwork(nn.Module):
     """Pictures to `Seen`.
 
     Attributes:
-      classes: how many there are.
+      classes, leaves: how many there are.
       widths, blocks: channels and residual blocks at 1/2, 1/4, ... of the size.
       dtype: of the arithmetic; parameters and outputs are float32.
     """
 
     classes: int
+    leaves: int
     widths: Sequence[int] = WIDTHS
     blocks: Sequence[int] = BLOCKS
     dtype: Any = jnp.float32
@@ -111,7 +117,10 @@ class EyeNetwork(nn.Module):
             x = nn.relu(_double(_Conv(width, 1, activate=False, dtype=self.dtype)(x, train)) + side)
             x = _Conv(width, dtype=self.dtype)(x, train)
         what = _Conv(_PYRAMID[-1], dtype=self.dtype)(x, train)
-        where = _Conv(32, dtype=self.dtype)(_Conv(32, 5, dtype=self.dtype)(x, train), train)
+        where = _Conv(32, dtype=self.dtype)(_Conv(48, dtype=self.dtype)(x, train), train)
         classes = nn.Conv(self.classes, (1, 1), dtype=self.dtype)(what).astype(jnp.float32)
         rest = nn.Conv(4, (1, 1), dtype=self.dtype)(where).astype(jnp.float32)
-        return Seen(classes, rest[..., 0], rest[..., 1:3], rest[..., 3])
+        n, h, w, c = what.shape
+        coarse = what.reshape(n, h // LEAF_STRIDE, LEAF_STRIDE, w // LEAF_STRIDE, LEAF_STRIDE, c).mean((2, 4))
+        leaves = nn.Conv(self.leaves, (1, 1), dtype=self.dtype)(coarse).astype(jnp.float32)
+        return Seen(classes, rest[..., 0], rest[..., 1:3], rest[..., 3], leaves)

@@ -16,36 +16,40 @@ MIN_PIXELS = 25
 
 @dataclasses.dataclass
 class Score:
-    """Counts over frames. Arrays are by class: found, missed and invented things, and surfaces' pixels."""
+    """Counts over frames. Arrays are by class: found, missed and invented things, and surfaces' pixels; and how many
+    of the found things of a class with leaves have the right leaf, of how many."""
 
     found: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
     missed: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
     invented: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
     both: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
     either: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
+    right_leaves: int = 0
+    with_leaf: int = 0
     depth_errors: list[float] = dataclasses.field(default_factory=list)
 
-    def add(self, seen: Decoded, kinds: np.ndarray, owner: np.ndarray, depth: np.ndarray) -> None:
+    def add(self, seen: Decoded, kinds: np.ndarray, owner: np.ndarray, depth: np.ndarray, leaves: np.ndarray) -> None:
         """One frame.
 
         Args:
           kinds: (h, w) true classes; owner: (h, w) which thing a pixel belongs to, -1 = none; depth: (h, w) true m,
-            0 where unknown.
+            0 where unknown; leaves: (h, w) true leaf's number, -1 = none.
         """
         for kind in range(classes.FIRST_THING):
             a, b = seen.kinds == kind, kinds == kind
             self.both[kind] += (a & b).sum()
             self.either[kind] += (a | b).sum()
-        self._add_things(seen, kinds, owner)
+        self._add_things(seen, kinds, owner, leaves)
         known = depth > 0
         if known.any():
             self.depth_errors.append(float(np.median(np.abs(seen.depth[known] - depth[known]) / depth[known])))
 
-    def _add_things(self, seen: Decoded, kinds: np.ndarray, owner: np.ndarray) -> None:
+    def _add_things(self, seen: Decoded, kinds: np.ndarray, owner: np.ndarray, leaves: np.ndarray) -> None:
         true, inverse, sizes = np.unique(owner, return_inverse=True, return_counts=True)
         inverse = inverse.reshape(owner.shape)
         kind_of = np.zeros(len(true), np.int64)
-        kind_of[inverse] = kinds
+        leaf_of = kind_of.copy()
+        kind_of[inverse], leaf_of[inverse] = kinds, leaves
         counts = np.zeros((len(true), len(seen.things)), np.int64)
         inside = seen.masks >= 0
         np.add.at(counts, (inverse[inside], seen.masks[inside]), 1)
@@ -56,13 +60,17 @@ class Score:
         hit = (iou > MIN_IOU) & (kind_of[:, None] == predicted[None])
         for row in np.flatnonzero(asked):
             (self.found if hit[row].any() else self.missed)[kind_of[row]] += 1
+            if hit[row].any() and leaf_of[row] >= 0:
+                self.with_leaf += 1
+                self.right_leaves += seen.things[int(hit[row].argmax())].leaf == leaf_of[row]
         # What mostly lies on something too small or of no group is not held against it.
         excused = (counts[(true >= 0) & ~asked].sum(0) > 0.5 * areas) | (areas < MIN_PIXELS)
         for column in np.flatnonzero(~hit[asked].any(0) & ~excused):
             self.invented[predicted[column]] += 1
 
     def table(self) -> dict[str, Any]:
-        """Recall, precision and number by class of things, overlap by surface, median relative depth error."""
+        """Recall, precision and number by class of things, share of right leaves among the found things, overlap by
+        surface, median relative depth error."""
         rows = {}
         for kind in range(classes.FIRST_THING + 1, len(classes.names())):
             rows[classes.names()[kind]] = _row(self.found[kind], self.missed[kind], self.invented[kind])
@@ -73,7 +81,8 @@ class Score:
         }
         depth = round(float(np.median(self.depth_errors)), 4) if self.depth_errors else None
         all_things = _row(self.found.sum(), self.missed.sum(), self.invented.sum())
-        return {"things": rows, "all": all_things, "surface_iou": surfaces, "depth_error": depth}
+        leaf = round(self.right_leaves / self.with_leaf, 3) if self.with_leaf else None
+        return {"things": rows, "all": all_things, "leaf": leaf, "surface_iou": surfaces, "depth_error": depth}
 
 
 def _row(found: int, missed: int, invented: int) -> dict[str, Any]:
@@ -92,7 +101,13 @@ def as_markdown(table: dict[str, Any]) -> str:
         lines.append(f"| {name} | {row['there']} | {_show(row['recall'])} | {_show(row['precision'])} |")
     surfaces = ", ".join(f"{name} {iou:.2f}" for name, iou in table["surface_iou"].items())
     return "\n".join(
-        [*lines, "", f"Surfaces, IoU: {surfaces}.", f"Depth, median error: {_show(table['depth_error'])}."]
+        [
+            *lines,
+            "",
+            f"Right leaf, of the found things: {_show(table['leaf'])}.",
+            f"Surfaces, IoU: {surfaces}.",
+            f"Depth, median error: {_show(table['depth_error'])}.",
+        ]
     )
 
 

@@ -13,10 +13,10 @@ from ...datatypes import Detection
 from ..perception.sight import Sight
 from . import classes, weights
 from .decode import decode
-from .network import OUTPUT_STRIDE, SIZE, STRIDE, Seen
+from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
-#: Things that the eye is less sure of are not reported; fusion over frames sorts out the rest.
-MIN_SCORE = 0.3
+#: Things less likely right than this are not reported: fused over frames, false ones stand where nothing is.
+MIN_SCORE = 0.4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,8 +50,9 @@ class Eye:
         padded = np.pad(np.asarray(picture), [*pad, (0, 0)], "edge")
         seen = _apply(self.variables, padded[None] / np.float32(255.0))
         rows, columns = (-(-n // OUTPUT_STRIDE) for n in small)
-        parts = [np.asarray(x)[0, :rows, :columns] for x in seen]
-        found = decode(*parts, focal=focal * factor)
+        leaves = np.asarray(seen.leaves)[0, : -(-rows // LEAF_STRIDE), : -(-columns // LEAF_STRIDE)]
+        parts = [np.asarray(x)[0, :rows, :columns] for x in seen[:-1]]
+        found = decode(Seen(*parts, leaves), focal * factor)
         return _full_size(found.kinds, found.masks, found.depth, found.things, height, width)
 
 
@@ -72,7 +73,6 @@ def _full_size(kinds: np.ndarray, masks: np.ndarray, depth: np.ndarray, things: 
     sure = [k for k, thing in enumerate(things) if thing.score >= MIN_SCORE]
     number = np.full(len(things) + 1, -1, np.int32)
     number[sure] = np.arange(len(sure))
-    names = classes.names()
-    found = tuple(Detection(names[things[k].kind], things[k].score) for k in sure)
+    found = tuple(Detection(classes.leaves()[things[k].leaf], things[k].score) for k in sure)
     # Between things depth jumps: it is repeated, not blended.
     return Sight(classes.surface_codes()[kinds[at]], number[masks[at]], found, depth[at])

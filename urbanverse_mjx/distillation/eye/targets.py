@@ -6,29 +6,37 @@ import jax
 import jax.numpy as jnp
 
 from . import classes
-from .network import CANONICAL_FOCAL, DEPTH_UNIT, OFFSET_UNIT, OUTPUT_STRIDE, Seen
+from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, OUTPUT_STRIDE, Seen
 
-#: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab.
-SIGMA = 4.0
-_REACH = 12  # output pixels, three deviations
+#: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab; of things
+#: with fewer output pixels than `_SMALL` half of that again, or two that stand close together would share a peak.
+SIGMA, SIGMA_SMALL = 4.0, 2.0
+_SMALL = 200.0
 #: Instances with fewer output pixels have no centre: nobody could say what they are.
 MIN_PIXELS = 12
 NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
-#: What a thing's pixel counts more than the ground's, the sky's and the houses': poles cover little of a street.
-_THING_WEIGHT = 3.0
+#: A thing's pixel counts `_SIDE` over the side of a square with as many output pixels times what the ground's counts,
+#: within these bounds: otherwise what is near or a house rules the loss, and poles and what is far are lost in it.
+_SIDE, _LIGHTEST, _HEAVIEST = 60.0, 1.0, 8.0
+#: What a miss near the narrow bump of a small thing counts more: the bump has a quarter of the wide one's area.
+_NARROW = 3.0
 #: Weights of the parts of the loss: Panoptic-DeepLab's are 1, 200 and 0.01 a pixel of the full picture (0.32 a unit of
 #: ours). Our streets hold some thirty things a picture, so that 200 would leave the classes little of the slope;
-#: the way is doubled because half of our things touch another; depth is ours.
-_CENTRE, _OFFSET, _DEPTH = 50.0, 0.64, 0.5
+#: the way is doubled because half of our things touch another; depth and the leaves are ours.
+_CENTRE, _OFFSET, _DEPTH, _LEAF = 50.0, 0.64, 0.5, 0.3
 
 
 class Truth(NamedTuple):
-    """At output size h x w: class (h, w) i32; owner (h, w) i32, the thing's slot, -1 = no thing; centre (h, w);
-    offset (h, w, 2) and the pixels it counts at; log_depth (h, w) and the pixels it counts at."""
+    """At output size h x w: class (h, w) i32; leaf (h, w) i32, its number in `classes.leaves()`, -1 = none; weight
+    (h, w), what a pixel counts; owner (h, w) i32, the thing's slot, -1 = no thing; centre (h, w) and what a pixel
+    counts for it; offset (h, w, 2) and the pixels it counts at; log_depth (h, w) and the pixels it counts at."""
 
     classes: jax.Array
+    leaf: jax.Array
+    weight: jax.Array
     owner: jax.Array
     centre: jax.Array
+    centre_weight: jax.Array
     offset: jax.Array
     has_centre: jax.Array
     log_depth: jax.Array
@@ -44,8 +52,9 @@ def truth(
       category, slot: (H, W) i32 as rendered, -1 = sky; depth: (H, W) m; focal: () pixels of the full picture.
       table: `classes.class_table` of the bank; slots: how many visual slots its scenes have.
     """
-    category, slot, depth = (x[::OUTPUT_STRIDE, ::OUTPUT_STRIDE] for x in (category, slot, depth))
-    kind = table[category]
+    # Of each output pixel's four the one below and right: its first ray is the one nearest to their middle.
+    category, slot, depth = (x[1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE] for x in (category, slot, depth))
+    kind, leaf = table[category, 0], table[category, 1]
     thing = kind >= classes.FIRST_THING
     owner = jnp.where(thing, slot, slots)
     h, w = kind.shape
@@ -58,11 +67,17 @@ def truth(
     big = (count >= MIN_PIXELS) & (jnp.arange(slots + 1) < slots)
     way = middle[owner] - jnp.stack([rows, columns], -1)
     valid = (depth > NEAREST) & (depth < FARTHEST)
+    small = count < _SMALL
+    narrow = _bumps(middle, big & small, h, w, SIGMA_SMALL)
+    heavier = jnp.clip(_SIDE / jnp.sqrt(jnp.maximum(count[owner], 1.0)), _LIGHTEST, _HEAVIEST)
     canonical = jnp.clip(depth, NEAREST, FARTHEST) * CANONICAL_FOCAL / focal
     return Truth(
         classes=kind,
+        leaf=leaf,
+        weight=jnp.where(thing, heavier, 1.0),
         owner=jnp.where(thing, slot, -1),
-        centre=_bumps(middle, big, h, w),
+        centre=jnp.maximum(narrow, _bumps(middle, big & ~small, h, w, SIGMA)),
+        centre_weight=1.0 + _NARROW * jnp.sqrt(narrow),
         offset=way / OFFSET_UNIT,
         has_centre=thing & big[owner],
         log_depth=jnp.log(canonical / DEPTH_UNIT),
@@ -70,21 +85,21 @@ def truth(
     )
 
 
-def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int) -> jax.Array:
+def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int, sigma: float) -> jax.Array:
     """(h, w): 1 at every centre, falling off as a normal density does, the nearest centre counting."""
-    far = 1e6
+    far, reach = 1e6, round(3 * sigma)
     at = jnp.round(middle).astype(jnp.int32)
     distance = jnp.full((h, w), far).at[at[:, 0], at[:, 1]].min(jnp.where(valid, 0.0, far), mode="drop")
     # The squared distance to the nearest centre, one axis after the other.
     for axis in (0, 1):
-        padded = jnp.pad(distance, [(_REACH, _REACH) if a == axis else (0, 0) for a in (0, 1)], constant_values=far)
+        padded = jnp.pad(distance, [(reach, reach) if a == axis else (0, 0) for a in (0, 1)], constant_values=far)
         size = distance.shape[axis]
         shifted = [
-            jax.lax.slice_in_dim(padded, _REACH + s, _REACH + s + size, axis=axis) + float(s * s)
-            for s in range(-_REACH, _REACH + 1)
+            jax.lax.slice_in_dim(padded, reach + s, reach + s + size, axis=axis) + float(s * s)
+            for s in range(-reach, reach + 1)
         ]
         distance = jnp.stack(shifted).min(0)
-    return jnp.exp(-distance / (2.0 * SIGMA**2))
+    return jnp.exp(-distance / (2.0 * sigma**2))
 
 
 def loss(seen: Seen, wanted: Truth, counts: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
@@ -97,17 +112,28 @@ def loss(seen: Seen, wanted: Truth, counts: jax.Array) -> tuple[jax.Array, dict[
     total = jnp.maximum(weight.sum(), 1.0)
     log_p = jax.nn.log_softmax(seen.classes)
     miss = -jnp.take_along_axis(log_p, wanted.classes[..., None], -1)[..., 0]
-    small = (wanted.classes > classes.FIRST_THING) & (wanted.classes != classes.HOUSE)
-    heavier = jnp.where(small, _THING_WEIGHT, 1.0) * weight
+    heavier = wanted.weight * weight
     # Focal weighting (Lin et al., 2017) with exponent 1 keeps the street's wide even parts from ruling the loss.
     focal = jax.lax.stop_gradient(1.0 - jnp.exp(-miss))
     parts = {
         "classes": (heavier * focal * miss).sum() / total,
-        "centre": _CENTRE * (weight * (seen.centre - wanted.centre) ** 2).sum() / total,
-        "offset": _OFFSET * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * weight),
+        "centre": _CENTRE * (weight * wanted.centre_weight * (seen.centre - wanted.centre) ** 2).sum() / total,
+        "offset": _OFFSET * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * heavier),
         "depth": _DEPTH * _mean(jnp.abs(seen.log_depth - wanted.log_depth), wanted.has_depth * weight),
     }
+    parts["leaves"] = _LEAF * _leaf_loss(seen.leaves, wanted, weight)
     return sum(parts.values(), jnp.zeros(())), parts
+
+
+def _leaf_loss(logits: jax.Array, wanted: Truth, weight: jax.Array) -> jax.Array:
+    """(): how unlikely the right leaf is among those of the right class, where there is one."""
+    leaf, kind, weight = (
+        x[:, ::LEAF_STRIDE, ::LEAF_STRIDE] for x in (wanted.leaf, wanted.classes, weight * wanted.weight)
+    )
+    of_class = jnp.asarray(classes.leaf_classes()) == kind[..., None]
+    log_p = jax.nn.log_softmax(jnp.where(of_class, logits, -30.0))
+    miss = -jnp.take_along_axis(log_p, jnp.maximum(leaf, 0)[..., None], -1)[..., 0]
+    return _mean(miss, weight * (leaf >= 0))
 
 
 def _mean(x: jax.Array, weight: jax.Array) -> jax.Array:

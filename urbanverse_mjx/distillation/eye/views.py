@@ -21,6 +21,7 @@ _STANDS = {"sidewalk": 0.55, "crosswalk": 0.1, "ground": 0.1, "road": 0.25}
 _PLACES = 1024  # per scene and kind of ground, drawn from the map's cells
 HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a hand held up
 FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens held upright to an action camera
+_AHEAD = 0.65  # share of the views along the street
 #: A frame whose near fifth lies closer than this shows the inside of something, m.
 _BLOCKED = 0.35
 
@@ -31,7 +32,7 @@ class Views:
 
     Attributes:
       places: (Z, K, _PLACES, 3) f32 m, points on the ground by scene and kind of `_STANDS`; weights: (Z, K) f32.
-      table: `classes.class_table` of the bank.
+      table: (A + 1, 2) `classes.class_table` of the bank.
     """
 
     renderer: Renderer
@@ -40,17 +41,33 @@ class Views:
     table: jax.Array
 
     @staticmethod
-    def of(bank: SceneBank, height: int, width: int, looks: float = 0.4, mixed: float = 0.0, seed: int = 0) -> "Views":
+    def of(
+        bank: SceneBank,
+        height: int,
+        width: int,
+        looks: float = 0.4,
+        mixed: float = 0.0,
+        samples: int = 2,
+        seed: int = 0,
+    ) -> "Views":
         """Views of a bank.
 
         Args:
           looks: by what share colours and light may differ, see `Renderer`.
           mixed: share of the roads, pavements and grounds that are laid with some other kind's material, so that
             paving alone does not say what is driven on.
+          samples: rays per pixel and side, as `capture` films: with one, thin things are broken into dots.
         """
         bank = _with_mixed_ground(bank, mixed, np.random.default_rng([seed, 1]))
         renderer = Renderer(
-            bank, None, height, width, ("rgb", "depth", "category", "object"), shadows=True, appearance=looks
+            bank,
+            None,
+            height,
+            width,
+            ("rgb", "depth", "category", "object"),
+            shadows=True,
+            samples=samples,
+            appearance=looks,
         )
         places, weights = _stands(bank, np.random.default_rng(seed))
         table = classes.class_table(bank.meta["categories"])
@@ -77,7 +94,7 @@ class Views:
         near = jnp.percentile(depth[:, ::8, ::8].reshape(len(keys), -1), 20.0, axis=1, method="nearest")
         pictures = seen["rgb"]
         if look:
-            kind = self.table[seen["category"]]
+            kind = self.table[seen["category"], 0]
             region = jnp.where(kind < classes.FIRST_THING, slots + kind, seen["object"])
             dyes = jax.vmap(lambda key: jax.random.fold_in(key, 1))(keys)
             pictures = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_THING))(dyes, pictures, region)
@@ -90,13 +107,15 @@ class Views:
         kind = jax.random.categorical(keys[1], jnp.log(self.weights[scene]))
         place = self.places[scene, kind, jax.random.randint(keys[2], (), 0, _PLACES)]
         eye = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1])
-        # Half look along the street (which runs along x), half anywhere.
+        # Most look along the street (which runs along x) or a little to a side, as walkers do; the rest anywhere.
         along, anywhere, noise, straight = jax.random.split(keys[4], 4)
-        ahead = jnp.pi * jax.random.bernoulli(along) + 0.35 * jax.random.normal(noise)
+        ahead = jnp.pi * jax.random.bernoulli(along) + 0.4 * jax.random.normal(noise)
         yaw = jnp.where(
-            jax.random.bernoulli(straight), ahead, jax.random.uniform(anywhere, (), minval=-jnp.pi, maxval=jnp.pi)
+            jax.random.bernoulli(straight, _AHEAD),
+            ahead,
+            jax.random.uniform(anywhere, (), minval=-jnp.pi, maxval=jnp.pi),
         )
-        pitch, roll = jnp.radians(jnp.array([-4.0, 0.0]) + jnp.array([7.0, 2.0]) * jax.random.normal(keys[5], (2,)))
+        pitch, roll = jnp.radians(jnp.array([-2.0, 0.0]) + jnp.array([7.0, 2.0]) * jax.random.normal(keys[5], (2,)))
         low, high = np.radians(FIELDS_OF_VIEW)
         fovy = jax.random.uniform(keys[6], (), minval=low, maxval=high)
         number = jax.random.randint(keys[7], (), 1, 2**30)

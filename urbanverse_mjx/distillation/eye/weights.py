@@ -19,7 +19,7 @@ from ...datatypes.validation import write_atomically
 from . import classes
 from .network import EyeNetwork
 
-SCHEMA = "urbanverse.eye/2"
+SCHEMA = "urbanverse.eye/3"
 _META = "meta"
 #: Ends the name of the array that holds a kernel's scales.
 _SCALE = "/scale8"
@@ -38,7 +38,7 @@ def save(path: str | os.PathLike[str], variables: Any, record: dict[str, Any]) -
     body: dict[str, Any] = {}
     for name, x in flat.items():
         body |= _packed(name, np.asarray(x))
-    meta = {"schema": SCHEMA, "classes": list(classes.names()), "record": record}
+    meta = {"schema": SCHEMA, "classes": _told_apart(), "record": record}
     body[_META] = np.frombuffer(json.dumps(meta).encode("utf-8"), np.uint8)
     return write_atomically(path, lambda temporary: np.savez_compressed(temporary, allow_pickle=False, **body))
 
@@ -61,14 +61,18 @@ def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any
         meta = json.loads(body.pop(_META).tobytes().decode("utf-8"))
     except (OSError, ValueError, KeyError) as error:
         raise NounError(f"{path}: found an unreadable file ({error}), needed weights of the eye.") from error
-    if meta.get("schema") != SCHEMA or tuple(meta.get("classes", ())) != classes.names():
+    if meta.get("schema") != SCHEMA or meta.get("classes") != _told_apart():
         raise NounError(f"{path}: found weights for other classes, needed this version's; train them again.")
     return traverse_util.unflatten_dict(_unpacked(body), sep="/"), meta["record"]
 
 
+def _told_apart() -> list[str]:
+    return [*classes.names(), *classes.leaves()]
+
+
 def network(dtype: Any = np.float32) -> EyeNetwork:
     """The network that the weights belong to."""
-    return EyeNetwork(len(classes.names()), dtype=dtype)
+    return EyeNetwork(len(classes.names()), len(classes.leaves()), dtype=dtype)
 
 
 def _packed(name: str, x: np.ndarray) -> dict[str, np.ndarray]:
