@@ -186,10 +186,10 @@ def _walk(street: section.StreetSection) -> EpisodeTable:
     return EpisodeTable(start, goal, points, np.array([len(x)], np.int32), np.array([length]), no, no, np.array([-1.0]))
 
 
-def build(split: str, layouts: int, progress: Any = None, processes: int = 1) -> SceneBank:
-    """The bank of a split; `progress` is called with (streets done, streets in all)."""
+def build(split: str, layouts: int, progress: Any = None, processes: int = 1, first: int = 0) -> SceneBank:
+    """The bank of a split's streets from `first` on; `progress` is called with (streets done, streets in all)."""
     scenes, hashes = [], {}
-    for geometry, name, content in _made(split, layouts, processes):
+    for geometry, name, content in _made(split, range(first, first + layouts), processes):
         scenes.append(geometry)
         hashes[name] = content
         if progress is not None:
@@ -199,13 +199,13 @@ def build(split: str, layouts: int, progress: Any = None, processes: int = 1) ->
     return pack(scenes, [split] * layouts, skies, hashes)
 
 
-def _made(split: str, layouts: int, processes: int) -> Iterator[tuple[SceneGeometry, str, str]]:
+def _made(split: str, numbers: range, processes: int) -> Iterator[tuple[SceneGeometry, str, str]]:
     """Streets in their order, each with its name and content hash."""
     if processes == 1:
-        yield from map(functools.partial(_make, split), range(layouts))
+        yield from map(functools.partial(_make, split), numbers)
         return
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        yield from pool.imap(functools.partial(_make, split), range(layouts), chunksize=4)
+        yield from pool.imap(functools.partial(_make, split), numbers, chunksize=4)
 
 
 def _make(split: str, number: int) -> tuple[SceneGeometry, str, str]:
@@ -228,13 +228,15 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--split", choices=SPLITS, required=True)
     parser.add_argument("--layouts", type=int, required=True, help="streets")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="bank file to write")
+    parser.add_argument("--first", type=int, default=0, help="number of the first street")
     parser.add_argument("--processes", type=int, default=1, help="streets made at a time")
     arguments = parser.parse_args(argv)
-    if min(arguments.layouts, arguments.processes) < 1:
-        parser.error("--layouts and --processes must be at least 1")
+    if min(arguments.layouts, arguments.processes) < 1 or arguments.first < 0:
+        parser.error("--layouts and --processes must be at least 1, --first at least 0")
     begin = time.monotonic()
     try:
-        bank = build(arguments.split, arguments.layouts, functools.partial(_say, begin), arguments.processes)
+        say = functools.partial(_say, begin)
+        bank = build(arguments.split, arguments.layouts, say, arguments.processes, arguments.first)
         bank.save(arguments.out)
     except NounError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -37,6 +37,6 @@ def test_training_instances_are_built_in_the_size_that_their_record_tells(splits
 
 def test_processes_make_the_same_streets():
     alone, together = (
-        [(name, content) for _, name, content in eye_streets._made("test", 2, processes)] for processes in (1, 2)
+        [(name, content) for _, name, content in eye_streets._made("test", range(2), processes)] for processes in (1, 2)
     )
     assert alone == together

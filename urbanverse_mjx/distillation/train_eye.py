@@ -17,6 +17,7 @@ import json
 import pathlib
 import sys
 import time
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import jax
@@ -28,7 +29,7 @@ from ..datatypes import NounError, SceneBank
 from ..datatypes.validation import write_atomically
 from .eye import network, score, weights
 from .eye.augment import augment
-from .eye.decode import decode
+from .eye.decode import Decoded, decode
 from .eye.targets import Truth, loss
 from .eye.views import Views
 
@@ -99,28 +100,44 @@ def rate_at(progress: float, peak: float) -> float:
     return peak * 0.5 * (1.0 + float(np.cos(np.pi * min((progress - _WARM_UP) / (1.0 - _WARM_UP), 1.0))))
 
 
-def evaluate(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> dict[str, Any]:
-    """The table of `score.Score` over seeded frames with the same camera faults as in training."""
+class Frame(NamedTuple):
+    """What was seen in one frame, and what is there: (h, w) classes, owner (-1 = none), depth m (0 = unknown), leaf."""
+
+    seen: Decoded
+    kinds: np.ndarray
+    owner: np.ndarray
+    depth: np.ndarray
+    leaf: np.ndarray
+
+
+def look(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> Iterator[Frame]:
+    """Seeded frames with the same camera faults as in training; those that show nothing are left out."""
     apply = jax.jit(functools.partial(model.apply, train=False))
     draw = jax.jit(lambda keys: views(keys, look=False))
     fault = jax.jit(jax.vmap(augment))
-    result = score.Score()
     for start in range(0, frames, batch):
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
         pictures, wanted, counts = draw(keys)
         seen = apply(variables, fault(keys, pictures))
         for i in range(batch):
             if counts[i]:
-                _add(result, jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)
-    return result.table()
+                yield _frame(jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)
 
 
-def _add(result: score.Score, seen: Any, wanted: Truth, i: int) -> None:
+def _frame(seen: Any, wanted: Truth, i: int) -> Frame:
     # Depths are compared in the canonical camera, where the lens does not matter.
     decoded = decode(seen, network.CANONICAL_FOCAL)
-    kinds, owner = np.asarray(wanted.classes[i]), np.asarray(wanted.owner[i])
     depth = network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * np.asarray(wanted.has_depth[i])
-    result.add(decoded, kinds, owner, depth, np.asarray(wanted.leaf[i]))
+    kinds, owner, leaf = (np.asarray(x[i]) for x in (wanted.classes, wanted.owner, wanted.leaf))
+    return Frame(decoded, kinds, owner, depth, leaf)
+
+
+def evaluate(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> dict[str, Any]:
+    """The table of `score.Score` over the frames of `look`."""
+    result = score.Score()
+    for frame in look(model, variables, views, frames, batch, seed):
+        result.add(*frame)
+    return result.table()
 
 
 def train(arguments: argparse.Namespace) -> dict[str, Any]:

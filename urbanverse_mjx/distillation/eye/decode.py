@@ -17,19 +17,20 @@ MAX_THINGS = 200
 MIN_PIXELS = 12
 #: Output pixels from where a pixel points to the peak that may still take it.
 MAX_MISS = 12.0
-#: Log odds that a thing is right (half of its mask and its class): these times 1 and what `_evidence` gives. A logistic
-#: regression over the 692 things that the shipped weights saw in 48 frames of streets kept for it.
+#: Log odds that a thing is right (half of its mask and its class): these times its evidence. `fit_trust`'s regression
+#: over the 692 things that the shipped weights saw in 48 frames of streets kept for it.
 TRUST = (-7.31, 1.26, 1.96, -3.88, 6.38)
 
 
 @dataclasses.dataclass(frozen=True)
 class Thing:
-    """One thing in one picture: number of its class, chance in [0, 1] that it is right, and which of
-    `classes.leaves()` it looks like."""
+    """One thing in one picture: number of its class, chance in [0, 1] that it is right, which of `classes.leaves()` it
+    looks like, and on what the chance rests (see `_evidence`)."""
 
     kind: int
     score: float
     leaf: int
+    evidence: tuple[float, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,7 +96,7 @@ def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> t
         looks = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
         leaf = int(np.where(classes.leaf_classes() == kind, looks, -np.inf).argmax())
         evidence = _evidence(votes[kind], heights[owner[part[0]]], rows[part], columns[part], miss[part].mean())
-        things.append(Thing(kind, float(expit(np.dot(TRUST, evidence))), leaf))
+        things.append(Thing(kind, float(expit(np.dot(TRUST, evidence))), leaf, evidence))
     return masks, tuple(things)
 
 

@@ -1,0 +1,88 @@
+"""Fits how far the eye's things are to be trusted: `eye.decode.TRUST`, which belongs to one set of weights.
+
+    python -m benchmarks.eye_streets --split test --first 20 --layouts 16 --out eye_held.npz
+    python -m urbanverse_mjx.distillation.fit_trust --streets eye_held.npz
+
+Every thing that the weights see in rendered frames is right or wrong (half of its mask, and its class); a logistic
+regression tells the chance from the thing's evidence. Streets should be none that a table is made on. Prints one JSON
+line.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+import jax.numpy as jnp
+import numpy as np
+import scipy.optimize
+
+from ..datatypes import NounError, SceneBank
+from .eye import network, score, weights
+from .eye.decode import Decoded
+from .eye.views import Views
+from .train_eye import look
+
+#: Weight of the squared coefficients, so that evidence which settles everything keeps them finite.
+_RIDGE = 1e-4
+
+
+def right(seen: Decoded, kinds: np.ndarray, owner: np.ndarray) -> np.ndarray:
+    """(n,) bool: which things of a frame share half of their mask and theirs with a true thing of their class.
+
+    Args:
+      kinds: (h, w) true classes. owner: (h, w) which thing a pixel belongs to, -1 = none.
+    """
+    out = np.zeros(len(seen.things), bool)
+    for number, thing in enumerate(seen.things):
+        mask = seen.masks == number
+        owners = owner[mask]
+        owners = owners[owners >= 0]
+        if len(owners):
+            true = owner == np.bincount(owners).argmax()
+            shared = (true & mask).sum() / (true | mask).sum()
+            out[number] = shared > score.MIN_IOU and kinds[true][0] == thing.kind
+    return out
+
+
+def fit(evidence: np.ndarray, is_right: np.ndarray) -> np.ndarray:
+    """(k,) coefficients of a logistic regression of (n,) bool on (n, k) evidence, whose first column is 1."""
+
+    def loss(x: np.ndarray) -> float:
+        odds = evidence @ x
+        return float((np.logaddexp(0.0, odds) - is_right * odds).mean() + _RIDGE * (x[1:] ** 2).sum())
+
+    return scipy.optimize.minimize(loss, np.zeros(evidence.shape[1])).x
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m urbanverse_mjx.distillation.fit_trust", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--streets", type=pathlib.Path, required=True, help="bank of streets to look at")
+    parser.add_argument("--weights", type=pathlib.Path, help="default: the shipped ones")
+    parser.add_argument("--frames", type=int, default=48)
+    parser.add_argument("--batch", type=int, default=4)
+    parser.add_argument("--seed", type=int, default=2)
+    arguments = parser.parse_args(argv)
+    try:
+        variables, _ = weights.load(arguments.weights)
+        views = Views.of(SceneBank.load(arguments.streets), *network.SIZE, looks=0.0)
+        frames = look(weights.network(jnp.float32), variables, views, arguments.frames, arguments.batch, arguments.seed)
+        parts = [
+            ([t.evidence for t in f.seen.things], right(f.seen, f.kinds, f.owner)) for f in frames if f.seen.things
+        ]
+        if not parts:
+            raise NounError(
+                f"{arguments.streets}: found nothing in {arguments.frames} frames, needed things; add frames."
+            )
+    except NounError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return 2
+    evidence, is_right = (np.concatenate(x) for x in zip(*parts, strict=True))
+    trust = [round(float(x), 2) for x in fit(evidence, is_right)]
+    sys.stdout.write(json.dumps({"trust": trust, "things": len(is_right), "right": int(is_right.sum())}) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
