@@ -13,7 +13,7 @@ LEVEL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 NOISE = 0.04
 
 
-def walk(turn: float, drift: float = 0.0) -> tuple[Views, np.ndarray, np.ndarray, np.ndarray]:
+def walk(turn: float, drift: float = 0.0, noise: float = NOISE) -> tuple[Views, np.ndarray, np.ndarray, np.ndarray]:
     """Sixty posts along a straight way of 100 m, seen by a camera whose odometry turns by `turn` rad and is `drift` too
     long with every metre. Returns views, what each shows, and the given and the true poses."""
     rng = np.random.default_rng(5)
@@ -35,7 +35,7 @@ def walk(turn: float, drift: float = 0.0) -> tuple[Views, np.ndarray, np.ndarray
             disc = local[k] + np.c_[rng.uniform(-0.15, 0.15, (POINTS, 2)), np.zeros(POINTS)]
             frame.append(f)
             thing.append(k)
-            points.append(disc * (1 + rng.normal(0, NOISE)))
+            points.append(disc * (1 + rng.normal(0, noise)))
     n = len(frame)
     views = Views(
         labels=("post",),
@@ -89,6 +89,20 @@ def test_poses_that_are_right_stay() -> None:
     assert bearings.adjust(views, thing, given, DepthScale(np.ones(len(given)), NOISE)) is None
 
 
+@pytest.mark.parametrize("noise", [0.06, 0.12])
+def test_directions_tell_how_far_depth_is_off(noise: float) -> None:
+    views, thing, given, _ = walk(0.0, noise=noise)
+    error = bearings.depth_error(views, thing, given, np.ones(len(given)))
+    assert 0.8 * noise < error / bearings._OWN < 1.3 * noise
+
+
+def test_right_depth_is_not_called_wrong() -> None:
+    views, thing, given, _ = walk(0.0, noise=0.001)
+    assert bearings.depth_error(views, thing, given, np.ones(len(given))) == 0.0
+    few = np.where(thing < 3, thing, np.arange(len(thing), dtype=np.int32) + 3)
+    assert bearings.depth_error(views, few, given, np.ones(len(given))) == 0.0
+
+
 def test_few_things_say_nothing() -> None:
     views, thing, given, _ = walk(np.radians(0.05))
     few = np.where(thing < 5, thing, np.arange(len(thing), dtype=np.int32) + 5)
@@ -98,10 +112,9 @@ def test_few_things_say_nothing() -> None:
 def test_slopes_are_those_of_finite_differences() -> None:
     views, thing, given, _ = walk(np.radians(0.03))
     seen = bearings.sights(views, given, np.ones(len(given)))
-    at = bearings.knots.weights(len(given))
-    problem = bearings._Problem(seen, np.unique(thing, return_inverse=True)[1], at, given, NOISE)
+    problem = bearings._Problem(seen, np.unique(thing, return_inverse=True)[1], given, NOISE)
     rng = np.random.default_rng(1)
-    things, correction = problem._start(), rng.normal(0, 0.05, (at.shape[1], 4))
+    things, correction = problem._start(), rng.normal(0, 0.05, (problem.at.shape[1], 4))
     misfit, slope, bend = problem._linear(things, correction)
     step, move = 1e-5 * rng.normal(size=things.shape), 1e-5 * rng.normal(size=correction.shape)
     after = problem._linear(things + step, correction + move)[0]

@@ -1,13 +1,16 @@
 """Small things, whose depth is blurred, stand along or across the large things around them."""
 
+import dataclasses
+
 import numpy as np
 
 from urbanverse_mjx.distillation.boxes import Box
-from urbanverse_mjx.distillation.things import Street
+from urbanverse_mjx.distillation.things import Street, shows_street
 
 
 def house(x: float, y: float, degrees: float, size: tuple[float, float] = (9.0, 5.0)) -> Box:
-    return Box(np.array([x, y, 3.0]), np.array([*size, 6.0]), np.radians(degrees), 0.1, 0.1, (False, False, False))
+    whole = np.array([*size, 6.0])
+    return Box(np.array([x, y, 3.0]), whole, np.radians(degrees), 0.1, 0.1, (False, False, False), whole)
 
 
 def quarter(angle: float | None) -> float:
@@ -33,5 +36,10 @@ def test_no_axis_far_from_everything_or_where_houses_disagree() -> None:
     assert Street.of([]).axis(np.zeros(2)) is None
 
 
-def test_what_is_small_or_as_long_as_wide_has_no_say() -> None:
-    assert Street.of([house(0, 5, 20, (2.0, 0.5)), house(3, 5, 40, (5.0, 4.8))]).axis(np.zeros(2)) is None
+def test_what_was_seen_with_a_long_side_shows_the_street() -> None:
+    assert shows_street(house(0, 5, 20, (5.0, 2.0)))
+    assert not shows_street(house(0, 5, 20, (2.0, 0.5)))
+    assert not shows_street(house(0, 5, 20, (5.0, 4.8)))
+    # As wide as deep, but its front alone was seen.
+    front = dataclasses.replace(house(0, 5, 20, (6.0, 6.0)), seen=np.array([1.0, 6.0, 6.0]))
+    assert shows_street(front)

@@ -41,7 +41,8 @@ _GRAZING = 0.2
 @dataclasses.dataclass(frozen=True)
 class Box:
     """center (3,), size (3,) m along the heading, across, up; yaw rad; sigma m of the centre; blur m, error of the
-    depth in its nearest view; completed: which of the three sizes were taken from what is known of the label."""
+    depth in its nearest view; completed: which of the three sizes were taken from what is known of the label; seen (3,)
+    m, its size without that."""
 
     center: np.ndarray
     size: np.ndarray
@@ -49,6 +50,7 @@ class Box:
     sigma: float
     blur: float
     completed: tuple[bool, bool, bool]
+    seen: np.ndarray
 
 
 def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> float:
@@ -178,10 +180,11 @@ def fit(
         low, high, seen_from = _seen_along(yaw, points, eyes, noise, top)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
     low, high = _bounded(low, high, prior)
+    shown = high - low
     low, high, completed = _complete(low, high, seen_from, prior, top is None)
     back = _turn(yaw).T
     yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
-    return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed)
+    return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed, shown)
 
 
 def _seen_along(
@@ -311,9 +314,13 @@ def _complete(
     lack = np.where(ratio < 0, -1.5 * ratio, ratio * hope)
     best = int(np.argmin(lack.sum(1)))
     known = prior.extents[best]
-    if lack[best, ~hidden | [False, False, not topless]].sum() > _UNLIKE:
-        return low, high, (False, False, False)
     longer = hidden & (known > size)
+    if lack[best, ~hidden | [False, False, not topless]].sum() > _UNLIKE:
+        # Like none that is known, or several in one: a house has a depth all the same.
+        if not prior.faces_road:
+            return low, high, (False, False, False)
+        known = np.median(prior.extents, axis=0)
+        longer = (np.arange(3) == front) & hidden & (known > size)
     # Along the face that was looked at a hidden end shows as a gross lack alone.
     longer[1 - front] &= size[1 - front] < _LACKING * known[1 - front]
     if not topless and known[2] > _ROOF * size[2]:

@@ -122,6 +122,12 @@ def distil(
     alike = np.array([[similarity(a, b) for b in views.labels] for a in views.labels]).reshape([len(views.labels)] * 2)
     placed = fusion.place(views, poses, depth.scale, depth.noise)
     thing = fusion.associate(views, placed, alike)
+    if options.depth_scale and not options.single_view:
+        error = bearings.depth_error(views, thing, poses, depth.scale)
+        if error > depth.noise:
+            depth = dataclasses.replace(depth, noise=error)
+            placed = fusion.place(views, poses, depth.scale, depth.noise)
+            thing = fusion.associate(views, placed, alike)
     if options.close_loops and not options.single_view:
         better = _mended(views, placed, thing, poses, depth, alike)
         if better is not poses:

@@ -87,11 +87,17 @@ def things_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Thing
         _thing(fused, rows, k, prior_of) if big else None for rows, k, big in zip(groups, label, large, strict=True)
     ]
     sharp = fused.single_view or fused.depth.noise < _SHARP
-    street = Street.of([t.box for t in things if t is not None and not sharp])
+    street = Street.of([t.box for t in things if t is not None and not sharp and shows_street(t.box)])
     return [
         _thing(fused, rows, k, prior_of, street) if t is None else t
         for rows, k, t in zip(groups, label, things, strict=True)
     ]
+
+
+def shows_street(box: boxes.Box) -> bool:
+    """Whether a thing is large and what was seen of it has a long side, as the fronts of houses."""
+    longer, shorter = box.seen[:2].max(), box.seen[:2].min()
+    return bool(longer > max(_LARGE, _LONG * shorter))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,9 +109,9 @@ class Street:
 
     @classmethod
     def of(cls, things: list[boxes.Box]) -> "Street":
-        long = [t for t in things if t.size[:2].max() > max(_LARGE, _LONG * t.size[:2].min())]
-        center = np.array([t.center[:2] for t in long]).reshape(-1, 2)
-        return cls(center, np.exp(4j * np.array([t.yaw for t in long])))
+        """From the boxes of things that show it."""
+        center = np.array([t.center[:2] for t in things]).reshape(-1, 2)
+        return cls(center, np.exp(4j * np.array([t.yaw for t in things])))
 
     def axis(self, place: np.ndarray) -> float | None:
         """rad modulo a quarter turn, along or across which what is near (2,) m stands; None where nothing large is near
