@@ -38,6 +38,20 @@ def test_a_part_of_a_front_is_no_side_wall(yaw: float) -> None:
     assert box.size[1] > box.size[0]
 
 
+def test_a_front_like_none_that_is_known_has_a_depth_all_the_same() -> None:
+    """5 m of a front, where every known one has 13; other things stay as they were seen."""
+    rng = np.random.default_rng(0)
+    front = np.stack([rng.uniform(-0.2, 0.0, 600), rng.uniform(0, 5, 600), rng.uniform(0, 8, 600)], -1)
+    eyes = np.array([[9.0, -6.0, 1.5], [9.0, 2.5, 1.5], [9.0, 11.0, 1.5]])
+    house = boxes.fit(front, eyes, HOUSE, 0.05, 8.0, 0.1)
+    assert house.size[0] == pytest.approx(9.0, abs=0.3)
+    assert house.seen[:2].min() < 0.5
+    # It grows away from where it was seen.
+    assert house.center[0] == pytest.approx(-4.5, abs=0.4)
+    other = boxes.fit(front, eyes, LabelPrior(HOUSE.extents), 0.05, 8.0, 0.1)
+    assert other.size[0] < 0.5
+
+
 @pytest.mark.parametrize("degrees", [0, 75, 140, 310])
 def test_a_known_shape_tells_front_from_back(degrees: int) -> None:
     """A chair seen from behind: its box says nothing, and the side that was looked at is the wrong one."""
