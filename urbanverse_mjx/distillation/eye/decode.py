@@ -57,7 +57,7 @@ def decode(seen: Seen, focal: float) -> Decoded:
     p = np.exp(seen.classes - seen.classes.max(-1, keepdims=True))
     p /= p.sum(-1, keepdims=True)
     kinds = p.argmax(-1).astype(np.int32)
-    masks, things = _group(kinds, p, seen, _peaks(seen.centre))
+    masks, things = _group(kinds, p, seen, _peaks(np.asarray(seen.centre)))
     depth = DEPTH_UNIT * np.exp(np.clip(seen.log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
     return Decoded(kinds, masks, things, depth.astype(np.float32))
 
@@ -78,7 +78,7 @@ def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> t
         return masks, ()
     aim = np.column_stack([rows, columns]) + seen.offset[rows, columns] * OFFSET_UNIT
     miss, owner = cKDTree(peaks).query(aim)
-    heights = seen.centre[peaks[:, 0], peaks[:, 1]]
+    heights = np.asarray(seen.centre)[peaks[:, 0], peaks[:, 1]]
     found = kinds[rows, columns]
     group = np.where(miss <= MAX_MISS, 2 * owner + (found == classes.HOUSE), -1)
     order = np.argsort(group, kind="stable")
@@ -95,7 +95,7 @@ def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> t
         masks[rows[part], columns[part]] = len(things)
         looks = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
         leaf = int(np.where(classes.leaf_classes() == kind, looks, -np.inf).argmax())
-        evidence = _evidence(votes[kind], heights[owner[part[0]]], rows[part], columns[part], miss[part].mean())
+        evidence = _evidence(votes[kind], float(heights[owner[part[0]]]), rows[part], columns[part], miss[part].mean())
         things.append(Thing(kind, float(expit(np.dot(TRUST, evidence))), leaf, evidence))
     return masks, tuple(things)
 
@@ -110,4 +110,4 @@ def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray,
     inside[rows - rows.min(), columns - columns.min()] = True
     pieces, _ = ndimage.label(inside)
     largest = np.bincount(pieces[inside]).max() / len(rows)
-    return 1.0, float(logit(np.clip(vote, 0.001, 0.999))), float(height), miss / len(rows) ** 0.5, float(largest)
+    return 1.0, float(logit(np.clip(vote, 0.001, 0.999))), height, miss / len(rows) ** 0.5, float(largest)

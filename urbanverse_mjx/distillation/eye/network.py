@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from flax import linen as nn
 
 #: Sides of a picture are multiples of this: the encoder halves five times.
@@ -29,6 +30,10 @@ WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 3, 4, 4, 3)
 _PYRAMID = (96, 96, 64, 64)
 
 
+#: The network answers in JAX; what is decoded are plain arrays.
+type Array = jax.Array | np.ndarray
+
+
 class Seen(NamedTuple):
     """Outputs at half the picture's size, h x w.
 
@@ -37,11 +42,11 @@ class Seen(NamedTuple):
     (n, h / `LEAF_STRIDE`, w / `LEAF_STRIDE`, L) logits, comparable within a class alone.
     """
 
-    classes: jax.Array
-    centre: jax.Array
-    offset: jax.Array
-    log_depth: jax.Array
-    leaves: jax.Array
+    classes: Array
+    centre: Array
+    offset: Array
+    log_depth: Array
+    leaves: Array
 
 
 class _Conv(nn.Module):

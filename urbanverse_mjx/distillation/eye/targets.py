@@ -121,7 +121,7 @@ def loss(seen: Seen, wanted: Truth, counts: jax.Array) -> tuple[jax.Array, dict[
         "offset": _OFFSET * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * heavier),
         "depth": _DEPTH * _mean(jnp.abs(seen.log_depth - wanted.log_depth), wanted.has_depth * weight),
     }
-    parts["leaves"] = _LEAF * _leaf_loss(seen.leaves, wanted, weight)
+    parts["leaves"] = _LEAF * _leaf_loss(jnp.asarray(seen.leaves), wanted, weight)
     return sum(parts.values(), jnp.zeros(())), parts
 
 

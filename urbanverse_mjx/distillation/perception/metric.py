@@ -67,9 +67,9 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
     scales = _scales(structure, rows, [heights for _, heights in stands], camera_height)
     pieces = [_upright(structure, own, up, scale) for own, (up, _), scale in zip(rows, stands, scales, strict=True)]
     places = join(pieces)
-    joined = [n for n, place in enumerate(places) if place is not None]
+    joined = {n: place for n, place in enumerate(places) if place is not None}
     kept = np.concatenate([rows[n] for n in joined])
-    poses = np.concatenate([places[n] @ pieces[n].poses for n in joined])
+    poses = np.concatenate([place @ pieces[n].poses for n, place in joined.items()])
     heights = np.concatenate([scales[n] * stands[n][1] for n in joined])
     scale = np.concatenate([np.full(len(rows[n]), scales[n]) for n in joined])
     order = np.argsort(kept)
@@ -78,10 +78,10 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
     world[:3, :3] = _level(np.array([0.0, 0.0, 1.0]), poses[:, :3, 3])
     world[:3, 3] = -world[:3, :3] @ (poses[0, :3, 3] - [0.0, 0.0, heights[np.isfinite(heights)][0]])
     points = np.zeros((len(structure.points), 3))
-    for n in joined:
-        T = world @ places[n] @ pieces[n].T_unit
+    for n, place in joined.items():
+        T = world @ place @ pieces[n].T_unit
         points[owner == n] = structure.points[owner == n] @ T[:3, :3].T + T[:3, 3]
-    ground = np.where(np.isin(owner, joined), ground, 0).astype(np.uint8)
+    ground = np.where(np.isin(owner, list(joined)), ground, 0).astype(np.uint8)
     return Metric(kept, scale, world @ poses, points, ground, heights, len(joined))
 
 
