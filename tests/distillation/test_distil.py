@@ -10,8 +10,8 @@ import shapely
 from benchmarks import _fidelity_scores as scores
 from benchmarks._injection import Errors, inject
 from tests.support import drawn_street as street
-from urbanverse_mjx.datatypes import GraphObject, LabelPrior, NounError, Recording, SceneGraph
-from urbanverse_mjx.distillation import Distillation, DistilOptions, distil
+from urbanverse_mjx.datatypes import GraphObject, GroundRegion, LabelPrior, NounError, Recording, SceneGraph
+from urbanverse_mjx.distillation import Distillation, DistilOptions, distil, ground
 
 THINGS = street.street_things()
 SIZES = {label: [t.size for t in THINGS if t.label == label] for label in {t.label for t in THINGS}}
@@ -149,3 +149,13 @@ def test_crops_and_descriptors_reach_the_graph(recording: Recording, tmp_path: p
         assert (tmp_path / f"objects/{thing.id}_0.png").is_file()
     assert (tmp_path / "sky/sky_0.png").is_file()
     assert DistilOptions().min_score < 1.0
+
+
+def test_a_region_that_lies_on_another_is_cut_back() -> None:
+    road = GroundRegion("road_00", "road", ((0.0, 0.0), (20.0, 0.0), (20.0, 5.0), (0.0, 5.0)), (0.0, 0.0, 0.0))
+    over = ((0.0, 4.999), (20.0, 4.99), (20.0, 8.0), (0.0, 8.0))
+    (kept,) = ground._beside(over, [road])
+    assert shapely.Polygon(kept).intersection(shapely.Polygon(road.polygon)).area <= ground._SHARED
+    assert shapely.Polygon(kept).area == pytest.approx(60.0, abs=0.3)
+    apart = ((0.0, 5.0), (20.0, 5.0), (20.0, 8.0), (0.0, 8.0))
+    assert ground._beside(apart, [road]) == [apart]

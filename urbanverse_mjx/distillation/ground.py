@@ -13,6 +13,10 @@ from ..datatypes.ground import check_polygon
 from .lifting import GroundPoints
 
 CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
+type Ring = tuple[tuple[float, float], ...]
+
+#: m^2 that two regions may share at most; the compiler refuses twice as much.
+_SHARED = 5e-4
 #: m that ground is carried on under things that hide it.
 _FILL = 2.5
 #: m; regions of less area are votes gone astray.
@@ -139,12 +143,25 @@ def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
         for piece in _simple_pieces(outline, seen, kind):
             plane, _ = fit_plane(seen, piece, kind)
             for ring in _rings(piece):
-                name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
-                made.append(GroundRegion(name, GROUND_KINDS[kind], ring, plane))
+                for own in _beside(ring, made):
+                    name = f"{GROUND_KINDS[kind]}_{len(made):02d}"
+                    made.append(GroundRegion(name, GROUND_KINDS[kind], own, plane))
     return tuple(made)
 
 
-def _rings(piece: shapely.Polygon) -> list[tuple[tuple[float, float], ...]]:
+def _beside(ring: Ring, made: Sequence[GroundRegion]) -> list[Ring]:
+    """A ring, or what is left of it beside regions that it lies on: corners that were left out or rounded to whole
+    millimetres move long edges over a neighbour's by more than the compiler lets regions share."""
+    whole = shapely.Polygon(ring)
+    others = [shapely.Polygon(r.polygon) for r in made]
+    over = [p for p in others if p.intersects(whole) and p.intersection(whole).area > _SHARED]
+    if not over:
+        return [ring]
+    left = whole - shapely.union_all([p.buffer(0.005, join_style="mitre") for p in over])
+    return [r for part in shapely.get_parts(left) if isinstance(part, shapely.Polygon) for r in _rings(part)]
+
+
+def _rings(piece: shapely.Polygon) -> list[Ring]:
     """The outline in whole millimetres; one that touches itself there is drawn in by 2 cm, which parts it."""
     rings = []
     for part in (piece, *shapely.get_parts(piece.buffer(-0.02, join_style="mitre"))):
