@@ -68,8 +68,8 @@ def sights(views: Views, poses: np.ndarray, scale: np.ndarray) -> Sights:
         middle = away.mean(1)
         base = np.arctan2(middle[:, 1], middle[:, 0])
         turn = np.sort(_wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[:, None]), axis=1)
-        last = turn.shape[1] - 1
-        low, high = turn[:, 1], turn[:, last - 1]
+        # The outermost point but one on either side: one may be a stray.
+        low, high = turn[:, 1], turn[:, -2]
         direction[rows], half[rows] = base + (low + high) / 2, (high - low) / 2
         reach[rows] = np.median(np.linalg.norm(away, axis=-1), axis=1)
     return Sights(views.frame, poses[views.frame, :2, 3], direction, half, np.maximum(reach, 0.5))

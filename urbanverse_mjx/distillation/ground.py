@@ -12,9 +12,9 @@ from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, NounError
 from ..datatypes.ground import check_polygon
 from .lifting import GroundPoints
 
-CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
-type Ring = tuple[tuple[float, float], ...]
+type Ring = tuple[tuple[float, float], ...]  # m
 
+CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
 #: m^2 that two regions may share at most; the compiler refuses twice as much.
 _SHARED = 5e-4
 #: m that ground is carried on under things that hide it.

@@ -70,9 +70,7 @@ def face(seen: Sights, prior: LabelPrior) -> Fit | None:
     outward = rim + np.array([-np.pi / 2, np.pi / 2])  # (n, 2) rad
     normal = np.stack([np.cos(outward), np.sin(outward)], -1)
     right = np.einsum("nri,ni->nr", normal, seen.eye)
-    wide = 2.0 * seen.half * seen.reach
-    error = np.sqrt(_RIM**2 + (_DIRECTION * seen.reach) ** 2 + (_SHARE * wide) ** 2)
-    error = np.repeat(error, 2)
+    error = np.repeat(np.sqrt(_RIM**2 + (_DIRECTION * seen.reach) ** 2 + (_SHARE * seen.width) ** 2), 2)
     outline = supports(prior)
     step = 2 * np.pi / _NORMALS
     own = np.remainder(outward.reshape(-1)[None] - _HEADINGS[:, None], 2 * np.pi) / step  # (h, 2 n)
