@@ -46,8 +46,9 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
         recording = Recording.load(folder)
     else:
         options = TourOptions(width=size[0], height=size[1], rgb=rgb)
-        # He turns about between two frames, where no true match of pictures exists: harder than a film by hand.
-        path = PathOptions(frames=frames, rate=RGB_RATE if rgb else 1.0, turn_time=0.0)
+        # With pictures he turns in some seconds, as `urbanverse capture` films: of a turn between two frames, which no
+        # video shows, no picture could tell the angle.
+        path = PathOptions(frames=frames, rate=RGB_RATE) if rgb else PathOptions(frames=frames, turn_time=0.0)
         recording = tour(bank, scene, folder, path, options)
     truth = SceneGraph.load(folder / "truth.json").objects
     turnable = {}

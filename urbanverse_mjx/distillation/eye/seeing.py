@@ -16,7 +16,7 @@ from .decode import decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
 #: Things less likely right than this are not reported: fused over frames, false ones stand where nothing is.
-MIN_SCORE = 0.4
+MIN_SCORE = 0.5
 
 
 @dataclasses.dataclass(frozen=True)

@@ -22,6 +22,9 @@ _PLACES = 1024  # per scene and kind of ground, drawn from the map's cells
 HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a hand held up
 FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens held upright to an action camera
 _AHEAD = 0.65  # share of the views along the street
+#: Share of the pictures whose things keep their colours: where everything is dyed anew, neighbouring houses always
+#: differ, and an eye that saw nothing else takes two alike for one.
+_PLAIN = 0.35
 #: A frame whose near fifth lies closer than this shows the inside of something, m.
 _BLOCKED = 0.35
 
@@ -76,10 +79,11 @@ class Views:
     def __call__(self, keys: jax.Array, look: bool = True) -> tuple[jax.Array, Truth, jax.Array]:
         """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
 
-        With `look`, every thing of every picture takes on colours of its own.
+        With `look`, every thing takes on colours of its own in all but `_PLAIN` of the pictures.
         """
         scene, eye, turn, fovy, number = jax.vmap(self._pose)(keys)
-        number = number if look else jnp.zeros_like(number)
+        dyed = look & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _PLAIN))(keys)
+        number = jnp.where(dyed, number, 0)
 
         def draw(scene, eye, turn, fovy, number):
             return self.renderer.view(scene, eye, turn, fovy, None, None, number)
@@ -97,7 +101,8 @@ class Views:
             kind = self.table[seen["category"], 0]
             region = jnp.where(kind < classes.FIRST_THING, slots + kind, seen["object"])
             dyes = jax.vmap(lambda key: jax.random.fold_in(key, 1))(keys)
-            pictures = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_THING))(dyes, pictures, region)
+            anew = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_THING))(dyes, pictures, region)
+            pictures = jnp.where(dyed[:, None, None, None], anew, pictures)
         return pictures, wanted, (near > _BLOCKED).astype(jnp.float32)
 
     def _pose(self, key: jax.Array) -> tuple[jax.Array, ...]:

@@ -8,11 +8,13 @@ others saw them: both saw the street around the place where they meet.
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import ndimage
 
-from .structure import Structure
+if TYPE_CHECKING:
+    from .structure import Structure
 
 #: Steps on either side that say how fast the walker goes, and frames that a piece holds at least.
 _WINDOW, _LEAST = 5, 4
@@ -51,7 +53,7 @@ class Piece:
     T_unit: np.ndarray
 
 
-def cut(structure: Structure) -> list[np.ndarray]:
+def cut(structure: "Structure") -> list[np.ndarray]:
     """Rows (k,) of every piece: models, cut where the way jumps or its unit changes."""
     pieces: list[np.ndarray] = []
     for model in np.unique(structure.model):

@@ -9,7 +9,7 @@ them once they are metric.
 import dataclasses
 import pathlib
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from scipy import ndimage
 from ... import settings
 from ...datatypes import Camera, NounError
 from .frames import Frames
+from .pieces import cut
 
 #: Fewer frames with a pose are no tour.
 MIN_FRAMES = 3
@@ -30,8 +31,15 @@ _FOCAL, _LEAST_FOCAL, _MOST_FOCAL = 0.72, 0.25, 2.2
 _MOST_BENT = 0.5
 #: Models of fewer frames beside a larger one say little about where they stand.
 _SMALL_MODEL = 6
-#: SIFT's least contrast. Asphalt and plaster have little: COLMAP's own, 0.0067, leaves too little on them.
-_CONTRAST = 0.0015
+#: SIFT's least contrast, COLMAP's own. With less the bricks of a near wall crowd out all else, and what is seen of one
+#: plane alone fits two poses: on three of twelve tours the way then bent by 50 to 90° before a wall.
+_CONTRAST = 0.0067
+#: Pixels by which matches of two frames may miss, those of a new frame, and points. COLMAP's own (4, 12, 4) are for
+#: pictures of several thousand pixels and let the wrong one of a wall's two poses pass.
+_PAIR_ERROR, _POSE_ERROR, _POINT_ERROR = 2.0, 6.0, 2.0
+#: The same of the two frames that a model begins with. It likes to begin before walls, where most matches are. Where
+#: the way breaks, the structure is made again with the next of these, and the one that breaks least is taken.
+_FIRST_ERRORS = 1.0, 4.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -119,21 +127,32 @@ def reconstruct(
       NounError: COLMAP finds no place for at least `MIN_FRAMES` frames.
     """
     options = options or StructureOptions()
+    most, fewest, best = 0, np.inf, None
     with tempfile.TemporaryDirectory() as work:
-        models = _map(frames, options, pathlib.Path(work), progress or (lambda done, total: None))
-    models.sort(key=lambda model: -model.num_reg_images())
-    count = models[0].num_reg_images() if models else 0
-    if count < MIN_FRAMES:
+        for models in _maps(frames, options, pathlib.Path(work), progress or (lambda done, total: None)):
+            models.sort(key=lambda model: -model.num_reg_images())
+            count = models[0].num_reg_images() if models else 0
+            most = max(most, count)
+            if count < MIN_FRAMES:
+                continue
+            structure = _structure(models, frames)
+            breaks = len(cut(structure)) - len(np.unique(structure.model))
+            if breaks < fewest:
+                fewest, best = breaks, structure
+            if breaks <= 0:
+                break
+    if best is None:
         raise NounError(
-            f"{frames.folder}: found poses for {count} of {len(frames)} frames, needed {MIN_FRAMES}; film while "
+            f"{frames.folder}: found poses for {most} of {len(frames)} frames, needed {MIN_FRAMES}; film while "
             "walking, in light that shows texture, or sample more frames a second."
         )
-    return _structure(models, frames)
+    return best
 
 
-def _map(
+def _maps(
     frames: Frames, options: StructureOptions, work: pathlib.Path, progress: Callable[[int, int], None]
-) -> list[Any]:
+) -> Iterator[list[Any]]:
+    """COLMAP's models, made with one of `_FIRST_ERRORS` after the other."""
     import pycolmap
 
     # Without this it writes pages to standard error.
@@ -148,7 +167,7 @@ def _map(
     matching = pycolmap.FeatureMatchingOptions(num_threads=threads)
     pairing = pycolmap.SequentialPairingOptions(overlap=options.overlap, quadratic_overlap=False)
     verification = pycolmap.TwoViewGeometryOptions()
-    verification.ransac.random_seed = 0
+    verification.ransac.random_seed, verification.ransac.max_error = 0, _PAIR_ERROR
     mapping = _mapping(pycolmap, threads, options.focal is None)
     registered = 2 * len(frames)
 
@@ -167,16 +186,17 @@ def _map(
             # What it finds no focal length for keeps the one that the search starts from.
             pycolmap.calibrate_view_graph(database, calibration)
         progress(2 * len(frames), steps)
-        models = pycolmap.incremental_mapping(
-            database, frames.folder, work, mapping, next_image_callback=one_more
-        )  # fmt: skip
+        for mapping.mapper.init_max_error in _FIRST_ERRORS:
+            models = pycolmap.incremental_mapping(
+                database, frames.folder, work, mapping, next_image_callback=one_more
+            )  # fmt: skip
+            progress(steps, steps)
+            yield list(models.values())
     except (RuntimeError, ValueError) as error:
         raise NounError(
             f"{frames.folder}: found that COLMAP fails ({str(error).strip().splitlines()[-1]}), needed poses; "
             "try other frames."
         ) from error
-    progress(steps, steps)
-    return list(models.values())
 
 
 def _mapping(pycolmap: Any, threads: int, refine_focal: bool) -> Any:
@@ -191,6 +211,8 @@ def _mapping(pycolmap: Any, threads: int, refine_focal: bool) -> Any:
     mapping.ba_local_max_num_iterations = 15
     mapping.mapper.init_min_tri_angle = 8.0
     mapping.mapper.abs_pose_min_num_inliers = 20
+    mapping.mapper.abs_pose_max_error = _POSE_ERROR
+    mapping.mapper.filter_max_reproj_error = _POINT_ERROR
     mapping.mapper.abs_pose_refine_focal_length = refine_focal
     mapping.mapper.filter_min_tri_angle = 1.0
     mapping.triangulation.min_angle = 1.0
