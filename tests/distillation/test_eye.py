@@ -105,6 +105,19 @@ def test_a_right_answer_is_decoded_to_the_things_that_are_there(wanted: Truth):
     assert (seen.kinds[50] == ROAD).sum() == 96
 
 
+def test_what_is_too_unsure_leaves_its_pixels_to_nobody(wanted: Truth):
+    seen = _answer(wanted)
+    doubtful = next(k for k, thing in enumerate(seen.things) if thing.kind == HOUSE)
+    things = tuple(dataclasses.replace(t, score=0.3 if k == doubtful else 0.7) for k, t in enumerate(seen.things))
+    kept = dataclasses.replace(seen, things=things).surer(0.5)
+    left = [k for k in range(len(things)) if k != doubtful]
+    assert kept.things == tuple(things[k] for k in left)
+    assert (kept.masks[seen.masks == doubtful] == -1).all()
+    for number, k in enumerate(left):
+        np.testing.assert_array_equal(kept.masks == number, seen.masks == k)
+    np.testing.assert_array_equal(kept.kinds, seen.kinds)
+
+
 def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
     seen = _answer(wanted)
     perfect, wrong = score.Score(), score.Score()

@@ -1,12 +1,17 @@
 """Models of a made-up street, each in a unit and axes of its own, become one metric way again."""
 
+import dataclasses
+import pathlib
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.capture.path import camera_poses
 from urbanverse_mjx.datatypes import GROUND_KINDS, Camera
+from urbanverse_mjx.distillation.perception import structure as structure_module
 from urbanverse_mjx.distillation.perception import trajectory_error
+from urbanverse_mjx.distillation.perception.frames import Frames
 from urbanverse_mjx.distillation.perception.metric import Metric, to_metric
 from urbanverse_mjx.distillation.perception.structure import Structure
 
@@ -183,3 +188,42 @@ def test_a_single_frame_that_stands_elsewhere_is_left_out(at: int):
     metric = to_metric(structure, codes, HEIGHT)
     assert list(metric.kept) == [k for k in THERE if k != at]
     assert _off(structure, metric) < 0.1
+
+
+class _Model:
+    """As much of COLMAP's answer as is asked before it becomes a `Structure`."""
+
+    def num_reg_images(self) -> int:
+        return 2 * OUT
+
+
+def test_a_way_that_breaks_is_made_again_and_the_least_broken_is_kept(monkeypatch: pytest.MonkeyPatch):
+    whole, _ = _structure([_model(np.arange(2 * OUT), 1, 0.5)])
+    poses = whole.poses.copy()
+    poses[20:, :3, 3] += 10.0
+    jumped = dataclasses.replace(whole, poses=poses)
+    poses = poses.copy()
+    poses[50:, :3, 3] -= 10.0
+    worse = dataclasses.replace(whole, poses=poses)
+    tried: list[Structure] = []
+
+    def found(*answers: Structure) -> Structure:
+        left = iter(answers)
+        tried.clear()
+
+        def made(models: object, frames: object) -> Structure:
+            tried.append(next(left))
+            return tried[-1]
+
+        monkeypatch.setattr(structure_module, "_maps", lambda *_: iter([[_Model()] for _ in answers]))
+        monkeypatch.setattr(structure_module, "_structure", made)
+        frames = Frames(
+            pathlib.Path(), tuple(f"{k}.png" for k in range(2 * OUT)), tuple(np.arange(2.0 * OUT)), 320, 180
+        )
+        return structure_module.reconstruct(frames)
+
+    assert found(jumped, whole) is whole
+    assert found(worse, jumped) is jumped
+    assert found(jumped, worse) is jumped
+    assert found(whole, jumped) is whole
+    assert len(tried) == 1

@@ -132,11 +132,13 @@ def _frame(seen: Any, wanted: Truth, i: int) -> Frame:
     return Frame(decoded, kinds, owner, depth, leaf)
 
 
-def evaluate(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> dict[str, Any]:
-    """The table of `score.Score` over the frames of `look`."""
+def evaluate(
+    model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int, cut: float = 0.0
+) -> dict[str, Any]:
+    """The table of `score.Score` over the frames of `look`; of the things found, those of score `cut` or more."""
     result = score.Score()
     for frame in look(model, variables, views, frames, batch, seed):
-        result.add(*frame)
+        result.add(*frame._replace(seen=frame.seen.surer(cut)))
     return result.table()
 
 
@@ -169,7 +171,9 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
         return {**record, "paused_after_s": round(progress.seconds, 1)}
     # What is scored is what the file holds.
     variables, _ = weights.load(arguments.out)
-    table = evaluate(model, variables, test, arguments.test_frames, arguments.test_batch, arguments.seed + 1)
+    table = evaluate(
+        model, variables, test, arguments.test_frames, arguments.test_batch, arguments.seed + 1, arguments.cut
+    )
     weights.save(arguments.out, variables, {**record, "score": table})
     return {**record, **table}
 
@@ -258,6 +262,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
     parser.add_argument("--test-frames", type=int, default=512)
     parser.add_argument("--test-batch", type=int, default=32)
+    parser.add_argument("--cut", type=float, default=0.0, help="score only things this likely right; `Eye` takes 0.5")
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args(argv)
     if arguments.height % network.STRIDE or arguments.width % network.STRIDE or arguments.minutes < 0:

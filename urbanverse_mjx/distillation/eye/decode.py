@@ -46,6 +46,13 @@ class Decoded:
     things: tuple[Thing, ...]
     depth: np.ndarray
 
+    def surer(self, cut: float) -> "Decoded":
+        """Without the things whose score is below `cut`."""
+        kept = [k for k, thing in enumerate(self.things) if thing.score >= cut]
+        number = np.full(len(self.things) + 1, -1, np.int32)
+        number[kept] = np.arange(len(kept))
+        return dataclasses.replace(self, masks=number[self.masks], things=tuple(self.things[k] for k in kept))
+
 
 def decode(seen: Seen, focal: float) -> Decoded:
     """One picture's outputs.

@@ -12,7 +12,7 @@ from PIL import Image
 from ...datatypes import Detection
 from ..perception.sight import Sight
 from . import classes, weights
-from .decode import decode
+from .decode import Decoded, decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
 #: Things less likely right than this are not reported: fused over frames, false ones stand where nothing is.
@@ -53,7 +53,7 @@ class Eye:
         leaves = np.asarray(seen.leaves)[0, : -(-rows // LEAF_STRIDE), : -(-columns // LEAF_STRIDE)]
         classes, centre, offset, log_depth = (np.asarray(x)[0, :rows, :columns] for x in seen[:-1])
         found = decode(Seen(classes, centre, offset, log_depth, leaves), focal * factor)
-        return _full_size(found.kinds, found.masks, found.depth, found.things, height, width)
+        return _full_size(found.surer(MIN_SCORE), height, width)
 
 
 @functools.cache
@@ -66,13 +66,10 @@ def _apply(variables: Any, pictures: jax.Array) -> Seen:
     return _network().apply(variables, pictures, train=False)
 
 
-def _full_size(kinds: np.ndarray, masks: np.ndarray, depth: np.ndarray, things: Any, height: int, width: int) -> Sight:
-    rows = np.minimum(((np.arange(height) + 0.5) * kinds.shape[0] / height).astype(int), kinds.shape[0] - 1)
-    columns = np.minimum(((np.arange(width) + 0.5) * kinds.shape[1] / width).astype(int), kinds.shape[1] - 1)
+def _full_size(seen: Decoded, height: int, width: int) -> Sight:
+    rows = np.minimum(((np.arange(height) + 0.5) * seen.kinds.shape[0] / height).astype(int), seen.kinds.shape[0] - 1)
+    columns = np.minimum(((np.arange(width) + 0.5) * seen.kinds.shape[1] / width).astype(int), seen.kinds.shape[1] - 1)
     at = np.ix_(rows, columns)
-    sure = [k for k, thing in enumerate(things) if thing.score >= MIN_SCORE]
-    number = np.full(len(things) + 1, -1, np.int32)
-    number[sure] = np.arange(len(sure))
-    found = tuple(Detection(classes.leaves()[things[k].leaf], things[k].score) for k in sure)
+    found = tuple(Detection(classes.leaves()[thing.leaf], thing.score) for thing in seen.things)
     # Between things depth jumps: it is repeated, not blended.
-    return Sight(classes.surface_codes()[kinds[at]], number[masks[at]], found, depth[at])
+    return Sight(classes.surface_codes()[seen.kinds[at]], seen.masks[at], found, seen.depth[at])

@@ -31,6 +31,8 @@ _FOCAL, _LEAST_FOCAL, _MOST_FOCAL = 0.72, 0.25, 2.2
 _MOST_BENT = 0.5
 #: Models of fewer frames beside a larger one say little about where they stand.
 _SMALL_MODEL = 6
+#: Models that share a frame are one if at least so many points that it shows are in both.
+_SHARED_POINTS = 8
 #: SIFT's least contrast, COLMAP's own. With less the bricks of a near wall crowd out all else, and what is seen of one
 #: plane alone fits two poses: on three of twelve tours the way then bent by 50 to 90° before a wall.
 _CONTRAST = 0.0067
@@ -220,8 +222,9 @@ def _mapping(pycolmap: Any, threads: int, refine_focal: bool) -> Any:
 
 
 def _structure(models: list[Any], frames: Frames) -> Structure:
-    """COLMAP's models, the largest first; a frame stays in the first that has it."""
+    """COLMAP's models, the largest first; a frame stays in the first that has it. Models that share frames are one."""
     number = {name: k for k, name in enumerate(frames.names)}
+    group = _laid_on_each_other(models)
     lens = next(iter(models[0].cameras.values()))
     focal, cx, cy, distortion = lens.params
     taken: set[str] = set()
@@ -246,7 +249,7 @@ def _structure(models: list[Any], frames: Frames) -> Structure:
             straight.append(own.cam_from_img(bent) * focal + [cx, cy])
             poses.append(pose)
             registered.append(number[image.name])
-            owner.append(k)
+            owner.append(group[k])
     unsorted = Structure(
         camera=Camera(frames.width, frames.height, focal, focal, cx, cy),
         distortion=float(distortion),
@@ -260,3 +263,43 @@ def _structure(models: list[Any], frames: Frames) -> Structure:
         model=np.array(owner, np.int32),
     )
     return unsorted.only(np.argsort(registered))
+
+
+def _laid_on_each_other(models: list[Any]) -> list[int]:
+    """For each model the number of that whose unit and axes it has; it is moved there where they share frames."""
+    import pycolmap
+
+    group = list(range(len(models)))
+    for k, model in enumerate(models):
+        shared = [
+            (depths, j) for j in range(k) if len((depths := _shared_depths(model, models[j]))[1]) >= _SHARED_POINTS
+        ]
+        if not shared:
+            continue
+        (name, depths), j = max(shared, key=lambda found: len(found[0][1]))
+        # In the frame that both have, one model's points are the other's, `scale` times as far.
+        scale = float(np.exp(np.median(np.log(depths[:, 1] / depths[:, 0]))))
+        own, other = (m.find_image_with_name(name).cam_from_world() for m in (model, models[j]))
+        back = other.inverse()
+        shift = back.rotation * (scale * own.translation) + back.translation
+        model.transform(pycolmap.Sim3d(scale, back.rotation * own.rotation, shift))
+        group[k] = group[j]
+    return group
+
+
+def _shared_depths(a: Any, b: Any) -> tuple[str, np.ndarray]:
+    """The frame in which two models share most points, and these points' depths (n, 2) in it in either unit."""
+    names = {i.name for i in a.images.values() if i.has_pose} & {i.name for i in b.images.values() if i.has_pose}
+    best = "", np.zeros((0, 2))
+    for name in sorted(names):
+        images = [model.find_image_with_name(name) for model in (a, b)]
+        pairs = [
+            (a.points3D[p.point3D_id].xyz, b.points3D[q.point3D_id].xyz)
+            for p, q in zip(images[0].points2D, images[1].points2D, strict=True)
+            if p.has_point3D() and q.has_point3D()
+        ]
+        if len(pairs) > len(best[1]):
+            points = np.array(pairs)
+            depths = [(i.cam_from_world() * points[:, n])[:, 2] for n, i in enumerate(images)]
+            best = name, np.stack(depths, -1)
+    return best
