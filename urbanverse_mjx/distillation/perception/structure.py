@@ -36,10 +36,11 @@ _SHARED_POINTS = 8
 #: SIFT's least contrast, COLMAP's own. With less the bricks of a near wall crowd out all else, and what is seen of one
 #: plane alone fits two poses: on three of twelve tours the way then bent by 50 to 90° before a wall.
 _CONTRAST = 0.0067
-#: Pixels by which matches of a new frame may miss, and points. COLMAP's own (12, 4) are for pictures of several
-#: thousand pixels and let the wrong one of a wall's two poses pass. Matches of pairs keep theirs, 4: with 2 the focal
-#: length that is found from them was half too long in a corridor of soft pictures.
-_POSE_ERROR, _POINT_ERROR = 6.0, 2.0
+#: Pixels by which matches of two frames may miss, those of a new frame, and points. COLMAP's own (4, 12, 4) are for
+#: pictures of several thousand pixels and let the wrong one of a wall's two poses pass. The focal length comes from all
+#: pairs: those of a short clip keep 4, for with 2 nine soft frames of a corridor gave a lens half too long.
+_PAIR_ERROR, _POSE_ERROR, _POINT_ERROR = 2.0, 6.0, 2.0
+_SHORT_CLIP, _SHORT_PAIR_ERROR = 30, 4.0
 #: The same of the two frames that a model begins with. It likes to begin before walls, where most matches are. Where
 #: the way breaks, the structure is made again with the next of these, and the one that breaks least is taken.
 _FIRST_ERRORS = 1.0, 4.0
@@ -171,6 +172,7 @@ def _maps(
     pairing = pycolmap.SequentialPairingOptions(overlap=options.overlap, quadratic_overlap=False)
     verification = pycolmap.TwoViewGeometryOptions()
     verification.ransac.random_seed = 0
+    verification.ransac.max_error = _SHORT_PAIR_ERROR if len(frames) < _SHORT_CLIP else _PAIR_ERROR
     mapping = _mapping(pycolmap, threads, options.focal is None)
     registered = 2 * len(frames)
 
