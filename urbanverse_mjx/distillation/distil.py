@@ -120,20 +120,14 @@ def distil(
     if not options.depth_scale:
         depth = DepthScale(np.ones(len(poses)), depth.noise)
     alike = np.array([[similarity(a, b) for b in views.labels] for a in views.labels]).reshape([len(views.labels)] * 2)
-    placed = fusion.place(views, poses, depth.scale, depth.noise)
-    thing = fusion.associate(views, placed, alike)
+    placed, thing = _associated(views, poses, depth, alike)
     if options.depth_scale and not options.single_view:
         error = bearings.depth_error(views, thing, poses, depth.scale)
         if error > depth.noise:
             depth = dataclasses.replace(depth, noise=error)
-            placed = fusion.place(views, poses, depth.scale, depth.noise)
-            thing = fusion.associate(views, placed, alike)
+            placed, thing = _associated(views, poses, depth, alike)
     if options.close_loops and not options.single_view:
-        better = _mended(views, placed, thing, poses, depth, alike)
-        if better is not poses:
-            poses = better
-            placed = fusion.place(views, poses, depth.scale, depth.noise)
-            thing = fusion.associate(views, placed, alike)
+        poses, placed, thing = _mended(views, placed, thing, poses, depth, alike)
     ground_grid = ground.ground_map(seen, poses, depth.scale, depth.noise)
     regions = () if ground_grid is None else ground.regions(ground_grid)
     if ground_grid is None or not regions:
@@ -154,16 +148,28 @@ def distil(
     )
 
 
+def _associated(
+    views: Views, poses: np.ndarray, depth: DepthScale, alike: np.ndarray
+) -> tuple[fusion.Placed, np.ndarray]:
+    """Where the views are in the world, and (n,) which thing each shows."""
+    placed = fusion.place(views, poses, depth.scale, depth.noise)
+    return placed, fusion.associate(views, placed, alike)
+
+
 def _mended(
     views: Views, placed: fusion.Placed, thing: np.ndarray, poses: np.ndarray, depth: DepthScale, alike: np.ndarray
-) -> np.ndarray:
-    """(m, 4, 4) poses after loops were closed, and then adjusted to what every thing's views say; else the given."""
+) -> tuple[np.ndarray, fusion.Placed, np.ndarray]:
+    """(m, 4, 4) poses after loops were closed, and then adjusted to what every thing's views say, with what follows of
+    them; what was given where neither is of use."""
     closed = close_loops(views, placed, thing, poses, alike)
     if closed is not None:
         poses = closed
-        thing = fusion.associate(views, fusion.place(views, poses, depth.scale, depth.noise), alike)
+        placed, thing = _associated(views, poses, depth, alike)
     adjusted = bearings.adjust(views, thing, poses, depth)
-    return poses if adjusted is None else adjusted
+    if adjusted is not None:
+        poses = adjusted
+        placed, thing = _associated(views, poses, depth, alike)
+    return poses, placed, thing
 
 
 def _reach(prior: LabelPrior) -> float:

@@ -27,7 +27,7 @@ import optax
 
 from ..datatypes import NounError, SceneBank
 from ..datatypes.validation import write_atomically
-from .eye import network, score, weights
+from .eye import network, score, seeing, weights
 from .eye.augment import augment
 from .eye.decode import Decoded, decode
 from .eye.targets import Truth, loss
@@ -262,7 +262,8 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
     parser.add_argument("--test-frames", type=int, default=512)
     parser.add_argument("--test-batch", type=int, default=32)
-    parser.add_argument("--cut", type=float, default=0.0, help="score only things this likely right; `Eye` takes 0.5")
+    cut = f"score only things this likely right; `Eye` takes {seeing.MIN_SCORE}"
+    parser.add_argument("--cut", type=float, default=0.0, help=cut)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args(argv)
     if arguments.height % network.STRIDE or arguments.width % network.STRIDE or arguments.minutes < 0:

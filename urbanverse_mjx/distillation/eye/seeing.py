@@ -51,8 +51,8 @@ class Eye:
         seen = _apply(self.variables, padded[None] / np.float32(255.0))
         rows, columns = (-(-n // OUTPUT_STRIDE) for n in small)
         leaves = np.asarray(seen.leaves)[0, : -(-rows // LEAF_STRIDE), : -(-columns // LEAF_STRIDE)]
-        classes, centre, offset, log_depth = (np.asarray(x)[0, :rows, :columns] for x in seen[:-1])
-        found = decode(Seen(classes, centre, offset, log_depth, leaves), focal * factor)
+        kinds, centre, offset, log_depth = (np.asarray(x)[0, :rows, :columns] for x in seen[:-1])
+        found = decode(Seen(kinds, centre, offset, log_depth, leaves), focal * factor)
         return _full_size(found.surer(MIN_SCORE), height, width)
 
 
