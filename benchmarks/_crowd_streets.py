@@ -18,7 +18,7 @@ from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.living import slot_kinds
 from urbanverse_mjx.envs.registry import load_default_bank
-from urbanverse_mjx.simulation import body_slots
+from urbanverse_mjx.simulation.slots import body_slots
 
 #: s after which somebody with an errand who has hardly moved is stuck, and m that bodies may overlap (issue 7).
 STUCK, OVERLAP = 20.0, 0.02

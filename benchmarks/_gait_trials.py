@@ -17,7 +17,7 @@ from urbanverse_mjx.robots import go2_body
 from urbanverse_mjx.robots.gait import Gait
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import region_scene, strips_regions
-from urbanverse_mjx.simulation.truth import truth_model
+from urbanverse_mjx.simulation.reference.truth import truth_model
 
 #: Random commands: m/s, m/s, rad/s (the issue's ranges); each is held so long (s).
 RANGE, HOLD = np.array([1.0, 0.5, 1.0]), 5.0

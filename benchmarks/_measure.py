@@ -137,7 +137,7 @@ def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
 
 def refit(run: Run) -> dict[str, Any]:
     """What a frame costs before its pixels: a renderer of one pixel places things and refits the search trees alike."""
-    from urbanverse_mjx.simulation.renderer import Renderer
+    from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
     env, view = run.env, run.env.config.vision_config
     options = {"shadows": view.shadows, "sky": view.sky, "shading": view.shading}

@@ -17,9 +17,9 @@ from mujoco_warp_pbr._src import envmap, kernel_inputs
 from benchmarks import _megakernel_kernels as kernels
 from benchmarks._megakernel_kernels import RobotTables, SceneTables
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.simulation.render_model import RenderModel, rotation_matrices
-from urbanverse_mjx.simulation.render_scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
-from urbanverse_mjx.simulation.render_settings import PBR_EXPOSURE, PLAIN_SKY, Settings
+from urbanverse_mjx.simulation.rendering.model import RenderModel, rotation_matrices
+from urbanverse_mjx.simulation.rendering.scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
+from urbanverse_mjx.simulation.rendering.settings import PBR_EXPOSURE, PLAIN_SKY, Settings
 
 
 def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:

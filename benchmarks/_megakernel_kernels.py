@@ -6,7 +6,7 @@
 
 import warp as wp
 
-from urbanverse_mjx.simulation.render_settings import NOWHERE
+from urbanverse_mjx.simulation.rendering.settings import NOWHERE
 
 _NOWHERE = wp.constant(NOWHERE)
 

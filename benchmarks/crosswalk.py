@@ -26,7 +26,7 @@ from urbanverse_mjx.datatypes import KIND_INDEX, NounError, SceneBank
 from urbanverse_mjx.envs import NavEnv, Result, registry, terms
 from urbanverse_mjx.envs.encounters import route_pose
 from urbanverse_mjx.envs.living import slot_looks
-from urbanverse_mjx.simulation.renderer import Renderer
+from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viz.pictures import look_at
 from urbanverse_mjx.viz.video import write_video
 

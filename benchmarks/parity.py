@@ -29,8 +29,8 @@ import numpy as np
 
 from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation import truth
 from urbanverse_mjx.simulation.engines import make_engine
+from urbanverse_mjx.simulation.reference import truth
 
 CONTROL_DT = 0.2
 TOLERANCES = {"before_contact_max_mm": 1.0, "onset_max_steps": 1, "after_1s_median_mm": 5.0, "after_1s_max_mm": 50.0}

@@ -34,8 +34,8 @@ from benchmarks import _timing
 from benchmarks._megakernel import SharedAssets, WorldBatch
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation import street_draw
-from urbanverse_mjx.simulation.renderer import Renderer
+from urbanverse_mjx.simulation.rendering import street_draw
+from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 SHADINGS = ("matte", "pbr", "megakernel", "stock")
 #: What a look changes of the default: sky, textures, no shadows, one ray a pixel.

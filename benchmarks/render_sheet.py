@@ -19,7 +19,7 @@ from PIL import Image, ImageDraw
 from benchmarks import render
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation.renderer import Renderer
+from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 #: (height, width, shading, look) of the rows.
 ROWS = (

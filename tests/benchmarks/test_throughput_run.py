@@ -14,7 +14,7 @@ from benchmarks._cases import Case
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation import truth
+from urbanverse_mjx.simulation.reference import truth
 
 TINY = ["--impl", "jax", "--num-envs", "4", "--steps", "3", "--repeats", "2", "--json"]
 

@@ -16,9 +16,9 @@ from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.robots import load, make_coco, make_go2
 from urbanverse_mjx.scene.mjcf import scene_spec
-from urbanverse_mjx.simulation import truth
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.physics_model import make_physics_model
+from urbanverse_mjx.simulation.reference import truth
 
 TUTORIAL = pathlib.Path(__file__).parents[2] / "docs" / "tutorials" / "own_robot.md"
 WHEELCHAIR = "wheelchair"

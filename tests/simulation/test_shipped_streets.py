@@ -8,7 +8,7 @@ import pytest
 from urbanverse_mjx.datatypes import SceneBank, traversable
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
-from urbanverse_mjx.simulation.truth_drives import ground_height
+from urbanverse_mjx.simulation.reference.drives import ground_height
 
 POSES = 10_000
 #: Poses that are also driven from, in batches: seconds of work each.

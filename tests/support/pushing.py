@@ -14,8 +14,8 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.mjcf import scene_mjcf
-from urbanverse_mjx.simulation import truth
 from urbanverse_mjx.simulation.engines import make_engine
+from urbanverse_mjx.simulation.reference import truth
 
 CONTROL_DT = 0.2
 #: Where the robot starts, on a sidewalk, looking along x.

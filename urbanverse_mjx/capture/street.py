@@ -8,7 +8,7 @@ import scipy.spatial
 import skimage.draw
 
 from ..datatypes import KIND_INDEX, SceneBank, traversable
-from ..simulation.render_model import rotation_matrices
+from ..simulation.rendering.model import rotation_matrices
 
 CELL = 0.2  # m: a path is smoothed afterwards, and streets of 200 m stay under 200,000 cells
 #: m above the ground between which something is in the way of a person with a camera.

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ..datatypes import KIND_INDEX, Camera, Detection, NounError, Recording, RecordingWriter, SceneBank
 from ..datatypes.recording import SKY
-from ..simulation.render_settings import SKY_LABEL
+from ..simulation.rendering.settings import SKY_LABEL
 from .path import CameraPath, PathOptions, walk
 from .street import GROUND_PREFIX
 from .truth import SOURCE, object_id, object_slots, true_graph
@@ -118,7 +118,7 @@ class _Labels:
 def _render(bank: SceneBank, scene: int, way: CameraPath, options: TourOptions) -> Iterator[tuple[np.ndarray, ...]]:
     """RGB (H, W, 3) u8, depth (H, W) m, slot and category (H, W) of every frame."""
     # Warp takes a second to import: only those who film pay.
-    from ..simulation.renderer import Renderer
+    from ..simulation.rendering.renderer import Renderer
 
     size = options.height, options.width
     truth = Renderer(bank, None, *size, outputs=("depth", "object", "category"), shading="matte", sky=False)

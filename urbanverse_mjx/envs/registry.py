@@ -189,8 +189,8 @@ def make_nav_engine(
     Raises:
       NounError: moving agents around a robot with a gait, which no engine knows yet.
     """
-    from ..simulation.body_slots import Sizes
     from ..simulation.engines import make_engine
+    from ..simulation.slots.body_slots import Sizes
 
     options = {"impl": config.impl, "physics_dt": config.sim_dt, "num_slots": num_slots}
     if "gait" not in config:
@@ -223,7 +223,7 @@ def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     engine = make_nav_engine(config, bank, robot, config.num_slots, slot_shapes(kinds) if kinds else None, movable)
     renderer = None
     if config.vision:
-        from ..simulation.renderer import Renderer
+        from ..simulation.rendering.renderer import Renderer
 
         view = config.vision_config
         outputs = ("rgb", "depth") if view.depth else ("rgb",)

@@ -7,7 +7,7 @@ from typing import Any
 import jax
 
 from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
-from .body_slots import Sizes
+from .slots.body_slots import Sizes
 
 IMPLS = ("auto", "jax", "warp")
 

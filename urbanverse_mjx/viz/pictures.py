@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..datatypes import NounError, RobotSpec, SceneBank
-from ..simulation.renderer import Renderer
+from ..simulation.rendering.renderer import Renderer
 
 EYE_HEIGHT = 1.6
 #: rad; a normal lens sees about this much from top to bottom on a wide picture.

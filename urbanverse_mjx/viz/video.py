@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 
 from ..datatypes import AgentMotion, RobotSpec, SceneBank
 from ..datatypes import validation as v
-from ..simulation.renderer import Renderer
+from ..simulation.rendering.renderer import Renderer
 from .pictures import look_at
 
 HEIGHT, WIDTH = 180, 320

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...datatypes import NounError, SceneBank
 from ...datatypes.ground import GROUND_KINDS
-from ...simulation.renderer import Renderer
+from ...simulation.rendering.renderer import Renderer
 from . import classes
 from .augment import recolour
 from .targets import Truth, truth

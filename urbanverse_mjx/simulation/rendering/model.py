@@ -1,0 +1,314 @@
+"""The render model: one MjModel with every mesh, texture and material of a bank, N slots and the robot's looks.
+
+All geoms hang on the world body, so the model has no joint and no dynamics: who renders writes the geoms' poses.
+Hulls are not in it, because the renderer builds a search tree for every mesh it is given.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from ...datatypes import NounError, RobotSpec, SceneBank
+from .settings import AGENT_LABEL, ROBOT_LABEL
+from .shapes import primitive_mesh
+
+#: MJCF geom group of what is seen of a robot (its collision spheres are in group 3, as in MuJoCo Menagerie).
+VISUAL_GROUP = 2
+#: m; what lies farther is sky. The longest designed street has 200 m, its skyline twice that.
+FAR = 1000.0
+NEAR = 0.01
+SLOT_GROUP = 0
+#: MuJoCo's default colour: a geom of this colour shows its material's colour instead.
+_INHERIT = (0.5, 0.5, 0.5, 1.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class RobotCamera:
+    """A camera fixed to a robot's body.
+
+    Attributes:
+      body: number of the body in the robot's model.
+      position (3,) m, quaternion (4,) wxyz: T_body_camera; the camera looks along its -z, +y is up in the picture.
+      fovy: vertical field of view, rad.
+    """
+
+    body: int
+    position: np.ndarray
+    quaternion: np.ndarray
+    fovy: float
+
+
+@dataclasses.dataclass(frozen=True)
+class RenderModel:
+    """What the renderer draws.
+
+    Attributes:
+      model: compiled; geoms [0, N) are the slots, [N, N + R) what moves: the robot's visual geoms, then one geom for
+        each agent; all are meshes.
+      vertices (ΣV, 3), normals (ΣVn, 3) f32: `model.mesh_vert` and `mesh_normal` turned back into the frames in
+        which the meshes were authored (the compiler moves every mesh to its inertial frame).
+      num_slots: N. absent_material: a material nobody sees, for empty slots.
+      robot_body (R,) i32, robot_position (R, 3) f32, robot_rotation (R, 3, 3) f32: T_body_geom.
+      robot_half (R, 2, 3) f32: centre and half size of the box around each robot geom in the geom's frame.
+      labels (R, 2) i32: "object" and "category" of what moves.
+      num_bodies: bodies of the robot's model, the world included (1 without a robot), and behind them the agents.
+      num_agents: how many of the bodies are agents.
+      cameras: the robot's cameras by name.
+    """
+
+    model: mujoco.MjModel
+    vertices: np.ndarray
+    normals: np.ndarray
+    num_slots: int
+    absent_material: int
+    robot_body: np.ndarray
+    robot_position: np.ndarray
+    robot_rotation: np.ndarray
+    robot_half: np.ndarray
+    labels: np.ndarray
+    num_bodies: int
+    num_agents: int
+    cameras: dict[str, RobotCamera]
+
+
+def rotation_matrices(quaternions: np.ndarray) -> np.ndarray:
+    """(..., 3, 3) f64 rotation matrices of (..., 4) wxyz quaternions of any length but zero."""
+    q = np.asarray(quaternions, np.float64)
+    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, -1) for row in rows], -2)
+
+
+def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
+    """Adds the bank's textures, materials, meshes and one geom per slot; numbers stay those of the bank."""
+    for i, (height, width, channels) in enumerate(bank.texture_shape):
+        texture = spec.add_texture(
+            name=f"bank/{i}",
+            type=mujoco.mjtTexture.mjTEXTURE_2D,
+            width=int(width),
+            height=int(height),
+            nchannel=int(channels),
+            colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
+        )
+        texture.data = bank.texture(i).tobytes()
+    for i, rgba in enumerate(bank.material_rgba):
+        material = spec.add_material(
+            name=f"bank/{i}",
+            rgba=rgba,
+            roughness=float(bank.material_roughness[i]),
+            metallic=float(bank.material_metallic[i]),
+        )
+        if bank.material_texture[i] >= 0:
+            material.textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = f"bank/{bank.material_texture[i]}"
+    spec.add_material(name="absent", rgba=(0.0, 0.0, 0.0, 0.0))
+    for i in range(bank.num_meshes):
+        corners = slice(bank.mesh_vertex_start[i], bank.mesh_vertex_start[i + 1])
+        faces = bank.mesh_faces[bank.mesh_face_start[i] : bank.mesh_face_start[i + 1]]
+        # The bank's UV start at the lower left corner of a texture, MuJoCo's at the upper left.
+        uv = bank.mesh_uv[corners] * [1.0, -1.0] + [0.0, 1.0]
+        # Inertia of the surface: flat ground has no volume.
+        spec.add_mesh(
+            name=f"bank/{i}",
+            uservert=bank.mesh_vertices[corners].ravel(),
+            userface=faces.ravel(),
+            usertexcoord=uv.ravel(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        )
+    for _ in range(bank.slot_mesh.shape[1]):
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname="bank/0",
+            material="absent",
+            contype=0,
+            conaffinity=0,
+            group=SLOT_GROUP,
+            rgba=_INHERIT,
+        )
+
+
+def _geom_box(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray]:
+    """Centre and half size of the box around a geom, in the geom's frame."""
+    return model.geom_aabb[geom, :3].astype(np.float64), model.geom_aabb[geom, 3:].astype(np.float64)
+
+
+def _add_robot(spec: mujoco.MjSpec, robot: mujoco.MjModel) -> list[int]:
+    """Adds the robot's visual geoms (group 2) and what they need; returns their numbers in the robot's model."""
+    geoms = [int(g) for g in np.flatnonzero(robot.geom_group == VISUAL_GROUP)]
+    for g in geoms:
+        looks: dict = {"rgba": robot.geom_rgba[g]}
+        material = int(robot.geom_matid[g])
+        if material >= 0:
+            name = f"robot/{material}"
+            if spec.material(name) is None:
+                _add_robot_material(spec, robot, material, name)
+            looks["material"] = name
+        kind = int(robot.geom_type[g])
+        if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
+            name = f"robot/{int(robot.geom_dataid[g])}"
+            if spec.mesh(name) is None:
+                _add_robot_mesh(spec, robot, int(robot.geom_dataid[g]), name)
+        else:
+            name = f"shape/{g}"
+            vertices, normals, faces = primitive_mesh(kind, robot.geom_size[g])
+            spec.add_mesh(
+                name=name,
+                uservert=vertices.ravel(),
+                usernormal=normals.ravel(),
+                userface=faces.ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            )
+        kind = mujoco.mjtGeom.mjGEOM_MESH
+        spec.worldbody.add_geom(type=kind, meshname=name, contype=0, conaffinity=0, group=SLOT_GROUP, **looks)
+    return geoms
+
+
+def _add_robot_material(spec: mujoco.MjSpec, robot: mujoco.MjModel, material: int, name: str) -> None:
+    added = spec.add_material(
+        name=name,
+        rgba=robot.mat_rgba[material],
+        roughness=float(robot.mat_roughness[material]),
+        metallic=float(robot.mat_metallic[material]),
+        shininess=float(robot.mat_shininess[material]),
+        specular=float(robot.mat_specular[material]),
+        emission=float(robot.mat_emission[material]),
+    )
+    role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
+    texture = int(robot.mat_texid[material, role])
+    if texture < 0 or robot.tex_type[texture] != mujoco.mjtTexture.mjTEXTURE_2D:
+        return
+    label = f"robot/{texture}"
+    if spec.texture(label) is None:
+        shape = (int(robot.tex_height[texture]), int(robot.tex_width[texture]), int(robot.tex_nchannel[texture]))
+        start = int(robot.tex_adr[texture])
+        image = spec.add_texture(
+            name=label,
+            type=mujoco.mjtTexture.mjTEXTURE_2D,
+            height=shape[0],
+            width=shape[1],
+            nchannel=shape[2],
+            colorspace=mujoco.mjtColorSpace.mjCOLORSPACE_SRGB,
+        )
+        image.data = robot.tex_data[start : start + int(np.prod(shape))].tobytes()
+    added.textures[role] = label
+
+
+def _add_robot_mesh(spec: mujoco.MjSpec, robot: mujoco.MjModel, mesh: int, name: str) -> None:
+    """Adds a mesh in the frame the robot's geoms use, corners split so that UVs go with vertices."""
+    corners = slice(robot.mesh_vertadr[mesh], robot.mesh_vertadr[mesh] + robot.mesh_vertnum[mesh])
+    faces = slice(robot.mesh_faceadr[mesh], robot.mesh_faceadr[mesh] + robot.mesh_facenum[mesh])
+    extra: dict = {}
+    if robot.mesh_texcoordadr[mesh] >= 0:
+        start = int(robot.mesh_texcoordadr[mesh])
+        stop = start + int(robot.mesh_texcoordnum[mesh])
+        extra = {
+            "usertexcoord": robot.mesh_texcoord[start:stop].ravel(),
+            "userfacetexcoord": robot.mesh_facetexcoord[faces].ravel(),
+        }
+    spec.add_mesh(
+        name=name,
+        uservert=robot.mesh_vert[corners].ravel(),
+        userface=robot.mesh_face[faces].ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        **extra,
+    )
+
+
+def _authored(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and normals of all meshes in the frames they were authored in."""
+    vertices, normals = model.mesh_vert.astype(np.float64), model.mesh_normal.astype(np.float64)
+    rotations = rotation_matrices(model.mesh_quat) if model.nmesh else np.zeros((0, 3, 3))
+    for i, rotation in enumerate(rotations):
+        corners = slice(model.mesh_vertadr[i], model.mesh_vertadr[i] + model.mesh_vertnum[i])
+        arrows = slice(model.mesh_normaladr[i], model.mesh_normaladr[i] + model.mesh_normalnum[i])
+        vertices[corners] = vertices[corners] @ rotation.T + model.mesh_pos[i]
+        normals[arrows] = normals[arrows] @ rotation.T
+    return vertices.astype(np.float32), normals.astype(np.float32)
+
+
+def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
+    return {
+        robot.camera(i).name: RobotCamera(
+            body=int(robot.cam_bodyid[i]),
+            position=robot.cam_pos[i].astype(np.float32),
+            quaternion=robot.cam_quat[i].astype(np.float32),
+            fovy=float(np.radians(robot.cam_fovy[i])),
+        )
+        for i in range(robot.ncam)
+    }
+
+
+def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, looks: Sequence[int]) -> np.ndarray:
+    """Adds a geom for each agent, which looks like row `looks[i]` of the bank's agents; (A, 2, 3) their boxes."""
+    boxes, known = [], len(bank.agents["mesh"])
+    for look in looks:
+        if not 0 <= look < known:
+            raise NounError(f"renderer agents: found look {look}; needed one of the bank's {known}; build it again")
+        mesh = bank.agents["mesh"][look]
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=f"bank/{mesh}",
+            material=f"bank/{bank.mesh_material[mesh]}",
+            contype=0,
+            conaffinity=0,
+            group=SLOT_GROUP,
+            rgba=_INHERIT,
+        )
+        corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]]
+        low, high = corners.min(0), corners.max(0)
+        boxes.append([(low + high) / 2, (high - low) / 2])
+    return np.array(boxes, np.float64).reshape(-1, 2, 3)
+
+
+def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence[int] = ()) -> RenderModel:
+    """Builds the render model of a bank and, if given, a robot and agents.
+
+    Args:
+      looks: row of the bank's agents for each agent.
+
+    Raises:
+      NounError: the bank shows nothing, the robot has a visual geom without a surface, or the bank has no such look.
+    """
+    if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
+        raise NounError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
+    spec = mujoco.MjSpec()
+    spec.stat.extent = 1.0
+    # `visual.map` has a field whose name is taken by nothing else: the far and near planes, in extents.
+    spec.visual.map.znear, spec.visual.map.zfar = NEAR, FAR
+    spec.visual.headlight.active = 0
+    _add_bank(spec, bank)
+    robot_model = None if robot is None else mujoco.MjModel.from_xml_string(robot.mjcf)
+    geoms = [] if robot_model is None else _add_robot(spec, robot_model)
+    agent_boxes = _add_agents(spec, bank, looks)
+    spec.worldbody.add_camera(name="eye")
+    spec.worldbody.add_light(name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=True, dir=(0, 0, -1))
+    model = spec.compile()
+    vertices, normals = _authored(model)
+    body, position, quaternion, boxes = np.zeros(0, np.int32), np.zeros((0, 3)), np.zeros((0, 4)), []
+    if robot_model is not None:
+        body = robot_model.geom_bodyid[geoms].astype(np.int32)
+        position, quaternion = robot_model.geom_pos[geoms], robot_model.geom_quat[geoms]
+        boxes = [_geom_box(robot_model, g) for g in geoms]
+    bodies, number = 1 if robot_model is None else robot_model.nbody, len(looks)
+    labels = [[ROBOT_LABEL, ROBOT_LABEL]] * len(geoms) + [[AGENT_LABEL, bank.agents["category"][i]] for i in looks]
+    rotation = np.concatenate([rotation_matrices(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
+    return RenderModel(
+        model=model,
+        vertices=vertices,
+        normals=normals,
+        num_slots=bank.slot_mesh.shape[1],
+        absent_material=len(bank.material_rgba),
+        robot_body=np.concatenate([body, bodies + np.arange(number)]).astype(np.int32),
+        robot_position=np.concatenate([position.reshape(-1, 3), np.zeros((number, 3))]).astype(np.float32),
+        robot_rotation=rotation.astype(np.float32),
+        robot_half=np.concatenate([np.array(boxes).reshape(-1, 2, 3), agent_boxes]).astype(np.float32),
+        labels=np.array(labels, np.int32).reshape(-1, 2),
+        num_bodies=bodies + number,
+        num_agents=number,
+        cameras={} if robot_model is None else _cameras(robot_model),
+    )

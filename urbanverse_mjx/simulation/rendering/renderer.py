@@ -1,0 +1,284 @@
+"""`Renderer`: what robots see, for many envs at once and each in its own scene, inside jitted JAX code.
+
+Warp draws, on the CPU and on CUDA, by our own walk through search trees that are built once (`street_*.py`) and with
+mujoco-warp-pbr's materials; this module is the only one that the rest of the program knows of either.
+"""
+
+import concurrent.futures
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import warp as wp
+
+from ... import settings as process
+from ...datatypes import AgentMotion, Bodies, NounError, RobotSpec, SceneBank
+from ...precision import full_precision
+from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
+from .model import build_render_model
+from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Settings
+from .street_batch import StreetBatch, Streets
+
+#: m and 1 - cos of half the angle from which an object stands elsewhere than in the bank, to be seen at all.
+_MOVED, _TURNED = 1e-3, 1e-6
+
+__all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
+
+
+#: What goes in and what comes out, in the order of `Renderer._render`.
+_INPUTS = {
+    "scene": wp.array[wp.int32],
+    "xpos": wp.array2d[wp.vec3],
+    "xquat": wp.array2d[wp.vec4],
+    "eye": wp.array[wp.vec3],
+    "turn": wp.array[wp.vec4],
+    "fovy": wp.array[wp.float32],
+    "looks": wp.array[wp.int32],
+}
+_MOVED_INPUT = {"moved": wp.array2d[wp.int32]}
+_FLOATS, _NUMBERS = wp.array3d[wp.float32], wp.array3d[wp.int32]
+_PICTURE_TYPES = wp.array4d[wp.uint8], _FLOATS, _NUMBERS, _NUMBERS, wp.array3d[wp.vec3]
+_PICTURES: dict[str, Any] = dict(zip(OUTPUTS, _PICTURE_TYPES, strict=True))
+
+
+@functools.cache
+def _call_into_warp(moved: bool) -> Any:
+    """What JAX calls; moved: with objects that stand elsewhere."""
+    return jax_callable("Renderer.draw", Renderer._render, _INPUTS | (_MOVED_INPUT if moved else {}), _PICTURES)
+
+
+class Renderer:
+    """Draws scenes of a bank, with or without a robot in them.
+
+    Pixel rows go from top to bottom. Depth is planar: the distance along the camera's axis, 0 where nothing was hit.
+    "object" is the visual slot and "category" the row of `bank.meta["categories"]`; -1 is the sky, -2 the robot;
+    agents are -3 in "object" and have a category.
+    Normals are unit and in the world's frame, 0 for the sky. Colours are sRGB, and depend on nothing but the scene,
+    the robot's pose and the camera.
+
+    Args:
+      bank: the scenes.
+      robot: its visual geoms (MJCF group 2) are drawn and its camera is looked through; None for empty streets.
+      height, width: pixels.
+      outputs: any of "rgb", "depth", "category", "object", "normal".
+      shadows: whether the sun casts shadows.
+      sky: whether the sky is drawn and lights the street by direction; else a flat colour and an even light.
+      threads: on the CPU worlds are split over this many threads; default: `settings.num_threads()`.
+      camera: name of the robot's camera; default `robot.camera`.
+      samples: rays per pixel along each side (2 = four rays).
+      shading: "pbr" (glTF materials, mirrored sky, tone mapping) or "matte" (the same light without highlights,
+        a third more frames on a CPU).
+      appearance: by what share looks may differ: a frame drawn with a `look` other than 0 shows every object, and the
+        light, brighter or darker and in another tone by up to this share. 0 leaves that out.
+      agents: row of the bank's agents (`SceneBank.agents`) that each moving agent looks like.
+      bodies: how many objects may stand elsewhere than in the bank, see `Bodies`.
+
+    Raises:
+      NounError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
+    """
+
+    def __init__(
+        self,
+        bank: SceneBank,
+        robot: RobotSpec | None,
+        height: int,
+        width: int,
+        outputs: Sequence[str] = ("rgb",),
+        shadows: bool = False,
+        sky: bool = True,
+        threads: int | None = None,
+        camera: str | None = None,
+        samples: int = 1,
+        shading: str = "pbr",
+        appearance: float = 0.0,
+        agents: Sequence[int] = (),
+        bodies: int = 0,
+    ) -> None:
+        wanted = tuple(dict.fromkeys(outputs))
+        for name in wanted:
+            if name not in OUTPUTS:
+                raise NounError(f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; mend its spelling")
+        if shading not in SHADINGS:
+            raise NounError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; mend its spelling")
+        if not wanted or min(height, width, samples) < 1:
+            raise NounError(
+                f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of "
+                "each; mend the numbers"
+            )
+        if not 0.0 <= appearance < 1.0:
+            raise NounError(f"appearance: found {appearance}; needed 0 to below 1; mend the number")
+        self.bank = bank
+        self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies)
+        self.threads = threads or process.num_threads()
+        self._model = build_render_model(bank, robot, agents)
+        self.num_bodies = self._model.num_bodies - len(agents)
+        self._homes = jnp.asarray(bank.slot_position), jnp.asarray(bank.slot_quaternion)
+        self.camera = None if robot is None else self._find_camera(camera or robot.camera)
+        self._devices: DeviceStore[Streets, StreetBatch] = DeviceStore()
+        self._pool: concurrent.futures.ThreadPoolExecutor | None = None
+        self._number = register(self)
+        self._view = batched_call(_batch_function(self._number, self.settings))
+
+    def _find_camera(self, name: str) -> Any:
+        if name not in self._model.cameras:
+            known = ", ".join(self._model.cameras) or "none"
+            raise NounError(f"camera: found {name!r}; needed a camera of the robot ({known}); mend its spelling")
+        return self._model.cameras[name]
+
+    @full_precision
+    def __call__(
+        self,
+        scene: Any,
+        xpos: Any,
+        xquat: Any,
+        look: Any = 0,
+        agents: AgentMotion | None = None,
+        bodies: Bodies | None = None,
+    ) -> dict[str, jax.Array]:
+        """One frame through the robot's camera; pure, works alone, under jit and any nesting of vmap.
+
+        Args:
+          scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
+          look: () i32, 0 = as the bank says; other numbers stand for other looks, see `appearance`.
+          agents: where they are (position, heading, present); None leaves them out.
+          bodies: objects that stand elsewhere; None = all stand where the bank has them.
+
+        Returns:
+          the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
+          "normal" (H, W, 3) f32.
+        """
+        if self.camera is None:
+            raise NounError("renderer: found no robot; needed one to look through its camera; call `view` instead")
+        xpos, xquat = jnp.asarray(xpos, jnp.float32), jnp.asarray(xquat, jnp.float32)
+        body = self.camera.body
+        eye = xpos[body] + _rotate(xquat[body], jnp.asarray(self.camera.position))
+        turn = _multiply(xquat[body], jnp.asarray(self.camera.quaternion))
+        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look, agents, bodies)
+
+    def view(
+        self,
+        scene: Any,
+        position: Any,
+        quaternion: Any,
+        fovy: Any,
+        xpos: Any = None,
+        xquat: Any = None,
+        look: Any = 0,
+        agents: AgentMotion | None = None,
+        bodies: Bodies | None = None,
+    ) -> dict[str, jax.Array]:
+        """One frame through a free camera.
+
+        Args:
+          scene: () i32.
+          position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
+          fovy: () vertical field of view, rad.
+          xpos, xquat: the robot's bodies; None leaves the robot out of the picture, far below the ground.
+          look: () i32, agents, bodies: see `__call__`.
+        """
+        own = self.num_bodies
+        if xpos is None:
+            xpos, xquat = np.tile([0.0, 0.0, NOWHERE], (own, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (own, 1))
+        arrays = [jnp.asarray(x, jnp.float32) for x in (xpos, xquat, position, quaternion, fovy)]
+        wanted = ((own, 3), (own, 4), (3,), (4,), ())
+        for name, array, shape in zip(("xpos", "xquat", "position", "quaternion", "fovy"), arrays, wanted, strict=True):
+            if array.shape != shape:
+                raise NounError(f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more")
+        if self._model.num_agents:
+            arrays[:2] = [jnp.concatenate(x) for x in zip(arrays[:2], self._agent_bodies(agents), strict=True)]
+        # Warp does not check indices; JAX's own gathers clamp them.
+        scene = jnp.clip(jnp.asarray(scene, jnp.int32), 0, self.bank.num_scenes - 1)
+        moved = ()
+        if self.settings.bodies:
+            moved, *poses = self._moved(scene, bodies)
+            moved, arrays[:2] = (moved,), [jnp.concatenate(x) for x in zip(arrays[:2], poses, strict=True)]
+        return self._view(scene, *arrays, jnp.asarray(look, jnp.int32), *moved)
+
+    def _moved(self, scene: Any, bodies: Bodies | None) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """Slots (M,) of the objects that stand elsewhere, -1 = none, and T_world_object: places (M, 3), quaternions."""
+        number = self.settings.bodies
+        if bodies is None:
+            still = jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))
+            return jnp.full(number, -1, jnp.int32), jnp.zeros((number, 3)), still
+        slot = jnp.clip(bodies.thing, 0, self.bank.slot_mesh.shape[1] - 1)
+        place, turn = (home[scene, slot] for home in self._homes)
+        gone = jnp.max(jnp.abs(bodies.position - place), axis=-1) > _MOVED
+        gone |= jnp.abs(jnp.sum(bodies.quaternion * turn, axis=-1)) < 1.0 - _TURNED
+        return jnp.where(gone & (bodies.thing >= 0), bodies.thing, -1), bodies.position, bodies.quaternion
+
+    def _agent_bodies(self, agents: AgentMotion | None) -> tuple[jax.Array, jax.Array]:
+        """Places (A, 3) and quaternions (A, 4); who is not there is far below the ground."""
+        number = self._model.num_agents
+        hidden = jnp.tile(jnp.array([0.0, 0.0, NOWHERE]), (number, 1))
+        if agents is None:
+            return hidden, jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))
+        half, none = 0.5 * agents.heading, jnp.zeros(number)
+        place = jnp.where(agents.present[:, None], agents.position, hidden)
+        return place, jnp.stack([jnp.cos(half), none, none, jnp.sin(half)], -1)
+
+    @property
+    def num_contexts(self) -> int:
+        """Batches for which a render context is kept; made when a batch of a new size is first drawn."""
+        return self._devices.num_batches
+
+    def _render(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array]) -> None:
+        """Draws a batch of worlds, on the CPU in several threads; called by Warp with its device set.
+
+        Args:
+          inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
+            quaternions (n,) vec4, vertical fields of view (n,) float and looks (n,) int; slots of objects that stand
+            elsewhere (n, bodies) int, -1 = none, where there may be any.
+          outputs: of `OUTPUTS`, with a leading axis of n; without a pixel where not asked for.
+        """
+        scene = inputs[0]
+        if scene.shape[0] == 0:
+            return
+        with device_lock(scene.device):
+            self._draw_all(scene.device, inputs, dict(zip(OUTPUTS, outputs, strict=True)))
+
+    def _draw_all(self, device: Any, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> None:
+        assets, batch = self._batch(device, inputs[0].shape[0])
+        jobs = batch.jobs(inputs, outputs)
+        # The first launch compiles the kernel, which threads must not do at the same time.
+        while jobs and (len(jobs) == 1 or not assets.ready):
+            jobs.pop(0)()
+        if jobs:
+            if self._pool is None:
+                self._pool = concurrent.futures.ThreadPoolExecutor(self.threads, "render")
+            for waiting in [self._pool.submit(job) for job in jobs]:
+                waiting.result()
+
+    def _batch(self, device: Any, total: int) -> tuple[Streets, StreetBatch]:
+        assets, batches = self._devices.get_or_make(device, lambda: Streets(self.bank, self._model, self.settings))
+        threads = self.threads if device.is_cpu else 1
+        return assets, batches.get_or_make(total, lambda: StreetBatch(assets, total, threads))
+
+
+def _batch_function(number: int, settings: Settings) -> Any:
+    """(scene (n,), xpos (n, nbody, 3), ...) -> outputs with a leading axis n. Holds the renderer by its number."""
+    height, width = settings.height, settings.width
+    function = _call_into_warp(settings.bodies > 0)
+
+    def batch(scene: jax.Array, *arrays: jax.Array) -> dict[str, jax.Array]:
+        n = scene.shape[0]
+        shapes = {"rgb": (n, height, width, 3)} | dict.fromkeys(OUTPUTS[1:], (n, height, width))
+        shapes = {k: s if k in settings.outputs else (n, *[0] * (len(s) - 1)) for k, s in shapes.items()}
+        out = function(number, scene, *arrays, output_dims=shapes)
+        return {name: x for name, x in zip(OUTPUTS, out, strict=True) if name in settings.outputs}
+
+    return batch
+
+
+def _rotate(q: jax.Array, v: jax.Array) -> jax.Array:
+    """R(q) v for a unit quaternion wxyz."""
+    t = 2.0 * jnp.cross(q[1:], v)
+    return v + q[0] * t + jnp.cross(q[1:], t)
+
+
+def _multiply(p: jax.Array, q: jax.Array) -> jax.Array:
+    """Product of two quaternions wxyz."""
+    w = p[0] * q[0] - p[1:] @ q[1:]
+    return jnp.concatenate([w[None], p[0] * q[1:] + q[0] * p[1:] + jnp.cross(p[1:], q[1:])])

@@ -1,0 +1,258 @@
+"""Still streets on the Warp device, and the views of a batch of worlds."""
+
+import functools
+from collections.abc import Callable, Sequence
+
+import mujoco
+import numpy as np
+import warp as wp
+from mujoco_warp_pbr._src import ibl
+from mujoco_warp_pbr._src.material import effective_geom_rgba, resolve_geom_materials
+
+from ...datatypes import SceneBank
+from . import street_draw
+from .model import FAR, RenderModel, rotation_matrices
+from .scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
+from .settings import NOWHERE, Settings
+from .street_kernels import Street, Views, place
+from .street_shade import Skies
+from .street_tree import Trees, as_floats, build_trees, joined
+
+#: Triangles in a leaf at most.
+_LEAF_SIZE = 4
+
+
+def _rows(*columns: np.ndarray) -> np.ndarray:
+    """(n, 4) f32: columns of one or more numbers side by side."""
+    return np.concatenate([np.asarray(c, np.float32).reshape(len(columns[0]), -1) for c in columns], axis=1)
+
+
+def _table(rows: np.ndarray) -> wp.array:
+    return wp.array(np.ascontiguousarray(rows, np.float32).reshape(-1, 4), dtype=wp.vec4)
+
+
+def inverse_rows(rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """(n, 3, 4) rows of T_frame_world from (n, 3, 3) and (n, 3) T_world_frame."""
+    turned = np.swapaxes(np.asarray(rotation, np.float64), 1, 2)
+    return np.concatenate([turned, -turned @ np.asarray(position, np.float64)[..., None]], -1)
+
+
+def _face_rows(model: RenderModel, corners: np.ndarray, mesh: np.ndarray) -> np.ndarray:
+    """(faces, 4, 4) normals and UV of every triangle, in the order of `model.mesh_face`; see `street_kernels.FACE`."""
+    mjm = model.model
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(flat, axis=1)
+    flat /= np.maximum(area, 1e-20)[:, None]
+    normals = model.normals[mjm.mesh_facenormal + mjm.mesh_normaladr[mesh, None]].astype(np.float64)
+    # As in MuJoCo's renderer a corner's normal far off its face is not used.
+    usable = (normals * flat[:, None]).sum(-1) >= 0.8
+    normals = np.where(usable[..., None], normals, flat[:, None])
+    uv = np.zeros((len(mesh), 3, 2))
+    textured = mjm.mesh_texcoordadr[mesh] >= 0
+    start = mjm.mesh_texcoordadr[mesh[textured], None]
+    uv[textured] = mjm.mesh_texcoord[mjm.mesh_facetexcoord[textured] + start]
+    d1, d2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    # Texture lengths per metre.
+    density = np.sqrt(np.abs(d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]) / np.maximum(area, 1e-20))
+    columns = (normals[:, 0], density, normals[:, 1], uv[:, 0, 0], normals[:, 2], uv[:, 0, 1], uv[:, 1], uv[:, 2])
+    return _rows(*columns).reshape(-1, 4, 4)
+
+
+def _mesh_balls(bank: SceneBank) -> np.ndarray:
+    """(M, 4) f32: centre and radius of a ball around each mesh of the bank, m."""
+    balls = np.zeros((bank.num_meshes, 4), np.float32)
+    for ball, first, last in zip(balls, bank.mesh_vertex_start[:-1], bank.mesh_vertex_start[1:], strict=True):
+        corners = bank.mesh_vertices[first:last]
+        ball[:3] = 0.5 * (corners.min(0) + corners.max(0))
+        ball[3] = np.linalg.norm(corners - ball[:3], axis=1).max()
+    return balls
+
+
+class Streets:
+    """Everything that does not move: triangles, search trees, materials, skies, the kernel."""
+
+    def __init__(self, bank: SceneBank, model: RenderModel, settings: Settings) -> None:
+        self.settings = settings
+        mjm = model.model
+        geoms = model.num_slots + np.arange(mjm.ngeom - model.num_slots)
+        self.num_parts = len(geoms) + settings.bodies
+        self.street, self._tables = Street(), []
+        self.street.num_parts, self.street.num_bodies = self.num_parts, settings.bodies
+        self._add_things(bank, model, self._add_meshes(model), geoms)
+        self._add_parts(model, geoms)
+        self._add_light(bank)
+        self.draw = street_draw.build_draw_kernel(settings, FAR, bank.sky_radiance.shape[2])
+        self.ready = False
+
+    def _keep(self, rows: np.ndarray) -> int:
+        """Puts rows on the device, to stay as long as this does; returns where they stand."""
+        self._tables.append(_table(rows))
+        return self._tables[-1].ptr or 0
+
+    def _add_meshes(self, model: RenderModel) -> Trees:
+        """Triangles and faces in the order of the leaves of the meshes' trees."""
+        mjm = model.model
+        mesh = np.repeat(np.arange(mjm.nmesh), mjm.mesh_facenum)
+        corners = model.vertices[mjm.mesh_face + mjm.mesh_vertadr[mesh, None]].astype(np.float64)
+        trees = build_trees(corners.min(1), corners.max(1), mesh, mjm.nmesh, _LEAF_SIZE)
+        rows = np.zeros((len(mesh), 3, 4), np.float32)
+        rows[:, 0, :3] = corners[:, 0]
+        rows[:, 1, :3] = corners[:, 1] - corners[:, 0]
+        rows[:, 2, :3] = corners[:, 2] - corners[:, 0]
+        rows = rows[trees.order]
+        rows[:, 0, 3] = trees.last
+        self.street.triangles = self._keep(rows)
+        self.street.faces = self._keep(_face_rows(model, corners, mesh)[trees.order])
+        return trees
+
+    def _add_things(self, bank: SceneBank, model: RenderModel, meshes: Trees, geoms: np.ndarray) -> None:
+        """Objects of all scenes in the order of the leaves of their trees, then the robot's parts."""
+        mjm = model.model
+        lower, upper = slot_boxes(bank)
+        scene, number = np.nonzero(bank.slot_mesh >= 0)
+        boxes = lower[scene, number], upper[scene, number]
+        trees = build_trees(*boxes, scene, bank.num_scenes, leaf_size=1)
+        assert trees.last.all(), "one object a leaf"
+        nodes, roots = joined(meshes.nodes, trees)
+        scene, number = scene[trees.order], number[trees.order]
+        mesh = bank.slot_mesh[scene, number]
+        rotation = rotation_matrices(bank.slot_quaternion[scene, number])
+        poses = inverse_rows(rotation, bank.slot_position[scene, number])
+        poses = np.concatenate([poses, np.zeros((len(geoms), 3, 4))])
+        textures, sizes = upload_textures(model)
+        self._textures: list[object] = [textures]
+        role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
+        material = np.concatenate([bank.mesh_material[mesh], mjm.geom_matid[geoms]])
+        colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
+        mesh_of_thing = np.concatenate([mesh, mjm.geom_dataid[geoms]])
+        # What has no UV has no texture.
+        textured = (material >= 0) & (mjm.mesh_texcoordadr[mesh_of_thing] >= 0)
+        texture = np.where(textured, mjm.mat_texid[material, role], -1)
+        texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
+        metallic, roughness, _ = resolve_geom_materials(mjm)
+        looks = _rows(
+            texture,
+            texels,
+            np.concatenate([bank.material_roughness[material[: len(mesh)]], roughness[geoms]]),
+            np.concatenate([bank.material_metallic[material[: len(mesh)]], metallic[geoms]]),
+        )
+        thing_roots = as_floats(meshes.roots[mesh_of_thing])
+        things = np.concatenate([poses, _rows(colour, thing_roots)[:, None], looks[:, None]], axis=1)
+        self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
+        self.street.things, self.street.num_objects = self._keep(things), len(mesh)
+        self.street.balls = self._keep(_mesh_balls(bank)[mesh])
+        thing_of_slot = np.full(bank.slot_mesh.shape, -1, np.int32)
+        thing_of_slot[scene, number] = np.arange(len(mesh))
+        self.thing_of_slot = wp.array(thing_of_slot, dtype=int)
+        label = np.stack([number, bank.slot_category[scene, number]], -1)
+        self.labels = wp.array(np.concatenate([label, model.labels]), dtype=wp.vec2i)
+        self.textures = wp.array(textures, dtype=wp.Texture2D)
+
+    def _add_parts(self, model: RenderModel, geoms: np.ndarray) -> None:
+        mjm = model.model
+        count, bodies = len(geoms), self.settings.bodies
+        parts = np.zeros((count + bodies, 2, 4), np.float32)
+        # `place` turns the balls with the body, so their centres are needed in its frame, not in the geom's.
+        middle = np.einsum("nij,nj->ni", model.robot_rotation, model.robot_half[:, 0])
+        parts[:count, 0, :3] = model.robot_position + middle
+        parts[:count, 0, 3] = np.linalg.norm(model.robot_half[:, 1], axis=1)
+        material = mjm.geom_matid[geoms]
+        parts[:count, 1, 0] = resolve_geom_materials(mjm)[2][geoms]
+        parts[:count, 1, 1] = np.where(material >= 0, mjm.mat_emission[material], 0.0)
+        parts[count:, 1, 0] = 0.5  # of what belongs to the street
+        self.street.parts = self._keep(parts)
+        turns = np.concatenate([model.robot_rotation, np.tile(np.eye(3), (bodies, 1, 1))])
+        places = np.concatenate([model.robot_position, np.zeros((bodies, 3))])
+        self.shapes = _table(inverse_rows(turns, places))
+        self.bodies = wp.array(np.concatenate([model.robot_body, model.num_bodies + np.arange(bodies)]), dtype=int)
+
+    def _add_light(self, bank: SceneBank) -> None:
+        """Light tables; see `street_kernels.LIGHT`."""
+        sun, irradiance = scene_sun(bank)
+        gloss = self.settings.shading == "pbr"
+        skies = build_skies(bank.sky_radiance, glossy=gloss)
+        self._textures.append(skies.owners)
+        self.skies = Skies()
+        self.skies.radiance = skies.radiance
+        if gloss:
+            assert skies.prefiltered is not None, "skies for gloss are prefiltered"
+            self.skies.blurred, self.skies.lobes = skies.prefiltered, ibl.build_dfg_lut()
+        lights = np.zeros((bank.num_scenes, 9, 4))
+        if self.settings.sky:
+            lights[..., :3] = sky_polynomials(skies.sh.numpy()[bank.scene_sky], bank.scene_sky_yaw)
+        else:
+            lights[:, 0, :3] = sky_ambient(bank)
+        lights[:, :3, 3], lights[:, 3:6, 3] = sun, irradiance / np.pi
+        lights[:, 6, 3], lights[:, 7, 3] = bank.scene_sky, bank.scene_sky_yaw
+        self.street.lights = self._keep(lights)
+
+
+def sky_polynomials(harmonics: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """Light on a matte surface as a polynomial of its normal, for skies turned by `yaw` about z.
+
+    Args:
+      harmonics: (n, 9, 3) of `mujoco_warp_pbr`: band 0, then y, z, x, xy, yz, 3zz - 1, xz, xx - yy.
+
+    Returns:
+      (n, 9, 3) coefficients of 1, x, y, z, xx, yy, xy, yz, xz.
+    """
+    # Constants of the real spherical harmonics.
+    c0, c1, c2, c3, c4 = 0.282095, 0.488603, 1.092548, 0.315392, 0.546274
+    h = np.moveaxis(np.asarray(harmonics, np.float64), 1, 0)
+    linear = np.stack([h[3] * c1, h[1] * c1, h[2] * c1], -1)  # (n, 3 colours, xyz)
+    square = np.zeros((*linear.shape, 3))
+    square[..., 0, 0], square[..., 1, 1], square[..., 2, 2] = h[8] * c4, -h[8] * c4, 3.0 * h[6] * c3
+    square[..., 0, 1] = square[..., 1, 0] = 0.5 * c2 * h[4]
+    square[..., 1, 2] = square[..., 2, 1] = 0.5 * c2 * h[5]
+    square[..., 0, 2] = square[..., 2, 0] = 0.5 * c2 * h[7]
+    c, s = np.cos(yaw), np.sin(yaw)
+    back = np.zeros((len(yaw), 1, 3, 3))
+    back[:, 0, 0, 0], back[:, 0, 0, 1], back[:, 0, 1, 0], back[:, 0, 1, 1], back[:, 0, 2, 2] = c, s, -s, c, 1.0
+    linear = (linear[..., None, :] @ back)[..., 0, :]
+    square = np.swapaxes(back, -1, -2) @ square @ back
+    # zz = 1 - xx - yy.
+    zz = square[..., 2, 2]
+    one = h[0] * c0 - h[6] * c3 + zz
+    rows = [one, linear[..., 0], linear[..., 1], linear[..., 2], square[..., 0, 0] - zz, square[..., 1, 1] - zz]
+    rows += [2.0 * square[..., 0, 1], 2.0 * square[..., 1, 2], 2.0 * square[..., 0, 2]]
+    return np.stack(rows, 1)
+
+
+class StreetBatch:
+    """Draws a batch of worlds; holds their cameras and the poses of their robots' parts, and nothing else.
+
+    Args:
+      threads: the batch is drawn in so many pieces, which may run at the same time.
+    """
+
+    def __init__(self, streets: Streets, num_worlds: int, threads: int) -> None:
+        self.streets, self.num_worlds = streets, num_worlds
+        ends = np.linspace(0, num_worlds, min(threads, num_worlds) + 1).astype(int)
+        self.pieces = list(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
+        parts = streets.num_parts
+        self._placed = [wp.zeros(num_worlds * rows, dtype=wp.vec4) for rows in (4, 3 * parts, parts + 1)]
+        self._placed.append(wp.zeros(num_worlds * (parts + 1), dtype=int))
+        self._moved = wp.full(max(num_worlds * streets.settings.bodies, 1), -1, dtype=int)
+        self._unmoved = wp.zeros((num_worlds, 0), dtype=int)
+        self.views = Views()
+        self.views.cameras, self.views.poses, self.views.balls, self.views.seen = (x.ptr or 0 for x in self._placed)
+        self.views.moved = self._moved.ptr or 0
+
+    def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
+        """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
+        scene, xpos, xquat, eye, turn, fovy, looks, *moved = inputs
+        s, settings = self.streets, self.streets.settings
+        aspect = settings.width / settings.height
+        robot = [s.street, s.shapes, s.bodies, xpos, xquat]
+        views = [*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed]
+        elsewhere = [scene, *(moved or [self._unmoved]), s.thing_of_slot, self._moved]
+        wp.launch(place, dim=self.num_worlds, inputs=[*views, *elsewhere])
+        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, looks]
+        out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
+        return [functools.partial(self._draw, *piece, [*kept, *out]) for piece in self.pieces]
+
+    def _draw(self, first: int, last: int, arguments: list[object]) -> None:
+        settings = self.streets.settings
+        dim = (last - first, settings.height * settings.width)
+        wp.launch(self.streets.draw, dim=dim, inputs=[first, *arguments], block_dim=street_draw.BLOCK[0])
+        self.streets.ready = True

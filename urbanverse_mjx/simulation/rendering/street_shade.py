@@ -1,0 +1,236 @@
+"""Warp functions that give what a ray meets its colour: materials, sun and sky, with or without gloss.
+
+Gloss is mujoco-warp-pbr's: its functions of a glTF material, of blurred skies and of tone are called here as they are.
+"""
+
+# Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
+# pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false, reportCallIssue=false
+# pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
+
+from typing import Any
+
+import warp as wp
+from mujoco_warp_pbr._src import brdf, color, envmap, material, texture
+
+from . import street_kernels as k
+from .settings import PBR_EXPOSURE, PLAIN_SKY, Settings
+from .street_kernels import FACE, LIGHT, PART, THING, Street, Views
+from .street_native import Hit
+
+#: Colour of the flat sky in linear light.
+_FLAT = tuple(float(x) for x in color.srgb_to_linear(PLAIN_SKY[:3]))
+
+
+@wp.struct
+class Surface:
+    """What is seen where a ray ends; emission: share of its colour that it shines with on the display."""
+
+    normal: wp.vec3
+    colour: wp.vec3
+    roughness: float
+    metallic: float
+    reflectance: float
+    emission: float
+
+
+@wp.struct
+class Skies:
+    """Textures of the skies; blurred: copies for gloss, one layer a roughness; lobes: mujoco-warp-pbr's table."""
+
+    radiance: wp.array[wp.Texture2D]
+    blurred: wp.array[wp.Texture3D]
+    lobes: wp.Texture2D
+
+
+@wp.func
+def sky_light(street: Street, scene: int, n: wp.vec3) -> wp.vec3:
+    """Light of the sky on a matte white surface that faces `n`."""
+    row = LIGHT * scene
+    light = k.xyz(k.load(street.lights, row))
+    light += k.xyz(k.load(street.lights, row + 1)) * n[0]
+    light += k.xyz(k.load(street.lights, row + 2)) * n[1]
+    light += k.xyz(k.load(street.lights, row + 3)) * n[2]
+    light += k.xyz(k.load(street.lights, row + 4)) * (n[0] * n[0])
+    light += k.xyz(k.load(street.lights, row + 5)) * (n[1] * n[1])
+    light += k.xyz(k.load(street.lights, row + 6)) * (n[0] * n[1])
+    light += k.xyz(k.load(street.lights, row + 7)) * (n[1] * n[2])
+    light += k.xyz(k.load(street.lights, row + 8)) * (n[0] * n[2])
+    return wp.max(light, wp.vec3(0.0))
+
+
+@wp.func
+def scalars(street: Street, scene: int, first: int) -> wp.vec3:
+    """Three of a scene's nine scalars: sun direction 0, sunlight 3, sky number and yaw 6."""
+    row = LIGHT * scene + first
+    a = k.load(street.lights, row)
+    b = k.load(street.lights, row + 1)
+    c = k.load(street.lights, row + 2)
+    return wp.vec3(a[3], b[3], c[3])
+
+
+def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
+    """surface(street, views, world, textures, hit, direction, spread): what is seen there.
+
+    spread: angle between neighbouring rays; moved: things of the street may stand elsewhere.
+    """
+
+    @wp.func
+    def surface(
+        street: Street,
+        views: Views,
+        world: int,
+        textures: wp.array[wp.Texture2D],
+        hit: Hit,
+        direction: wp.vec3,
+        spread: float,
+    ) -> Surface:
+        out = Surface()
+        row = hit.thing * THING
+        x = k.load(street.things, row)
+        y = k.load(street.things, row + 1)
+        z = k.load(street.things, row + 2)
+        part = hit.thing - street.num_objects
+        if part >= 0:
+            row = 3 * (world * street.num_parts + part)
+            x = k.load(views.poses, row)
+            y = k.load(views.poses, row + 1)
+            z = k.load(views.poses, row + 2)
+        a = k.load(street.faces, hit.face * FACE)
+        b = k.load(street.faces, hit.face * FACE + 1)
+        c = k.load(street.faces, hit.face * FACE + 2)
+        w = 1.0 - hit.u - hit.v
+        normal = k.xyz(a) * w + k.xyz(b) * hit.u + k.xyz(c) * hit.v
+        normal = wp.normalize(k.xyz(x) * normal[0] + k.xyz(y) * normal[1] + k.xyz(z) * normal[2])
+        facing = wp.dot(normal, direction)
+        out.normal = wp.where(facing > 0.0, -normal, normal)
+        if wp.static(want_colour):
+            thing = hit.thing
+            if wp.static(moved):
+                thing = k.thing_of(street, views, world, hit.thing)
+            out.colour = k.xyz(k.load(street.things, thing * THING + 3))
+            look = k.load(street.things, thing * THING + 4)
+            if look[0] >= 0.0:
+                e = k.load(street.faces, hit.face * FACE + 3)
+                uv = wp.vec2(b[3], c[3]) * w + wp.vec2(e[0], e[1]) * hit.u + wp.vec2(e[2], e[3]) * hit.v
+                # a[3]: texture lengths per metre; look[1]: texels per texture length.
+                cone = spread * hit.distance / wp.max(wp.abs(facing), 0.05)
+                level = wp.log2(wp.max(cone * a[3] * look[1], 1.0e-8))
+                texel = texture.sample(textures[int(look[0])], uv, level)
+                out.colour = wp.cw_mul(out.colour, wp.vec3(texel[0], texel[1], texel[2]))
+            if wp.static(gloss):
+                out.roughness = look[2]
+                out.metallic = look[3]
+                out.reflectance = 0.5  # of glTF materials
+                if part >= 0:
+                    extra = k.load(street.parts, PART * part + 1)
+                    out.reflectance = extra[0]
+                    out.emission = extra[1]
+        return out
+
+    return surface
+
+
+def make_shade(settings: Settings, is_hidden: Any) -> Any:
+    """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the eye.
+
+    is_hidden: of `street_kernels.make_rays`.
+    """
+    sky, shadows, gloss = settings.sky, settings.shadows, settings.shading == "pbr"
+
+    @wp.func
+    def sunlight(
+        street: Street, views: Views, root: int, world: int, scene: int, point: wp.vec3, normal: wp.vec3, sun: wp.vec3
+    ) -> wp.vec3:
+        """Light of the sun on a matte white surface."""
+        cosine = wp.dot(normal, sun)
+        if cosine <= 0.0:
+            return wp.vec3(0.0)
+        if wp.static(shadows):
+            if is_hidden(street, views, root, world, point + normal * k.OFFSET, sun):
+                return wp.vec3(0.0)
+        return scalars(street, scene, 3) * cosine
+
+    @wp.func
+    def shade(
+        street: Street,
+        views: Views,
+        skies: Skies,
+        root: int,
+        world: int,
+        scene: int,
+        point: wp.vec3,
+        direction: wp.vec3,
+        surface: Surface,
+    ) -> wp.vec3:
+        normal = surface.normal
+        even = k.xyz(k.load(street.lights, LIGHT * scene))
+        around = even
+        if wp.static(sky):
+            around = sky_light(street, scene, normal)
+        sun = scalars(street, scene, 0)
+        direct = sunlight(street, views, root, world, scene, point, normal, sun)
+        if wp.static(not gloss):
+            return wp.cw_mul(surface.colour, around + direct)
+        facing = wp.max(-wp.dot(normal, direction), 1.0e-4)
+        seen = material.Surface()
+        seen.base_color = surface.colour
+        seen.metallic = surface.metallic
+        seen.perceptual_roughness = surface.roughness
+        seen.reflectance = surface.reflectance
+        lobes = material.shading_lobes(skies.lobes, seen, facing)
+        mirrored = even
+        if wp.static(sky):
+            look = scalars(street, scene, 6)
+            number = int(look[0])
+            softness = lobes.alpha * lobes.alpha
+            ahead = direction + normal * (2.0 * facing)
+            ahead = wp.normalize(ahead * (1.0 - softness) + normal * softness)
+            mirrored = envmap.sample_specular(
+                skies.radiance[number], skies.blurred[number], ahead, look[1], lobes.perceptual_roughness
+            )
+        light = wp.cw_mul(lobes.diffuse_color, around + direct)
+        light += wp.cw_mul(mirrored, wp.cw_mul(lobes.spec_albedo, lobes.energy_comp))
+        if wp.length_sq(direct) > 0.0:
+            middle = wp.normalize(sun - direction)
+            level = wp.max(wp.dot(normal, middle), 0.0)
+            lobe = brdf.specular_lobe(
+                lobes.f0, lobes.alpha, level, facing, wp.dot(normal, sun), wp.max(wp.dot(sun, middle), 0.0)
+            )
+            # `direct` is over pi, as a matte surface scatters it.
+            light += wp.cw_mul(wp.cw_mul(lobe, lobes.energy_comp), direct) * wp.static(wp.pi)
+        return light + surface.colour * (surface.emission * wp.static(1.0 / PBR_EXPOSURE))
+
+    return shade
+
+
+def make_background(settings: Settings, sky_width: int) -> Any:
+    """background(street, skies, scene, direction, spread): light from where nothing stands."""
+    sky, gloss = settings.sky, settings.shading == "pbr"
+
+    @wp.func
+    def background(street: Street, skies: Skies, scene: int, direction: wp.vec3, spread: float) -> wp.vec3:
+        if wp.static(sky):
+            look = scalars(street, scene, 6)
+            level = float(0.0)  # noqa: UP018 (Warp takes a bare number for a constant)
+            if wp.static(gloss):
+                level = wp.log2(wp.max(spread * wp.static(sky_width / (2.0 * wp.pi)), 1.0e-8))
+            return envmap.sample_radiance(skies.radiance[int(look[0])], direction, look[1], level)
+        if wp.static(gloss):
+            return wp.static(wp.vec3(*_FLAT)) * wp.static(1.0 / PBR_EXPOSURE)
+        return k.xyz(k.load(street.lights, LIGHT * scene))
+
+    return background
+
+
+def make_display(settings: Settings) -> Any:
+    """display(radiance): what the display shows, still in linear light."""
+    gloss = settings.shading == "pbr"
+
+    @wp.func
+    def display(radiance: wp.vec3) -> wp.vec3:
+        shown = wp.max(radiance, wp.vec3(0.0))
+        if wp.static(gloss):
+            shown = color.tonemap_pbr_neutral(shown * wp.static(PBR_EXPOSURE))
+        return wp.min(wp.max(shown, wp.vec3(0.0)), wp.vec3(1.0))
+
+    return display

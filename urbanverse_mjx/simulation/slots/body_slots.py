@@ -1,0 +1,201 @@
+"""Body slots: which of an env's movable things move in a control step, and their states in the physics' own terms.
+
+In:   `SimState.bodies`, the robot's place.
+Out:  `Awake` bodies for the physics; `Bodies` again.
+When: once per control step, per env, inside jit; the same for both engines.
+
+A thing sleeps, that is stands still like all that is static, until the robot or something that moves comes near it.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ...datatypes import Bodies, SceneBank
+from ...datatypes import validation as v
+from .body_table import BodyTable, body_table
+
+#: m/s and rad/s below which a body does not move.
+SLOW, SLOW_SPIN = 0.02, 0.1
+#: Ground prisms and static hulls looked at around a body that is awake.
+PRISMS, HULLS = 6, 4
+#: m/s that a body is expected not to exceed where what is near it is looked for; COCO pushes at 2.
+FAST = 2.0
+#: m between balls around bodies within which one that moves wakes another.
+_NEAR = 0.1
+
+
+class Sizes(NamedTuple):
+    """Attributes:
+    bodies: M, things of an env that can be pushed. awake: W, how many of them can move at once. hulls: H, most hulls a
+    thing may have to be one.
+    """
+
+    bodies: int
+    awake: int = 3
+    hulls: int = 4
+
+
+class BodyConstants(NamedTuple):
+    """`BodyTable` for JAX, with 1 / (kg m^2) and per shape what JAX gathers."""
+
+    row: Any
+    shape: Any
+    mass: Any
+    friction: Any
+    home: Any
+    home_quaternion: Any
+    centre: Any
+    inertia: Any
+    axes: Any
+    radius: Any
+    hull: Any
+    points: Any
+
+
+class Awake(NamedTuple):
+    """W bodies that move, in the terms of the physics.
+
+    Attributes:
+      row: (W,) i32 of the body table, -1 = empty. thing: (W,) i32, object, -1 = none.
+      place: (W, 3) m, of the centre of mass. quaternion: (W, 4): T_world_object. velocity, spin, warm: see `Bodies`.
+    """
+
+    row: Any
+    thing: Any
+    place: Any
+    quaternion: Any
+    velocity: Any
+    spin: Any
+    warm: Any
+
+
+def checked_sizes(sizes: Sizes | None) -> Sizes | None:
+    """The sizes, None where there are no bodies.
+
+    Raises:
+      NounError: less than one body awake or hull.
+    """
+    if sizes is None or sizes.bodies == 0:
+        return None
+    bodies = v.integer(sizes.bodies, "engine.movable.bodies", 1)
+    return Sizes(
+        bodies, v.integer(sizes.awake, "engine.movable.awake", 1, bodies), v.integer(sizes.hulls, "engine.hulls", 1, 16)
+    )
+
+
+def constants(bank: SceneBank, sizes: Sizes) -> tuple[BodyTable, BodyConstants]:
+    """The bank's movable things on the host and on the device; one row of zeros where there is none."""
+    table = body_table(bank, sizes.hulls)
+    columns = {}
+    for name, array in table._asdict().items():
+        padded = array if len(array) else np.zeros((1, *array.shape[1:]), array.dtype)
+        columns[name] = jnp.asarray(padded, jnp.int32 if array.dtype.kind == "i" else jnp.float32)
+    return table, BodyConstants(**columns)
+
+
+def rotation(quaternion: Any) -> Any:
+    """(..., 3, 3) of unit quaternions (..., 4) wxyz."""
+    w, x, y, z = jnp.moveaxis(quaternion, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return jnp.stack([jnp.stack(row, -1) for row in rows], -2)
+
+
+def product(p: Any, q: Any) -> Any:
+    """(..., 4) p q of quaternions wxyz."""
+    w, x, y, z = jnp.moveaxis(p, -1, 0)
+    a, b, c, d = jnp.moveaxis(q, -1, 0)
+    parts = (
+        w * a - x * b - y * c - z * d,
+        w * b + x * a + y * d - z * c,
+        w * c - x * d + y * a + z * b,
+        w * d + x * c - y * b + z * a,
+    )
+    return jnp.stack(parts, -1)
+
+
+def begin(table: BodyConstants, scene: Any, things: Any) -> Bodies:
+    """Things (M,) i32 of a scene at rest where the bank has them; what cannot be a body becomes -1."""
+    known = table.row[scene, jnp.maximum(things, 0)]
+    there = (things >= 0) & (known >= 0)
+    row, zero = jnp.maximum(known, 0), jnp.zeros((things.shape[0], 3))
+    quaternion = table.home_quaternion[row]
+    quaternion = quaternion / jnp.linalg.norm(quaternion, axis=-1, keepdims=True)
+    one = jnp.array([1.0, 0.0, 0.0, 0.0])
+    return Bodies(
+        jnp.where(there, things, -1).astype(jnp.int32),
+        jnp.where(there[:, None], table.home[row], 0.0),
+        jnp.where(there[:, None], quaternion, one),
+        zero,
+        zero,
+        jnp.zeros((things.shape[0], 6)),
+    )
+
+
+def rows(table: BodyConstants, scene: Any, bodies: Bodies) -> Any:
+    """(M,) i32 rows of the body table, -1 = none."""
+    return jnp.where(bodies.thing >= 0, table.row[scene, jnp.maximum(bodies.thing, 0)], -1)
+
+
+def centres(table: BodyConstants, row: Any, position: Any, quaternion: Any) -> Any:
+    """(n, 3) m, centres of mass of bodies (n,) whose objects stand at T_world_object."""
+    local = table.centre[table.shape[jnp.maximum(row, 0)]]
+    return position + jnp.einsum("nij,nj->ni", rotation(quaternion), local)
+
+
+def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: float, number: int) -> Any:
+    """Which bodies move in this control step.
+
+    Args:
+      robot: (3,) m; reach: m around it within which it may touch something.
+
+    Returns:
+      slots (W,) i32 of `bodies`, the `Awake` in them, and () i32, how many should move and may not.
+    """
+    row = rows(table, scene, bodies)
+    there = row >= 0
+    radius = table.radius[table.shape[jnp.maximum(row, 0)]]
+    place = centres(table, row, bodies.position, bodies.quaternion)
+    far = jnp.linalg.norm(place - robot, axis=-1) - radius
+    moving = jnp.linalg.norm(bodies.velocity, axis=-1) > SLOW
+    moving = there & (moving | (jnp.linalg.norm(bodies.spin, axis=-1) > SLOW_SPIN))
+    gap = jnp.linalg.norm(place[:, None] - place, axis=-1) - radius[:, None] - radius
+    beside = jnp.any((gap < _NEAR) & moving, axis=1)
+    wanted = there & (moving | beside | (far < reach))
+    # A body in the air is stopped last.
+    order = jnp.where(wanted, jnp.where(moving, far - 1e3, far), jnp.inf)
+    negative, slot = jax.lax.top_k(-order, number)
+    chosen = jnp.isfinite(negative)
+    awake = Awake(
+        jnp.where(chosen, row[slot], -1),
+        jnp.where(chosen, bodies.thing[slot], -1),
+        *(x[slot] for x in (place, bodies.quaternion, bodies.velocity, bodies.spin, bodies.warm)),
+    )
+    return slot, awake, jnp.maximum(wanted.sum() - number, 0).astype(jnp.int32)
+
+
+def reach(table: BodyConstants, awake: Awake, control_dt: float) -> Any:
+    """(W,) m around the bodies' centres of mass within which they may touch something in a control step."""
+    return table.radius[table.shape[jnp.maximum(awake.row, 0)]] + FAST * control_dt
+
+
+def put_back(table: BodyConstants, bodies: Bodies, slot: Any, awake: Awake) -> Bodies:
+    """The bodies with those that moved where they are now; those that sleep are at rest."""
+    fine = jnp.isfinite(jnp.concatenate([*awake[2:]], axis=-1)).all(-1)
+    # What blew up stays where it was.
+    kept = (awake.row >= 0) & fine
+    local = table.centre[table.shape[jnp.maximum(awake.row, 0)]]
+    position = awake.place - jnp.einsum("nij,nj->ni", rotation(awake.quaternion), local)
+    new = (position, awake.quaternion, awake.velocity, awake.spin, awake.warm)
+    # A body that should move and found no place keeps its speed and goes on later; the others have hardly any.
+    moving = jnp.linalg.norm(bodies.velocity, axis=-1) > SLOW
+    moving |= jnp.linalg.norm(bodies.spin, axis=-1) > SLOW_SPIN
+    old = [*bodies[1:3], *(jnp.where(moving[:, None], x, 0.0) for x in bodies[3:])]
+    done = [o.at[slot].set(jnp.where(kept[:, None], n, o[slot])) for o, n in zip(old, new, strict=True)]
+    return Bodies(bodies.thing, *done)

@@ -1,0 +1,5 @@
+"""The engine on MuJoCo Warp: the same step as kernels on CUDA devices, called from jitted JAX code."""
+
+from .engine import WarpEngine
+
+__all__ = ["WarpEngine"]

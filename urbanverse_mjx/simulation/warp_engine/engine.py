@@ -1,0 +1,243 @@
+"""`WarpEngine`: MuJoCo Warp over a bank of scenes, every env in its own.
+
+In:   `SceneBank`, `RobotSpec`; then `SimState` and actuator commands.
+Out:  `SimState`.
+When: every control step, inside jit, alone or under any nesting of `jax.vmap`.
+
+A control step is one call into Warp: slots are found, the physics steps run, the touches are summed.
+The bank stands on the Warp device once, so which scene an env is in is data: changing it compiles nothing.
+"""
+
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import warp as wp
+
+from ...datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
+from ...datatypes import validation as v
+from ..engine_base import EngineBase, Substeps
+from ..slots import body_slots
+from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
+from . import bodies_input
+from .batch import WorldBatch
+from .bodies_input import STATE
+from .model import DeviceModel, build_robot_model
+
+__all__ = ["WarpEngine"]
+
+
+#: What goes in and what comes out, in the order of `WarpEngine._run`.
+_STATE = {
+    "scene": wp.array[wp.int32],
+    "centre": wp.array[wp.vec3],
+    "qpos": wp.array2d[wp.float32],
+    "qvel": wp.array2d[wp.float32],
+    "warm": wp.array2d[wp.float32],
+    "ctrl": wp.array2d[wp.float32],
+    "friction": wp.array[wp.float32],
+    "mass": wp.array[wp.float32],
+}
+_AGENTS = {
+    "position": wp.array2d[wp.vec3],
+    "heading": wp.array2d[wp.float32],
+    "velocity": wp.array2d[wp.vec3],
+    "turn_rate": wp.array2d[wp.float32],
+    "present": wp.array2d[wp.int32],
+}
+_BODIES = {
+    "taken": wp.array2d[wp.int32],
+    "row": wp.array2d[wp.int32],
+    "thing": wp.array2d[wp.int32],
+    "body": wp.array3d[wp.float32],
+}
+_AFTER = {
+    "qpos_out": wp.array2d[wp.float32],
+    "qvel_out": wp.array2d[wp.float32],
+    "warm_out": wp.array2d[wp.float32],
+    "xpos": wp.array2d[wp.vec3],
+    "xquat": wp.array2d[wp.vec4],
+    "force": wp.array[wp.float32],
+    "touch": wp.array2d[wp.int32],
+    "feet": wp.array2d[wp.float32],
+    "path": wp.array3d[wp.float32],
+    "hit": wp.array2d[wp.int32],
+}
+_BODIES_AFTER = {"body_out": wp.array3d[wp.float32]}
+
+
+@functools.cache
+def _call_into_warp(agents: bool, bodies: bool) -> Any:
+    """What JAX calls; with bodies but no agents the agents' arrays are empty."""
+    inputs = _STATE | (_AGENTS if agents or bodies else {}) | (_BODIES if bodies else {})
+    outputs = _AFTER | (_BODIES_AFTER if bodies else {})
+    return jax_callable("WarpEngine.step", WarpEngine._run, inputs, outputs)
+
+
+class WarpEngine(EngineBase):
+    """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
+
+    Args:
+      bank: the scenes.
+      robot: the robot; all its collision geoms are spheres.
+      control_dt: s, a multiple of the robot's physics time step.
+      num_slots: hulls of objects looked at per control step; 0 leaves the ground alone.
+      num_prism_slots: ground prisms looked at per control step.
+      num_contacts: pairs of a sphere and a hull that may touch at once.
+      iterations, line_steps: of the constraint solver.
+      graphs: whether physics steps are captured once and replayed; off for looking into them.
+      agents: shapes of moving agents, which `step` is then told of; None = none.
+      movable: how many things can be pushed, which `init` is then told of; None = none.
+
+    Raises:
+      NounError: a control period that is no multiple of the time step, too many or no slots, or a bank whose grids
+        do not reach as far as the robot can get in one control step.
+    """
+
+    def __init__(
+        self,
+        bank: SceneBank,
+        robot: RobotSpec,
+        control_dt: float = 0.2,
+        num_slots: int = 16,
+        num_prism_slots: int = 8,
+        num_contacts: int = 12,
+        iterations: int = 8,
+        line_steps: int = 10,
+        graphs: bool = True,
+        agents: AgentShapes | None = None,
+        movable: body_slots.Sizes | None = None,
+    ) -> None:
+        super().__init__(bank, robot, control_dt, num_slots, num_prism_slots, agents, movable)
+        self.bank = bank
+        self.num_contacts = min(v.integer(num_contacts, "engine.num_contacts", 1), self.num_pairs)
+        self._robot_model = build_robot_model(
+            bank,
+            self.physics,
+            v.integer(iterations, "engine.iterations", 1),
+            v.integer(line_steps, "engine.line_steps", 1),
+            0 if self.movable is None else self.movable.awake,
+            None if self.movable is None else self.body_table,
+        )
+        self.graphs = graphs
+        self._devices: DeviceStore[DeviceModel, WorldBatch] = DeviceStore()
+        number = register(self)
+        model = self.physics.model
+        sizes = (model.nq, model.nv, model.nbody, len(robot.foot_geoms))
+        awake = 0 if self.movable is None else self.movable.awake
+        function = _call_into_warp(self.agents is not None, self.movable is not None)
+        self._call = batched_call(_batch_function(function, number, sizes, 0, awake))
+        self._call_and_record = batched_call(_batch_function(function, number, sizes, self.num_substeps, awake))
+
+    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
+        """One control step with the commands `ctrl` (nu,) held."""
+        return self._advance(self._call, state, ctrl, agents)[0]
+
+    def step_and_record(
+        self, state: SimState, ctrl: Any, agents: AgentMotion | None = None
+    ) -> tuple[SimState, Substeps]:
+        """`step`, and what happened on the way."""
+        after, path, hit = self._advance(self._call_and_record, state, ctrl, agents)
+        return after, Substeps(path, hit > 0)
+
+    @property
+    def num_contexts(self) -> int:
+        """Batches for which data is kept; made when a batch of a new size is first stepped."""
+        return self._devices.num_batches
+
+    def _advance(self, call: Any, state: SimState, ctrl: Any, agents: AgentMotion | None) -> tuple[SimState, Any, Any]:
+        self.check_agents(agents)
+        # Warp does not check indices; JAX's own gathers clamp them.
+        scene = jnp.clip(jnp.asarray(state.scene, jnp.int32), 0, self.bank.num_scenes - 1)
+        arrays = (state.xpos[self.physics.root], state.qpos, state.qvel, state.carry, ctrl)
+        arrays += (state.friction_scale, state.mass_scale)
+        moving = ()
+        if agents is not None:
+            moving = (*(jnp.asarray(x, jnp.float32) for x in agents[:-1]), jnp.asarray(agents.present, jnp.int32))
+        slot, awake, asleep, bodies = None, None, None, state.bodies
+        if bodies is not None and self.movable is not None:
+            robot = state.xpos[self.physics.root]
+            table = self.body_constants
+            slot, awake, asleep = body_slots.wake(table, scene, bodies, robot, self.reach, self.movable.awake)
+            if agents is None:
+                moving = bodies_input.nobody()
+            moving += bodies_input.inputs(bodies, awake)
+        out = call(scene, *(jnp.asarray(x, jnp.float32) for x in arrays), *moving)
+        qpos, qvel, warm, xpos, xquat, force, touch, feet, path, hit, *after_bodies = out
+        owner, ground, count, overflow, agent = (touch[i] for i in range(5))
+        contacts = Contacts(
+            hit=count > 0,
+            hit_object=owner,
+            hit_ground=ground > 0,
+            hit_force=force,
+            hit_fraction=count / self.num_substeps,
+            foot_force=feet / self.num_substeps,
+            hit_agent=None if self.agents is None else agent,
+        )
+        if bodies is not None and awake is not None:
+            overflow = overflow + asleep
+            awake = bodies_input.read(awake, after_bodies[0])
+            bodies = body_slots.put_back(self.body_constants, bodies, slot, awake)
+        after = state._replace(
+            qpos=qpos,
+            qvel=qvel,
+            xpos=xpos,
+            xquat=xquat,
+            contacts=contacts,
+            slot_overflow=overflow,
+            carry=warm,
+            bodies=bodies,
+        )
+        return after, path, hit
+
+    def _run(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array]) -> None:
+        """Steps a batch of worlds; called by Warp with its device set.
+
+        Args:
+          inputs: scene (n,) int, the root body's place (n,) vec3, qpos (n, nq), qvel (n, nv), warm start (n, nv),
+            ctrl (n, nu), factors on friction and mass (n,); the fields of `AgentMotion` where there are agents.
+            and where there are bodies: objects that are one (n, M), rows, objects and states (n, W, 19) of those awake.
+          outputs: qpos, qvel, warm start, xpos (n, nbody) vec3, xquat (n, nbody) vec4, force (n,), touch (n, 5), feet
+            (n, F), path (n, S, nq) and hit (n, S), S = 0 where no physics step is asked for; see
+            `kernels.finish`, `record`; states of bodies (n, W, 19).
+        """
+        scene = inputs[0]
+        if scene.shape[0] == 0:
+            return
+        with device_lock(scene.device):
+            batch = self._batch(scene.device, scene.shape[0], outputs[9].shape[1])
+            batch.control_step(inputs, outputs, self.num_substeps)
+
+    def _batch(self, device: Any, total: int, recorded: int) -> WorldBatch:
+        shared, batches = self._devices.get_or_make(
+            device, lambda: DeviceModel(self.bank, self._robot_model, self.reach)
+        )
+        room = self.num_contacts + self.num_agent_contacts + self.num_body_contacts
+        sizes = (self.num_slots, self.num_prism_slots, room)
+        return batches.get_or_make(
+            (total, recorded),
+            lambda: WorldBatch(shared, total, *sizes, recorded, self.graphs, self.agents, self.movable),
+        )
+
+
+def _batch_function(function: Any, number: int, sizes: tuple[int, int, int, int], recorded: int, awake: int) -> Any:
+    """(scene (n,), centre (n, 3), ...) -> outputs with a leading axis n. Holds the engine by its number.
+
+    Args:
+      function: of `_call_into_warp`. sizes: nq, nv, nbody and feet.
+      recorded: physics steps that are told of. awake: bodies that may move; 0 = there are none.
+    """
+    nq, nv, nbody, feet = sizes
+
+    def batch(scene: jax.Array, *arrays: jax.Array) -> Any:
+        n = scene.shape[0]
+        shapes: dict[str, tuple[int, ...]] = {"qpos_out": (n, nq), "qvel_out": (n, nv), "warm_out": (n, nv)}
+        shapes |= {"xpos": (n, nbody), "xquat": (n, nbody), "force": (n,), "touch": (n, 5), "feet": (n, feet)}
+        shapes |= {"path": (n, recorded, nq), "hit": (n, recorded)}
+        if awake:
+            shapes["body_out"] = (n, awake, STATE)
+        return function(number, scene, *arrays, output_dims=shapes)
+
+    return batch
