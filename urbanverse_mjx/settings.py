@@ -7,7 +7,7 @@
 | `URBANVERSE_ASSET_ROOT` | the asset index | `assets_index/` beside the package, else inside it |
 | `URBANVERSE_SCENE_ROOT` | the shipped scenes | `scenes/` beside the package, else inside it |
 | `URBANVERSE_PROTOCOL_ROOT` | the frozen benchmarks | `benchmarks/protocols/` beside the package, else inside it |
-| `URBANVERSE_BANK` | the scene bank that environments load | in the cache, named by what it is made of |
+| `URBANVERSE_BANK` | the scene bank that environments load | the shipped streets, in the cache |
 | `URBANVERSE_VISION_URL` | OpenAI-compatible endpoint that describes imported assets, up to `/v1` | none: priors |
 | `URBANVERSE_VISION_KEY` | its key, where it wants one | none |
 | `URBANVERSE_VISION_MODEL` | the model it shall use | none: needed with the address |
@@ -16,12 +16,21 @@
 
 import dataclasses
 import hashlib
+import json
 import os
 import pathlib
+from collections.abc import Sequence
+from importlib import metadata
+from typing import Any
 
 _PACKAGE = pathlib.Path(__file__).resolve().parent
-#: Rooms whose code decides what a bank holds.
-_BANK_ROOMS = ("datatypes", "assets", "materialisation", "scene", "robots")
+#: Sub-packages whose code decides what a bank holds.
+_BANK_CODE = ("datatypes", "geometry", "assets", "materialisation", "scene", "robots")
+_TERRAIN_CODE = ("datatypes", "geometry", "scene")
+#: Libraries whose results a bank holds.
+_BANK_LIBRARIES = ("numpy", "scipy", "shapely", "mujoco", "jax")
+#: Grows whenever the calls that build a bank (outside `_BANK_CODE`) would give other arrays.
+_BANK_VERSION = 1
 
 
 def cache_dir(*parts: str) -> pathlib.Path:
@@ -93,36 +102,87 @@ def protocol_root() -> pathlib.Path:
     return _data_root("benchmarks/protocols", "URBANVERSE_PROTOCOL_ROOT")
 
 
-def default_bank_path() -> pathlib.Path:
-    """File of the bank of the shipped scenes, which `urbanverse scene bank` writes and environments load.
+def chosen_bank_path() -> pathlib.Path | None:
+    """The bank file that `URBANVERSE_BANK` names, or None."""
+    own = os.environ.get("URBANVERSE_BANK")
+    return pathlib.Path(own).expanduser().absolute() if own else None
 
-    Unless `URBANVERSE_BANK` names a file, the name changes with the scenes, the asset index and the code that makes
-    a bank of them: a stale bank is never found.
+
+def default_bank_path() -> pathlib.Path:
+    """File of the bank that environments load: what `URBANVERSE_BANK` names, else `shipped_bank_path`."""
+    return chosen_bank_path() or shipped_bank_path()
+
+
+def shipped_bank_path() -> pathlib.Path:
+    """File in the cache of the bank of the shipped scenes, named by its key.
 
     Raises:
       NounError: the shipped scenes or the asset index are not there.
     """
-    own = os.environ.get("URBANVERSE_BANK")
-    if own:
-        return pathlib.Path(own).expanduser().absolute()
-    digest = hashlib.sha256()
     # Of the scenes the shipped streets alone: the library's sets lie a folder deeper.
-    folders = [(scene_root(), "splits.json"), (scene_root(), "*/graph.json"), (asset_root(), "**/*")]
-    folders += [(_PACKAGE / room, "**/*.py") for room in _BANK_ROOMS]
-    for folder, pattern in folders:
-        for path in sorted(p for p in folder.glob(pattern) if p.is_file() and "__pycache__" not in p.parts):
-            digest.update(f"{folder.name}/{path.relative_to(folder).as_posix()}\0".encode())
-            digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return cache_dir("banks", f"bank-{digest.hexdigest()[:16]}.npz")
+    root = scene_root()
+    files = sorted(p for pattern in ("splits.json", "*/graph.json") for p in root.glob(pattern) if p.is_file())
+    return _bank_path("bank", [[p.relative_to(root).as_posix(), _file_digest(p)] for p in files])
 
 
-def terrain_bank_path() -> pathlib.Path:
-    """File of the terrain that robots learn to walk on; the name changes with the code that makes it."""
-    digest = hashlib.sha256()
-    for room in ("scene", "datatypes"):
-        for path in sorted((_PACKAGE / room).rglob("*.py")):
-            digest.update(hashlib.sha256(path.read_bytes()).digest())
+def user_bank_path(
+    graphs: Sequence[pathlib.Path], splits: Sequence[str], seed: int = 0, cousins: int = 1
+) -> pathlib.Path:
+    """File in the cache of a bank of other scene graphs, or of the shipped ones with another seed.
+
+    The name begins with another word than that of the shipped scenes: it never takes their place.
+
+    Raises:
+      NounError: a graph that is no file, or no asset index.
+    """
+    for path in graphs:
+        if not path.is_file():
+            raise _fail(str(path), "no such file", "a scene graph", "check the path")
+    rows = [[_file_digest(path), split] for path, split in zip(graphs, splits, strict=True)]
+    return _bank_path("user", {"graphs": rows, "seed": seed, "cousins": cousins})
+
+
+def bank_key(path: pathlib.Path) -> str:
+    """The key in the name of a bank in the cache; the bank holds it too (`SceneBank.meta["key"]`)."""
+    return path.stem.rpartition("-")[2]
+
+
+def terrain_bank_path(seed: int = 0, levels: int = 10) -> pathlib.Path:
+    """File of the terrain that robots learn to walk on; the name changes with its options and its code."""
+    digest = hashlib.sha256(json.dumps([seed, levels]).encode())
+    _add_files(digest, [(_PACKAGE / folder, "**/*.py") for folder in _TERRAIN_CODE])
     return cache_dir("banks", f"terrain-{digest.hexdigest()[:16]}.npz")
+
+
+def _bank_path(prefix: str, scenes: Any) -> pathlib.Path:
+    """A file in the cache named by everything that a bank is made of: a stale bank is never found.
+
+    Args:
+      prefix: what the name begins with.
+      scenes: JSON value that says which graphs, by the digests of their files, and with which options.
+    """
+    versions = {name: _version(name) for name in _BANK_LIBRARIES}
+    parts = {"scenes": scenes, "version": _BANK_VERSION, "libraries": versions}
+    digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode())
+    _add_files(digest, [(asset_root(), "**/*"), *((_PACKAGE / folder, "**/*.py") for folder in _BANK_CODE)])
+    return cache_dir("banks", f"{prefix}-{digest.hexdigest()[:16]}.npz")
+
+
+def _add_files(digest: Any, patterns: Sequence[tuple[pathlib.Path, str]]) -> None:
+    for folder, pattern in patterns:
+        for path in sorted(p for p in folder.glob(pattern) if p.is_file() and "__pycache__" not in p.parts):
+            digest.update(f"{folder.name}/{path.relative_to(folder).as_posix()}\0{_file_digest(path)}".encode())
+
+
+def _file_digest(path: pathlib.Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "none"
 
 
 def num_threads() -> int:

@@ -8,7 +8,7 @@ import multiprocessing
 import pathlib
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -49,8 +49,10 @@ class BankArgs:
     graphs: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional] = ()
     """graph.json files; none: the shipped streets, re-used where nothing changed."""
     out: pathlib.Path | None = None
-    """Bank file; default: the one that environments load."""
+    """Bank file; default: in the cache, named by what it is made of. Environments load the shipped streets' bank, or
+    the one that the variable URBANVERSE_BANK names."""
     seed: int = 0
+    """Chooses among equally good assets, materials and skies, and the episodes."""
     split: str = "train"
     """Split of the graphs given by name, "train" or "test"; shipped streets have their own (scenes/splits.json)."""
     cousins: int = 1
@@ -75,7 +77,7 @@ class TerrainArgs:
     """Build the terrain that robots learn to walk on (kerbs, stairs, slopes, rough ground); prints one JSON line."""
 
     out: pathlib.Path | None = None
-    """Bank file; default: the one that environments load."""
+    """Bank file; default: in the cache, where environments find the one with the default seed and levels."""
     seed: int = 0
     levels: int = 10
     """Levels of difficulty of each kind."""
@@ -163,25 +165,31 @@ def _bank(args: BankArgs) -> int:
     if args.graphs:
         v.choice(args.split, "--split", ("train", "test"))
         v.integer(args.cousins, "--cousins", 1)
-        out = args.out or settings.default_bank_path()
-        splits = [args.split] * len(args.graphs)
-        bank = build_bank(args.graphs, splits, args.seed, args.quiet, args.cousins)
-        bank.save(out)
-    elif args.out is not None:
-        out = args.out
-        bank = build_bank(*shipped_scenes(), args.seed, args.quiet)
-        bank.save(out)
+        graphs, splits, cousins = list(args.graphs), [args.split] * len(args.graphs), args.cousins
+    elif args.seed == 0 and args.out is None:
+        return _say_bank(settings.default_bank_path(), ensure_default_bank(args.quiet))
     else:
-        out = settings.default_bank_path()
-        bank = ensure_default_bank(args.quiet)
-    return _say_bank(out, bank)
+        graphs, splits = shipped_scenes()
+        cousins = 1
+    return _keep_bank(
+        args.out,
+        settings.user_bank_path(graphs, splits, args.seed, cousins),
+        lambda: build_bank(graphs, splits, args.seed, args.quiet, cousins),
+    )
 
 
 def _terrain(args: TerrainArgs) -> int:
     from ..scene.terrain import terrain_bank
 
-    out = args.out or settings.terrain_bank_path()
-    bank = terrain_bank(args.seed, args.levels)
+    path = settings.terrain_bank_path(args.seed, args.levels)
+    return _keep_bank(args.out, path, lambda: terrain_bank(args.seed, args.levels))
+
+
+def _keep_bank(out: pathlib.Path | None, path: pathlib.Path, build: Callable[[], SceneBank]) -> int:
+    """Builds a bank into the file that the user named, or finds or builds the one in the cache."""
+    if out is None:
+        return _say_bank(path, cached_bank(path, build))
+    bank = build()
     bank.save(out)
     return _say_bank(out, bank)
 
@@ -232,21 +240,44 @@ def shipped_scenes() -> tuple[list[pathlib.Path], list[str]]:
 
 
 def ensure_default_bank(quiet: bool = False) -> SceneBank:
-    """The bank of the shipped streets, built into the cache where it is missing or anything it is made of changed."""
-    path = settings.default_bank_path()
-    if not path.is_file():
-        build_bank(*shipped_scenes(), seed=0, quiet=quiet).save(path)
-    return SceneBank.load(path)
+    """The bank that environments load; the shipped streets' is built into the cache where it is missing or wrong.
+
+    Raises:
+      NounError: `URBANVERSE_BANK` names a file that is no bank.
+    """
+    chosen = settings.chosen_bank_path()
+    if chosen is not None:
+        return SceneBank.load(chosen)
+    return cached_bank(settings.shipped_bank_path(), lambda: build_bank(*shipped_scenes(), quiet=quiet))
 
 
 def ensure_terrain_bank() -> SceneBank:
-    """The terrain that robots learn to walk on, built into the cache where it is missing."""
-    path = settings.terrain_bank_path()
-    if not path.is_file():
-        from ..scene.terrain import terrain_bank
+    """The terrain that robots learn to walk on, built into the cache where it is missing or wrong."""
+    from ..scene.terrain import terrain_bank
 
-        terrain_bank().save(path)
-    return SceneBank.load(path)
+    return cached_bank(settings.terrain_bank_path(), terrain_bank)
+
+
+def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank:
+    """The bank of a file in the cache; built where there is none, or one of something else than its name says.
+
+    A wrong file is renamed and stays beside the new one.
+
+    Args:
+      path: as `settings` names banks: with the key, which the bank holds too.
+      build: makes the bank.
+    """
+    key = settings.bank_key(path)
+    if path.is_file():
+        bank = SceneBank.load(path)
+        if bank.key == key:
+            return bank
+        kept = v.set_aside(path)
+        print(f"{path}: found other scenes than its name says; kept as {kept.name}, building it anew", file=sys.stderr)
+    bank = build()
+    bank = dataclasses.replace(bank, meta={**bank.meta, "key": key})
+    bank.save(path)
+    return bank
 
 
 def build_bank(

@@ -59,7 +59,7 @@ def _shipped(quiet: bool) -> list[pathlib.Path]:
     from .scene import compile_graph, shipped_scenes
 
     # Named as the bank is: by everything that makes it.
-    home = settings.cache_dir("scenes", settings.default_bank_path().stem)
+    home = settings.cache_dir("scenes", settings.shipped_bank_path().stem)
     folders = []
     console = Console(stderr=True)
     for graph in track(shipped_scenes()[0], "compiling streets", console=console, disable=quiet):

@@ -74,7 +74,8 @@ class SceneBank:
 
     meta: {"schema", "scene_ids": [Z], "splits": [Z] "train"|"test", "categories": [A], "skies": [S],
       "object_ids": [Z][..], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
-      the last being how moving people and vehicles may look: names of kinds, rows of the meshes and categories.
+      the last being how moving people and vehicles may look: names of kinds, rows of the meshes and categories. Banks
+      in the cache hold their key there as well, "key": hexadecimal digits over everything that they are made of.
     """
 
     hull_vertices: np.ndarray
@@ -163,6 +164,11 @@ class SceneBank:
     @property
     def scene_ids(self) -> tuple[str, ...]:
         return tuple(self.meta["scene_ids"])
+
+    @property
+    def key(self) -> str:
+        """What `settings` names a bank in the cache by; empty in other banks."""
+        return self.meta.get("key", "")
 
     @property
     def agents(self) -> dict[str, list[Any]]:

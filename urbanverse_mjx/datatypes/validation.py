@@ -215,6 +215,17 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
     return path
 
 
+def set_aside(path: str | os.PathLike[str]) -> pathlib.Path:
+    """Renames a file that cannot be used to NAME.bad, or NAME.bad-2 and so on, and returns its new path."""
+    path = pathlib.Path(path)
+    kept, number = path.with_name(f"{path.name}.bad"), 1
+    while kept.exists():
+        number += 1
+        kept = path.with_name(f"{path.name}.bad-{number}")
+    path.rename(kept)
+    return kept
+
+
 def write_json(path: str | os.PathLike[str], value: Any) -> pathlib.Path:
     """Writes JSON; a name that ends in .gz gets it without blanks and packed, the same bytes for the same content."""
     if pathlib.Path(path).suffix == ".gz":

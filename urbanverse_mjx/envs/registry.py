@@ -1,6 +1,7 @@
 """Environments by name, as in MuJoCo Playground; others can register their own from outside the package."""
 
 import difflib
+import pathlib
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -125,29 +126,32 @@ def load(
 
 
 def load_default_bank() -> SceneBank:
-    """The bank of the six streets in the cache.
+    """The bank of the six streets in the cache, or the one that `URBANVERSE_BANK` names.
 
     Raises:
-      NounError: it has not been built on this machine.
+      NounError: it has not been built on this machine, or another bank took its place.
     """
     path = settings.default_bank_path()
-    if not path.is_file():
-        raise NounError(
-            f"scene bank: found none at {path}, needed one; run `urbanverse scene bank` (or `make scenes`)."
-        )
-    return SceneBank.load(path)
+    return _load_built(path, settings.chosen_bank_path() is None, "urbanverse scene bank` (or `make streets")
 
 
 def load_terrain_bank() -> SceneBank:
     """The terrain in the cache.
 
     Raises:
-      NounError: it has not been built on this machine.
+      NounError: it has not been built on this machine, or another bank took its place.
     """
-    path = settings.terrain_bank_path()
+    return _load_built(settings.terrain_bank_path(), True, "urbanverse scene terrain")
+
+
+def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
+    """A bank that a command builds; `keyed` where the file's name says what it is made of."""
     if not path.is_file():
-        raise NounError(f"terrain: found none at {path}, needed a bank; run `urbanverse scene terrain`.")
-    return SceneBank.load(path)
+        raise NounError(f"scene bank: found none at {path}, needed one; run `{command}`.")
+    bank = SceneBank.load(path)
+    if keyed and bank.key != settings.bank_key(path):
+        raise NounError(f"{path}: found other scenes than its name says, needed those; run `{command}`.")
+    return bank
 
 
 def make_robot(config: ConfigDict) -> RobotSpec:
