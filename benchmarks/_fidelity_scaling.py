@@ -6,8 +6,8 @@ import resource
 import tempfile
 import time
 
-from urbanverse_mjx.cli.generation import GenerationOptions, generate
 from urbanverse_mjx.datatypes import Recording
+from urbanverse_mjx.pipeline import GenerationOptions, generate
 
 FRAMES = (10, 40, 80, 180, 720)
 #: What `urbanverse gen` does of a recording, up to MJCF, USD and the bank; the report draws pictures beside.

@@ -46,11 +46,11 @@ from benchmarks._injection import inject
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.index import load_index
 from urbanverse_mjx.assets.label_priors import LabelPriors
-from urbanverse_mjx.cli.generation.distilling import DESCRIBE
-from urbanverse_mjx.cli.scene import ensure_default_bank
 from urbanverse_mjx.datatypes import NounError, Recording, SceneBank
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation import Describe, DistilOptions, distil
+from urbanverse_mjx.pipeline import ensure_default_bank
+from urbanverse_mjx.pipeline.generation.distilling import DESCRIBE
 
 #: The paper's table (45 sequences of KITTI-360, MASt3R and YoWorldSAM2); other streets, shown without a claim.
 PAPER = {"cat_percent": 93.1, "dist_m": 1.4, "ori_deg": 19.8, "scale_m3": 0.8, "map25": 28.2, "ast_percent": 75.1}

@@ -73,7 +73,7 @@ def _files(out: pathlib.Path, name: str, layout: str) -> tuple[pathlib.Path, pat
 def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
     """One layout in this process: its graph and its scores."""
     from urbanverse_mjx.capture.truth import object_id, object_slots
-    from urbanverse_mjx.cli.library.tours import film
+    from urbanverse_mjx.pipeline.library.tours import film
 
     graph_file, score_file = _files(out, name, layout)
     begin, processor = time.monotonic(), time.process_time()

@@ -105,7 +105,7 @@ def make_suite(
 
 def street_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
     """Drives in scene graphs, compiled into a folder that is gone afterwards."""
-    from urbanverse_mjx.cli.scene import compile_graph, shipped_scenes
+    from urbanverse_mjx.pipeline import compile_graph, shipped_scenes
     from urbanverse_mjx.scene import pack_bank
 
     graphs, splits = shipped_scenes()

@@ -143,7 +143,7 @@ def _load_bank(path: str | None) -> SceneBank:
     # Scenes are compiled only where no bank is given: a GPU machine brings its own and has no CoACD or trimesh.
     if path:
         return SceneBank.load(path)
-    from urbanverse_mjx.cli.scene import ensure_default_bank
+    from urbanverse_mjx.pipeline import ensure_default_bank
 
     return ensure_default_bank(quiet=True)
 

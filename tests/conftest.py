@@ -6,8 +6,8 @@ import pytest
 
 from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings
-from urbanverse_mjx.cli.scene import ensure_default_bank
 from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.pipeline import ensure_default_bank
 
 
 @pytest.fixture(scope="session")

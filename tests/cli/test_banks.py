@@ -8,10 +8,10 @@ import sys
 import pytest
 
 from urbanverse_mjx import settings
-from urbanverse_mjx.cli import scene
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import registry
+from urbanverse_mjx.pipeline import banks
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +29,7 @@ def builds(small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch) -> list[list[
         made.append([pathlib.Path(graph).parent.name for graph in graphs])
         return small_bank
 
-    monkeypatch.setattr(scene, "build_bank", build)
+    monkeypatch.setattr(banks, "build_bank", build)
     return made
 
 
@@ -52,7 +52,7 @@ def test_a_users_bank_leaves_the_shipped_one_alone(builds, tmp_path, capsys) -> 
         _bank(capsys, str(graph), "--split", "test"),
         _bank(capsys, "--seed", "1"),
         # The very files of the shipped streets, given by name, in one split.
-        _bank(capsys, *(str(path) for path in scene.shipped_scenes()[0])),
+        _bank(capsys, *(str(path) for path in banks.shipped_scenes()[0])),
     }
     assert len(names) == 7, "every one has a file of its own"
     assert all(path.parent == shipped.parent and path.is_file() for path in names)
@@ -77,11 +77,11 @@ def test_a_wrong_bank_under_the_shipped_name_is_built_anew(builds, small_bank, t
     assert f"kept as {path.name}.bad" in captured.err
     assert path.with_name(f"{path.name}.bad").read_bytes() == wrong
     assert len(builds) == 1
-    assert builds[0][0] == scene.shipped_scenes()[0][0].parent.name
+    assert builds[0][0] == banks.shipped_scenes()[0][0].parent.name
     assert registry.load_default_bank().key == settings.bank_key(path)
     # A second wrong one does not replace the first that was kept.
     small_bank.save(path)
-    scene.ensure_default_bank(quiet=True)
+    banks.ensure_default_bank(quiet=True)
     assert path.with_name(f"{path.name}.bad-2").is_file()
 
 
@@ -89,10 +89,10 @@ def test_a_bank_that_is_named_is_taken_as_it_is_and_never_written(builds, small_
     path = tmp_path / "mine.npz"
     monkeypatch.setenv("URBANVERSE_BANK", str(path))
     with pytest.raises(NounError, match="no such file"):
-        scene.ensure_default_bank(quiet=True)
+        banks.ensure_default_bank(quiet=True)
     small_bank.save(path)
     before = path.read_bytes()
-    assert scene.ensure_default_bank(quiet=True).scene_ids == small_bank.scene_ids
+    assert banks.ensure_default_bank(quiet=True).scene_ids == small_bank.scene_ids
     assert registry.load_default_bank().scene_ids == small_bank.scene_ids
     assert path.read_bytes() == before
     assert not builds
@@ -110,14 +110,14 @@ def test_the_key_covers_every_package_that_makes_a_bank() -> None:
     """What compiling and packing import must be among the packages whose code the key holds."""
     script = (
         "import sys, json\n"
-        "import urbanverse_mjx.cli.scene as scene\n"
+        "from urbanverse_mjx import pipeline\n"
         "import urbanverse_mjx.materialisation, urbanverse_mjx.scene.terrain, urbanverse_mjx.scene.packing\n"
-        "scene.make_driver()\n"
+        "pipeline.compile_graph, pipeline.build_bank, pipeline.make_driver()\n"
         "print(json.dumps(sorted({m.split('.')[1] for m in sys.modules if m.startswith('urbanverse_mjx.')})))"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     # The calls themselves are counted by a version number.
-    assert set(json.loads(run.stdout)) - {"cli", "settings"} <= set(settings._BANK_CODE)
+    assert set(json.loads(run.stdout)) - {"pipeline", "settings"} <= set(settings._BANK_CODE)
 
 
 def test_the_key_changes_with_code_assets_and_libraries(tmp_path, monkeypatch) -> None:

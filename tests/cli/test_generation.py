@@ -14,12 +14,12 @@ import mujoco
 import psutil
 import pytest
 
-from urbanverse_mjx.cli.generation import batch, compiling, pipeline
-from urbanverse_mjx.cli.generation.executors import EXECUTORS, Job, Outcome
-from urbanverse_mjx.cli.generation.pipeline import GenerationOptions, generate
-from urbanverse_mjx.cli.generation.run_folder import RunFolder, key_of
-from urbanverse_mjx.cli.generation.sources import recognise
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
+from urbanverse_mjx.pipeline.generation import batch, compiling, stages
+from urbanverse_mjx.pipeline.generation.executors import EXECUTORS, Job, Outcome
+from urbanverse_mjx.pipeline.generation.run_folder import RunFolder, key_of
+from urbanverse_mjx.pipeline.generation.sources import recognise
+from urbanverse_mjx.pipeline.generation.stages import GenerationOptions, generate
 from urbanverse_mjx.scene import CompiledScene, rest_moves
 
 SCENES = pathlib.Path(__file__).parents[2] / "scenes"
@@ -82,7 +82,7 @@ def test_half_a_stage_leaves_the_old_one_whole(tmp_path: pathlib.Path) -> None:
 def test_what_a_killed_run_left_half_made_is_swept_out(tmp_path: pathlib.Path) -> None:
     """A run that dies in its first stage, as by SIGKILL, leaves its record and work in progress."""
     code = (
-        "import os, sys; from urbanverse_mjx.cli.generation.run_folder import RunFolder\n"
+        "import os, sys; from urbanverse_mjx.pipeline.generation.run_folder import RunFolder\n"
         "with RunFolder.open(sys.argv[1], 's') as run, run.replacing('part') as folder:\n"
         "    (folder / 'a').write_text('half'); os.kill(os.getpid(), 9)"
     )
@@ -126,11 +126,11 @@ def test_a_killed_run_goes_on_where_it_stopped(tmp_path: pathlib.Path, monkeypat
             run.finish("cousins", "k", 1.0)
         return "k"
 
-    monkeypatch.setattr(pipeline, "_cousins", layouts)
+    monkeypatch.setattr(stages, "_cousins", layouts)
     monkeypatch.setattr(compiling, "compile_cousin", compiled)
-    monkeypatch.setattr(pipeline, "_bank", lambda *_: "b")
-    monkeypatch.setattr(pipeline, "_report", lambda *_: None)
-    monkeypatch.setattr(pipeline, "_summary", lambda *_: {"folder": "x"})
+    monkeypatch.setattr(stages, "_bank", lambda *_: "b")
+    monkeypatch.setattr(stages, "_report", lambda *_: None)
+    monkeypatch.setattr(stages, "_summary", lambda *_: {"folder": "x"})
     options = GenerationOptions(cousins=3, workers=1)
     with pytest.raises(Killed):
         generate(GRAPH, tmp_path / "run", options)

@@ -11,13 +11,13 @@ import pytest
 
 from urbanverse_mjx.assets import ontology
 from urbanverse_mjx.assets.importing.vision import VisionError
-from urbanverse_mjx.cli.generation import listing
-from urbanverse_mjx.cli.generation.seeing import make_sees
-from urbanverse_mjx.cli.generation.tours import TourOptions
 from urbanverse_mjx.datatypes import KIND_INDEX, NounError
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.perception.foundation import FoundationSees, boxes, grounds, loading
 from urbanverse_mjx.distillation.perception.foundation.loading import Loaded
+from urbanverse_mjx.pipeline.generation import listing
+from urbanverse_mjx.pipeline.generation.seeing import make_sees
+from urbanverse_mjx.pipeline.generation.tours import TourOptions
 
 H, W = 40, 80
 

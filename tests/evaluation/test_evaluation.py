@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.cli._evaluation import evaluation_config
 from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
 from urbanverse_mjx.envs import default_config
 from urbanverse_mjx.envs.scenarios import scenario_of
@@ -25,6 +24,7 @@ from urbanverse_mjx.evaluation import (
 from urbanverse_mjx.evaluation.agents import BASELINES, zero
 from urbanverse_mjx.evaluation.metrics import bootstrap_interval, wilson_interval
 from urbanverse_mjx.evaluation.report import write_report
+from urbanverse_mjx.pipeline.evaluation import evaluation_config
 
 
 def _result(**changes: object) -> EpisodeResult:

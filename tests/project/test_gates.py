@@ -24,6 +24,7 @@ FAULTS = {
         "viz",
         "import urbanverse_mjx.training",
     ),
+    "the pipeline knows no command line": ("pipeline", "import urbanverse_mjx.cli"),
     "distillation imports datatypes alone": ("distillation", "import urbanverse_mjx.assets"),
     "capture imports datatypes and simulation alone": ("capture", "import urbanverse_mjx.envs"),
     "Brax stays in training": ("envs", "import brax"),

@@ -10,9 +10,9 @@ import pytest
 
 from tests.support.box_bank import street_regions
 from tests.support.toy_assets import TOY_SOURCE, UNIT_BOX, toy_index, toy_layout
-from urbanverse_mjx.cli.scene import make_driver
 from urbanverse_mjx.datatypes import GraphObject, NounError, SceneBank, SceneGraph, SceneLayout, Source
 from urbanverse_mjx.datatypes.ground import KIND_INDEX, TRAVERSABLE_KINDS
+from urbanverse_mjx.pipeline import make_driver
 from urbanverse_mjx.scene import CompiledScene, compile_scene, pack_bank
 from urbanverse_mjx.scene.episodes import MIN_ROWS
 from urbanverse_mjx.scene.planner import RobotSize, free_space

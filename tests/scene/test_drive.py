@@ -6,8 +6,8 @@ import pytest
 
 from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
 from urbanverse_mjx import settings
-from urbanverse_mjx.cli.scene import make_driver
 from urbanverse_mjx.datatypes import GroundRegion, RobotSpec, SceneGraph, Source
+from urbanverse_mjx.pipeline import make_driver
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.robots.coco import Drive
 from urbanverse_mjx.scene.compiler import scene_geometry

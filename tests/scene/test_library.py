@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx import settings
-from urbanverse_mjx.cli.library import building
-from urbanverse_mjx.cli.library.building import cousins_of, graph_of, layouts_of
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
 from urbanverse_mjx.datatypes.validation import write_json
+from urbanverse_mjx.pipeline.library import building
+from urbanverse_mjx.pipeline.library.building import cousins_of, graph_of, layouts_of
 from urbanverse_mjx.scene import library
 from urbanverse_mjx.scene.settling import hanging
 

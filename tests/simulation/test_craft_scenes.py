@@ -7,9 +7,9 @@ import pytest
 
 from urbanverse_mjx.assets.skies import build_sky
 from urbanverse_mjx.citygen.craft import BUILDERS, build
-from urbanverse_mjx.cli.scene import make_driver
 from urbanverse_mjx.datatypes import traversable
 from urbanverse_mjx.materialisation import index_of, materialise_cousins
+from urbanverse_mjx.pipeline import make_driver
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.compiler import compile_scene

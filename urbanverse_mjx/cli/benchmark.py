@@ -85,7 +85,7 @@ def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
     """The scenes of a benchmark by its name; `_half` names the same ones."""
     name = name.removesuffix("_half")
     if name == "shipped":
-        from .scene import ensure_default_bank
+        from ..pipeline import ensure_default_bank
 
         return ensure_default_bank(quiet)
     path = settings.cache_dir("library", name, "bank.npz")
@@ -178,7 +178,7 @@ def _config(
 ) -> Any:
     """The benchmark's task, seen as the policy was trained to see."""
     from ..envs import registry
-    from ._evaluation import evaluation_config
+    from ..pipeline.evaluation import evaluation_config
 
     environment = environment or args.env_name or "CocoNav"
     values = trained or registry.get_default_config(environment, args.preset).to_dict()

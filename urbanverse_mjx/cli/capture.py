@@ -52,7 +52,7 @@ def main(argv: Sequence[str]) -> int:
 
     from ..capture import PathOptions, TourOptions, tour
     from ..datatypes import SceneBank
-    from .scene import ensure_default_bank
+    from ..pipeline import ensure_default_bank
 
     bank = ensure_default_bank(args.quiet) if args.bank is None else SceneBank.load(args.bank)
     name = args.scene or bank.scene_ids[0]

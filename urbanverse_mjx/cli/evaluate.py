@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pathlib
+import sys
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -32,14 +33,16 @@ class EvaluateArgs:
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
     args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
+    from ..pipeline import ensure_default_bank
+    from ..pipeline.evaluation import evaluate_policy
     from ..training.policy import latest_policy
-    from ._evaluation import evaluate_policy
-    from .scene import ensure_default_bank
 
     policy = latest_policy(args.policy)
     out = args.out or policy / "evaluation"
     bank = ensure_default_bank(quiet=args.quiet)
     options = (args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic, args.env_name)
     summary = evaluate_policy(policy, bank, out, *options)
+    if not args.quiet:
+        print(f"report: {out / 'report.md'}", file=sys.stderr)
     print(json.dumps({**summary, "folder": str(out)}))
     return 0

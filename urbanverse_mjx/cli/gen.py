@@ -119,7 +119,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _gen(args: GenArgs) -> int:
-    from .generation import GenerationOptions, TourOptions, generate
+    from ..pipeline import GenerationOptions, TourOptions, generate
 
     tour = TourOptions(
         args.rate,
@@ -138,9 +138,9 @@ def _gen(args: GenArgs) -> int:
 
 def _import(args: ImportArgs) -> int:
     from ..distillation.readers import Kitti360Options
-    from .generation import TourOptions
-    from .generation.importing import import_authors_tree, import_kitti360
-    from .generation.progress import StageBars
+    from ..pipeline import TourOptions
+    from ..pipeline.generation.importing import import_authors_tree, import_kitti360
+    from ..pipeline.generation.progress import StageBars
 
     with StageBars(args.quiet) as bars:
         report = bars.stage("recording")
@@ -156,8 +156,8 @@ def _import(args: ImportArgs) -> int:
 
 
 def _batch(args: BatchArgs) -> int:
-    from .generation import GenerationOptions, TourOptions
-    from .generation.batch import run_batch
+    from ..pipeline import GenerationOptions, TourOptions
+    from ..pipeline.generation.batch import run_batch
 
     # A source's own cousins are compiled one after another: the sources share the cores.
     tour = TourOptions(args.rate, args.camera_height, args.blur)

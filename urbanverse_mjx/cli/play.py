@@ -53,8 +53,8 @@ def main(argv: Sequence[str]) -> int:
     args = tyro.cli(PlayArgs, args=list(argv), prog="urbanverse play")
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
+    from ..pipeline import ensure_default_bank
     from ..viz.video import write_rollout_video
-    from .scene import ensure_default_bank
 
     if args.shown is not None:
         v.integer(args.shown, "--shown", 1)

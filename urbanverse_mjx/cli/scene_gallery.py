@@ -56,7 +56,7 @@ def _shipped(quiet: bool) -> list[pathlib.Path]:
     from rich.console import Console
     from rich.progress import track
 
-    from .scene import compile_graph, shipped_scenes
+    from ..pipeline import compile_graph, shipped_scenes
 
     # Named as the bank is: by everything that makes it.
     home = settings.cache_dir("scenes", settings.shipped_bank_path().stem)

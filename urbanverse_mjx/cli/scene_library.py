@@ -47,7 +47,7 @@ def _build(name: str, args: LibraryArgs) -> int:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from .library.building import build_set, pack_set, write_hashes
+    from ..pipeline.library.building import build_set, pack_set, write_hashes
 
     columns = (TextColumn("{task.description:<16}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), disable=args.quiet) as bars:

@@ -65,10 +65,9 @@ def main(argv: Sequence[str]) -> int:
 def run(args: TrainArgs) -> dict[str, Any]:
     """Trains and evaluates; returns what is printed."""
     from ..envs import registry
+    from ..pipeline import ensure_default_bank, ensure_terrain_bank, evaluation
     from ..training.config import default_ppo_config
     from ..training.run import join_processes, train
-    from . import _evaluation
-    from .scene import ensure_default_bank, ensure_terrain_bank
 
     begin = time.monotonic()
     if args.coordinator is not None:
@@ -92,9 +91,10 @@ def run(args: TrainArgs) -> dict[str, Any]:
     summary: dict[str, Any] = {}
     # A gait is judged in C MuJoCo: python -m benchmarks.go2_gait.
     if args.num_episodes and result.policy is not None and not walks:
-        summary = _evaluation.evaluate_policy(
+        summary = evaluation.evaluate_policy(
             result.policy, bank, folder / "evaluation", args.num_episodes, args.seed, args.video, args.quiet
         )
+        _say(f"report: {folder / 'evaluation' / 'report.md'}", args)
     return {
         **summary,
         "environment": args.env_name,

@@ -137,7 +137,7 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
     from ...scene import compile_scene
     from ...scene.episodes import EpisodeRules
     from ...scene.settling import settle
-    from ..scene import make_driver
+    from ..scenes import make_driver
 
     folder, path = _paths(name, cousin.layout.id)
     begin, processor = time.monotonic(), time.process_time()

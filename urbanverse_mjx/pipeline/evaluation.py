@@ -1,7 +1,6 @@
-"""What `train` and `evaluate` share: a policy and its comparisons over fixed episodes on unseen streets."""
+"""A policy and its comparisons over fixed episodes on unseen streets."""
 
 import pathlib
-import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -130,6 +129,4 @@ def evaluate_policy(
             frames_per_second=round(1 / seeing.dt),
             looks=slot_looks(seeing.living.kinds, bank) if seeing.living is not None else (),
         )
-    if not quiet:
-        print(f"report: {folder / 'report.md'}", file=sys.stderr)
     return dict(report.summary)

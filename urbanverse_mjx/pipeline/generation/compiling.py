@@ -53,7 +53,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
 
     from ...assets.skies import build_sky
     from ...scene import EpisodeRules, NoRoomError, compile_scene, export_usd
-    from ..scene import make_driver
+    from ..scenes import make_driver
 
     clock = Clock()
     layout = SceneLayout.load(folder / LAYOUT)

@@ -20,9 +20,9 @@ from typing import Any
 from ... import settings
 from ...datatypes import validation as v
 from .executors import EXECUTORS, Job, Outcome
-from .pipeline import GenerationOptions
 from .progress import StageBars
 from .run_folder import key_of
+from .stages import GenerationOptions
 
 JOURNAL = "journal.jsonl"
 #: Exit status of a source that is wrong itself: trying it again changes nothing.

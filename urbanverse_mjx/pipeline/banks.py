@@ -1,0 +1,160 @@
+"""Banks of compiled scenes: built from graphs, joined, and the ones in the cache that environments load."""
+
+import concurrent.futures
+import dataclasses
+import fnmatch
+import multiprocessing
+import os
+import pathlib
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+
+from .. import settings
+from ..datatypes import SceneBank
+from ..datatypes import validation as v
+from .scenes import compile_graph
+
+
+def build_bank(
+    graphs: Sequence[str | os.PathLike[str]],
+    splits: Sequence[str],
+    seed: int = 0,
+    quiet: bool = False,
+    cousins: int = 1,
+) -> SceneBank:
+    """Compiles the graphs, `cousins` of each, in parallel processes and packs them.
+
+    Args:
+      graphs: graph.json files. splits: the split of each, "train" or "test".
+      seed: chooses among equally good assets, materials and skies, and the episodes.
+      quiet: draw no progress bar on standard error.
+      cousins: digital cousins of each graph: the same places, other assets, materials and sky.
+
+    Raises:
+      NounError: a graph that cannot be compiled; the message names it.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from ..scene import pack_bank
+
+    # Not forked: JAX and MuJoCo may already run threads here.
+    context = multiprocessing.get_context("spawn")
+    wanted = [(pathlib.Path(graph), cousin) for graph in graphs for cousin in range(cousins)]
+    workers = max(1, min(settings.num_threads(), len(wanted)))
+    with (
+        tempfile.TemporaryDirectory(prefix="urbanverse-scenes-") as work,
+        Progress(console=Console(stderr=True), disable=quiet) as progress,
+        concurrent.futures.ProcessPoolExecutor(workers, mp_context=context) as pool,
+    ):
+        task = progress.add_task("compiling scenes", total=len(wanted))
+        folders = [pathlib.Path(work) / str(i) for i in range(len(wanted))]
+        jobs = [pool.submit(_compile_job, *w, f, seed) for w, f in zip(wanted, folders, strict=True)]
+        for job in concurrent.futures.as_completed(jobs):
+            if job.exception() is not None:
+                pool.shutdown(wait=False, cancel_futures=True)
+            job.result()
+            progress.advance(task)
+        return pack_bank(folders, [split for split in splits for _ in range(cousins)])
+
+
+def _compile_job(graph: pathlib.Path, cousin: int, out: pathlib.Path, seed: int) -> None:
+    try:
+        compile_graph(graph, out, seed, cousin)
+    except v.NounError as error:
+        raise v.NounError(f"{graph}: {error}") from error
+
+
+def shipped_scenes() -> tuple[list[pathlib.Path], list[str]]:
+    """Graphs and splits of the shipped streets, train first.
+
+    Raises:
+      NounError: `splits.json` names something else than lists of scenes.
+    """
+    root = settings.scene_root()
+    table = v.mapping(v.read_json(root / "splits.json", "split table"), "splits.json", ("train", "test"))
+    rows = [
+        (root / v.text(name, f"splits.json {split}") / "graph.json", split) for split in table for name in table[split]
+    ]
+    return [path for path, _ in rows], [split for _, split in rows]
+
+
+def ensure_default_bank(quiet: bool = False) -> SceneBank:
+    """The bank that environments load; the shipped streets' is built into the cache where it is missing or wrong.
+
+    Raises:
+      NounError: `URBANVERSE_BANK` names a file that is no bank.
+    """
+    chosen = settings.chosen_bank_path()
+    if chosen is not None:
+        return SceneBank.load(chosen)
+    return cached_bank(settings.shipped_bank_path(), lambda: build_bank(*shipped_scenes(), quiet=quiet))
+
+
+def ensure_terrain_bank() -> SceneBank:
+    """The terrain that robots learn to walk on, built into the cache where it is missing or wrong."""
+    return cached_bank(settings.terrain_bank_path(), build_terrain_bank)
+
+
+def build_terrain_bank(seed: int = 0, levels: int = 10) -> SceneBank:
+    """The terrain that robots learn to walk on: kerbs, stairs, slopes and rough ground, `levels` of each kind."""
+    from ..scene.terrain import terrain_bank
+
+    return terrain_bank(seed, levels)
+
+
+def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank:
+    """The bank of a file in the cache; built where there is none, or one of something else than its name says.
+
+    A wrong file is renamed and stays beside the new one.
+
+    Args:
+      path: as `settings` names banks: with the key, which the bank holds too.
+      build: makes the bank.
+    """
+    key = settings.bank_key(path)
+    if path.is_file():
+        bank = SceneBank.load(path)
+        if bank.key == key:
+            return bank
+        kept = v.set_aside(path)
+        sys.stderr.write(f"{path}: found other scenes than its name says; kept as {kept.name}, building it anew\n")
+    bank = build()
+    bank = dataclasses.replace(bank, meta={**bank.meta, "key": key})
+    bank.save(path)
+    return bank
+
+
+def join_banks(banks: Sequence[str | os.PathLike[str]], splits: Sequence[str] = ()) -> SceneBank:
+    """Bank files joined into one bank with all their scenes, each in its old split.
+
+    Args:
+      banks: files; no scene may stand in two of them.
+      splits: NAME=PATTERN puts the scenes whose ids fit a shell pattern into a split of that name.
+
+    Raises:
+      NounError: see `datatypes.bank_join.join`; or a pattern that fits no scene.
+    """
+    from ..datatypes.bank_join import join
+
+    bank = _with_splits(join([SceneBank.load(path) for path in banks]), splits)
+    if not bank.agents["kind"]:
+        # Banks from before there were any.
+        from ..assets.agents import agent_looks
+        from ..scene.bank import with_agents
+
+        bank = with_agents(bank, agent_looks())
+    return bank
+
+
+def _with_splits(bank: SceneBank, wanted: Sequence[str]) -> SceneBank:
+    splits = list(bank.meta["splits"])
+    for text in wanted:
+        name, equals, pattern = text.partition("=")
+        rows = [i for i, scene in enumerate(bank.scene_ids) if fnmatch.fnmatchcase(scene, pattern)]
+        if not (name and equals and rows):
+            raise v.NounError(f"--split: found {text!r}, needed NAME=PATTERN that fits some scene of the banks.")
+        for i in rows:
+            splits[i] = name
+    return dataclasses.replace(bank, meta={**bank.meta, "splits": splits})

@@ -1,0 +1,70 @@
+"""One scene graph -> one compiled scene."""
+
+import os
+import pathlib
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..datatypes import SceneGraph
+from ..datatypes import validation as v
+
+if TYPE_CHECKING:
+    from ..materialisation import Materialisation
+    from ..scene import CompiledScene, Driver
+
+
+def compile_graph(
+    graph: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    seed: int = 0,
+    cousin: int = 0,
+    skip_unknown: bool = False,
+    half: int = 0,
+) -> "tuple[Materialisation, CompiledScene]":
+    """Reads, materialises and compiles one graph or (1, 2) a half of it; COCO with the differential drive drives it.
+
+    Args:
+      graph: graph.json.
+      out: folder to write; an older compiled scene there is replaced once the new one is whole.
+      seed: chooses among equally good assets, materials and skies, and the episodes.
+      cousin: number of the digital cousin.
+      skip_unknown: leave out objects whose label no asset is known for instead of refusing the graph.
+      half: 1 or 2 for that half of the street alone, cut across its middle; 0 for all of it.
+
+    Raises:
+      NounError: whatever is wrong with the graph; then nothing is written.
+    """
+    from ..scene.compiler import check_out_dir, compile_scene
+    from ..scene.ground import check_regions
+
+    v.choice(str(half), "--half", ("0", "1", "2"))
+    graph, out = pathlib.Path(graph), pathlib.Path(out)
+    check_out_dir(out)
+    scene = SceneGraph.load(graph)
+    check_regions(scene.ground)
+    from ..assets import load_index
+    from ..materialisation import materialise
+
+    index = load_index()
+    materialised = materialise(scene, index, seed, cousin, skip_unknown)
+    return materialised, compile_scene(materialised.layout, index, out, make_driver(), place=scene.source)
+
+
+def make_driver() -> "Driver":
+    """COCO behind its own waypoint controller, as numpy in and out."""
+    import jax
+    import jax.numpy as jnp
+
+    from ..robots import make_coco
+    from ..scene.drive import CONTROL_PERIOD, Driver
+
+    robot = make_coco()
+    batch = jax.jit(jax.vmap(lambda w: robot.command(jnp.stack(robot.waypoint_to_velocity(w, CONTROL_PERIOD)))))
+    cpu = jax.devices("cpu")[0]
+
+    def command(waypoints: np.ndarray) -> np.ndarray:
+        with jax.default_device(cpu):
+            return np.asarray(batch(waypoints))
+
+    return Driver(robot, command)
