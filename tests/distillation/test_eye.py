@@ -122,7 +122,8 @@ def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
     seen = _answer(wanted)
     perfect, wrong = score.Score(), score.Score()
     depth = np.where(wanted.has_depth, 8.0, 0.0)
-    perfect.add(seen, wanted.classes, wanted.owner, depth, wanted.leaf)
+    kinds, owner, leaves = (np.asarray(part) for part in (wanted.classes, wanted.owner, wanted.leaf))
+    perfect.add(seen, kinds, owner, depth, leaves)
     assert perfect.table()["all"] == {"there": 4, "recall": 1.0, "precision": 1.0}
     assert perfect.table()["surface_iou"]["road"] == 1.0
     assert perfect.table()["leaf"] == 1.0
@@ -136,7 +137,7 @@ def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
         for k, t in enumerate(seen.things)
     )
     masks = np.where(seen.masks == cars[1], -1, seen.masks)
-    wrong.add(Decoded(seen.kinds, masks, things, seen.depth), wanted.classes, wanted.owner, depth, wanted.leaf)
+    wrong.add(Decoded(seen.kinds, masks, things, seen.depth), kinds, owner, depth, leaves)
     rows = wrong.table()["things"]
     assert wrong.table()["leaf"] == 0.5
     assert rows["car"] == {"there": 2, "recall": 0.0, "precision": None}
@@ -188,7 +189,8 @@ def test_small_things_side_by_side_keep_their_own_peaks():
     for number, column in enumerate((20, 32)):
         category[20:52, column : column + 10], slot[20:52, column : column + 10] = 3, number
     table = jnp.asarray(classes.class_table(_CATEGORIES))
-    made = truth(*map(jnp.asarray, (category, slot, np.full(slot.shape, 8.0))), jnp.asarray(200.0), table, 2)
+    depth = jnp.full(slot.shape, 8.0)
+    made = truth(jnp.asarray(category), jnp.asarray(slot), depth, jnp.asarray(200.0), table, 2)
     middle = np.asarray(made.centre)[17]
     assert (np.diff(np.sign(np.diff(middle))) < 0).sum() == 2
     seen = _answer(jax.tree.map(np.asarray, made))

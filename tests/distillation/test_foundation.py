@@ -150,14 +150,15 @@ def foundation(monkeypatch: pytest.MonkeyPatch, words: int = 70) -> tuple[Founda
     detector = Detector()
     masks = types.SimpleNamespace(pred_masks=Tensor(np.zeros(1)))
     depth = types.SimpleNamespace(predicted_depth=Tensor(np.full((1, 5, 9), 7.5)))
-    parts = [
-        Loaded(detector.answer, detector, "cpu"),
-        Loaded(lambda original_sizes, marker, multimask_output: masks, Segmenter(), "cpu"),
-        Loaded(lambda: None, Ground(), "cpu"),
-        Loaded(lambda: depth, Depth(), "cpu"),
-    ]
-    codes = grounds.surface_codes({0: "road", 1: "sky"})
-    return FoundationSees(tuple(f"word {k}" for k in range(words)), *parts, codes), detector
+    sees = FoundationSees(
+        labels=tuple(f"word {k}" for k in range(words)),
+        detector=Loaded(detector.answer, detector, "cpu"),
+        segmenter=Loaded(lambda original_sizes, marker, multimask_output: masks, Segmenter(), "cpu"),
+        ground=Loaded(lambda: None, Ground(), "cpu"),
+        depth=Loaded(lambda: depth, Depth(), "cpu"),
+        codes=grounds.surface_codes({0: "road", 1: "sky"}),
+    )
+    return sees, detector
 
 
 def test_four_answers_become_one_sight(monkeypatch: pytest.MonkeyPatch) -> None:

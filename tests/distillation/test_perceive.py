@@ -34,7 +34,8 @@ SOURCE = Source("corridor", "Apache-2.0", "none", "none")
 def _texture(seed: int) -> np.ndarray:
     """(600, 600) f32 in [0, 1], 5 cm a texel; repeats."""
     rng = np.random.default_rng(seed)
-    return sum(ndimage.zoom(rng.random((600 // s, 600 // s)), s, order=1) for s in (3, 8, 20)).astype(np.float32) / 3
+    layers = [ndimage.zoom(rng.random((600 // s, 600 // s)), s, order=1) for s in (3, 8, 20)]
+    return np.sum(layers, axis=0).astype(np.float32) / 3
 
 
 TEXTURES = [_texture(k) for k in range(3)]
@@ -140,7 +141,9 @@ def test_the_recording_and_its_record_are_whole(frames: Frames, structure: Struc
     recording = Recording.load(tmp_path)
     assert recording.id == "corridor_north"
     assert recording.frames[2].detections == _look(POSES[2])[1].detections
-    assert np.array_equal(recording.masks(2), _look(POSES[2])[1].masks)
+    masks = recording.masks(2)
+    assert masks is not None
+    assert np.array_equal(masks, _look(POSES[2])[1].masks)
     record = json.loads((tmp_path / "perception.json").read_text())
     assert record["registered"] == 9
     assert record["ground_points"] >= 20

@@ -3,7 +3,7 @@
 import itertools
 import pathlib
 
-import imageio.v2 as imageio
+import imageio.v3 as iio
 import numpy as np
 import pytest
 from PIL import Image
@@ -18,7 +18,8 @@ from urbanverse_mjx.distillation.perception.screening import ScreenLimits, measu
 def _wall(height: int = 108, width: int = 192) -> np.ndarray:
     """(H, 4 W, 3) u8 of smooth random texture to look along."""
     rng = np.random.default_rng(0)
-    texture = sum(ndimage.zoom(rng.random((height // s, 4 * width // s, 3)), (s, s, 1), order=1) for s in (2, 4, 12))
+    layers = [ndimage.zoom(rng.random((height // s, 4 * width // s, 3)), (s, s, 1), order=1) for s in (2, 4, 12)]
+    texture = np.sum(layers, axis=0)
     return (255 * texture / texture.max()).astype(np.uint8)
 
 
@@ -36,9 +37,7 @@ def _folder(path: pathlib.Path, pictures: list[np.ndarray]) -> pathlib.Path:
 
 
 def _video(path: pathlib.Path, pictures: list[np.ndarray], fps: float) -> pathlib.Path:
-    with imageio.get_writer(path, fps=fps, quality=9, macro_block_size=2) as writer:
-        for picture in pictures:
-            writer.append_data(picture)
+    iio.imwrite(path, np.stack(pictures), plugin="FFMPEG", fps=fps, quality=9, macro_block_size=2)
     return path
 
 

@@ -102,9 +102,8 @@ def test_two_models_that_share_no_point_are_joined():
     assert _off(structure, metric) < 0.35
     np.testing.assert_allclose(metric.scale, np.repeat([1 / 0.4, 1 / 2.5], OUT), rtol=0.02)
     # What both saw lies at one place.
-    seen = np.intersect1d(
-        *(np.unique(structure.point[np.isin(structure.frame, k)]) % len(POINTS) for k in (THERE, BACK))
-    )
+    there, back = (structure.point[np.isin(structure.frame, k)] % len(POINTS) for k in (THERE, BACK))
+    seen = np.intersect1d(there, back)
     apart = metric.points[seen] - metric.points[seen + len(POINTS)]
     assert np.median(np.linalg.norm(apart, axis=1)) < 0.35
 

@@ -49,7 +49,19 @@ def test_a_touch_of_one_is_told_apart() -> None:
     def said(thing: int, ended: bool) -> float:
         no, none = jnp.array(False), jnp.zeros(())
         contacts = Contacts(no, jnp.array(thing), no, none, none, none)
-        sim = SimState(0, *[none] * 4, contacts, *[none] * 4, bodies)
+        sim = SimState(
+            scene=0,
+            qpos=none,
+            qvel=none,
+            xpos=none,
+            xquat=none,
+            contacts=contacts,
+            slot_overflow=none,
+            carry=none,
+            friction_scale=none,
+            mass_scale=none,
+            bodies=bodies,
+        )
         return float(Movables.metrics(None, sim, jnp.array(ended))["hit_movable"])  # type: ignore[arg-type]
 
     assert said(4, True) == 1.0

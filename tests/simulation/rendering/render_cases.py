@@ -33,6 +33,10 @@ class Places:
     def inputs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return self.scene, self.xpos, self.xquat
 
+    def first(self, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """`inputs` of the first robots."""
+        return self.scene[:number], self.xpos[:number], self.xquat[:number]
+
 
 def make_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int = 0) -> Places:
     """Robots at `number` starts of episodes, spread over all scenes, heading anywhere."""

@@ -18,6 +18,8 @@ from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from . import render_cases as cases
 
 NUMBER = 12
+#: scene (n,), xpos (n, nbody, 3), xquat (n, nbody, 4)
+Inputs = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +33,7 @@ def robot() -> RobotSpec:
 
 
 @pytest.fixture(scope="module")
-def inputs(bank: SceneBank, robot: RobotSpec) -> tuple[np.ndarray, ...]:
+def inputs(bank: SceneBank, robot: RobotSpec) -> Inputs:
     rng = np.random.default_rng(0)
     scene = rng.permutation(np.arange(NUMBER) % bank.num_scenes)
     poses = [cases.bodies(robot, bank.episode_start[z, i].astype(float)) for i, z in enumerate(scene)]
@@ -44,7 +46,7 @@ def renderer(bank: SceneBank, robot: RobotSpec) -> Renderer:
 
 
 @pytest.fixture(scope="module")
-def alone(renderer: Renderer, inputs: tuple[np.ndarray, ...]) -> np.ndarray:
+def alone(renderer: Renderer, inputs: Inputs) -> np.ndarray:
     """Every frame drawn by itself."""
     return np.stack([renderer(*(x[i] for x in inputs))["rgb"] for i in range(NUMBER)])
 
@@ -77,13 +79,13 @@ WAYS: dict[str, Callable[..., Any]] = {
 
 @pytest.mark.parametrize("way", WAYS)
 def test_every_transformation_gives_the_same_bytes(
-    renderer: Renderer, inputs: tuple[np.ndarray, ...], alone: np.ndarray, way: str
+    renderer: Renderer, inputs: Inputs, alone: np.ndarray, way: str
 ) -> None:
     frames = WAYS[way](lambda *x: renderer(*x)["rgb"], *inputs)
     np.testing.assert_array_equal(np.asarray(frames), alone)
 
 
-def test_one_scene_for_all(renderer: Renderer, inputs: tuple[np.ndarray, ...], alone: np.ndarray) -> None:
+def test_one_scene_for_all(renderer: Renderer, inputs: Inputs, alone: np.ndarray) -> None:
     """An argument that is not batched is the same for all worlds."""
     scene, xpos, xquat = inputs
     frames = jax.vmap(renderer, in_axes=(None, 0, 0))(scene[0], xpos, xquat)["rgb"]
@@ -91,7 +93,7 @@ def test_one_scene_for_all(renderer: Renderer, inputs: tuple[np.ndarray, ...], a
     assert not np.array_equal(np.asarray(frames[1]), alone[1])
 
 
-def test_a_world_does_not_see_the_others(renderer: Renderer, inputs: tuple[np.ndarray, ...], alone: np.ndarray) -> None:
+def test_a_world_does_not_see_the_others(renderer: Renderer, inputs: Inputs, alone: np.ndarray) -> None:
     """Permuted, next to other scenes, and beside a robot whose state is not a number."""
     call = jax.jit(jax.vmap(renderer))
     order = np.random.default_rng(1).permutation(NUMBER)
@@ -104,7 +106,7 @@ def test_a_world_does_not_see_the_others(renderer: Renderer, inputs: tuple[np.nd
 
 
 def test_scenes_change_without_a_trace_and_as_if_they_had_always_stood_there(
-    bank: SceneBank, robot: RobotSpec, inputs: tuple[np.ndarray, ...], alone: np.ndarray
+    bank: SceneBank, robot: RobotSpec, inputs: Inputs, alone: np.ndarray
 ) -> None:
     renderer = cases.make_renderer(bank, robot)
     traces = []
@@ -124,17 +126,13 @@ def test_scenes_change_without_a_trace_and_as_if_they_had_always_stood_there(
     assert len(traces) == 1
 
 
-def test_threads_change_nothing(
-    bank: SceneBank, robot: RobotSpec, inputs: tuple[np.ndarray, ...], alone: np.ndarray
-) -> None:
+def test_threads_change_nothing(bank: SceneBank, robot: RobotSpec, inputs: Inputs, alone: np.ndarray) -> None:
     for threads in (1, 5):
         frames = jax.vmap(cases.make_renderer(bank, robot, threads=threads))(*inputs)["rgb"]
         np.testing.assert_array_equal(np.asarray(frames), alone)
 
 
-def test_out_of_range_scenes_stay_inside_the_bank(
-    renderer: Renderer, inputs: tuple[np.ndarray, ...], bank: SceneBank
-) -> None:
+def test_out_of_range_scenes_stay_inside_the_bank(renderer: Renderer, inputs: Inputs, bank: SceneBank) -> None:
     """As JAX's own gathers do, a row beyond the bank is taken as its nearest row."""
     _, xpos, xquat = (x[0] for x in inputs)
     for wrong, right in ((99, bank.num_scenes - 1), (-3, 0)):
@@ -143,7 +141,7 @@ def test_out_of_range_scenes_stay_inside_the_bank(
         )
 
 
-def test_shapes_alone_build_no_context(bank: SceneBank, robot: RobotSpec, inputs: tuple[np.ndarray, ...]) -> None:
+def test_shapes_alone_build_no_context(bank: SceneBank, robot: RobotSpec, inputs: Inputs) -> None:
     renderer = cases.make_renderer(bank, robot, outputs=("rgb", "depth"))
     shapes = jax.eval_shape(jax.vmap(renderer), *inputs)
     assert shapes["rgb"].shape == (NUMBER, cases.HEIGHT, cases.WIDTH, 3)
@@ -154,9 +152,7 @@ def test_shapes_alone_build_no_context(bank: SceneBank, robot: RobotSpec, inputs
     assert renderer.num_contexts == 1
 
 
-def test_frames_nobody_looks_at_are_not_drawn(
-    bank: SceneBank, robot: RobotSpec, inputs: tuple[np.ndarray, ...]
-) -> None:
+def test_frames_nobody_looks_at_are_not_drawn(bank: SceneBank, robot: RobotSpec, inputs: Inputs) -> None:
     renderer = cases.make_renderer(bank, robot)
     total = jax.jit(lambda *x: (jax.vmap(renderer)(*x), x[1].sum())[1])(*inputs)
     assert np.isfinite(total)
@@ -164,7 +160,7 @@ def test_frames_nobody_looks_at_are_not_drawn(
 
 
 def test_a_deleted_renderer_is_freed_and_its_compiled_calls_say_so(
-    bank: SceneBank, robot: RobotSpec, inputs: tuple[np.ndarray, ...]
+    bank: SceneBank, robot: RobotSpec, inputs: Inputs
 ) -> None:
     renderer = cases.make_renderer(bank, robot)
     compiled = jax.jit(jax.vmap(renderer)).lower(*inputs).compile()

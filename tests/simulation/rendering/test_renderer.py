@@ -125,7 +125,7 @@ def test_two_faces_in_one_place_are_seen_from_both_sides(
     faces = [half for a, b in cut for half in (bank.mesh_faces[a:b], bank.mesh_faces[a:b, ::-1])]
     doubled = dataclasses.replace(bank, mesh_faces=np.concatenate(faces), mesh_face_start=2 * bank.mesh_face_start)
     renderer = cases.make_renderer(doubled, robot, outputs=("rgb", "depth", "object"), shading=shading)
-    image = jax.vmap(renderer)(*(x[:8] for x in places.inputs))
+    image = jax.vmap(renderer)(*places.first(8))
     same = np.asarray(image["object"]) == places.slot[:8]
     assert same.mean() > 0.9998
     np.testing.assert_allclose(np.asarray(image["depth"])[same], places.depth[:8][same], rtol=1e-4, atol=1e-4)
@@ -250,7 +250,7 @@ def test_colours_respond_to_the_sky(bank: SceneBank, robot: RobotSpec, places: c
         sky = build_sky(name)
         light = cases.with_light(bank, sky.radiance, sky.sun_direction, sky.sun_irradiance)
         renderer = cases.make_renderer(light, robot, shading=shading)
-        rgb = np.asarray(jax.vmap(renderer)(*(x[:8] for x in places.inputs))["rgb"]).astype(float)
+        rgb = np.asarray(jax.vmap(renderer)(*places.first(8))["rgb"]).astype(float)
         assert rgb.std() > 20
         warmth[name] = rgb[..., 0].mean() / rgb[..., 2].mean()
     assert warmth["sunset"] > 1.15 * warmth["clear_noon"]
@@ -272,7 +272,7 @@ def test_more_rays_per_pixel_are_the_mean_of_a_finer_picture(bank: SceneBank, ro
 def test_pictures_look_as_committed(bank: SceneBank, robot: RobotSpec, places: cases.Places, shading: str) -> None:
     """Eight frames; rounding may move an edge by a ray. `make_golden` beside this file draws them anew."""
     renderer = cases.make_renderer(bank, robot, shading=shading, shadows=True)
-    rgb = np.asarray(jax.vmap(renderer)(*(x[:8] for x in places.inputs))["rgb"]).astype(int)
+    rgb = np.asarray(jax.vmap(renderer)(*places.first(8))["rgb"]).astype(int)
     golden = iio.imread(GOLDEN / f"{shading}.png").reshape(8, cases.HEIGHT, cases.WIDTH, 3).astype(int)
     difference = np.abs(rgb - golden)
     assert difference.mean() < 0.5

@@ -28,9 +28,9 @@ ENGINES = [pytest.param("jax", marks=pytest.mark.slow), "warp"]
 def scooter() -> list[np.ndarray]:
     """A scooter of four convex parts, 1.0 m long and 1.1 m high, that stands on its deck."""
     deck = pushing.box(1.0, 0.16, 0.12)
-    column = pushing.box(0.06, 0.06, 1.0) + np.float32([0.42, 0.0, 0.1])
-    bar = pushing.box(0.06, 0.5, 0.05) + np.float32([0.42, 0.0, 1.08])
-    guard = pushing.box(0.2, 0.1, 0.15) + np.float32([-0.4, 0.0, 0.1])
+    column = pushing.box(0.06, 0.06, 1.0) + np.array([0.42, 0.0, 0.1], np.float32)
+    bar = pushing.box(0.06, 0.5, 0.05) + np.array([0.42, 0.0, 1.08], np.float32)
+    guard = pushing.box(0.2, 0.1, 0.15) + np.array([-0.4, 0.0, 0.1], np.float32)
     return [deck, column, bar, guard]
 
 
