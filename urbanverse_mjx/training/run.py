@@ -15,6 +15,7 @@ from .brax_compat import load_ppo
 from .config import batch_shape
 from .policy import PolicySpec, latest_policy, load_compatible, load_params, network_factory, save_policy
 from .progress import TrainingLog
+from .record import begin_segment, check_scenes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,8 +34,8 @@ class TrainingResult:
     steps_per_second: float
 
 
-def _start_of(folder: pathlib.Path, resume: bool) -> tuple[int, Any]:
-    """Steps done and parameters of the newest checkpoint of a run folder."""
+def _start_of(folder: pathlib.Path, resume: bool, env: Any) -> tuple[int, Any]:
+    """Steps done and parameters of the newest checkpoint of a run folder, trained on the scenes of `env`."""
     checkpoints = folder / "checkpoints"
     if not resume:
         if checkpoints.exists() and any(checkpoints.iterdir()):
@@ -44,7 +45,9 @@ def _start_of(folder: pathlib.Path, resume: bool) -> tuple[int, Any]:
     params = load_params(path)
     if not params[2]:
         raise NounError(f"--resume: found a policy without its critic in {path}, needed a checkpoint of a training.")
-    return PolicySpec.load(path).steps, params
+    spec = PolicySpec.load(path)
+    check_scenes(spec, env)
+    return spec.steps, params
 
 
 def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
@@ -98,19 +101,19 @@ def train(
       ppo_config: see `config.default_ppo_config`.
       folder: run folder; checkpoints/<steps>/, log.jsonl and TensorBoard events go there.
       resume: go on from the newest checkpoint there. Brax restores the networks, not Adam's moments and not the
-        episodes under way: those start anew, with another seed, and the step counter goes on.
+        episodes under way: those start anew, with another seed, and the step counter goes on. `environment`, the
+        env's config and scenes and `ppo_config` must be the run's own but for `record.MAY_CHANGE`.
       start_from: a policy whose networks to begin with, e.g. one that drove another robot; a new critic where it has
         none. Not with `resume`.
 
     Raises:
-      NounError: sizes that do not divide, a folder in use, nothing to resume, networks of other shapes to start from.
+      NounError: sizes that do not divide, a folder in use, nothing to resume, a resumed run that would train something
+        else, networks of other shapes to start from.
     """
     ppo = load_ppo()
     folder = folder.absolute()
     writes = jax.process_index() == 0
-    if writes:
-        folder.mkdir(parents=True, exist_ok=True)
-    start, params = _start_of(folder, resume)
+    start, params = _start_of(folder, resume, env)
     if start_from is not None:
         if resume:
             raise NounError("--start-from: found it beside --resume, needed one of them.")
@@ -122,6 +125,7 @@ def train(
         raise NounError(
             f"ppo.num_envs: found {ppo_config.num_envs}, needed a multiple of the {jax.device_count()} devices."
         )
+    record = begin_segment(folder, environment, env.config, ppo_config, start, start_from)
     last: list[pathlib.Path] = []
 
     def keep(step: int, _: Any, params: Any) -> None:
@@ -130,8 +134,8 @@ def train(
             last.append(save_policy(folder / "checkpoints", params, spec))
 
     if writes:
-        config = {"environment": environment, "env": env.config.to_dict(), "ppo": ppo_config.to_dict()}
-        v.write_json(folder / "config.json", config)
+        folder.mkdir(parents=True, exist_ok=True)
+        record.save(folder)
     log = TrainingLog(folder, total, start, quiet) if writes else None
     begin = time.monotonic()
     try:

@@ -1,0 +1,199 @@
+"""`config.json` of a run folder: what the run trains, its segments, and what a resumed run may change."""
+
+import dataclasses
+import datetime
+import json
+import pathlib
+from collections.abc import Mapping
+from typing import Any
+
+import jax
+from ml_collections import ConfigDict
+
+from ..datatypes import NounError
+from ..datatypes import validation as v
+from ..envs import registry
+from .config import default_ppo_config
+from .policy import PolicySpec, package_versions
+
+FILE = "config.json"
+#: PPO fields that a resumed run may change: how long it trains and how often it saves, not what it learns.
+MAY_CHANGE = ("num_timesteps", "num_checkpoints")
+
+
+@dataclasses.dataclass(frozen=True)
+class RunRequest:
+    """What a caller says about a run; None, and keys left out, are not said.
+
+    Attributes:
+      environment: registered name; preset: of the environment and of PPO.
+      env_overrides, ppo_overrides: flat dotted keys, e.g. {"reward_config.scales.hit": -50}.
+      num_timesteps, num_envs, seed: the PPO fields that have command-line options of their own; they win over
+        `ppo_overrides`.
+    """
+
+    environment: str | None = None
+    preset: str | None = None
+    env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    ppo_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    num_timesteps: int | None = None
+    num_envs: int | None = None
+    seed: int | None = None
+
+    @property
+    def ppo(self) -> dict[str, Any]:
+        """All that is said about PPO, flat dotted keys."""
+        own = {name: getattr(self, name) for name in ("num_timesteps", "num_envs", "seed")}
+        return {**self.ppo_overrides, **{k: x for k, x in own.items() if x is not None}}
+
+
+@dataclasses.dataclass(frozen=True)
+class RunRecord:
+    """What a run trains.
+
+    Attributes:
+      environment: registered name.
+      env, ppo: full configs as JSON holds them (tuples are lists); `ppo` with the newest segment's `MAY_CHANGE`.
+      segments: one for the start and one for each resumption, in order: `from_steps` (env-steps done before it),
+        `num_timesteps` and `num_checkpoints` asked for, `begun` (UTC), `devices`, `versions` and, where it was given,
+        `start_from`. Runs from before segments were recorded have one with `from_steps` and `num_timesteps` alone.
+    """
+
+    environment: str
+    env: dict[str, Any]
+    ppo: dict[str, Any]
+    segments: tuple[dict[str, Any], ...]
+
+    @staticmethod
+    def load(folder: pathlib.Path) -> "RunRecord":
+        """Reads the record of a run folder.
+
+        Raises:
+          NounError: none there, or not one of a run.
+        """
+        path = folder / FILE
+        if not path.is_file():
+            raise NounError(f"run folder: found no {FILE} in {folder}, needed a folder that `urbanverse train` made.")
+        body = v.mapping(v.read_json(path, "run record"), "run record", ["environment", "env", "ppo"], ["segments"])
+        ppo = dict(body["ppo"])
+        first = {"from_steps": 0, "num_timesteps": ppo.get("num_timesteps")}
+        return RunRecord(body["environment"], dict(body["env"]), ppo, tuple(body.get("segments") or (first,)))
+
+    def save(self, folder: pathlib.Path) -> None:
+        """Writes `config.json`, replacing an older one at once."""
+        v.write_json(folder / FILE, dataclasses.asdict(self))
+
+    def configs(self) -> tuple[str, ConfigDict, ConfigDict]:
+        """Environment, and fresh configs of it and of PPO."""
+        return self.environment, ConfigDict(self.env), ConfigDict(self.ppo)
+
+
+def configs_of(
+    request: RunRequest, preset: str = "cpu", environment: str = "CocoNav"
+) -> tuple[str, ConfigDict, ConfigDict]:
+    """Environment, its config and PPO's for a new run; `preset` and `environment` where the request names none.
+
+    Raises:
+      NounError: an unknown name, or an override that does not fit.
+    """
+    preset, environment = request.preset or preset, request.environment or environment
+    overrides = dict(request.env_overrides)
+    # As in `registry.load`: this key picks the config that the others change.
+    base = registry.get_default_config(environment, overrides.pop("preset", preset))
+    env = registry.with_overrides(base, overrides)
+    return environment, env, registry.with_overrides(default_ppo_config(preset, environment), request.ppo)
+
+
+def resumed_configs(folder: pathlib.Path, request: RunRequest) -> tuple[str, ConfigDict, ConfigDict]:
+    """Environment and configs of the run in `folder`, with the requested `MAY_CHANGE`.
+
+    Raises:
+      NounError: no run there, or a request that differs from what the run trains.
+    """
+    name, env, ppo = RunRecord.load(folder).configs()
+    asked_env = registry.with_overrides(env, request.env_overrides)
+    asked_ppo = registry.with_overrides(ppo, request.ppo)
+    said = {"environment": request.environment, "preset": request.preset}
+    had = {"environment": name, "preset": env.get("preset")}
+    differences = [_difference(k, had[k], x) for k, x in said.items() if x not in (None, had[k])]
+    differences += _differences("env", env, asked_env) + _differences("ppo", ppo, asked_ppo, MAY_CHANGE)
+    _refuse(folder, differences)
+    return name, env, asked_ppo
+
+
+def begin_segment(
+    folder: pathlib.Path,
+    environment: str,
+    env: ConfigDict,
+    ppo: ConfigDict,
+    from_steps: int,
+    start_from: pathlib.Path | None = None,
+) -> RunRecord:
+    """The record with one more segment; nothing is written. A run that goes on has `from_steps` above 0.
+
+    Raises:
+      NounError: a run that goes on would train something else than its record says.
+    """
+    earlier: tuple[dict[str, Any], ...] = ()
+    if from_steps:
+        old = RunRecord.load(folder)
+        name, old_env, old_ppo = old.configs()
+        differences = [] if name == environment else [_difference("environment", name, environment)]
+        differences += _differences("env", old_env, env) + _differences("ppo", old_ppo, ppo, MAY_CHANGE)
+        _refuse(folder, differences)
+        earlier = old.segments
+    segment = {
+        "from_steps": from_steps,
+        **{name: ppo[name] for name in MAY_CHANGE},
+        "begun": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "devices": f"{jax.device_count()} x {jax.devices()[0].device_kind}",
+        "versions": package_versions(),
+        **({} if start_from is None else {"start_from": str(start_from)}),
+    }
+    return RunRecord(environment, env.to_dict(), ppo.to_dict(), (*earlier, segment))
+
+
+def check_scenes(trained: PolicySpec, env: Any) -> None:
+    """Whether `env` has the very scenes of a checkpoint.
+
+    Raises:
+      NounError: others, or the same ids with other layouts.
+    """
+    ids = [env.bank.scene_ids[i] for i in env.scenes]
+    hashes = env.bank.meta.get("hashes", {})
+    other = sorted(set(ids) ^ set(trained.scene_ids))
+    other += [s for s in ids if s not in other and trained.bank_hashes.get(s) != hashes.get(s)]
+    if other:
+        raise NounError(
+            f"--resume: found a bank whose scenes are not those of the run (first {other[0]!r} of {len(other)} that "
+            "differ), needed the same; build that bank again, or begin a new run with --start-from."
+        )
+
+
+def _plain(config: ConfigDict) -> dict[str, Any]:
+    """Flat dotted keys to values as JSON holds them."""
+
+    def flat(value: Any, prefix: str) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            return {prefix: value}
+        return {k: x for name, part in value.items() for k, x in flat(part, f"{prefix}.{name}".lstrip(".")).items()}
+
+    return flat(json.loads(json.dumps(config.to_dict())), "")
+
+
+def _differences(part: str, had: ConfigDict, asked: ConfigDict, may_change: tuple[str, ...] = ()) -> list[str]:
+    ours, theirs = _plain(had), _plain(asked)
+    keys = [k for k in sorted(ours.keys() | theirs.keys()) if k not in may_change]
+    return [_difference(f"{part}.{k}", ours.get(k), theirs.get(k)) for k in keys if ours.get(k) != theirs.get(k)]
+
+
+def _difference(name: str, had: Any, asked: Any) -> str:
+    return f"{name} {v.show(asked)} where the run has {v.show(had)}"
+
+
+def _refuse(folder: pathlib.Path, differences: list[str]) -> None:
+    if differences:
+        raise NounError(
+            f"--resume: found {'; '.join(differences)}, needed what {folder / FILE} says (only the number of steps and "
+            "of checkpoints may change); leave these options out, or begin a new run with --start-from."
+        )
