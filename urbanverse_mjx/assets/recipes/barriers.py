@@ -1,6 +1,7 @@
 """What keeps wheels and feet away: cones, barricades, barriers, fences, rails; rocks, bicycle stands, manholes."""
 
 import numpy as np
+from PIL import Image
 
 from .. import paint, shapes
 from ..mesh_builder import BuiltAsset, MeshBuilder
@@ -53,61 +54,79 @@ def traffic_barricade(variant: int, rng: np.random.Generator) -> BuiltAsset:
     w = float(rng.uniform(1.3, 1.6)) if style != "crowd control" else float(rng.uniform(2.0, 2.3))
     striped = paint.stripes((128, 16), ("safety orange", "white"), 10, slant=1.0)
     if style == "A-frame":
-        for y in (-w / 2 + 0.12, w / 2 - 0.12):
-            for side in (-1, 1):
-                b.beam((side * 0.3, y, 0), (side * 0.03, y, 1.02), 0.05, 0.04, "white")
-        for side, z in ((1, 0.88), (1, 0.5), (-1, 0.88)):
-            x = side * (0.03 + 0.27 * (1.02 - z) / 1.02 + 0.02)
-            b.box(
-                (0.025, w, 0.2),
-                (x, 0, z),
-                "white",
-                centered=True,
-                turn_deg=(0, -side * 14, 0),
-                skins={"+x" if side > 0 else "-x": striped},
-            )
-        for y in (-w / 2 + 0.12, w / 2 - 0.12):
-            b.cylinder(0.085, 0.05, (-0.025, y, 1.12), "amber", turn_deg=(0, 90, 0), segments=14)
+        _a_frame(b, w, striped)
     elif style == "crowd control":
-        frame = [
-            (0, -w / 2, 0.15),
-            (0, -w / 2, 1.0),
-            (0, -w / 2 + 0.1, 1.08),
-            (0, w / 2 - 0.1, 1.08),
-            (0, w / 2, 1.0),
-            (0, w / 2, 0.15),
-        ]
-        b.tube(frame, 0.02, "galvanised", sides=8)
-        b.rod((0, -w / 2, 0.2), (0, w / 2, 0.2), 0.018, "galvanised", sides=6)
-        for y in np.linspace(-w / 2 + 0.12, w / 2 - 0.12, 15):
-            b.rod((0, y, 0.2), (0, y, 1.08), 0.008, "galvanised", sides=4)
-        for y in (-w / 2 + 0.3, w / 2 - 0.3):
-            b.tube([(-0.3, y, 0.015), (0, y, 0.1), (0.3, y, 0.015)], 0.02, "galvanised", sides=6)
-            b.rod((0, y, 0.1), (0, y, 0.2), 0.02, "galvanised", sides=6)
-        plate = paint.stripes((64, 24), ("signal red", "white"), 6, slant=0.8)
-        b.box((0.012, 0.8, 0.3), (0.018, 0, 0.62), "white", skins={"+x": plate, "-x": plate})
+        _crowd_barrier(b, w)
     elif style == "board":
-        striped = paint.stripes((128, 20), ("signal red", "white"), 8, slant=0.0)
-        b.box((0.03, w, 0.25), (0, 0, 0.8), "white", skins={"+x": striped, "-x": striped})
-        b.box(
-            (0.025, w, 0.12), (0, 0, 0.2), "white", skins={"+x": paint.stripes((128, 10), ("signal red", "white"), 8)}
-        )
-        for y in (-w / 2 + 0.2, w / 2 - 0.2):
-            b.box((0.05, 0.05, 1.1), (-0.04, y, 0.05), "signal red")
-            b.box((0.75, 0.38, 0.11), (-0.03, y, 0), "rubber", bevel=0.03)
-            b.cylinder(0.09, 0.07, (-0.075, y, 1.22), "amber", turn_deg=(0, 90, 0), segments=14)
+        _board_barrier(b, w)
     else:
-        color = ("safety orange", "signal blue", "lime")[int(rng.integers(3))]
-        for z, d in ((0.12, 0.16), (0.82, 0.12)):
-            b.box((0.045, w, d), (0, 0, z), color, bevel=0.01)
-        for y in np.linspace(-w / 2 + 0.05, w / 2 - 0.05, 7):
-            b.box((0.035, 0.05, 0.75), (0, y, 0.15), color)
-        board = paint.stripes((96, 12), ("signal red", "white"), 8, slant=0.8)
-        b.box((0.02, w * 0.9, 0.14), (0.025, 0, 0.62), "white", skins={"+x": board})
-        for y in (-w / 2 + 0.25, w / 2 - 0.25):
-            b.box((0.5, 0.1, 0.06), (0, y, 0), "black", bevel=0.02)
-            b.box((0.04, 0.08, 0.14), (0, y, 0.03), "black")
+        _plastic_barrier(b, w, rng)
     return b.build(f"a {style} barricade {w:.1f} m wide", {"style": style, "width": round(w, 3)})
+
+
+def _a_frame(b: MeshBuilder, w: float, striped: Image.Image) -> None:
+    """Two A-frames with striped rails and lamps, w m wide."""
+    for y in (-w / 2 + 0.12, w / 2 - 0.12):
+        for side in (-1, 1):
+            b.beam((side * 0.3, y, 0), (side * 0.03, y, 1.02), 0.05, 0.04, "white")
+    for side, z in ((1, 0.88), (1, 0.5), (-1, 0.88)):
+        x = side * (0.03 + 0.27 * (1.02 - z) / 1.02 + 0.02)
+        b.box(
+            (0.025, w, 0.2),
+            (x, 0, z),
+            "white",
+            centered=True,
+            turn_deg=(0, -side * 14, 0),
+            skins={"+x" if side > 0 else "-x": striped},
+        )
+    for y in (-w / 2 + 0.12, w / 2 - 0.12):
+        b.cylinder(0.085, 0.05, (-0.025, y, 1.12), "amber", turn_deg=(0, 90, 0), segments=14)
+
+
+def _crowd_barrier(b: MeshBuilder, w: float) -> None:
+    """A tube frame with bars and a striped plate, w m wide."""
+    frame = [
+        (0, -w / 2, 0.15),
+        (0, -w / 2, 1.0),
+        (0, -w / 2 + 0.1, 1.08),
+        (0, w / 2 - 0.1, 1.08),
+        (0, w / 2, 1.0),
+        (0, w / 2, 0.15),
+    ]
+    b.tube(frame, 0.02, "galvanised", sides=8)
+    b.rod((0, -w / 2, 0.2), (0, w / 2, 0.2), 0.018, "galvanised", sides=6)
+    for y in np.linspace(-w / 2 + 0.12, w / 2 - 0.12, 15):
+        b.rod((0, y, 0.2), (0, y, 1.08), 0.008, "galvanised", sides=4)
+    for y in (-w / 2 + 0.3, w / 2 - 0.3):
+        b.tube([(-0.3, y, 0.015), (0, y, 0.1), (0.3, y, 0.015)], 0.02, "galvanised", sides=6)
+        b.rod((0, y, 0.1), (0, y, 0.2), 0.02, "galvanised", sides=6)
+    plate = paint.stripes((64, 24), ("signal red", "white"), 6, slant=0.8)
+    b.box((0.012, 0.8, 0.3), (0.018, 0, 0.62), "white", skins={"+x": plate, "-x": plate})
+
+
+def _board_barrier(b: MeshBuilder, w: float) -> None:
+    """A striped board on posts in rubber feet, with lamps, w m wide."""
+    striped = paint.stripes((128, 20), ("signal red", "white"), 8, slant=0.0)
+    b.box((0.03, w, 0.25), (0, 0, 0.8), "white", skins={"+x": striped, "-x": striped})
+    b.box((0.025, w, 0.12), (0, 0, 0.2), "white", skins={"+x": paint.stripes((128, 10), ("signal red", "white"), 8)})
+    for y in (-w / 2 + 0.2, w / 2 - 0.2):
+        b.box((0.05, 0.05, 1.1), (-0.04, y, 0.05), "signal red")
+        b.box((0.75, 0.38, 0.11), (-0.03, y, 0), "rubber", bevel=0.03)
+        b.cylinder(0.09, 0.07, (-0.075, y, 1.22), "amber", turn_deg=(0, 90, 0), segments=14)
+
+
+def _plastic_barrier(b: MeshBuilder, w: float, rng: np.random.Generator) -> None:
+    """A plastic barrier of two rails and slats, w m wide."""
+    color = ("safety orange", "signal blue", "lime")[int(rng.integers(3))]
+    for z, d in ((0.12, 0.16), (0.82, 0.12)):
+        b.box((0.045, w, d), (0, 0, z), color, bevel=0.01)
+    for y in np.linspace(-w / 2 + 0.05, w / 2 - 0.05, 7):
+        b.box((0.035, 0.05, 0.75), (0, y, 0.15), color)
+    board = paint.stripes((96, 12), ("signal red", "white"), 8, slant=0.8)
+    b.box((0.02, w * 0.9, 0.14), (0.025, 0, 0.62), "white", skins={"+x": board})
+    for y in (-w / 2 + 0.25, w / 2 - 0.25):
+        b.box((0.5, 0.1, 0.06), (0, y, 0), "black", bevel=0.02)
+        b.box((0.04, 0.08, 0.14), (0, y, 0.03), "black")
 
 
 JERSEY = Physics(
@@ -162,44 +181,64 @@ def fence(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("wrought iron", "picket", "board", "mesh panel")[variant % 4]
     w = float(rng.uniform(2.2, 2.8))
     if style == "wrought iron":
-        for y in (-w / 2, w / 2):
-            b.box((0.06, 0.06, 1.15), (0, y, 0), "black")
-            b.ball(0.045, (0, y, 1.18), "black", segments=8, rings=6)
-        for z in (0.15, 0.95):
-            b.box((0.03, w, 0.035), (0, 0, z), "black")
-        for y in np.linspace(-w / 2 + 0.12, w / 2 - 0.12, round(w / 0.12)):
-            b.box((0.016, 0.016, 0.95), (0, y, 0.1), "black")
-            b.cone(0.018, 0.09, (0, y, 1.05), "black", segments=5)
+        _iron_fence(b, w)
     elif style == "picket":
-        for z in (0.25, 0.75):
-            b.box((0.04, w, 0.08), (-0.03, 0, z), "white")
-        for y in (-w / 2 + 0.05, w / 2 - 0.05):
-            b.box((0.09, 0.09, 1.05), (-0.05, y, 0), "white")
-        for y in np.linspace(-w / 2 + 0.06, w / 2 - 0.06, round(w / 0.15)):
-            picket = [(-0.04, 0.06), (0.04, 0.06), (0.04, 0.92), (0, 1.0), (-0.04, 0.92)]
-            b.extrude(picket, 0.02, (-0.01, y, 0), "white", turn_deg=(90, 0, 90))
+        _picket_fence(b, w)
     elif style == "board":
-        for y in (-w / 2 + 0.05, w / 2 - 0.05):
-            b.box((0.1, 0.1, 1.8), (-0.05, y, 0), "dark wood")
-        n = round(w / 0.16)
-        for k in range(n):
-            y = -w / 2 + (k + 0.5) * w / n
-            b.box(
-                (0.022, w / n * 0.94, 1.7),
-                (0.0 if k % 2 else 0.012, y, 0.05),
-                shade("wood", float(rng.uniform(0.85, 1.1))),
-            )
-        b.box((0.06, w, 0.04), (0, 0, 1.74), "dark wood")
+        _board_fence(b, w, rng)
     else:
-        frame = [(0, -w / 2, 0.1), (0, -w / 2, 1.95), (0, w / 2, 1.95), (0, w / 2, 0.1)]
-        b.tube(frame, 0.02, "galvanised", sides=8, closed=True)
-        for y in np.linspace(-w / 2 + 0.1, w / 2 - 0.1, round(w / 0.15)):
-            b.rod((0, y, 0.1), (0, y, 1.95), 0.004, "light grey", sides=3)
-        for z in np.linspace(0.3, 1.8, 7):
-            b.rod((0, -w / 2, z), (0, w / 2, z), 0.004, "light grey", sides=3)
-        for y in (-w / 2, w / 2):
-            b.box((0.6, 0.22, 0.13), (0, y * 0.96, 0), "concrete", bevel=0.02)
+        _mesh_fence(b, w)
     return b.build(f"a {style} fence panel {w:.1f} m long", {"style": style, "width": round(w, 3)})
+
+
+def _iron_fence(b: MeshBuilder, w: float) -> None:
+    """Wrought-iron bars with pointed tips between two posts, w m wide."""
+    for y in (-w / 2, w / 2):
+        b.box((0.06, 0.06, 1.15), (0, y, 0), "black")
+        b.ball(0.045, (0, y, 1.18), "black", segments=8, rings=6)
+    for z in (0.15, 0.95):
+        b.box((0.03, w, 0.035), (0, 0, z), "black")
+    for y in np.linspace(-w / 2 + 0.12, w / 2 - 0.12, round(w / 0.12)):
+        b.box((0.016, 0.016, 0.95), (0, y, 0.1), "black")
+        b.cone(0.018, 0.09, (0, y, 1.05), "black", segments=5)
+
+
+def _picket_fence(b: MeshBuilder, w: float) -> None:
+    """Pointed pickets on two rails, w m wide."""
+    for z in (0.25, 0.75):
+        b.box((0.04, w, 0.08), (-0.03, 0, z), "white")
+    for y in (-w / 2 + 0.05, w / 2 - 0.05):
+        b.box((0.09, 0.09, 1.05), (-0.05, y, 0), "white")
+    for y in np.linspace(-w / 2 + 0.06, w / 2 - 0.06, round(w / 0.15)):
+        picket = [(-0.04, 0.06), (0.04, 0.06), (0.04, 0.92), (0, 1.0), (-0.04, 0.92)]
+        b.extrude(picket, 0.02, (-0.01, y, 0), "white", turn_deg=(90, 0, 90))
+
+
+def _board_fence(b: MeshBuilder, w: float, rng: np.random.Generator) -> None:
+    """Boards in turn before and behind the posts, w m wide."""
+    for y in (-w / 2 + 0.05, w / 2 - 0.05):
+        b.box((0.1, 0.1, 1.8), (-0.05, y, 0), "dark wood")
+    n = round(w / 0.16)
+    for k in range(n):
+        y = -w / 2 + (k + 0.5) * w / n
+        b.box(
+            (0.022, w / n * 0.94, 1.7),
+            (0.0 if k % 2 else 0.012, y, 0.05),
+            shade("wood", float(rng.uniform(0.85, 1.1))),
+        )
+    b.box((0.06, w, 0.04), (0, 0, 1.74), "dark wood")
+
+
+def _mesh_fence(b: MeshBuilder, w: float) -> None:
+    """A wire mesh in a tube frame on concrete feet, w m wide."""
+    frame = [(0, -w / 2, 0.1), (0, -w / 2, 1.95), (0, w / 2, 1.95), (0, w / 2, 0.1)]
+    b.tube(frame, 0.02, "galvanised", sides=8, closed=True)
+    for y in np.linspace(-w / 2 + 0.1, w / 2 - 0.1, round(w / 0.15)):
+        b.rod((0, y, 0.1), (0, y, 1.95), 0.004, "light grey", sides=3)
+    for z in np.linspace(0.3, 1.8, 7):
+        b.rod((0, -w / 2, z), (0, w / 2, z), 0.004, "light grey", sides=3)
+    for y in (-w / 2, w / 2):
+        b.box((0.6, 0.22, 0.13), (0, y * 0.96, 0), "concrete", bevel=0.02)
 
 
 RAIL = Physics(

@@ -25,50 +25,10 @@ def boulder(rng: np.random.Generator, size: tuple[float, float, float], points: 
 def wall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     width, height, depth = ((3.6, 1.9, 0.28), (5.0, 2.4, 0.25), (3.0, 1.1, 0.45), (4.2, 1.5, 0.24))[variant]
-    if variant == 2:  # dry stone, course over course
-        rows = 5
-        for k in range(rows):
-            y, h = -width / 2, height / rows * 0.92
-            while y < width / 2 - 0.05:
-                w = min(float(rng.uniform(0.3, 0.6)), width / 2 - y)
-                tone = shade("sandstone", float(rng.uniform(0.72, 1.0)))
-                size = (depth * float(rng.uniform(0.88, 1.0)), w - 0.015, h * float(rng.uniform(0.92, 1.0)))
-                b.box(size, (0, y + w / 2, k * h), tone, bevel=0.03)
-                y += w
-        y = -width / 2
-        while y < width / 2 - 0.08:  # the coping: stones on edge
-            w = min(float(rng.uniform(0.12, 0.2)), width / 2 - y)
-            b.box(
-                (depth, w - 0.01, height * 0.15),
-                (0, y + w / 2, height * 0.92 - 0.02),
-                shade("sandstone", 0.8),
-                bevel=0.025,
-            )
-            y += w
+    if variant == 2:
+        _dry_stone(b, rng, width, height, depth)
     else:
-        style, color = (("brick", "brick"), ("", "concrete"), ("", ""), ("", "cream"))[variant]
-        if style == "brick":
-            face = np.asarray(brick_picture((192, 104), color))
-        else:
-            face = np.asarray(paint.speckled((128, 64), color, rng, 7))
-        b.box((depth - 0.04, width - 0.06, height - 0.08), (0, 0, 0), color, skins={"+x": face, "-x": face})
-        cap = "sandstone" if variant == 0 else "dark concrete" if variant == 1 else "terracotta"
-        if variant == 3:
-            for k in range(14):
-                y = -width / 2 + (k + 0.5) * width / 14
-                b.cylinder(
-                    depth * 0.5, width / 14 - 0.01, (0, y + width / 28, height - 0.10), cap, (90, 0, 0), segments=8
-                )
-        else:
-            b.box((depth, width, 0.08), (0, 0, height - 0.08), cap, bevel=0.01)
-        for side in (-1, 1) if variant == 0 else ():
-            b.box((depth, 0.36, height - 0.06), (0, side * (width / 2 - 0.18), 0), shade(color, 0.85))
-        if variant == 1:
-            for k in range(1, 4):
-                b.box((depth - 0.01, 0.03, height - 0.1), (0, -width / 2 + k * width / 4, 0), "dark concrete")
-            for k in range(8):
-                y, z = -width / 2 + 0.5 + (k % 4) * 1.3, 0.7 + (k // 4) * 1.0
-                b.cylinder(0.03, depth - 0.015, (-(depth - 0.015) / 2, y, z), "dark grey", (0, 90, 0), segments=6)
+        _masonry(b, variant, rng, width, height, depth)
     names = (
         "A brick garden wall with a stone coping",
         "A concrete wall of cast panels",
@@ -78,6 +38,54 @@ def wall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     built = fitted(b.build(names[variant], {"height": height}), (depth, width, height))
     # Piers and ribs run through the wall, so the parts' sum counts them twice: the wall fills its box but for 4 %.
     return dataclasses.replace(built, volume=0.96 * depth * width * height)
+
+
+def _dry_stone(b: MeshBuilder, rng: np.random.Generator, width: float, height: float, depth: float) -> None:
+    """Stone course over course, with a coping of stones on edge."""
+    rows = 5
+    for k in range(rows):
+        y, h = -width / 2, height / rows * 0.92
+        while y < width / 2 - 0.05:
+            w = min(float(rng.uniform(0.3, 0.6)), width / 2 - y)
+            tone = shade("sandstone", float(rng.uniform(0.72, 1.0)))
+            size = (depth * float(rng.uniform(0.88, 1.0)), w - 0.015, h * float(rng.uniform(0.92, 1.0)))
+            b.box(size, (0, y + w / 2, k * h), tone, bevel=0.03)
+            y += w
+    y = -width / 2
+    while y < width / 2 - 0.08:  # the coping: stones on edge
+        w = min(float(rng.uniform(0.12, 0.2)), width / 2 - y)
+        b.box(
+            (depth, w - 0.01, height * 0.15),
+            (0, y + w / 2, height * 0.92 - 0.02),
+            shade("sandstone", 0.8),
+            bevel=0.025,
+        )
+        y += w
+
+
+def _masonry(b: MeshBuilder, variant: int, rng: np.random.Generator, width: float, height: float, depth: float) -> None:
+    """A wall of brick, concrete or plaster with its cap."""
+    style, color = (("brick", "brick"), ("", "concrete"), ("", ""), ("", "cream"))[variant]
+    if style == "brick":
+        face = np.asarray(brick_picture((192, 104), color))
+    else:
+        face = np.asarray(paint.speckled((128, 64), color, rng, 7))
+    b.box((depth - 0.04, width - 0.06, height - 0.08), (0, 0, 0), color, skins={"+x": face, "-x": face})
+    cap = "sandstone" if variant == 0 else "dark concrete" if variant == 1 else "terracotta"
+    if variant == 3:
+        for k in range(14):
+            y = -width / 2 + (k + 0.5) * width / 14
+            b.cylinder(depth * 0.5, width / 14 - 0.01, (0, y + width / 28, height - 0.10), cap, (90, 0, 0), segments=8)
+    else:
+        b.box((depth, width, 0.08), (0, 0, height - 0.08), cap, bevel=0.01)
+    for side in (-1, 1) if variant == 0 else ():
+        b.box((depth, 0.36, height - 0.06), (0, side * (width / 2 - 0.18), 0), shade(color, 0.85))
+    if variant == 1:
+        for k in range(1, 4):
+            b.box((depth - 0.01, 0.03, height - 0.1), (0, -width / 2 + k * width / 4, 0), "dark concrete")
+        for k in range(8):
+            y, z = -width / 2 + 0.5 + (k % 4) * 1.3, 0.7 + (k // 4) * 1.0
+            b.cylinder(0.03, depth - 0.015, (-(depth - 0.015) / 2, y, z), "dark grey", (0, 90, 0), segments=6)
 
 
 def brick_picture(size: tuple[int, int], color: Color) -> np.ndarray:

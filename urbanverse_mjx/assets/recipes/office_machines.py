@@ -233,63 +233,78 @@ def other_electronics(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     style = ("game console", "remote control", "bench meter")[variant]
     if style == "game console":
-        b.box((0.11, 0.24, 0.045), (-0.03, 0, 0.004), "light grey", bevel=0.006)
-        b.box((0.1, 0.16, 0.045), (-0.03, 0, 0.05), "charcoal", bevel=0.01)
-        b.box((0.05, 0.1, 0.05), (-0.03, 0, 0.076), "dark grey", bevel=0.006)
-        sticker, pen = paint.canvas((48, 20), "signal red")
-        paint.text(pen, "JUMPER", (3, 3, 45, 17), "white", 0.05)
-        b.panel(sticker, (-0.0035, 0, 0.105), 0.085, 0.034)
-        for y in (-0.09, 0.09):
-            b.box((0.006, 0.035, 0.015), (0.025, y, 0.016), "black")
-        b.cylinder(0.004, 0.004, (0.025, 0.04, 0.03), "light red", (0, 90, 0), segments=8)
-        with b.frame((0.075, 0, 0.004), (0, 0, 8)):
-            b.extrude(rounded(0.055, 0.15, 0.024), 0.02, color="off white")
-            for turn in (0, 90):
-                b.box((0.03, 0.01, 0.006), (0, -0.045, 0.02), "black", (0, 0, turn))
-            for k, ink in enumerate(("signal red", "signal yellow", "green", "blue")):
-                a = np.radians(90 * k)
-                b.cylinder(0.006, 0.006, (0.011 * np.cos(a), 0.045 + 0.011 * np.sin(a), 0.02), ink, segments=8)
-            for y in (-0.01, 0.012):
-                b.box((0.006, 0.014, 0.004), (0.012, y, 0.02), "grey")
-        b.tube(curve([(0.05, 0.0, 0.012), (0.055, 0.1, 0.005), (0.03, 0.09, 0.02)], 4), 0.003, "black", sides=5)
+        _game_console(b)
     elif style == "remote control":
-        with b.frame((0, 0, 0.0), (0, 0, 0)):
-            b.box((0.05, 0.19, 0.02), color="charcoal", bevel=0.006)
-            b.cylinder(0.009, 0.004, (0.0, -0.082, 0.0195), "signal red", segments=12)
-            for r in range(4):
-                for c in range(3):
-                    b.box((0.009, 0.011, 0.003), (0.014 * (c - 1), -0.058 + 0.016 * r, 0.0195), "light grey")
-            b.ring(0.014, 0.004, (0, 0.025, 0.02), "aluminium", segments=18, sides=5)
-            b.cylinder(0.007, 0.004, (0, 0.025, 0.0195), "blue", segments=12)
-            for k, ink in enumerate(("signal red", "green", "signal yellow", "blue")):
-                b.box((0.008, 0.008, 0.003), (-0.018 + 0.012 * k, 0.06, 0.0195), ink)
-            b.box((0.03, 0.006, 0.008), (0, -0.096, 0.006), "dark red")
+        _remote_control(b)
     else:
-        b.box((0.2, 0.26, 0.14), (0, 0, 0.014), "beige", bevel=0.008)
-        screen, pen = paint.canvas((64, 52), "#10281c")
-        for k in range(1, 8):
-            pen.line((8 * k, 0, 8 * k, 52), fill=(36, 74, 52))
-            pen.line((0, 7 * k, 64, 7 * k), fill=(36, 74, 52))
-        wave = [(x, 26 - 17 * np.sin(x / 5.1)) for x in range(0, 64, 2)]
-        pen.line(wave, fill=rgb("light green"), width=2)
-        b.box((0.008, 0.14, 0.115), (0.1, -0.045, 0.026), "dark grey", bevel=0.002)
-        b.panel(screen, (0.1055, -0.045, 0.0835), 0.122, 0.098)
-        for r in range(3):
-            for c in range(2):
-                b.cylinder(
-                    0.012 if r else 0.017,
-                    0.014,
-                    (0.1, 0.055 + 0.042 * c, 0.045 + 0.04 * r),
-                    "charcoal",
-                    (0, 90, 0),
-                    segments=12,
-                )
-        b.tube([(0, -0.13, 0.1), (0.0, -0.13, 0.18), (0, 0.13, 0.18), (0, 0.13, 0.1)], 0.007, "black", sides=6)
-        for x in (-0.07, 0.07):
-            for y in (-0.1, 0.1):
-                b.cylinder(0.012, 0.016, (x, y, 0), "black", segments=8)
+        _bench_meter(b)
     size = ((0.162, 0.24, 0.12), (0.05, 0.19, 0.024), (0.24, 0.32, 0.22))[variant]
     return sized(b, rng, size, f"a {style}", style)
+
+
+def _game_console(b: MeshBuilder) -> None:
+    """A console with its controller on a cable."""
+    b.box((0.11, 0.24, 0.045), (-0.03, 0, 0.004), "light grey", bevel=0.006)
+    b.box((0.1, 0.16, 0.045), (-0.03, 0, 0.05), "charcoal", bevel=0.01)
+    b.box((0.05, 0.1, 0.05), (-0.03, 0, 0.076), "dark grey", bevel=0.006)
+    sticker, pen = paint.canvas((48, 20), "signal red")
+    paint.text(pen, "JUMPER", (3, 3, 45, 17), "white", 0.05)
+    b.panel(sticker, (-0.0035, 0, 0.105), 0.085, 0.034)
+    for y in (-0.09, 0.09):
+        b.box((0.006, 0.035, 0.015), (0.025, y, 0.016), "black")
+    b.cylinder(0.004, 0.004, (0.025, 0.04, 0.03), "light red", (0, 90, 0), segments=8)
+    with b.frame((0.075, 0, 0.004), (0, 0, 8)):
+        b.extrude(rounded(0.055, 0.15, 0.024), 0.02, color="off white")
+        for turn in (0, 90):
+            b.box((0.03, 0.01, 0.006), (0, -0.045, 0.02), "black", (0, 0, turn))
+        for k, ink in enumerate(("signal red", "signal yellow", "green", "blue")):
+            a = np.radians(90 * k)
+            b.cylinder(0.006, 0.006, (0.011 * np.cos(a), 0.045 + 0.011 * np.sin(a), 0.02), ink, segments=8)
+        for y in (-0.01, 0.012):
+            b.box((0.006, 0.014, 0.004), (0.012, y, 0.02), "grey")
+    b.tube(curve([(0.05, 0.0, 0.012), (0.055, 0.1, 0.005), (0.03, 0.09, 0.02)], 4), 0.003, "black", sides=5)
+
+
+def _remote_control(b: MeshBuilder) -> None:
+    """A remote control with its keys up."""
+    with b.frame((0, 0, 0.0), (0, 0, 0)):
+        b.box((0.05, 0.19, 0.02), color="charcoal", bevel=0.006)
+        b.cylinder(0.009, 0.004, (0.0, -0.082, 0.0195), "signal red", segments=12)
+        for r in range(4):
+            for c in range(3):
+                b.box((0.009, 0.011, 0.003), (0.014 * (c - 1), -0.058 + 0.016 * r, 0.0195), "light grey")
+        b.ring(0.014, 0.004, (0, 0.025, 0.02), "aluminium", segments=18, sides=5)
+        b.cylinder(0.007, 0.004, (0, 0.025, 0.0195), "blue", segments=12)
+        for k, ink in enumerate(("signal red", "green", "signal yellow", "blue")):
+            b.box((0.008, 0.008, 0.003), (-0.018 + 0.012 * k, 0.06, 0.0195), ink)
+        b.box((0.03, 0.006, 0.008), (0, -0.096, 0.006), "dark red")
+
+
+def _bench_meter(b: MeshBuilder) -> None:
+    """An oscilloscope with a handle."""
+    b.box((0.2, 0.26, 0.14), (0, 0, 0.014), "beige", bevel=0.008)
+    screen, pen = paint.canvas((64, 52), "#10281c")
+    for k in range(1, 8):
+        pen.line((8 * k, 0, 8 * k, 52), fill=(36, 74, 52))
+        pen.line((0, 7 * k, 64, 7 * k), fill=(36, 74, 52))
+    wave = [(x, 26 - 17 * np.sin(x / 5.1)) for x in range(0, 64, 2)]
+    pen.line(wave, fill=rgb("light green"), width=2)
+    b.box((0.008, 0.14, 0.115), (0.1, -0.045, 0.026), "dark grey", bevel=0.002)
+    b.panel(screen, (0.1055, -0.045, 0.0835), 0.122, 0.098)
+    for r in range(3):
+        for c in range(2):
+            b.cylinder(
+                0.012 if r else 0.017,
+                0.014,
+                (0.1, 0.055 + 0.042 * c, 0.045 + 0.04 * r),
+                "charcoal",
+                (0, 90, 0),
+                segments=12,
+            )
+    b.tube([(0, -0.13, 0.1), (0.0, -0.13, 0.18), (0, 0.13, 0.18), (0, 0.13, 0.1)], 0.007, "black", sides=6)
+    for x in (-0.07, 0.07):
+        for y in (-0.1, 0.1):
+            b.cylinder(0.012, 0.016, (x, y, 0), "black", segments=8)
 
 
 @recipe("stapler", 2, hulls=1)

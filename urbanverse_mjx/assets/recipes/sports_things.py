@@ -226,21 +226,36 @@ def table_tennis_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if variant == 0:
             b.box((0.08, 0.05, 0.03), (s * 0.8, 0, 0.735), "black")
     if style == "blue indoor":
-        for y in (-1.15, -0.2, 0.2, 1.15):
-            for x in (-0.6, 0.6):
-                b.box((0.045, 0.045, 0.7), (x, y, 0.04), "charcoal")
-                b.cylinder(0.04, 0.03, (x, y + 0.015, 0.04), "black", (90, 0, 0), segments=12)
-            b.box((1.2, 0.04, 0.05), (0, y, 0.6), "charcoal")
-        for x in (-0.6, 0.6):
-            b.box((0.03, 2.3, 0.06), (x, 0, 0.67), "charcoal")
+        _wheeled_legs(b)
     elif style == "grey weatherproof":
-        for y in (-0.95, 0.95):
-            bow = [(-0.62, y, 0.0), (-0.6, y * 0.75, 0.7), (0.6, y * 0.75, 0.7), (0.62, y, 0.0)]
-            b.tube(bow, 0.035, "orange", sides=8)
-            b.rod((-0.61, y * 0.9, 0.3), (0.61, y * 0.9, 0.3), 0.02, "orange", sides=6)
-        b.rod((0, -0.7, 0.69), (0, 0.7, 0.69), 0.03, "charcoal", sides=6)
+        _steel_bows(b)
     else:
-        for y in (-0.8, 0.8):
-            b.box((1.1, 0.24, 0.68), (0, y, 0), "concrete", bevel=0.02, taper=(1.15, 1.0))
+        _concrete_legs(b)
     size = ((1.53, 2.74, 0.755), (1.524, 2.745, 0.9), (1.52, 2.73, 0.92))[variant]
     return sized(b, rng, size, f"a {style} table for table tennis", style, jitter=0.0)
+
+
+def _wheeled_legs(b: MeshBuilder) -> None:
+    """Eight legs on wheels."""
+    for y in (-1.15, -0.2, 0.2, 1.15):
+        for x in (-0.6, 0.6):
+            b.box((0.045, 0.045, 0.7), (x, y, 0.04), "charcoal")
+            b.cylinder(0.04, 0.03, (x, y + 0.015, 0.04), "black", (90, 0, 0), segments=12)
+        b.box((1.2, 0.04, 0.05), (0, y, 0.6), "charcoal")
+    for x in (-0.6, 0.6):
+        b.box((0.03, 2.3, 0.06), (x, 0, 0.67), "charcoal")
+
+
+def _steel_bows(b: MeshBuilder) -> None:
+    """Two bent tubes with stretchers."""
+    for y in (-0.95, 0.95):
+        bow = [(-0.62, y, 0.0), (-0.6, y * 0.75, 0.7), (0.6, y * 0.75, 0.7), (0.62, y, 0.0)]
+        b.tube(bow, 0.035, "orange", sides=8)
+        b.rod((-0.61, y * 0.9, 0.3), (0.61, y * 0.9, 0.3), 0.02, "orange", sides=6)
+    b.rod((0, -0.7, 0.69), (0, 0.7, 0.69), 0.03, "charcoal", sides=6)
+
+
+def _concrete_legs(b: MeshBuilder) -> None:
+    """Two blocks."""
+    for y in (-0.8, 0.8):
+        b.box((1.1, 0.24, 0.68), (0, y, 0), "concrete", bevel=0.02, taper=(1.15, 1.0))

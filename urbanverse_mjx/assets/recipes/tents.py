@@ -14,37 +14,48 @@ from .proportions import arc, made
 def shelter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A timber one with a gabled roof and bench, a steel one with a curved glass roof, a hexagonal pavilion."""
     b = MeshBuilder(roughness=0.75)
-    if variant % 3 == 0:
-        for x in (-1.2, 1.2):
-            for y in (-1.8, 0.0, 1.8):
-                b.box((0.14, 0.14, 2.2), (x, y, 0), "wood", bevel=0.012)
-                if y:
-                    b.beam((x, y * 0.97, 1.75), (x, y * 0.76, 2.16), 0.08, 0.08, "wood")
-            b.box((0.16, 3.9, 0.16), (x, 0, 2.16), "wood", bevel=0.012)
-        for side in (-1, 1):
-            roof = [(0, 2.9), (0, 2.82), (side * 1.55, 2.12), (side * 1.55, 2.2)]
-            b.profile(roof, 4.2, color="terracotta")
-            b.profile([(0, 2.82), (side * 1.1, 2.32), (0, 2.32)], 0.06, (0, side * 1.8, 0), "light wood")
-        b.rod((0, -2.1, 2.88), (0, 2.1, 2.88), 0.06, "dark red", sides=8)
-        for z in (0.5, 0.75, 1.0):
-            b.box((0.04, 3.6, 0.18), (-1.2, 0, z), "light wood")
-        b.box((0.42, 3.2, 0.06), (-0.95, 0, 0.42), "light wood", bevel=0.01)
-        for y in (-1.3, 0, 1.3):
-            b.box((0.3, 0.1, 0.42), (-0.95, y, 0), "wood")
-        return made(b, "a timber shelter with a tiled roof", (3.1, 4.2, 2.9), style="timber")
-    if variant % 3 == 1:
-        for y in (-1.4, 0, 1.4):
-            b.box((0.1, 0.1, 2.3), (-0.75, y, 0), "charcoal", bevel=0.01)
-            b.tube([(-0.75, y, 2.2), (0, y, 2.5), (0.85, y, 2.55)], 0.05, "charcoal")
-        curve = [(-0.95, 2.12), (-0.6, 2.36), (0.0, 2.56), (0.6, 2.64), (1.0, 2.64)]
-        b.profile([*curve, *[(x, z - 0.04) for x, z in reversed(curve)]], 3.3, color="light blue")
-        for y in (-0.7, 0.7):
-            b.box((0.02, 1.25, 1.5), (-0.75, y, 0.45), "glass")
-            b.box((0.04, 1.3, 0.06), (-0.75, y, 1.95), "charcoal")
-        b.box((0.36, 2.4, 0.05), (-0.5, 0, 0.45), "wood", bevel=0.01)
-        for y in (-0.9, 0.9):
-            b.box((0.3, 0.06, 0.45), (-0.5, y, 0), "charcoal")
-        return made(b, "a steel shelter with a curved glass roof", (2.1, 3.3, 2.6), style="steel")
+    return (_timber_shelter, _steel_shelter, _pavilion)[variant % 3](b)
+
+
+def _timber_shelter(b: MeshBuilder) -> BuiltAsset:
+    """Six timber posts under a gabled roof, with a bench."""
+    for x in (-1.2, 1.2):
+        for y in (-1.8, 0.0, 1.8):
+            b.box((0.14, 0.14, 2.2), (x, y, 0), "wood", bevel=0.012)
+            if y:
+                b.beam((x, y * 0.97, 1.75), (x, y * 0.76, 2.16), 0.08, 0.08, "wood")
+        b.box((0.16, 3.9, 0.16), (x, 0, 2.16), "wood", bevel=0.012)
+    for side in (-1, 1):
+        roof = [(0, 2.9), (0, 2.82), (side * 1.55, 2.12), (side * 1.55, 2.2)]
+        b.profile(roof, 4.2, color="terracotta")
+        b.profile([(0, 2.82), (side * 1.1, 2.32), (0, 2.32)], 0.06, (0, side * 1.8, 0), "light wood")
+    b.rod((0, -2.1, 2.88), (0, 2.1, 2.88), 0.06, "dark red", sides=8)
+    for z in (0.5, 0.75, 1.0):
+        b.box((0.04, 3.6, 0.18), (-1.2, 0, z), "light wood")
+    b.box((0.42, 3.2, 0.06), (-0.95, 0, 0.42), "light wood", bevel=0.01)
+    for y in (-1.3, 0, 1.3):
+        b.box((0.3, 0.1, 0.42), (-0.95, y, 0), "wood")
+    return made(b, "a timber shelter with a tiled roof", (3.1, 4.2, 2.9), style="timber")
+
+
+def _steel_shelter(b: MeshBuilder) -> BuiltAsset:
+    """Three steel posts under a curved glass roof, with a bench."""
+    for y in (-1.4, 0, 1.4):
+        b.box((0.1, 0.1, 2.3), (-0.75, y, 0), "charcoal", bevel=0.01)
+        b.tube([(-0.75, y, 2.2), (0, y, 2.5), (0.85, y, 2.55)], 0.05, "charcoal")
+    curve = [(-0.95, 2.12), (-0.6, 2.36), (0.0, 2.56), (0.6, 2.64), (1.0, 2.64)]
+    b.profile([*curve, *[(x, z - 0.04) for x, z in reversed(curve)]], 3.3, color="light blue")
+    for y in (-0.7, 0.7):
+        b.box((0.02, 1.25, 1.5), (-0.75, y, 0.45), "glass")
+        b.box((0.04, 1.3, 0.06), (-0.75, y, 1.95), "charcoal")
+    b.box((0.36, 2.4, 0.05), (-0.5, 0, 0.45), "wood", bevel=0.01)
+    for y in (-0.9, 0.9):
+        b.box((0.3, 0.06, 0.45), (-0.5, y, 0), "charcoal")
+    return made(b, "a steel shelter with a curved glass roof", (2.1, 3.3, 2.6), style="steel")
+
+
+def _pavilion(b: MeshBuilder) -> BuiltAsset:
+    """Six posts with railings on a base, under a roof with a lantern; one side is open."""
     angles = np.radians(np.arange(6) * 60 + 30)
     b.cylinder(2.3, 0.15, color="concrete", segments=6)
     for k, a in enumerate(angles):

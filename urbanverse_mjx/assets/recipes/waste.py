@@ -186,42 +186,62 @@ def storage_box(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.75)
     style = ("wooden crate", "plastic crates", "chest", "grit box")[variant % 4]
     if style == "wooden crate":
-        x, y, z = (float(v) for v in rng.uniform((0.4, 0.55, 0.35), (0.5, 0.7, 0.45)))
-        b.box((x - 0.03, y - 0.03, z - 0.02), color="dark wood")
-        for k in range(3):
-            at = z * (k + 0.5) / 3
-            for s in (-1, 1):
-                b.box((0.018, y, z / 3 - 0.02), (s * (x / 2 - 0.009), 0, at), "light wood", centered=True)
-                b.box((x, 0.018, z / 3 - 0.02), (0, s * (y / 2 - 0.009), at), "light wood", centered=True)
-        for sx in (-1, 1):
-            for sy in (-1, 1):
-                b.box((0.05, 0.05, z), (sx * (x / 2 - 0.02), sy * (y / 2 - 0.02), 0), "wood")
-        for k in range(4):
-            b.box((x / 4 - 0.015, y, 0.02), (-x / 2 + x * (k + 0.5) / 4, 0, z - 0.015), "light wood")
+        _wooden_crate(b, rng)
     elif style == "plastic crates":
-        for k, color in enumerate(("red", "blue", "signal yellow")[: int(rng.integers(2, 4))]):
-            with b.frame((0, 0, 0.3 * k), (0, 0, float(rng.uniform(-6, 6)))):
-                b.box((0.36, 0.5, 0.28), color=color, taper=(1.04, 1.03))
-                b.box((0.4, 0.54, 0.03), (0, 0, 0.265), shade(color, 0.85))
-                for z in (0.06, 0.13):
-                    b.box((0.381, 0.4, 0.03), (0, 0, z), shade(color, 0.6))
-                    b.box((0.3, 0.521, 0.03), (0, 0, z), shade(color, 0.6))
-                b.box((0.405, 0.12, 0.035), (0, 0, 0.2), "black")
+        _plastic_crates(b, rng)
     elif style == "chest":
-        b.box((0.5, 0.9, 0.42), color="dark green", bevel=0.015)
-        b.box((0.53, 0.93, 0.1), (0, 0, 0.4), shade("dark green", 1.25), bevel=0.02)
-        for y in (-0.3, 0.3):
-            b.box((0.02, 0.06, 0.12), (0.26, y, 0.34), "galvanised")
-        for y in (-0.43, 0.43):
-            b.box((0.52, 0.05, 0.06), (0, y, 0.0), "black")
+        _chest(b)
     else:
-        b.box((0.55, 0.9, 0.5), color="signal yellow", taper=(1.1, 1.08), bevel=0.02)
-        roof = [(-0.34, 0), (0.34, 0), (0.32, 0.08), (-0.25, 0.2), (-0.34, 0.18)]
-        b.profile(roof, 1.02, (0, 0, 0.5), "signal yellow")
-        image, draw = paint.canvas((64, 32), "signal yellow")
-        paint.text(draw, "GRIT", (4, 3, 60, 29), "black", bold=0.05)
-        b.panel(image, (0.295, 0, 0.28), 0.4, 0.2, tilt_deg=-3)
+        _grit_box(b)
     return b.build(f"a {style}", {"style": style})
+
+
+def _wooden_crate(b: MeshBuilder, rng: np.random.Generator) -> None:
+    """Slats around a box, on battens."""
+    x, y, z = (float(v) for v in rng.uniform((0.4, 0.55, 0.35), (0.5, 0.7, 0.45)))
+    b.box((x - 0.03, y - 0.03, z - 0.02), color="dark wood")
+    for k in range(3):
+        at = z * (k + 0.5) / 3
+        for s in (-1, 1):
+            b.box((0.018, y, z / 3 - 0.02), (s * (x / 2 - 0.009), 0, at), "light wood", centered=True)
+            b.box((x, 0.018, z / 3 - 0.02), (0, s * (y / 2 - 0.009), at), "light wood", centered=True)
+    for sx in (-1, 1):
+        for sy in (-1, 1):
+            b.box((0.05, 0.05, z), (sx * (x / 2 - 0.02), sy * (y / 2 - 0.02), 0), "wood")
+    for k in range(4):
+        b.box((x / 4 - 0.015, y, 0.02), (-x / 2 + x * (k + 0.5) / 4, 0, z - 0.015), "light wood")
+
+
+def _plastic_crates(b: MeshBuilder, rng: np.random.Generator) -> None:
+    """Two or three crates, one on the other."""
+    for k, color in enumerate(("red", "blue", "signal yellow")[: int(rng.integers(2, 4))]):
+        with b.frame((0, 0, 0.3 * k), (0, 0, float(rng.uniform(-6, 6)))):
+            b.box((0.36, 0.5, 0.28), color=color, taper=(1.04, 1.03))
+            b.box((0.4, 0.54, 0.03), (0, 0, 0.265), shade(color, 0.85))
+            for z in (0.06, 0.13):
+                b.box((0.381, 0.4, 0.03), (0, 0, z), shade(color, 0.6))
+                b.box((0.3, 0.521, 0.03), (0, 0, z), shade(color, 0.6))
+            b.box((0.405, 0.12, 0.035), (0, 0, 0.2), "black")
+
+
+def _chest(b: MeshBuilder) -> None:
+    """A chest with a lid and two locks."""
+    b.box((0.5, 0.9, 0.42), color="dark green", bevel=0.015)
+    b.box((0.53, 0.93, 0.1), (0, 0, 0.4), shade("dark green", 1.25), bevel=0.02)
+    for y in (-0.3, 0.3):
+        b.box((0.02, 0.06, 0.12), (0.26, y, 0.34), "galvanised")
+    for y in (-0.43, 0.43):
+        b.box((0.52, 0.05, 0.06), (0, y, 0.0), "black")
+
+
+def _grit_box(b: MeshBuilder) -> None:
+    """A lettered box under a sloping lid."""
+    b.box((0.55, 0.9, 0.5), color="signal yellow", taper=(1.1, 1.08), bevel=0.02)
+    roof = [(-0.34, 0), (0.34, 0), (0.32, 0.08), (-0.25, 0.2), (-0.34, 0.18)]
+    b.profile(roof, 1.02, (0, 0, 0.5), "signal yellow")
+    image, draw = paint.canvas((64, 32), "signal yellow")
+    paint.text(draw, "GRIT", (4, 3, 60, 29), "black", bold=0.05)
+    b.panel(image, (0.295, 0, 0.28), 0.4, 0.2, tilt_deg=-3)
 
 
 PARCEL = Physics(("cardboard",), 140.0, (0.5, 25.0), 0.5, True, "cardboard parcels of 5-100 l weigh 0.5-20 kg")
