@@ -15,7 +15,6 @@ import dataclasses
 import functools
 import itertools
 import json
-import multiprocessing
 import pathlib
 import sys
 import time
@@ -35,6 +34,7 @@ from urbanverse_mjx.assets.tints import tints
 from urbanverse_mjx.citygen import section
 from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, HullSet, NounError, SceneBank, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash
+from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.compiler import AssetSource, scene_geometry
 from urbanverse_mjx.scene.geometry import EpisodeTable, SceneGeometry
@@ -204,8 +204,8 @@ def _made(split: str, numbers: range, processes: int) -> Iterator[tuple[SceneGeo
     if processes == 1:
         yield from map(functools.partial(_make, split), numbers)
         return
-    with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        yield from pool.imap(functools.partial(_make, split), numbers, chunksize=4)
+    with worker_pool(processes) as pool:
+        yield from pool.map(functools.partial(_make, split), numbers, chunksize=4)
 
 
 def _make(split: str, number: int) -> tuple[SceneGeometry, str, str]:

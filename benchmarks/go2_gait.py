@@ -12,9 +12,7 @@ of one processor core.
 """
 
 import argparse
-import concurrent.futures
 import json
-import multiprocessing
 import os
 import pathlib
 import sys
@@ -24,6 +22,7 @@ from typing import Any
 
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.robots import make_go2
 from urbanverse_mjx.robots.go2 import load_gait
 
@@ -61,9 +60,8 @@ def judge_all(arguments: argparse.Namespace) -> dict[str, Any]:
     """All trials of a gait."""
     if arguments.processes == 1:
         return _judge(arguments, Judge(make_go2(), load_gait(arguments.gait)))
-    gait, context = load_gait(arguments.gait), multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(arguments.processes, context) as pool:
-        return _judge(arguments, Judge(make_go2(), gait, pool))
+    with worker_pool(arguments.processes) as pool:
+        return _judge(arguments, Judge(make_go2(), load_gait(arguments.gait), pool))
 
 
 def _judge(arguments: argparse.Namespace, judge: Judge) -> dict[str, Any]:

@@ -9,9 +9,7 @@ graph and scores are there are left alone, so a stopped run goes on. One process
 """
 
 import argparse
-import concurrent.futures
 import json
-import multiprocessing
 import os
 import pathlib
 import sys
@@ -28,6 +26,7 @@ from urbanverse_mjx.citygen import cities
 from urbanverse_mjx.citygen.cities.block import LENGTH
 from urbanverse_mjx.datatypes import NounError, Recording, SceneGraph
 from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.process_pool import results_as_completed
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -49,19 +48,12 @@ def main(argv: list[str] | None = None) -> int:
     begin, failed = time.monotonic(), {}
     # Every process draws on one core: its threads would fight with the others'. JAX and Warp stay on the CPU.
     os.environ |= {"OMP_NUM_THREADS": "1", "URBANVERSE_THREADS": "1", "JAX_PLATFORMS": "cpu"}
-    context = multiprocessing.get_context("spawn")
-    workers = max(1, min(arguments.workers, len(jobs) or 1))
-    with concurrent.futures.ProcessPoolExecutor(workers, mp_context=context) as pool:
-        tickets = {pool.submit(_film, *job): job[1] for job in jobs}
-        for number, ticket in enumerate(concurrent.futures.as_completed(tickets), 1):
-            layout = tickets[ticket]
-            try:
-                said = json.dumps(ticket.result())
-            except NounError as error:
-                failed[layout] = said = str(error)
-            print(
-                f"{number}/{len(jobs)} {time.monotonic() - begin:.0f} s {layout}: {said}", file=sys.stderr, flush=True
-            )
+    for number, (task, (figures, error)) in enumerate(results_as_completed(_film, jobs, arguments.workers), 1):
+        layout = jobs[task][1]
+        if error:
+            failed[layout] = error
+        said = error or json.dumps(figures)
+        print(f"{number}/{len(jobs)} {time.monotonic() - begin:.0f} s {layout}: {said}", file=sys.stderr, flush=True)
     print(json.dumps({"filmed": len(jobs) - len(failed), "failed": failed, "seconds": round(time.monotonic() - begin)}))
     return 1 if failed else 0
 
@@ -70,7 +62,15 @@ def _files(out: pathlib.Path, name: str, layout: str) -> tuple[pathlib.Path, pat
     return out / name / layout / "graph.json.gz", out / "scores" / name / f"{layout}.json"
 
 
-def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
+def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> tuple[dict[str, Any], str]:
+    """The figures of one layout, or no figures and why it cannot be filmed."""
+    try:
+        return _figures(name, layout, out, keep, length), ""
+    except NounError as error:
+        return {}, str(error)
+
+
+def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
     """One layout in this process: its graph and its scores."""
     from urbanverse_mjx.capture.truth import object_id, object_slots
     from urbanverse_mjx.pipeline.library.tours import film

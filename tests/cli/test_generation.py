@@ -1,17 +1,12 @@
 """`urbanverse gen`: sources, resuming, what is refused; and batches with retries and a journal."""
 
-import concurrent.futures
 import contextlib
 import json
-import multiprocessing
-import multiprocessing.synchronize
 import pathlib
 import subprocess
 import sys
-import time
 
 import mujoco
-import psutil
 import pytest
 
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
@@ -140,32 +135,6 @@ def test_a_killed_run_goes_on_where_it_stopped(tmp_path: pathlib.Path, monkeypat
     assert (tmp_path / "run" / "graph" / "graph.json").stat().st_mtime_ns == graph
     generate(GRAPH, tmp_path / "run", options)
     assert len(made) == 5
-
-
-def _wait_for_the_end(ready: "multiprocessing.synchronize.Event") -> None:
-    """A run that starts a worker as `generate` does, and waits for it."""
-    context = multiprocessing.get_context("spawn")
-    pool = concurrent.futures.ProcessPoolExecutor(1, mp_context=context, initializer=compiling.leave_with_parent)
-    pool.submit(time.sleep, 0).result()
-    ready.set()
-    pool.submit(time.sleep, 120).result()
-
-
-def test_workers_leave_with_a_killed_run() -> None:
-    context = multiprocessing.get_context("spawn")
-    ready = context.Event()
-    run = context.Process(target=_wait_for_the_end, args=(ready,))
-    run.start()
-    assert ready.wait(120)
-    workers = psutil.Process(run.pid).children(recursive=True)
-    assert workers
-    run.kill()
-    run.join()
-    gone, alive = psutil.wait_procs(workers, timeout=30)
-    for worker in alive:
-        worker.kill()
-    assert not alive
-    assert len(gone) == len(workers)
 
 
 # Batches ------------------------------------------------------------------------------------------------------------

@@ -1,10 +1,9 @@
 """Builds every recipe's variants once, in a pool of processes: the records of the base index and their measures."""
 
-import concurrent.futures
-import multiprocessing
 from collections.abc import Callable
 
 from urbanverse_mjx.datatypes import AssetRecord
+from urbanverse_mjx.process_pool import worker_pool
 
 from .base_shapes import BaseShape, measure
 from .index import AssetIndex, make_record
@@ -24,8 +23,7 @@ def build_base(
     """
     tasks = [(recipe.name, recipe.leaf, k) for recipe in all_recipes() for k in range(recipe.variants)]
     records, shapes = [], []
-    context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(jobs, context) as pool:
+    with worker_pool(jobs) as pool:
         for done, (record, shape) in enumerate(pool.map(_work, tasks, chunksize=CHUNK), 1):
             records.append(record)
             shapes.append(shape)

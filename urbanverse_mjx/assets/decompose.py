@@ -8,8 +8,6 @@ and takes seconds instead of minutes.
 
 import concurrent.futures
 import dataclasses
-import multiprocessing
-import os
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -20,6 +18,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from urbanverse_mjx.datatypes import optional
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh
+from urbanverse_mjx.process_pool import worker_pool
 
 from .hulls import MILLIMETRE, HullStore, hull_budget, mesh_key, store_path
 from .index import build_mesh, load_index
@@ -287,10 +286,6 @@ def _work(key: str, recipe: str, leaf: str, variant: int, budget: int) -> tuple[
     return key, decompose(built.mesh, budget, built.part_faces)
 
 
-def _quiet_start() -> None:
-    os.nice(5)
-
-
 def build_missing(
     jobs: int, leaf: str | None = None, again: bool = False, report: Callable[[str], object] = print
 ) -> HullStore:
@@ -310,12 +305,11 @@ def build_missing(
         needed.add(key)
         if (again or key not in found) and leaf in (None, record.leaf):
             tasks[key] = (key, record.recipe, record.leaf, int(record.params["variant"]), budget)
-    context = multiprocessing.get_context("spawn")
     waiting = list(tasks.values())
     with Progress() as bar:
         line = bar.add_task("convex hulls", total=len(waiting))
         for first in range(0, len(waiting), BATCH):
-            with concurrent.futures.ProcessPoolExecutor(jobs, context, _quiet_start) as pool:
+            with worker_pool(jobs, niceness=5) as pool:
                 futures = [pool.submit(_work, *task) for task in waiting[first : first + BATCH]]
                 for done in concurrent.futures.as_completed(futures):
                     key, hulls = done.result()

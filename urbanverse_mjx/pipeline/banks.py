@@ -1,18 +1,17 @@
 """Banks of compiled scenes: built from graphs, joined, and the ones in the cache that environments load."""
 
-import concurrent.futures
 import dataclasses
 import fnmatch
-import multiprocessing
 import os
 import pathlib
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
 
 from .. import settings
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
+from ..process_pool import results_as_completed
+from ..work_folder import work_folder
 from .scenes import compile_graph
 
 
@@ -39,23 +38,16 @@ def build_bank(
 
     from ..scene import pack_bank
 
-    # Not forked: JAX and MuJoCo may already run threads here.
-    context = multiprocessing.get_context("spawn")
     wanted = [(pathlib.Path(graph), cousin) for graph in graphs for cousin in range(cousins)]
-    workers = max(1, min(settings.num_threads(), len(wanted)))
     with (
-        tempfile.TemporaryDirectory(prefix="urbanverse-scenes-") as work,
+        work_folder("urbanverse-scenes-") as work,
         Progress(console=Console(stderr=True), disable=quiet) as progress,
-        concurrent.futures.ProcessPoolExecutor(workers, mp_context=context) as pool,
     ):
-        task = progress.add_task("compiling scenes", total=len(wanted))
-        folders = [pathlib.Path(work) / str(i) for i in range(len(wanted))]
-        jobs = [pool.submit(_compile_job, *w, f, seed) for w, f in zip(wanted, folders, strict=True)]
-        for job in concurrent.futures.as_completed(jobs):
-            if job.exception() is not None:
-                pool.shutdown(wait=False, cancel_futures=True)
-            job.result()
-            progress.advance(task)
+        bar = progress.add_task("compiling scenes", total=len(wanted))
+        folders = [work / str(i) for i in range(len(wanted))]
+        tasks = [(graph, cousin, folder, seed) for (graph, cousin), folder in zip(wanted, folders, strict=True)]
+        for _ in results_as_completed(_compile_job, tasks, settings.num_threads()):
+            progress.advance(bar)
         return pack_bank(folders, [split for split in splits for _ in range(cousins)])
 
 

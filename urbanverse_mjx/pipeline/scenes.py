@@ -1,5 +1,6 @@
 """One scene graph -> one compiled scene."""
 
+import functools
 import os
 import pathlib
 from typing import TYPE_CHECKING
@@ -51,6 +52,7 @@ def compile_graph(
     return materialised, compile_scene(materialised.layout, index, out, make_driver(), place=scene.source)
 
 
+@functools.cache
 def make_driver() -> "Driver":
     """COCO behind its own waypoint controller, as numpy in and out."""
     import jax

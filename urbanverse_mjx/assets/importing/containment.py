@@ -12,6 +12,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.process_pool import end_with_parent
 
 from .screening import RefusedFileError
 
@@ -99,6 +100,7 @@ def _death(code: int | None, bounds: Bounds) -> Outcome:
 
 
 def _child(there: Connection, bounds: Bounds, function: Callable[..., Any], args: tuple[Any, ...]) -> None:
+    end_with_parent()
     _limit(bounds)
     # Readers and CoACD print what they like; the report has one line per file.
     null = os.open(os.devnull, os.O_WRONLY)

@@ -1,10 +1,6 @@
 """One cousin from its layout to files: MuJoCo scene, USD, and the check that all of it stands still."""
 
-import multiprocessing
-import multiprocessing.connection
-import os
 import pathlib
-import threading
 from typing import Any
 
 from ...assets import AssetIndex
@@ -27,18 +23,6 @@ def load_assets(folder: pathlib.Path) -> AssetIndex:
     """The records beside a layout."""
     rows = v.items(v.read_json(folder / ASSETS, "asset list"), ASSETS)
     return AssetIndex(AssetRecord.from_json(row, f"{ASSETS}[{i}]") for i, row in enumerate(rows))
-
-
-def leave_with_parent() -> None:
-    """Ends this process as soon as the one that started it is gone: nobody works on in a killed run's folder."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-
-        def watch() -> None:
-            multiprocessing.connection.wait([parent.sentinel])
-            os._exit(1)
-
-        threading.Thread(target=watch, daemon=True).start()
 
 
 def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:

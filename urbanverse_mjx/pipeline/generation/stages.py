@@ -1,9 +1,7 @@
 """The stages of a run, in order, each resumable: frames, recording, graph, cousins, scenes, bank, report."""
 
-import concurrent.futures
 import dataclasses
 import json
-import multiprocessing
 import os
 import pathlib
 import shutil
@@ -12,6 +10,7 @@ from typing import Any
 from ... import settings
 from ...datatypes import Recording, SceneGraph
 from ...datatypes import validation as v
+from ...process_pool import results_as_completed
 from . import compiling
 from .progress import StageBars
 from .run_folder import Clock, RunFolder, key_of
@@ -161,29 +160,11 @@ def _scenes(run: RunFolder, bars: StageBars, options: GenerationOptions, before:
 
 
 def _compile_all(run: RunFolder, missing: list[int], options: GenerationOptions, key: str, report: Any) -> None:
-    workers = max(1, min(options.workers or settings.num_threads(), len(missing)))
-    if workers == 1:
-        for number, k in enumerate(missing, 1):
-            _finish_scene(run, k, key, compiling.compile_cousin(run.path / COUSINS / str(k), options.usd))
-            report(options.cousins - len(missing) + number, options.cousins)
-        return
-    # Not forked: JAX and MuJoCo may already run threads here.
-    context = multiprocessing.get_context("spawn")
-    leave = compiling.leave_with_parent
-    with concurrent.futures.ProcessPoolExecutor(workers, mp_context=context, initializer=leave) as pool:
-        folders = {k: run.path / COUSINS / str(k) for k in missing}
-        jobs = {pool.submit(compiling.compile_cousin, folder, options.usd): k for k, folder in folders.items()}
-        try:
-            for number, job in enumerate(concurrent.futures.as_completed(jobs), 1):
-                _finish_scene(run, jobs[job], key, job.result())
-                report(options.cousins - len(missing) + number, options.cousins)
-        except v.NounError:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _finish_scene(run: RunFolder, k: int, key: str, check: dict[str, Any]) -> None:
-    run.finish(f"scenes/{k}", key, check["seconds"])
+    tasks = [(run.path / COUSINS / str(k), options.usd) for k in missing]
+    checks = results_as_completed(compiling.compile_cousin, tasks, options.workers or settings.num_threads())
+    for number, (task, check) in enumerate(checks, 1):
+        run.finish(f"scenes/{missing[task]}", key, check["seconds"])
+        report(options.cousins - len(missing) + number, options.cousins)
 
 
 def _bank(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:

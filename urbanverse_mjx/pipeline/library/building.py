@@ -1,8 +1,6 @@
 """A layout of a set -> its cousins, compiled; and all scenes of a set -> one bank. Goes on where it stopped."""
 
-import concurrent.futures
 import dataclasses
-import multiprocessing
 import pathlib
 import time
 from collections.abc import Callable, Iterator
@@ -11,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ... import settings
 from ...datatypes import SceneGraph
 from ...datatypes import validation as v
+from ...process_pool import results_as_completed
 from ...scene import library
 from ..generation.run_folder import key_of
 
@@ -196,30 +195,31 @@ def build_set(
     Returns:
       record of every scene by id, in the set's order, and the layouts that failed.
     """
-    from ..generation.compiling import leave_with_parent
-
     scenes = library.scene_set(name)
     wanted = [layout for layout in layouts_of(scenes) if only in layout]
     if not wanted:
         raise v.fail("--only", v.show(only), f"a part of a layout's id of {name}", "leave it out")
     records: dict[str, dict[str, Any]] = {}
     failures = []
-    context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(
-        max(1, min(workers, len(wanted))), mp_context=context, initializer=leave_with_parent
-    ) as pool:
-        jobs = {pool.submit(build_layout, name, layout): layout for layout in wanted}
-        for number, job in enumerate(concurrent.futures.as_completed(jobs), 1):
-            layout = jobs[job]
-            try:
-                records |= {record["id"]: record for record in job.result()}
-                said = layout
-            except v.NounError as error:
-                failures.append(Failure(layout, str(error)))
-                said = f"{layout}: {error}"
-            progress(number, len(wanted), said)
+    built = results_as_completed(_built, [(name, layout) for layout in wanted], workers)
+    for number, (task, result) in enumerate(built, 1):
+        if isinstance(result, Failure):
+            failures.append(result)
+            said = f"{result.layout}: {result.reason}"
+        else:
+            records |= {record["id"]: record for record in result}
+            said = wanted[task]
+        progress(number, len(wanted), said)
     order = [scenes.scene_id(layout, k) for layout in wanted for k in range(scenes.cousins)]
     return {scene: records[scene] for scene in order if scene in records}, failures
+
+
+def _built(name: str, layout: str) -> list[dict[str, Any]] | Failure:
+    """As `build_layout`; a layout that cannot be built does not stop the others."""
+    try:
+        return build_layout(name, layout)
+    except v.NounError as error:
+        return Failure(layout, str(error))
 
 
 def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, int]:

@@ -1,0 +1,134 @@
+"""Worker processes end with the process that started them; what a killed run left is removed by the next."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+import psutil
+import pytest
+
+from urbanverse_mjx.process_pool import results_as_completed
+from urbanverse_mjx.work_folder import OWNER, sweep, work_folder
+
+ROOT = pathlib.Path(__file__).parents[2]
+#: Starts two workers that sleep for two minutes; every one leaves a file with its process id.
+POOL = """
+import pathlib, sys
+from urbanverse_mjx.process_pool import results_as_completed
+from tests.pipeline.test_process_pool import sleep
+if __name__ == "__main__":
+    for _ in results_as_completed(sleep, [(sys.argv[1], k) for k in range(2)], 2):
+        pass
+"""
+#: The same in the process in which an asset is imported.
+CONTAINED = """
+import sys
+from urbanverse_mjx.assets.importing.containment import contained
+from tests.pipeline.test_process_pool import sleep
+if __name__ == "__main__":
+    contained(sleep, sys.argv[1], 0)
+"""
+#: The same in a process that was started by its command line.
+COMMAND = """
+import os, subprocess, sys
+code = (
+    "import sys; from urbanverse_mjx.process_pool import end_with_parent; end_with_parent(int(sys.argv[2]));"
+    "from tests.pipeline.test_process_pool import sleep; sleep(sys.argv[1], 0)"
+)
+subprocess.run([sys.executable, "-c", code, sys.argv[1], str(os.getpid())])
+"""
+
+
+def sleep(folder: str, number: int) -> None:
+    """What the workers do."""
+    path = pathlib.Path(folder) / f".{number}"
+    path.write_text(str(os.getpid()))
+    path.rename(pathlib.Path(folder) / str(number))
+    time.sleep(120)
+
+
+@pytest.fixture
+def killed() -> Iterator[list[psutil.Process]]:
+    """Processes that a test waits for; those that did not end are ended, or a failing test leaves them behind."""
+    processes: list[psutil.Process] = []
+    yield processes
+    for process in processes:
+        if process.is_running():
+            process.kill()
+
+
+@pytest.mark.parametrize(
+    ("code", "count"), [(POOL, 2), (CONTAINED, 1), (COMMAND, 1)], ids=["pool", "contained", "command"]
+)
+def test_workers_end_with_a_killed_parent(
+    code: str, count: int, tmp_path: pathlib.Path, killed: list[psutil.Process]
+) -> None:
+    script, folder = tmp_path / "script.py", tmp_path / "ids"
+    folder.mkdir()
+    script.write_text(code)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    parent = subprocess.Popen([sys.executable, str(script), str(folder)], env=environment, cwd=ROOT)
+    for number in range(count):
+        deadline = time.monotonic() + 60
+        while not (folder / str(number)).is_file():
+            assert parent.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        killed.append(psutil.Process(int((folder / str(number)).read_text())))
+    assert psutil.wait_procs(killed, timeout=1.0)[0] == [], "they live as long as their parent does"
+    # With them the fork server and the process that watches over semaphores, where there are any.
+    killed += [p for p in psutil.Process(parent.pid).children(recursive=True) if p not in killed]
+    parent.send_signal(signal.SIGKILL)
+    parent.wait()
+    assert psutil.wait_procs(killed, timeout=10)[1] == []
+
+
+def _square(number: int) -> tuple[int, int]:
+    if number < 0:
+        raise ValueError(f"found {number}")
+    return number * number, os.getpid()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_every_result_comes_once_with_its_number(workers: int) -> None:
+    found = dict(results_as_completed(_square, [(k,) for k in range(5)], workers))
+    assert {number: square for number, (square, _) in found.items()} == {k: k * k for k in range(5)}
+    assert (os.getpid() in {process for _, process in found.values()}) == (workers == 1)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_error_in_a_worker_is_raised_here(workers: int) -> None:
+    with pytest.raises(ValueError, match="found -1"):
+        list(results_as_completed(_square, [(1,), (-1,), (2,)], workers))
+
+
+def test_the_next_run_removes_the_folder_of_a_killed_one_and_nothing_else(tmp_path: pathlib.Path) -> None:
+    code = (
+        "import os, pathlib, sys; from urbanverse_mjx.work_folder import work_folder\n"
+        "with work_folder('scenes-', pathlib.Path(sys.argv[1])) as folder:\n"
+        "    (folder / 'half.npz').write_text('half'); os.kill(os.getpid(), 9)"
+    )
+    assert subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=False, cwd=ROOT).returncode == -9
+    (left,) = tmp_path.iterdir()
+    assert (left / "half.npz").is_file()
+    others = [tmp_path / "scenes-mine", tmp_path / "other-1"]
+    for path in others:
+        path.mkdir()
+        (path / "diary.txt").write_text("mine")
+    (tmp_path / "scenes-link").symlink_to(others[0])
+    (others[1] / OWNER).touch()
+    with work_folder("scenes-", tmp_path) as first:
+        assert not left.exists()
+        # Neither a second run, nor a sweep in the same process, takes a folder that is in use.
+        with work_folder("scenes-", tmp_path) as second:
+            sweep("scenes-", tmp_path)
+            assert first.is_dir()
+            assert second.is_dir()
+            assert first != second
+        assert not second.exists()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["other-1", "scenes-link", "scenes-mine"]
+    assert all((path / "diary.txt").is_file() for path in others)

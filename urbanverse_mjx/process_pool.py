@@ -1,0 +1,83 @@
+"""Worker processes that end with the process that started them.
+
+The workers of a `ProcessPoolExecutor` wait for work on a pipe whose other end they hold themselves, so those of a
+process that SIGKILL ended wait for ever. Every pool and every process that this package starts watches its parent.
+"""
+
+import concurrent.futures
+import multiprocessing
+import multiprocessing.connection
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+#: s between two looks at who the parent is, where the operating system does not say that it has ended.
+_INTERVAL = 0.5
+
+
+def end_with_parent(parent: int | None = None) -> None:
+    """Ends this process, with status 1, as soon as its parent has ended, however that happened.
+
+    Args:
+      parent: id of the process that started this one; None in a process that `multiprocessing` started.
+    """
+    started_by = multiprocessing.parent_process()
+    if parent is None and started_by is None:
+        return
+
+    def watch() -> None:
+        if parent is None and started_by is not None:
+            multiprocessing.connection.wait([started_by.sentinel])
+        else:
+            while os.getppid() == parent:
+                time.sleep(_INTERVAL)
+        os._exit(1)
+
+    threading.Thread(target=watch, name="end_with_parent", daemon=True).start()
+
+
+def worker_pool(workers: int, niceness: int = 0) -> concurrent.futures.ProcessPoolExecutor:
+    """A pool of processes that end with this one.
+
+    They are spawned, not forked: JAX and MuJoCo may already run threads here.
+
+    Args:
+      niceness: added to that of this process, so that others on the machine go first.
+    """
+    context = multiprocessing.get_context("spawn")
+    return concurrent.futures.ProcessPoolExecutor(workers, context, _begin, (niceness,))
+
+
+def _begin(niceness: int) -> None:
+    end_with_parent()
+    if niceness:
+        os.nice(niceness)
+
+
+def results_as_completed(
+    function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], workers: int
+) -> Iterator[tuple[int, Any]]:
+    """Calls `function(*task)` for every task, in as many processes as asked for but no more than there are tasks.
+
+    One worker is this process itself: nothing is started.
+
+    Yields:
+      (number of the task, its result), as they end.
+
+    Raises:
+      Exception: what a task raised; those that have not begun are then left out.
+    """
+    workers = min(workers, len(tasks))
+    if workers <= 1:
+        for number, task in enumerate(tasks):
+            yield number, function(*task)
+        return
+    with worker_pool(workers) as pool:
+        jobs = {pool.submit(function, *task): number for number, task in enumerate(tasks)}
+        try:
+            for job in concurrent.futures.as_completed(jobs):
+                yield jobs[job], job.result()
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
