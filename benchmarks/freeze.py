@@ -13,9 +13,9 @@ import json
 import pathlib
 import sys
 
-from urbanverse_mjx.cli.benchmark import benchmark_bank
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.evaluation.frozen import freeze
+from urbanverse_mjx.pipeline.benchmarking import benchmark_bank
 
 FOLDER = pathlib.Path(__file__).parent / "protocols"
 EPISODES, HALF = 64, 100.0

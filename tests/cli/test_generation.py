@@ -150,11 +150,10 @@ def fake_work(fail: dict[str, list[int]]):
     """Work that ends with the statuses given by source, then 0; a done run leaves its report."""
 
     def work(job: Job) -> Outcome:
-        source, out = pathlib.Path(job.words[1]), pathlib.Path(job.words[3])
-        status = fail.get(source.name, []).pop(0) if fail.get(source.name) else 0
+        status = fail.get(job.source.name, []).pop(0) if fail.get(job.source.name) else 0
         if status == 0:
-            out.mkdir(parents=True, exist_ok=True)
-            (out / "report.html").write_text("done")
+            job.out.mkdir(parents=True, exist_ok=True)
+            (job.out / "report.html").write_text("done")
         return Outcome(status, "some words", 0.1)
 
     return work
@@ -210,7 +209,7 @@ def test_lists_that_cannot_be_used(tmp_path: pathlib.Path) -> None:
 
 
 def _status(job: Job) -> Outcome:
-    return Outcome(int(job.words[0]), "said", 0.0)
+    return Outcome(job.options.seed, "said", 0.0)
 
 
 @pytest.mark.slow
@@ -218,7 +217,7 @@ def test_two_ray_workers(tmp_path: pathlib.Path) -> None:
     pytest.importorskip("ray")
     with EXECUTORS["ray"](2) as pool:
         assert pool.size == 2
-        tickets = {pool.submit(_status, Job((str(k),))): k for k in range(4)}
+        tickets = {pool.submit(_status, Job(tmp_path, tmp_path, GenerationOptions(seed=k))): k for k in range(4)}
         found = {}
         while tickets:
             ticket, outcome = pool.next(list(tickets))

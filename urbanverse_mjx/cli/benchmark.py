@@ -2,271 +2,34 @@
 
 import dataclasses
 import pathlib
-import subprocess
 import sys
-import time
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated
 
 import tyro
 
-from .. import settings
-from ..datatypes import NounError, SceneBank
-from ..datatypes import validation as v
+from .. import pipeline
+from ..pipeline.benchmarking import BenchmarkOptions
 
 
-@dataclasses.dataclass(frozen=True)
-class BenchmarkArgs:
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class BenchmarkArgs(BenchmarkOptions):
     """Score a policy on a frozen benchmark: prints the table; report.md, results and pictures go to a folder."""
 
     name: Annotated[str, tyro.conf.Positional]
     """autobench, craftbench, shipped, or a file made by `python -m benchmarks.freeze`."""
-    policy: str = "planner"
-    """zero, random, go_to_goal, planner (told of the whole scene), a policy folder, module:callable, FILE.onnx."""
-    protocol: Literal["paper", "full"] = "paper"
-    """paper: 5 runs over ten scenes; full: every frozen episode of every scene, intervals over scenes."""
-    contact: Literal["both", "ends", "goes_on"] = "both"
-    """Whether contact ends an episode, or is counted while the robot goes on."""
-    impl: Literal["auto", "jax", "warp"] = "auto"
-    """Engine: warp on CUDA, else jax."""
-    env_name: str | None = None
-    """Whose robot is driven, e.g. Go2Nav; default: the policy's own, else CocoNav."""
-    preset: str = "paper"
-    """Of the environment, where the policy brings none."""
-    dynamic: bool = False
-    """With people and vehicles that move."""
     bank: pathlib.Path | None = None
     """The scenes; default: those that `urbanverse scene library` (shipped: `urbanverse scene bank`) built."""
     out: pathlib.Path | None = None
     """Folder; default: runs/NAME-POLICY."""
-    scenes: int | None = None
-    """Only so many scenes, to try things out."""
-    at_once: int = 128
-    """Episodes side by side."""
-    pictures: bool = True
-    """Draw every scene's routes from above."""
     quiet: bool = False
 
 
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse benchmark`."""
     args = tyro.cli(BenchmarkArgs, args=list(argv), prog="urbanverse benchmark")
-    from ..evaluation.frozen import Protocol
-
-    v.integer(args.at_once, "--at-once", 1)
-    if args.scenes is not None:
-        v.integer(args.scenes, "--scenes", 1)
-    protocol = Protocol.load(protocol_file(args.name))
-    bank = SceneBank.load(args.bank) if args.bank else benchmark_bank(protocol.name, args.quiet)
-    runs = protocol.on(bank, args.protocol, args.scenes)
-    out = args.out or pathlib.Path("runs") / f"{protocol.name}-{pathlib.Path(args.policy).stem.replace(':', '-')}"
-    sys.stdout.write(run(args, runs, out))
+    done = pipeline.benchmark(args.name, args.out, args, args.bank, args.quiet)
+    sys.stdout.write(done.page)
     if not args.quiet:
-        print(f"report: {out / 'report.md'}", file=sys.stderr)
+        print(f"report: {done.folder / 'report.md'}", file=sys.stderr)
     return 0
-
-
-def protocol_file(name: str) -> pathlib.Path:
-    """The file of a benchmark by its name, or by its path.
-
-    Raises:
-      NounError: there is none.
-    """
-    if name.endswith(".json"):
-        return pathlib.Path(name)
-    folder = settings.protocol_root()
-    known = sorted(p.stem for p in folder.glob("*.json"))
-    if name not in known:
-        raise NounError(f"benchmark: found {name!r}, needed one of {', '.join(known)} or a file.")
-    return folder / f"{name}.json"
-
-
-def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
-    """The scenes of a benchmark by its name; `_half` names the same ones."""
-    name = name.removesuffix("_half")
-    if name == "shipped":
-        from ..pipeline import ensure_default_bank
-
-        return ensure_default_bank(quiet)
-    path = settings.cache_dir("library", name, "bank.npz")
-    if not path.is_file():
-        raise NounError(
-            f"benchmark {name!r}: found no bank at {path}, needed its scenes; run `urbanverse scene library {name}` or "
-            "say which file with --bank."
-        )
-    return SceneBank.load(path)
-
-
-def run(args: BenchmarkArgs, runs: Any, out: pathlib.Path) -> str:
-    """Drives, writes everything into `out`, and returns the page."""
-    from ..evaluation import benchmark
-
-    contacts = benchmark.CONTACTS if args.contact == "both" else (args.contact,)
-    tables, scenes, seconds = {}, {}, {}
-    title = f"{runs.protocol.name}, protocol {runs.kind}: {args.policy}"
-    for contact in contacts:
-        began = time.monotonic()
-        env, driver, batched, name, where = _prepare(args, runs, contact)
-        outcome = _drive(args, runs, contact, env, driver, batched, name)
-        record = {**_record(args, runs, env, contact), "policy": where}
-        tables[contact] = {name: benchmark.write_outcome(out / contact, title, runs, outcome, record)}
-        scenes[contact] = benchmark.by_scene(outcome.results)
-        if args.pictures:
-            _draw(runs, outcome, out / contact)
-        seconds[contact] = round(time.monotonic() - began, 1)
-    # Apart from everything else, which is the same every time.
-    v.write_json(out / "timing.json", seconds)
-    how = {
-        "paper": "Means over runs ± standard error over runs.",
-        "full": "Means over episodes ± standard error, [95 % interval], both from a bootstrap over scenes.",
-    }[runs.kind]
-    page = benchmark.to_markdown(title, tables, scenes, how)
-    benchmark.write_page(out, page)
-    return page
-
-
-def _prepare(args: BenchmarkArgs, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
-    """The environment, the driver, whether it is asked outside JAX, its name, and what is recorded of it."""
-    from ..envs import registry
-    from ..evaluation.agents import BASELINES
-    from ..evaluation.foreign import load_callable, load_onnx
-    from ..evaluation.planner import Planner
-
-    name, path = args.policy, pathlib.Path(args.policy)
-    if name in BASELINES or name == "planner":
-        env = registry.load(args.env_name or "CocoNav", config=_config(args, runs, contact, False), bank=runs.bank)
-        driver = Planner(env) if name == "planner" else BASELINES[name]
-        return env, driver, False, name, {"name": name, "privileged": name == "planner"}
-    if name.endswith(".onnx") or (":" in name and not path.exists()):
-        policy = load_onnx(path) if name.endswith(".onnx") else load_callable(name)
-        config = _config(args, runs, contact, policy.sees, policy.size)
-        env = registry.load(args.env_name or "CocoNav", config=config, bank=runs.bank)
-        return env, policy.agent, True, path.stem if name.endswith(".onnx") else name, {"name": name}
-    if not path.is_dir():
-        known = ", ".join((*BASELINES, "planner"))
-        raise NounError(
-            f"--policy: found {name!r}, needed one of {known}, a policy folder, module:callable or a .onnx file."
-        )
-    from ml_collections import ConfigDict
-
-    from ..training.policy import latest_policy, load_policy
-
-    folder = latest_policy(path)
-    act, spec = load_policy(folder)
-    environment = args.env_name or spec.environment
-    trained = ConfigDict(spec.env_config)
-    if environment != spec.environment:
-        trained = registry.same_task(trained, environment)
-    sees = any(k.startswith("pixels/") for k in spec.observations)
-    config = _config(args, runs, contact, sees, trained=trained.to_dict(), environment=environment)
-    env = registry.load(environment, config=config, bank=runs.bank)
-    return env, act, False, folder.name, {"name": str(args.policy), "steps": spec.steps, "versions": spec.versions}
-
-
-#: s, longest episode (paper: a fixed horizon of 60 s).
-HORIZON = 60.0
-
-
-def _config(
-    args: BenchmarkArgs,
-    runs: Any,
-    contact: str,
-    sees: bool,
-    size: tuple[int, int] | None = None,
-    trained: dict[str, Any] | None = None,
-    environment: str | None = None,
-) -> Any:
-    """The benchmark's task, seen as the policy was trained to see."""
-    from ..envs import registry
-    from ..pipeline.evaluation import evaluation_config
-
-    environment = environment or args.env_name or "CocoNav"
-    values = trained or registry.get_default_config(environment, args.preset).to_dict()
-    config = evaluation_config(environment, values, ",".join(runs.scenes), args.dynamic)
-    fresh = registry.get_default_config(environment, "paper")
-    task = {
-        "impl": args.impl,
-        "episode_length": round(HORIZON / config.ctrl_dt),
-        "terminate_on_hit": contact == "ends",
-        "terminate_off_traversable": True,
-        "success_radius": fresh.success_radius,
-        "success_after_step": fresh.success_after_step,
-        "vision": sees,
-    }
-    if size is not None:
-        task |= {"vision_config.height": size[0], "vision_config.width": size[1]}
-    return registry.with_overrides(config, task)
-
-
-def _drive(args: BenchmarkArgs, runs: Any, contact: str, env: Any, driver: Any, batched: bool, name: str) -> Any:
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from ..evaluation import benchmark
-
-    with Progress(console=Console(stderr=True), disable=args.quiet) as bar:
-        task = bar.add_task(f"{name}, contact {contact.replace('_', ' ')}", total=len(runs.episodes))
-
-        def show(ended: int, _: int) -> None:
-            bar.update(task, completed=ended)
-
-        return benchmark.drive(env, name, driver, runs.episodes, batched, args.at_once, show)
-
-
-def _record(args: BenchmarkArgs, runs: Any, env: Any, contact: str) -> dict[str, Any]:
-    """Everything that made a result, but the time."""
-    import jax
-
-    from ..training.policy import package_versions
-
-    return {
-        "benchmark": runs.protocol.name,
-        "protocol": runs.kind,
-        "list": runs.protocol.content_hash(),
-        "scenes": {s.id: s.hash for s in runs.protocol.scenes if s.id in runs.scenes},
-        "seeds": [int(s) for s in runs.episodes.seeds],
-        "contact": contact,
-        "config": env.config.to_dict(),
-        "engine": type(env.engine).__name__,
-        "device": f"{jax.devices()[0].platform}: {jax.devices()[0].device_kind}",
-        "commit": code_commit(),
-        "versions": package_versions(),
-        "at_once": args.at_once,
-    }
-
-
-def code_commit() -> str:
-    """The commit of this code, with "+" where files were changed since; "unknown" outside a clone."""
-    folder = pathlib.Path(__file__).resolve().parents[2]
-
-    def git(*words: str) -> str:
-        command = ["git", "-C", str(folder), *words]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20)
-        return done.stdout.strip()
-
-    try:
-        if not (folder / ".git").exists():
-            return "unknown"
-        changed = git("status", "--porcelain", "--untracked-files=no")
-        return git("rev-parse", "HEAD") + ("+" if changed else "")
-    except (OSError, subprocess.SubprocessError):
-        return "unknown"
-
-
-def _draw(runs: Any, outcome: Any, folder: pathlib.Path) -> None:
-    import numpy as np
-    from PIL import Image
-
-    from ..viz.routes import route_picture
-
-    for scene in runs.scenes:
-        number = runs.bank.scene_ids.index(scene)
-        rows = [i for i, r in enumerate(outcome.results) if r.scene == scene]
-        goals = np.array([runs.bank.episode_goal[number, outcome.results[i].episode, :2] for i in rows])
-        ways, ends = [outcome.ways[i] for i in rows], [outcome.results[i].result for i in rows]
-        picture = Image.fromarray(route_picture(runs.bank, number, ways, ends, goals))
-
-        def save(path: pathlib.Path, picture: Image.Image = picture) -> None:
-            picture.save(path, "PNG", optimize=True)
-
-        v.write_atomically(folder / f"routes_{scene}.png", save)

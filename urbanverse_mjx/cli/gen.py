@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 import tyro
 
+from .. import pipeline
+
 
 @dataclasses.dataclass(frozen=True)
 class GenArgs:
@@ -119,9 +121,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _gen(args: GenArgs) -> int:
-    from ..pipeline import GenerationOptions, TourOptions, generate
-
-    tour = TourOptions(
+    tour = pipeline.TourOptions(
         args.rate,
         args.camera_height,
         args.blur,
@@ -131,37 +131,36 @@ def _gen(args: GenArgs) -> int:
         args.perception,
         None if args.models is None else str(args.models),
     )
-    options = GenerationOptions(args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, tour)
-    print(json.dumps(generate(args.source, args.out, options, args.quiet)))
+    options = pipeline.GenerationOptions(
+        args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, tour
+    )
+    print(json.dumps(pipeline.generate(args.source, args.out, options, args.quiet)))
     return 0
 
 
 def _import(args: ImportArgs) -> int:
     from ..distillation.readers import Kitti360Options
-    from ..pipeline import TourOptions
-    from ..pipeline.generation.importing import import_authors_tree, import_kitti360
     from ..pipeline.generation.progress import StageBars
 
     with StageBars(args.quiet) as bars:
         report = bars.stage("recording")
         if args.format == "kitti360":
             options = Kitti360Options(args.sequence, args.first, args.last, args.step, args.depth)
-            recording = import_kitti360(args.source, args.out, options, report)
+            recording = pipeline.import_kitti360(args.source, args.out, options, report)
         else:
             models = None if args.models is None else str(args.models)
-            tour = TourOptions(rate=args.rate, perception=args.perception, models=models)
-            recording = import_authors_tree(args.source, args.out, tour, report)
+            tour = pipeline.TourOptions(rate=args.rate, perception=args.perception, models=models)
+            recording = pipeline.import_authors_tree(args.source, args.out, tour, report)
     print(json.dumps({"recording": str(args.out), "id": recording.id, "frames": len(recording)}))
     return 0
 
 
 def _batch(args: BatchArgs) -> int:
-    from ..pipeline import GenerationOptions, TourOptions
-    from ..pipeline.generation.batch import run_batch
-
     # A source's own cousins are compiled one after another: the sources share the cores.
-    tour = TourOptions(args.rate, args.camera_height, args.blur)
-    options = GenerationOptions(args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, tour=tour)
-    done = run_batch(args.sources, args.out, options, args.executor, args.workers, args.retries, args.quiet)
+    tour = pipeline.TourOptions(args.rate, args.camera_height, args.blur)
+    options = pipeline.GenerationOptions(
+        args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, tour=tour
+    )
+    done = pipeline.run_batch(args.sources, args.out, options, args.executor, args.workers, args.retries, args.quiet)
     print(json.dumps(done))
     return 1 if done["failed"] else 0

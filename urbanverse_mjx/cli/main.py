@@ -9,10 +9,10 @@ import difflib
 import importlib
 import os
 import sys
-import traceback
 from collections.abc import Sequence
 
 from .. import __version__
+from ..pipeline.errors import refusal
 
 #: Command -> (module below `urbanverse_mjx.cli`, one line for --help).
 COMMANDS = {
@@ -77,30 +77,16 @@ def _run(name: str, argv: list[str]) -> int:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 130
-    except ValueError as error:
-        # NounError, or a ValueError raised by our own code, is about the input; one from a library is a bug to be seen.
-        if _is_ours(error):
-            return _refuse(str(error))
-        raise
-    except (FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError, FileExistsError) as error:
-        if error.filename is None:
+    except Exception as error:
+        sentence = refusal(error)
+        if sentence is None:
             raise
-        return _refuse(f"{error.filename}: {error.strerror}.")
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] == "urbanverse_mjx":
-            raise
-        return _refuse(f"the package {error.name!r} is not installed; `urbanverse doctor` prints the command for it.")
+        return _refuse(sentence)
 
 
 def _refuse(sentence: str) -> int:
-    print(f"error: {' '.join(sentence.split())}", file=sys.stderr)
+    print(f"error: {sentence}", file=sys.stderr)
     return 2
-
-
-def _is_ours(error: BaseException) -> bool:
-    frames = list(traceback.walk_tb(error.__traceback__))
-    raised_in = frames[-1][0].f_globals.get("__name__", "") if frames else ""
-    return any(name.partition(".")[0] == "urbanverse_mjx" for name in (type(error).__module__, raised_in))
 
 
 if __name__ == "__main__":

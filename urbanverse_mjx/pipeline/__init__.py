@@ -4,8 +4,9 @@
 
     pipeline.generate("walk.mp4", "runs/walk")
     bank = pipeline.build_bank(["graph.json"], ["test"])
+    pipeline.play("rollout.mp4", pipeline.PlayOptions(agent="go_to_goal"))
 
-Nothing heavy is imported before a name is used.
+Names are imported when they are first used: nothing heavy is loaded before.
 """
 
 import importlib
@@ -21,41 +22,81 @@ if TYPE_CHECKING:
         join_banks,
         shipped_scenes,
     )
+    from .benchmarking import BenchmarkOptions, BenchmarkRun, benchmark
     from .evaluation import evaluate_policy
+    from .filming import CaptureOptions, capture
+    from .gallery import Gallery, draw_gallery
+    from .generation.batch import run_batch
+    from .generation.importing import import_authors_tree, import_kitti360
     from .generation.stages import GenerationOptions, generate
     from .generation.tours import TourOptions
+    from .library.sets import LibraryBuild, LibraryOptions, build_library
+    from .playing import PlayOptions, play
+    from .routes import plan_routes
     from .scenes import compile_graph, make_driver
 
 #: Name -> the module below this package that defines it.
 _HOMES = {
+    "BenchmarkOptions": "benchmarking",
+    "BenchmarkRun": "benchmarking",
+    "CaptureOptions": "filming",
+    "Gallery": "gallery",
     "GenerationOptions": "generation.stages",
+    "LibraryBuild": "library.sets",
+    "LibraryOptions": "library.sets",
+    "PlayOptions": "playing",
     "TourOptions": "generation.tours",
+    "benchmark": "benchmarking",
     "build_bank": "banks",
+    "build_library": "library.sets",
     "build_terrain_bank": "banks",
     "cached_bank": "banks",
+    "capture": "filming",
     "compile_graph": "scenes",
+    "draw_gallery": "gallery",
     "ensure_default_bank": "banks",
     "ensure_terrain_bank": "banks",
     "evaluate_policy": "evaluation",
     "generate": "generation.stages",
+    "import_authors_tree": "generation.importing",
+    "import_kitti360": "generation.importing",
     "join_banks": "banks",
     "make_driver": "scenes",
+    "plan_routes": "routes",
+    "play": "playing",
+    "run_batch": "generation.batch",
     "shipped_scenes": "banks",
 }
 
 __all__ = [
+    "BenchmarkOptions",
+    "BenchmarkRun",
+    "CaptureOptions",
+    "Gallery",
     "GenerationOptions",
+    "LibraryBuild",
+    "LibraryOptions",
+    "PlayOptions",
     "TourOptions",
+    "benchmark",
     "build_bank",
+    "build_library",
     "build_terrain_bank",
     "cached_bank",
+    "capture",
     "compile_graph",
+    "draw_gallery",
     "ensure_default_bank",
     "ensure_terrain_bank",
     "evaluate_policy",
     "generate",
+    "import_authors_tree",
+    "import_kitti360",
     "join_banks",
     "make_driver",
+    "plan_routes",
+    "play",
+    "run_batch",
     "shipped_scenes",
 ]
 

@@ -1,4 +1,4 @@
-"""`urbanverse gen batch`: many sources, each in a process of its own, with a journal and retries.
+"""Many sources, each in a process of its own, with a journal and retries.
 
 The journal (`journal.jsonl`) gets a line when a source starts, fails or is done; a batch that was killed goes on with
 what it does not call done. What a source's own process does, even to die, touches no other.
@@ -19,6 +19,7 @@ from typing import Any
 
 from ... import settings
 from ...datatypes import validation as v
+from . import one_source
 from .executors import EXECUTORS, Job, Outcome
 from .progress import StageBars
 from .run_folder import key_of
@@ -160,20 +161,14 @@ def _attempts(
 
 
 def job_of(source: pathlib.Path, out: pathlib.Path, options: GenerationOptions) -> Job:
-    """The command line of one source."""
-    words = ["gen", str(source), "--out", str(out / folder_name(source)), "--quiet"]
-    words += ["--cousins", str(options.cousins), "--seed", str(options.seed), "--kerb", str(options.kerb)]
-    words += ["--usd" if options.usd else "--no-usd", "--pictures" if options.pictures else "--no-pictures"]
-    words += ["--workers", str(options.workers or 1), "--rate", str(options.tour.rate)]
-    words += ["--camera-height", str(options.tour.camera_height)]
-    words += ["--blur", options.tour.blur] if options.tour.blur else []
-    return Job(tuple(words))
+    """The job of one source; its cousins are compiled one after another unless the options say otherwise."""
+    return Job(source, out / folder_name(source), dataclasses.replace(options, workers=options.workers or 1))
 
 
 def run_source(job: Job) -> Outcome:
-    """Runs one source's command in a process of its own and waits for it."""
+    """Makes the cousins of one source in a process of its own and waits for it."""
     start = time.perf_counter()
-    command = [sys.executable, "-m", "urbanverse_mjx.cli.main", *job.words]
+    command = [sys.executable, "-m", one_source.__name__, one_source.argument(job, os.getpid())]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     words = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode} and said nothing"])[-1]
     return Outcome(done.returncode, words[-_LAST_WORDS:], round(time.perf_counter() - start, 3))

@@ -2,17 +2,21 @@
 
 import concurrent.futures
 import dataclasses
+import pathlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from ...datatypes import NounError, optional
+from .stages import GenerationOptions
 
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """The words of one `urbanverse` command."""
+    """One source of a batch: what it is, the folder of its run, and how its cousins are made."""
 
-    words: tuple[str, ...]
+    source: pathlib.Path
+    out: pathlib.Path
+    options: GenerationOptions
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,0 +1,25 @@
+"""Which errors are about what the user gave, and the one sentence that says so. Imports the standard library alone."""
+
+import traceback
+
+_FILE_ERRORS = (FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError, FileExistsError)
+
+
+def refusal(error: Exception) -> str | None:
+    """One sentence on one line about wrong input, a wrong path or a missing package; None for a bug, to be raised."""
+    # A NounError, or a ValueError raised by our own code, is about the input; one from a library is a bug to be seen.
+    if isinstance(error, ValueError) and _is_ours(error):
+        sentence = str(error)
+    elif isinstance(error, _FILE_ERRORS) and error.filename is not None:
+        sentence = f"{error.filename}: {error.strerror}."
+    elif isinstance(error, ModuleNotFoundError) and (error.name or "").partition(".")[0] != "urbanverse_mjx":
+        sentence = f"the package {error.name!r} is not installed; `urbanverse doctor` prints the command for it."
+    else:
+        return None
+    return " ".join(sentence.split())
+
+
+def _is_ours(error: Exception) -> bool:
+    frames = list(traceback.walk_tb(error.__traceback__))
+    raised_in = frames[-1][0].f_globals.get("__name__", "") if frames else ""
+    return any(name.partition(".")[0] == "urbanverse_mjx" for name in (type(error).__module__, raised_in))

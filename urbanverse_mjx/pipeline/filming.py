@@ -1,0 +1,86 @@
+"""A walk through a street of a bank as a recording with its truth, and as a video."""
+
+import dataclasses
+import os
+import pathlib
+import sys
+from typing import Any
+
+import numpy as np
+
+from ..datatypes import NounError
+
+
+@dataclasses.dataclass(frozen=True)
+class CaptureOptions:
+    """Which street is filmed, and how."""
+
+    scene: str | None = None
+    """Name of the street in the bank; default: its first."""
+    bank: pathlib.Path | None = None
+    """Scene bank; default: the shipped streets."""
+    frames: int | None = None
+    """So many frames; default: once along both sides."""
+    rate: float = 1.0
+    """Frames per second, of the recording and of the video."""
+    speed: float = 1.4
+    """Walking speed in m/s."""
+    height: float = 1.5
+    """Height of the camera over the ground in m."""
+    size: tuple[int, int] = (640, 360)
+    """Width and height in pixels."""
+    fov: float = 50.0
+    """Vertical field of view in degrees."""
+    samples: int = 2
+    """Rays per pixel along each side."""
+    video: pathlib.Path | None = None
+    """Write the pictures as an mp4, too; it plays in real time and needs even sizes."""
+
+
+def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, quiet: bool = True) -> dict[str, Any]:
+    """Films a street.
+
+    The camera walks along one side, over the road and back along the other, looking ahead and a little to both sides.
+
+    Args:
+      out: folder of the recording (recording.json, rgb/, depth/, masks/, surfaces/, truth.json).
+      quiet: draw no progress bar on standard error.
+
+    Returns:
+      recording: the folder; scene: its name; frames: how many; video: the file, where one was asked for.
+
+    Raises:
+      NounError: no such scene, odd sizes for a video, or a folder in use.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from ..capture import PathOptions, TourOptions, tour
+    from ..datatypes import SceneBank
+    from .banks import ensure_default_bank
+
+    options = options or CaptureOptions()
+    bank = ensure_default_bank(quiet) if options.bank is None else SceneBank.load(options.bank)
+    name = options.scene or bank.scene_ids[0]
+    if name not in bank.scene_ids:
+        raise NounError(f"--scene: found {name!r}, needed one of {', '.join(bank.scene_ids)}.")
+    if options.video and any(n % 2 for n in options.size):
+        raise NounError(f"--size: found {options.size[0]} x {options.size[1]}, needed even numbers for a video.")
+    path = PathOptions(speed=options.speed, rate=options.rate, height=options.height, frames=options.frames)
+    camera = TourOptions(*options.size, fovy=float(np.radians(options.fov)), samples=options.samples)
+    with Progress(console=Console(file=sys.stderr), disable=quiet) as progress:
+        task = progress.add_task(f"filming {name}")
+        recording = tour(
+            bank,
+            bank.scene_ids.index(name),
+            pathlib.Path(out),
+            path,
+            camera,
+            lambda done, total: progress.update(task, completed=done, total=total),
+        )
+    if options.video:
+        from ..viz.video import write_video
+
+        write_video(options.video, [recording.rgb(i) for i in range(len(recording))], options.rate)
+    body = {"recording": str(out), "scene": name, "frames": len(recording)}
+    return body | ({"video": str(options.video)} if options.video else {})

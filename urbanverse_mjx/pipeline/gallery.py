@@ -1,0 +1,76 @@
+"""A page of compiled scenes with pictures and numbers."""
+
+import dataclasses
+import os
+import pathlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from .. import settings
+from .banks import shipped_scenes
+from .scenes import compile_graph
+
+if TYPE_CHECKING:
+    from ..viz.scene_gallery import Card
+
+
+@dataclasses.dataclass(frozen=True)
+class Gallery:
+    """A page that was written, and how many scenes it shows."""
+
+    page: pathlib.Path
+    scenes: int
+
+
+def draw_gallery(
+    scenes: Sequence[str | os.PathLike[str]] = (),
+    out: str | os.PathLike[str] | None = None,
+    report: str | os.PathLike[str] | None = None,
+    agent: str = "planner",
+    title: str = "Scenes",
+    quiet: bool = True,
+) -> Gallery:
+    """Draws compiled scenes from above and at eye level into a page with their numbers.
+
+    Args:
+      scenes: compiled scenes, or folders of them; none: the shipped streets, compiled first.
+      out: folder of the page; None for the cache. Pictures that are there and current are kept.
+      report: report.json of a benchmark: how often `agent` failed in each scene is its difficulty.
+      quiet: draw no progress bar on standard error.
+
+    Raises:
+      NounError: no compiled scene in a folder, or a file that is no report.
+    """
+    from rich.console import Console
+    from rich.progress import track
+
+    from ..datatypes import BenchmarkReport
+    from ..scene.folders import scene_folders
+    from ..viz.scene_cards import draw_card
+    from ..viz.scene_gallery import make_card, with_difficulty, write_page
+
+    failures = None if report is None else BenchmarkReport.load(report)
+    folder = settings.cache_dir("gallery") if out is None else pathlib.Path(out)
+    folders = scene_folders([pathlib.Path(scene) for scene in scenes] or _shipped(quiet))
+    shown = track(folders, "drawing scenes", console=Console(stderr=True), disable=quiet)
+    cards: list[Card] = [make_card(scene, folder, draw_card) for scene in shown]
+    if failures is not None:
+        cards = with_difficulty(cards, failures, agent)
+    return Gallery(write_page(cards, folder, title), len(cards))
+
+
+def _shipped(quiet: bool) -> list[pathlib.Path]:
+    """The shipped streets, compiled into the cache where they are not there or anything they are made of changed."""
+    from rich.console import Console
+    from rich.progress import track
+
+    # Named as the bank is: by everything that makes it.
+    home = settings.cache_dir("scenes", settings.shipped_bank_path().stem)
+    folders = []
+    console = Console(stderr=True)
+    for graph in track(shipped_scenes()[0], "compiling streets", console=console, disable=quiet):
+        folder = home / graph.parent.name
+        if not (folder / "metadata.json").is_file():
+            compile_graph(graph, folder)
+        folders.append(folder)
+    return folders

@@ -1,0 +1,107 @@
+"""One set of the scene library: built, compared with its committed hashes, packed and reported."""
+
+import dataclasses
+from typing import Any
+
+from ... import settings
+from ...datatypes import validation as v
+from ...scene import library
+from .building import build_set, pack_set, write_hashes
+
+
+@dataclasses.dataclass(frozen=True)
+class LibraryOptions:
+    """What of a set is built."""
+
+    workers: int | None = None
+    """Processes; default: the cores this process may use."""
+    only: str = ""
+    """Only layouts with this in their id; then no bank is packed."""
+    bank: bool = True
+    """Pack the set's bank."""
+    write_hashes: bool = False
+    """Write the scenes' hashes into scenes/<set>/hashes.json instead of comparing them."""
+
+
+@dataclasses.dataclass(frozen=True)
+class LibraryBuild:
+    """What came of a set.
+
+    Attributes:
+      summary: counts over the scenes; where a bank was packed also its file, the most hulls in reach of a robot, and
+        `slot_overflow`: the scenes where these are more than the physics model has slots for.
+      failed: layout -> why it could not be built.
+      other_hash: scenes with other content than committed.
+    """
+
+    summary: dict[str, Any]
+    failed: dict[str, str]
+    other_hash: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether every layout was built, has its committed hash and fits the slots."""
+        return not (self.failed or self.other_hash or self.summary.get("slot_overflow"))
+
+
+def build_library(name: str, options: LibraryOptions | None = None, quiet: bool = True) -> LibraryBuild:
+    """Builds a set of scenes into the cache: cousins, compiled scenes, one bank. Goes on where it stopped.
+
+    Args:
+      name: of a set in scenes/library.json.
+      quiet: draw no progress bar on standard error.
+
+    Raises:
+      NounError: no such set, or no layout that `only` fits.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    options = options or LibraryOptions()
+    library.scene_set(name)
+    if options.workers is not None:
+        v.integer(options.workers, "--workers", 1, 1024)
+    columns = (TextColumn("{task.description:<16}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), disable=quiet) as bars:
+        task = bars.add_task(name, total=None)
+
+        def report(done: int, total: int, said: str) -> None:
+            bars.update(task, completed=done, total=total)
+            bars.console.print(said, highlight=False, markup=False) if quiet is False else None
+
+        records, failures = build_set(name, options.workers or settings.num_threads(), options.only, report)
+    known = library.shipped_hashes(name)
+    other = [
+        scene
+        for scene, r in records.items()
+        if (known.get(scene, {}) | r["hashes"]) != (r["hashes"] | known.get(scene, {}))
+    ]
+    if options.write_hashes:
+        write_hashes(name, records)
+        other = []
+    summary = _summary(name, records)
+    if options.bank and records and not options.only:
+        most = pack_set(name, records)
+        summary |= {"bank": str(library.bank_path(name)), "most_hulls_in_reach": max(most.values())}
+        summary["slot_overflow"] = {scene: n for scene, n in most.items() if n > library.SLOTS}
+    failed = [dataclasses.asdict(f) for f in failures]
+    v.write_json(library.folder(name) / "report.json", {**summary, "scenes": records, "failed": failed})
+    return LibraryBuild(summary, {f.layout: f.reason for f in failures}, tuple(other))
+
+
+def _summary(name: str, records: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    rows = list(records.values())
+    objects = sum(r["objects"] for r in rows)
+    let_go, moved = sum(r["let_go"] for r in rows), sum(len(r["moved_when_let_go"]) for r in rows)
+    return {
+        "set": name,
+        "built": len(rows),
+        "objects": objects,
+        "hulls": sum(r["hulls"] for r in rows),
+        "episodes_least": min((r["episodes"] for r in rows), default=0),
+        "left_out": sum(len(r["left_out"]) for r in rows),
+        "let_go": let_go,
+        "still_percent_of_let_go": round(100 * (1 - moved / max(let_go, 1)), 1),
+        "still_percent_of_all": round(100 * (1 - moved / max(objects, 1)), 1),
+        "processor_s": round(sum(r["processor_s"] for r in rows)),
+    }

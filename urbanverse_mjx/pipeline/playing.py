@@ -1,0 +1,132 @@
+"""One agent over a few episodes, as a video."""
+
+import dataclasses
+import os
+import pathlib
+from typing import TYPE_CHECKING, Any
+
+from ..datatypes import NounError
+from ..datatypes import validation as v
+
+if TYPE_CHECKING:
+    from ml_collections import ConfigDict
+
+    from ..evaluation.agents import Agent
+
+
+@dataclasses.dataclass(frozen=True)
+class PlayOptions:
+    """Who drives where, and what the video shows."""
+
+    agent: str = "go_to_goal"
+    """zero, random, go_to_goal, or trained (needs --policy)."""
+    policy: pathlib.Path | None = None
+    """Policy or run folder for --agent trained."""
+    env_name: str | None = None
+    """Whose robot is driven; default: the policy's own, else CocoNav."""
+    preset: str = "cpu"
+    """Of the environment, where no policy brings its own."""
+    scenes: str = "test"
+    num_episodes: int = 2
+    """Episodes that are driven; all are in the video but for --only-successes and --shown."""
+    only_successes: bool = False
+    """Leave out of the video what did not end at its goal."""
+    shown: int | None = None
+    """At most so many episodes in the video, the first ones."""
+    seed: int = 0
+    fps: float | None = None
+    """Pictures a second, a multiple of the control rate, at which the agent still decides; default: that rate."""
+    size: tuple[int, int] = (180, 320)
+    """Height and width of each of the two pictures."""
+    samples: int = 1
+    """Rays a pixel along each side."""
+    quality: float = 7.0
+    """Of the video, 0 to 10."""
+
+
+def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dict[str, Any]:
+    """Drives episodes and writes them as an mp4. Needs no checkpoint with the agents zero, random and go_to_goal.
+
+    Returns:
+      video: the file; results: an `EpisodeResult` of every episode that was driven, as JSON.
+
+    Raises:
+      NounError: no such agent, policy or scene, or no episode to show.
+    """
+    from ..envs import registry
+    from ..evaluation import Rollout, fixed_episodes
+    from ..viz.video import write_rollout_video
+    from .banks import ensure_default_bank
+
+    options = options or PlayOptions()
+    if options.shown is not None:
+        v.integer(options.shown, "--shown", 1)
+    agent, name, config = _chosen(options)
+    hold = _steps_held(options.fps, config.ctrl_dt)
+    finer = {"ctrl_dt": config.ctrl_dt / hold}
+    finer |= {k: config[k] * hold for k in ("episode_length", "success_after_step")}
+    env = registry.load(name, config=registry.with_overrides(config, finer), bank=ensure_default_bank())
+    episodes = fixed_episodes(env, options.num_episodes, options.seed)
+    results, poses = Rollout(env, hold=hold).run({options.agent: agent}, episodes)
+    shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
+    if not shown:
+        raise NounError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
+    shown = shown[: options.shown]
+    write_rollout_video(
+        pathlib.Path(out),
+        env.bank,
+        env.robot,
+        poses,
+        columns=shown,
+        scenes=[int(episodes.scenes[i]) for i in shown],
+        goals=[env.bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in shown],
+        frames_per_second=round(1 / env.dt),
+        size=options.size,
+        samples=options.samples,
+        quality=options.quality,
+    )
+    return {"video": str(out), "results": [r.to_json() for r in results]}
+
+
+def _chosen(options: PlayOptions) -> tuple["Agent", str, "ConfigDict"]:
+    """The agent, the environment and its config."""
+    from ..envs import registry
+    from ..envs.randomization import OFF
+    from ..evaluation import BASELINES
+
+    if options.agent in BASELINES:
+        # Baselines do not look, so nothing is rendered while they drive.
+        name = options.env_name or "CocoNav"
+        config = registry.get_default_config(name, options.preset)
+        return (
+            BASELINES[options.agent],
+            name,
+            registry.with_overrides(config, {"scenes": options.scenes, "vision": False}),
+        )
+    if options.agent != "trained":
+        raise NounError(f"--agent: found {options.agent!r}, needed trained, {', '.join(BASELINES)}.")
+    if options.policy is None:
+        raise NounError("--policy: found nothing, needed a policy or run folder for --agent trained.")
+    from ml_collections import ConfigDict
+
+    from ..training.policy import load_policy
+
+    agent, spec = load_policy(options.policy)
+    name, config = options.env_name or spec.environment, ConfigDict(spec.env_config)
+    if name != spec.environment:
+        config = registry.same_task(config, name)
+    return agent, name, registry.with_overrides(config, {"scenes": options.scenes, "randomization": OFF})
+
+
+def _steps_held(fps: float | None, control_period: float) -> int:
+    """How many pictures one control step is.
+
+    Raises:
+      NounError: no whole number.
+    """
+    if fps is None:
+        return 1
+    steps = fps * control_period
+    if steps < 0.5 or abs(steps - round(steps)) > 1e-6:
+        raise v.fail("--fps", f"{fps:g}", f"a whole multiple of the control rate {1 / control_period:g}")
+    return round(steps)
