@@ -20,7 +20,7 @@ from urbanverse_mjx.settings import asset_root
 from . import instances
 from .index import base_mesh
 from .recipe import get_recipe
-from .user_store import FILE_RECIPE, file_hulls
+from .user_store import AGAIN, FILE_RECIPE, HULLS, mesh_file
 
 BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
 MILLIMETRE = 1e-3
@@ -105,7 +105,7 @@ def load_hulls(record: AssetRecord) -> HullSet:
         that makes them.
     """
     if record.recipe == FILE_RECIPE:
-        return file_hulls(record)
+        return _file_hulls(record)
     mesh = base_mesh(record)
     key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
     found = _store().hulls.get(key)
@@ -118,3 +118,16 @@ def load_hulls(record: AssetRecord) -> HullSet:
     if instances.KEY not in record.params:
         return hulls
     return instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])
+
+
+def _file_hulls(record: AssetRecord) -> HullSet:
+    """The convex hulls of a record whose recipe is `file`, as they were made at its import.
+
+    Raises:
+      NounError: the file of hulls is missing or holds none.
+    """
+    path = mesh_file(record).with_name(HULLS)
+    stored = list(HullStore.load(path).hulls.values())
+    if len(stored) != 1:
+        raise NounError(f"asset {record.uid!r}: found {len(stored)} sets of hulls in {path}, needed one; {AGAIN}.")
+    return HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in stored[0]))

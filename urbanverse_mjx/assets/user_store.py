@@ -10,7 +10,7 @@ import pathlib
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, NounError
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError
 from urbanverse_mjx.settings import imported_assets
 
 from .glb import read_glb
@@ -57,18 +57,3 @@ def _read(path: pathlib.Path, sha256: str, extent: tuple[float, ...], uid: str) 
             f"asset {uid!r}: found a mesh of {np.round(mesh.extent, 3)} m, needed {list(extent)} m as indexed; {AGAIN}."
         )
     return mesh
-
-
-def file_hulls(record: AssetRecord) -> HullSet:
-    """The convex hulls of a record whose recipe is `file`, as they were made at its import.
-
-    Raises:
-      NounError: the file of hulls is missing or holds none.
-    """
-    from .hulls import MILLIMETRE, HullStore
-
-    path = mesh_file(record).with_name(HULLS)
-    stored = list(HullStore.load(path).hulls.values())
-    if len(stored) != 1:
-        raise NounError(f"asset {record.uid!r}: found {len(stored)} sets of hulls in {path}, needed one; {AGAIN}.")
-    return HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in stored[0]))

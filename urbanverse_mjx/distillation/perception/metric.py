@@ -61,7 +61,7 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
             f"metric scale: found {(ground > 0).sum()} points on the ground, needed {MIN_POINTS}; film with the ground "
             "in the lower half of the picture."
         )
-    rows = cut(structure)
+    rows = cut(structure.model, structure.registered, structure.poses)
     owner = _owner(structure, rows)
     stands = [_stand(structure, own, structure.points[(ground > 0) & (owner == n)]) for n, own in enumerate(rows)]
     scales = _scales(structure, rows, [heights for _, heights in stands], camera_height)

@@ -8,13 +8,9 @@ others saw them: both saw the street around the place where they meet.
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import ndimage
-
-if TYPE_CHECKING:
-    from .structure import Structure
 
 #: Steps on either side that say how fast the walker goes, and frames that a piece holds at least.
 _WINDOW, _LEAST = 5, 4
@@ -53,13 +49,17 @@ class Piece:
     T_unit: np.ndarray
 
 
-def cut(structure: "Structure") -> list[np.ndarray]:
-    """Rows (k,) of every piece: models, cut where the way jumps or its unit changes."""
+def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np.ndarray]:
+    """Rows (k,) of every piece: models, cut where the way jumps or its unit changes.
+
+    Args:
+      model, registered, poses: (m,), (m,) and (m, 4, 4), as in `Structure`.
+    """
     pieces: list[np.ndarray] = []
-    for model in np.unique(structure.model):
-        rows = np.flatnonzero(structure.model == model)
-        way = np.linalg.norm(np.diff(structure.poses[rows, :3, 3], axis=0), axis=1)
-        pieces += _cut(rows, way / np.diff(structure.registered[rows]), float(np.median(way)) if len(way) else 0.0)
+    for one in np.unique(model):
+        rows = np.flatnonzero(model == one)
+        way = np.linalg.norm(np.diff(poses[rows, :3, 3], axis=0), axis=1)
+        pieces += _cut(rows, way / np.diff(registered[rows]), float(np.median(way)) if len(way) else 0.0)
     return [rows for rows in pieces if len(rows) >= _LEAST] or [max(pieces, key=len)]
 
 

@@ -140,7 +140,7 @@ def reconstruct(
             if count < MIN_FRAMES:
                 continue
             structure = _structure(models, frames)
-            breaks = len(cut(structure)) - len(np.unique(structure.model))
+            breaks = len(cut(structure.model, structure.registered, structure.poses)) - len(np.unique(structure.model))
             if breaks < fewest:
                 fewest, best = breaks, structure
             if breaks <= 0:
