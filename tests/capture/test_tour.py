@@ -8,7 +8,6 @@ import pytest
 from urbanverse_mjx.capture import PathOptions, TourOptions, tour, true_objects, walk
 from urbanverse_mjx.capture.path import camera_poses
 from urbanverse_mjx.capture.street import street_grid
-from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError, Recording, SceneBank, SceneGraph
 
 SMALL = TourOptions(width=160, height=90, samples=1, shadows=False)
@@ -97,20 +96,6 @@ def test_bad_wishes_are_one_sentence(small_bank: SceneBank, tmp_path: pathlib.Pa
         PathOptions(speed=0.0)
     with pytest.raises(NounError, match="fovy"):
         TourOptions(fovy=4.0)
-
-
-def test_the_command_films_and_writes_a_video(
-    small_bank: SceneBank, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    small_bank.save(tmp_path / "bank.npz")
-    options = ["--bank", str(tmp_path / "bank.npz"), "--frames", "2", "--size", "64", "36", "--samples", "1", "--quiet"]
-    video = tmp_path / "tour.mp4"
-    assert main(["capture", "--out", str(tmp_path / "r"), "--video", str(video), *options]) == 0
-    assert '"frames": 2' in capsys.readouterr().out
-    assert video.stat().st_size > 500
-    assert len(Recording.load(tmp_path / "r")) == 2
-    assert main(["capture", "--out", str(tmp_path / "s"), "--scene", "nowhere", *options]) == 2
-    assert "needed one of" in capsys.readouterr().err
 
 
 def test_a_walker_turns_about_in_seconds_not_between_two_frames(small_bank: SceneBank) -> None:

@@ -1,14 +1,12 @@
 """Joined banks: every scene looks up the same hulls, meshes, textures, skies and episodes as before."""
 
 import dataclasses
-import json
 import pathlib
 
 import numpy as np
 import pytest
 
 from tests.support.agent_looks import BOXES, with_box_agents
-from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.datatypes.bank_join import join
 
@@ -118,21 +116,6 @@ def test_what_does_not_fit_is_refused(small_bank: SceneBank, word: str) -> None:
     }[word]
     with pytest.raises(NounError, match=word):
         join(banks)
-
-
-def test_the_command_joins_and_makes_splits(
-    small_bank: SceneBank, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    small_bank.save(tmp_path / "a.npz")
-    renamed(small_bank, "_b").save(tmp_path / "b.npz")
-    files = [str(tmp_path / name) for name in ("a.npz", "b.npz")]
-    out = tmp_path / "both.npz"
-    assert main(["scene", "join", *files, "--out", str(out), "--split", "held_out=*_b"]) == 0
-    assert json.loads(capsys.readouterr().out)["scenes"] == list(SceneBank.load(out).scene_ids)
-    n = small_bank.num_scenes
-    np.testing.assert_array_equal(SceneBank.load(out).scenes_of("held_out"), np.arange(n, 2 * n))
-    assert main(["scene", "join", *files, "--out", str(out), "--split", "held_out=nothing"]) == 2
-    assert "NAME=PATTERN" in capsys.readouterr().err
 
 
 def test_looks_of_agents_survive_a_join(small_bank: SceneBank) -> None:

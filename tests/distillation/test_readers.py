@@ -9,7 +9,6 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import KIND_INDEX, Detection, NounError, Recording, Source
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.perception import Sight
@@ -295,17 +294,3 @@ def test_a_broken_tree_of_theirs_is_one_sentence(tmp_path: pathlib.Path, broken:
     with pytest.raises(NounError, match=words.get(broken, "no such files")):
         read_authors_tree(root, tmp_path / "out", OneCar(), Source("a", "b", "c", "d"))
     assert not (tmp_path / "out" / "recording.json").exists()
-
-
-def test_the_command_imports_and_refuses_a_folder_in_use(
-    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write_kitti(tmp_path / "kitti")
-    words = ["gen", "import", str(tmp_path / "kitti"), "--out", str(tmp_path / "out"), "--format", "kitti360"]
-    assert main([*words, "--sequence", SEQUENCE, "--last", "5", "--quiet"]) == 0
-    assert json.loads(capsys.readouterr().out)["frames"] == 1
-    assert main([*words, "--sequence", SEQUENCE, "--quiet"]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("error: ")
-    assert "something there already" in said
-    assert said.count("\n") == 1

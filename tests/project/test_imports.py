@@ -78,12 +78,3 @@ def test_settings_alone_reads_the_environment() -> None:
 def test_the_scan_sees_every_spelling() -> None:
     code = "import os\nfrom os import environ\nos.environ['A']\nos.getenv('A')\nx = os\nx.environ\n"
     assert sorted(reads_environment(ast.parse(code))) == [2, 3, 4, 6]
-
-
-def test_every_command_has_its_module() -> None:
-    from urbanverse_mjx.cli.main import COMMANDS
-
-    for module, line in COMMANDS.values():
-        tree = ast.parse((PACKAGE / "cli" / f"{module}.py").read_text(encoding="utf-8"))
-        assert any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in tree.body), module
-        assert line

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import street_regions
-from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.datatypes.ground import KIND_INDEX
 from urbanverse_mjx.scene import maps
@@ -36,7 +35,7 @@ def street() -> ExchangeMap:
     return ExchangeMap("toy", maps.with_clearance(m, *walls), maps.tops(m, *walls), {"street_level": 0.15})
 
 
-def _their_files(folder: pathlib.Path) -> None:
+def their_files(folder: pathlib.Path) -> None:
     """A map as navbench writes one: images whose first row is the farthest, 10 cm cells, stripes as crosswalk."""
     folder.mkdir()
     ground = np.full((100, 200), 0.0, np.float32)
@@ -83,7 +82,7 @@ def test_our_map_comes_back_the_same(street: ExchangeMap, tmp_path: pathlib.Path
 
 
 def test_their_map_loads_in_the_right_place(tmp_path: pathlib.Path) -> None:
-    _their_files(tmp_path / "s")
+    their_files(tmp_path / "s")
     theirs = load_map(tmp_path / "s")
     assert theirs.info == {"level": 1.1}
     assert theirs.map.kind.shape == (200, 100)
@@ -103,7 +102,7 @@ def test_their_map_loads_in_the_right_place(tmp_path: pathlib.Path) -> None:
 
 def test_ways_over_their_stripes_are_straight(tmp_path: pathlib.Path) -> None:
     """Stripes of 0.5 m with gaps of 0.5 m are one crosswalk: a way over them costs what one over a whole one does."""
-    _their_files(tmp_path / "s")
+    their_files(tmp_path / "s")
     theirs = load_map(tmp_path / "s")
     x, y = theirs.map.origin
     planner = RoutePlanner(theirs.map)
@@ -281,7 +280,7 @@ def test_waypoints_come_from_beside_the_file_alone(street: ExchangeMap, tmp_path
 @pytest.mark.parametrize("fault", ["no layers", "shape", "kind", "no zip", "grid"])
 def test_damaged_maps_are_refused(fault: str, tmp_path: pathlib.Path) -> None:
     folder = tmp_path / "s"
-    _their_files(folder)
+    their_files(folder)
     if fault == "no layers":
         (folder / "layers.npz").unlink()
     elif fault == "no zip":
@@ -307,7 +306,7 @@ def test_tops_are_the_highest_thing() -> None:
 
 
 def test_their_map_may_have_other_kinds_order(tmp_path: pathlib.Path) -> None:
-    _their_files(tmp_path / "s")
+    their_files(tmp_path / "s")
     before = load_map(tmp_path / "s").map
     with np.load(tmp_path / "s" / "layers.npz") as file:
         layers = dict(file)
@@ -317,23 +316,3 @@ def test_their_map_may_have_other_kinds_order(tmp_path: pathlib.Path) -> None:
     after = load_map(tmp_path / "s").map
     assert isinstance(after, SceneMap)
     np.testing.assert_array_equal(before.kind, after.kind)
-
-
-def test_the_command_plans_their_annotations_over_their_map(tmp_path: pathlib.Path, capsys) -> None:
-    folder, notes, out = tmp_path / "s", tmp_path / "notes", tmp_path / "out"
-    _their_files(folder)
-    x, y = load_map(folder).map.origin
-    good, bad = Wanted("r001", (x + 2, y + 1), (x + 18, y + 9)), Wanted("r002", (x + 2, y + 1), (x + 99, y + 9))
-    save_annotations(notes / "s.json", "s", [good, bad])
-    assert main(["scene", "routes", str(folder), "--out", str(out), "--annotations", str(notes)]) == 1
-    said = capsys.readouterr()
-    assert json.loads(said.out)["routes"] == 1
-    assert "s r002: the goal" in said.err
-    assert [r.id for r in load_planned(out / "routes" / "s").planned] == ["r001"]
-    assert load_annotations(out / "routes" / "s.json") == load_annotations(notes / "s.json")
-    np.testing.assert_array_equal(load_map(out / "maps" / "s").map.kind, load_map(folder).map.kind)
-    assert main(["scene", "routes", str(folder), "--out", str(out), "--robot", "wheelchair"]) == 0
-    assert load_planned(out / "routes" / "s").robot == "wheelchair"
-    assert main(["scene", "routes", str(folder), "--out", str(out), "--robot", "hovercraft"]) == 2
-    assert main(["scene", "routes", str(tmp_path), "--out", str(out)]) == 2
-    assert "no such file" in capsys.readouterr().err

@@ -1,6 +1,5 @@
 """From a policy folder to a gait file: the numbers that the policy gives, without Brax."""
 
-import json
 import pathlib
 
 import jax
@@ -10,7 +9,6 @@ import pytest
 from brax.training.acme import running_statistics
 from ml_collections import ConfigDict
 
-from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.envs.config import default_config
 from urbanverse_mjx.envs.joystick_config import joystick_config
@@ -28,7 +26,7 @@ def _spec(environment: str, config: ConfigDict) -> PolicySpec:
     return PolicySpec(environment, config.to_dict(), ppo, SEEN, 12, ["flat-0"], {}, 4096, {"jax": "x"})
 
 
-def _save(folder: pathlib.Path) -> None:
+def save_walking_policy(folder: pathlib.Path) -> None:
     spec = _spec("Go2Joystick", joystick_config("cpu"))
     _, actor, critic = initial_params(SEEN, 12, ConfigDict(spec.ppo_config), 1)
     # First weights of the last layer are so small that any action would be near 0.
@@ -39,11 +37,10 @@ def _save(folder: pathlib.Path) -> None:
     save_policy(folder, (running_statistics.init_state(sizes), actor, critic), spec)
 
 
-def test_gait_acts_as_the_policy(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
-    _save(tmp_path / "run" / "checkpoints")
+def test_gait_acts_as_the_policy(tmp_path: pathlib.Path) -> None:
+    save_walking_policy(tmp_path / "run" / "checkpoints")
     out = tmp_path / "gait.npz"
-    assert main(["export-gait", str(tmp_path / "run"), "--out", str(out), "--meta", '{"wall_seconds": 5}']) == 0
-    assert json.loads(capsys.readouterr().out)["steps"] == 4096
+    export_gait(tmp_path / "run", {"wall_seconds": 5}).save(out)
     gait = Gait.load(out)
     assert gait.meta["wall_seconds"] == 5
     assert (gait.meta["robot"], gait.meta["steps"], gait.history, gait.control_dt) == ("go2", 4096, 5, 0.02)

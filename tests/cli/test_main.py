@@ -1,5 +1,6 @@
 """The `urbanverse` command: its help, its errors and its exit status."""
 
+import importlib
 import subprocess
 import sys
 import types
@@ -109,3 +110,9 @@ def test_a_reader_that_goes_away_is_no_traceback() -> None:
     done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
     assert done.stdout == "x" * 10
     assert "Traceback" not in done.stderr
+
+
+def test_every_command_has_its_module() -> None:
+    for module, line in cli.COMMANDS.values():
+        assert callable(importlib.import_module(f"urbanverse_mjx.cli.{module}").main)
+        assert line
