@@ -10,10 +10,13 @@ import os
 import pathlib
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 #: The file that its owner locks.
 OWNER = ".urbanverse-owner"
+#: Letters that `tempfile` puts after a prefix.
+_RANDOM = 8
+_OLD = "old"
 
 
 @contextlib.contextmanager
@@ -25,7 +28,7 @@ def work_folder(prefix: str, parent: pathlib.Path | None = None) -> Iterator[pat
     """
     parent = pathlib.Path(tempfile.gettempdir()) if parent is None else parent
     parent.mkdir(parents=True, exist_ok=True)
-    sweep(prefix, parent)
+    sweep(parent, prefix)
     folder, lock = _make(prefix, parent)
     try:
         yield folder
@@ -34,15 +37,47 @@ def work_folder(prefix: str, parent: pathlib.Path | None = None) -> Iterator[pat
         os.close(lock)
 
 
-def sweep(prefix: str, parent: pathlib.Path) -> None:
-    """Removes the folders of this prefix that this user's `work_folder` made in processes that have ended."""
-    for folder in [path for path in parent.iterdir() if path.name.startswith(prefix)]:
+@contextlib.contextmanager
+def replacing_folder(target: pathlib.Path) -> Iterator[pathlib.Path]:
+    """A folder beside `target` that takes its place when the block succeeds and vanishes when it fails.
+
+    Where an earlier call was killed between the two renames, the folder that it had put aside comes back first.
+    """
+
+    def put_back(left: pathlib.Path) -> None:
+        if not target.exists() and (left / _OLD).is_dir():
+            (left / _OLD).rename(target)
+
+    prefix = f".{target.name}-"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    sweep(target.parent, prefix, put_back)
+    with work_folder(prefix, target.parent) as work:
+        fresh, old = work / "new", work / _OLD
+        fresh.mkdir()
+        yield fresh
+        if target.exists():
+            target.rename(old)
+        fresh.rename(target)
+
+
+def sweep(
+    parent: pathlib.Path, prefix: str = "", rescue: Callable[[pathlib.Path], object] = lambda folder: None
+) -> None:
+    """Removes the folders that this user's `work_folder` made in processes that have ended.
+
+    Args:
+      prefix: of the folders; "" for all in `parent`. rescue: called with each one before it is removed.
+    """
+    for folder in list(parent.iterdir()):
+        if prefix and not (folder.name.startswith(prefix) and len(folder.name) == len(prefix) + _RANDOM):
+            continue
         with contextlib.suppress(OSError):
             if folder.is_symlink() or folder.stat().st_uid != os.getuid():
                 continue
             lock = os.open(folder / OWNER, os.O_RDWR | os.O_NOFOLLOW)
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                rescue(folder)
                 shutil.rmtree(folder, ignore_errors=True)
             finally:
                 os.close(lock)

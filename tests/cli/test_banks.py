@@ -117,7 +117,9 @@ def test_the_key_covers_every_package_that_makes_a_bank() -> None:
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     # The calls themselves are counted by a version number.
-    assert set(json.loads(run.stdout)) - {"pipeline", "process_pool", "settings", "work_folder"} <= set(settings._BANK_CODE)
+    assert set(json.loads(run.stdout)) - {"pipeline", "process_pool", "settings", "work_folder"} <= set(
+        settings._BANK_CODE
+    )
 
 
 def test_the_key_changes_with_code_assets_and_libraries(tmp_path, monkeypatch) -> None:

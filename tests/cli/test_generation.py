@@ -88,6 +88,25 @@ def test_what_a_killed_run_left_half_made_is_swept_out(tmp_path: pathlib.Path) -
         run.finish("one", "key", 1.0)
 
 
+def test_the_sweep_leaves_what_the_user_put_into_the_folder(tmp_path: pathlib.Path) -> None:
+    """Hidden files and folders that no run made, and names that are nearly those of a run's parts."""
+    with RunFolder.open(tmp_path / "run", "s") as run:
+        with run.replacing("part") as folder:
+            (folder / ".env").write_text("mine")
+        run.finish("one", "key", 1.0)
+    mine = [".git/config", ".notes.md", "sub/.env", ".run-12345678.json.txt", ".part-12345678/a", "cousins/0/.mine"]
+    for name in mine:
+        path = tmp_path / "run" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("mine")
+    halves = [".run-abcd_123.json", "cousins/0/.check-abcd_123.json"]
+    for name in halves:
+        (tmp_path / "run" / name).write_text("{")
+    with RunFolder.open(tmp_path / "run", "s") as run:
+        assert [name for name in [*mine, "part/.env"] if (run.path / name).read_text() != "mine"] == []
+        assert [name for name in halves if (run.path / name).exists()] == []
+
+
 def test_one_run_at_a_time(tmp_path: pathlib.Path) -> None:
     with RunFolder.open(tmp_path, "s"), pytest.raises(NounError, match="another run"), RunFolder.open(tmp_path, "s"):
         pass

@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from urbanverse_mjx.process_pool import results_as_completed
-from urbanverse_mjx.work_folder import OWNER, sweep, work_folder
+from urbanverse_mjx.work_folder import OWNER, replacing_folder, sweep, work_folder
 
 ROOT = pathlib.Path(__file__).parents[2]
 #: Starts two workers that sleep for two minutes; every one leaves a file with its process id.
@@ -115,7 +115,7 @@ def test_the_next_run_removes_the_folder_of_a_killed_one_and_nothing_else(tmp_pa
     assert subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=False, cwd=ROOT).returncode == -9
     (left,) = tmp_path.iterdir()
     assert (left / "half.npz").is_file()
-    others = [tmp_path / "scenes-mine", tmp_path / "other-1"]
+    others = [tmp_path / "scenes-minemine", tmp_path / "other-1"]
     for path in others:
         path.mkdir()
         (path / "diary.txt").write_text("mine")
@@ -125,10 +125,38 @@ def test_the_next_run_removes_the_folder_of_a_killed_one_and_nothing_else(tmp_pa
         assert not left.exists()
         # Neither a second run, nor a sweep in the same process, takes a folder that is in use.
         with work_folder("scenes-", tmp_path) as second:
-            sweep("scenes-", tmp_path)
+            sweep(tmp_path, "scenes-")
             assert first.is_dir()
             assert second.is_dir()
             assert first != second
         assert not second.exists()
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["other-1", "scenes-link", "scenes-mine"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["other-1", "scenes-link", "scenes-minemine"]
     assert all((path / "diary.txt").is_file() for path in others)
+
+
+def test_a_folder_put_aside_comes_back_after_a_kill_between_the_renames(tmp_path: pathlib.Path) -> None:
+    code = (
+        "import os, pathlib, sys; from urbanverse_mjx.work_folder import replacing_folder\n"
+        "rename = pathlib.Path.rename\n"
+        "def dies(path, target): rename(path, target); os.kill(os.getpid(), 9)\n"
+        "pathlib.Path.rename = dies\n"
+        "with replacing_folder(pathlib.Path(sys.argv[1])) as folder: (folder / 'a').write_text('new')"
+    )
+    scene = tmp_path / "g"
+    scene.mkdir()
+    (scene / "a").write_text("good")
+    assert subprocess.run([sys.executable, "-c", code, str(scene)], check=False, cwd=ROOT).returncode == -9
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(".g-")
+    # The folder of another scene whose name only begins alike takes no notice of it.
+    with replacing_folder(tmp_path / "g-2") as folder:
+        (folder / "a").write_text("other")
+    assert left.is_dir()
+    with pytest.raises(KeyError), replacing_folder(scene):
+        raise KeyError
+    assert (scene / "a").read_text() == "good"
+    with replacing_folder(scene) as folder:
+        (folder / "a").write_text("new")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["g", "g-2"]
+    assert (scene / "a").read_text() == "new"
+    assert [p.name for p in scene.iterdir()] == ["a"]

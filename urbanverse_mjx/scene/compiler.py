@@ -1,12 +1,9 @@
 """`SceneLayout` -> `CompiledScene`: the folder that stock MuJoCo loads, with maps, routes and episodes."""
 
-import contextlib
 import dataclasses
 import os
 import pathlib
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +13,7 @@ from ..assets.ground_materials import build_material
 from ..assets.skies import build_sky
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
+from ..work_folder import replacing_folder
 from . import ground, maps
 from .bank import quaternion_matrix
 from .drive import Driver, drive_all, ground_model
@@ -242,22 +240,6 @@ class _Assets:
 def _no_episodes() -> EpisodeTable:
     no = np.zeros(0)
     return EpisodeTable(np.zeros((0, 4)), np.zeros((0, 3)), np.zeros((0, 1, 3)), no, no, no, no, no)
-
-
-@contextlib.contextmanager
-def replacing_folder(out_dir: pathlib.Path) -> Iterator[pathlib.Path]:
-    """A folder beside `out_dir` that takes its place when the block succeeds and vanishes when it fails."""
-    out_dir.parent.mkdir(parents=True, exist_ok=True)
-    work = pathlib.Path(tempfile.mkdtemp(dir=out_dir.parent, prefix=f".{out_dir.name}-"))
-    try:
-        fresh, old = work / "new", work / "old"
-        fresh.mkdir()
-        yield fresh
-        if out_dir.exists():
-            out_dir.rename(old)
-        fresh.rename(out_dir)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
 
 
 def _write(

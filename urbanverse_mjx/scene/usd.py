@@ -13,7 +13,7 @@ import numpy as np
 
 from ..assets import usd_parts
 from ..assets.rigid_body import even_body
-from .compiler import replacing_folder
+from ..work_folder import replacing_folder
 from .geometry import SceneGeometry, Sky
 from .mjcf import png_bytes
 

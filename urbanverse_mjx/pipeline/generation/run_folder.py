@@ -12,14 +12,14 @@ import hashlib
 import json
 import os
 import pathlib
-import shutil
-import tempfile
+import re
 import time
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ... import __version__
 from ...datatypes import validation as v
+from ...work_folder import replacing_folder, sweep
 
 SCHEMA = "urbanverse.generation/1"
 FILE, LOCK = "run.json", ".lock"
@@ -102,25 +102,26 @@ class RunFolder:
     @contextlib.contextmanager
     def replacing(self, name: str) -> Iterator[pathlib.Path]:
         """A folder that takes the place of `name` when the block succeeds and vanishes when it fails."""
-        work = pathlib.Path(tempfile.mkdtemp(dir=self.path, prefix=f".{name}-"))
-        target = self.path / name
-        try:
-            (work / "new").mkdir()
-            yield work / "new"
-            if target.exists():
-                target.rename(work / "old")
-            (work / "new").rename(target)
-        finally:
-            shutil.rmtree(work, ignore_errors=True)
+        with replacing_folder(self.path / name) as folder:
+            yield folder
+
+
+#: What writing a file of a run atomically calls it before it is whole.
+_HALF_A_FILE = re.compile(
+    r"\.((run|materialisation|assets|layout|check)-\w{8}\.json|bank-\w{8}\.npz|report-\w{8}\.html)"
+)
 
 
 def _sweep(folder: pathlib.Path) -> None:
-    """Removes work in progress: everything whose name begins with a dot, as `replacing` and atomic writing name it."""
-    for path in list(folder.rglob(".*")):
-        if path.is_dir():
-            shutil.rmtree(path, ignore_errors=True)
-        elif path != folder / LOCK:
-            path.unlink(missing_ok=True)
+    """Removes what a killed run left half made, and nothing else: folders as `replacing` makes them, parts of files.
+
+    Only for who holds the run's lock.
+    """
+    for place in (folder, *(path for path in folder.glob("cousins/*") if path.is_dir())):
+        sweep(place)
+        for path in list(place.iterdir()):
+            if _HALF_A_FILE.fullmatch(path.name) and path.is_file():
+                path.unlink(missing_ok=True)
 
 
 def _read(path: pathlib.Path, source: str) -> dict[str, Any]:
