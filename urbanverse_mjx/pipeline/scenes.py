@@ -46,10 +46,12 @@ def compile_graph(
     check_regions(scene.ground)
     from ..assets import load_index
     from ..materialisation import materialise
+    from ..scene.halves import half_layouts
 
     index = load_index()
     materialised = materialise(scene, index, seed, cousin, skip_unknown)
-    return materialised, compile_scene(materialised.layout, index, out, make_driver(), place=scene.source)
+    layout = half_layouts(materialised.layout)[half - 1] if half else materialised.layout
+    return materialised, compile_scene(layout, index, out, make_driver(), place=scene.source)
 
 
 @functools.cache
