@@ -1,10 +1,17 @@
 """What the benchmark scripts share: `urbanverse benchmark` with the name already said."""
 
+import os
+import pathlib
+import subprocess
 import sys
 
-from urbanverse_mjx.cli.main import main
+import urbanverse_mjx
+
+ROOT = pathlib.Path(urbanverse_mjx.__file__).resolve().parents[1]
 
 
 def run(name: str) -> int:
-    """Runs the command on the arguments of this process."""
-    return main(["benchmark", name, *sys.argv[1:]])
+    """Runs the command on the arguments of this process, from whatever folder it was started in."""
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    command = [sys.executable, "-m", "urbanverse_mjx.cli.main", "benchmark", name, *sys.argv[1:]]
+    return subprocess.call(command, env={**os.environ, "PYTHONPATH": path})

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from .library.sets import LibraryBuild, LibraryOptions, build_library
     from .playing import PlayOptions, play
     from .routes import plan_routes
-    from .scenes import compile_graph, make_driver
+    from .scenes import compile_graph, compile_layout, make_driver
+    from .training_run import TrainOptions, train
 
 #: Name -> the module below this package that defines it.
 _HOMES = {
@@ -46,6 +47,7 @@ _HOMES = {
     "LibraryOptions": "library.sets",
     "PlayOptions": "playing",
     "TourOptions": "generation.tours",
+    "TrainOptions": "training_run",
     "benchmark": "benchmarking",
     "build_bank": "banks",
     "build_library": "library.sets",
@@ -53,6 +55,7 @@ _HOMES = {
     "cached_bank": "banks",
     "capture": "filming",
     "compile_graph": "scenes",
+    "compile_layout": "scenes",
     "draw_gallery": "gallery",
     "ensure_default_bank": "banks",
     "ensure_terrain_bank": "banks",
@@ -66,6 +69,7 @@ _HOMES = {
     "play": "playing",
     "run_batch": "generation.batch",
     "shipped_scenes": "banks",
+    "train": "training_run",
 }
 
 __all__ = [
@@ -78,6 +82,7 @@ __all__ = [
     "LibraryOptions",
     "PlayOptions",
     "TourOptions",
+    "TrainOptions",
     "benchmark",
     "build_bank",
     "build_library",
@@ -85,6 +90,7 @@ __all__ = [
     "cached_bank",
     "capture",
     "compile_graph",
+    "compile_layout",
     "draw_gallery",
     "ensure_default_bank",
     "ensure_terrain_bank",
@@ -98,6 +104,7 @@ __all__ = [
     "play",
     "run_batch",
     "shipped_scenes",
+    "train",
 ]
 
 

@@ -11,8 +11,10 @@ from ..datatypes import SceneGraph
 from ..datatypes import validation as v
 
 if TYPE_CHECKING:
+    from ..assets import AssetIndex
+    from ..datatypes import SceneLayout, Source
     from ..materialisation import Materialisation
-    from ..scene import CompiledScene, Driver
+    from ..scene import CompiledScene, Driver, EpisodeRules
 
 
 def compile_graph(
@@ -36,7 +38,7 @@ def compile_graph(
     Raises:
       NounError: whatever is wrong with the graph; then nothing is written.
     """
-    from ..scene.compiler import check_out_dir, compile_scene
+    from ..scene.compiler import check_out_dir
     from ..scene.ground import check_regions
 
     v.choice(str(half), "--half", ("0", "1", "2"))
@@ -51,7 +53,30 @@ def compile_graph(
     index = load_index()
     materialised = materialise(scene, index, seed, cousin, skip_unknown)
     layout = half_layouts(materialised.layout)[half - 1] if half else materialised.layout
-    return materialised, compile_scene(layout, index, out, make_driver(), place=scene.source)
+    return materialised, compile_layout(layout, index, out, place=scene.source)
+
+
+def compile_layout(
+    layout: "SceneLayout",
+    index: "AssetIndex",
+    out: pathlib.Path,
+    rules: "EpisodeRules | None" = None,
+    fix_fallers: bool = False,
+    place: "Source | None" = None,
+) -> "CompiledScene":
+    """Compiles a layout; COCO with the differential drive drives its episodes.
+
+    Args:
+      layout: what stands where. index: holds its assets. out: folder to write or to replace.
+      rules: of the episodes. fix_fallers: whether what does not stay for two seconds of C MuJoCo is fixed.
+      place: what the scene is after, for its metadata.
+
+    Raises:
+      NounError: see `scene.compile_scene`.
+    """
+    from ..scene.compiler import compile_scene
+
+    return compile_scene(layout, index, out, make_driver(), rules=rules, fix_fallers=fix_fallers, place=place)
 
 
 @functools.cache

@@ -36,19 +36,19 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     import mujoco
 
     from ...assets.skies import build_sky
-    from ...scene import EpisodeRules, NoRoomError, compile_scene, export_usd
-    from ..scenes import make_driver
+    from ...scene import EpisodeRules, NoRoomError, export_usd
+    from ..scenes import compile_layout
 
     clock = Clock()
     layout = SceneLayout.load(folder / LAYOUT)
-    assets, driver = load_assets(folder), make_driver()
+    assets = load_assets(folder)
     rules = EpisodeRules()
     try:
-        compiled = compile_scene(layout, assets, folder / SCENE, driver, rules=rules, fix_fallers=True)
+        compiled = compile_layout(layout, assets, folder / SCENE, rules, fix_fallers=True)
     except NoRoomError:
         # A short clip may show no 256 ways of the task's length.
         rules = EpisodeRules(distance=NEAR)
-        compiled = compile_scene(layout, assets, folder / SCENE, driver, rules=rules, fix_fallers=True)
+        compiled = compile_layout(layout, assets, folder / SCENE, rules, fix_fallers=True)
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))
     if with_usd:
         export_usd(compiled.geometry, build_sky(layout.sky), folder / USD)

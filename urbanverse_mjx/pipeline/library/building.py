@@ -133,20 +133,18 @@ def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
 
 def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[str, Any]:
     from ...materialisation import index_of
-    from ...scene import compile_scene
     from ...scene.episodes import EpisodeRules
     from ...scene.settling import settle
-    from ..scenes import make_driver
+    from ..scenes import compile_layout
 
     folder, path = _paths(name, cousin.layout.id)
     begin, processor = time.monotonic(), time.process_time()
     try:
-        compiled = compile_scene(
+        compiled = compile_layout(
             cousin.layout,
             index_of(cousin.layout),
             folder,
-            make_driver(),
-            rules=EpisodeRules(rows=ROWS),
+            EpisodeRules(rows=ROWS),
             fix_fallers=True,
             place=graph.source,
         )

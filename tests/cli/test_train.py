@@ -11,10 +11,10 @@ from brax.training.acme import running_statistics
 from ml_collections import ConfigDict
 
 from tests.support.unicycle import UnicycleEngine, unicycle_robot
-from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import train as cli_train
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import NavEnv, registry
+from urbanverse_mjx.pipeline import banks
 from urbanverse_mjx.training import run as training_run
 from urbanverse_mjx.training.config import default_ppo_config
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
@@ -54,7 +54,7 @@ class Session:
         self.loaded: list[str] = []
         monkeypatch.setattr(training_run, "load_ppo", lambda: self.trainer)
         monkeypatch.setattr(registry, "load", self.load)
-        monkeypatch.setattr(pipeline, "ensure_default_bank", lambda **_: self.bank)
+        monkeypatch.setattr(banks, "ensure_default_bank", lambda **_: self.bank)
 
     def load(self, name: str, config: ConfigDict, bank: SceneBank) -> NavEnv:
         self.loaded.append(name)

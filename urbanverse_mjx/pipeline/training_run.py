@@ -1,0 +1,109 @@
+"""One training: bank, environment, PPO, and the evaluation on streets that the policy has never seen."""
+
+import dataclasses
+import pathlib
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..training.record import RunRequest
+
+
+@dataclasses.dataclass(frozen=True)
+class TrainOptions:
+    """Where a run lies and begins, how it is evaluated, and who trains with it."""
+
+    logdir: pathlib.Path = pathlib.Path("runs")
+    """Where new run folders go."""
+    suffix: str = ""
+    """Added to a new run folder's name."""
+    resume: pathlib.Path | None = None
+    """A run folder to go on with after a kill: environment, configs and seed are those of its config.json, and options
+    that say otherwise are refused, but for --num-timesteps. Adam's moments and running episodes start anew."""
+    start_from: pathlib.Path | None = None
+    """A policy or run folder whose networks a new run begins with, e.g. one trained with another robot."""
+    num_episodes: int = 100
+    """Fixed episodes of the final evaluation; 0 = none."""
+    video: bool = True
+    """Write an mp4 of a rollout."""
+    coordinator: str | None = None
+    """Training over several hosts: HOST:PORT of process 0; "auto" under Slurm, Open MPI and Kubernetes."""
+    num_processes: int | None = None
+    """How many processes train together (with --coordinator)."""
+    process_id: int | None = None
+    """Which of them this is, from 0 (with --coordinator); only process 0 writes and evaluates."""
+
+
+def train(
+    request: "RunRequest | None" = None, options: TrainOptions | None = None, quiet: bool = True
+) -> dict[str, Any]:
+    """Trains a policy with Brax PPO; one that navigates is evaluated on streets it has never seen.
+
+    Args:
+      request: environment, preset and overrides (`urbanverse_mjx.training.record.RunRequest`); None for the defaults.
+      quiet: say nothing on standard error.
+
+    Returns:
+      metrics by agent, where the policy was evaluated; environment, preset, steps, env_steps_per_second, the seconds
+      of each part, and the run's folder.
+
+    Raises:
+      NounError: unknown names or keys, or a request that differs from the record of the run that goes on.
+    """
+    from ..envs import registry
+    from ..training.record import RunRequest, configs_of, resumed_configs
+    from ..training.run import join_processes
+    from ..training.run import train as run
+    from .banks import ensure_default_bank, ensure_terrain_bank
+    from .evaluation import evaluate_policy
+
+    request, options = request or RunRequest(), options or TrainOptions()
+    begin = time.monotonic()
+    if options.coordinator is not None:
+        join_processes(options.coordinator, options.num_processes, options.process_id)
+    if options.resume is None:
+        name, config, ppo = configs_of(request)
+        folder = options.logdir / _folder_name(name, options)
+    else:
+        folder = options.resume
+        name, config, ppo = resumed_configs(folder, request)
+    walks = name.endswith("Joystick")
+    bank = ensure_terrain_bank() if walks else ensure_default_bank(quiet=quiet)
+    _say(f"run folder: {folder}", quiet)
+    env = registry.load(name, config=config, bank=bank)
+    built = time.monotonic()
+    result = run(name, env, ppo, folder, options.resume is not None, quiet, options.start_from)
+    trained = time.monotonic()
+    _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
+    summary: dict[str, Any] = {}
+    # A gait is judged in C MuJoCo: python -m benchmarks.go2_gait.
+    if options.num_episodes and result.policy is not None and not walks:
+        summary = evaluate_policy(
+            result.policy, bank, folder / "evaluation", options.num_episodes, ppo.seed, options.video, quiet
+        )
+        _say(f"report: {folder / 'evaluation' / 'report.md'}", quiet)
+    return {
+        **summary,
+        "environment": name,
+        "preset": config.get("preset"),
+        "steps": result.steps,
+        "env_steps_per_second": round(result.steps_per_second, 1),
+        "seconds": {
+            "prepare": round(built - begin, 1),
+            "train": round(trained - built, 1),
+            "evaluate": round(time.monotonic() - trained, 1),
+        },
+        "folder": str(folder),
+    }
+
+
+def _folder_name(environment: str, options: TrainOptions) -> str:
+    stamp = time.strftime("%Y%m%d-%H%M%S")
+    return f"{environment}-{stamp}" + (f"-{options.suffix}" if options.suffix else "")
+
+
+def _say(text: str, quiet: bool) -> None:
+    if not quiet:
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
