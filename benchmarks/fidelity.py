@@ -51,7 +51,7 @@ from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation import Describe, DistilOptions, distil
 from urbanverse_mjx.pipeline import ensure_default_bank
 from urbanverse_mjx.pipeline.generation.distilling import DESCRIBE
-from urbanverse_mjx.process_pool import end_with_parent
+from urbanverse_mjx.process_pool import worker_pool
 
 #: The paper's table (45 sequences of KITTI-360, MASt3R and YoWorldSAM2); other streets, shown without a claim.
 PAPER = {"cat_percent": 93.1, "dist_m": 1.4, "ori_deg": 19.8, "scale_m3": 0.8, "map25": 28.2, "ast_percent": 75.1}
@@ -292,18 +292,14 @@ def _worked(streets: Sequence[Street], processes: int, threads: int) -> Iterator
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "URBANVERSE_THREADS"):
         os.environ[name] = str(threads)
     os.environ["JAX_PLATFORMS"] = "cpu"
-    context = multiprocessing.get_context("spawn")
-    taken = context.Value("i", 0)
-    with concurrent.futures.ProcessPoolExecutor(
-        processes, mp_context=context, initializer=_settle, initargs=(taken, threads)
-    ) as pool:
+    taken = multiprocessing.get_context("spawn").Value("i", 0)
+    with worker_pool(processes, initializer=_settle, initargs=(taken, threads)) as pool:
         for ticket in concurrent.futures.as_completed([pool.submit(street_rows, street) for street in streets]):
             yield ticket.result()
 
 
 def _settle(taken: Any, threads: int) -> None:
     """Keeps this process on cores of its own, the next that no other has: XLA takes as many threads as it sees."""
-    end_with_parent()
     if hasattr(os, "sched_setaffinity"):
         cores = sorted(os.sched_getaffinity(0))
         with taken.get_lock():

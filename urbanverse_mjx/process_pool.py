@@ -38,22 +38,27 @@ def end_with_parent(parent: int | None = None) -> None:
     threading.Thread(target=watch, name="end_with_parent", daemon=True).start()
 
 
-def worker_pool(workers: int, niceness: int = 0) -> concurrent.futures.ProcessPoolExecutor:
+def worker_pool(
+    workers: int, niceness: int = 0, initializer: Callable[..., object] | None = None, initargs: tuple[Any, ...] = ()
+) -> concurrent.futures.ProcessPoolExecutor:
     """A pool of processes that end with this one.
 
     They are spawned, not forked: JAX and MuJoCo may already run threads here.
 
     Args:
       niceness: added to that of this process, so that others on the machine go first.
+      initializer: called with `initargs` in each process before its first task.
     """
     context = multiprocessing.get_context("spawn")
-    return concurrent.futures.ProcessPoolExecutor(workers, context, _begin, (niceness,))
+    return concurrent.futures.ProcessPoolExecutor(workers, context, _begin, (niceness, initializer, initargs))
 
 
-def _begin(niceness: int) -> None:
+def _begin(niceness: int, initializer: Callable[..., object] | None, initargs: tuple[Any, ...]) -> None:
     end_with_parent()
     if niceness:
         os.nice(niceness)
+    if initializer is not None:
+        initializer(*initargs)
 
 
 def results_as_completed(
