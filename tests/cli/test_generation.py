@@ -10,7 +10,7 @@ import mujoco
 import pytest
 
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
-from urbanverse_mjx.pipeline.generation import batch, compiling, stages
+from urbanverse_mjx.pipeline.generation import batch, compiling, one_source, stages
 from urbanverse_mjx.pipeline.generation.executors import EXECUTORS, Job, Outcome
 from urbanverse_mjx.pipeline.generation.run_folder import RunFolder, key_of
 from urbanverse_mjx.pipeline.generation.sources import recognise
@@ -216,6 +216,14 @@ def test_a_source_runs_in_a_process_of_its_own(tmp_path: pathlib.Path) -> None:
     assert outcome.status == batch.WRONG_INPUT
     assert outcome.words.startswith("error: ")
     assert "none.mp4" in outcome.words
+
+
+def test_a_source_ends_with_its_batch(tmp_path: pathlib.Path) -> None:
+    """Told of a batch that is gone, it ends long before it has made anything."""
+    job = batch.job_of(GRAPH, tmp_path, GenerationOptions())
+    command = [sys.executable, "-m", one_source.__name__, one_source.argument(job, parent=1)]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 1
+    assert not (job.out / "report.html").exists()
 
 
 def test_lists_that_cannot_be_used(tmp_path: pathlib.Path) -> None:
