@@ -25,6 +25,10 @@ from .types import NavState, Result
 _UPRIGHT = 0.5
 #: (15, 2) m in the heading frame, where critics are told the distance to hulls and edges.
 PROBES = np.array([(x, y) for x in (0.0, 0.6, 1.2, 1.8, 2.4) for y in (-0.6, 0.0, 0.6)], np.float32)
+#: (20, 16, 2) m in the heading frame, 7.6 m along by 6 m across: where `privileged_map` tells the same distances.
+MAP_PROBES = np.stack(np.meshgrid(np.linspace(-1.4, 6.2, 20), np.linspace(-3.0, 3.0, 16), indexing="ij"), -1).astype(
+    np.float32
+)
 ACTION_MODES = ("waypoint", "velocity", "joint")
 
 
@@ -57,6 +61,11 @@ class NavEnv(StagedBase):
       privileged: (41 + action_size,) f32 for critics and tests only: goal, next waypoint, the one after (heading
         frame, m), forward and lateral speed (m/s), yaw rate (rad/s), share of time and of route left, distances (m) to
         the next hull and to the edge of the walkable ground at the 15 `PROBES` around the robot, last action.
+      proprio: (3 + action_size,) f32, forward and lateral speed (m/s), yaw rate (rad/s), last action: what wheel
+        odometry or a state estimator gives; with `config.observations.proprio`.
+      privileged_map: (640,) u8 cm, the two distances of `privileged` at the (20, 16) `MAP_PROBES` around the robot,
+        for teachers and auxiliary losses only; with `config.observations.privileged_map`. Flat, because Brax keeps
+        statistics of every observation that is no picture and takes each for a vector.
     Action: in [-1, 1]; by `config.action_mode`:
       waypoint: (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega);
       velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate);
@@ -88,6 +97,9 @@ class NavEnv(StagedBase):
         self._nv = model.nv
         self._joint_range = _command_range(robot, model) if config.action_mode == "joint" else None
         self.scenes = select_scenes(bank, config.scenes)
+        # Policies saved before these could be chosen do not have them.
+        chosen = config.get("observations", {})
+        self._sees_proprio, self._sees_map = (bool(chosen.get(k, False)) for k in ("proprio", "privileged_map"))
         self._schedule = EpisodeSchedule(config.schedule, bank, self.scenes)
         self._randomization = Randomization(config.randomization)
         self._episodes = {
@@ -254,6 +266,11 @@ class NavEnv(StagedBase):
         around = self._distances(nav, probes).reshape(-1)
         privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
+        if self._sees_proprio:
+            obs["proprio"] = jnp.concatenate([speed, nav.sim.qvel[5:6], nav.last_action]).astype(jnp.float32)
+        if self._sees_map:
+            metres = self._distances(nav, position[:2] + terms.to_world(jnp.asarray(MAP_PROBES), yaw))
+            obs["privileged_map"] = jnp.clip(jnp.rint(metres * 100.0), 0.0, 255.0).astype(jnp.uint8).reshape(-1)
         if self.renderer is not None:
             obs["pixels/front"] = self._pixels(nav)
         return obs

@@ -28,6 +28,19 @@ class Privileged(Protocol):
         ...
 
 
+@runtime_checkable
+class Recurrent(Protocol):
+    """An agent that remembers; inside jit like `Agent`."""
+
+    def first_memory(self) -> Any:
+        """What it remembers when an episode begins."""
+        ...
+
+    def act(self, obs: Mapping[str, Any], memory: Any, key: jax.Array, /) -> tuple[jax.Array, Any]:
+        """The action, and what to remember."""
+        ...
+
+
 def zero(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     """Stands still."""
     del obs, key
@@ -47,14 +60,29 @@ def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     return goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
 
 
-def blank_image(agent: Agent) -> Agent:
+def _covered(obs: Mapping[str, Any]) -> dict[str, Any]:
+    """Observations with all pixels 0."""
+    return {k: jnp.zeros_like(x) if k.startswith("pixels/") else x for k, x in obs.items()}
+
+
+class _BlankRecurrent:
+    """An agent that remembers, with its camera covered."""
+
+    def __init__(self, agent: Recurrent) -> None:
+        self._agent = agent
+
+    def first_memory(self) -> Any:
+        return self._agent.first_memory()
+
+    def act(self, obs: Mapping[str, Any], memory: Any, key: jax.Array) -> tuple[jax.Array, Any]:
+        return self._agent.act(_covered(obs), memory, key)
+
+
+def blank_image(agent: Any) -> Any:
     """The same agent with its camera covered (all pixels 0): what it does without seeing."""
-
-    def act(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
-        covered = {k: jnp.zeros_like(x) if k.startswith("pixels/") else x for k, x in obs.items()}
-        return agent(covered, key)
-
-    return act
+    if isinstance(agent, Recurrent):
+        return _BlankRecurrent(agent)
+    return lambda obs, key: agent(_covered(obs), key)
 
 
 BASELINES: dict[str, Agent] = {"zero": zero, "random": random, "go_to_goal": go_to_goal}

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..datatypes import RESULTS, AgentMotion, EpisodeResult, NounError
 from ..envs import NavEnv, NavState
-from .agents import Agent, BatchAgent, Privileged
+from .agents import Agent, BatchAgent, Privileged, Recurrent
 from .people import counted, no_people, people_fields
 
 
@@ -64,13 +64,17 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
 
 
 class _Tally(NamedTuple):
-    """What is counted along the way, per env; touches: how often contact began; people: `PeopleTally` or None."""
+    """What is counted along the way, per env; touches: how often contact began; people: `PeopleTally` or None.
+
+    memory: of each agent what it remembers, () of one that does not.
+    """
 
     hit_time: Any
     touches: Any
     slot_overflow: Any
     key: Any
     people: Any
+    memory: Any = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,7 +110,7 @@ class Rollout:
 
     def run(
         self,
-        agents: Mapping[str, Agent | Privileged],
+        agents: Mapping[str, Agent | Privileged | Recurrent],
         episodes: EpisodeSet,
         on_progress: Callable[[int, int], None] | None = None,
     ) -> tuple[list[EpisodeResult], Trajectory]:
@@ -119,7 +123,7 @@ class Rollout:
         """
         n, count = len(episodes), len(agents)
         who = jnp.repeat(jnp.arange(count), n)
-        nav, tally = self._start(episodes, count)
+        nav, tally = self._start(episodes, count, list(agents.values()))
         known = tuple(_known(agent, episodes, count) for agent in agents.values())
         chunk = self._chunk_of(list(agents.values()))
         seen = []
@@ -173,15 +177,17 @@ class Rollout:
         trajectory = Trajectory(*jax.tree.map(lambda *part: np.stack(part), *seen))
         return self._results(name, nav, tally, episodes), trajectory
 
-    def _start(self, episodes: EpisodeSet, count: int) -> tuple[NavState, _Tally]:
-        """The first states of `count` times all episodes."""
+    def _start(self, episodes: EpisodeSet, count: int, agents: Sequence[Any] = ()) -> tuple[NavState, _Tally]:
+        """The first states of `count` times all episodes, and what `agents` remember then."""
         number = len(episodes) * count
         keys = jnp.tile(episodes.keys(), count)
         scenes, rows = np.tile(episodes.scenes, count), np.tile(episodes.episodes, count)
         nav = self._begin(keys, jnp.asarray(scenes), jnp.asarray(rows))
         hit_time, none = jnp.zeros(number), jnp.zeros(number, jnp.int32)
         people = None if self.env.living is None else no_people(number)
-        return nav, _Tally(hit_time, none, none, keys, people)
+        first = tuple(agent.first_memory() if isinstance(agent, Recurrent) else () for agent in agents)
+        memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (number, *x.shape)), first)
+        return nav, _Tally(hit_time, none, none, keys, people, memory)
 
     def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any]:
         """What a `Trajectory` holds of one step of all envs."""
@@ -202,18 +208,19 @@ class Rollout:
         )
         return jax.tree.map(lambda a, b: jnp.where(running, a, b), (new, new_tally), (nav, tally))
 
-    def _chunk_of(self, agents: Sequence[Agent | Privileged]) -> Callable[..., Any]:
+    def _chunk_of(self, agents: Sequence[Agent | Privileged | Recurrent]) -> Callable[..., Any]:
         env = self.env
 
         def one(
             nav: NavState, tally: _Tally, obs: Mapping[str, Any], who: jax.Array, known: Any
         ) -> tuple[jax.Array, _Tally]:
             key, key_act = jax.random.split(tally.key)
-            actions = [
-                agent.act(nav, own) if isinstance(agent, Privileged) else agent(obs, key_act)
-                for agent, own in zip(agents, known, strict=True)
+            answers = [
+                _answer(agent, nav, obs, own, memory, key_act)
+                for agent, own, memory in zip(agents, known, tally.memory, strict=True)
             ]
-            return jnp.stack(actions)[who], tally._replace(key=key)
+            action = jnp.stack([action for action, _ in answers])[who]
+            return action, tally._replace(key=key, memory=tuple(memory for _, memory in answers))
 
         def chunk(nav: NavState, tally: _Tally, who: jax.Array, known: Any) -> Any:
             def step(carry: Any, _: None) -> tuple[Any, Any]:
@@ -259,7 +266,14 @@ class Rollout:
         ]
 
 
-def _known(agent: Agent | Privileged, episodes: EpisodeSet, count: int) -> Any:
+def _answer(agent: Any, nav: NavState, obs: Mapping[str, Any], known: Any, memory: Any, key: jax.Array) -> Any:
+    """An agent's action in a state, and what it remembers then."""
+    if isinstance(agent, Recurrent):
+        return agent.act(obs, memory, key)
+    return agent.act(nav, known) if isinstance(agent, Privileged) else agent(obs, key), ()
+
+
+def _known(agent: Agent | Privileged | Recurrent, episodes: EpisodeSet, count: int) -> Any:
     """What a privileged agent is told of `count` times all episodes; () for the others."""
     if not isinstance(agent, Privileged):
         return ()

@@ -84,12 +84,10 @@ def evaluate_policy(
       dynamic: the streets are full of people.
       environment: whose robot is driven; None = the one that the policy was trained with.
     """
-    from ..training.policy import initial_params, load_policy, make_policy_function
+    from ..training.policy import load_policy, untrained_policy
 
     act, spec = load_policy(policy)
-    ppo = ConfigDict(spec.ppo_config)
-    start = initial_params(spec.observations, spec.action_size, ppo, ppo.seed)
-    untrained = make_policy_function(spec.observations, spec.action_size, ppo, start)
+    untrained = untrained_policy(spec)
     environment = environment or spec.environment
     trained = ConfigDict(spec.env_config)
     if environment != spec.environment:

@@ -103,6 +103,16 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
     return path
 
 
+def save_student(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
+    """Writes a student's policy folder under `folder`, in half precision; returns it."""
+    from brax.training.acme import running_statistics, specs
+
+    # Brax reads a normaliser from every checkpoint; a student has none, so this one is never used.
+    normaliser = running_statistics.init_state(specs.Array((1,), jnp.dtype("float32")))
+    half = jax.tree.map(lambda x: np.asarray(x, np.float16), params)
+    return save_policy(folder, (normaliser, half, {}), spec)
+
+
 def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
     """Writes the newest policy under `source` without its critic to the folder `out`: half the bytes, to be driven and
     not to be trained further.
@@ -149,6 +159,12 @@ def latest_policy(folder: pathlib.Path) -> pathlib.Path:
 def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
     """The network factory of a training config, for `ppo.train` and for loading."""
     network = ppo_config.network
+    if "map_layers" in network:
+        from .map_networks import make_map_networks
+
+        layers = [(int(depth), int(kernel), int(stride)) for depth, kernel, stride in network.map_layers]
+        hidden = tuple(int(n) for n in network.hidden)
+        return functools.partial(make_map_networks, map_layers=layers, hidden=hidden)
     if "actor_hidden" in network:
         from .mlp_networks import make_mlp_networks
 
@@ -205,8 +221,21 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
     return found
 
 
-def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[PolicyFunction, PolicySpec]:
-    """A trained policy and what it is.
+def untrained_policy(spec: PolicySpec) -> Any:
+    """The policy of `spec` before any training, from the seed of its config."""
+    config = ConfigDict(spec.ppo_config)
+    if config.get("algorithm") == "dagger":
+        from .dagger import make_student
+        from .student import StudentPolicy, initial_student
+
+        network = make_student(config, spec.action_size)
+        return StudentPolicy(network, initial_student(network, spec.observations, config.seed))
+    start = initial_params(spec.observations, spec.action_size, config, config.seed)
+    return make_policy_function(spec.observations, spec.action_size, config, start)
+
+
+def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[Any, PolicySpec]:
+    """A trained policy, (observation, key) -> action or a `StudentPolicy` that remembers, and what it is.
 
     Args:
       folder: a policy folder, or one that holds some (the most trained is taken).
@@ -214,5 +243,12 @@ def load_policy(folder: pathlib.Path, deterministic: bool = True) -> tuple[Polic
     folder = latest_policy(folder)
     spec = PolicySpec.load(folder)
     config = ConfigDict(spec.ppo_config)
+    if config.get("algorithm") == "dagger":
+        from .dagger import make_student
+        from .student import StudentPolicy
+
+        # Half precision halves the file; the arithmetic is single.
+        params = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), load_params(folder)[1])
+        return StudentPolicy(make_student(config, spec.action_size), params), spec
     function = make_policy_function(spec.observations, spec.action_size, config, load_params(folder), deterministic)
     return function, spec
