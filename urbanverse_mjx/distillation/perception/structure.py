@@ -44,6 +44,8 @@ _SHORT_CLIP, _SHORT_PAIR_ERROR = 30, 4.0
 #: The same of the two frames that a model begins with. It likes to begin before walls, where most matches are. Where
 #: the way breaks, the structure is made again with the next of these, and the one that breaks least is taken.
 _FIRST_ERRORS = 1.0, 4.0
+#: Decimals of the focal length, pixels, that the mapping starts from.
+_FOCAL_DIGITS = 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -131,19 +133,21 @@ def reconstruct(
       NounError: COLMAP finds no place for at least `MIN_FRAMES` frames.
     """
     options = options or StructureOptions()
-    most, fewest, best = 0, np.inf, None
+    most, best, best_score = 0, None, (np.inf, 0)
     with tempfile.TemporaryDirectory() as work:
-        for models in _maps(frames, options, pathlib.Path(work), progress or (lambda done, total: None)):
-            models.sort(key=lambda model: -model.num_reg_images())
+        for found in _maps(frames, options, pathlib.Path(work), progress or (lambda done, total: None)):
+            models = sorted(filter(_has_a_possible_lens, found), key=lambda model: -model.num_reg_images())
             count = models[0].num_reg_images() if models else 0
             most = max(most, count)
             if count < MIN_FRAMES:
                 continue
             structure = _structure(models, frames)
             breaks = len(cut(structure.model, structure.registered, structure.poses)) - len(np.unique(structure.model))
-            if breaks < fewest:
-                fewest, best = breaks, structure
-            if breaks <= 0:
+            score = breaks, -len(structure.registered)
+            if score < best_score:
+                best, best_score = structure, score
+            # A short clip says little about where it breaks; trying again costs little.
+            if breaks <= 0 and (len(frames) >= _SHORT_CLIP or len(structure.registered) == len(frames)):
                 break
     if best is None:
         raise NounError(
@@ -151,6 +155,17 @@ def reconstruct(
             "walking, in light that shows texture, or sample more frames a second."
         )
     return best
+
+
+def _has_a_possible_lens(model: Any) -> bool:
+    """Whether the cameras of a model are some that `_mapping` allows: COLMAP itself asks from 20 frames on."""
+    for camera in model.cameras.values():
+        focal, distortion = camera.params[0], camera.params[3]
+        if not _LEAST_FOCAL <= focal / max(camera.width, camera.height) <= _MOST_FOCAL:
+            return False
+        if abs(distortion) > _MOST_BENT:
+            return False
+    return True
 
 
 def _maps(
@@ -161,6 +176,7 @@ def _maps(
 
     # Without this it writes pages to standard error.
     pycolmap.logging.minloglevel = pycolmap.logging.Level.FATAL.value
+    # Features, matches and their verification do not depend on how the work is split over threads; what follows does.
     database, threads, steps = work / "database.db", settings.num_threads(), 3 * len(frames)
     extraction = pycolmap.FeatureExtractionOptions(num_threads=threads)
     extraction.sift.max_num_features = options.features
@@ -173,7 +189,7 @@ def _maps(
     verification = pycolmap.TwoViewGeometryOptions()
     verification.ransac.random_seed = 0
     verification.ransac.max_error = _SHORT_PAIR_ERROR if len(frames) < _SHORT_CLIP else _PAIR_ERROR
-    mapping = _mapping(pycolmap, threads, options.focal is None)
+    mapping = _mapping(pycolmap, options.focal is None)
     registered = 2 * len(frames)
 
     def one_more() -> None:
@@ -183,6 +199,9 @@ def _maps(
 
     try:
         cameras = pycolmap.CameraMode.SINGLE
+        # Entered in order beforehand: the extraction numbers new images in the order in which its threads finish.
+        pycolmap.Database.open(database).close()
+        pycolmap.import_images(database, frames.folder, cameras, list(frames.names), reader)
         pycolmap.extract_features(database, frames.folder, list(frames.names), cameras, reader, extraction)
         progress(len(frames), steps)
         pycolmap.match_sequential(database, matching, pairing, verification)
@@ -190,6 +209,7 @@ def _maps(
             calibration = pycolmap.ViewGraphCalibrationOptions(random_seed=0)
             # What it finds no focal length for keeps the one that the search starts from.
             pycolmap.calibrate_view_graph(database, calibration)
+            _round_focal_length(database)
         progress(2 * len(frames), steps)
         for mapping.mapper.init_max_error in _FIRST_ERRORS:
             models = pycolmap.incremental_mapping(
@@ -204,9 +224,23 @@ def _maps(
         ) from error
 
 
-def _mapping(pycolmap: Any, threads: int, refine_focal: bool) -> Any:
-    """Options for a tour on foot: small steps and small angles, and a bundle adjustment that stops early."""
-    mapping = pycolmap.IncrementalPipelineOptions(num_threads=threads, extract_colors=False, random_seed=0)
+def _round_focal_length(database: pathlib.Path) -> None:
+    """Drops the last digits: they depend on the order in which the solver's threads, one per core, add up."""
+    import pycolmap
+
+    with pycolmap.Database.open(database) as opened:
+        for camera in opened.read_all_cameras():
+            camera.focal_length = round(camera.focal_length, _FOCAL_DIGITS)
+            opened.update_camera(camera)
+
+
+def _mapping(pycolmap: Any, refine_focal: bool) -> Any:
+    """Options for a tour on foot: small steps and small angles, and a bundle adjustment that stops early.
+
+    One thread: RANSAC seeds each of its threads differently, and sums over threads differ in their last bits. Either
+    leads to other inliers, and a few frames later to another structure.
+    """
+    mapping = pycolmap.IncrementalPipelineOptions(num_threads=1, extract_colors=False, random_seed=0)
     mapping.min_model_size = MIN_FRAMES
     mapping.ba_refine_focal_length = refine_focal
     for limited in (mapping, mapping.mapper, mapping.triangulation):
