@@ -160,15 +160,22 @@ def special(name: str, body: Any) -> Iterator[tuple[str, Path, Any]]:
     positive = ("size",) if name == "graph" else ("scale",)
     for field, axis, bad in itertools.product(positive, range(3), (0, 0.0, -1, -0.5)):
         yield "not positive", ("objects", 0, field, axis), changed(body, ("objects", 0, field, axis), bad)
-    if name == "graph":
-        for place in (("objects", 0), ("ground", 1), ("sky",)):
-            for bad in ([], [0] * 65, [256], [-1], [1.5], [True]):
-                yield "descriptor", (*place, "descriptor"), changed(body, (*place, "descriptor"), bad)
-        for bad in (-0.1, 1.1):
-            yield "score", ("objects", 0, "score"), changed(body, ("objects", 0, "score"), bad)
-    else:
-        for field, bad in (("mass", 0), ("mass", -1), ("friction", -0.1), ("friction", 6)):
-            yield field, ("objects", 0, field), changed(body, ("objects", 0, field), bad)
+    yield from (of_graph if name == "graph" else of_layout)(body)
+
+
+def of_graph(body: Any) -> Iterator[tuple[str, Path, Any]]:
+    """Descriptors and scores that are none."""
+    for place in (("objects", 0), ("ground", 1), ("sky",)):
+        for bad in ([], [0] * 65, [256], [-1], [1.5], [True]):
+            yield "descriptor", (*place, "descriptor"), changed(body, (*place, "descriptor"), bad)
+    for bad in (-0.1, 1.1):
+        yield "score", ("objects", 0, "score"), changed(body, ("objects", 0, "score"), bad)
+
+
+def of_layout(body: Any) -> Iterator[tuple[str, Path, Any]]:
+    """Masses and frictions that are none."""
+    for field, bad in (("mass", 0), ("mass", -1), ("friction", -0.1), ("friction", 6)):
+        yield field, ("objects", 0, field), changed(body, ("objects", 0, field), bad)
 
 
 def expected_words(body: Any, path: Path, spoiled: Any) -> list[str]:

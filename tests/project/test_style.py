@@ -1,53 +1,41 @@
-"""The house's sizes: short files, short functions, no path of somebody's machine."""
+"""Small functions, locks that agree, and no path of somebody's machine."""
 
-import ast
+import json
 import pathlib
 import re
 import subprocess
+import sys
 
 import pytest
 
 ROOT = pathlib.Path(__file__).parents[2]
-MAX_FILE_LINES = 400
-MAX_FUNCTION_LINES = 75
-#: Tables of things and cities in Python's clothes: a street composed by hand is a list of what stands where.
-TABLES, MAX_TABLE_LINES, MAX_TABLE_FUNCTION_LINES = re.compile(r"citygen/(craft/s\d|cities/)"), 480, 100
-SOURCES = sorted(p for room in ("urbanverse_mjx", "benchmarks") for p in (ROOT / room).rglob("*.py"))
 
 
-def _functions(tree: ast.AST) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
-    return [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+def function(arguments: str = "", body: str = "") -> str:
+    return f"def planted({arguments}):\n{body}    return None\n"
 
 
-def _is_kernel(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    # Warp compiles one Python function into one kernel; its inner loop cannot be cut without costing registers.
-    return any(ast.unparse(d).startswith("wp.kernel") for d in function.decorator_list)
+#: Rule -> code that breaks it: more ways, branches, arguments or statements than a reader holds in mind.
+LARGE = {
+    "C901": function("a", "".join(f"    assert a != {k} or a == {k + 1}\n    for b in a: a = b\n" for k in range(12))),
+    "PLR0912": function("a", "".join(f"    if a == {k}: a = 0\n" for k in range(13))),
+    "PLR0913": function(", ".join(f"a{k}" for k in range(11))),
+    "PLR0915": function("a", "    a += 1\n" * 51),
+}
 
 
-def long_functions(tree: ast.Module, limit: int = MAX_FUNCTION_LINES) -> dict[str, int]:
-    """Names and lengths of functions longer than the limit; nested ones count for themselves, Warp kernels not."""
-    found = {}
-    for function in _functions(tree):
-        inner = [n for child in function.body for n in _functions(child)]
-        lines = set(range(function.lineno, (function.end_lineno or function.lineno) + 1))
-        for nested in inner:
-            lines -= set(range(nested.lineno, (nested.end_lineno or nested.lineno) + 1))
-        if len(lines) > limit and not _is_kernel(function):
-            found[function.name] = len(lines)
-    return found
-
-
-@pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.relative_to(ROOT).as_posix())
-def test_files_and_functions_are_short(path: pathlib.Path) -> None:
-    text = path.read_text(encoding="utf-8")
-    table = TABLES.search(path.as_posix())
-    assert text.count("\n") <= (MAX_TABLE_LINES if table else MAX_FILE_LINES)
-    assert not long_functions(ast.parse(text), MAX_TABLE_FUNCTION_LINES if table else MAX_FUNCTION_LINES)
-
-
-def test_the_scan_finds_a_long_function() -> None:
-    body = "\n".join(["def long():", *["    x = 1"] * MAX_FUNCTION_LINES])
-    assert long_functions(ast.parse(body)) == {"long": MAX_FUNCTION_LINES + 1}
+@pytest.mark.parametrize("rule", LARGE)
+@pytest.mark.parametrize("folder", ["urbanverse_mjx/scene", "urbanverse_mjx/simulation", "benchmarks", "tests/scene"])
+def test_large_functions_are_refused(rule: str, folder: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "ruff", "check", "--output-format=json", f"--stdin-filename={folder}/planted.py", "-"],
+        input=LARGE[rule],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+    )
+    assert rule in {found["code"] for found in json.loads(done.stdout)}
 
 
 def tracked() -> list[pathlib.Path]:

@@ -51,6 +51,16 @@ class _Touch(NamedTuple):
     agent_force: Any = None
 
 
+class _Moving(NamedTuple):
+    """What a physics step changes: joints, the solver's warm start, touches so far, and bodies that are awake."""
+
+    qpos: Any
+    qvel: Any
+    warm: Any
+    touch: _Touch
+    awake: body_slots.Awake | None
+
+
 class JaxEngine(EngineBase):
     """Simulates one robot per env in any scene of a bank; keeps the `Simulator` interface.
 
@@ -126,10 +136,11 @@ class JaxEngine(EngineBase):
             scenery = self._scenery(state, awake, origin)
             awake = awake._replace(place=awake.place - origin)
 
-        def substep(carry: Any, number: Any) -> tuple[Any, Substeps]:
+        def substep(before: _Moving, number: Any) -> tuple[_Moving, Substeps]:
             met = None if agents is None else agent_slots.moved(agents, number * self.robot.physics_timestep)
-            after = self._physics_step(model, state.friction_scale, nearby, met, scenery, ctrl, *carry)
-            return after, Substeps(after[0].at[self._root_qpos].add(origin), after[3].count > carry[3].count)
+            after = self._physics_step(model, state.friction_scale, nearby, met, scenery, ctrl, before)
+            touched = after.touch.count > before.touch.count
+            return after, Substeps(after.qpos.at[self._root_qpos].add(origin), touched)
 
         zero, none = jnp.zeros((), jnp.int32), jnp.full((), -1, jnp.int32)
         feet = jnp.zeros(len(self.robot.foot_geoms))
@@ -137,7 +148,7 @@ class JaxEngine(EngineBase):
         numbers = None
         if agents is not None:
             touch, numbers = touch._replace(agent=none, agent_force=jnp.zeros(())), jnp.arange(self.num_substeps)
-        start = (state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch, awake)
+        start = _Moving(state.qpos.at[self._root_qpos].add(-origin), state.qvel, state.carry, touch, awake)
         (qpos, qvel, warm, touch, awake), record = jax.lax.scan(substep, start, numbers, length=self.num_substeps)
         qpos = qpos.at[self._root_qpos].add(origin)
         data = mjx.kinematics(self.physics.mjx_model, self._data.replace(qpos=qpos, qvel=qvel))
@@ -151,7 +162,7 @@ class JaxEngine(EngineBase):
             hit_agent=touch.agent,
         )
         missed = overflow + touch.missed
-        if around is not None:
+        if around is not None and awake is not None:
             awake = awake._replace(place=awake.place + origin)
             around = body_slots.put_back(self.body_constants, around, slot, awake)
         after = state._replace(
@@ -211,12 +222,9 @@ class JaxEngine(EngineBase):
         agents: AgentMotion | None,
         scenery: body_dynamics.Scenery | None,
         ctrl: Any,
-        qpos: Any,
-        qvel: Any,
-        warm: Any,
-        touch: _Touch,
-        awake: body_slots.Awake | None,
-    ) -> Any:
+        before: _Moving,
+    ) -> _Moving:
+        qpos, qvel, warm, touch, awake = before
         spheres, dt = self.physics.spheres, self.robot.physics_timestep
         data = self._data.replace(qpos=qpos, qvel=qvel, ctrl=ctrl)
         for stage in (mjx.kinematics, mjx.com_pos, mjx.crb, mjx.factor_m, mjx.transmission, mjx.fwd_velocity):
@@ -255,7 +263,7 @@ class JaxEngine(EngineBase):
             qacc, pull = qacc[:robot], pull[:robot]
         data = mjx.euler(model, data.replace(qacc=qacc, qfrc_constraint=pull))
         normal_force = force[: 4 * len(found.sphere)].reshape(-1, 4).sum(1)
-        return data.qpos, data.qvel, qacc, self._note(touch, found, nearby, normal_force), awake
+        return _Moving(data.qpos, data.qvel, qacc, self._note(touch, found, nearby, normal_force), awake)
 
     def _note(
         self, touch: _Touch, found: hull_contact.SphereContacts, nearby: static_slots.Slots, force: Any
