@@ -169,82 +169,17 @@ def train_teacher(args: argparse.Namespace, env: Any, out: pathlib.Path, begin: 
     return latest_policy(out / "teacher")
 
 
-def main() -> int:
-    cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    cli.add_argument("--banks", nargs="+", type=pathlib.Path, required=True)
-    cli.add_argument("--out", type=pathlib.Path, required=True)
-    cli.add_argument("--holdout", type=int, default=16)
-    cli.add_argument("--teacher", type=pathlib.Path, help="a trained one; waited for until TEACHER/done exists")
-    cli.add_argument("--teacher-seconds", type=float, default=300.0)
-    cli.add_argument("--teacher-steps", type=int, default=100_000_000)
-    cli.add_argument("--teacher-checkpoints", type=int, default=25)
-    cli.add_argument("--no-map", dest="map", action="store_false")
-    cli.add_argument("--student-seconds", type=float, default=700.0)
-    cli.add_argument("--student-iterations", type=int, default=4000)
-    cli.add_argument("--validate-every", type=int, default=60)
-    cli.add_argument("--start", type=pathlib.Path, help="parameters of a student (student.msgpack) to go on from")
-    cli.add_argument("--memory", type=int, default=256)
-    cli.add_argument("--num-envs", type=int, default=4096)
-    cli.add_argument("--seed", type=int, default=0)
-    cli.add_argument("--impl", default="warp")
-    cli.add_argument("--size", default="54x96")
-    cli.add_argument("--validation-episodes", type=int, default=512)
-    cli.add_argument("--set", nargs="*", default=[], help="dagger options, such as mirror=false")
-    args = cli.parse_args()
-    # Tables of the scenes become arguments of what is compiled, in place of constants of hundreds of MB in it.
-    if hasattr(jax.config, "jax_use_simplified_jaxpr_constants"):
-        jax.config.update("jax_use_simplified_jaxpr_constants", True)
-    jax.pmap = _one_device_pmap  # type: ignore[assignment]
-    begin, out, result = time.monotonic(), args.out, {}
-    out.mkdir(parents=True, exist_ok=True)
-    banks = [SceneBank.load(path) for path in args.banks]
-    names = [list(bank.scene_ids) for bank in banks]
-    bank = bank_join.join(banks) if len(banks) > 1 else banks[0]
-    trained, held = names[0][: -args.holdout], names[0][-args.holdout :]
-    log(out, begin, loaded=bank.num_scenes, trained=len(trained), held=len(held))
-
-    height, width = (int(n) for n in args.size.split("x"))
-    overrides = {
-        "preset": "fast",
-        "impl": args.impl,
-        "scenes": ",".join(trained),
-        "observations.privileged_map": True,
-        "observations.proprio": True,
-        "vision": False,
-        "vision_config.height": height,
-        "vision_config.width": width,
-    }
-    known = [name for name in ("craftbench", "autobench") if any(name in str(path) for path in args.banks[1:])]
-    suite = Suite(bank, held, args.validation_episodes, known)
-
-    from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy, save_student
-
-    env = None
-    if args.teacher is None:
-        env = registry.load("CocoNav", config_overrides=overrides, bank=bank)
-        log(out, begin, environment="teacher")
-        folder = train_teacher(args, env, out, begin)
-        (out / "teacher" / "done").write_text(str(folder.name))
-    else:
-        while not (args.teacher / "done").exists():
-            time.sleep(1.0)
-        folder = latest_policy(args.teacher)
-    teach, spec = load_policy(folder)
-    log(out, begin, teacher=str(folder), steps=spec.steps)
-    if args.teacher is None:
-        result["teacher"] = suite.score(env, "teacher", teach)
-        log(out, begin, teacher={k: brief(x) for k, x in result["teacher"].items()})
-    (out / "result.json").write_text(json.dumps(result))
-    del env
-    if args.student_seconds <= 0:
-        return 0
-
+def train_student(
+    args: argparse.Namespace, env: Any, teach: Any, suite: Suite, begin: float, result: dict[str, Any]
+) -> None:
+    """DAgger until the student's seconds are over; its parameters and scores go to `args.out`."""
     from flax import serialization
 
     from urbanverse_mjx.training import dagger
+    from urbanverse_mjx.training.policy import PolicySpec, save_student
     from urbanverse_mjx.training.student import StudentPolicy
 
-    env = registry.load("CocoNav", config_overrides={**overrides, "vision": True}, bank=bank)
+    out = args.out
     log(out, begin, environment="student")
     config = dagger.default_dagger_config()
     config.num_envs, config.seed, config.network.memory = args.num_envs, args.seed, args.memory
@@ -276,6 +211,84 @@ def main() -> int:
     log(out, begin, student={k: brief(x) for k, x in result["student"].items()}, steps=result["steps"])
     (out / "result.json").write_text(json.dumps(result))
     log(out, begin, done=True)
+
+
+def arguments() -> argparse.Namespace:
+    cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    cli.add_argument("--banks", nargs="+", type=pathlib.Path, required=True)
+    cli.add_argument("--out", type=pathlib.Path, required=True)
+    cli.add_argument("--holdout", type=int, default=16)
+    cli.add_argument("--teacher", type=pathlib.Path, help="a trained one; waited for until TEACHER/done exists")
+    cli.add_argument("--teacher-seconds", type=float, default=300.0)
+    cli.add_argument("--teacher-steps", type=int, default=100_000_000)
+    cli.add_argument("--teacher-checkpoints", type=int, default=25)
+    cli.add_argument("--no-map", dest="map", action="store_false")
+    cli.add_argument("--student-seconds", type=float, default=700.0)
+    cli.add_argument("--student-iterations", type=int, default=4000)
+    cli.add_argument("--validate-every", type=int, default=60)
+    cli.add_argument("--start", type=pathlib.Path, help="parameters of a student (student.msgpack) to go on from")
+    cli.add_argument("--memory", type=int, default=256)
+    cli.add_argument("--num-envs", type=int, default=4096)
+    cli.add_argument("--seed", type=int, default=0)
+    cli.add_argument("--impl", default="warp")
+    cli.add_argument("--size", default="54x96")
+    cli.add_argument("--validation-episodes", type=int, default=512)
+    cli.add_argument("--set", nargs="*", default=[], help="dagger options, such as mirror=false")
+    return cli.parse_args()
+
+
+def main() -> int:
+    args = arguments()
+    # Tables of the scenes become arguments of what is compiled, in place of constants of hundreds of MB in it.
+    if hasattr(jax.config, "jax_use_simplified_jaxpr_constants"):
+        jax.config.update("jax_use_simplified_jaxpr_constants", True)
+    jax.pmap = _one_device_pmap  # type: ignore[assignment]
+    begin, out, result = time.monotonic(), args.out, {}
+    out.mkdir(parents=True, exist_ok=True)
+    banks = [SceneBank.load(path) for path in args.banks]
+    names = [list(bank.scene_ids) for bank in banks]
+    bank = bank_join.join(banks) if len(banks) > 1 else banks[0]
+    trained, held = names[0][: -args.holdout], names[0][-args.holdout :]
+    log(out, begin, loaded=bank.num_scenes, trained=len(trained), held=len(held))
+
+    height, width = (int(n) for n in args.size.split("x"))
+    overrides = {
+        "preset": "fast",
+        "impl": args.impl,
+        "scenes": ",".join(trained),
+        "observations.privileged_map": True,
+        "observations.proprio": True,
+        "vision": False,
+        "vision_config.height": height,
+        "vision_config.width": width,
+    }
+    known = [name for name in ("craftbench", "autobench") if any(name in str(path) for path in args.banks[1:])]
+    suite = Suite(bank, held, args.validation_episodes, known)
+
+    from urbanverse_mjx.training.policy import latest_policy, load_policy
+
+    env = None
+    if args.teacher is None:
+        env = registry.load("CocoNav", config_overrides=overrides, bank=bank)
+        log(out, begin, environment="teacher")
+        folder = train_teacher(args, env, out, begin)
+        (out / "teacher" / "done").write_text(str(folder.name))
+    else:
+        while not (args.teacher / "done").exists():
+            time.sleep(1.0)
+        folder = latest_policy(args.teacher)
+    teach, spec = load_policy(folder)
+    log(out, begin, teacher=str(folder), steps=spec.steps)
+    if args.teacher is None:
+        result["teacher"] = suite.score(env, "teacher", teach)
+        log(out, begin, teacher={k: brief(x) for k, x in result["teacher"].items()})
+    (out / "result.json").write_text(json.dumps(result))
+    del env
+    if args.student_seconds <= 0:
+        return 0
+
+    env = registry.load("CocoNav", config_overrides={**overrides, "vision": True}, bank=bank)
+    train_student(args, env, teach, suite, begin, result)
     return 0
 
 
