@@ -16,7 +16,7 @@ from urbanverse_mjx.crowds.kinds import SURFACES
 from urbanverse_mjx.crowds.spawning import Watcher
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.envs.living import slot_kinds
+from urbanverse_mjx.envs.navigation.living import slot_kinds
 from urbanverse_mjx.envs.registry import load_default_bank
 from urbanverse_mjx.simulation.slots import body_slots
 

@@ -23,9 +23,10 @@ from urbanverse_mjx.crowds import behaviours
 from urbanverse_mjx.crowds.crossings import crossing_at
 from urbanverse_mjx.crowds.spawning import Watcher
 from urbanverse_mjx.datatypes import KIND_INDEX, NounError, SceneBank
-from urbanverse_mjx.envs import NavEnv, Result, registry, terms
-from urbanverse_mjx.envs.encounters import route_pose
-from urbanverse_mjx.envs.living import slot_looks
+from urbanverse_mjx.envs import NavEnv, Result, registry
+from urbanverse_mjx.envs.navigation import terms
+from urbanverse_mjx.envs.navigation.encounters import route_pose
+from urbanverse_mjx.envs.navigation.living import slot_looks
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viz.pictures import look_at
 from urbanverse_mjx.viz.video import write_video

@@ -24,7 +24,7 @@ from ml_collections import ConfigDict
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
-from urbanverse_mjx.envs.randomization import OFF, Randomization
+from urbanverse_mjx.envs.navigation.draws import OFF, Randomization
 from urbanverse_mjx.evaluation import benchmark
 from urbanverse_mjx.evaluation.frozen import Protocol
 from urbanverse_mjx.evaluation.rollouts import EpisodeSet, result_counts

@@ -11,7 +11,7 @@ import pytest
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
 from urbanverse_mjx.envs import default_config
-from urbanverse_mjx.envs.scenarios import scenario_of
+from urbanverse_mjx.envs.navigation.scenarios import scenario_of
 from urbanverse_mjx.evaluation import (
     Rollout,
     blank_image,

@@ -9,8 +9,8 @@ import pytest
 from benchmarks._gait_trials import Judge, Wandering, flat
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs.room import build_room, to_outline
-from urbanverse_mjx.envs.scenarios import bank_for
+from urbanverse_mjx.envs.navigation.room import build_room, to_outline
+from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, footprint, waypoint_of
 from urbanverse_mjx.robots import make_coco, make_go2

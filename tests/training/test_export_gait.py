@@ -10,8 +10,8 @@ from brax.training.acme import running_statistics
 from ml_collections import ConfigDict
 
 from urbanverse_mjx.datatypes import NounError
-from urbanverse_mjx.envs.config import default_config
-from urbanverse_mjx.envs.joystick_config import joystick_config
+from urbanverse_mjx.envs.joystick.config import joystick_config
+from urbanverse_mjx.envs.navigation.config import default_config
 from urbanverse_mjx.robots import go2_body
 from urbanverse_mjx.robots.gait import Gait
 from urbanverse_mjx.training.config import default_ppo_config

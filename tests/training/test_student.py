@@ -11,7 +11,7 @@ import numpy as np
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import NavEnv, wrap_for_training
-from urbanverse_mjx.envs.navigation import MAP_PROBES
+from urbanverse_mjx.envs.navigation.env import MAP_PROBES
 from urbanverse_mjx.evaluation import Rollout, blank_image, fixed_episodes
 from urbanverse_mjx.training import dagger
 from urbanverse_mjx.training.map_networks import MAP_SHAPE

@@ -1,10 +1,10 @@
 """The navigation and the walking task: begin, advance, observe; its terms, presets, wrapper, registry and check."""
 
 from .checks import EnvCheckError, check_env
-from .config import PRESETS, default_config
 from .joystick import JoystickEnv
-from .joystick_config import JOYSTICK_PRESETS, joystick_config
+from .joystick.config import JOYSTICK_PRESETS, joystick_config
 from .navigation import NavEnv
+from .navigation.config import PRESETS, default_config
 from .types import NavState, Result, State
 from .wrappers import AutoResetEnv, wrap_for_training
 

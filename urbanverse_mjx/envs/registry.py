@@ -11,13 +11,13 @@ from ml_collections import ConfigDict
 
 from .. import settings
 from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
-from .config import default_config, go2_nav_config
 from .joystick import JoystickEnv
-from .joystick_config import joystick_config
-from .living import slot_kinds, slot_looks, slot_shapes
-from .movables import body_sizes
+from .joystick.config import joystick_config
 from .navigation import NavEnv
-from .scenarios import bank_for, scenario_of
+from .navigation.config import default_config, go2_nav_config
+from .navigation.living import slot_kinds, slot_looks, slot_shapes
+from .navigation.movables import body_sizes
+from .navigation.scenarios import bank_for, scenario_of
 
 EnvMaker = Callable[[ConfigDict, SceneBank], Any]
 ConfigMaker = Callable[[str], ConfigDict]

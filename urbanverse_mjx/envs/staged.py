@@ -9,6 +9,11 @@ from ml_collections import ConfigDict
 from .types import Result, State
 
 
+def typed_key(key: jax.Array) -> jax.Array:
+    """Accepts raw uint32 and typed keys; returns a typed one."""
+    return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
+
+
 class StagedBase:
     """Playground's interface over `begin`, `advance` and `observe`, which subclasses define (see `StagedEnv`)."""
 

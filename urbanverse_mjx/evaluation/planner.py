@@ -25,8 +25,9 @@ import mujoco
 import numpy as np
 
 from ..datatypes import RobotSpec
-from ..envs import NavEnv, NavState, terms
-from ..envs.room import CELL, build_room
+from ..envs import NavEnv, NavState
+from ..envs.navigation import terms
+from ..envs.navigation.room import CELL, build_room
 from ..robots.waypoint import WAYPOINT_REACH
 from .ways import NODE, build_ways
 

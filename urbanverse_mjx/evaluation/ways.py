@@ -11,7 +11,7 @@ import numpy as np
 from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
-from ..envs.room import CELL, Room
+from ..envs.navigation.room import CELL, Room
 
 #: Cells of the room along a node, and m between nodes.
 POOL = 2

@@ -11,9 +11,9 @@ from rich.progress import Progress, TaskID
 
 from ..datatypes import EpisodeResult, SceneBank
 from ..envs import NavEnv, registry
-from ..envs.living import slot_looks
-from ..envs.randomization import OFF
-from ..envs.scenarios import scenario_of
+from ..envs.navigation.draws import OFF
+from ..envs.navigation.living import slot_looks
+from ..envs.navigation.scenarios import scenario_of
 from ..evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
 from ..evaluation.rollouts import EpisodeSet
 

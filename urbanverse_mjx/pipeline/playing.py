@@ -91,7 +91,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
 def _chosen(options: PlayOptions) -> tuple["Agent", str, "ConfigDict"]:
     """The agent, the environment and its config."""
     from ..envs import registry
-    from ..envs.randomization import OFF
+    from ..envs.navigation.draws import OFF
     from ..evaluation import BASELINES
 
     if options.agent in BASELINES:

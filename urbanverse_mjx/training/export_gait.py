@@ -8,7 +8,7 @@ from ml_collections import ConfigDict
 
 from ..datatypes import NounError
 from ..envs import registry
-from ..envs.legs import Legs
+from ..envs.joystick.legs import Legs
 from ..robots.gait import Gait
 from .policy import PolicySpec, latest_policy, load_params
 

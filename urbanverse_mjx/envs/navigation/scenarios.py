@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import NounError, SceneBank
+from ...datatypes import NounError, SceneBank
 
 SCENARIOS = ("clean", "static", "dynamic")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
+from ...datatypes import NounError
 
 JOYSTICK_PRESETS = ("fast", "cpu")
 
@@ -27,7 +27,7 @@ def _randomization() -> dict[str, Any]:
 
 
 def _rewards() -> dict[str, Any]:
-    """Weights of the terms of `joystick_terms`, and what these aim at."""
+    """Weights of the terms of `terms`, and what these aim at."""
     return {
         "tracking_width": 0.25,  # (m/s)² and (rad/s)²
         "foot_clearance": 0.10,  # m

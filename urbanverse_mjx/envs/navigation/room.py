@@ -16,8 +16,8 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial import ConvexHull, QhullError
 
-from ..crowds import free_space
-from ..datatypes import SceneBank, traversable
+from ...crowds import free_space
+from ...datatypes import SceneBank, traversable
 
 #: m, side of a cell: that of a compiled scene's map.
 CELL = 0.05

@@ -10,9 +10,9 @@ import pytest
 
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import JoystickEnv, Result, check_env, joystick_config, registry
-from urbanverse_mjx.envs import joystick_terms as terms
-from urbanverse_mjx.envs.joystick_draws import draw_command, draw_push
-from urbanverse_mjx.envs.terrain_levels import TerrainLevels
+from urbanverse_mjx.envs.joystick import terms
+from urbanverse_mjx.envs.joystick.draws import draw_command, draw_push
+from urbanverse_mjx.envs.joystick.schedule import TerrainLevels
 from urbanverse_mjx.robots.gait import sensor_frame
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
 

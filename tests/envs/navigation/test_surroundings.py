@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.datatypes import SceneBank, traversable
-from urbanverse_mjx.envs import surroundings as module
-from urbanverse_mjx.envs import terms
-from urbanverse_mjx.envs.surroundings import CELL, FAR, Surroundings
+from urbanverse_mjx.envs.navigation import surroundings as module
+from urbanverse_mjx.envs.navigation import terms
+from urbanverse_mjx.envs.navigation.surroundings import CELL, FAR, Surroundings
 
 HEIGHT = 0.7
 

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError, SimState
+from ...datatypes import NounError, SimState
 
 #: Values of `config.randomization` that change nothing.
 OFF = {"friction_scale": (1.0, 1.0), "mass_scale": (1.0, 1.0), "appearance": 0.0}

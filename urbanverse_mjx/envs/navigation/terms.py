@@ -9,7 +9,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from .types import Result
+from ..types import Result
 
 
 def yaw_of(quaternion: jax.Array) -> jax.Array:

@@ -12,9 +12,9 @@ import jax
 import jax.numpy as jnp
 from ml_collections import ConfigDict
 
-from ..crowds import KINDS, behaviours
-from ..crowds.behaviours import ROAM, Script
-from ..datatypes import NounError
+from ...crowds import KINDS, behaviours
+from ...crowds.behaviours import ROAM, Script
+from ...datatypes import NounError
 
 #: m that one who starts somewhere keeps from things, and others' centres from each other.
 _ROOM, _APART = KINDS["pedestrian"].radius + 0.1, 0.75

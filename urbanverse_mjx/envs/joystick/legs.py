@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from ..datatypes import NounError, RobotSpec
+from ...datatypes import NounError, RobotSpec
 
 
 class Legs:

@@ -10,9 +10,9 @@ import pytest
 from tests.support.unicycle import UnicycleEngine, unicycle_robot
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import PRESETS, NavEnv, Result, default_config
-from urbanverse_mjx.envs.config import go2_nav_config
+from urbanverse_mjx.envs.navigation.config import go2_nav_config
+from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.envs.registry import with_overrides
-from urbanverse_mjx.envs.scenarios import bank_for
 from urbanverse_mjx.training.config import default_ppo_config
 
 #: Presets that keep published reward terms, which have the fault (docs/decisions/presets.md).

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from .. import settings
-from ..crowds import crossings, flats, free_space, goal_fields, kinds, open_ground
-from ..crowds.crowd import CrowdTables, make_tables
-from ..datatypes import SceneBank
-from ..datatypes.validation import write_atomically
+from ... import settings
+from ...crowds import crossings, flats, free_space, goal_fields, kinds, open_ground
+from ...crowds.crowd import CrowdTables, make_tables
+from ...datatypes import SceneBank
+from ...datatypes.validation import write_atomically
 
 #: Cells of the free space along a cell of the height map: 0.2 m, in which a ramp of 1:12 rises by 2 cm.
 POOL = 2

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError, SceneBank
+from ...datatypes import NounError, SceneBank
 
 
 class EpisodeSchedule:

@@ -8,7 +8,7 @@ import pytest
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import default_config, wrap_for_training
-from urbanverse_mjx.envs.schedule import EpisodeSchedule
+from urbanverse_mjx.envs.navigation.schedule import EpisodeSchedule
 
 DRAWS = 4000
 

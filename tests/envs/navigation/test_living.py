@@ -15,9 +15,9 @@ from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
 from urbanverse_mjx.crowds.crowd import Crowd
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
-from urbanverse_mjx.envs.encounters import ENCOUNTERS, Encounters, route_pose
-from urbanverse_mjx.envs.living import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_kinds, slot_looks
-from urbanverse_mjx.envs.scenarios import bank_for
+from urbanverse_mjx.envs.navigation.encounters import ENCOUNTERS, Encounters, route_pose
+from urbanverse_mjx.envs.navigation.living import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_kinds, slot_looks
+from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal, make_report, to_markdown
 from urbanverse_mjx.evaluation.agents import zero
 

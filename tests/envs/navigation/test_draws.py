@@ -9,7 +9,7 @@ import pytest
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.envs.randomization import OFF
+from urbanverse_mjx.envs.navigation.draws import OFF
 
 RANGES = {
     "randomization.friction_scale": (0.5, 0.9),

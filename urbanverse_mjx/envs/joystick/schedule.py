@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError, SceneBank
+from ...datatypes import NounError, SceneBank
 
 #: m; an episode that asked for a shorter way says nothing about the level.
 _SHORT = 2.0

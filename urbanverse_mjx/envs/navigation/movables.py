@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError, SceneBank, SimState
+from ...datatypes import NounError, SceneBank, SimState
 
 #: The episode ended by touching something that can be pushed; such a hit counts as one of an object, too.
 MOVABLE_METRICS = ("hit_movable",)

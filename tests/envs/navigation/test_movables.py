@@ -9,8 +9,8 @@ import pytest
 
 from urbanverse_mjx.datatypes import Bodies, Contacts, NounError, SceneBank, SimState
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.envs.movables import Movables, body_sizes
-from urbanverse_mjx.envs.scenarios import bank_for
+from urbanverse_mjx.envs.navigation.movables import Movables, body_sizes
+from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.simulation.slots.body_table import body_table
 
 NOBODY = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist", "car")}

@@ -8,18 +8,17 @@ import mujoco
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import RobotSpec, SceneBank
-from ..precision import full_precision
-from ..robots.gait import felt_gravity, sensor_frame
-from .heights import GroundHeights
-from .joystick_draws import Body, draw_body, draw_command, draw_noise, draw_push
-from .joystick_terms import CONTACT_FORCE, Motion, terms
+from ...datatypes import RobotSpec, SceneBank
+from ...precision import full_precision
+from ...robots.gait import felt_gravity, sensor_frame
+from ..heights import GroundHeights
+from ..navigation.terms import to_body, to_world, yaw_of
+from ..staged import StagedBase, typed_key
+from ..types import Result
+from .draws import Body, draw_body, draw_command, draw_noise, draw_push
 from .legs import Legs
-from .navigation import typed_key
-from .staged import StagedBase
-from .terms import to_body, to_world, yaw_of
-from .terrain_levels import TerrainLevels
-from .types import Result
+from .schedule import TerrainLevels
+from .terms import CONTACT_FORCE, Motion, terms
 
 #: The world's up axis in the body's frame, below which a robot counts as fallen (72 degrees).
 _FALLEN = 0.3
@@ -79,7 +78,7 @@ class JoystickEnv(StagedBase):
         real robot's sensors tell, no velocity and no ground.
       privileged: (P,) f32 for critics and tests only.
     Action: (J,) in [-1, 1], joint angles about the standing pose by `config.action_scale` rad, for position servos.
-    Reward: the control step times the sum of `reward_config.scales` times `joystick_terms.terms`.
+    Reward: the control step times the sum of `reward_config.scales` times `terms.terms`.
     Ends: FALL (tilt or trunk on the ground), NON_FINITE, TIMEOUT (also at the rim of a scene; a truncation).
 
         env = registry.load("Go2Joystick", config_overrides={"preset": "cpu"}, bank=terrain_bank())

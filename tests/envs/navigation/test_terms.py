@@ -4,7 +4,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.envs import Result, terms
+from urbanverse_mjx.envs import Result
+from urbanverse_mjx.envs.navigation import terms
 
 START = jnp.array([0.0, 0.0, 0.0])
 # An L: 5 m east, then 5 m north; the goal repeats as padding.

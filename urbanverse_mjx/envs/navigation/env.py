@@ -8,18 +8,18 @@ import mujoco
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..crowds import open_ground
-from ..datatypes import NounError, RobotSpec, SceneBank, traversable
-from ..precision import full_precision
+from ...crowds import open_ground
+from ...datatypes import NounError, RobotSpec, SceneBank, traversable
+from ...precision import full_precision
+from ..staged import StagedBase, typed_key
+from ..types import NavState, Result
 from . import terms
+from .draws import Randomization
 from .living import PEOPLE_METRICS, LivingStreet
 from .movables import MOVABLE_METRICS, Movables
-from .randomization import Randomization
 from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
-from .staged import StagedBase
 from .surroundings import Surroundings
-from .types import NavState, Result
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _UPRIGHT = 0.5
@@ -30,11 +30,6 @@ MAP_PROBES = np.stack(np.meshgrid(np.linspace(-1.4, 6.2, 20), np.linspace(-3.0, 
     np.float32
 )
 ACTION_MODES = ("waypoint", "velocity", "joint")
-
-
-def typed_key(key: jax.Array) -> jax.Array:
-    """Accepts raw uint32 and typed keys; returns a typed one."""
-    return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
 
 
 def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:

@@ -10,9 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from scipy import ndimage
 
-from .. import settings
-from ..datatypes import SceneBank, traversable
-from ..datatypes.validation import write_atomically
+from ... import settings
+from ...datatypes import SceneBank, traversable
+from ...datatypes.validation import write_atomically
 
 #: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
 CELL = 0.2

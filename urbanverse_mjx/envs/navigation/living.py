@@ -12,17 +12,17 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..crowds import KINDS
-from ..crowds.behaviours import Script
-from ..crowds.crowd import Crowd, CrowdModel
-from ..crowds.crowd import Robot as RobotBody
-from ..crowds.free_space import CELL
-from ..crowds.motion import wrapped
-from ..crowds.spawning import Watcher
-from ..datatypes import AgentMotion, AgentShapes, NounError, RobotSpec, SceneBank
+from ...crowds import KINDS
+from ...crowds.behaviours import Script
+from ...crowds.crowd import Crowd, CrowdModel
+from ...crowds.crowd import Robot as RobotBody
+from ...crowds.free_space import CELL
+from ...crowds.motion import wrapped
+from ...crowds.spawning import Watcher
+from ...datatypes import AgentMotion, AgentShapes, NounError, RobotSpec, SceneBank
+from ..types import NavState, Result
 from . import encounters, terms
 from .living_tables import POOL, kept_tables
-from .types import NavState, Result
 
 #: s, at most, between two steps of a crowd: those for which `crowds` was measured.
 _CROWD_DT = 0.1

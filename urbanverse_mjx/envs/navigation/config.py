@@ -8,8 +8,8 @@ from typing import Any
 
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
-from .randomization import OFF
+from ...datatypes import NounError
+from .draws import OFF
 
 PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu")
 

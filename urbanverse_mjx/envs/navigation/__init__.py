@@ -1,0 +1,5 @@
+"""The navigation task: drive to a goal over the pavement of a street, by camera, among people and things."""
+
+from .env import NavEnv
+
+__all__ = ["NavEnv"]
