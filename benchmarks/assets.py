@@ -28,8 +28,8 @@ from urbanverse_mjx.assets.published import QUANTITIES, errors, published, set_a
 from urbanverse_mjx.assets.search import ObjectLibrary
 from urbanverse_mjx.assets.store import build_store, forget, load_store, recorded_content
 
-from . import _asset_steps
-from ._report import machine
+from .lib import asset_steps
+from .lib.report import machine
 
 #: One value for every filter, so that each is timed.
 FILTERS: dict[str, Any] = {
@@ -160,12 +160,12 @@ def measure(renders: int, matches: int) -> dict[str, Any]:
         "open_s": round(opened, 2),
         "store_bytes": size,
         "filter": filter_latencies(objects),
-        "match": _asset_steps.latencies(objects, matcher, matches),
-        "semantic": _asset_steps.semantic(),
-        "geometric": _asset_steps.geometric(objects, matcher, matches),
+        "match": asset_steps.latencies(objects, matcher, matches),
+        "semantic": asset_steps.semantic(),
+        "geometric": asset_steps.geometric(objects, matcher, matches),
     }
     if renders:
-        result["appearance"] = _asset_steps.appearance(objects, matcher, renders)
+        result["appearance"] = asset_steps.appearance(objects, matcher, renders)
     return result
 
 

@@ -6,7 +6,7 @@ import sys
 # Run as a script, from any folder.
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
-from benchmarks._protocol import run
+from benchmarks.lib.protocol import run
 
 if __name__ == "__main__":
     sys.exit(run("autobench"))

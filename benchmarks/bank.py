@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import _banks, _cutting, _streets
+from benchmarks.lib import banks, cutting, streets
 from urbanverse_mjx.assets import AssetIndex, load_hulls, load_index
 from urbanverse_mjx.assets.agents import agent_looks
 from urbanverse_mjx.assets.index import build_mesh
@@ -68,7 +68,7 @@ class CutHulls:
         if record.uid not in self._found:
             low, high = self._range
             number = low + pick(high - low + 1, "benchmark hulls", self._seed, record.uid)
-            self._found[record.uid] = HullSet(_cutting.cut(load_hulls(record).hulls, number))
+            self._found[record.uid] = HullSet(cutting.cut(load_hulls(record).hulls, number))
         return self._found[record.uid]
 
 
@@ -120,7 +120,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
     source = AssetSource(build_mesh, CutHulls(*options.hulls, options.seed))
     # All layouts first: what does not fit is found before minutes of work.
     numbers = range(options.first, options.first + options.layouts)
-    layouts = [_streets.make_layout(options.seed, i, index, options.objects) for i in numbers]
+    layouts = [streets.make_layout(options.seed, i, index, options.objects) for i in numbers]
     hashes = {layout.id: layout.content_hash() for layout in layouts}
     scenes = []
     for number, layout in zip(numbers, layouts, strict=True):
@@ -134,7 +134,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
     bank = with_agents(pack(scenes, ["train"] * len(scenes), skies, hashes), agent_looks())
     if options.hulls_per_scene is not None:
-        bank = _banks.with_hulls(bank, options.hulls_per_scene, options.seed)
+        bank = banks.with_hulls(bank, options.hulls_per_scene, options.seed)
     return bank
 
 

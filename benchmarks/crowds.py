@@ -30,7 +30,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from benchmarks import _memory, _timing
+from benchmarks.lib import memory, timing
 from urbanverse_mjx.crowds import (
     KINDS,
     AgentKind,
@@ -198,19 +198,19 @@ def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments:
     bodies, traits = jax.tree.map(lambda a: a.T, (bodies, traits))
     speed = 0.8 * traits.limit
     wish = (speed * jnp.cos(direction.T)).reshape(-1), (speed * jnp.sin(direction.T)).reshape(-1)
-    look = _timing.compile_(lambda b, t: orca.look_around(b, t, case.agents, options), bodies, traits)
+    look = timing.compile_(lambda b, t: orca.look_around(b, t, case.agents, options), bodies, traits)
     near = look.call(bodies, traits)
-    build = _timing.compile_(lambda b, t, n: orca.permitted(b, t, case.agents, n, options), bodies, traits, near)
+    build = timing.compile_(lambda b, t, n: orca.permitted(b, t, case.agents, n, options), bodies, traits, near)
     lines = linear_program.join(walls, build.call(bodies, traits, near)[0])
     flat = HalfPlanes(*(a.reshape(a.shape[0], -1) for a in lines))
     limit = traits.limit.reshape(-1)
-    first = _timing.compile_(linear_program.nearest_permitted, flat, limit, *wish)
-    both = _timing.compile_(lambda a, b, *c: linear_program.solve(a, case.walls, b, *c), flat, limit, *wish)
+    first = timing.compile_(linear_program.nearest_permitted, flat, limit, *wish)
+    both = timing.compile_(lambda a, b, *c: linear_program.solve(a, case.walls, b, *c), flat, limit, *wish)
     allowed = jnp.ones(bodies.x.shape, bool)
     settled = functools.partial(settle.settled, num_long=num_long(case.kinds()))
-    last = _timing.compile_(settled, bodies, bodies, traits, allowed)
+    last = timing.compile_(settled, bodies, bodies, traits, allowed)
     failed = first.call(flat, limit, *wish)[2]
-    samples = _timing.time_in_turn(
+    samples = timing.time_in_turn(
         {
             "look_around": lambda: look.call(bodies, traits),
             "half_planes": lambda: build.call(bodies, traits, near),
@@ -229,9 +229,9 @@ def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments:
 def measure(case: Case, arguments: argparse.Namespace) -> dict[str, Any]:
     bodies, traits, direction = start(case, arguments.seed)
     steps = stepper(case, arguments.dt, arguments.seed)
-    run = _timing.compile_(lambda b, t, d: steps(b, t, d, arguments.steps), bodies, traits, direction)
+    run = timing.compile_(lambda b, t, d: steps(b, t, d, arguments.steps), bodies, traits, direction)
     bodies = run.call(bodies, traits, direction)
-    sample = _timing.time_(run.call, bodies, traits, direction, repeats=arguments.repeats)
+    sample = timing.time_(run.call, bodies, traits, direction, repeats=arguments.repeats)
     result = {
         "benchmark": "crowds",
         **dataclasses.asdict(case),
@@ -242,7 +242,7 @@ def measure(case: Case, arguments: argparse.Namespace) -> dict[str, Any]:
         "seconds_per_step": float(f"{sample.median / arguments.steps:.4g}"),
         "compile_s": float(f"{run.seconds:.3g}"),
         "finite": bool(np.isfinite(np.asarray(bodies.x)).all()),
-        "peak_device_mib": _memory.jax_mib()[1],
+        "peak_device_mib": memory.jax_mib()[1],
         "device": jax.devices()[0].device_kind if jax.default_backend() != "cpu" else "cpu",
         "jax": jax.__version__,
     }
@@ -255,11 +255,11 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     jobs = [functools.partial(measure, case, arguments) for case in arguments.cases]
     if arguments.environment or arguments.minutes > 0.0:
-        from benchmarks import _crowd_streets
+        from benchmarks.lib import crowd_streets
 
-        jobs = [functools.partial(_crowd_streets.environment, arguments)] if arguments.environment else []
+        jobs = [functools.partial(crowd_streets.environment, arguments)] if arguments.environment else []
         if arguments.minutes > 0.0:
-            jobs.append(functools.partial(_crowd_streets.agent_minutes, arguments))
+            jobs.append(functools.partial(crowd_streets.agent_minutes, arguments))
     for job in jobs:
         try:
             result = job()

@@ -18,8 +18,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from benchmarks._cases import Case
-from benchmarks._memory import in_use_mib
+from benchmarks.lib.cases import Case
+from benchmarks.lib.memory import in_use_mib
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import registry, wrap_for_training
 

@@ -23,8 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import _streets
 from benchmarks.bank import coarser, map_stride
+from benchmarks.lib import streets
 from urbanverse_mjx.assets import AssetIndex, load_index
 from urbanverse_mjx.assets.ground_materials import material_ids
 from urbanverse_mjx.assets.index import build_mesh
@@ -52,7 +52,7 @@ INSTANCES = 16
 _ENDS: tuple[section.End, section.End] = ("court", "junction")
 MAP_CELL = 0.25  # m; the map only says where a camera may stand
 
-HOUSES = (*_streets.HOUSES, "school", "garage", "library", "post office", "bistro", "shoe store", "ice cream shop")
+HOUSES = (*streets.HOUSES, "school", "garage", "library", "post office", "bistro", "shoe store", "ice cream shop")
 _MORE = {
     "kerb": (
         "traffic barricade|jersey barrier|fence|traffic light|utility pole|traffic sign|"
@@ -113,13 +113,13 @@ def shown_leaves() -> frozenset[str]:
 
 def _leaves() -> dict[str, tuple[str, ...]]:
     """What stands in each band."""
-    return {band: (*names, *_MORE[band].split("|")) for band, names in _streets.Stock().leaves.items()}
+    return {band: (*names, *_MORE[band].split("|")) for band, names in streets.Stock().leaves.items()}
 
 
-def stock(split: str) -> _streets.Stock:
+def stock(split: str) -> streets.Stock:
     """What the streets of a split are filled with."""
     skies = tuple(s for s in sky_ids() if (s in TEST_SKIES) == (split == "test"))
-    return _streets.Stock(HOUSES, _leaves(), variants=INSTANCES + 8, skies=skies)
+    return streets.Stock(HOUSES, _leaves(), variants=INSTANCES + 8, skies=skies)
 
 
 def materials_of(split: str, kind: str) -> tuple[str, ...]:
@@ -131,7 +131,7 @@ def materials_of(split: str, kind: str) -> tuple[str, ...]:
     return names[-held:] if split == "test" else names[:-held]
 
 
-def make_ground(split: str, number: int) -> _streets.Ground:
+def make_ground(split: str, number: int) -> streets.Ground:
     """The ground of street `number`: parks, yards, junctions and markings as they come."""
     rng = np.random.default_rng([SEEDS[split], 1, number])
     carriageway = float(rng.choice([6.0, 7.0, 8.0, 9.0]))
@@ -144,7 +144,7 @@ def make_ground(split: str, number: int) -> _streets.Ground:
     )
     regions = (*section.ground_regions(street), *_paint(street, rng))
     kinds = sorted({r.kind for r in regions})
-    return _streets.Ground(street, regions, {k: str(rng.choice(materials_of(split, k))) for k in kinds})
+    return streets.Ground(street, regions, {k: str(rng.choice(materials_of(split, k))) for k in kinds})
 
 
 def _paint(street: section.StreetSection, rng: np.random.Generator) -> list[GroundRegion]:
@@ -169,7 +169,7 @@ def _point_hull(_: AssetRecord) -> HullSet:
 
 def make_street(split: str, number: int, index: AssetIndex) -> tuple[SceneLayout, SceneGeometry]:
     """Street `number` of a split, as a layout and as arrays; `index` holds the split's records."""
-    layout = _streets.make_layout(SEEDS[split], number, index, OBJECTS[split], stock(split), make_ground(split, number))
+    layout = streets.make_layout(SEEDS[split], number, index, OBJECTS[split], stock(split), make_ground(split, number))
     geometry = scene_geometry(layout, index, AssetSource(build_mesh, _point_hull))
     walk = _walk(make_ground(split, number).section)
     return layout, dataclasses.replace(geometry, map=coarser(geometry.map, map_stride(MAP_CELL)), episodes=walk)

@@ -8,10 +8,10 @@ whatever the label. Columns, over matches: Cat, share of right labels; Dist, m b
 headings modulo half a turn (depth and masks do not tell front from back; front_percent says how often the sign is
 right, too), of things whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
 average precision at a 3D IoU of 0.25), of things under 50 m^3; Ast, share of matches that get the very base shape back
-that was filmed (`_fidelity_tours.retrieved`), where looks are described. Recall and precision over things. A true thing
-counts as seen where it covers 0.15 % of some frame; finding one that was hardly seen is neither right nor wrong.
+that was filmed (`lib.fidelity_tours.retrieved`), where looks are described. Recall and precision over things. A true
+thing counts as seen where it covers 0.15 % of some frame; finding one that was hardly seen is neither right nor wrong.
 
-Rows: perfect inputs; the protocol's errors (`_injection`), each thing from its view of median size alone and fused;
+Rows: perfect inputs; the protocol's errors (`lib.injection`), each thing from its view of median size alone and fused;
 with --rgb, from tours with pictures: perfect inputs with Ast, the small network on true poses and depth, and all from
 the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same tours:
 NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes as truth.
@@ -19,7 +19,7 @@ Tracks are never used. One process films and scores one street, with pictures or
 is named and missing there. --results keeps what was scored, and a second call goes on with the rest: empty it when the
 code changes.
 `--scaling` times instead how long the first 10, 40, 80, 180 and 720 frames of one tour take, or those named, from the
-recording to five compiled cousins (`_fidelity_scaling`).
+recording to five compiled cousins (`lib.fidelity_scaling`).
 """
 
 import argparse
@@ -39,10 +39,10 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import _fidelity_scaling, _fidelity_store, _tables
-from benchmarks import _fidelity_scores as scores
-from benchmarks._fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_eye
-from benchmarks._injection import inject
+from benchmarks.lib import fidelity_scaling, fidelity_store, tables
+from benchmarks.lib import fidelity_scores as scores
+from benchmarks.lib.fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_eye
+from benchmarks.lib.injection import inject
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.index import load_index
 from urbanverse_mjx.assets.label_priors import LabelPriors
@@ -150,7 +150,7 @@ class Work:
     """What a process made of a street: its name, row -> what it scored, row -> why it failed, MB that it took."""
 
     name: str
-    rows: dict[str, _fidelity_store.Row]
+    rows: dict[str, fidelity_store.Row]
     failed: dict[str, str]
     peak_mb: int
 
@@ -165,7 +165,7 @@ def street_rows(street: Street) -> Work:
         filmed = film(SceneBank.load(street.bank), street.scene, street.tours, street.frames, street.size, street.rgb)
     kind = "rgb" if street.rgb else "depth"
     file = street.results / f"{filmed.scene}-{kind}-{street.frames}-{street.seed}.json"
-    rows, failed = _fidelity_store.load(file), {}
+    rows, failed = fidelity_store.load(file), {}
     for plan in street.plans():
         if plan.row in rows:
             continue
@@ -175,11 +175,11 @@ def street_rows(street: Street) -> Work:
                 rows[plan.row] = judge(given, filmed, priors, plan.options, plan.describe)
             except NounError as error:
                 failed[plan.row] = str(error)
-        _fidelity_store.save(file, rows)
+        fidelity_store.save(file, rows)
     return Work(filmed.scene, rows, failed, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
 
 
-def table_of(streets: Sequence[dict[str, _fidelity_store.Row]]) -> list[dict[str, Any]]:
+def table_of(streets: Sequence[dict[str, fidelity_store.Row]]) -> list[dict[str, Any]]:
     """The rows over all streets that have them."""
     table = []
     for row in dict.fromkeys(name for street in streets for name in street):
@@ -262,15 +262,15 @@ def main(argv: list[str] | None = None) -> int:
 def _timed(street: Street, folder: pathlib.Path, frames: Sequence[int]) -> dict[str, Any]:
     if street.bank is None:
         raise NounError("--scaling: found an imported recording, needed a bank to film; name one.")
-    counts = tuple(frames) or _fidelity_scaling.FRAMES
-    most = max(*_fidelity_scaling.FRAMES, *counts)
+    counts = tuple(frames) or fidelity_scaling.FRAMES
+    most = max(*fidelity_scaling.FRAMES, *counts)
     filmed = film(SceneBank.load(street.bank), street.scene, folder, most, street.size, False)
-    table = _fidelity_scaling.scaling(without_tracks(filmed.recording), counts)
+    table = fidelity_scaling.scaling(without_tracks(filmed.recording), counts)
     return {"scaling": table, "scene": filmed.scene, "cores": settings.num_threads()}
 
 
 def _scored(streets: Sequence[Street], arguments: argparse.Namespace) -> dict[str, Any]:
-    done: list[dict[str, _fidelity_store.Row]] = []
+    done: list[dict[str, fidelity_store.Row]] = []
     failed: dict[str, dict[str, str]] = {}
     peak = 0
     for work in _worked(streets, arguments.processes, arguments.threads):
@@ -311,11 +311,11 @@ def _text(result: dict[str, Any]) -> str:
     """The result as a table in Markdown."""
     if "scaling" in result:
         rows = result["scaling"]
-        return _tables.markdown(list(rows[0]), [[str(x) for x in row.values()] for row in rows])
+        return tables.markdown(list(rows[0]), [[str(x) for x in row.values()] for row in rows])
     body = []
     for row in [*result["rows"], {"row": "the paper, on KITTI-360", **result["paper"]}]:
         body.append([row["row"], *("-" if row.get(c) is None else f"{row[c]}" for c in _COLUMNS)])
-    return _tables.markdown(["row", *_COLUMNS], body)
+    return tables.markdown(["row", *_COLUMNS], body)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ cost of transport, foot slip, torque, speed and joint limits), full speed ahead,
 ramps. One JSON line says what was found and which of the issue's goals hold; the exit status is 1 where one does not.
 
 Without `--json` it prints two tables: what was found beside the goals, and beside figures that others published
-(`_gait_published`). `--show FILE` prints them of an earlier JSON line. The whole is 47,000 s of walking, half an hour
-of one processor core.
+(`lib.gait_published`). `--show FILE` prints them of an earlier JSON line. The whole is 47,000 s of walking, half an
+hour of one processor core.
 """
 
 import argparse
@@ -26,8 +26,8 @@ from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.robots import make_go2
 from urbanverse_mjx.robots.go2 import load_gait
 
-from ._gait_published import goals_table, published_table
-from ._gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps, judge_straight
+from .lib.gait_published import goals_table, published_table
+from .lib.gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps, judge_straight
 
 #: What a gait has to reach (issue 8): at most, or at least. Kerbs in both ways, every ramp of a street (1:8).
 AT_MOST = {"error_linear_m_s": 0.1, "error_angular_rad_s": 0.15, "falls_percent": 1.0}

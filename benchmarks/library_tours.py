@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from benchmarks import _fidelity_scores as scores
+from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx import settings
 from urbanverse_mjx.citygen import cities
 from urbanverse_mjx.citygen.cities.block import LENGTH

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.distance import pdist, squareform
 
-from benchmarks import _realism_figure as figure
+from benchmarks.lib import realism_figure as figure
 from urbanverse_mjx.datatypes import NounError, SceneLayout
 from urbanverse_mjx.datatypes.validation import read_json, write_json
 from urbanverse_mjx.scene.folders import scene_folders

@@ -30,8 +30,8 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
-from benchmarks import _timing
-from benchmarks._megakernel import SharedAssets, WorldBatch
+from benchmarks.lib import timing
+from benchmarks.lib.megakernel import SharedAssets, WorldBatch
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.rendering import street_draw
@@ -238,7 +238,7 @@ def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: s
         result["frames_per_s"] = number / (1e-3 * result["bare_ms"])
         return result, None if shading == "stock" else bare.outputs["rgb"][:KEPT_FRAMES].numpy()
     call = through_jax(renderer, places, arguments.frames)
-    sample = _timing.time_(call, repeats=arguments.repeats)
+    sample = timing.time_(call, repeats=arguments.repeats)
     result["frames_per_s"] = sample.rate(arguments.frames * number)
     result["spread"] = sample.spread
     result["ms"] = 1e3 * sample.median / arguments.frames

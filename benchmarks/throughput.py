@@ -9,7 +9,7 @@ as a ratio to the same robot on the same ground without hull slots. Every figure
 `*_spread` is (slowest - fastest) / median. Without --json the same is printed one figure a line.
 
 Options that take a comma list are measured in every combination, and --grid FILE names the combinations one by one (a
-JSON list of objects with fields of `benchmarks._cases.Case`):
+JSON list of objects with fields of `benchmarks.lib.cases.Case`):
 
     python -m benchmarks.throughput --bank bank160.npz --preset paper --num-envs 1024,4096 --pixels 135x240,36x64 \\
         --scenes 16,160 --measure step,parts,learn --rivals mjx,warp,c --append rows.jsonl --isolate --json
@@ -38,8 +38,9 @@ import jax
 import numpy as np
 import psutil
 
-from benchmarks import _banks, _cases, _measure, _memory, _report, _rivals
-from benchmarks._cases import Case
+from benchmarks.lib import banks, memory, report, rivals
+from benchmarks.lib import measure as measurements
+from benchmarks.lib.cases import MEASURES, Case, product, read_grid
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.envs import registry
@@ -70,9 +71,9 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     add("--sky", action=argparse.BooleanOptionalAction)
     add("--set", action="append", default=[], metavar="KEY=JSON", help="an env config override, again and again")
     add("--ppo-set", action="append", default=[], metavar="KEY=JSON", help="a training config override")
-    add("--measure", default="step,parts,active", help=f"comma list of {', '.join(_cases.MEASURES)}")
+    add("--measure", default="step,parts,active", help=f"comma list of {', '.join(MEASURES)}")
     add("--learn", action="store_true", help="the same as adding learn to --measure")
-    add("--rivals", default="", help=f"comma list of {', '.join(_rivals.RIVALS)}, measured beside each configuration")
+    add("--rivals", default="", help=f"comma list of {', '.join(rivals.RIVALS)}, measured beside each configuration")
     add("--steps", type=int, default=20, help="control steps in one timed run")
     add("--repeats", type=int, default=5, help="timed runs")
     add("--iterations", type=int, default=4, help="PPO iterations of the measure learn")
@@ -85,7 +86,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     add("--proof", type=pathlib.Path, help="PNG with a frame of each of the first 64 envs")
     own = {"type": pathlib.Path, "nargs": "?", "const": _OWN, "metavar": "FILE"}
     add("--compare", **own, help="compare with a baseline (default file: benchmarks/baselines/<device>.json)")
-    add("--tolerance", type=float, default=_report.TOLERANCE, help="share by which a rate may be below the baseline's")
+    add("--tolerance", type=float, default=report.TOLERANCE, help="share by which a rate may be below the baseline's")
     add("--save-baseline", **own, help="keep the rates as a baseline (the same default)")
     add("--json", action="store_true", help="print one JSON line a row")
     return parser.parse_args(argv)
@@ -128,11 +129,11 @@ def cases_of(arguments: argparse.Namespace) -> list[Case]:
         rivals=tuple(_list(arguments.rivals, str, "rivals")),
     )
     axes = {n: _list(t, kind, n) for n, kind in AXES.items() if (t := getattr(arguments, n)) is not None}
-    cases = _cases.product(base, axes)
+    cases = product(base, axes)
     if arguments.grid:
-        cases = [case for one in cases for case in _cases.read_grid(arguments.grid, one)]
+        cases = [case for one in cases for case in read_grid(arguments.grid, one)]
     for case in cases:
-        for name, known in ((case.impl, IMPLS), *((r, tuple(_rivals.RIVALS)) for r in case.rivals)):
+        for name, known in ((case.impl, IMPLS), *((r, tuple(rivals.RIVALS)) for r in case.rivals)):
             if name not in known:
                 raise NounError(f"configuration: found {name!r}, needed one of {', '.join(known)}.")
     return cases
@@ -152,21 +153,21 @@ def load_env(case: Case) -> Any:
     """The environment of a case over its bank, cut to what the case asks for."""
     bank = _load_bank(case.bank)
     if case.scenes is not None:
-        bank = _banks.first_scenes(bank, case.scenes)
+        bank = banks.first_scenes(bank, case.scenes)
     if case.hulls is not None:
-        bank = _banks.with_hulls(bank, case.hulls)
+        bank = banks.with_hulls(bank, case.hulls)
     control = registry.get_default_config(case.env, case.preset).ctrl_dt
     return registry.load(case.env, config_overrides=case.config_overrides(control), bank=bank)
 
 
 def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str, Any]]:
     """Measures a case and then its rivals, one row after the other; what fails becomes a row with "error"."""
-    row = {**_report.planned(case), "machine": _report.machine()}
+    row = {**report.planned(case), "machine": report.machine()}
     env = None
     try:
         begin = time.perf_counter()
         env = load_env(case)
-        row = {**_report.describe(env, case), "load_s": time.perf_counter() - begin, "machine": row["machine"]}
+        row = {**report.describe(env, case), "load_s": time.perf_counter() - begin, "machine": row["machine"]}
         for found in _figures(env, case, proof):
             row |= found
     except NounError as error:
@@ -174,42 +175,42 @@ def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str,
     except Exception as error:  # out of memory, a driver's failure: the next configuration may still work
         row["error"] = f"{type(error).__name__}: {error}".strip()[:500]
         traceback.print_exc()
-    yield _report.rounded({**row, "memory": _memory.report()})
+    yield report.rounded({**row, "memory": memory.report()})
     for name in case.rivals if env is not None else ():
         same = {k: row[k] for k in ("num_envs", "pixels", "physics_steps_per_env_step", "bank", "machine", "steps")}
-        yield _report.rounded({"scenes": 1, **same, **_rival(name, env, case), "memory": _memory.report()})
+        yield report.rounded({"scenes": 1, **same, **_rival(name, env, case), "memory": memory.report()})
 
 
 def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
     """What the case asks for, in pieces, so that what was measured before a failure is kept."""
     wanted = set(case.measure)
     if wanted - {"learn"}:
-        run = _measure.start(env, case)
+        run = measurements.start(env, case)
         yield {"compile_s": run.compile_s}
         if wanted & {"step", "parts", "refit"}:
-            figures, whole = _measure.step(run)
+            figures, whole = measurements.step(run)
             since = time.time() - psutil.Process().create_time()
             yield {**figures, "seconds_since_start": since}
             if proof is not None and "pixels/front" in run.state.obs:
-                _report.proof_sheet(np.asarray(run.state.obs["pixels/front"][: _report.PROOF]), proof)
+                report.proof_sheet(np.asarray(run.state.obs["pixels/front"][: report.PROOF]), proof)
             if "parts" in wanted:
-                split = _measure.parts(run, whole)
+                split = measurements.parts(run, whole)
                 # The split of a step stands at the top level, where it always stood.
                 top = ("seconds_per_step", "seconds_per_step_spread", "share")
                 yield {name: split.pop(name) for name in top} | {"parts": split}
             if "refit" in wanted and env.renderer is not None:
-                yield {"refit": _measure.refit(run)}
+                yield {"refit": measurements.refit(run)}
         if "active" in wanted:
-            yield {"physics_active": _measure.active(run)}
+            yield {"physics_active": measurements.active(run)}
         if "policy" in wanted:
-            yield {"policy": _measure.policy(run)}
+            yield {"policy": measurements.policy(run)}
     if "learn" in wanted:
-        yield {"learn": _measure.learn(case, env)}
+        yield {"learn": measurements.learn(case, env)}
 
 
 def _rival(name: str, env: Any, case: Case) -> dict[str, Any]:
     try:
-        return _rivals.measure(name, env, case)
+        return rivals.measure(name, env, case)
     except Exception as error:
         traceback.print_exc()
         return {"rival": name, "error": f"{type(error).__name__}: {error}".strip()[:500]}
@@ -238,7 +239,7 @@ def isolated(case: Case, proof: pathlib.Path | None, timeout: float) -> Iterator
     yield from (json.loads(line) for line in lines)
     if how or not lines:
         # Nothing here may touch the device: it belongs to the next process.
-        yield {**_report.planned(case), "error": how or "no row"}
+        yield {**report.planned(case), "error": how or "no row"}
 
 
 def measure_all(arguments: argparse.Namespace, cases: Sequence[Case]) -> list[dict[str, Any]]:
@@ -270,16 +271,16 @@ def _show(row: dict[str, Any], as_json: bool) -> None:
 
 
 def _baseline(path: pathlib.Path, rows: Sequence[dict[str, Any]]) -> pathlib.Path:
-    return _report.own_baseline(rows) if path == _OWN else path
+    return report.own_baseline(rows) if path == _OWN else path
 
 
 def _judge(arguments: argparse.Namespace, rows: Sequence[dict[str, Any]]) -> int:
     """Table, baseline and comparison; the exit status."""
     if arguments.markdown:
-        table = _report.markdown(rows)
+        table = report.markdown(rows)
         write_atomically(arguments.markdown, lambda temporary: temporary.write_text(table, encoding="utf-8"))
     if arguments.save_baseline is not None:
-        _report.save_baseline(rows, _baseline(arguments.save_baseline, rows))
+        report.save_baseline(rows, _baseline(arguments.save_baseline, rows))
     failed = [row["error"] for row in rows if row.get("error")]
     for error in failed:
         print(f"error: {error}", file=sys.stderr)
@@ -287,7 +288,7 @@ def _judge(arguments: argparse.Namespace, rows: Sequence[dict[str, Any]]) -> int
         return 2
     slower = []
     if arguments.compare is not None:
-        found = _report.compare(rows, _baseline(arguments.compare, rows), arguments.tolerance)
+        found = report.compare(rows, _baseline(arguments.compare, rows), arguments.tolerance)
         slower = [one for one in found if one["slower"]]
         for one in found:
             verdict = "SLOWER" if one["slower"] else "ok"

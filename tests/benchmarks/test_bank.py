@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from benchmarks import _banks, _cutting, _streets
 from benchmarks import bank as bank_script
+from benchmarks.lib import banks, cutting, streets
 from urbanverse_mjx.assets import load_hulls, load_index
 from urbanverse_mjx.datatypes import GROUND_KINDS, NounError, SceneBank
 from urbanverse_mjx.robots import make_coco
@@ -36,7 +36,7 @@ def inside(points: np.ndarray, hulls: tuple[np.ndarray, ...], slack: float = 1e-
 def test_a_cut_solid_is_the_same_solid(leaf: str) -> None:
     """Points of the box around it are inside before and after alike; rounded hulls of 32 corners may lose slivers."""
     hulls = load_hulls(load_index().by_leaf(leaf)[0]).hulls
-    pieces = _cutting.cut(hulls, 10)
+    pieces = cutting.cut(hulls, 10)
     assert len(pieces) == 10
     corners = np.concatenate(hulls)
     points = np.random.default_rng(0).uniform(corners.min(0), corners.max(0), (4000, 3))
@@ -49,7 +49,7 @@ def test_a_cut_solid_is_the_same_solid(leaf: str) -> None:
 
 def test_pieces_of_a_box_are_exact_and_do_not_overlap() -> None:
     corners = np.array([[x, y, z] for x in (0, 4) for y in (0, 2) for z in (0, 1)], np.float32)
-    pieces = [convex_part(p) for p in _cutting.cut([corners], 8)]
+    pieces = [convex_part(p) for p in cutting.cut([corners], 8)]
     assert len(pieces) == 8
     assert sum(p.volume for p in pieces) == pytest.approx(8.0, rel=1e-6)
     assert [p.volume for p in pieces] == pytest.approx([1.0] * 8, rel=1e-6)
@@ -57,7 +57,7 @@ def test_pieces_of_a_box_are_exact_and_do_not_overlap() -> None:
 
 def test_nothing_is_cut_where_enough_is_there() -> None:
     hulls = load_hulls(load_index().by_leaf("bus shelter")[0]).hulls
-    assert len(_cutting.cut(hulls, 6)) == len(hulls) == 10
+    assert len(cutting.cut(hulls, 6)) == len(hulls) == 10
 
 
 def test_it_holds_what_was_asked_for(bench_bank: SceneBank) -> None:
@@ -90,7 +90,7 @@ def test_ramps_lead_from_the_kerb_to_the_road(bench_bank: SceneBank) -> None:
 
 def test_every_layout_differs_and_things_stand_apart(bench_bank: SceneBank) -> None:
     index = load_index()
-    layouts = [_streets.make_layout(3, i, index, OPTIONS.objects) for i in range(2)]
+    layouts = [streets.make_layout(3, i, index, OPTIONS.objects) for i in range(2)]
     assert layouts[0].content_hash() != layouts[1].content_hash()
     for layout in layouts:
         parked = [o for o in layout.objects if o.label in ("sedan", "suv", "van")]
@@ -140,7 +140,7 @@ def test_robots_drive_in_it(bench_bank: SceneBank) -> None:
 
 
 def test_fewer_scenes_are_the_first_of_the_larger_bank(bench_bank: SceneBank) -> None:
-    part = _banks.first_scenes(bench_bank, 1)
+    part = banks.first_scenes(bench_bank, 1)
     assert part.scene_ids == bench_bank.scene_ids[:1]
     assert part.num_meshes < bench_bank.num_meshes
     shown = np.flatnonzero(bench_bank.slot_mesh[0] >= 0)
@@ -159,12 +159,12 @@ def test_fewer_scenes_are_the_first_of_the_larger_bank(bench_bank: SceneBank) ->
         assert sizes[0] == sizes[1], f"the looks of a {kind} are kept"
     assert len(set(looks[0])) == 5
     with pytest.raises(NounError, match="needed 1 to 2"):
-        _banks.first_scenes(bench_bank, 3)
+        banks.first_scenes(bench_bank, 3)
 
 
 @pytest.mark.parametrize("count", [50, 400])
 def test_thinned_hulls_are_whole_objects_and_the_grid_names_them_alone(bench_bank: SceneBank, count: int) -> None:
-    thin = _banks.with_hulls(bench_bank, count)
+    thin = banks.with_hulls(bench_bank, count)
     np.testing.assert_array_equal((thin.inst_hull >= 0).sum(1), [count, count])
     np.testing.assert_array_equal(thin.slot_mesh, bench_bank.slot_mesh)
     for scene in range(2):
@@ -220,7 +220,7 @@ def test_what_fits_no_street_is_one_sentence(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(_streets, "_TRIES", 5)  # a full street is found to be full sooner
+    monkeypatch.setattr(streets, "_TRIES", 5)  # a full street is found to be full sooner
     out = tmp_path / "bank.npz"
     assert bank_script.main(["--layouts", "1", *options, "--out", str(out), "--quiet"]) == 2
     error = capsys.readouterr().err
@@ -232,7 +232,7 @@ def test_what_fits_no_street_is_one_sentence(
 def test_all_160_layouts_find_room_and_differ() -> None:
     """The dearest ones: 300 things each; one in ten of them."""
     index = load_index()
-    layouts = [_streets.make_layout(0, i, index, (300, 300)) for i in range(3, 160, 10)]
+    layouts = [streets.make_layout(0, i, index, (300, 300)) for i in range(3, 160, 10)]
     assert {len(layout.objects) for layout in layouts} == {300}
     assert len({layout.content_hash() for layout in layouts}) == len(layouts)
     sections = [json.dumps([g.to_json() for g in layout.ground]) for layout in layouts]

@@ -6,9 +6,9 @@ import pathlib
 import numpy as np
 import pytest
 
-from benchmarks import _fidelity_scores as scores
-from benchmarks import _fidelity_store
-from benchmarks._injection import Errors, drifted
+from benchmarks.lib import fidelity_scores as scores
+from benchmarks.lib import fidelity_store
+from benchmarks.lib.injection import Errors, drifted
 from urbanverse_mjx.datatypes import GraphObject
 
 
@@ -50,9 +50,9 @@ def test_scores_come_back_from_their_file(tmp_path: pathlib.Path) -> None:
     found = [thing("x", "car", 0.3, 0.4, (4, 2, 1.5), 0.1), thing("y", "bin", 11, 0, (0.5, 2, 1))]
     scored = scores.score(found, truth, [], {"a": True, "b": True})
     path = tmp_path / "new" / "street.json"
-    assert _fidelity_store.load(path) == {}
-    _fidelity_store.save(path, {"a row": (scored, {"registered": 1.0})})
-    back, figures = _fidelity_store.load(path)["a row"]
+    assert fidelity_store.load(path) == {}
+    fidelity_store.save(path, {"a row": (scored, {"registered": 1.0})})
+    back, figures = fidelity_store.load(path)["a row"]
     assert figures == {"registered": 1.0}
     assert back.pairs == scored.pairs
     assert scores.table_row([back, back]) == scores.table_row([scored, scored])

@@ -7,9 +7,9 @@ import pathlib
 import numpy as np
 import pytest
 
-from benchmarks import _gait_trials as trials
-from benchmarks._gait_published import published_table
 from benchmarks.go2_gait import goals, main
+from benchmarks.lib import gait_trials as trials
+from benchmarks.lib.gait_published import published_table
 from tests.support.gaits import make_gait
 from urbanverse_mjx.evaluation.gait_walks import Walk
 

@@ -13,15 +13,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from benchmarks import _cases, _memory, _placing, _report, _timing, throughput
-from benchmarks._cases import Case
+from benchmarks import throughput
+from benchmarks.lib import memory, placing, report, timing
+from benchmarks.lib.cases import Case, read_grid
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.robots import make_coco
 
 
 def test_samples_give_median_spread_and_rate() -> None:
-    sample = _timing.Sample((2.0, 1.0, 4.0))
+    sample = timing.Sample((2.0, 1.0, 4.0))
     assert sample.median == 2.0
     assert sample.spread == 1.5  # (4 - 1) / 2
     assert sample.rate(10) == 5.0
@@ -35,18 +36,18 @@ def test_timing_awaits_and_leaves_the_first_call_out() -> None:
         time.sleep(0.2 if len(calls) == 1 else 0.01)
         return jnp.zeros(())
 
-    sample = _timing.time_(slow_first, repeats=3)
+    sample = timing.time_(slow_first, repeats=3)
     assert len(calls) == 4
     assert 0.01 <= min(sample.seconds)
     assert max(sample.seconds) < 0.2
-    assert len(_timing.time_(slow_first, repeats=2, warm=True).seconds) == 2
+    assert len(timing.time_(slow_first, repeats=2, warm=True).seconds) == 2
     assert len(calls) == 6
 
 
 def test_calls_in_turn_alternate() -> None:
     order: list[str] = []
     calls = {name: lambda name=name: order.append(name) or jnp.zeros(()) for name in ("a", "b")}
-    samples = _timing.time_in_turn(calls, repeats=2)
+    samples = timing.time_in_turn(calls, repeats=2)
     assert order == ["a", "b"] * 3
     assert {name: len(sample.seconds) for name, sample in samples.items()} == {"a": 2, "b": 2}
 
@@ -56,7 +57,7 @@ def test_offsets_point_to_the_nearest_point_of_each_box(small_bank: SceneBank) -
     scene = 1
     rng = np.random.default_rng(0)
     points = np.column_stack([rng.uniform(0, 60, 50), rng.uniform(-8, 8, 50), rng.uniform(0, 1, 50)])
-    offsets = _placing._offsets_to_boxes(small_bank, scene, points)
+    offsets = placing._offsets_to_boxes(small_bank, scene, points)
     rows = np.flatnonzero(small_bank.inst_hull[scene] >= 0)
     for column, row in enumerate(rows):
         hull = small_bank.inst_hull[scene, row]
@@ -67,19 +68,19 @@ def test_offsets_point_to_the_nearest_point_of_each_box(small_bank: SceneBank) -
         centre = (
             small_bank.hull_box[hull, 0] @ small_bank.inst_rotation[scene, row].T + small_bank.inst_position[scene, row]
         )
-        assert np.abs(_placing._offsets_to_boxes(small_bank, scene, centre[None])[0, column]).max() < 1e-5
+        assert np.abs(placing._offsets_to_boxes(small_bank, scene, centre[None])[0, column]).max() < 1e-5
 
 
 def test_crowded_poses_face_the_nearest_hull_and_hold_the_most(small_bank: SceneBank) -> None:
     robot = make_coco()
-    poses = _placing.crowded_poses(small_bank, robot, 12, control_dt=0.2)
+    poses = placing.crowded_poses(small_bank, robot, 12, control_dt=0.2)
     assert (np.diff(poses.in_reach) <= 0).all()
     assert poses.in_reach.min() >= 1
-    everywhere = _placing.crowded_poses(small_bank, robot, 5000, control_dt=0.2)
+    everywhere = placing.crowded_poses(small_bank, robot, 5000, control_dt=0.2)
     assert poses.in_reach.max() == everywhere.in_reach.max()
     for scene, position, yaw, distance in zip(poses.scene, poses.position, poses.yaw, poses.distance, strict=True):
         eye = position + np.array([0.0, 0.0, 0.5 * robot.planner_height])
-        offsets = _placing._offsets_to_boxes(small_bank, int(scene), eye[None].astype(np.float32))[0]
+        offsets = placing._offsets_to_boxes(small_bank, int(scene), eye[None].astype(np.float32))[0]
         lengths = np.linalg.norm(offsets, axis=-1)
         assert lengths.min() == pytest.approx(distance, abs=1e-5)
         x, y = offsets[lengths.argmin(), :2]
@@ -89,15 +90,15 @@ def test_crowded_poses_face_the_nearest_hull_and_hold_the_most(small_bank: Scene
 
 def test_a_bank_without_objects_is_refused() -> None:
     with pytest.raises(NounError, match="no hull within"):
-        _placing.crowded_poses(box_bank(1, num_objects=0), make_coco(), 4, control_dt=0.2)
+        placing.crowded_poses(box_bank(1, num_objects=0), make_coco(), 4, control_dt=0.2)
 
 
 def test_peak_memory_grows_with_what_is_held() -> None:
-    before = _memory.peak_rss_mib()
+    before = memory.peak_rss_mib()
     held = np.ones(int((before + 64) * 2**20 / 8))  # as much as the whole process, so it must set a new peak
-    assert _memory.peak_rss_mib() > before + 32
+    assert memory.peak_rss_mib() > before + 32
     del held
-    assert set(_memory.report()) >= {"peak_rss_mib", "peak_device_mib", "peak_warp_pool_mib"}
+    assert set(memory.report()) >= {"peak_rss_mib", "peak_device_mib", "peak_warp_pool_mib"}
 
 
 def cases(*options: str) -> list[Case]:
@@ -181,9 +182,9 @@ def row(rate: float, **more: Any) -> dict[str, Any]:
 
 def test_a_run_is_compared_with_its_own_baseline(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "cpu.json"
-    _report.save_baseline([row(100.0), row(10.0, num_envs=8), row(0.0, num_envs=9, error="out of memory")], path)
+    report.save_baseline([row(100.0), row(10.0, num_envs=8), row(0.0, num_envs=9, error="out of memory")], path)
     now = [row(86.0), row(8.0, num_envs=8), row(1.0, num_envs=9), row(1.0, bank="other")]
-    found = {(f["baseline"], f["rate"]): f for f in _report.compare(now, path, 0.15)}
+    found = {(f["baseline"], f["rate"]): f for f in report.compare(now, path, 0.15)}
     assert len(found) == 4  # two rates of the two rows that the baseline holds
     assert found[100.0, "env_steps_per_s"]["ratio"] == pytest.approx(0.86)
     assert not found[100.0, "env_steps_per_s"]["slower"]
@@ -191,35 +192,35 @@ def test_a_run_is_compared_with_its_own_baseline(tmp_path: pathlib.Path) -> None
     assert found[500.0, "parts.physics_steps_per_s"]["slower"]
     # A rate that the baseline has and the run lacks is slower, too.
     lacking = {name: value for name, value in row(100.0).items() if name != "parts"}
-    assert [f["slower"] for f in _report.compare([lacking], path, 0.15)] == [False, True]
+    assert [f["slower"] for f in report.compare([lacking], path, 0.15)] == [False, True]
 
 
 def test_every_device_kind_has_a_baseline_of_its_own() -> None:
-    path = _report.own_baseline([{"error": "x"}, row(1.0, machine={"device": "NVIDIA H200", "cores": 16})])
+    path = report.own_baseline([{"error": "x"}, row(1.0, machine={"device": "NVIDIA H200", "cores": 16})])
     assert path.parts[-3:] == ("benchmarks", "baselines", "nvidia-h200.json")
 
 
 @pytest.mark.parametrize("name", ["cpu", "gpu"])
 def test_the_shipped_grids_are_valid(name: str) -> None:
     grid = pathlib.Path(throughput.__file__).parent / "grids" / f"{name}.json"
-    rows = _cases.read_grid(grid, Case())
+    rows = read_grid(grid, Case())
     assert len({json.dumps(r.to_json()) for r in rows}) == len(rows) > 2
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "cpu.json"
     with pytest.raises(NounError, match="found no baseline"):
-        _report.compare([row(1.0)], path, 0.15)
-    _report.save_baseline([row(1.0)], path)
+        report.compare([row(1.0)], path, 0.15)
+    report.save_baseline([row(1.0)], path)
     with pytest.raises(NounError, match="baseline of cores 2, needed one of 4"):
-        _report.compare([row(1.0, machine={"device": "cpu", "cores": 4})], path, 0.15)
+        report.compare([row(1.0, machine={"device": "cpu", "cores": 4})], path, 0.15)
     with pytest.raises(NounError, match="no row of the baseline measured"):
-        _report.compare([row(1.0, num_envs=1)], path, 0.15)
+        report.compare([row(1.0, num_envs=1)], path, 0.15)
     path.write_text("{}")
     with pytest.raises(NounError, match="found something else"):
-        _report.compare([row(1.0)], path, 0.15)
+        report.compare([row(1.0)], path, 0.15)
     with pytest.raises(NounError, match="no row without an error"):
-        _report.save_baseline([row(1.0, error="x")], path)
+        report.save_baseline([row(1.0, error="x")], path)
 
 
 def test_the_exit_status_says_whether_it_became_slower(
@@ -241,7 +242,7 @@ def test_the_exit_status_says_whether_it_became_slower(
 def test_the_table_has_a_line_a_row_and_says_what_failed() -> None:
     rows = [row(1234.5), row(0.5, num_envs=9999, error="out of | memory")]
     rows += [{"rival": "C MuJoCo", "does": "one scene for all", "physics_steps_per_s": 777.0, "machine": MACHINE}]
-    lines = _report.markdown(rows).splitlines()
+    lines = report.markdown(rows).splitlines()
     assert len(lines) == 5
     assert len({line.count("|") for line in lines}) == 1
     assert "1,234" in lines[2]
@@ -252,7 +253,7 @@ def test_the_table_has_a_line_a_row_and_says_what_failed() -> None:
 
 def test_the_proof_sheet_shows_every_frame_once(tmp_path: pathlib.Path) -> None:
     frames = np.random.default_rng(0).integers(0, 255, (5, 4, 6, 3), np.uint8)
-    _report.proof_sheet(frames, tmp_path / "proof.png")
+    report.proof_sheet(frames, tmp_path / "proof.png")
     sheet = np.asarray(Image.open(tmp_path / "proof.png"))
     assert sheet.shape == (2 * 5 - 1, 3 * 7 - 1, 3)
     for i, frame in enumerate(frames):
@@ -261,13 +262,13 @@ def test_the_proof_sheet_shows_every_frame_once(tmp_path: pathlib.Path) -> None:
 
 
 def test_numbers_that_json_cannot_hold_become_none() -> None:
-    found = _report.rounded({"a": 1.23456, "b": {"c": float("nan")}, "d": 12345})
+    found = report.rounded({"a": 1.23456, "b": {"c": float("nan")}, "d": 12345})
     assert found == {"a": 1.235, "b": {"c": None}, "d": 12345}
 
 
 def test_the_hash_of_a_bank_tells_banks_apart(small_bank: SceneBank) -> None:
-    assert _report.bank_hash(small_bank) == _report.bank_hash(box_bank(3, seed=0))
-    assert _report.bank_hash(small_bank) != _report.bank_hash(box_bank(3, seed=1))
+    assert report.bank_hash(small_bank) == report.bank_hash(box_bank(3, seed=0))
+    assert report.bank_hash(small_bank) != report.bank_hash(box_bank(3, seed=1))
 
 
 def test_an_isolated_case_that_dies_becomes_a_row(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from benchmarks import _rivals, _street_model, throughput
-from benchmarks._cases import Case
+from benchmarks import throughput
+from benchmarks.lib import rivals, street_model
+from benchmarks.lib.cases import Case
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.robots import make_coco
@@ -101,15 +102,15 @@ def test_what_fails_is_a_row_and_the_next_goes_on(bank_file: pathlib.Path, capsy
 
 
 @pytest.fixture(scope="module")
-def drive(small_bank: SceneBank) -> _rivals.Drive:
+def drive(small_bank: SceneBank) -> rivals.Drive:
     case = Case(impl="jax", num_envs=3, pixels="none", steps=4, repeats=1)
     env = registry.load("CocoNav", config_overrides=case.config_overrides(0.2), bank=small_bank)
-    return _rivals.make_drive(env, case)
+    return rivals.make_drive(env, case)
 
 
 def test_the_street_model_is_the_street(small_bank: SceneBank) -> None:
     """Every hull stands where the bank has it, and the robot's options are the ones it is simulated with."""
-    model = _street_model.street_model(small_bank, 1, make_coco(), 0.01, seen=True)
+    model = street_model.street_model(small_bank, 1, make_coco(), 0.01, seen=True)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     ours = [g for g in range(model.ngeom) if model.geom_bodyid[g] == 0 and model.geom_contype[g]]
@@ -140,7 +141,7 @@ def test_a_robot_drives_alike_in_the_street_model_and_in_the_compiled_scene(smal
     robot = make_coco()
     drives = truth.aimed_drives(small_bank, robot, 6, 10, 0.2, seed=0)
     expected = [truth.truth_model(scene_spec(s), robot) for s in box_scenes(3, seed=0)]
-    models = [_street_model.street_model(small_bank, i, robot, 0.01) for i in range(3)]
+    models = [street_model.street_model(small_bank, i, robot, 0.01) for i in range(3)]
     for i, scene in enumerate(drives.scene):
         ends = []
         for model in (expected[scene], models[scene]):
@@ -153,23 +154,23 @@ def test_a_robot_drives_alike_in_the_street_model_and_in_the_compiled_scene(smal
         assert np.abs(ends[0] - ends[1]).max() < 1e-3
 
 
-def test_c_mujoco_rolls_out_on_all_cores(drive: _rivals.Drive) -> None:
-    row = _rivals.c_mujoco(drive, repeats=1)
+def test_c_mujoco_rolls_out_on_all_cores(drive: rivals.Drive) -> None:
+    row = rivals.c_mujoco(drive, repeats=1)
     assert row["physics_steps_per_s"] > 0
     assert "3 envs on" in row["does"]
     assert "frames_per_s" not in row
 
 
 @pytest.mark.slow
-def test_mujoco_warp_runs_without_jax(drive: _rivals.Drive) -> None:
-    row = _rivals.direct_warp(drive, repeats=1)
+def test_mujoco_warp_runs_without_jax(drive: rivals.Drive) -> None:
+    row = rivals.direct_warp(drive, repeats=1)
     assert row["physics_steps_per_s"] > 0
     assert row["hulls"] == (drive.bank.inst_hull[0] >= 0).sum()
 
 
 @pytest.mark.slow
-def test_stock_mjx_runs_in_its_cut_scene(drive: _rivals.Drive, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_rivals, "MJX_HULLS", 4)
-    row = _rivals.stock_mjx(drive, repeats=1)
+def test_stock_mjx_runs_in_its_cut_scene(drive: rivals.Drive, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rivals, "MJX_HULLS", 4)
+    row = rivals.stock_mjx(drive, repeats=1)
     assert row["physics_steps_per_s"] > 0
     assert "cut to 4 hulls" in row["does"]

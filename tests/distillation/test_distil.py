@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import shapely
 
-from benchmarks import _fidelity_scores as scores
-from benchmarks._injection import Errors, inject
+from benchmarks.lib import fidelity_scores as scores
+from benchmarks.lib.injection import Errors, inject
 from tests.support import drawn_street as street
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, LabelPrior, NounError, Recording, SceneGraph
 from urbanverse_mjx.distillation import Distillation, DistilOptions, distil, ground

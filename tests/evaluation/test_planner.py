@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from benchmarks._gait_trials import Judge, Wandering, flat
+from benchmarks.lib.gait_trials import Judge, Wandering, flat
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs.navigation.room import build_room, to_outline

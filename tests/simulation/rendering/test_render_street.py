@@ -12,7 +12,7 @@ import pytest
 import warp as wp
 from mujoco_warp_pbr._src import envmap
 
-from benchmarks._megakernel import SharedAssets, WorldBatch
+from benchmarks.lib.megakernel import SharedAssets, WorldBatch
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots.coco import make_coco

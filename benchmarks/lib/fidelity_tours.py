@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import _fidelity_scores as scores
+from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.ontology import UnknownLabelError
 from urbanverse_mjx.capture import PathOptions, TourOptions, tour

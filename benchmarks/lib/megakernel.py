@@ -14,8 +14,8 @@ import warp as wp
 from mujoco_warp._src.bvh import compute_bvh_group_roots
 from mujoco_warp_pbr._src import envmap, kernel_inputs
 
-from benchmarks import _megakernel_kernels as kernels
-from benchmarks._megakernel_kernels import RobotTables, SceneTables
+from benchmarks.lib import megakernel_kernels as kernels
+from benchmarks.lib.megakernel_kernels import RobotTables, SceneTables
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.simulation.rendering.model import RenderModel, rotation_matrices
 from urbanverse_mjx.simulation.rendering.scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures

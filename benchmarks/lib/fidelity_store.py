@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks._fidelity_scores import Scores
+from benchmarks.lib.fidelity_scores import Scores
 from urbanverse_mjx.datatypes import validation as v
 
 Row = tuple[Scores, dict[str, float]]

@@ -10,8 +10,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from benchmarks import _placing, _timing
-from benchmarks._cases import Case
+from benchmarks.lib import placing, timing
+from benchmarks.lib.cases import Case
 from urbanverse_mjx.envs import registry, wrap_for_training
 
 
@@ -35,7 +35,7 @@ class Run:
     compile_s: dict[str, float] = dataclasses.field(default_factory=dict)
 
     def compile_(self, name: str, function: Callable[..., Any], *arguments: Any) -> Callable[..., Any]:
-        done = _timing.compile_(function, *arguments)
+        done = timing.compile_(function, *arguments)
         self.compile_s[name] = done.seconds
         return done.call
 
@@ -92,9 +92,9 @@ def step(run: Run) -> tuple[dict[str, Any], Callable[[], Any]]:
 
     call = run.compile_("step", whole, run.first, run.actions)
     # The first call leaves the states behind in which all robots stand at their starts.
-    (run.state, (run.sims, _, _)), first = _timing.first_call(call, run.first, run.actions)
+    (run.state, (run.sims, _, _)), first = timing.first_call(call, run.first, run.actions)
     _, (_, done, overflow) = call(run.state, run.actions)
-    sample = _timing.time_(call, run.state, run.actions, repeats=run.case.repeats, warm=True)
+    sample = timing.time_(call, run.state, run.actions, repeats=run.case.repeats, warm=True)
     count = run.case.steps * run.case.num_envs
     figures = {
         "env_steps_per_s": sample.rate(count),
@@ -123,7 +123,7 @@ def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
     if env.renderer is not None:
         frames = run.compile_("render", draw_with(env.renderer), run.sims)
         calls["render"] = lambda: frames(run.sims)
-    samples = _timing.time_in_turn(calls, run.case.repeats)
+    samples = timing.time_in_turn(calls, run.case.repeats)
     seconds = {name: sample.median / steps for name, sample in samples.items()}
     seconds["rest"] = 2 * seconds["total"] - sum(seconds.values())
     return {
@@ -143,7 +143,7 @@ def refit(run: Run) -> dict[str, Any]:
     options = {"shadows": view.shadows, "sky": view.sky, "shading": view.shading}
     small = Renderer(env.bank, env.robot, 1, 1, **options)
     call = run.compile_("refit", draw_with(small), run.sims)
-    sample = _timing.time_(call, run.sims, repeats=run.case.repeats)
+    sample = timing.time_(call, run.sims, repeats=run.case.repeats)
     return {"seconds_per_step": sample.median / run.case.steps, "spread": sample.spread}
 
 
@@ -151,7 +151,7 @@ def active(run: Run) -> dict[str, Any]:
     """Physics alone with robots driven into what stands nearest, and the same robot without hull slots."""
     env, steps, num_envs = run.env, run.case.steps, run.case.num_envs
     config, robot = env.config, env.robot
-    poses = _placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
+    poses = placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
     qpos = np.tile(env.qpos0, (num_envs, 1))
     qpos[:, :3] = poses.position + np.array([0.0, 0.0, robot.spawn_height])
     qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(poses.yaw / 2), 0.0, np.sin(poses.yaw / 2)
@@ -164,7 +164,7 @@ def active(run: Run) -> dict[str, Any]:
     calls = {n: run.compile_(f"physics_{n}", drive_with(e), first[n], ctrl) for n, e in engines.items()}
     # Drive up to the obstacle first: the timed part is spent pushing against it.
     pushing = {name: call(first[name], ctrl)[0] for name, call in calls.items()}
-    samples = _timing.time_in_turn(
+    samples = timing.time_in_turn(
         {name: lambda name=name: calls[name](pushing[name], ctrl) for name in calls}, run.case.repeats
     )
     count = steps * env.n_substeps * num_envs
@@ -207,8 +207,8 @@ def policy(run: Run) -> dict[str, Any]:
     keys = jax.random.split(jax.random.key(run.case.seed + 3), run.case.steps)
     alone = run.compile_("inference", act, params, state.obs, keys[0])
     together = run.compile_("rollout", rollout, params, state, keys)
-    seconds = _timing.time_(alone, params, state.obs, keys[0], repeats=run.case.repeats)
-    sample = _timing.time_(together, params, state, keys, repeats=run.case.repeats)
+    seconds = timing.time_(alone, params, state.obs, keys[0], repeats=run.case.repeats)
+    sample = timing.time_(together, params, state, keys, repeats=run.case.repeats)
     return {
         "inference_s": seconds.median,
         "env_steps_per_s_with_policy": sample.rate(run.case.steps * run.case.num_envs),

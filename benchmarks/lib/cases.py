@@ -10,7 +10,7 @@ from typing import Any
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.datatypes import validation as v
 
-#: What can be measured of a configuration, see `_measure`.
+#: What can be measured of a configuration, see `measure`.
 MEASURES = ("step", "parts", "refit", "active", "policy", "learn")
 
 
@@ -20,11 +20,11 @@ class Case:
 
     Attributes:
       bank: file; None = the shipped streets.
-      scenes: keep the first so many scenes; hulls: keep at most so many hulls a scene (`_banks.with_hulls`).
+      scenes: keep the first so many scenes; hulls: keep at most so many hulls a scene (`banks.with_hulls`).
       pixels: "HxW", or "none" for an environment without camera.
       substeps: physics steps per control step.
       overrides: further env config, flat dotted keys; ppo: the same of the training config (measure "learn").
-      measure: of `MEASURES`; rivals: of `_rivals.RIVALS`, measured beside the case.
+      measure: of `MEASURES`; rivals: of `rivals.RIVALS`, measured beside the case.
       steps: control steps in one timed run; repeats: timed runs; iterations: PPO iterations of "learn".
     """
 

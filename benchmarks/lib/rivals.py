@@ -16,9 +16,9 @@ import mujoco.rollout
 import numpy as np
 from mujoco import mjx
 
-from benchmarks import _timing
-from benchmarks._cases import Case
-from benchmarks._street_model import HIT, ROBOT, SEEN, street_model
+from benchmarks.lib import timing
+from benchmarks.lib.cases import Case
+from benchmarks.lib.street_model import HIT, ROBOT, SEEN, street_model
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.settings import num_threads
 
@@ -99,8 +99,8 @@ def stock_mjx(drive: Drive, repeats: int) -> dict[str, Any]:
         step = jax.vmap(lambda d: mjx.step(device, d))
         return jax.lax.scan(lambda d, _: (step(d), None), state, None, length=drive.substeps)[0], None
 
-    run = _timing.compile_(lambda s, u: jax.lax.scan(control_step, s, u)[0].qpos, state, ctrl)
-    sample = _timing.time_(run.call, state, ctrl, repeats=repeats)
+    run = timing.compile_(lambda s, u: jax.lax.scan(control_step, s, u)[0].qpos, state, ctrl)
+    sample = timing.time_(run.call, state, ctrl, repeats=repeats)
     does = f"one scene for all, cut to {MJX_HULLS} hulls and {MJX_PRISMS} ground prisms around one start; no RGB"
     return _row(drive, sample.median, does, hulls=MJX_HULLS, compile_s=run.seconds)
 

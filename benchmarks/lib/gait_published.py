@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import _tables
+from benchmarks.lib import tables
 
 #: %, of trials: a kerb or ramp counts as walked.
 KERB_SHARE, RAMP_SHARE = 90.0, 100.0
@@ -88,7 +88,7 @@ PUBLISHED = (
 def published_table(found: Found) -> str:
     """Markdown: what was found beside others' figures."""
     rows = [(row.what, row.ours(found) or "not tried", row.theirs, row.whose, row.source) for row in PUBLISHED]
-    return _tables.markdown(("what", "this gait", "others", "whose", "where it stands"), rows)
+    return tables.markdown(("what", "this gait", "others", "whose", "where it stands"), rows)
 
 
 def goals_table(found: Found, at_most: dict[str, float], kerbs: dict[float, float], push: float, ramp: float) -> str:
@@ -109,7 +109,7 @@ def goals_table(found: Found, at_most: dict[str, float], kerbs: dict[float, floa
         what = f"ramp of {np.degrees(np.arctan(row['slope'])):.1f} degrees, % of {row['episodes']}"
         rows.append((what, f"{ramp:g}", _passed(row)))
     level = f"{flat['episodes']} episodes of {flat['seconds']:g} s on level ground"
-    return _tables.markdown((level, "goal", "this gait"), rows)
+    return tables.markdown((level, "goal", "this gait"), rows)
 
 
 _LABELS = {

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from PIL import Image
 
-from benchmarks import _tables
+from benchmarks.lib import tables
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.datatypes.validation import write_atomically
@@ -143,7 +143,7 @@ def markdown(rows: Sequence[Mapping[str, Any]]) -> str:
         "remarks": lambda r: r.get("error") or r.get("does", ""),
     }
     cells = ([_cell(read(row)) for read in columns.values()] for row in rows)
-    return _tables.markdown(list(columns), cells) + "\n"
+    return tables.markdown(list(columns), cells) + "\n"
 
 
 def _cell(value: Any) -> str:
@@ -178,7 +178,7 @@ def _machine_of(rows: Sequence[Mapping[str, Any]]) -> Any:
 def own_baseline(rows: Sequence[Mapping[str, Any]]) -> pathlib.Path:
     """File of the baseline of the device kind that rows were measured on."""
     kind = "".join(c if c.isalnum() else "-" for c in _machine_of(rows)["device"].lower())
-    return pathlib.Path(__file__).parent / "baselines" / f"{kind}.json"
+    return pathlib.Path(__file__).parents[1] / "baselines" / f"{kind}.json"
 
 
 def save_baseline(rows: Sequence[Mapping[str, Any]], path: pathlib.Path) -> None:

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from benchmarks import _cases, _measure, _timing
+from benchmarks.lib import cases, measure, timing
 from benchmarks.throughput import load_env
 from urbanverse_mjx.crowds import Bodies, free_space
 from urbanverse_mjx.crowds.crowd import Crowd, CrowdModel, make_tables
@@ -41,7 +41,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
     """Env-steps/s with and without a crowd, and with things that can be pushed beside it, timed in turn."""
     runs, calls, figures = {}, {}, {}
     for scenario, overrides in _scenarios(arguments).items():
-        case = _cases.Case(
+        case = cases.Case(
             preset=arguments.preset,
             impl=arguments.impl,
             num_envs=arguments.envs,
@@ -53,9 +53,9 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
             steps=arguments.env_steps,
             repeats=1,
         )
-        runs[scenario] = _measure.start(load_env(case), case)
-        figures[scenario], calls[scenario] = _measure.step(runs[scenario])
-    samples = _timing.time_in_turn(calls, arguments.repeats)
+        runs[scenario] = measure.start(load_env(case), case)
+        figures[scenario], calls[scenario] = measure.step(runs[scenario])
+    samples = timing.time_in_turn(calls, arguments.repeats)
     count = arguments.env_steps * arguments.envs
     env = runs["dynamic"].env
     return {
@@ -82,7 +82,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _bodies_under_way(run: _measure.Run | None) -> dict[str, Any]:
+def _bodies_under_way(run: measure.Run | None) -> dict[str, Any]:
     """How many things of an env moved in the timed steps, on average, and how many were no longer in their places."""
     if run is None:
         return {}
