@@ -48,7 +48,7 @@ class Returns:
 
             def step(carry: Any, _: None) -> tuple[Any, None]:
                 nav, value, factor, result = carry
-                new, reward, _, _ = env.advance(nav, action)
+                new, reward = env.advance(nav, action)[:2]
                 running = result == Result.RUNNING
                 value = value + jnp.where(running, factor * reward, 0.0)
                 forever = factor * discount / (1.0 - discount) * reward
