@@ -52,7 +52,7 @@ def _pose(along: float, yaw: float, pitch: float = -0.1) -> np.ndarray:
     return pose
 
 
-def _look(pose: np.ndarray) -> tuple[np.ndarray, Sight, np.ndarray]:
+def _look(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.ndarray, Sight, np.ndarray]:
     """Picture (H, W, 3) u8, what it shows, and true depth (H, W) m (0 = sky)."""
     rays = CAMERA.rays() @ pose[:3, :3].T
     _, y0, z0 = pose[:3, 3]
@@ -65,7 +65,7 @@ def _look(pose: np.ndarray) -> tuple[np.ndarray, Sight, np.ndarray]:
     picture = np.zeros(which.shape, np.float32)
     for k, second in enumerate((y, z, z)):
         texel = [np.nan_to_num(v[which == k], posinf=0.0, neginf=0.0) / 0.05 for v in (x, second)]
-        picture[which == k] = ndimage.map_coordinates(TEXTURES[k], texel, order=1, mode="grid-wrap")
+        picture[which == k] = ndimage.map_coordinates(textures[k], texel, order=1, mode="grid-wrap")
     rgb = np.repeat((255 * np.where(sky, 0.9, picture)).astype(np.uint8)[..., None], 3, -1)
     surfaces = np.where(sky, SKY, np.where(which == 0, SIDEWALK, 0)).astype(np.uint8)
     masks = np.where(sky | (which == 0), -1, which - 1).astype(np.int32)
@@ -117,6 +117,33 @@ def test_poses_focal_length_and_metric_scale_are_found(frames: Frames, structure
     assert error.rmse < 0.1
     assert error.turn < 1.0
     assert recording.poses()[:, 2, 3] == pytest.approx([HEIGHT] * 9, abs=0.08)
+
+
+@pytest.mark.parametrize("threads", [1, 3, 8])
+def test_the_structure_does_not_depend_on_threads(
+    frames: Frames, structure: Structure, threads: int, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("URBANVERSE_THREADS", str(threads))
+    other = reconstruct(frames, StructureOptions(features=1500))
+    for field in dataclasses.fields(Structure):
+        assert np.array_equal(getattr(structure, field.name), getattr(other, field.name)), field.name
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_a_short_clip_gets_a_lens_that_a_camera_has(tmp_path: pathlib.Path, seed: int):
+    """Soft frames with noise, of which a long lens with k1 above 0.5 explains most matches best."""
+    rng = np.random.default_rng(seed)
+    textures = [_texture(10 * seed + k) for k in range(3)]
+    step, swing, yaw = rng.uniform(0.3, 0.55), rng.uniform(0.05, 0.2), rng.uniform(0.3, 0.9)
+    blur, noise = rng.uniform(0, 0.8), rng.uniform(0, 4)
+    for k in range(9):
+        picture = _look(_pose(step * k, yaw + swing * np.sin(k / 1.5)), textures)[0].astype(float)
+        picture = ndimage.gaussian_filter(picture, (blur, blur, 0)) + rng.normal(0, noise, picture.shape[:2])[..., None]
+        Image.fromarray(picture.clip(0, 255).astype(np.uint8)).save(tmp_path / f"{k}.png")
+    structure = reconstruct(sample(tmp_path, tmp_path / "frames"), StructureOptions(features=1500))
+    assert list(structure.registered) == list(range(9))
+    assert structure.camera.fx == pytest.approx(CAMERA.fx, rel=0.1)
+    assert abs(structure.distortion) < 0.1
 
 
 @pytest.mark.parametrize("guess", [None, 1.3, 0.6])

@@ -4,6 +4,7 @@ import dataclasses
 import pathlib
 
 import numpy as np
+import pycolmap
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -191,6 +192,10 @@ def test_a_single_frame_that_stands_elsewhere_is_left_out(at: int):
 
 class _Model:
     """As much of COLMAP's answer as is asked before it becomes a `Structure`."""
+
+    def __init__(self) -> None:
+        camera = pycolmap.Camera(model="SIMPLE_RADIAL", width=320, height=180, params=[210.0, 160.0, 90.0, 0.0])
+        self.cameras = {1: camera}
 
     def num_reg_images(self) -> int:
         return 2 * OUT

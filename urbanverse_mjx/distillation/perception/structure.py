@@ -146,7 +146,7 @@ def reconstruct(
             score = breaks, -len(structure.registered)
             if score < best_score:
                 best, best_score = structure, score
-            # A short clip says little about where it breaks; trying again costs little.
+            # Of a short clip every frame counts, and trying again costs little.
             if breaks <= 0 and (len(frames) >= _SHORT_CLIP or len(structure.registered) == len(frames)):
                 break
     if best is None:
@@ -171,7 +171,10 @@ def _has_a_possible_lens(model: Any) -> bool:
 def _maps(
     frames: Frames, options: StructureOptions, work: pathlib.Path, progress: Callable[[int, int], None]
 ) -> Iterator[list[Any]]:
-    """COLMAP's models, made with one of `_FIRST_ERRORS` after the other."""
+    """COLMAP's models, made with one of `_FIRST_ERRORS` after the other; of a short clip, last, without distortion.
+
+    Few frames hardly tell a long lens that bends from a short one that does not.
+    """
     import pycolmap
 
     # Without this it writes pages to standard error.
@@ -211,7 +214,11 @@ def _maps(
             pycolmap.calibrate_view_graph(database, calibration)
             _round_focal_length(database)
         progress(2 * len(frames), steps)
-        for mapping.mapper.init_max_error in _FIRST_ERRORS:
+        attempts = [(error, True) for error in _FIRST_ERRORS]
+        if len(frames) < _SHORT_CLIP:
+            attempts.append((_FIRST_ERRORS[0], False))
+        for mapping.mapper.init_max_error, bent in attempts:
+            mapping.ba_refine_extra_params = mapping.mapper.abs_pose_refine_extra_params = bent
             models = pycolmap.incremental_mapping(
                 database, frames.folder, work, mapping, next_image_callback=one_more
             )  # fmt: skip
