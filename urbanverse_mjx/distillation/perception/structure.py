@@ -179,7 +179,7 @@ def _maps(
 
     # Without this it writes pages to standard error.
     pycolmap.logging.minloglevel = pycolmap.logging.Level.FATAL.value
-    # Features, matches and their verification do not depend on how the work is split over threads; what follows does.
+    # Features do not depend on how the work is split over threads; what follows does.
     database, threads, steps = work / "database.db", settings.num_threads(), 3 * len(frames)
     extraction = pycolmap.FeatureExtractionOptions(num_threads=threads)
     extraction.sift.max_num_features = options.features
@@ -187,7 +187,8 @@ def _maps(
     reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_FOCAL)
     if options.focal is not None:
         reader.camera_params = f"{options.focal},{frames.width / 2},{frames.height / 2},0"
-    matching = pycolmap.FeatureMatchingOptions(num_threads=threads)
+    # Its approximate search gives now and then other matches where several threads ask it.
+    matching = pycolmap.FeatureMatchingOptions(num_threads=1)
     pairing = pycolmap.SequentialPairingOptions(overlap=options.overlap, quadratic_overlap=False)
     verification = pycolmap.TwoViewGeometryOptions()
     verification.ransac.random_seed = 0
