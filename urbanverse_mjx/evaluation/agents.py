@@ -1,6 +1,6 @@
 """Agents to compare with, and what else may drive: each gives an action (2,) in [-1, 1] for one env."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import jax
@@ -60,29 +60,40 @@ def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     return goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
 
 
-def _covered(obs: Mapping[str, Any]) -> dict[str, Any]:
-    """Observations with all pixels 0."""
-    return {k: jnp.zeros_like(x) if k.startswith("pixels/") else x for k, x in obs.items()}
+class _Cover:
+    """Observations with all pixels 0, and black pictures of the given shapes where there are none."""
+
+    def __init__(self, pictures: Mapping[str, Sequence[int]]) -> None:
+        self._shapes = {name: tuple(shape) for name, shape in pictures.items()}
+
+    def __call__(self, obs: Mapping[str, Any]) -> dict[str, Any]:
+        black = {name: jnp.zeros(shape, jnp.uint8) for name, shape in self._shapes.items()}
+        return {**black, **{k: jnp.zeros_like(x) if k.startswith("pixels/") else x for k, x in obs.items()}}
 
 
 class _BlankRecurrent:
     """An agent that remembers, with its camera covered."""
 
-    def __init__(self, agent: Recurrent) -> None:
-        self._agent = agent
+    def __init__(self, agent: Recurrent, cover: _Cover) -> None:
+        self._agent, self._cover = agent, cover
 
     def first_memory(self) -> Any:
         return self._agent.first_memory()
 
     def act(self, obs: Mapping[str, Any], memory: Any, key: jax.Array) -> tuple[jax.Array, Any]:
-        return self._agent.act(_covered(obs), memory, key)
+        return self._agent.act(self._cover(obs), memory, key)
 
 
-def blank_image(agent: Any) -> Any:
-    """The same agent with its camera covered (all pixels 0): what it does without seeing."""
+def blank_image(agent: Any, pictures: Mapping[str, Sequence[int]] | None = None) -> Any:
+    """The same agent with its camera covered (all pixels 0): what it does without seeing.
+
+    Args:
+      pictures: shapes of the pictures that it looks at, for an environment that draws none.
+    """
+    cover = _Cover(pictures or {})
     if isinstance(agent, Recurrent):
-        return _BlankRecurrent(agent)
-    return lambda obs, key: agent(_covered(obs), key)
+        return _BlankRecurrent(agent, cover)
+    return lambda obs, key: agent(cover(obs), key)
 
 
 BASELINES: dict[str, Agent] = {"zero": zero, "random": random, "go_to_goal": go_to_goal}

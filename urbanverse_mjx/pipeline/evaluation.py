@@ -4,7 +4,6 @@ import pathlib
 from collections.abc import Mapping
 from typing import Any
 
-import jax.numpy as jnp
 from ml_collections import ConfigDict
 from rich.console import Console
 from rich.progress import Progress, TaskID
@@ -14,19 +13,8 @@ from ..envs import NavEnv, registry
 from ..envs.navigation.draws import OFF
 from ..envs.navigation.living import slot_looks
 from ..envs.navigation.scenarios import scenario_of
-from ..evaluation import Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
+from ..evaluation import Agent, Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
 from ..evaluation.rollouts import EpisodeSet
-
-
-class _CoveredCamera:
-    """Stands in for a renderer whose picture nobody will look at: all black, at no cost."""
-
-    def __init__(self, height: int, width: int):
-        self._frame = {"rgb": jnp.zeros((height, width, 3), jnp.uint8), "depth": jnp.zeros((height, width))}
-
-    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: Any = None) -> dict[str, Any]:
-        del scene, xpos, xquat, look, agents
-        return self._frame
 
 
 def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any, dynamic: bool) -> ConfigDict:
@@ -42,13 +30,15 @@ def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any,
 
 
 def _drive(
-    seeing: NavEnv, agents: dict[str, Any], episodes: EpisodeSet, quiet: bool
+    seeing: NavEnv, agents: Mapping[str, Agent], unseeing: Mapping[str, Agent], episodes: EpisodeSet, quiet: bool
 ) -> tuple[list[EpisodeResult], dict[str, Any]]:
-    """Results of the agents and of those that do not look, and the poses of each one's batch by its name."""
-    config = seeing.config
-    covered = _CoveredCamera(config.vision_config.height, config.vision_config.width)
-    blind = NavEnv(config, seeing.bank, seeing.robot, seeing.engine, covered)
-    unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(agents["trained"])}
+    """Drives the same episodes by agents that look and by others that do not.
+
+    Returns:
+      the results, and the poses of each agent's batch by the agent's name.
+    """
+    # Without a renderer: nothing is drawn for those who do not look.
+    blind = NavEnv(seeing.config, seeing.bank, seeing.robot, seeing.engine, None)
     results, trajectories = [], {}
     for env, drivers in ((seeing, agents), (blind, unseeing)):
         with Progress(console=Console(stderr=True), disable=quiet) as bar:
@@ -97,7 +87,9 @@ def evaluate_policy(
     seeing = registry.load(environment, config=config, bank=bank)
     episodes = fixed_episodes(seeing, num_episodes, seed)
     agents = {"untrained": untrained, "trained": act}
-    results, trajectories = _drive(seeing, agents, episodes, quiet)
+    pictures = {name: shape for name, shape in spec.observations.items() if name.startswith("pixels/")}
+    unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act, pictures)}
+    results, trajectories = _drive(seeing, agents, unseeing, episodes, quiet)
     record = {
         "policy": str(policy),
         "environment": environment,

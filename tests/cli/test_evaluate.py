@@ -1,0 +1,128 @@
+"""`urbanverse evaluate` and the evaluation after `urbanverse train`, each to its report."""
+
+import json
+import pathlib
+from typing import Any
+
+import jax.numpy as jnp
+import pytest
+from brax.training.acme import running_statistics, specs
+
+from tests.support.agent_looks import with_box_agents
+from tests.support.unicycle import GoalPicture, UnicycleEngine, unicycle_robot
+from urbanverse_mjx.cli.evaluate import main as evaluate
+from urbanverse_mjx.cli.train import main as train
+from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimState
+from urbanverse_mjx.envs import NavEnv, registry
+from urbanverse_mjx.pipeline.evaluation import evaluate_policy
+from urbanverse_mjx.simulation.slots.body_slots import Sizes
+from urbanverse_mjx.simulation.slots.body_table import body_table
+from urbanverse_mjx.training.config import default_ppo_config
+from urbanverse_mjx.training.policy import PolicySpec, initial_params, save_policy
+
+SMALL_PPO = {
+    "num_envs": 2,
+    "num_timesteps": 8,
+    "num_checkpoints": 1,
+    "unroll_length": 4,
+    "minibatch": 4,
+    "num_updates_per_batch": 1,
+    "network.layers": ((8, 4, 4), (8, 2, 2)),
+}
+#: One pedestrian and one movable object.
+SMALL_STREET = {
+    **{f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist", "car")},
+    "crowd.slots.pedestrian": 1,
+    "movable.bodies": 1,
+    "movable.awake": 1,
+    "movable.hulls": 1,
+    "episode_length": 4,
+    "vision_config.height": 20,
+    "vision_config.width": 20,
+}
+
+
+class MovableEngine(UnicycleEngine):
+    """The kinematic engine beside movable objects that nothing moves."""
+
+    def __init__(self, bank: SceneBank, sizes: Sizes, *args: Any) -> None:
+        super().__init__(*args)
+        self.movable, self.body_table = sizes, body_table(bank)
+
+    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+        zero = jnp.zeros((self.movable.bodies, 3))
+        bodies = Bodies(things, zero, jnp.zeros((self.movable.bodies, 4)), zero, zero, zero)
+        return super().init(scene, qpos, qvel)._replace(bodies=bodies)
+
+    def step(self, state: SimState, ctrl: Any, agents: Any = None) -> SimState:
+        return super().step(state, ctrl, agents)._replace(bodies=state.bodies)
+
+
+class BodyPicture(GoalPicture):
+    """A renderer that is told where the movable objects are."""
+
+    def __call__(self, *args: Any, bodies: Bodies, **more: Any) -> dict[str, Any]:
+        assert bodies.position.shape[-1] == 3
+        return super().__call__(*args, **more)
+
+
+def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:
+    """What `registry.load` gives, on the kinematic engine."""
+    assert name == "CocoNav"
+    robot = unicycle_robot()
+    sizes = Sizes(**config.movable.to_dict())
+    engine = MovableEngine(bank, sizes, robot, config.ctrl_dt, jnp.inf, config.scenario == "dynamic")
+    return NavEnv(config, bank, robot, engine, BodyPicture())
+
+
+@pytest.fixture(scope="module")
+def untrained(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """A policy folder whose networks saw no training, made for the kinematic engine."""
+    config = registry.with_overrides(registry.get_default_config("CocoNav", "cpu"), SMALL_STREET)
+    env = kinematic("CocoNav", config, small_bank)
+    ppo = registry.with_overrides(default_ppo_config("cpu"), SMALL_PPO)
+    spec = PolicySpec.of("CocoNav", env, ppo, 0)
+    shapes = {name: tuple(shape) for name, shape in spec.observations.items()}
+    _, actor, critic = initial_params(shapes, spec.action_size, ppo, 1)
+    # Brax writes the state of its normaliser, too, which our networks do not use.
+    normaliser = running_statistics.init_state(specs.Array((2,), jnp.dtype("float32")))
+    return save_policy(tmp_path_factory.mktemp("policy"), (normaliser, actor, critic), spec)
+
+
+@pytest.fixture
+def policy(untrained: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
+    """The same, where `registry.load` gives the kinematic engine."""
+    monkeypatch.setattr(registry, "load", kinematic)
+    return untrained
+
+
+@pytest.mark.parametrize("dynamic", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_policy_that_knows_movable_objects_is_evaluated_to_its_report(
+    policy: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path, dynamic: bool
+) -> None:
+    summary = evaluate_policy(policy, small_bank, tmp_path, 2, 0, False, True, "all", dynamic)
+    assert set(summary) == {"untrained", "trained", "go_to_goal", "trained_blank_image"}
+    report = BenchmarkReport.load(tmp_path / "report.json")
+    assert len(report.episodes) == 8
+    assert (report.episodes[0].people_distance is not None) == dynamic
+
+
+@pytest.mark.slow
+def test_training_among_people_and_movable_objects_ends_in_its_report(
+    small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Both commands on the real engine and renderer: `train` with scenario=dynamic, then `evaluate --dynamic`."""
+    bank = tmp_path / "bank.npz"
+    with_box_agents(small_bank).save(bank)
+    monkeypatch.setenv("URBANVERSE_BANK", str(bank))
+    overrides = json.dumps({"scenario": "dynamic", **SMALL_STREET})
+    run = ["--playground-config-overrides", overrides, "--ppo-overrides", json.dumps(SMALL_PPO)]
+    common = ["--num-episodes", "2", "--quiet"]
+    assert train([*run, *common, "--logdir", str(tmp_path), "--suffix", "dynamic"]) == 0
+    result = json.loads(capsys.readouterr().out.splitlines()[-1])
+    folder = pathlib.Path(result["folder"])
+    assert result["trained"]["people_distance"]["mean"] >= 0.0
+    assert (folder / "evaluation" / "rollout.mp4").stat().st_size > 0
+    assert evaluate([str(folder), "--dynamic", *common, "--no-video", "--out", str(tmp_path / "again")]) == 0
+    again = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert again["trained"] == result["trained"], "the same episodes, and the same on a CPU to the bit"
