@@ -1,16 +1,21 @@
 """Policies from outside: what they are given, what they answer, and what is refused in one sentence."""
 
+import dataclasses
 import pathlib
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.support.onnx_bytes import linear_policy
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import BenchmarkReport, NounError, SceneBank
+from urbanverse_mjx.envs import registry
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal
 from urbanverse_mjx.evaluation.foreign import load_callable, load_onnx
+from urbanverse_mjx.evaluation.frozen import freeze
+from urbanverse_mjx.pipeline import BenchmarkOptions, benchmark
 
 
 class Remembering:
@@ -33,12 +38,35 @@ def wrong_shape(obs: dict[str, np.ndarray]) -> np.ndarray:
 NUMBER = 3
 
 
+class Asking:
+    """Stands still, and remembers what it was given."""
+
+    def __init__(self) -> None:
+        self.given: set[tuple[str, ...]] = set()
+
+    def __call__(self, obs: dict[str, np.ndarray]) -> np.ndarray:
+        self.given.add(tuple(sorted(obs)))
+        return np.zeros((len(obs["goal"]), 2), np.float32)
+
+
+class AskingForTheGoal(Asking):
+    observations = ("goal",)
+
+
+class AskingForMore(Asking):
+    observations = ("goal", "privileged")
+
+
+class AskingForWhatIsNotThere(Asking):
+    observations = ("goal", "lidar")
+
+
 def test_a_callable_drives_as_the_same_rule_inside_jax(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 120})
     episodes = fixed_episodes(env, 6)
     policy = load_callable(f"{__name__}:Remembering")
     assert not policy.sees
-    outside, ways = Rollout(env).run_batch("rule", policy.agent, episodes)
+    outside, ways = Rollout(env).run_batch("rule", policy, episodes)
     inside, _ = Rollout(env).run({"rule": go_to_goal}, episodes)
     for a, b in zip(outside, inside, strict=True):
         assert (a.result, a.steps, a.touches) == (b.result, b.steps, b.touches)
@@ -53,9 +81,57 @@ def test_what_is_no_callable_is_refused(small_bank: SceneBank) -> None:
         load_callable(f"{__name__}:absent")
     with pytest.raises(NounError, match="to be a int, needed something to call"):
         load_callable(f"{__name__}:NUMBER")
-    env = unicycle_env(small_bank)
+    env = unicycle_env(small_bank, vision=True)
     with pytest.raises(NounError, match=r"found actions of shape \(2,\), needed finite ones of shape \(3, 2\)"):
-        Rollout(env).run_batch("bad", load_callable(f"{__name__}:wrong_shape").agent, fixed_episodes(env, 3))
+        Rollout(env).run_batch("bad", load_callable(f"{__name__}:wrong_shape"), fixed_episodes(env, 3))
+    blind = unicycle_env(small_bank)
+    with pytest.raises(NounError, match="found no observation 'pixels/front' in the environment"):
+        Rollout(blind).run_batch("bad", load_callable(f"{__name__}:wrong_shape"), fixed_episodes(blind, 3))
+
+
+@pytest.mark.parametrize(
+    ("policy", "given", "privileged"),
+    [
+        ("Asking", ("goal", "pixels/front"), False),
+        ("AskingForTheGoal", ("goal",), False),
+        ("AskingForMore", ("goal", "privileged"), True),
+    ],
+)
+def test_a_callable_is_given_exactly_the_observations_that_it_declares(
+    policy: str, given: tuple[str, ...], privileged: bool, small_bank: SceneBank
+) -> None:
+    env = unicycle_env(small_bank, {"terminate_off_traversable": False, "episode_length": 3}, vision=True)
+    found = load_callable(f"{__name__}:{policy}")
+    Rollout(env).run_batch("asking", found, fixed_episodes(env, 3))
+    assert found.agent.given == {given}  # type: ignore[attr-defined]
+    assert (found.privileged, found.sees) == (privileged, "pixels/front" in given)
+
+
+def test_an_observation_that_no_environment_has_is_refused() -> None:
+    with pytest.raises(NounError, match=r"found the observation 'lidar' .* needed some of pixels/front, goal"):
+        load_callable(f"{__name__}:AskingForWhatIsNotThere")
+
+
+@pytest.mark.parametrize("policy", [f"{__name__}:AskingForTheGoal", f"{__name__}:AskingForMore"])
+def test_the_report_says_where_a_policy_was_told_more_than_its_sensors_measure(
+    policy: str, small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hashes = {name: f"{i}" * 64 for i, name in enumerate(small_bank.scene_ids)}
+    bank = dataclasses.replace(small_bank, meta={**small_bank.meta, "hashes": hashes})
+    protocol, scenes = tmp_path / "boxes.json", tmp_path / "bank.npz"
+    freeze("boxes", bank, 5, seed=0).save(protocol)
+    bank.save(scenes)
+
+    def kinematic(name: str, config: Any, bank: SceneBank) -> Any:
+        return unicycle_env(bank, {"episode_length": 3, "scenes": config.scenes})
+
+    monkeypatch.setattr(registry, "load", kinematic)
+    options = BenchmarkOptions(policy=policy, contact="ends", pictures=False)
+    page = benchmark(str(protocol), tmp_path, options, scenes).page
+    record = BenchmarkReport.load(tmp_path / "ends" / "report.json").record
+    asked = policy.endswith("ForMore")
+    assert record["policy"]["privileged"] is asked  # type: ignore[index]
+    assert ("privileged: true" in page) is asked
 
 
 def test_without_onnxruntime_the_package_to_install_is_named(

@@ -17,34 +17,60 @@ import numpy as np
 from ..datatypes import NounError, optional
 from .agents import BatchAgent
 
-PICTURE = "pixels/front"
+PICTURE, PRIVILEGED = "pixels/front", "privileged"
+#: Observations that a policy may ask for, and what one is given that names none: what the robot senses.
+OBSERVATIONS = (PICTURE, "goal", PRIVILEGED)
+SENSED = (PICTURE, "goal")
 #: Names that others give to observations (facts/reference_systems.md b.7: `rgb`, `goal_vector`).
 ALIASES = {"rgb": PICTURE, "image": PICTURE, "pixels": PICTURE, "goal_vector": "goal"}
 
 
 @dataclasses.dataclass(frozen=True)
 class ForeignPolicy:
-    """A policy that lives outside JAX.
+    """A policy that lives outside JAX; a `BatchAgent` that hands over the declared observations and no others.
 
     Attributes:
       agent: observations of n envs -> actions (n, 2).
-      sees: it looks at pictures. size: (height, width) of them, None = whatever the preset draws.
+      observations: names of what it is given, of `OBSERVATIONS`.
+      size: (height, width) of the pictures it looks at, None = whatever the preset draws.
     """
 
     agent: BatchAgent
-    sees: bool
+    observations: tuple[str, ...]
     size: tuple[int, int] | None = None
+
+    def __call__(self, obs: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Actions (n, 2).
+
+        Raises:
+          NounError: the environment does not give what the policy declares.
+        """
+        for name in self.observations:
+            if name not in obs:
+                raise NounError(f"policy: found no observation {name!r} in the environment, needed it; it declares it.")
+        return self.agent({name: obs[name] for name in self.observations})
+
+    @property
+    def sees(self) -> bool:
+        """Whether it looks at pictures."""
+        return PICTURE in self.observations
+
+    @property
+    def privileged(self) -> bool:
+        """Whether it asks for what no sensor of the robot measures."""
+        return PRIVILEGED in self.observations
 
 
 def load_callable(name: str) -> ForeignPolicy:
     """The callable that `module:name` names, or an instance of it where it is a class.
 
     It is given observations by name, each with a leading axis of n envs that begin together and keep their places, and
-    returns (n, 2) actions in [-1, 1]: an instance may remember. Where it has an attribute `observations` (names)
-    without "pixels/front", no pictures are drawn for it.
+    returns (n, 2) actions in [-1, 1]: an instance may remember. Its attribute `observations` names those that it is
+    given, of `OBSERVATIONS`; without one it is given the picture and the goal. Pictures are drawn only where
+    "pixels/front" is among them; "privileged" is recorded in the report.
 
     Raises:
-      NounError: no such module or name, or nothing that can be called.
+      NounError: no such module or name, nothing that can be called, or observations that no environment has.
     """
     module_name, _, attribute = name.partition(":")
     try:
@@ -61,8 +87,16 @@ def load_callable(name: str) -> ForeignPolicy:
     found = found() if inspect.isclass(found) else found
     if not callable(found):
         raise NounError(f"--policy: found {name!r} to be a {type(found).__name__}, needed something to call.")
-    wanted = getattr(found, "observations", (PICTURE,))
-    return ForeignPolicy(found, PICTURE in wanted)
+    wanted = getattr(found, "observations", SENSED)
+    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    for observation in wanted:
+        if observation not in OBSERVATIONS:
+            raise NounError(
+                f"--policy: found the observation {observation!r} in {name!r}, needed some of "
+                f"{', '.join(OBSERVATIONS)}."
+            )
+    agent: Any = found
+    return ForeignPolicy(agent, wanted)
 
 
 def load_onnx(path: pathlib.Path) -> ForeignPolicy:
@@ -99,7 +133,7 @@ def load_onnx(path: pathlib.Path) -> ForeignPolicy:
         return session.run([output], given)[0]
 
     pictures = [i for i in inputs if i.observation == PICTURE]
-    return ForeignPolicy(ask, bool(pictures), pictures[0].size if pictures else None)
+    return ForeignPolicy(ask, tuple({i.observation: None for i in inputs}), pictures[0].size if pictures else None)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -114,12 +114,13 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
     from ..evaluation import benchmark
 
     contacts = benchmark.CONTACTS if options.contact == "both" else (options.contact,)
-    tables, scenes, seconds = {}, {}, {}
+    tables, scenes, seconds, privileged = {}, {}, {}, False
     title = f"{runs.protocol.name}, protocol {runs.kind}: {options.policy}"
     for contact in contacts:
         began = time.monotonic()
         env, driver, batched, name, where = _prepare(options, runs, contact)
         outcome = _drive(options, runs, contact, env, driver, batched, name, quiet)
+        privileged = where["privileged"]
         record = {**_record(options, runs, env, contact), "policy": where}
         tables[contact] = {name: benchmark.write_outcome(out / contact, title, runs, outcome, record)}
         scenes[contact] = benchmark.by_scene(outcome.results)
@@ -132,6 +133,8 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
         "paper": "Means over runs ± standard error over runs.",
         "full": "Means over episodes ± standard error, [95 % interval], both from a bootstrap over scenes.",
     }[runs.kind]
+    if privileged:
+        how += "\n\nprivileged: true. The policy is told what no sensor of the robot measures."
     page = benchmark.to_markdown(title, tables, scenes, how)
     benchmark.write_page(out, page)
     return page
@@ -155,7 +158,8 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
         policy = load_onnx(path) if name.endswith(".onnx") else load_callable(name)
         config = _config(options, runs, contact, policy.sees, policy.size)
         env = registry.load(options.env_name or "CocoNav", config=config, bank=runs.bank)
-        return env, policy.agent, True, path.stem if name.endswith(".onnx") else name, {"name": name}
+        where = {"name": name, "privileged": policy.privileged, "observations": list(policy.observations)}
+        return env, policy, True, path.stem if name.endswith(".onnx") else name, where
     if not path.is_dir():
         known = ", ".join((*BASELINES, "planner"))
         raise NounError(
@@ -174,7 +178,8 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
     sees = any(k.startswith("pixels/") for k in spec.observations)
     config = _config(options, runs, contact, sees, trained=trained.to_dict(), environment=environment)
     env = registry.load(environment, config=config, bank=runs.bank)
-    return env, act, False, folder.name, {"name": str(options.policy), "steps": spec.steps, "versions": spec.versions}
+    where = {"name": str(options.policy), "privileged": False, "steps": spec.steps, "versions": spec.versions}
+    return env, act, False, folder.name, where
 
 
 #: s, longest episode (paper: a fixed horizon of 60 s).
