@@ -9,9 +9,11 @@ import pytest
 import trimesh
 from scipy.spatial import ConvexHull
 
-from urbanverse_mjx.assets import build_mesh, load_hulls, load_index
+from urbanverse_mjx.assets import build_mesh, load_hulls, load_index, search
 from urbanverse_mjx.assets.export import FORMATS, export_asset, export_mjcf, export_obj, export_usd
 from urbanverse_mjx.assets.rigid_body import convex_surface, rigid_body
+from urbanverse_mjx.assets.search import ObjectLibrary
+from urbanverse_mjx.cli.assets import main as assets_command
 from urbanverse_mjx.datatypes import AssetRecord, NounError
 
 INDEX = load_index()
@@ -181,3 +183,16 @@ def test_a_glb_says_what_it_is(tmp_path) -> None:
 def test_an_unknown_format_is_refused(tmp_path) -> None:
     with pytest.raises(NounError, match="'fbx', needed one of glb, obj, mjcf, usd"):
         export_asset(RECORDS[0], tmp_path, "fbx")
+
+
+def test_what_search_returns_can_be_exported(objects: ObjectLibrary, tmp_path, monkeypatch) -> None:
+    """Records of the catalogue that are no base shapes, by the command."""
+    monkeypatch.setattr(search, "library", lambda: objects)
+    found = objects.get_uids_conditioned(query="a red wooden chair", top_k=20)
+    (uid, *_) = [u for u in found if u not in load_index()]
+    assert assets_command(["export", "--uid", uid, "--out", str(tmp_path)]) == 0
+    (path,) = tmp_path.glob("*.glb")
+    size = trimesh.load(path, force="scene").extents
+    assert sorted(size) == pytest.approx(sorted(objects.record(uid).extent_xyz), abs=2e-3)
+    with pytest.raises(NounError, match="asset uid: found 'no/such'"):
+        assets_command(["export", "--uid", "no/such", "--out", str(tmp_path)])

@@ -9,16 +9,19 @@ import pytest
 from brax.training.acme import running_statistics, specs
 
 from tests.support.agent_looks import with_box_agents
-from tests.support.unicycle import GoalPicture, UnicycleEngine, unicycle_robot
+from tests.support.unicycle import GoalPicture, UnicycleEngine, unicycle_env, unicycle_robot
+from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli.evaluate import main as evaluate
 from urbanverse_mjx.cli.train import main as train
-from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimState
+from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, NounError, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, registry
-from urbanverse_mjx.pipeline.evaluation import evaluate_policy
+from urbanverse_mjx.pipeline.evaluation import SHOWN, evaluate_policy
+from urbanverse_mjx.pipeline.rollout_video import random_draw
 from urbanverse_mjx.simulation.slots.body_slots import Sizes
 from urbanverse_mjx.simulation.slots.body_table import body_table
 from urbanverse_mjx.training.config import default_ppo_config
 from urbanverse_mjx.training.policy import PolicySpec, initial_params, save_policy
+from urbanverse_mjx.viz import video
 
 SMALL_PPO = {
     "num_envs": 2,
@@ -126,3 +129,44 @@ def test_training_among_people_and_movable_objects_ends_in_its_report(
     assert evaluate([str(folder), "--dynamic", *common, "--no-video", "--out", str(tmp_path / "again")]) == 0
     again = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert again["trained"] == result["trained"], "the same episodes, and the same on a CPU to the bit"
+
+
+@pytest.mark.parametrize("name", ["go_to_goal", "planner"])
+def test_a_scripted_policy_is_evaluated_by_its_name(
+    name: str,
+    small_bank: SceneBank,
+    tmp_path: pathlib.Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    short = registry.with_overrides(registry.get_default_config("CocoNav"), {"episode_length": 3})
+    monkeypatch.setattr(registry, "get_default_config", lambda *_: short)
+    monkeypatch.setattr(registry, "load", lambda _, config, bank: unicycle_env(bank, {"episode_length": 3}))
+    monkeypatch.setattr(pipeline, "ensure_default_bank", lambda **_: small_bank)
+    assert evaluate([name, "--num-episodes", "3", "--no-video", "--quiet", "--out", str(tmp_path)]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said[name]["n"] == 3
+    report = BenchmarkReport.load(tmp_path / "report.json")
+    assert {r.agent for r in report.episodes} == {name}
+    assert report.record["privileged"] is (name == "planner")
+
+
+def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:
+    with pytest.raises(NounError, match="found 'go_to_gaol', needed a policy or run folder, or one of zero, random"):
+        evaluate(["go_to_gaol"])
+
+
+def test_the_video_shows_a_random_draw_with_how_each_episode_ended(
+    policy: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The draw is the same whatever the episodes' outcomes, and the outcomes handed to the picture are the report's."""
+    shown: dict[str, Any] = {}
+    monkeypatch.setattr(video, "write_rollout_video", lambda *_, **given: shown.update(given))
+    evaluate_policy(policy, small_bank, tmp_path, 9, 5, True, True, "all")
+    own = [r for r in BenchmarkReport.load(tmp_path / "report.json").episodes if r.agent == "trained"]
+    assert not any(r.success for r in own), "nobody arrives within four steps"
+    drawn = random_draw(range(9), SHOWN, 5)
+    assert len(drawn) == SHOWN
+    assert shown["columns"] == [9 + i for i in drawn], "`trained` is the second agent of its batch"
+    assert shown["outcomes"] == [own[i].result for i in drawn]
+    assert {tuple(random_draw(range(9), SHOWN, seed)) for seed in range(9)} - {(0, 1, 2)}

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import RESULTS, NounError
 from urbanverse_mjx.viz.pictures import look_at
-from urbanverse_mjx.viz.video import _chase_cameras, write_video
+from urbanverse_mjx.viz.video import OUTCOMES, _chase_cameras, caption, write_video
 
 
 def test_cameras_look_at_their_target_with_the_horizon_level() -> None:
@@ -58,3 +58,10 @@ def test_odd_sizes_leave_no_file(tmp_path: pathlib.Path) -> None:
     with pytest.raises(NounError, match="even size"):
         write_video(tmp_path / "a.mp4", [np.zeros((63, 96, 3), np.uint8)], 5)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_line_over_a_frame_tells_every_outcome_apart() -> None:
+    assert set(OUTCOMES) == set(RESULTS)
+    lines = {caption("park_edge", 1.2, 3.4, result) for result in RESULTS}
+    assert len(lines) == len(RESULTS)
+    assert caption("park_edge", 1.2, 3.4, "timeout") == "park_edge    1.2 s   goal  3.4 m   ends: out of time"

@@ -16,7 +16,7 @@ from .export_mjcf import mjcf_text
 from .export_usd import write_usd
 from .glb import glb_bytes
 from .hulls import load_hulls
-from .index import build_mesh
+from .index import build_mesh, full_index
 from .obj import mtl_text, obj_text, png_bytes
 
 Path = str | os.PathLike[str]
@@ -45,6 +45,18 @@ def official_annotation(record: AssetRecord) -> dict[str, Any]:
         "friction_coefficient": record.friction_coefficient,
         "license_info": {"license": record.licence, "uri": record.provenance},
     }
+
+
+def record_to_export(uid: str) -> AssetRecord:
+    """A base shape, an imported asset, or any other record of the catalogue.
+
+    Raises:
+      NounError: no such uid, or a catalogue that was not built (`make assets`).
+    """
+    from .search import library
+
+    index = full_index()
+    return index.get(uid) if uid in index else library().record(uid)
 
 
 def export_glb(record: AssetRecord, path: Path) -> pathlib.Path:

@@ -19,13 +19,16 @@ def export(
       out: folder to write into.
       form: file format.
       leaf: only this leaf.
-      uid: only this asset.
+      uid: only this asset; any that `urbanverse assets search` prints.
     """
-    from .export import export_asset
+    from .export import export_asset, record_to_export
     from .index import full_index
 
-    index = full_index()
-    records = (index.get(uid),) if uid else index.records if leaf is None else index.by_leaf(leaf)
+    if uid is not None:
+        records = (record_to_export(uid),)
+    else:
+        index = full_index()
+        records = index.records if leaf is None else index.by_leaf(leaf)
     for record in track(records, f"{form} files"):
         export_asset(record, out, form)
     Console().print(f"{out}: {len(records)} assets as {form}", soft_wrap=True)

@@ -75,6 +75,9 @@ class AssetIndex:
         ontology.category_of(leaf)
         return tuple(self._by_leaf.get(leaf, ()))
 
+    def __contains__(self, uid: str) -> bool:
+        return uid in self._by_uid
+
     def get(self, uid: str) -> AssetRecord:
         """The record of a uid.
 

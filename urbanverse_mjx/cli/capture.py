@@ -9,6 +9,7 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.filming import CaptureOptions
+from ._options import ImageSize
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -20,6 +21,8 @@ class CaptureArgs(CaptureOptions):
 
     out: pathlib.Path
     """Folder of the recording (recording.json, rgb/, depth/, masks/, surfaces/, truth.json)."""
+    size: ImageSize = (360, 640)
+    """Of the pictures, in pixels."""
     quiet: bool = False
 
 

@@ -1,4 +1,4 @@
-"""`urbanverse evaluate`: a trained policy and its comparisons over fixed episodes; the result as one JSON line."""
+"""`urbanverse evaluate`: a trained or scripted policy over fixed episodes; the result as one JSON line."""
 
 import dataclasses
 import json
@@ -9,24 +9,30 @@ from typing import Annotated
 
 import tyro
 
+from ..datatypes import NounError
+from ..datatypes import validation as v
+
 
 @dataclasses.dataclass(frozen=True)
 class EvaluateArgs:
     """Evaluate a policy on fixed episodes: one JSON line, and report.md, report.json and episodes.csv in a folder."""
 
-    policy: Annotated[pathlib.Path, tyro.conf.Positional]
-    """A policy folder, or a run folder (its most trained policy is taken)."""
+    policy: Annotated[str, tyro.conf.Positional]
+    """A policy folder, a run folder (its most trained policy is taken), or zero, random, go_to_goal or planner."""
     scenes: str = "test"
     """test, train, all, or scene ids separated by commas."""
     dynamic: bool = False
     """Streets with people and vehicles that move, and how near the robot came to them; else as it was trained."""
     env_name: str | None = None
-    """Whose robot the policy drives, e.g. Go2Nav; default: the one it was trained with."""
+    """Whose robot the policy drives, e.g. Go2Nav; default: the one it was trained with, for a scripted one CocoNav."""
+    preset: str = "paper"
+    """Of the environment, for a scripted policy."""
     num_episodes: int = 100
     seed: int = 0
     out: pathlib.Path | None = None
-    """Where the report goes; default: beside the policy."""
+    """Where the report goes; default: beside the policy, for a scripted one runs/evaluate-NAME."""
     video: bool = True
+    """Write an mp4 of three episodes drawn at random with --seed, each with how it ended."""
     quiet: bool = False
 
 
@@ -34,14 +40,23 @@ def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
     args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
     from ..pipeline import ensure_default_bank
-    from ..pipeline.evaluation import evaluate_policy
+    from ..pipeline.evaluation import SCRIPTED, evaluate_policy
     from ..training.policy import latest_policy
 
-    policy = latest_policy(args.policy)
-    out = args.out or policy / "evaluation"
+    v.integer(args.num_episodes, "--num-episodes", 1)
+    if args.policy in SCRIPTED:
+        policy, out = args.policy, pathlib.Path("runs") / f"evaluate-{args.policy}"
+    elif pathlib.Path(args.policy).is_dir():
+        policy = latest_policy(pathlib.Path(args.policy))
+        out = policy / "evaluation"
+    else:
+        raise NounError(
+            f"policy: found {args.policy!r}, needed a policy or run folder, or one of {', '.join(SCRIPTED)}."
+        )
+    out = args.out or out
     bank = ensure_default_bank(quiet=args.quiet)
     options = (args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic, args.env_name)
-    summary = evaluate_policy(policy, bank, out, *options)
+    summary = evaluate_policy(policy, bank, out, *options, preset=args.preset)
     if not args.quiet:
         print(f"report: {out / 'report.md'}", file=sys.stderr)
     print(json.dumps({**summary, "folder": str(out)}))

@@ -7,10 +7,10 @@ import tyro
 
 def list_envs() -> None:
     """List the registered environments and their presets."""
-    from ..envs import PRESETS, registry
+    from ..envs import registry
 
     for name in registry.all_envs():
-        print(f"{name}  (presets: {', '.join(PRESETS)})")
+        print(f"{name}  (presets: {', '.join(registry.presets(name))})")
 
 
 def main(argv: Sequence[str]) -> int:

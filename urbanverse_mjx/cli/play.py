@@ -9,12 +9,15 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.playing import PlayOptions
+from ._options import ImageSize
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class PlayArgs(PlayOptions):
     """Drive episodes and write them as an mp4; prints one JSON line with how they ended."""
 
+    size: ImageSize = (180, 320)
+    """Of each of the two pictures, in pixels."""
     out: pathlib.Path = pathlib.Path("rollout.mp4")
 
 

@@ -2,7 +2,7 @@
 
 import difflib
 import pathlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -12,9 +12,9 @@ from ml_collections import ConfigDict
 from .. import settings
 from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
 from .joystick import JoystickEnv
-from .joystick.config import joystick_config
+from .joystick.config import JOYSTICK_PRESETS, joystick_config
 from .navigation import NavEnv
-from .navigation.config import default_config, go2_nav_config
+from .navigation.config import PRESETS, default_config, go2_nav_config
 from .navigation.living import slot_kinds, slot_looks, slot_shapes
 from .navigation.movables import body_sizes
 from .navigation.scenarios import bank_for, scenario_of
@@ -29,6 +29,7 @@ class _Entry(NamedTuple):
     make_config: ConfigMaker
     load_bank: BankLoader
     preset: str
+    presets: tuple[str, ...]
 
 
 _REGISTRY: dict[str, _Entry] = {}
@@ -40,6 +41,7 @@ def register_environment(
     make_config: ConfigMaker,
     load_bank: BankLoader | None = None,
     default_preset: str = "paper",
+    presets: Sequence[str] = PRESETS,
 ) -> None:
     """Adds an environment.
 
@@ -48,11 +50,11 @@ def register_environment(
       make: (config, bank) -> environment.
       make_config: preset name -> a fresh config.
       load_bank: -> the bank where the user gives none; default: the shipped streets.
-      default_preset: where the user names none.
+      default_preset: where the user names none. presets: all that `make_config` takes.
     """
     if name in _REGISTRY:
         raise NounError(f"environment {name!r}: found it registered already, needed a new name.")
-    _REGISTRY[name] = _Entry(make, make_config, load_bank or load_default_bank, default_preset)
+    _REGISTRY[name] = _Entry(make, make_config, load_bank or load_default_bank, default_preset, tuple(presets))
 
 
 def all_envs() -> tuple[str, ...]:
@@ -72,6 +74,15 @@ def _entry(name: str) -> _Entry:
         hint = f"did you mean {near[0]!r}?" if near else "see registry.ALL_ENVS"
         raise NounError(f"environment: found {name!r}, needed one of {', '.join(all_envs())}; {hint}")
     return _REGISTRY[name]
+
+
+def presets(name: str) -> tuple[str, ...]:
+    """The presets of an environment.
+
+    Raises:
+      NounError: no environment has this name.
+    """
+    return _entry(name).presets
 
 
 def get_default_config(name: str, preset: str | None = None) -> ConfigDict:
@@ -266,4 +277,4 @@ def make_joystick_env(config: ConfigDict, bank: SceneBank) -> JoystickEnv:
 
 register_environment("CocoNav", make_nav_env, default_config)
 register_environment("Go2Nav", make_nav_env, go2_nav_config)
-register_environment("Go2Joystick", make_joystick_env, joystick_config, load_terrain_bank, "fast")
+register_environment("Go2Joystick", make_joystick_env, joystick_config, load_terrain_bank, "fast", JOYSTICK_PRESETS)

@@ -1,7 +1,8 @@
 """A policy and its comparisons over fixed episodes on unseen streets."""
 
+import dataclasses
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ml_collections import ConfigDict
@@ -11,10 +12,24 @@ from rich.progress import Progress, TaskID
 from ..datatypes import EpisodeResult, SceneBank
 from ..envs import NavEnv, registry
 from ..envs.navigation.draws import OFF
-from ..envs.navigation.living import slot_looks
 from ..envs.navigation.scenarios import scenario_of
-from ..evaluation import Agent, Rollout, blank_image, fixed_episodes, go_to_goal, make_report, write_report
+from ..evaluation import (
+    BASELINES,
+    Agent,
+    Rollout,
+    Trajectory,
+    blank_image,
+    fixed_episodes,
+    go_to_goal,
+    make_report,
+    write_report,
+)
+from ..evaluation.agents import Privileged, Recurrent
 from ..evaluation.rollouts import EpisodeSet
+from .rollout_video import random_draw, write_episodes
+
+#: Episodes in the video of an evaluation.
+SHOWN = 3
 
 
 def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any, dynamic: bool) -> ConfigDict:
@@ -29,18 +44,76 @@ def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any,
     return registry.with_overrides(ConfigDict(values), {"scenes": scenes, "randomization": OFF})
 
 
+@dataclasses.dataclass(frozen=True)
+class _Entrants:
+    """Who drives the same episodes.
+
+    Attributes:
+      name: of the one that the evaluation is about.
+      environment: registered name.
+      env: with a renderer where somebody looks.
+      groups: environments with the agents that drive in each side by side, by name.
+      record: where the policy comes from.
+    """
+
+    name: str
+    environment: str
+    env: NavEnv
+    groups: Sequence[tuple[NavEnv, Mapping[str, Agent | Privileged | Recurrent]]]
+    record: Mapping[str, Any]
+
+
+#: Policies that are rules, by name.
+SCRIPTED = (*BASELINES, "planner")
+
+
+def _scripted(name: str, bank: SceneBank, scenes: Any, dynamic: bool, environment: str, preset: str) -> _Entrants:
+    """A rule alone; nothing is drawn."""
+    from ..evaluation.planner import Planner
+
+    values = registry.get_default_config(environment, preset).to_dict()
+    config = registry.with_overrides(evaluation_config(environment, values, scenes, dynamic), {"vision": False})
+    env = registry.load(environment, config=config, bank=bank)
+    driver = Planner(env) if name == "planner" else BASELINES[name]
+    privileged = isinstance(driver, Privileged)
+    return _Entrants(name, environment, env, [(env, {name: driver})], {"policy": name, "privileged": privileged})
+
+
+def _trained(policy: pathlib.Path, bank: SceneBank, scenes: Any, dynamic: bool, environment: str | None) -> _Entrants:
+    """A trained policy, and what it is compared with."""
+    from ..training.policy import load_policy, untrained_policy
+
+    act, spec = load_policy(policy)
+    environment = environment or spec.environment
+    trained = ConfigDict(spec.env_config)
+    if environment != spec.environment:
+        trained = registry.same_task(trained, environment)
+    config = evaluation_config(environment, trained.to_dict(), scenes, dynamic)
+    env = registry.load(environment, config=config, bank=bank)
+    # Without a renderer: nothing is drawn for those who do not look.
+    blind = NavEnv(env.config, env.bank, env.robot, env.engine, None)
+    pictures = {name: shape for name, shape in spec.observations.items() if name.startswith("pixels/")}
+    unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act, pictures)}
+    record = {"policy": str(policy), "privileged": False, "steps": spec.steps, "versions": spec.versions}
+    return _Entrants(
+        "trained",
+        environment,
+        env,
+        [(env, {"untrained": untrained_policy(spec), "trained": act}), (blind, unseeing)],
+        record,
+    )
+
+
 def _drive(
-    seeing: NavEnv, agents: Mapping[str, Agent], unseeing: Mapping[str, Agent], episodes: EpisodeSet, quiet: bool
-) -> tuple[list[EpisodeResult], dict[str, Any]]:
-    """Drives the same episodes by agents that look and by others that do not.
+    groups: Sequence[tuple[NavEnv, Mapping[str, Agent | Privileged | Recurrent]]], episodes: EpisodeSet, quiet: bool
+) -> tuple[list[EpisodeResult], dict[str, tuple[Trajectory, int]]]:
+    """Drives the same episodes by all agents.
 
     Returns:
-      the results, and the poses of each agent's batch by the agent's name.
+      the results, and by the agent's name the poses of its batch and the column of its first episode.
     """
-    # Without a renderer: nothing is drawn for those who do not look.
-    blind = NavEnv(seeing.config, seeing.bank, seeing.robot, seeing.engine, None)
     results, trajectories = [], {}
-    for env, drivers in ((seeing, agents), (blind, unseeing)):
+    for env, drivers in groups:
         with Progress(console=Console(stderr=True), disable=quiet) as bar:
             task = bar.add_task(f"evaluating {', '.join(drivers)}", total=len(episodes) * len(drivers))
 
@@ -49,12 +122,12 @@ def _drive(
 
             part, poses = Rollout(env).run(drivers, episodes, show)
         results += part
-        trajectories.update(dict.fromkeys(drivers, poses))
+        trajectories.update({name: (poses, i * len(episodes)) for i, name in enumerate(drivers)})
     return results, trajectories
 
 
 def evaluate_policy(
-    policy: pathlib.Path,
+    policy: str | pathlib.Path,
     bank: SceneBank,
     folder: pathlib.Path,
     num_episodes: int,
@@ -64,59 +137,42 @@ def evaluate_policy(
     scenes: Any = "test",
     dynamic: bool = False,
     environment: str | None = None,
+    preset: str = "paper",
 ) -> dict[str, Any]:
-    """Drives the same episodes by four agents, writes report and video, returns agent -> metrics.
+    """Drives the same episodes by all agents, writes report and video, returns agent -> metrics.
 
-    Agents: `untrained` (the same networks before training), `trained`, `go_to_goal` (straight ahead, sees nothing)
-    and `trained_blank_image` (the trained policy with its camera covered).
+    A trained policy has three to be compared with: `untrained` (the same networks before training), `go_to_goal`
+    (straight ahead, sees nothing) and `trained_blank_image` (the trained policy with its camera covered).
 
     Args:
+      policy: a policy folder, or one of `SCRIPTED`.
+      video: of `SHOWN` episodes, drawn at random with `seed`.
       dynamic: the streets are full of people.
-      environment: whose robot is driven; None = the one that the policy was trained with.
+      environment: whose robot is driven; None = the one that the policy was trained with, for a rule CocoNav.
+      preset: of the environment, for a rule.
     """
-    from ..training.policy import load_policy, untrained_policy
-
-    act, spec = load_policy(policy)
-    untrained = untrained_policy(spec)
-    environment = environment or spec.environment
-    trained = ConfigDict(spec.env_config)
-    if environment != spec.environment:
-        trained = registry.same_task(trained, environment)
+    if str(policy) in SCRIPTED:
+        entrants = _scripted(str(policy), bank, scenes, dynamic, environment or "CocoNav", preset)
+    else:
+        entrants = _trained(pathlib.Path(policy), bank, scenes, dynamic, environment)
+    env = entrants.env
     # The same episodes for every policy, however it was trained.
-    config = evaluation_config(environment, trained.to_dict(), scenes, dynamic)
-    seeing = registry.load(environment, config=config, bank=bank)
-    episodes = fixed_episodes(seeing, num_episodes, seed)
-    agents = {"untrained": untrained, "trained": act}
-    pictures = {name: shape for name, shape in spec.observations.items() if name.startswith("pixels/")}
-    unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act, pictures)}
-    results, trajectories = _drive(seeing, agents, unseeing, episodes, quiet)
+    episodes = fixed_episodes(env, num_episodes, seed)
+    results, trajectories = _drive(entrants.groups, episodes, quiet)
     record = {
-        "policy": str(policy),
-        "environment": environment,
-        "steps": spec.steps,
-        "preset": config.preset,
-        "scenario": scenario_of(config),
-        "scenes": ", ".join(bank.scene_ids[i] for i in seeing.scenes),
+        **entrants.record,
+        "environment": entrants.environment,
+        "preset": env.config.preset,
+        "scenario": scenario_of(env.config),
+        "scenes": ", ".join(bank.scene_ids[i] for i in env.scenes),
         "seed": seed,
         "hashes": bank.meta.get("hashes", {}),
-        "versions": spec.versions,
     }
-    report = make_report(f"{environment}: {num_episodes} fixed episodes on unseen streets", results, record)
+    report = make_report(f"{entrants.environment}: {num_episodes} fixed episodes on unseen streets", results, record)
     write_report(report, folder)
     if video:
-        from ..viz.video import write_rollout_video
-
-        chosen = [i for i, r in enumerate(r for r in results if r.agent == "trained") if r.success] or [0]
-        write_rollout_video(
-            folder / "rollout.mp4",
-            bank,
-            seeing.robot,
-            trajectories["trained"],
-            # `trained` is the second agent of its batch.
-            columns=[num_episodes + i for i in chosen[:3]],
-            scenes=[int(episodes.scenes[i]) for i in chosen[:3]],
-            goals=[bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in chosen[:3]],
-            frames_per_second=round(1 / seeing.dt),
-            looks=slot_looks(seeing.living.kinds, bank) if seeing.living is not None else (),
-        )
+        own = [r for r in results if r.agent == entrants.name]
+        poses, first = trajectories[entrants.name]
+        shown = random_draw(range(num_episodes), SHOWN, seed)
+        write_episodes(folder / "rollout.mp4", env, episodes, own, poses, shown, first)
     return dict(report.summary)

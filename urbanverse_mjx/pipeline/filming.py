@@ -27,8 +27,8 @@ class CaptureOptions:
     """Walking speed in m/s."""
     height: float = 1.5
     """Height of the camera over the ground in m."""
-    size: tuple[int, int] = (640, 360)
-    """Width and height in pixels."""
+    size: tuple[int, int] = (360, 640)
+    """Height and width in pixels."""
     fov: float = 50.0
     """Vertical field of view in degrees."""
     samples: int = 2
@@ -60,14 +60,15 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
     from .banks import ensure_default_bank
 
     options = options or CaptureOptions()
+    height, width = options.size
+    if options.video and (height % 2 or width % 2):
+        raise NounError(f"--size: found {height}x{width}, needed even numbers for a video.")
     bank = ensure_default_bank(quiet) if options.bank is None else SceneBank.load(options.bank)
     name = options.scene or bank.scene_ids[0]
     if name not in bank.scene_ids:
         raise NounError(f"--scene: found {name!r}, needed one of {', '.join(bank.scene_ids)}.")
-    if options.video and any(n % 2 for n in options.size):
-        raise NounError(f"--size: found {options.size[0]} x {options.size[1]}, needed even numbers for a video.")
     path = PathOptions(speed=options.speed, rate=options.rate, height=options.height, frames=options.frames)
-    camera = TourOptions(*options.size, fovy=float(np.radians(options.fov)), samples=options.samples)
+    camera = TourOptions(width, height, fovy=float(np.radians(options.fov)), samples=options.samples)
     with Progress(console=Console(file=sys.stderr), disable=quiet) as progress:
         task = progress.add_task(f"filming {name}")
         recording = tour(

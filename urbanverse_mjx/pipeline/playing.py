@@ -32,7 +32,7 @@ class PlayOptions:
     only_successes: bool = False
     """Leave out of the video what did not end at its goal."""
     shown: int | None = None
-    """At most so many episodes in the video, the first ones."""
+    """At most so many episodes in the video, drawn at random with --seed."""
     seed: int = 0
     fps: float | None = None
     """Pictures a second, a multiple of the control rate, at which the agent still decides; default: that rate."""
@@ -55,8 +55,8 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     """
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
-    from ..viz.video import write_rollout_video
     from .banks import ensure_default_bank
+    from .rollout_video import random_draw, write_episodes
 
     options = options or PlayOptions()
     if options.shown is not None:
@@ -71,20 +71,9 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
     if not shown:
         raise NounError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
-    shown = shown[: options.shown]
-    write_rollout_video(
-        pathlib.Path(out),
-        env.bank,
-        env.robot,
-        poses,
-        columns=shown,
-        scenes=[int(episodes.scenes[i]) for i in shown],
-        goals=[env.bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in shown],
-        frames_per_second=round(1 / env.dt),
-        size=options.size,
-        samples=options.samples,
-        quality=options.quality,
-    )
+    shown = random_draw(shown, options.shown, options.seed)
+    style = {"size": options.size, "samples": options.samples, "quality": options.quality}
+    write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, **style)
     return {"video": str(out), "results": [r.to_json() for r in results]}
 
 

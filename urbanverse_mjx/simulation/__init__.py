@@ -2,6 +2,9 @@
 
 import warp
 
+from .warp_start import start_warp
+
 # Warp, which MJX starts too, tells standard output what it finds and loads. Standard output belongs to commands, whose
 # last line programs read. This must stand before whatever starts Warp.
 warp.config.log_level = warp.LOG_WARNING
+start_warp()

@@ -17,6 +17,16 @@ from .pictures import look_at
 
 HEIGHT, WIDTH = 180, 320
 _BATCH = 16
+#: How an episode ended, of `datatypes.RESULTS`, in words.
+OUTCOMES = {
+    "goal": "at the goal",
+    "hit": "hit an object",
+    "hit_agent": "hit an agent",
+    "off_traversable": "left the walkable ground",
+    "fall": "fell",
+    "non_finite": "not finite",
+    "timeout": "out of time",
+}
 #: Of a robot 1 m high; one half as high is seen from three quarters of that.
 _CHASE_BACK, _CHASE_UP, _CHASE_FOV = 3.2, 1.9, 1.05  # m, m, rad
 _CHASE_SMOOTH = 1.8  # s
@@ -67,6 +77,11 @@ def _caption(frame: np.ndarray, text: str) -> np.ndarray:
     return np.asarray(image)
 
 
+def caption(scene: str, seconds: float, goal_distance: float, outcome: str) -> str:
+    """The line over a frame: where, when, m to the goal, and how the episode ends."""
+    return f"{scene}   {seconds:4.1f} s   goal {goal_distance:4.1f} m   ends: {OUTCOMES[outcome]}"
+
+
 def write_video(
     path: pathlib.Path, frames: Sequence[np.ndarray], frames_per_second: float, quality: float = 7.0
 ) -> None:
@@ -104,6 +119,7 @@ def write_rollout_video(
     columns: Sequence[int],
     scenes: Sequence[int],
     goals: Sequence[np.ndarray],
+    outcomes: Sequence[str],
     frames_per_second: float,
     looks: Sequence[int] = (),
     size: tuple[int, int] = (HEIGHT, WIDTH),
@@ -117,6 +133,7 @@ def write_rollout_video(
       bank, robot: what was simulated.
       trajectory: an `evaluation.Trajectory`.
       columns: which envs of it; scenes: their rows of the bank; goals: their (3,) m goals.
+      outcomes: how each episode ended, of `datatypes.RESULTS`; it stands in every frame of the episode.
       frames_per_second: the control rate shows it in real time.
       looks: row of the bank's agents for each moving agent of the trajectory.
       size: height and width of each of the two pictures; samples: rays a pixel. quality: see `write_video`.
@@ -125,7 +142,7 @@ def write_rollout_video(
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
     chase = jax.jit(jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, _CHASE_FOV, p, q, 0, _agents(a))["rgb"]))
     frames: list[np.ndarray] = []
-    for column, scene, goal in zip(columns, scenes, goals, strict=True):
+    for column, scene, goal, outcome in zip(columns, scenes, goals, outcomes, strict=True):
         length = int(trajectory.running[:, column].sum())
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
@@ -136,7 +153,5 @@ def write_rollout_video(
         for t in range(length):
             away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)
-            frames.append(
-                _caption(both, f"{bank.scene_ids[scene]}   {t / frames_per_second:4.1f} s   goal {away:4.1f} m")
-            )
+            frames.append(_caption(both, caption(bank.scene_ids[scene], t / frames_per_second, away, outcome)))
     write_video(path, frames, frames_per_second, quality)

@@ -1,0 +1,70 @@
+"""Options that several commands read alike."""
+
+import pathlib
+
+import pytest
+
+from urbanverse_mjx import pipeline
+from urbanverse_mjx.cli import capture, list_envs, play
+from urbanverse_mjx.cli._options import image_size
+from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.envs import registry
+from urbanverse_mjx.training.config import default_ppo_config
+
+PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu")
+
+
+def test_a_size_is_height_by_width() -> None:
+    assert image_size("180x320", "--size") == (180, 320)
+
+
+def test_both_commands_hand_on_height_and_width(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = []
+    monkeypatch.setattr(pipeline, "play", lambda _, options: given.append(options.size) or {})
+    monkeypatch.setattr(pipeline, "capture", lambda _, options, __: given.append(options.size) or {})
+    for command in (play, capture):
+        for words in ([], ["--size", "90x161"]):
+            assert command.main(["--out", str(tmp_path / "out"), *words]) == 0
+    assert given == [(180, 320), (90, 161), (360, 640), (90, 161)]
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("text", ["180", "180 320", "180X320", "0x320", "180x-1", "180x320x3", "1e3x10", ""])
+def test_another_form_of_a_size_is_refused(text: str) -> None:
+    with pytest.raises(NounError, match=r"--size: found .* needed HEIGHTxWIDTH in pixels"):
+        image_size(text, "--size")
+
+
+@pytest.mark.parametrize("command", [play, capture])
+def test_two_numbers_as_they_once_were_are_refused_before_anything_is_drawn(
+    command: object, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`play --size 180 320` and `capture --size 640 360` meant different orders."""
+    monkeypatch.chdir(tmp_path)
+    out = ["--out", str(tmp_path / "out")]
+    with pytest.raises(SystemExit) as ended:
+        command.main([*out, "--size", "360", "640"])  # type: ignore[attr-defined]
+    assert ended.value.code == 2
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as ended:
+        command.main([*out, "--size", "360"])  # type: ignore[attr-defined]
+    assert ended.value.code == 2
+    assert "found '360', needed HEIGHTxWIDTH" in " ".join(capsys.readouterr().err.replace("│", " ").split())
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["CocoNav", "Go2Nav", "Go2Joystick"])
+def test_the_presets_that_are_listed_are_those_that_train_takes(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    list_envs.main([])
+    (line,) = [x for x in capsys.readouterr().out.splitlines() if x.startswith(f"{name} ")]
+    listed = line.partition("presets: ")[2].rstrip(")").split(", ")
+    assert listed
+    for preset in PRESETS:
+        if preset in listed:
+            assert registry.get_default_config(name, preset).preset == preset
+            default_ppo_config(preset, name)
+            continue
+        with pytest.raises(NounError, match="preset: found"):
+            default_ppo_config(preset, name)

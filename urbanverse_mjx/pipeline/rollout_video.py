@@ -1,0 +1,56 @@
+"""Episodes of a rollout as a video, each with how it ended."""
+
+import pathlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..datatypes import EpisodeResult
+from ..envs import NavEnv
+from ..evaluation import Trajectory
+from ..evaluation.rollouts import EpisodeSet
+
+
+def random_draw(numbers: Sequence[int], count: int | None, seed: int) -> list[int]:
+    """`count` of the numbers, drawn without looking at how the episodes ended, in their order; all of them if fewer."""
+    if count is None or count >= len(numbers):
+        return list(numbers)
+    return sorted(int(n) for n in np.random.default_rng(seed).choice(numbers, count, replace=False))
+
+
+def write_episodes(
+    path: pathlib.Path,
+    env: NavEnv,
+    episodes: EpisodeSet,
+    results: Sequence[EpisodeResult],
+    trajectory: Trajectory,
+    shown: Sequence[int],
+    first_column: int = 0,
+    **style: Any,
+) -> None:
+    """Writes some episodes of one agent as an mp4, in real time.
+
+    Args:
+      results: of all episodes, in their order.
+      shown: which of them.
+      first_column: of the trajectory, that of episode 0.
+      style: size, samples and quality of `viz.video.write_rollout_video`.
+    """
+    from ..envs.living import slot_looks
+    from ..viz.video import write_rollout_video
+
+    bank = env.bank
+    write_rollout_video(
+        path,
+        bank,
+        env.robot,
+        trajectory,
+        columns=[first_column + i for i in shown],
+        scenes=[int(episodes.scenes[i]) for i in shown],
+        goals=[bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in shown],
+        outcomes=[results[i].result for i in shown],
+        frames_per_second=round(1 / env.dt),
+        looks=slot_looks(env.living.kinds, bank) if env.living is not None else (),
+        **style,
+    )
