@@ -22,7 +22,7 @@ from urbanverse_mjx.evaluation import (
     to_markdown,
 )
 from urbanverse_mjx.evaluation.agents import BASELINES, zero
-from urbanverse_mjx.evaluation.metrics import bootstrap_interval, wilson_interval
+from urbanverse_mjx.evaluation.metrics import drawn_counts, mean_interval, wilson_interval
 from urbanverse_mjx.evaluation.report import write_report
 from urbanverse_mjx.pipeline.evaluation import evaluation_config
 
@@ -57,12 +57,44 @@ def test_wilson_interval_against_published_values() -> None:
         assert wilson_interval(r, n) == pytest.approx((low, high), abs=6e-5)
 
 
-def test_bootstrap_interval_covers_the_normal_one() -> None:
-    values = np.random.default_rng(0).normal(3.0, 2.0, 400)
-    low, high = bootstrap_interval(values.tolist())
-    half = 1.96 * values.std() / 20
-    assert low == pytest.approx(values.mean() - half, abs=0.03)
-    assert high == pytest.approx(values.mean() + half, abs=0.03)
+def test_intervals_draw_scenes_before_episodes() -> None:
+    """Ten scenes whose means differ with a deviation of 2, 40 episodes of each with a deviation of 0.5 around them."""
+    rng = np.random.default_rng(0)
+    means = rng.normal(3.0, 2.0, 10)
+    values = (means[:, None] + rng.normal(0.0, 0.5, (10, 40))).ravel()
+    scenes = [f"scene_{k}" for k in range(10) for _ in range(40)]
+    found = mean_interval(values.tolist(), drawn_counts(scenes))
+    assert found is not None
+    half = 1.96 * means.std() / np.sqrt(10)
+    np.testing.assert_allclose(found, (values.mean() - half, values.mean() + half), atol=0.15)
+    # As if they were independent, they would claim a fifth of that.
+    alone = mean_interval(values.tolist(), drawn_counts([f"scene_{k}" for k in range(400)]))
+    assert alone is not None
+    assert alone[1] - alone[0] == pytest.approx(2 * 1.96 * values.std() / 20, rel=0.06)
+    assert found[1] - found[0] > 4 * (alone[1] - alone[0])
+
+
+def test_draws_keep_scenes_whole_in_number() -> None:
+    counts = drawn_counts(["a"] * 3 + ["b"] * 5)
+    assert counts is not None
+    times = np.stack([counts[:, :3].sum(1) / 3, counts[:, 3:].sum(1) / 5])
+    np.testing.assert_array_equal(times, times.round())
+    np.testing.assert_array_equal(times.sum(0), 2)
+    # Each scene's episodes are drawn, too: not all of them count alike in a draw.
+    assert (counts[:, 3:].max(1) > counts[:, 3:].min(1)).mean() > 0.5
+
+
+def test_a_policy_that_succeeds_in_every_second_scene_is_not_known_well() -> None:
+    """100 episodes of two scenes: Wilson's interval of independent ones is [40, 60]."""
+    good = [_result(scene="a", episode=i) for i in range(50)]
+    bad = [_result(scene="b", episode=i, result="timeout") for i in range(50)]
+    s = summarise(good + bad)
+    assert s["SR"] == {"mean": 50.0, "low": 0.0, "high": 100.0}
+    assert (s["n"], s["scenes"]) == (100, 2)
+    assert summarise(good)["SR"] == {"mean": 100.0, "low": None, "high": None}, "one scene tells nothing of others"
+    # No draw holds what no episode has shown: the width of independent episodes stays.
+    none = summarise([_result(scene=x, result="timeout") for x in "abcdefgh" for _ in range(10)])["SR"]
+    assert none == {"mean": 0.0, "low": 0.0, "high": round(100 * wilson_interval(0, 80)[1], 1)}
 
 
 def test_summary_by_hand() -> None:
@@ -155,8 +187,8 @@ def test_report_round_trip_and_files(tmp_path: pathlib.Path) -> None:
     assert BenchmarkReport.load(tmp_path / "report.json") == report
     text = (tmp_path / "report.md").read_text()
     assert text == to_markdown(report)
-    assert "| a | 100 [" in text
-    assert "| b | 0 [" in text
+    assert "| a | 100 | 0 |" in text
+    assert "| b | 0 | 0 |" in text
     assert len((tmp_path / "episodes.csv").read_text().splitlines()) == 3
     broken = json.loads((tmp_path / "report.json").read_text())
     broken["episodes"][0]["route_completion"] = 1.5
@@ -199,7 +231,8 @@ def test_people_in_the_summary_by_hand() -> None:
     assert s["speed_near_people"]["mean"] == 1.0  # type: ignore[index]
     assert "IT" not in summarise([_result()])
     report = make_report("people", people, {})
-    assert "| a | 33.3 [" in to_markdown(report)
+    assert "| a | 33.3 | " in to_markdown(report)
+    assert "| a | 50 [0, 100] | " in to_markdown(make_report("two", [_result(), _result(scene="t", result="hit")], {}))
     assert BenchmarkReport.from_json(json.loads(json.dumps(report.to_json()))) == report
     old = {k: x for k, x in report.to_json()["episodes"][0].items() if "people" not in k and k != "intimate_time"}
     assert EpisodeResult.from_json(old).people_distance is None, "reports from before there were people"

@@ -17,6 +17,8 @@ import numpy as np
 from ..datatypes import EpisodeResult
 
 _Z = 1.959964  # 97.5 % quantile of the normal distribution
+#: Draws of the bootstrap and their seed.
+_DRAWS, _SEED = 2000, 0
 
 
 def wilson_interval(successes: int, total: int) -> tuple[float, float]:
@@ -30,29 +32,73 @@ def wilson_interval(successes: int, total: int) -> tuple[float, float]:
     return max(0.0, (centre - spread) / scale), min(1.0, (centre + spread) / scale)
 
 
-def bootstrap_interval(values: Sequence[float], draws: int = 2000, seed: int = 0) -> tuple[float, float]:
-    """95 % percentile interval of the mean over episodes drawn with replacement."""
-    array = np.asarray(values, float)
-    rng = np.random.default_rng(seed)
-    means = array[rng.integers(0, len(array), (draws, len(array)))].mean(1)
+def drawn_counts(scenes: Sequence[str]) -> np.ndarray | None:
+    """(draws, n) how often each of n episodes counts in each draw of a bootstrap of two stages.
+
+    Scenes are drawn with replacement, then from each drawn scene as many episodes as it has, with replacement: the
+    episodes of one scene are alike, and who asks how a policy does on streets like these must draw streets (Davison and
+    Hinkley 1997, section 3.8).
+
+    Args:
+      scenes: the scene of each episode.
+
+    Returns:
+      None where all episodes are in one scene, which says nothing about another.
+    """
+    ids, which = np.unique(np.asarray(scenes), return_inverse=True)
+    if len(ids) < 2:
+        return None
+    rng = np.random.default_rng(_SEED)
+    times = rng.multinomial(len(ids), np.full(len(ids), 1.0 / len(ids)), _DRAWS)
+    counts = np.zeros((_DRAWS, len(which)), int)
+    for k in range(len(ids)):
+        rows = np.flatnonzero(which.ravel() == k)
+        counts[:, rows] = rng.multinomial(times[:, k] * len(rows), np.full(len(rows), 1.0 / len(rows)))
+    return counts
+
+
+def mean_interval(values: Sequence[float | None], counts: np.ndarray | None) -> tuple[float, float] | None:
+    """95 % percentile interval of the mean over the episodes that have a value; None without draws.
+
+    Args:
+      values: (n,) one an episode, None where it has none. counts: see `drawn_counts`.
+    """
+    if counts is None:
+        return None
+    there = np.array([x is not None for x in values])
+    array = np.array([0.0 if x is None else x for x in values], float)
+    number = counts @ there
+    means = (counts @ array)[number > 0] / number[number > 0]
+    if not len(means):
+        return None
     low, high = np.percentile(means, [2.5, 97.5])
     return float(low), float(high)
 
 
-def _entry(mean: float, interval: tuple[float, float], digits: int = 3) -> dict[str, float]:
-    return {"mean": round(mean, digits), "low": round(interval[0], digits), "high": round(interval[1], digits)}
+def _entry(mean: float, interval: tuple[float, float] | None, digits: int) -> dict[str, float | None]:
+    low, high = (None, None) if interval is None else (round(x, digits) for x in interval)
+    return {"mean": round(mean, digits), "low": low, "high": high}
 
 
 def summarise(results: Sequence[EpisodeResult]) -> dict[str, object]:
-    """Metric -> {"mean", "low", "high"}; SR, CT, RC and rates in percent, DTG in metres, n the number of episodes."""
+    """Metric -> {"mean", "low", "high"}; SR, CT, RC and rates in percent, DTG in metres.
 
-    def share(flags: list[bool]) -> dict[str, float]:
-        low, high = wilson_interval(sum(flags), len(flags))
-        return _entry(100 * float(np.mean(flags)), (100 * low, 100 * high), 1)
+    `n` is the number of episodes, `scenes` that of scenes; low and high are None where there is one scene alone.
+    """
+    counts = drawn_counts([r.scene for r in results])
 
-    def mean(values: list[float], factor: float = 1.0, digits: int = 1) -> dict[str, float]:
-        scaled = [factor * x for x in values]
-        return _entry(float(np.mean(scaled)), bootstrap_interval(scaled), digits)
+    def share(flags: Sequence[bool]) -> dict[str, float | None]:
+        found = mean_interval([100.0 * x for x in flags], counts)
+        if found is not None:
+            # No draw has a success where no episode had one; scenes make an interval wider, never narrower.
+            low, high = wilson_interval(sum(flags), len(flags))
+            found = min(found[0], 100.0 * low), max(found[1], 100.0 * high)
+        return _entry(100.0 * float(np.mean(flags)), found, 1)
+
+    def mean(values: Sequence[float | None], factor: float = 1.0, digits: int = 1) -> dict[str, float | None] | None:
+        scaled = [None if x is None else factor * x for x in values]
+        there = [x for x in scaled if x is not None]
+        return _entry(float(np.mean(there)), mean_interval(scaled, counts), digits) if there else None
 
     found: dict[str, object] = {
         "SR": share([r.success for r in results]),
@@ -62,12 +108,11 @@ def summarise(results: Sequence[EpisodeResult]) -> dict[str, object]:
         "hit_episodes": share([r.touched for r in results]),
         "SPL": mean([r.spl for r in results], 100.0),
         "n": len(results),
+        "scenes": len({r.scene for r in results}),
     }
-    distances = [r.people_distance for r in results if r.people_distance is not None]
-    if distances:
-        speeds = [r.speed_near_people for r in results if r.speed_near_people is not None]
+    if any(r.people_distance is not None for r in results):
         found["agent_hits"] = share([r.result == "hit_agent" for r in results])
-        found["people_distance"] = mean(distances, 1.0, 2)
-        found["IT"] = mean([r.intimate_time for r in results if r.intimate_time is not None], 100.0, 2)
-        found["speed_near_people"] = mean(speeds, 1.0, 2) if speeds else None
+        found["people_distance"] = mean([r.people_distance for r in results], 1.0, 2)
+        found["IT"] = mean([r.intimate_time for r in results], 100.0, 2)
+        found["speed_near_people"] = mean([r.speed_near_people for r in results], 1.0, 2)
     return found

@@ -9,6 +9,11 @@ from ..datatypes import validation as v
 from .metrics import summarise
 from .rollouts import result_counts
 
+_INTERVALS = (
+    "Means with 95 % intervals of a bootstrap that draws scenes, then episodes; none over one scene. "
+    "SR, CT, RC, SPL in %, DTG in m."
+)
+
 
 def make_report(title: str, results: Sequence[EpisodeResult], record: dict[str, object]) -> BenchmarkReport:
     """Sums up episodes by agent, in order of first appearance."""
@@ -17,20 +22,22 @@ def make_report(title: str, results: Sequence[EpisodeResult], record: dict[str, 
     return BenchmarkReport(title, summary, tuple(results), record)
 
 
-def _cell(entry: dict[str, float] | None) -> str:
+def _cell(entry: dict[str, float | None] | None) -> str:
     if entry is None:
         return "-"
+    if entry["low"] is None:
+        return f"{entry['mean']:g}"
     return f"{entry['mean']:g} [{entry['low']:g}, {entry['high']:g}]"
 
 
 def to_markdown(report: BenchmarkReport) -> str:
     """Tables: all scenes, how episodes ended, and each scene."""
-    lines = [f"# {report.title}", "", "Means with 95 % intervals; SR, CT, RC, SPL in %, DTG in m.", ""]
+    lines = [f"# {report.title}", "", _INTERVALS, ""]
     metrics = ("SR", "CT", "RC", "DTG", "hit_episodes", "SPL")
-    lines += ["| agent | " + " | ".join(metrics) + " | episodes |", "|---" * (len(metrics) + 2) + "|"]
+    lines += ["| agent | " + " | ".join(metrics) + " | episodes | scenes |", "|---" * (len(metrics) + 3) + "|"]
     for agent, values in report.summary.items():
         cells = " | ".join(_cell(values[m]) for m in metrics)
-        lines.append(f"| {agent} | {cells} | {values['n']} |")
+        lines.append(f"| {agent} | {cells} | {values['n']} | {values['scenes']} |")
     lines += _people_table(report)
     lines += [
         "",
