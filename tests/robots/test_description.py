@@ -35,11 +35,8 @@ def folder(tmp_path: pathlib.Path) -> pathlib.Path:
     """The tutorial's robot, written somewhere else, with a mesh in a folder of its own for its looks."""
     (tmp_path / "tug.xml").write_text(blocks("xml")[0])
     (tmp_path / "robot.json").write_text(blocks("json")[0])
-    corners = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (0.0, 0.1)]
-    faces = "1 2 4 1 4 3 5 7 8 5 8 6 1 5 6 1 6 2 3 4 8 3 8 7 1 3 7 1 7 5 2 6 8 2 8 4".split()
-    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {' '.join(faces[i : i + 3])}" for i in range(0, 36, 3)]
     (tmp_path / "parts").mkdir()
-    (tmp_path / "parts" / "crate.obj").write_text("\n".join(lines))
+    (tmp_path / "parts" / "crate.obj").write_text(blocks("obj")[0])
     return tmp_path
 
 
