@@ -37,7 +37,7 @@ def write_episodes(
       first_column: of the trajectory, that of episode 0.
       style: size, samples and quality of `viz.video.write_rollout_video`.
     """
-    from ..envs.living import slot_looks
+    from ..envs.navigation.living import slot_looks
     from ..viz.video import write_rollout_video
 
     bank = env.bank
