@@ -8,7 +8,7 @@ import pytest
 from urbanverse_mjx.assets import mesh_cache
 from urbanverse_mjx.assets.mesh_cache import cached_mesh
 from urbanverse_mjx.assets.recipe import all_recipes
-from urbanverse_mjx.datatypes import AssetMesh
+from urbanverse_mjx.datatypes import AssetMesh, array_file
 
 RECIPE = all_recipes()[0]
 
@@ -31,15 +31,37 @@ def own_cache(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
 
 
-def test_what_is_read_is_what_was_built(tmp_path: pathlib.Path) -> None:
+def test_what_is_read_is_what_was_built() -> None:
     first = cached_mesh("r", "leaf", 0, build)
-    (file,) = tmp_path.rglob("*.npz")
     assert same(cached_mesh("r", "leaf", 0, refuse), first)
     with pytest.raises(AssertionError, match="built again"):
         cached_mesh("r", "leaf", 1, refuse)
-    file.write_bytes(file.read_bytes()[:100])
+
+
+@pytest.mark.parametrize("damage", ["cut", "changed", "other"])
+def test_a_damaged_file_is_set_aside_and_built_anew(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str], damage: str
+) -> None:
+    first = cached_mesh("r", "leaf", 0, build)
+    (file,) = tmp_path.rglob("*.npz")
+    body = bytearray(file.read_bytes())
+    if damage == "cut":
+        file.write_bytes(body[: len(body) // 2])
+    elif damage == "changed":
+        body[len(body) // 3] ^= 8
+        file.write_bytes(body)
+    else:
+        array_file.save(file, {"vertices": first.vertices})
+    bad = file.read_bytes()
+    assert not capsys.readouterr().err
     assert same(cached_mesh("r", "leaf", 0, build), first)
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert str(file) in said
+    assert f"kept as {file.name}.bad, building it anew" in said
+    assert file.with_name(f"{file.name}.bad").read_bytes() == bad
     assert same(cached_mesh("r", "leaf", 0, refuse), first)
+    assert not capsys.readouterr().err
 
 
 def test_other_code_finds_nothing(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -75,6 +75,27 @@ def test_missing_file_and_folder_are_refused(tmp_path):
         SceneGraph.load(tmp_path)
 
 
+def test_content_is_on_the_disk_before_its_name_and_the_name_before_the_call_returns(tmp_path, monkeypatch):
+    did = []
+    fsync, replace = os.fsync, os.replace
+
+    def synced(handle):
+        name = os.readlink(f"/proc/self/fd/{handle}")
+        did.append(("sync", name, os.path.getsize(name)))
+        fsync(handle)
+
+    def replaced(source, target, **options):
+        did.append(("rename", str(source), str(target)))
+        replace(source, target, **options)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(os, "replace", replaced)
+    path = v.write_atomically(tmp_path / "a.txt", lambda p: p.write_text("12345"))
+    (first, temporary, size), rename, (last, folder, _) = did
+    assert (first, size, last, folder) == ("sync", 5, "sync", str(tmp_path))
+    assert rename == ("rename", temporary, str(path))
+
+
 def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
     path = tmp_path / "graph.json"
     v.write_json(path, {"whole": True})

@@ -31,7 +31,7 @@ def _of_catalogue() -> list[str]:
         return [f"catalogue {inputs_key()}: not built yet."]
     forget()
     try:
-        table = load_store()
+        table = load_store(store_path())
     except ValueError as error:
         return [str(error)]
     found = []

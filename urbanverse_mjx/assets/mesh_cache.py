@@ -1,20 +1,17 @@
 """Base meshes on the disk, so that no process builds twice what another has built: a recipe takes 80 ms, a file one.
 
 A file's folder names the code that makes meshes: a changed recipe never finds the old shape. The cache may be missing,
-full or broken: then the mesh is built.
+full or broken: then the mesh is built. A damaged file is renamed and written anew.
 """
 
-import contextlib
 import functools
 import hashlib
 import pathlib
-import zipfile
 from collections.abc import Callable
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, NounError
-from urbanverse_mjx.datatypes.validation import write_atomically
+from urbanverse_mjx.datatypes import AssetMesh, array_file
 from urbanverse_mjx.settings import cache_dir
 
 _ARRAYS = ("vertices", "faces", "uv", "texture")
@@ -24,22 +21,13 @@ def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetM
     """The base mesh of a recipe's variant: read where it lies in the cache, else built and put there."""
     name = hashlib.sha256(f"{recipe}/{leaf}/{variant}".encode()).hexdigest()[:24]
     path = cache_dir("meshes", _code_digest(), f"{name}.npz")
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            roughness, metallic = file["surface"].tolist()
-            arrays = {part: file[part] for part in _ARRAYS}
-        return AssetMesh(**arrays, roughness=roughness, metallic=metallic)
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, NounError):
-        pass
+    found = array_file.load_cached(path, "a mesh", ("surface", *_ARRAYS))
+    if found is not None:
+        roughness, metallic = found.pop("surface").tolist()
+        return AssetMesh(**found, roughness=roughness, metallic=metallic)
     mesh = build()
     arrays = {part: getattr(mesh, part) for part in _ARRAYS}
-    surface = np.array([mesh.roughness, mesh.metallic], np.float64)
-
-    def write(temporary: pathlib.Path) -> None:
-        np.savez_compressed(temporary, allow_pickle=False, surface=surface, **arrays)
-
-    with contextlib.suppress(OSError):  # a cache that cannot be written to is none
-        write_atomically(path, write)
+    array_file.save_cached(path, {"surface": np.array([mesh.roughness, mesh.metallic], np.float64), **arrays})
     return mesh
 
 

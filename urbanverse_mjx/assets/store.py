@@ -19,6 +19,7 @@ from rich.console import Console
 from rich.progress import track
 
 from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes.array_file import discard
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root, cache_dir
 
@@ -58,19 +59,26 @@ def build_store(path: str | os.PathLike[str] | None = None, show_progress: bool 
     table = build_catalogue(load_index(), progress)
     table = table.replace_schema_metadata({_CONTENT: catalogue_hash(table).encode()})
     # One row group and no dictionary: the whole table is read at once, and numbers are mapped rather than decoded.
-    write = functools.partial(pq.write_table, table, compression="zstd", row_group_size=table.num_rows)
-    return write_atomically(path or store_path(), lambda p: write(p))
+    options = {"compression": "zstd", "row_group_size": table.num_rows, "write_page_checksum": True}
+    return write_atomically(path or store_path(), lambda p: pq.write_table(table, p, **options))
 
 
 def load_store(path: str | os.PathLike[str] | None = None) -> pa.Table:
-    """The table of all records; made first where the cache holds none.
+    """The table of all records; made first where the cache holds none, or a damaged one, which is renamed.
 
     Raises:
       NounError: a path is given and there is no such file, or the file is not a catalogue.
     """
-    if path is None and not store_path().is_file():
-        build_store(show_progress=sys.stderr.isatty())
-    return _load_cached(pathlib.Path(path or store_path()))
+    if path is not None:
+        return _load_cached(pathlib.Path(path))
+    path = store_path()
+    if path.is_file():
+        try:
+            return _load_cached(path)
+        except NounError as error:
+            discard(path, str(error))
+    build_store(show_progress=sys.stderr.isatty())
+    return _load_cached(path)
 
 
 @functools.lru_cache(maxsize=2)
@@ -78,7 +86,7 @@ def _load_cached(path: pathlib.Path) -> pa.Table:
     if not path.is_file():
         raise NounError(f"{path}: found no such file, needed the catalogue; build it with `{BUILD_COMMAND}`.")
     try:
-        table = pq.read_table(path)
+        table = pq.read_table(path, page_checksum_verification=True)
     except (pa.ArrowInvalid, OSError) as error:
         raise NounError(
             f"{path}: found a file that is not whole ({str(error).splitlines()[0][:80]}), needed the catalogue; "

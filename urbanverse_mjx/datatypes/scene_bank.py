@@ -15,8 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from . import array_file
 from . import validation as v
 from .asset import MAX_HULL_VERTICES
+from .bank_checks import check_bank
 
 SCHEMA = "urbanverse.scene_bank/1"
 MAX_HULL_TRIANGLES = 2 * MAX_HULL_VERTICES - 4
@@ -133,21 +135,7 @@ class SceneBank:
     meta: dict[str, Any]
 
     def __post_init__(self) -> None:
-        ids = self.meta.get("scene_ids", [])
-        if len(ids) != self.num_scenes:
-            raise v.fail("bank.meta.scene_ids", f"{len(ids)} ids", f"one per scene ({self.num_scenes})")
-        for name, array in self.arrays().items():
-            if array.dtype.kind == "f" and not np.isfinite(array).all():
-                raise v.fail(f"bank.{name}", "a NaN or infinity", "finite numbers", "rebuild the bank")
-            if name.startswith(("inst_", "prism_", "slot_", "episode_", "map_kind")) and array.shape[:1] != (
-                self.num_scenes,
-            ):
-                raise v.fail(f"bank.{name}", f"shape {array.shape}", f"a leading axis of {self.num_scenes} scenes")
-        limits = {"inst_hull": self.num_hulls, "prism_hull": self.num_hulls, "slot_mesh": self.num_meshes}
-        for name, limit in limits.items():
-            array = getattr(self, name)
-            if array.size and (array.max() >= limit or array.min() < -1):
-                raise v.fail(f"bank.{name}", "an index outside its table", f"-1 or [0, {limit})", "rebuild the bank")
+        check_bank(self.arrays(), self.meta)
 
     @property
     def num_scenes(self) -> int:
@@ -190,19 +178,19 @@ class SceneBank:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         meta = np.frombuffer(json.dumps({**self.meta, "schema": SCHEMA}).encode("utf-8"), np.uint8)
-        arrays: dict[str, Any] = {"meta": meta, **self.arrays()}
-        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, **arrays))
+        array_file.save(path, {"meta": meta, **self.arrays()})
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "SceneBank":
+        """Reads a bank.
+
+        Raises:
+          NounError: no such file, one that is damaged, another schema, or arrays that do not fit together.
+        """
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a scene bank", "build one with `urbanverse scene bank`")
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                arrays = {name: file[name] for name in file.files}
-        except (OSError, ValueError, EOFError) as error:
-            raise v.fail(str(path), f"an unreadable file ({error})", "a scene bank", "build it again") from error
-        meta = json.loads(arrays.pop("meta").tobytes().decode("utf-8")) if "meta" in arrays else {}
+        arrays = array_file.load(path, "a whole scene bank", "build it again, or copy it again from where it is whole")
+        meta = v.parse_json(arrays.pop("meta", np.zeros(0, np.uint8)).tobytes(), f"{path}: meta")
         v.choice(meta.get("schema"), f"{path}: schema", (SCHEMA,))
         names = {f.name for f in dataclasses.fields(SceneBank)} - {"meta"}
         if "slot_mesh" in arrays and not {"slot_movable", "slot_mass"} & set(arrays):

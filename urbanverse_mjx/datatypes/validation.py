@@ -4,6 +4,7 @@ Every noun validates itself when it is made, so a noun that exists is a valid on
 return the checked value in its canonical Python type and raise `NounError` otherwise.
 """
 
+import errno
 import gzip
 import json
 import math
@@ -175,6 +176,21 @@ def read_json(path: str | os.PathLike[str], noun: str) -> Any:
         raise fail(str(path), f"something that is not JSON ({error})", f"a {noun} written as JSON") from error
 
 
+def parse_json(body: bytes, where: str) -> dict[str, Any]:
+    """The JSON object in UTF-8 text that stands inside another file.
+
+    Raises:
+      NounError: something else.
+    """
+    try:
+        value = json.loads(body.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise fail(where, f"something that is not JSON ({error})", "a JSON object") from error
+    if not isinstance(value, dict):
+        raise fail(where, show(value), "a JSON object")
+    return value
+
+
 def _text(path: pathlib.Path) -> str:
     """A file's text; one that ends in .gz is unpacked, up to the same size."""
     if path.suffix != ".gz":
@@ -200,7 +216,11 @@ def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path], Any]) -> pathlib.Path:
-    """Calls `write(temporary_path)` beside `path`, then renames: readers never see half a file."""
+    """Calls `write(temporary_path)` beside `path`, then renames: readers never see half a file.
+
+    The content is on the disk before the name is, and both are when this returns: a power failure leaves the old file
+    or the new one.
+    """
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
@@ -209,10 +229,25 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
     try:
         write(temporary)
         temporary.chmod(0o644)
+        sync(temporary)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+    sync(path.parent)
     return path
+
+
+def sync(path: pathlib.Path) -> None:
+    """Returns when a file's content, or a folder's entries, are on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        # File systems that do not know this for folders (some network ones) answer so; others report a failing disk.
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(handle)
 
 
 def set_aside(path: str | os.PathLike[str]) -> pathlib.Path:

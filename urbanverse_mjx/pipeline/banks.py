@@ -4,11 +4,10 @@ import dataclasses
 import fnmatch
 import os
 import pathlib
-import sys
 from collections.abc import Callable, Sequence
 
 from .. import settings
-from ..datatypes import SceneBank
+from ..datatypes import SceneBank, array_file
 from ..datatypes import validation as v
 from ..process_pool import results_as_completed
 from ..work_folder import work_folder
@@ -97,9 +96,10 @@ def build_terrain_bank(seed: int = 0, levels: int = 10) -> SceneBank:
 
 
 def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank:
-    """The bank of a file in the cache; built where there is none, or one of something else than its name says.
+    """The bank of a file in the cache; built where there is none, a damaged one, or one of something else than its name
+    says.
 
-    A wrong file is renamed and stays beside the new one.
+    A wrong file is renamed and stays beside the new one, with a line on standard error.
 
     Args:
       path: as `settings` names banks: with the key, which the bank holds too.
@@ -107,11 +107,14 @@ def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank
     """
     key = settings.bank_key(path)
     if path.is_file():
-        bank = SceneBank.load(path)
-        if bank.key == key:
-            return bank
-        kept = v.set_aside(path)
-        sys.stderr.write(f"{path}: found other scenes than its name says; kept as {kept.name}, building it anew\n")
+        reason = f"{path}: found other scenes than its name says"
+        try:
+            bank = SceneBank.load(path)
+            if bank.key == key:
+                return bank
+        except v.NounError as error:
+            reason = str(error)
+        array_file.discard(path, reason)
     bank = build()
     bank = dataclasses.replace(bank, meta={**bank.meta, "key": key})
     bank.save(path)

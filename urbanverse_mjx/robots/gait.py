@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..datatypes import array_file
 from ..datatypes import validation as v
 
 SCHEMA = "urbanverse.gait/1"
@@ -84,23 +85,19 @@ class Gait:
         arrays |= {"stand": self.stand, "scale": self.scale}
         for i, (kernel, bias) in enumerate(zip(self.kernels, self.biases, strict=True)):
             arrays |= {f"kernel_{i}": kernel, f"bias_{i}": bias}
-        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, **arrays))
+        array_file.save(path, arrays)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "Gait":
         """Reads a gait file.
 
         Raises:
-          NounError: no such file, or no gait in it.
+          NounError: no such file, a damaged one, or no gait in it.
         """
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a gait", "export one with `urbanverse export-gait`")
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                arrays = {name: file[name] for name in file.files}
-            head = json.loads(arrays.pop("head").tobytes().decode("utf-8"))
-        except (OSError, ValueError, KeyError, EOFError) as error:
-            raise v.fail(str(path), f"an unreadable file ({error})", "a gait", "export it again") from error
+        arrays = array_file.load(path, "a gait", "export it again")
+        head = v.parse_json(arrays.pop("head", np.zeros(0, np.uint8)).tobytes(), f"{path}: head")
         v.choice(head.pop("schema", None), f"{path}: schema", (SCHEMA,))
         layers = range(sum(name.startswith("kernel_") for name in arrays))
         kernels, biases = (tuple(arrays[f"{part}_{i}"] for i in layers) for part in ("kernel", "bias"))

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..datatypes import AssetMesh
+from ..datatypes import AssetMesh, array_file
 from ..datatypes import validation as v
 
 SCHEMA = "urbanverse.scene_geometry/1"
@@ -161,16 +161,15 @@ class SceneGeometry:
             part = getattr(self, noun)
             body |= {f"{noun}.{f.name}": np.asarray(getattr(part, f.name)) for f in dataclasses.fields(part)}
         body["meta"] = np.frombuffer(json.dumps(meta).encode("utf-8"), np.uint8)
-        v.write_atomically(path, lambda temporary: np.savez_compressed(temporary, allow_pickle=False, **body))
+        array_file.save(path, body)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "SceneGeometry":
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a compiled scene", "run `urbanverse scene compile` again")
-        with np.load(path, allow_pickle=False) as file:
-            body = {name: file[name] for name in file.files}
-        meta = json.loads(body.pop("meta").tobytes().decode("utf-8"))
-        v.choice(meta.pop("schema"), f"{path}: schema", (SCHEMA,))
+        body = array_file.load(path, "a compiled scene", "run `urbanverse scene compile` again")
+        meta = v.parse_json(body.pop("meta", np.zeros(0, np.uint8)).tobytes(), f"{path}: meta")
+        v.choice(meta.pop("schema", None), f"{path}: schema", (SCHEMA,))
         columns = [_split(body, f"meshes.{name}") for name in ("vertices", "faces", "uv")]
         textures = _split(body, "textures")
         columns.append([textures[i] for i in body.pop("meshes.texture")])

@@ -11,8 +11,7 @@ import numpy as np
 from ... import settings
 from ...crowds import crossings, flats, free_space, goal_fields, kinds, open_ground
 from ...crowds.crowd import CrowdTables, make_tables
-from ...datatypes import SceneBank
-from ...datatypes.validation import write_atomically
+from ...datatypes import SceneBank, array_file
 
 #: Cells of the free space along a cell of the height map: 0.2 m, in which a ramp of 1:12 rises by 2 cm.
 POOL = 2
@@ -67,15 +66,11 @@ def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
     for name in _ARRAYS:
         digest.update(np.ascontiguousarray(getattr(bank, name)).data)
     path = settings.cache_dir("crowds", f"{digest.hexdigest()[:24]}.npz")
-    try:
-        with np.load(path) as file:
-            arrays: dict[str, Any] = {name: file[name] for name in file.files}
-    except (OSError, ValueError, KeyError):
+    names = ["height", *(f"{name}/{field}" for name, (_, fields) in _parts().items() for field in fields)]
+    arrays = array_file.load_cached(path, "tables of crowds", names)
+    if arrays is None:
         arrays = build_tables(bank, scenes)
-        try:
-            write_atomically(path, lambda temporary: np.savez_compressed(temporary, **arrays))
-        except OSError:
-            pass  # a cache that cannot be written costs time at the next start, nothing else
+        array_file.save_cached(path, arrays)
     parts = {
         name: cls(*(jnp.asarray(arrays[f"{name}/{field}"]) for field in fields))
         for name, (cls, fields) in _parts().items()

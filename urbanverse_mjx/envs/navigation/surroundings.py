@@ -11,8 +11,7 @@ import numpy as np
 from scipy import ndimage
 
 from ... import settings
-from ...datatypes import SceneBank, traversable
-from ...datatypes.validation import write_atomically
+from ...datatypes import SceneBank, array_file, traversable
 
 #: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
 CELL = 0.2
@@ -91,17 +90,11 @@ def kept_fields(bank: SceneBank, height: float) -> np.ndarray:
         digest.update(f"{name} {array.shape} {array.dtype}".encode())
         digest.update(array.data)
     path = settings.cache_dir("surroundings", f"{digest.hexdigest()[:24]}.npz")
-    try:
-        with np.load(path) as file:
-            return file["fields"]
-    except (OSError, ValueError, KeyError):
-        pass  # not there, or damaged: built again
-    fields = build_fields(bank, height)
-    try:
-        write_atomically(path, lambda temporary: np.savez_compressed(temporary, fields=fields))
-    except OSError:
-        pass  # a cache that cannot be written costs time at the next start, nothing else
-    return fields
+    found = array_file.load_cached(path, "distance fields", ("fields",))
+    if found is None:
+        found = {"fields": build_fields(bank, height)}
+        array_file.save_cached(path, found)
+    return found["fields"]
 
 
 class Surroundings:

@@ -1,0 +1,90 @@
+"""Arrays by name in one compressed `.npz`, read only where every bit of them is as it was written.
+
+The archive holds a CRC-32 of each array. `zipfile` compares it only for who reads an array to its end, and numpy trusts
+the shape in an array's header before that: here every array is read to its end, and its header must fit its size.
+Files from before this module existed hold the same checksums.
+"""
+
+import contextlib
+import math
+import os
+import pathlib
+import sys
+import zipfile
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+
+from . import validation as v
+
+_SUFFIX = ".npy"
+_HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+
+
+def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray]) -> pathlib.Path:
+    """Writes the arrays, all or nothing; a name must end in .npz."""
+    return v.write_atomically(path, lambda p: np.savez_compressed(p, allow_pickle=False, **arrays))
+
+
+def load(path: str | os.PathLike[str], noun: str, hint: str) -> dict[str, Any]:
+    """Every array by its name.
+
+    Args:
+      noun: what the file should be, in messages. hint: what to do about a damaged one.
+
+    Raises:
+      NounError: the file cannot be read, is cut off, or any of its bytes changed since it was written.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return {entry.filename.removesuffix(_SUFFIX): _array(archive, entry) for entry in archive.infolist()}
+    except MemoryError:
+        raise
+    except Exception as error:
+        # A changed byte can reach any part of zipfile, of a decompressor or of numpy, which raise a dozen kinds.
+        raise v.fail(str(path), f"an unreadable or damaged file ({v.show(str(error), 100)})", noun, hint) from error
+
+
+def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
+    with archive.open(entry) as file:
+        shape, _, dtype = _HEADERS[np.lib.format.read_magic(file)](file)
+        if math.prod(shape) * dtype.itemsize != entry.file_size - file.tell():
+            raise ValueError(f"{entry.filename} does not have the size that its header tells")
+        file.seek(0)
+        array = np.lib.format.read_array(file, allow_pickle=False)
+        if file.read():
+            raise ValueError(f"{entry.filename} goes on after its end")
+    return array
+
+
+def load_cached(path: pathlib.Path, noun: str, names: Collection[str]) -> dict[str, np.ndarray] | None:
+    """The arrays of a file that this program keeps in its cache, under `names`; None where they must be made.
+
+    A damaged file is renamed (see `validation.set_aside`), with one line on standard error.
+    """
+    if not path.is_file():
+        return None
+    try:
+        found = load(path, noun, "")
+        if set(found) != set(names):
+            wrong = ", ".join(sorted(set(found) ^ set(names)))
+            raise v.fail(str(path), f"other arrays than expected ({wrong})", noun)
+        return found
+    except v.NounError as error:
+        discard(path, str(error))
+        return None
+
+
+def discard(path: pathlib.Path, reason: str) -> None:
+    """Renames a file of the cache that cannot be used, and says so in one line on standard error."""
+    kept = ""
+    with contextlib.suppress(OSError):  # another process was faster, or nothing can be written here
+        kept = f" kept as {v.set_aside(path).name},"
+    sys.stderr.write(f"{reason.rstrip('.')};{kept} building it anew\n")
+
+
+def save_cached(path: pathlib.Path, arrays: Mapping[str, np.ndarray]) -> None:
+    """Writes arrays into the cache; one that cannot be written to costs time at the next start, nothing else."""
+    with contextlib.suppress(OSError):
+        save(path, arrays)
