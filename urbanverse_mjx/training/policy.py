@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import pathlib
 import shutil
+import sys
 import tempfile
 from collections.abc import Callable
 from importlib import metadata
@@ -16,8 +17,11 @@ from ml_collections import ConfigDict
 
 from ..datatypes import NounError
 from ..datatypes import validation as v
+from . import policy_files
+from .policy_files import FILE
 
 SCHEMA = "urbanverse.policy/1"
+HINT = "take another checkpoint of the run, or copy it again from where it is whole"
 PolicyFunction = Callable[[Any, jax.Array], jax.Array]
 
 
@@ -59,15 +63,16 @@ class PolicySpec:
         )
 
     def save(self, folder: pathlib.Path) -> None:
-        v.write_json(folder / "policy.json", {"schema": SCHEMA, **dataclasses.asdict(self)})
+        """Writes `policy.json`, with the checksums of the folder's files and its own; they reach the disk before it."""
+        v.write_json(folder / FILE, policy_files.sealed({"schema": SCHEMA, **dataclasses.asdict(self)}, folder))
 
     @staticmethod
     def load(folder: pathlib.Path) -> "PolicySpec":
-        body = v.read_json(folder / "policy.json", "policy")
+        body = v.read_json(folder / FILE, "policy")
         fields = [f.name for f in dataclasses.fields(PolicySpec)]
-        m = dict(v.mapping(body, "policy", ["schema", *fields]))
+        m = dict(v.mapping(body, "policy", ["schema", *fields], policy_files.SEAL))
         v.choice(m.pop("schema"), "policy.schema", (SCHEMA,))
-        return PolicySpec(**m)
+        return PolicySpec(**{name: m[name] for name in fields})
 
 
 def package_versions() -> dict[str, str]:
@@ -133,27 +138,46 @@ def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
 
 
 def load_params(folder: pathlib.Path) -> Any:
-    """(normaliser, policy, value) parameters of a policy folder."""
+    """(normaliser, policy, value) parameters of a policy folder that `latest_policy` named.
+
+    Raises:
+      NounError: no policy there, or one from before there were checksums that cannot be read.
+    """
     from brax.training import checkpoint
 
-    if not (folder / "policy.json").is_file():
-        raise NounError(f"policy: found no policy.json in {folder}, needed a policy folder; see `urbanverse train`.")
-    # Orbax takes no relative paths.
-    return checkpoint.load(folder.absolute())
+    if not (folder / FILE).is_file():
+        raise NounError(f"policy: found no {FILE} in {folder}, needed a policy folder; see `urbanverse train`.")
+    try:
+        # Orbax takes no relative paths.
+        return checkpoint.load(folder.absolute())
+    except Exception as error:
+        # Orbax and its storage raise a dozen kinds for files that are cut off.
+        reason = v.show(" ".join(str(error).split()), 100)
+        raise v.fail(str(folder), f"parameters that cannot be read ({reason})", "a whole policy", HINT) from error
 
 
 def latest_policy(folder: pathlib.Path) -> pathlib.Path:
-    """The finished policy folder with the most steps under `folder` (or `folder` itself).
+    """The finished policy folder with the most steps under `folder` (or `folder` itself), with all its files whole.
+
+    Damaged ones are passed over, each with a line on standard error; a damaged `folder` itself is refused.
 
     Raises:
       NounError: there is none.
     """
-    if (folder / "policy.json").is_file():
+    if (folder / FILE).is_file():
+        policy_files.check(folder / FILE)
         return folder
-    found = sorted(folder.glob("**/policy.json"), key=lambda p: p.parent.name)
+    found = sorted(folder.glob(f"**/{FILE}"), key=lambda p: p.parent.name, reverse=True)
     if not found:
-        raise NounError(f"policy: found none under {folder}, needed a folder with policy.json; train one first.")
-    return found[-1].parent
+        raise NounError(f"policy: found none under {folder}, needed a folder with {FILE}; train one first.")
+    for path in found:
+        try:
+            policy_files.check(path)
+        except NounError as error:
+            sys.stderr.write(f"{str(error).rstrip('.')}; passing over this policy, taking the one before it\n")
+        else:
+            return path.parent
+    raise v.fail(str(folder), f"{len(found)} policies, all of them damaged", "a whole one", HINT)
 
 
 def network_factory(ppo_config: ConfigDict) -> Callable[..., Any]:
