@@ -2,13 +2,16 @@
 
 import contextlib
 import json
+import os
 import pathlib
 import subprocess
 import sys
 
 import mujoco
+import numpy as np
 import pytest
 
+from tests.support import drawn_street
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
 from urbanverse_mjx.pipeline.generation import batch, compiling, one_source, stages
 from urbanverse_mjx.pipeline.generation.executors import EXECUTORS, Job, Outcome
@@ -33,6 +36,39 @@ def test_sources_are_told_apart(tmp_path: pathlib.Path) -> None:
     video = tmp_path / "tour.mp4"
     video.write_bytes(b"x" * 100)
     assert recognise(video).kind == "video"
+
+
+def test_sources_are_known_by_their_content(tmp_path: pathlib.Path) -> None:
+    """Neither names, sizes nor times of files decide whether a stage is done again."""
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for name in ("1.png", "2.png"):
+        (folder / name).write_bytes(name.encode())
+    key = recognise(folder).key
+    os.utime(folder / "1.png", (0, 0))
+    folder = folder.rename(tmp_path / "moved")
+    (folder / "2.png").rename(folder / "5.png")
+    assert recognise(folder).key == key
+    (folder / "5.png").write_bytes(b"3.png")
+    assert recognise(folder).key != key, "another picture of the same size under the same name"
+    (folder / "1.png").write_bytes(b"2.png")
+    (folder / "5.png").write_bytes(b"1.png")
+    assert recognise(folder).key != key, "the same pictures in another order"
+    video = tmp_path / "tour.mp4"
+    video.write_bytes(bytes(2**20 + 10))
+    key = recognise(video).key
+    video.write_bytes(bytes(2**20 + 9) + b"x")
+    assert recognise(video).key != key, "another end of the same length"
+
+
+def test_a_recording_is_known_by_the_content_of_its_pictures(tmp_path: pathlib.Path) -> None:
+    for name in ("a", "b"):
+        recording = drawn_street.record(tmp_path / name, [], np.eye(4)[None])
+    key = recognise(tmp_path / "a").key
+    assert recognise(tmp_path / "b").key == key
+    picture = tmp_path / "a" / recording.frames[0].rgb
+    picture.write_bytes(picture.read_bytes()[:-1] + b"x")
+    assert recognise(tmp_path / "a").key != key
 
 
 def test_a_folder_with_other_things_or_of_another_run_is_not_touched(tmp_path: pathlib.Path) -> None:

@@ -29,25 +29,34 @@ def recognise(source: str | pathlib.Path) -> Input:
     path = pathlib.Path(source).expanduser().absolute()
     if path.is_dir() and (path / RECORDING_FILE).is_file():
         recording = Recording.load(path)
-        pictures = [name for f in recording.frames for name in (f.rgb, f.depth, f.masks, f.surfaces) if name]
-        sizes = ",".join(str((path / name).stat().st_size) for name in pictures)
-        return Input("recording", path, _digest((path / RECORDING_FILE).read_bytes(), sizes.encode()))
+        pictures = [path / name for f in recording.frames for name in (f.rgb, f.depth, f.masks, f.surfaces) if name]
+        return Input("recording", path, _key(path / RECORDING_FILE, *pictures))
     if path.is_dir():
         frames = sorted(p for p in path.iterdir() if p.suffix.lower() in PICTURES)
         if not frames:
             found = "a folder without recording.json and without a picture"
             raise v.fail(str(path), found, "a recording or frames", "name a video, a folder or graph.json")
-        return Input("frames", path, _digest(*(f"{p.name}/{p.stat().st_size}".encode() for p in frames)))
+        return Input("frames", path, _key(*frames))
     if not path.is_file():
         raise v.fail(str(path), "nothing", "a video, a folder of frames, a recording or graph.json", "check the path")
     if path.suffix.lower() == ".json":
         return Input("graph", path, SceneGraph.load(path).content_hash()[:16])
-    stat = path.stat()
-    if stat.st_size == 0:
+    if path.stat().st_size == 0:
         raise v.fail(str(path), "an empty file", "a video", "copy it again")
-    with path.open("rb") as file:
-        return Input("video", path, _digest(file.read(2**20), str(stat.st_size).encode()))
+    return Input("video", path, _key(path))
 
 
-def _digest(*parts: bytes) -> str:
-    return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
+def _key(*files: pathlib.Path) -> str:
+    """16 hexadecimal digits over the contents of files, in this order.
+
+    Raises:
+      NounError: a file that is not there or cannot be read.
+    """
+    digest = hashlib.sha256()
+    for path in files:
+        try:
+            with path.open("rb") as file:
+                digest.update(hashlib.file_digest(file, "sha256").digest())
+        except OSError as error:
+            raise v.fail(str(path), error.strerror, "a file that can be read", "check its rights") from error
+    return digest.hexdigest()[:16]
