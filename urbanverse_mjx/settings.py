@@ -23,14 +23,11 @@ from collections.abc import Sequence
 from importlib import metadata
 from typing import Any
 
+from . import versions
+
 _PACKAGE = pathlib.Path(__file__).resolve().parent
-#: Sub-packages whose code decides what a bank holds.
-_BANK_CODE = ("datatypes", "geometry", "assets", "materialisation", "scene", "robots")
-_TERRAIN_CODE = ("datatypes", "geometry", "scene")
 #: Libraries whose results a bank holds.
 _BANK_LIBRARIES = ("numpy", "scipy", "shapely", "mujoco", "jax")
-#: Grows whenever the calls that build a bank (outside `_BANK_CODE`) would give other arrays.
-_BANK_VERSION = 1
 
 
 def cache_dir(*parts: str) -> pathlib.Path:
@@ -148,10 +145,9 @@ def bank_key(path: pathlib.Path) -> str:
 
 
 def terrain_bank_path(seed: int = 0, levels: int = 10) -> pathlib.Path:
-    """File of the terrain that robots learn to walk on; the name changes with its options and its code."""
-    digest = hashlib.sha256(json.dumps([seed, levels]).encode())
-    _add_files(digest, [(_PACKAGE / folder, "**/*.py") for folder in _TERRAIN_CODE])
-    return cache_dir("banks", f"terrain-{digest.hexdigest()[:16]}.npz")
+    """File of the terrain that robots learn to walk on; the name changes with its options and its code's version."""
+    parts = {"seed": seed, "levels": levels, "code": versions.of("scenes")}
+    return cache_dir("banks", f"terrain-{_digest(parts)}.npz")
 
 
 def _bank_path(prefix: str, scenes: Any) -> pathlib.Path:
@@ -161,17 +157,25 @@ def _bank_path(prefix: str, scenes: Any) -> pathlib.Path:
       prefix: what the name begins with.
       scenes: JSON value that says which graphs, by the digests of their files, and with which options.
     """
-    versions = {name: _version(name) for name in _BANK_LIBRARIES}
-    parts = {"scenes": scenes, "version": _BANK_VERSION, "libraries": versions}
-    digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode())
-    _add_files(digest, [(asset_root(), "**/*"), *((_PACKAGE / folder, "**/*.py") for folder in _BANK_CODE)])
-    return cache_dir("banks", f"{prefix}-{digest.hexdigest()[:16]}.npz")
+    libraries = {name: _version(name) for name in _BANK_LIBRARIES}
+    parts = {"scenes": scenes, "code": versions.of("bank"), "libraries": libraries, "assets": assets_digest()}
+    return cache_dir("banks", f"{prefix}-{_digest(parts)}.npz")
 
 
-def _add_files(digest: Any, patterns: Sequence[tuple[pathlib.Path, str]]) -> None:
-    for folder, pattern in patterns:
-        for path in sorted(p for p in folder.glob(pattern) if p.is_file() and "__pycache__" not in p.parts):
-            digest.update(f"{folder.name}/{path.relative_to(folder).as_posix()}\0{_file_digest(path)}".encode())
+def assets_digest() -> str:
+    """16 hexadecimal digits over the names and bytes of all files of the asset index.
+
+    Raises:
+      NounError: see `asset_root`.
+    """
+    root = asset_root()
+    files = sorted(p for p in root.rglob("*") if p.is_file())
+    return _digest([[p.relative_to(root).as_posix(), _file_digest(p)] for p in files])
+
+
+def _digest(parts: Any) -> str:
+    """16 hexadecimal digits over a JSON value."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _file_digest(path: pathlib.Path) -> str:

@@ -5,7 +5,8 @@ import pathlib
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import mesh_cache
+from tests.support.code_digests import raised
+from urbanverse_mjx import versions
 from urbanverse_mjx.assets.mesh_cache import cached_mesh
 from urbanverse_mjx.assets.recipe import all_recipes
 from urbanverse_mjx.datatypes import AssetMesh, array_file
@@ -64,9 +65,9 @@ def test_a_damaged_file_is_set_aside_and_built_anew(
     assert not capsys.readouterr().err
 
 
-def test_other_code_finds_nothing(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_version_finds_nothing(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cached_mesh("r", "leaf", 0, build)
-    monkeypatch.setattr(mesh_cache, "_code_digest", lambda: "other")
+    monkeypatch.setattr(versions, "CODE", raised("meshes"))
     with pytest.raises(AssertionError, match="built again"):
         cached_mesh("r", "leaf", 0, refuse)
 

@@ -2,11 +2,10 @@
 
 import json
 import pathlib
-import subprocess
-import sys
 
 import pytest
 
+from tests.support.code_digests import raised
 from urbanverse_mjx import settings
 from urbanverse_mjx.cli.main import main
 from urbanverse_mjx.datatypes import NounError, SceneBank
@@ -106,26 +105,8 @@ def test_terrain_of_another_seed_has_a_file_of_its_own(capsys) -> None:
         registry.load_terrain_bank()
 
 
-def test_the_key_covers_every_package_that_makes_a_bank() -> None:
-    """What compiling and packing import must be among the packages whose code the key holds."""
-    script = (
-        "import sys, json\n"
-        "from urbanverse_mjx import pipeline\n"
-        "import urbanverse_mjx.materialisation, urbanverse_mjx.scene.terrain, urbanverse_mjx.scene.packing\n"
-        "pipeline.compile_graph, pipeline.build_bank, pipeline.make_driver()\n"
-        "print(json.dumps(sorted({m.split('.')[1] for m in sys.modules if m.startswith('urbanverse_mjx.')})))"
-    )
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    # The calls themselves are counted by a version number.
-    assert set(json.loads(run.stdout)) - {"pipeline", "process_pool", "settings", "work_folder"} <= set(
-        settings._BANK_CODE
-    )
-
-
-def test_the_key_changes_with_code_assets_and_libraries(tmp_path, monkeypatch) -> None:
+def test_the_key_changes_with_versions_assets_and_libraries(tmp_path, monkeypatch) -> None:
     names = {settings.shipped_bank_path()}
-    monkeypatch.setattr(settings, "_BANK_VERSION", settings._BANK_VERSION + 1)
-    names.add(settings.shipped_bank_path())
     monkeypatch.setattr(settings.metadata, "version", lambda package: "0")
     names.add(settings.shipped_bank_path())
     index = tmp_path / "assets_index"
@@ -134,12 +115,8 @@ def test_the_key_changes_with_code_assets_and_libraries(tmp_path, monkeypatch) -
     names.add(settings.shipped_bank_path())
     (index / "table.csv").write_text("1")
     names.add(settings.shipped_bank_path())
-    package = tmp_path / "package"
-    (package / "assets").mkdir(parents=True)
-    (package / "assets" / "recipe.py").write_text("HEIGHT = 1.0")
-    monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(settings.scene_root()))
-    monkeypatch.setattr(settings, "_PACKAGE", package)
+    (index / "table.csv").rename(index / "other.csv")
     names.add(settings.shipped_bank_path())
-    (package / "assets" / "recipe.py").write_text("HEIGHT = 1.1")
-    names.add(settings.shipped_bank_path())
-    assert len(names) == 7
+    assert len(names) == 5
+    monkeypatch.setattr(settings.versions, "CODE", raised("meshes"))
+    assert settings.shipped_bank_path() not in names, "a bank is made of meshes"

@@ -90,12 +90,12 @@ def test_a_stage_is_done_once_until_its_key_or_files_change(tmp_path: pathlib.Pa
     with RunFolder.open(tmp_path / "run", "s") as run:
         with run.replacing("part") as folder:
             (folder / "a").write_text("1")
-        run.finish("one", key_of(x=1), 2.0)
+        run.finish("one", key_of("cousins", x=1), 2.0)
     with RunFolder.open(tmp_path / "run", "s") as run:
-        assert run.done("one", key_of(x=1), "part/a")
-        assert not run.done("one", key_of(x=2), "part/a")
-        assert not run.done("one", key_of(x=1), "part/b")
-        assert not run.done("two", key_of(x=1))
+        assert run.done("one", key_of("cousins", x=1), "part/a")
+        assert not run.done("one", key_of("cousins", x=2), "part/a")
+        assert not run.done("one", key_of("cousins", x=1), "part/b")
+        assert not run.done("two", key_of("cousins", x=1))
         assert run.seconds == {"one": 2.0}
 
 

@@ -1,16 +1,17 @@
 """Base meshes on the disk, so that no process builds twice what another has built: a recipe takes 80 ms, a file one.
 
-A file's folder names the code that makes meshes: a changed recipe never finds the old shape. The cache may be missing,
-full or broken: then the mesh is built. A damaged file is renamed and written anew.
+A file's folder names the version of the code that makes meshes: a changed recipe never finds the old shape. The cache
+may be missing, full or broken: then the mesh is built. A damaged file is renamed and written anew.
 """
 
-import functools
 import hashlib
+import json
 import pathlib
 from collections.abc import Callable
 
 import numpy as np
 
+from urbanverse_mjx import versions
 from urbanverse_mjx.datatypes import AssetMesh, array_file
 from urbanverse_mjx.settings import cache_dir
 
@@ -19,8 +20,7 @@ _ARRAYS = ("vertices", "faces", "uv", "texture")
 
 def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetMesh]) -> AssetMesh:
     """The base mesh of a recipe's variant: read where it lies in the cache, else built and put there."""
-    name = hashlib.sha256(f"{recipe}/{leaf}/{variant}".encode()).hexdigest()[:24]
-    path = cache_dir("meshes", _code_digest(), f"{name}.npz")
+    path = path_of(recipe, leaf, variant)
     found = array_file.load_cached(path, "a mesh", ("surface", *_ARRAYS))
     if found is not None:
         roughness, metallic = found.pop("surface").tolist()
@@ -31,11 +31,8 @@ def cached_mesh(recipe: str, leaf: str, variant: int, build: Callable[[], AssetM
     return mesh
 
 
-@functools.cache
-def _code_digest() -> str:
-    """16 hexadecimal digits over the code of this room and of the mesh, and numpy's version."""
-    room = pathlib.Path(__file__).parent
-    digest = hashlib.sha256(np.__version__.encode())
-    for path in (*sorted(room.rglob("*.py")), room.parent / "datatypes" / "asset.py"):
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()[:16]
+def path_of(recipe: str, leaf: str, variant: int) -> pathlib.Path:
+    """The file in the cache of a recipe's variant."""
+    made_by = json.dumps({"code": versions.of("meshes"), "numpy": np.__version__}, sort_keys=True)
+    folder, name = (hashlib.sha256(t.encode()).hexdigest() for t in (made_by, f"{recipe}/{leaf}/{variant}"))
+    return cache_dir("meshes", folder[:16], f"{name[:24]}.npz")

@@ -1,7 +1,7 @@
 """The catalogue as a Parquet file in the cache: written once by `urbanverse assets build`, mapped into memory on use.
 
-The file is named by what it is made of (the tables of `assets_index/` and the code that turns them into records), so a
-stale one is never found.
+The file is named by what it is made of (the tables of `assets_index/` and the version of the code that turns them into
+records), so a stale one is never found.
 """
 
 import functools
@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 from rich.console import Console
 from rich.progress import track
 
+from urbanverse_mjx import versions
 from urbanverse_mjx.datatypes import AssetRecord, NounError
 from urbanverse_mjx.datatypes.array_file import discard
 from urbanverse_mjx.datatypes.validation import write_atomically
@@ -29,16 +30,14 @@ from .index import load_index
 BUILD_COMMAND = "urbanverse assets build"
 CONTENT_FILE = "catalogue.json"
 _DATA = ("index.parquet", "shapes.parquet", "priors.csv", "materials.csv", "ontology.json")
-_CODE = ("base_shapes", "catalogue", "index", "instances", "materials", "physical", "priors", "record_texts", "tints")
 _CONTENT = b"urbanverse.content"  # key of the file's metadata that holds the content's hash
 
 
 @functools.cache
 def inputs_key() -> str:
-    """16 hexadecimal digits over the bytes of all that the catalogue is made of."""
-    digest = hashlib.sha256()
-    here = pathlib.Path(__file__).parent
-    for path in (*(asset_root() / name for name in _DATA), *(here / f"{name}.py" for name in _CODE)):
+    """16 hexadecimal digits over all that the catalogue is made of: its tables and the version of its code."""
+    digest = hashlib.sha256(json.dumps(versions.of("catalogue")).encode())
+    for path in (asset_root() / name for name in _DATA):
         digest.update(f"{path.name}\0".encode())
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:16]

@@ -1,7 +1,8 @@
 """Thumbnails in the cache: every base shape by `make thumbnails`, an instance when it is asked for.
 
 Drawn by MuJoCo's renderer as the galleries are (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
-A picture's name holds the mesh's and the texture's content, so a changed recipe never shows an old picture.
+A picture's name holds the mesh's and the texture's content and the version of the drawing, so a changed recipe never
+shows an old picture.
 """
 
 import hashlib
@@ -11,6 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 
+from urbanverse_mjx import versions
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import cache_dir
@@ -38,6 +40,8 @@ def thumbnail(record: AssetRecord) -> np.ndarray:
 def path_of(record: AssetRecord, mesh: AssetMesh) -> pathlib.Path:
     """The file of a record's picture."""
     digest = hashlib.sha256(np.round(mesh.vertices, 3).tobytes() + mesh.faces.tobytes() + mesh.texture.tobytes())
+    # The mesh is here: the number of the drawing counts, not those of what makes meshes.
+    digest.update(str(versions.CODE["thumbnails"].version).encode())
     return folder() / f"{record.uid.replace('/', '--')}-{digest.hexdigest()[:12]}.png"
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from .. import versions
 from ..assets import AssetIndex, load_hulls
 from ..assets.matching import Matcher
 from ..assets.ontology import category_of
@@ -25,8 +26,8 @@ from ..datatypes import validation as v
 from . import choice, clearing, kerbs, overlap, passage, shortlists, standing, surroundings, unseen
 from .shortlists import Candidate, LeftOut
 
-#: Grows whenever the same graph, catalogue and seed would give other layouts.
-VERSION = "cousins 3"
+#: Stands in the hashes of layouts.
+VERSION = f"cousins {versions.CODE['cousins'].version}"
 #: How `Source.video` begins in graphs that were composed, not filmed: the tour in them is a plan. Tours filmed through
 #: blocks of our own say "synthetic tour of ...".
 COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
+from .. import __version__, versions
 from ..assets import AssetIndex
 from ..datatypes import RobotSpec, SceneLayout, Source
 from .exchange_routes import PlannedRoutes
@@ -38,6 +38,7 @@ def scene_metadata(
         "schema": SCHEMA,
         "id": layout.id,
         "version": __version__,
+        "code": versions.of("scenes"),
         "hashes": {"layout": layout.content_hash(), "graph": layout.graph_hash, **layout.hashes},
         "seed": layout.seed,
         "counts": {

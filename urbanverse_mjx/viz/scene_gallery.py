@@ -11,11 +11,10 @@ import pathlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from .. import versions
 from ..datatypes import BenchmarkReport, NounError
 from ..datatypes import validation as v
 
-#: Grows whenever the pictures of an unchanged scene would be others.
-VERSION = 2
 _PICTURES = "pictures"
 #: Pictures of a card, in the order they are shown.
 NAMES = ("above", "eye_0", "eye_1", "map")
@@ -78,7 +77,11 @@ def make_card(folder: pathlib.Path, out: pathlib.Path, draw: Draw) -> Card:
     """The card of a compiled scene; its pictures are drawn where they are missing or of another layout."""
     metadata = v.read_json(folder / "metadata.json", "scene's metadata")
     record = out / _PICTURES / f"{metadata['id']}.json"
-    drawn_from = {"layout": metadata["hashes"]["layout"], "compiler": metadata["version"], "pictures": VERSION}
+    drawn_from = {
+        "layout": metadata["hashes"]["layout"],
+        "compiler": metadata.get("code"),
+        "pictures": versions.of("cards"),
+    }
     known = _known(record)
     if known.get("from") != drawn_from or not all((record.parent / n).is_file() for n in known["files"].values()):
         known = {"from": drawn_from, "files": draw(folder, record.parent)}

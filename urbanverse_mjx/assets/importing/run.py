@@ -17,6 +17,7 @@ from typing import Any, TextIO
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from urbanverse_mjx import versions
 from urbanverse_mjx.datatypes import AssetRecord, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically, write_json
 from urbanverse_mjx.settings import VisionEndpoint, imported_assets
@@ -42,8 +43,6 @@ from .work import (
     write_preview,
 )
 
-#: Changes with what an import makes of a file: journals of other versions are not resumed from.
-VERSION = 1
 JOURNAL, REPORT, CATALOGUE = "journal.jsonl", "report.json", "catalogue.parquet"
 
 
@@ -242,7 +241,9 @@ def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
                     f"{other.name} {other.stat().st_size} {other.stat().st_mtime_ns}\n".encode("utf-8", "replace")
                 )
     model = options.endpoint.model if options.endpoint else ""
-    digest.update(f"{VERSION} {content.hexdigest()} {options.licence} {model} {name}".encode("utf-8", "replace"))
+    # Journals of other versions are not resumed from.
+    code = json.dumps(versions.of("imports"))
+    digest.update(f"{code} {content.hexdigest()} {options.licence} {model} {name}".encode("utf-8", "replace"))
     return digest.hexdigest()[:32], content.hexdigest()
 
 

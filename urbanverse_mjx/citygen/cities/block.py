@@ -5,6 +5,7 @@ import random
 
 import numpy as np
 
+from ... import versions
 from ...assets import looks
 from ...datatypes import GroundRegion, SceneGraph, Source
 from . import fronts, groups, stock
@@ -14,8 +15,8 @@ from .line import StreetLine
 from .profile import CityProfile
 
 LENGTH = 200.0
-#: Grows whenever the same profile and seed would give another block.
-VERSION = "1"
+#: Seeds the block; recorded in its source.
+VERSION = str(versions.CODE["blocks"].version)
 #: m of a tour's camera above the ground, and along the way between its points.
 EYE, STRIDE = 1.55, 2.4
 #: m from bends, crosswalks and ends where no crosswalk or side street begins.

@@ -1,21 +1,20 @@
 """What the scenes of a bank mean to a crowd, and how high their ground is: made once per bank and kept in the cache."""
 
 import hashlib
-import inspect
+import pathlib
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 
-from ... import settings
+from ... import settings, versions
 from ...crowds import crossings, flats, free_space, goal_fields, kinds, open_ground
 from ...crowds.crowd import CrowdTables, make_tables
 from ...datatypes import SceneBank, array_file
 
 #: Cells of the free space along a cell of the height map: 0.2 m, in which a ramp of 1:12 rises by 2 cm.
 POOL = 2
-_SOURCES = (crossings, flats, free_space, goal_fields, kinds, open_ground)
 _ARRAYS = ("inst_hull", "inst_position", "inst_rotation", "hull_vertices", "prism_hull", "prism_position", "map_kind")
 
 
@@ -58,14 +57,18 @@ def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray
     return out
 
 
-def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
-    """`build_tables`, from the cache where they were built before."""
-    digest = hashlib.sha256(repr((POOL, sorted(int(z) for z in scenes))).encode())
-    for module in _SOURCES:
-        digest.update(inspect.getsource(module).encode())
+def path_of(bank: SceneBank, scenes: Sequence[int]) -> pathlib.Path:
+    """The file in the cache of the tables of some scenes of a bank."""
+    parts = (versions.of("crowds"), POOL, sorted(int(z) for z in scenes))
+    digest = hashlib.sha256(repr(parts).encode())
     for name in _ARRAYS:
         digest.update(np.ascontiguousarray(getattr(bank, name)).data)
-    path = settings.cache_dir("crowds", f"{digest.hexdigest()[:24]}.npz")
+    return settings.cache_dir("crowds", f"{digest.hexdigest()[:24]}.npz")
+
+
+def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
+    """`build_tables`, from the cache where they were built before."""
+    path = path_of(bank, scenes)
     names = ["height", *(f"{name}/{field}" for name, (_, fields) in _parts().items() for field in fields)]
     arrays = array_file.load_cached(path, "tables of crowds", names)
     if arrays is None:

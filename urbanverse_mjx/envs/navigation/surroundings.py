@@ -4,13 +4,14 @@ Critics and rewards may know it; a policy may not. Distances are looked up in a 
 """
 
 import hashlib
+import pathlib
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 from scipy import ndimage
 
-from ... import settings
+from ... import settings, versions
 from ...datatypes import SceneBank, array_file, traversable
 
 #: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
@@ -80,16 +81,22 @@ def build_fields(bank: SceneBank, height: float) -> np.ndarray:
     return fields
 
 
-def kept_fields(bank: SceneBank, height: float) -> np.ndarray:
-    """`build_fields`, from the cache where a large bank's were built before."""
-    if int((bank.inst_hull >= 0).sum()) < KEEP_FROM:
-        return build_fields(bank, height)
-    digest = hashlib.sha256(repr((CELL, FAR, LOW, height, float(bank.map_resolution))).encode())
+def path_of(bank: SceneBank, height: float) -> pathlib.Path:
+    """The file in the cache of a bank's fields for a robot of some height (m)."""
+    parts = (versions.of("surroundings"), CELL, FAR, LOW, height, float(bank.map_resolution))
+    digest = hashlib.sha256(repr(parts).encode())
     for name in ("inst_hull", "inst_position", "inst_rotation", "hull_box", "map_kind", "map_origin", "episode_start"):
         array = np.ascontiguousarray(getattr(bank, name))
         digest.update(f"{name} {array.shape} {array.dtype}".encode())
         digest.update(array.data)
-    path = settings.cache_dir("surroundings", f"{digest.hexdigest()[:24]}.npz")
+    return settings.cache_dir("surroundings", f"{digest.hexdigest()[:24]}.npz")
+
+
+def kept_fields(bank: SceneBank, height: float) -> np.ndarray:
+    """`build_fields`, from the cache where a large bank's were built before."""
+    if int((bank.inst_hull >= 0).sum()) < KEEP_FROM:
+        return build_fields(bank, height)
+    path = path_of(bank, height)
     found = array_file.load_cached(path, "distance fields", ("fields",))
     if found is None:
         found = {"fields": build_fields(bank, height)}

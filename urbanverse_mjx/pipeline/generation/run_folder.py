@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ... import __version__
+from ... import versions
 from ...datatypes import validation as v
 from ...work_folder import replacing_folder, sweep
 
@@ -25,9 +25,14 @@ SCHEMA = "urbanverse.generation/1"
 FILE, LOCK = "run.json", ".lock"
 
 
-def key_of(**parts: Any) -> str:
-    """16 hexadecimal digits over JSON values and the package's version: what another version made is made anew."""
-    return hashlib.sha256(json.dumps({"version": __version__, **parts}, sort_keys=True).encode()).hexdigest()[:16]
+def key_of(code: str, **parts: Any) -> str:
+    """16 hexadecimal digits over JSON values and the versions of the code that makes a stage of them.
+
+    Args:
+      code: its name in `versions.CODE`.
+    """
+    body = {"code": versions.of(code), "stages": versions.CODE["generation"].version, **parts}
+    return hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclasses.dataclass

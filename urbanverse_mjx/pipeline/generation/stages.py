@@ -78,7 +78,7 @@ def _recording(run: RunFolder, bars: StageBars, tour: TourOptions, given: Input)
     """`frames/` and `recording/` of raw pictures; where the recording lies (None for a graph), and its key."""
     if given.kind in ("graph", "recording"):
         return (given.path if given.kind == "recording" else None), given.key
-    key = key_of(stage="frames", source=given.key, rate=tour.rate, blur=tour.blur)
+    key = key_of("perception", stage="frames", source=given.key, rate=tour.rate, blur=tour.blur)
     report = bars.stage("frames")
     if not run.done(FRAMES, key, FRAMES):
         from .perceiving import sample_to
@@ -88,7 +88,7 @@ def _recording(run: RunFolder, bars: StageBars, tour: TourOptions, given: Input)
             sample_to(given.path, folder, tour, report)
         run.finish(FRAMES, key, clock.seconds)
     report(1, 1)
-    key = key_of(stage="recording", before=key, tour=dataclasses.asdict(tour))
+    key = key_of("perception", stage="recording", before=key, tour=dataclasses.asdict(tour))
     report = bars.stage("recording")
     if not run.done(RECORDING, key, f"{RECORDING}/recording.json"):
         from .perceiving import perceive_to
@@ -103,7 +103,7 @@ def _recording(run: RunFolder, bars: StageBars, tour: TourOptions, given: Input)
 
 def _graph(run: RunFolder, bars: StageBars, given: Input, recording: pathlib.Path | None, before: str) -> str:
     """`graph/`: graph.json, and from a recording its evidence and crops."""
-    key = key_of(stage="graph", kind=given.kind, source=before)
+    key = key_of("distillation", stage="graph", kind=given.kind, source=before, assets=settings.assets_digest())
     report = bars.stage("graph")
     if not run.done(GRAPH, key, f"{GRAPH}/graph.json"):
         clock = Clock()
@@ -121,7 +121,8 @@ def _graph(run: RunFolder, bars: StageBars, given: Input, recording: pathlib.Pat
 
 def _cousins(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
     """`cousins/<k>/layout.json` and `materialisation.json`."""
-    key = key_of(stage="cousins", before=before, cousins=options.cousins, seed=options.seed, kerb=options.kerb)
+    wanted = {"cousins": options.cousins, "seed": options.seed, "kerb": options.kerb}
+    key = key_of("cousins", stage="cousins", before=before, assets=settings.assets_digest(), **wanted)
     report = bars.stage("cousins", options.cousins)
     folders = [f"{COUSINS}/{k}/{compiling.LAYOUT}" for k in range(options.cousins)]
     if not run.done(COUSINS, key, MATERIALISATION, *folders):
@@ -144,7 +145,7 @@ def _cousins(run: RunFolder, bars: StageBars, options: GenerationOptions, before
 
 def _scenes(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
     """`cousins/<k>/scene/`, `usd/` and `check.json`, each cousin a stage of its own, compiled in processes."""
-    key = key_of(stage="scenes", before=before, usd=options.usd)
+    key = key_of("scenes", stage="scenes", before=before, usd=options.usd)
     report = bars.stage("scenes", options.cousins)
     clock = Clock()
     missing = [
@@ -169,7 +170,7 @@ def _compile_all(run: RunFolder, missing: list[int], options: GenerationOptions,
 
 def _bank(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
     """`bank.npz`: all cousins for `urbanverse evaluate` and `train`."""
-    key = key_of(stage="bank", before=before)
+    key = key_of("bank", stage="bank", before=before)
     report = bars.stage("bank")
     if not run.done("bank", key, BANK):
         from ...scene import pack_bank
@@ -191,7 +192,7 @@ def _report(
     before: str,
 ) -> None:
     """`report.html` and its pictures in `report/`."""
-    key = key_of(stage="report", before=before, pictures=options.pictures)
+    key = key_of("report", stage="report", before=before, pictures=options.pictures)
     report = bars.stage("report")
     if not run.done(REPORT, key, "report.html", REPORT):
         from .report import write_report

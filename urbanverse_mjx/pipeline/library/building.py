@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 #: Rows of the episode tables (issue 6, item 5).
 ROWS = 512
-#: Grows whenever a compiled scene of the same layout would differ.
-VERSION = "1"
 #: The record of a scene; one with other fields was written by another version, and its scene is built again.
 RECORD_FIELDS = (
     "key", "id", "hashes", "objects", "hulls", "prisms", "regions", "episodes", "goals", "left_out", "overlapping",
@@ -97,14 +95,11 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
       NounError: a scene that cannot be compiled; those before it are kept.
     """
     from ...assets.store import inputs_key
-    from ...materialisation.cousins import VERSION as MATERIALISER
 
     scenes = library.scene_set(name)
     graph = graph_of(scenes, layout)
-    key = key_of(
-        library=VERSION, graph=graph.content_hash(), assets=inputs_key(), materialiser=MATERIALISER,
-        cousins=scenes.cousins, seed=scenes.seed,
-    )  # fmt: skip
+    wanted = {"cousins": scenes.cousins, "seed": scenes.seed}
+    key = key_of("library", graph=graph.content_hash(), assets=inputs_key(), **wanted)
     ids = [scenes.scene_id(layout, k) for k in range(scenes.cousins)]
     done = [_record(name, scene, key) for scene in ids]
     if not all(done):

@@ -1,0 +1,139 @@
+"""Version numbers of the code that makes what caches hold.
+
+A key in a cache is made of data (graphs, tables, options, versions of libraries) and of these numbers, never of source
+text: an edited comment makes nothing anew. A test compares the modules behind each number with stored digests of their
+syntax trees and fails at every change of meaning, so that whoever makes one either raises the number or says that the
+change has no effect (`tests/project/test_versions.py`).
+"""
+
+import dataclasses
+from collections.abc import Mapping
+
+
+@dataclasses.dataclass(frozen=True)
+class Code:
+    """The code behind one version number.
+
+    Attributes:
+      version: raised whenever these modules make anything else of the same input.
+      modules: names below `urbanverse_mjx`; a package stands for all modules and data below it.
+      uses: names of the code whose results these modules are made from, or which they call.
+      apart: modules below `modules` that have no part in the results.
+    """
+
+    version: int
+    modules: tuple[str, ...]
+    uses: tuple[str, ...] = ()
+    apart: tuple[str, ...] = ()
+
+
+def _below(package: str, *names: str) -> tuple[str, ...]:
+    return tuple(f"{package}.{name}" for name in names)
+
+
+CODE: Mapping[str, Code] = {
+    "datatypes": Code(1, ("datatypes",)),
+    # Base meshes, by recipe and variant.
+    "meshes": Code(
+        1,
+        _below(
+            "assets",
+            *("atlas", "materials", "mesh_builder", "mesh_cache", "ontology", "paint", "palette", "panels", "priors"),
+            *("recipe", "recipes", "shapes"),
+        ),
+        ("datatypes",),
+    ),
+    # The records of all assets, their hulls, and what an instance makes of its base shape.
+    "catalogue": Code(
+        1,
+        _below(
+            "assets",
+            *("base_shapes", "catalogue", "glb", "hulls", "index", "instances", "physical", "record_texts", "store"),
+            *("tints", "user_store"),
+        ),
+        ("meshes",),
+    ),
+    # Ground materials and skies, and the numbers by which they are compared.
+    "appearances": Code(
+        1,
+        _below(
+            "assets",
+            *("collection", "descriptors", "ground_materials", "ground_patterns", "grounds", "looks", "noise"),
+            *("skies", "sky_maps"),
+        ),
+        ("catalogue",),
+    ),
+    "thumbnails": Code(1, _below("assets", "gallery", "thumbnails"), ("catalogue",)),
+    # Layouts; the number stands in their hashes.
+    "cousins": Code(
+        3,
+        (
+            "materialisation",
+            *_below("assets", "annotations", "integrity", "labels", "matching", "neural", "search", "semantics"),
+        ),
+        ("appearances", "thumbnails"),
+    ),
+    "scenes": Code(
+        1,
+        (
+            *("scene", "robots", "pipeline.scenes", "pipeline.generation.compiling"),
+            *_below("assets", "agents", "decompose", "rigid_body", "usd_parts"),
+        ),
+        ("cousins",),
+    ),
+    "bank": Code(1, ("pipeline.banks",), ("scenes",)),
+    "rendering": Code(1, _below("simulation", "rendering", "warp_bridge"), ("datatypes",)),
+    # Pictures and numbers on the page of scenes.
+    "cards": Code(2, _below("viz", "graphs", "pictures", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
+    # Frames and recordings from videos.
+    "perception": Code(
+        1,
+        (
+            *("distillation.perception", "distillation.eye", "assets.importing.vision"),
+            *_below("pipeline.generation", "listing", "perceiving", "seeing", "tours"),
+        ),
+        ("imports",),
+        _below("distillation.eye", "augment", "score", "targets", "views"),
+    ),
+    "distillation": Code(
+        1,
+        ("distillation", "pipeline.generation.distilling", "assets.label_priors"),
+        ("appearances",),
+        _below("distillation", "eye", "fit_trust", "perception", "readers", "train_eye"),
+    ),
+    "report": Code(
+        1,
+        (
+            *_below("pipeline.generation", "records", "report", "report_map", "report_pictures"),
+            *_below("viz", "graphs", "pictures"),
+        ),
+        ("cousins", "rendering"),
+    ),
+    # The stages of a run; what each calls has a number of its own.
+    "generation": Code(1, ("pipeline.generation.stages",), ("bank", "distillation", "perception", "report")),
+    # The scenes of the library.
+    "library": Code(1, ("pipeline.library.building",), ("bank",)),
+    # The user's assets from files.
+    "imports": Code(1, ("assets.importing", *_below("assets", "decompose", "rigid_body")), ("catalogue", "thumbnails")),
+    # Where the agents of a scene may go, and how far a robot is from what surrounds it.
+    "crowds": Code(1, ("crowds", "envs.navigation.living_tables"), ("datatypes",)),
+    "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),
+    # Blocks after the statistics of a city; the number seeds them.
+    "blocks": Code(1, ("citygen.cities", *_below("citygen", "catalogue", "passage", "section")), ("cousins",)),
+}
+
+
+def of(*names: str) -> dict[str, int]:
+    """The versions of some code and of all that it uses, by name: what a key holds in place of that code.
+
+    Raises:
+      KeyError: no code of that name.
+    """
+    found: dict[str, int] = {}
+    waiting = list(names)
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found[name] = CODE[name].version
+            waiting += CODE[name].uses
+    return dict(sorted(found.items()))
