@@ -1,56 +1,50 @@
-"""Trains a privileged teacher and a camera student on many streets, and scores both on streets never trained on.
+"""Trains a privileged teacher, then a camera student by imitation and PPO, and scores both on unseen streets.
 
-    python -m benchmarks.generalise --banks procedural.npz craftbench.npz --out runs/g --teacher-seconds 300
-    python -m benchmarks.generalise --banks ... --out runs/g2 --teacher runs/g/teacher --memory 0
+    python -m benchmarks.generalise teacher --train procedural/bank.npz --test craftbench/bank.npz --out runs/teacher
+    python -m benchmarks.generalise student --train procedural/bank.npz --test craftbench/bank.npz --out runs/student \
+        --teacher runs/teacher
 
-Streets of the first bank are trained on but for the last `--holdout`, which are the validation streets; CraftBench
-and AutoBench, where a bank's path names them, are driven at the end. Writes log.jsonl, result.json, the teacher's
-policy folder and student.msgpack.
+The last `--holdout` streets of the first bank to train on are validation streets, as is a bank to test named
+`validation`; other banks to test are driven at the end alone, by their frozen protocols. A bank's name is that of its
+folder. A student that is started beside its teacher compiles while it waits for it. Writes log.jsonl, result.json and
+policy folders to `--out`.
 """
 
 import argparse
-import copy
 import json
 import pathlib
 import sys
+import threading
 import time
 from typing import Any
 
 import jax
-import jax.numpy as jnp
-import numpy as np
 from ml_collections import ConfigDict
 
+from benchmarks.lib.unseen import Suite
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
-from urbanverse_mjx.envs.navigation.draws import OFF, Randomization
-from urbanverse_mjx.evaluation import benchmark
-from urbanverse_mjx.evaluation.frozen import Protocol
-from urbanverse_mjx.evaluation.rollouts import EpisodeSet, result_counts
-from urbanverse_mjx.evaluation.scores import over_scenes
+
+ENVIRONMENT = "CocoNav"
 
 
 class TimeUp(Exception):
     """The seconds of a stage are over."""
 
 
-def log(folder: pathlib.Path, begin: float, **values: Any) -> None:
-    """Appends a line to log.jsonl and prints it."""
-    line = json.dumps({"t": round(time.monotonic() - begin, 1), **values})
-    with (folder / "log.jsonl").open("a", encoding="utf-8") as file:
-        file.write(line + "\n")
-    print(line, file=sys.stderr, flush=True)
+class Log:
+    """Lines of log.jsonl in a folder, with the seconds since this began."""
 
+    def __init__(self, folder: pathlib.Path) -> None:
+        self.folder, self.begin = folder, time.monotonic()
+        folder.mkdir(parents=True, exist_ok=True)
 
-def for_scoring(env: Any, bank: SceneBank) -> Any:
-    """The same environment over other episode tables of the same scenes, with everything as the bank describes it."""
-    other = copy.copy(env)
-    other.bank = bank
-    other._randomization = Randomization(ConfigDict(OFF))
-    names = ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
-    other._episodes = {name: jnp.asarray(getattr(bank, name)) for name in names}
-    return other
+    def __call__(self, **values: Any) -> None:
+        line = json.dumps({"t": round(time.monotonic() - self.begin, 1), **values})
+        with (self.folder / "log.jsonl").open("a", encoding="utf-8") as file:
+            file.write(line + "\n")
+        print(line, file=sys.stderr, flush=True)
 
 
 def _one_device_pmap(function: Any, axis_name: Any = None, in_axes: Any = 0, donate_argnums: Any = (), **_: Any) -> Any:
@@ -58,183 +52,212 @@ def _one_device_pmap(function: Any, axis_name: Any = None, in_axes: Any = 0, don
     return jax.jit(jax.vmap(function, in_axes=in_axes, axis_name=axis_name), donate_argnums=donate_argnums)
 
 
-def make_validation(env: Any, student: Any, episodes: EpisodeSet, chunk: int = 20) -> Any:
-    """params -> (share of episodes that arrive, by result) over fixed episodes, compiled once."""
-    scenes, rows = jnp.asarray(episodes.scenes), jnp.asarray(episodes.episodes)
-    start = jax.jit(lambda: jax.vmap(env.begin_at)(episodes.keys(), scenes, rows))
-
-    @jax.jit
-    def drive(params: Any, nav: Any, memory: Any) -> Any:
-        def step(carry: Any, _: None) -> Any:
-            nav, memory = carry
-            obs = jax.vmap(env.observe)(nav)
-            seen = {name: x[None] for name, x in obs.items()}
-            action, memory, _ = student.apply(params, seen, memory, jnp.zeros((1, len(scenes)), bool))
-            new = jax.vmap(lambda n, a: env.advance(n, a)[0])(nav, action[0])
-            going = nav.result == 0
-            nav = jax.tree.map(
-                lambda a, b: (
-                    jnp.where(going.reshape(-1, *[1] * (a.ndim - 1)), a, b)
-                    if not jnp.issubdtype(a.dtype, jax.dtypes.prng_key)
-                    else a
-                ),
-                new,
-                nav,
-            )
-            return (nav, memory), None
-
-        return jax.lax.scan(step, (nav, memory), None, length=chunk)[0]
-
-    def validate(params: Any) -> dict[str, float]:
-        nav, memory = start(), student.first_memory(len(scenes))
-        for _ in range(-(-env.config.episode_length // chunk)):
-            nav, memory = drive(params, nav, memory)
-            if (np.asarray(nav.result) != 0).all():
-                break
-        result = np.asarray(nav.result)
-        return {name: float((result == code).mean()) for name, code in (("success", 1), ("hit", 2), ("timeout", 6))}
-
-    return validate
-
-
-class Suite:
-    """Episodes of the validation streets and of frozen benchmarks, driven side by side.
-
-    Args:
-      bank: all scenes. held: ids of the validation streets. count: episodes on them. names: of benchmarks.
-    """
-
-    def __init__(self, bank: SceneBank, held: list[str], count: int, names: list[str]) -> None:
-        self.bank, self.sets, parts = bank, {"validation": set(held)}, []
-        for name in names:
-            runs = Protocol.load(settings.protocol_root() / f"{name}.json").on(self.bank, "full")
-            self.bank, self.sets[name] = runs.bank, set(runs.scenes)
-            parts.append(runs.episodes)
-        rows = np.array([bank.scene_ids.index(name) for name in held], np.int32)
-        each = -(-count // len(rows))
-        places = [np.linspace(0, int(self.bank.num_episodes[r]) - 1, each).round().astype(np.int32) for r in rows]
-        self.validation = EpisodeSet(np.repeat(rows, each), np.concatenate(places))
-        seeds = np.arange(len(self.validation), dtype=np.uint32)
-        parts.append(EpisodeSet(self.validation.scenes, self.validation.episodes, 0, seeds))
-        arrays = [np.concatenate([getattr(part, k) for part in parts]) for k in ("scenes", "episodes")]
-        self.episodes = EpisodeSet(arrays[0], arrays[1], 0, np.concatenate([part.seeds for part in parts]))
-
-    def score(self, env: Any, name: str, agent: Any) -> dict[str, Any]:
-        """The benchmark's table of one agent for each set."""
-        count = len(self.episodes)
-        results = benchmark.drive(for_scoring(env, self.bank), name, agent, self.episodes, False, count).results
-        parts = {k: [r for r in results if r.scene in scenes] for k, scenes in self.sets.items()}
-        return {
-            k: {"summary": over_scenes(part), "ends": result_counts(part), "by_scene": benchmark.by_scene(part)}
-            for k, part in parts.items()
-        }
-
-
-def train_teacher(args: argparse.Namespace, env: Any, out: pathlib.Path, begin: float) -> pathlib.Path:
-    """PPO of the camera-less teacher until its seconds are over; returns its newest policy."""
-    from urbanverse_mjx.training import run as training
+def teacher_config(args: argparse.Namespace) -> ConfigDict:
+    """PPO of the camera-less teacher."""
     from urbanverse_mjx.training.config import default_ppo_config
-    from urbanverse_mjx.training.policy import latest_policy
 
     config = default_ppo_config("fast").copy_and_resolve_references().unlock()
     config.num_envs, config.unroll_length = args.num_envs, 32
     config.minibatch = args.num_envs * 32 // 8
-    config.num_timesteps = args.teacher_steps
-    config.num_checkpoints = args.teacher_checkpoints
+    config.num_timesteps = args.steps or 100_000_000
+    config.num_checkpoints = args.checkpoints
     config.discounting = 0.99
     config.seed = args.seed
     config.network = {"map_layers": ((32, 4, 2), (64, 4, 2)) if args.map else (), "hidden": (256, 256, 128)}
-    save, limit = training.save_policy, time.monotonic() + args.teacher_seconds
+    return config
+
+
+def train_teacher(args: argparse.Namespace, env: Any, log: Log) -> pathlib.Path:
+    """PPO until the seconds are over; returns the newest policy."""
+    from urbanverse_mjx.training import run as training
+    from urbanverse_mjx.training.policy import latest_policy
+
+    save, limit = training.save_policy, time.monotonic() + args.seconds
 
     def limited(*given: Any) -> pathlib.Path:
         path = save(*given)
-        log(out, begin, teacher_steps=given[2].steps)
+        log(teacher_steps=given[2].steps)
         if time.monotonic() > limit:
             raise TimeUp
         return path
 
     training.save_policy = limited
     try:
-        training.train("CocoNav", env, config, out / "teacher", quiet=True)
+        training.train(ENVIRONMENT, env, teacher_config(args), args.out / "training", quiet=True)
     except TimeUp:
         pass
     finally:
         training.save_policy = save
-    rows = [json.loads(line) for line in (out / "teacher" / "log.jsonl").read_text().splitlines()]
+    rows = [json.loads(line) for line in (args.out / "training" / "log.jsonl").read_text().splitlines()]
     for row in rows[:: max(1, len(rows) // 12)] + rows[-1:]:
-        chosen = {
-            k: row[k] for k in ("step", "seconds", "episode/success", "episode/hit", "steps_per_second") if k in row
-        }
-        log(out, begin, **chosen)
-    return latest_policy(out / "teacher")
+        log(**{k: row[k] for k in ("step", "seconds", "episode/success", "steps_per_second") if k in row})
+    return latest_policy(args.out / "training")
 
 
-def train_student(
-    args: argparse.Namespace, env: Any, teach: Any, suite: Suite, begin: float, result: dict[str, Any]
-) -> None:
-    """DAgger until the student's seconds are over; its parameters and scores go to `args.out`."""
-    from flax import serialization
+class StudentTraining:
+    """Imitation, then PPO; the parameters that do best on the validation streets are kept in each stage."""
 
-    from urbanverse_mjx.training import dagger
-    from urbanverse_mjx.training.policy import PolicySpec, save_student
-    from urbanverse_mjx.training.student import StudentPolicy
+    def __init__(self, args: argparse.Namespace, env: Any, suite: Suite, log: Log) -> None:
+        from urbanverse_mjx.training import dagger, finetune
+        from urbanverse_mjx.training.policy import initial_params, network_factory
 
-    out = args.out
-    log(out, begin, environment="student")
-    config = dagger.default_dagger_config()
-    config.num_envs, config.seed, config.network.memory = args.num_envs, args.seed, args.memory
-    for text in args.set:
-        name, value = text.split("=")
-        config.update_from_flattened_dict({name: json.loads(value)})
-    learner = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
-    validate = make_validation(for_scoring(env, suite.bank), learner.student, suite.validation)
+        self.args, self.env, self.suite, self.log = args, env, suite, log
+        self.dagger_config = dagger.default_dagger_config()
+        self.dagger_config.update({"num_envs": args.num_envs, "seed": args.seed})
+        self.dagger_config.network.memory = args.memory
+        self.finetune_config = finetune.default_finetune_config()
+        self.finetune_config.update({"num_envs": args.num_envs, "seed": args.seed + 1})
+        for config, options in ((self.dagger_config, args.set), (self.finetune_config, args.set_finetune)):
+            for text in options:
+                name, value = text.split("=")
+                config.update_from_flattened_dict({name: json.loads(value)})
+        sizes = {name: tuple(shape) for name, shape in env.observation_size.items()}
+        teacher = teacher_config(args)
+        from brax.training.agents.ppo import networks as ppo_networks
 
-    def on_iteration(number: int, state: Any, said: dict[str, float]) -> None:
-        if number % 10 == 1 or number < 4:
-            log(out, begin, iteration=number, steps=number * learner.steps_per_iteration, **_rounded(said))
-        if number % args.validate_every == 0:
-            log(out, begin, iteration=number, validation=_rounded(validate(state.params)))
-            (out / "student.msgpack").write_bytes(serialization.to_bytes(state.params))
+        make = ppo_networks.make_inference_fn(network_factory(teacher)(sizes, env.action_size))
 
-    params = None
-    if args.start is not None:
-        params = serialization.msgpack_restore(args.start.read_bytes())
-    state = dagger.run(learner, args.student_iterations, args.student_seconds, on_iteration, params)
-    (out / "student.msgpack").write_bytes(serialization.to_bytes(state.params))
-    spec = PolicySpec.of("CocoNav", env, config, int(state.steps) * learner.steps_per_iteration)
-    save_student(out / "student", state.params, spec)
-    result["steps"] = int(state.steps) * learner.steps_per_iteration
-    params = state.params
-    del state
-    agent = StudentPolicy(learner.student, params)
-    result["student"] = suite.score(env, "student", agent)
-    log(out, begin, student={k: brief(x) for k, x in result["student"].items()}, steps=result["steps"])
-    (out / "result.json").write_text(json.dumps(result))
-    log(out, begin, done=True)
+        def teach(params: Any, obs: Any, key: Any) -> Any:
+            return make((None, params, None), deterministic=True)(obs, key)[0]
+
+        _, actor, _ = initial_params(sizes, env.action_size, teacher, 0)
+        wrapped = wrap_for_training(env, env.config.episode_length)
+        self.imitation = dagger.Dagger(wrapped, teach, self.dagger_config, actor)
+        self.ppo = finetune.Finetune(wrapped, teach, self.dagger_config, self.finetune_config, actor)
+        self.validation = [name for name in suite.scenes if name.startswith("validation")]
+        self.rates = suite.quick(env, self.imitation.student, self.validation)
+        self.steps = 0
+
+    def compile(self) -> None:
+        """All that is trained with, before the teacher is there."""
+        self.imitation.compile()
+        self.log(compiled="imitation")
+
+    def compile_finetune(self) -> threading.Thread:
+        """Beside the imitation, in a thread of its own."""
+        shapes = jax.eval_shape(self.imitation.begin).params
+
+        def work() -> None:
+            self.ppo.compile(shapes)
+            self.log(compiled="finetune")
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        return thread
+
+    def stage(self, name: str, learner: Any, state: Any, seconds: float, iterations: int) -> tuple[Any, Any]:
+        """Iterates; returns the actor's best parameters on the validation streets, and the last."""
+        from urbanverse_mjx.training import sequences
+
+        best: list[Any] = [-1.0, None]
+
+        def actor_of(state: Any) -> Any:
+            return state.params["actor"] if name == "finetune" else state.params
+
+        def validate(number: int, state: Any) -> None:
+            rates = self.rates(actor_of(state))
+            mean = sum(rates.values()) / len(rates)
+            if mean > best[0]:
+                best[:] = mean, jax.device_get(actor_of(state))
+            self.log(stage=name, iteration=number, **_rounded(rates), best=round(best[0], 4))
+
+        def on_iteration(number: int, state: Any, reported: dict[str, float]) -> None:
+            steps = number * learner.steps_per_iteration
+            if number % 10 == 1 or number < 4:
+                self.log(stage=name, iteration=number, steps=steps, **_rounded(reported))
+            if number % every == 0:
+                validate(number, state)
+
+        every = self.args.validate_every if name == "student" else max(self.args.validate_every // 2, 1)
+        if name == "finetune":
+            validate(0, state)
+        state = sequences.run(learner, iterations, seconds, on_iteration, state)
+        validate(int(state.steps), state)
+        self.steps += int(state.steps) * learner.steps_per_iteration
+        return best[1], jax.device_get(actor_of(state))
+
+    def save(self, name: str, params: Any) -> None:
+        from urbanverse_mjx.training.policy import PolicySpec, save_student
+
+        said = ConfigDict(self.dagger_config.to_dict() | {"finetune": self.finetune_config.to_dict()})
+        config = said if name == "finetuned" else self.dagger_config
+        save_student(self.args.out / name, params, PolicySpec.of(ENVIRONMENT, self.env, config, self.steps))
+
+    def run(self) -> dict[str, Any]:
+        """The parameters of each stage, by its name."""
+        from flax import serialization
+
+        from urbanverse_mjx.training.policy import latest_policy, load_params
+
+        args = self.args
+        self.compile()
+        while not (args.teacher / "done").exists():
+            time.sleep(0.5)
+        folder = latest_policy(args.teacher / "training")
+        self.log(teacher=folder.name)
+        actor = jax.tree.map(jax.numpy.asarray, load_params(folder)[1])
+        self.imitation.teacher_params = self.ppo.teacher_params = actor
+        thread = self.compile_finetune() if args.finetune_seconds > 0 else None
+        if args.start is None:
+            start = self.imitation.begin()
+        else:
+            start = self.imitation.begin(serialization.msgpack_restore(args.start.read_bytes()))
+        best, last = self.stage("student", self.imitation, start, args.seconds, args.steps or 100_000)
+        del start
+        self.save("student", best)
+        made = {"student": best, "student_last": last}
+        if thread is not None:
+            thread.join()
+            state = self.ppo.begin(best)
+            made["finetuned"], _ = self.stage(
+                "finetune", self.ppo, state, args.finetune_seconds, args.finetune_steps or 100_000
+            )
+            self.save("finetuned", made["finetuned"])
+        return made
 
 
 def arguments() -> argparse.Namespace:
     cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    cli.add_argument("--banks", nargs="+", type=pathlib.Path, required=True)
+    cli.add_argument("role", choices=("teacher", "student"))
+    cli.add_argument("--train", nargs="+", type=pathlib.Path, required=True, help="banks to train on")
+    cli.add_argument("--test", nargs="*", type=pathlib.Path, default=[], help="banks of frozen benchmarks")
     cli.add_argument("--out", type=pathlib.Path, required=True)
     cli.add_argument("--holdout", type=int, default=16)
-    cli.add_argument("--teacher", type=pathlib.Path, help="a trained one; waited for until TEACHER/done exists")
-    cli.add_argument("--teacher-seconds", type=float, default=300.0)
-    cli.add_argument("--teacher-steps", type=int, default=100_000_000)
-    cli.add_argument("--teacher-checkpoints", type=int, default=25)
-    cli.add_argument("--no-map", dest="map", action="store_false")
-    cli.add_argument("--student-seconds", type=float, default=700.0)
-    cli.add_argument("--student-iterations", type=int, default=4000)
-    cli.add_argument("--validate-every", type=int, default=60)
-    cli.add_argument("--start", type=pathlib.Path, help="parameters of a student (student.msgpack) to go on from")
-    cli.add_argument("--memory", type=int, default=256)
+    cli.add_argument("--teacher", type=pathlib.Path, help="its --out; waited for until it is done")
+    cli.add_argument("--no-map", dest="map", action="store_false", help="a teacher without the map of its surroundings")
+    cli.add_argument("--seconds", type=float, default=300.0, help="of training")
+    cli.add_argument("--steps", type=int, help="at most: env-steps of a teacher, iterations of a student")
+    cli.add_argument("--checkpoints", type=int, default=25)
+    cli.add_argument("--finetune-seconds", type=float, default=0.0, help="of PPO after the imitation")
+    cli.add_argument("--finetune-steps", type=int, help="iterations at most")
+    cli.add_argument("--validate-every", type=int, default=60, help="iterations")
+    cli.add_argument("--validation-episodes", type=int, default=256, help="of each set of validation streets")
+    cli.add_argument("--start", type=pathlib.Path, help="parameters of a student (msgpack) to go on from")
+    cli.add_argument("--memory", type=int, default=0)
     cli.add_argument("--num-envs", type=int, default=4096)
     cli.add_argument("--seed", type=int, default=0)
     cli.add_argument("--impl", default="warp")
     cli.add_argument("--size", default="54x96")
-    cli.add_argument("--validation-episodes", type=int, default=512)
-    cli.add_argument("--set", nargs="*", default=[], help="dagger options, such as mirror=false")
+    cli.add_argument("--env", nargs="*", default=[], help="environment options, such as ctrl_dt=0.1")
+    cli.add_argument("--set", nargs="*", default=[], help="options of the imitation, such as mirror=false")
+    cli.add_argument("--set-finetune", nargs="*", default=[], help="options of the PPO after it")
     return cli.parse_args()
+
+
+def load(args: argparse.Namespace, log: Log) -> tuple[SceneBank, list[str], Suite]:
+    """All scenes, ids of those to train on, and the unseen ones."""
+    train = [SceneBank.load(path) for path in args.train]
+    test = {path.parent.name: SceneBank.load(path) for path in args.test}
+    bank = bank_join.join([*train, *test.values()]) if len(train) + len(test) > 1 else train[0]
+    ids = [name for part in train for name in part.scene_ids]
+    first = list(train[0].scene_ids)
+    held = {"validation_procedural": first[-args.holdout :]}
+    if "validation" in test:
+        held["validation_composed"] = list(test.pop("validation").scene_ids)
+    chosen = [name for name in ids if name not in held["validation_procedural"]]
+    frozen = [name for name in test if (settings.protocol_root() / f"{name}.json").is_file()]
+    log(loaded=bank.num_scenes, trained=len(chosen), held={k: len(x) for k, x in held.items()}, frozen=frozen)
+    return bank, chosen, Suite.of(bank, held, args.validation_episodes, frozen)
 
 
 def main() -> int:
@@ -243,52 +266,40 @@ def main() -> int:
     if hasattr(jax.config, "jax_use_simplified_jaxpr_constants"):
         jax.config.update("jax_use_simplified_jaxpr_constants", True)
     jax.pmap = _one_device_pmap  # type: ignore[assignment]
-    begin, out, result = time.monotonic(), args.out, {}
-    out.mkdir(parents=True, exist_ok=True)
-    banks = [SceneBank.load(path) for path in args.banks]
-    names = [list(bank.scene_ids) for bank in banks]
-    bank = bank_join.join(banks) if len(banks) > 1 else banks[0]
-    trained, held = names[0][: -args.holdout], names[0][-args.holdout :]
-    log(out, begin, loaded=bank.num_scenes, trained=len(trained), held=len(held))
-
+    log = Log(args.out)
+    bank, chosen, suite = load(args, log)
     height, width = (int(n) for n in args.size.split("x"))
     overrides = {
         "preset": "fast",
         "impl": args.impl,
-        "scenes": ",".join(trained),
+        "scenes": ",".join(chosen),
         "observations.privileged_map": True,
         "observations.proprio": True,
-        "vision": False,
+        "vision": args.role == "student",
         "vision_config.height": height,
         "vision_config.width": width,
     }
-    known = [name for name in ("craftbench", "autobench") if any(name in str(path) for path in args.banks[1:])]
-    suite = Suite(bank, held, args.validation_episodes, known)
+    overrides |= {name: json.loads(value) for name, value in (text.split("=") for text in args.env)}
+    env = registry.load(ENVIRONMENT, config_overrides=overrides, bank=bank)
+    log(environment=args.role)
+    result: dict[str, Any] = {}
+    if args.role == "teacher":
+        from urbanverse_mjx.training.policy import load_policy
 
-    from urbanverse_mjx.training.policy import latest_policy, load_policy
-
-    env = None
-    if args.teacher is None:
-        env = registry.load("CocoNav", config_overrides=overrides, bank=bank)
-        log(out, begin, environment="teacher")
-        folder = train_teacher(args, env, out, begin)
-        (out / "teacher" / "done").write_text(str(folder.name))
+        folder = train_teacher(args, env, log)
+        (args.out / "done").write_text(folder.name)
+        agents = {"teacher": load_policy(folder)[0]}
     else:
-        while not (args.teacher / "done").exists():
-            time.sleep(1.0)
-        folder = latest_policy(args.teacher)
-    teach, spec = load_policy(folder)
-    log(out, begin, teacher=str(folder), steps=spec.steps)
-    if args.teacher is None:
-        result["teacher"] = suite.score(env, "teacher", teach)
-        log(out, begin, teacher={k: brief(x) for k, x in result["teacher"].items()})
-    (out / "result.json").write_text(json.dumps(result))
-    del env
-    if args.student_seconds <= 0:
-        return 0
+        from urbanverse_mjx.training.student import StudentPolicy
 
-    env = registry.load("CocoNav", config_overrides={**overrides, "vision": True}, bank=bank)
-    train_student(args, env, teach, suite, begin, result)
+        training = StudentTraining(args, env, suite, log)
+        agents = {k: StudentPolicy(training.imitation.student, p) for k, p in training.run().items()}
+        result["steps"] = training.steps
+    for name, agent in reversed(agents.items()):
+        result[name] = suite.score(env, name, agent)
+        log(**{name: {k: brief(x) for k, x in result[name].items()}})
+        (args.out / "result.json").write_text(json.dumps(result))
+    log(done=True)
     return 0
 
 

@@ -7,13 +7,14 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import NavEnv, wrap_for_training
 from urbanverse_mjx.envs.navigation.env import MAP_PROBES
 from urbanverse_mjx.evaluation import Rollout, blank_image, fixed_episodes
-from urbanverse_mjx.training import dagger
+from urbanverse_mjx.training import dagger, sequences, snapshot
 from urbanverse_mjx.training.map_networks import MAP_SHAPE
 from urbanverse_mjx.training.networks import PIXELS
 from urbanverse_mjx.training.policy import PolicySpec, load_policy, save_student, untrained_policy
@@ -104,11 +105,11 @@ def test_proprioception_and_the_map_tell_speeds_last_action_and_distances(small_
 def test_seen_in_a_mirror_twice_is_seen_as_it_is() -> None:
     obs = {k: x[0] for k, x in some_observations(1, 4).items()}
     mirrored = jnp.array([True, False, True, False])
-    once = dagger._mirrored_view(obs, mirrored)
+    once = sequences.mirrored_view(obs, mirrored)
     np.testing.assert_array_equal(once[PIXELS][0], obs[PIXELS][0, :, ::-1])
     np.testing.assert_array_equal(once["goal"][0], obs["goal"][0] * jnp.array([1, -1]))
     np.testing.assert_array_equal(once["proprio"][0], obs["proprio"][0] * jnp.array([1, -1, -1, 1, -1]))
-    for name, twice in dagger._mirrored_view(once, mirrored).items():
+    for name, twice in sequences.mirrored_view(once, mirrored).items():
         np.testing.assert_array_equal(twice, obs[name])
         np.testing.assert_array_equal(once[name][1], obs[name][1])
 
@@ -122,13 +123,15 @@ def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
     config.update({"num_envs": 8, "unroll_length": 8, "minibatches": 2, "learning_rate": 3e-3, "warm_up": 0})
     config.network.update({"layers": LAYERS, "hidden": 32, "memory": 8, "bfloat16": False})
 
-    def teach(obs: Mapping[str, jax.Array], key: jax.Array) -> jax.Array:
-        del key
+    def teach(params: None, obs: Mapping[str, jax.Array], key: jax.Array) -> jax.Array:
+        del params, key
         return obs["goal"] / jnp.maximum(jnp.linalg.norm(obs["goal"], axis=-1, keepdims=True), 1e-6)
 
     losses = []
     learner = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
-    state = dagger.run(learner, 60, float("inf"), lambda number, state, said: losses.append(said["imitation"]))
+    state = sequences.run(
+        learner, 60, float("inf"), lambda number, state, said: losses.append(said["imitation"]), learner.begin()
+    )
     assert np.mean(losses[-5:]) < 0.3 * np.mean(losses[:3])
 
     spec = PolicySpec.of("CocoNav", env, config, 60 * learner.steps_per_iteration)
@@ -158,3 +161,36 @@ def test_a_rollout_keeps_what_each_agent_remembers(small_bank: SceneBank) -> Non
     assert (moved[:3, :3] > 0.05).all()
     assert (moved[4:, :3] < 1e-6).all()
     assert (moved[3, 3:] > 0.05).any()
+
+
+def test_a_training_cut_in_two_ends_with_the_digits_of_one(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+    env = seeing_env(small_bank)
+    config = dagger.default_dagger_config()
+    config.update({"num_envs": 4, "unroll_length": 4, "minibatches": 2, "warm_up": 100})
+    config.network.update({"layers": LAYERS, "hidden": 16, "memory": 8, "bfloat16": False})
+
+    def teach(params: None, obs: Mapping[str, jax.Array], key: jax.Array) -> jax.Array:
+        del params
+        return jnp.clip(obs["goal"] + jax.random.normal(key, obs["goal"].shape), -1.0, 1.0)
+
+    learner = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
+    learner.compile()
+    kept: list[pathlib.Path] = []
+
+    def on_iteration(number: int, state: dagger.DaggerState, reported: dict[str, float]) -> None:
+        if number == 3:
+            kept.append(snapshot.save_state(tmp_path / "state.npz", state))
+
+    whole = sequences.run(learner, 7, float("inf"), on_iteration, learner.begin())
+    state = snapshot.load_state(kept[0], jax.eval_shape(learner.begin))
+    assert int(state.steps) == 3
+    again = sequences.run(learner, 7, float("inf"), lambda *_: None, state)
+    a, b = (snapshot.save_state(tmp_path / f"{k}.npz", x) for k, x in enumerate((whole, again)))
+    assert a.read_bytes() == b.read_bytes()
+
+    config.network.hidden = 24
+    other = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
+    with pytest.raises(NounError, match="other shapes"):
+        snapshot.load_state(a, jax.eval_shape(other.begin))
+    with pytest.raises(NounError, match="found no file"):
+        snapshot.load_state(tmp_path / "none.npz", whole)

@@ -218,6 +218,16 @@ def make_policy_function(
     return lambda obs, key: act(obs, key)[0]
 
 
+def parametric_policy(spec: PolicySpec) -> Callable[[Any, Any, jax.Array], jax.Array]:
+    """(parameters, observations, key) -> deterministic actions, for networks of `spec` with any parameters of theirs
+    (see `load_params`)."""
+    from brax.training.agents.ppo import networks as ppo_networks
+
+    sizes = {name: tuple(shape) for name, shape in spec.observations.items()}
+    make = ppo_networks.make_inference_fn(network_factory(ConfigDict(spec.ppo_config))(sizes, spec.action_size))
+    return lambda params, obs, key: make((None, *params[1:]), deterministic=True)(obs, key)[0]
+
+
 def initial_params(observations: dict[str, Any], action_size: int, ppo_config: ConfigDict, seed: int) -> Any:
     """Parameters before any training."""
     nets = network_factory(ppo_config)({k: tuple(s) for k, s in observations.items()}, action_size)

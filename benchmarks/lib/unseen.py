@@ -1,0 +1,115 @@
+"""Streets that a policy was not trained on: fixed episodes on them, driven during and after its training."""
+
+import copy
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from ml_collections import ConfigDict
+
+from urbanverse_mjx import settings
+from urbanverse_mjx.datatypes import SceneBank
+from urbanverse_mjx.envs.navigation.draws import OFF, Randomization
+from urbanverse_mjx.envs.types import Result
+from urbanverse_mjx.evaluation import benchmark
+from urbanverse_mjx.evaluation.frozen import Protocol
+from urbanverse_mjx.evaluation.rollouts import EpisodeSet, result_counts
+from urbanverse_mjx.evaluation.scores import over_scenes
+
+
+def for_scoring(env: Any, bank: SceneBank) -> Any:
+    """The same environment over other episode tables of the same scenes, with everything as the bank describes it."""
+    other = copy.copy(env)
+    other.bank = bank
+    other._randomization = Randomization(ConfigDict(OFF))
+    names = ("episode_start", "episode_goal", "episode_waypoints", "episode_num_waypoints")
+    other._episodes = {name: jnp.asarray(getattr(bank, name)) for name in names}
+    return other
+
+
+def _joined(parts: Sequence[EpisodeSet]) -> EpisodeSet:
+    scenes, rows = (np.concatenate([getattr(part, k) for part in parts]) for k in ("scenes", "episodes"))
+    return EpisodeSet(scenes, rows, 0, np.concatenate([np.asarray(part.seeds) for part in parts]))
+
+
+@dataclasses.dataclass(frozen=True)
+class Suite:
+    """Fixed episodes of several sets of scenes, driven side by side.
+
+    Attributes:
+      bank: all scenes, with the episode tables of the frozen benchmarks among them.
+      scenes: of each set, by its name. episodes: of each set.
+    """
+
+    bank: SceneBank
+    scenes: Mapping[str, frozenset[str]]
+    episodes: Mapping[str, EpisodeSet]
+
+    @staticmethod
+    def of(bank: SceneBank, held: Mapping[str, Sequence[str]], count: int, frozen: Sequence[str]) -> "Suite":
+        """`count` episodes of each set of scenes `held`, evenly from their tables; and benchmarks, protocol full."""
+        scenes, episodes = {}, {}
+        for name in frozen:
+            runs = Protocol.load(settings.protocol_root() / f"{name}.json").on(bank, "full")
+            bank, scenes[name], episodes[name] = runs.bank, frozenset(runs.scenes), runs.episodes
+        for name, ids in held.items():
+            rows = np.array([bank.scene_ids.index(k) for k in ids], np.int32)
+            each = -(-count // len(rows))
+            places = [np.linspace(0, int(bank.num_episodes[r]) - 1, each).round().astype(np.int32) for r in rows]
+            seeds = np.arange(each * len(rows), dtype=np.uint32)
+            scenes[name] = frozenset(ids)
+            episodes[name] = EpisodeSet(np.repeat(rows, each), np.concatenate(places), 0, seeds)
+        return Suite(bank, scenes, episodes)
+
+    def score(self, env: Any, name: str, agent: Any) -> dict[str, Any]:
+        """The benchmark's table of one agent for each set."""
+        episodes = _joined(list(self.episodes.values()))
+        run = benchmark.drive(for_scoring(env, self.bank), name, agent, episodes, False, len(episodes))
+        parts = {k: [r for r in run.results if r.scene in ids] for k, ids in self.scenes.items()}
+        return {
+            k: {"summary": over_scenes(part), "ends": result_counts(part), "by_scene": benchmark.by_scene(part)}
+            for k, part in parts.items()
+        }
+
+    def quick(self, env: Any, student: Any, names: Sequence[str], chunk: int = 20) -> Callable[[Any], dict[str, float]]:
+        """params of a student -> success rate in each of the named sets; compiled once, for use during a training."""
+        env = for_scoring(env, self.bank)
+        chosen = _joined([self.episodes[name] for name in names])
+        sizes = [len(self.episodes[name]) for name in names]
+        start = jax.jit(
+            lambda: jax.vmap(env.begin_at)(chosen.keys(), jnp.asarray(chosen.scenes), jnp.asarray(chosen.episodes))
+        )
+
+        @jax.jit
+        def drive(params: Any, nav: Any, memory: Any) -> Any:
+            def step(carry: Any, _: None) -> Any:
+                nav, memory = carry
+                obs = jax.vmap(env.observe)(nav)
+                seen = {name: x[None] for name, x in obs.items()}
+                action, memory, _ = student.apply(params, seen, memory, jnp.zeros((1, len(chosen)), bool))
+                new = jax.vmap(lambda n, a: env.advance(n, a)[0])(nav, action[0])
+                going = nav.result == Result.RUNNING
+                return (jax.tree.map(lambda a, b: _where(going, a, b), new, nav), memory), None
+
+            return jax.lax.scan(step, (nav, memory), None, length=chunk)[0]
+
+        def rates(params: Any) -> dict[str, float]:
+            nav, memory = start(), student.first_memory(len(chosen))
+            for _ in range(-(-env.config.episode_length // chunk)):
+                nav, memory = drive(params, nav, memory)
+                if (np.asarray(nav.result) != Result.RUNNING).all():
+                    break
+            arrived = np.split(np.asarray(nav.result) == Result.GOAL, np.cumsum(sizes)[:-1])
+            return {name: float(part.mean()) for name, part in zip(names, arrived, strict=True)}
+
+        return rates
+
+
+def _where(going: jax.Array, new: jax.Array, old: jax.Array) -> jax.Array:
+    """`new` in the envs that are `going`; keys, which `jnp.where` does not take, are new in all."""
+    if jnp.issubdtype(new.dtype, jax.dtypes.prng_key):
+        return new
+    return jnp.where(going.reshape(-1, *[1] * (new.ndim - 1)), new, old)

@@ -1,0 +1,266 @@
+"""PPO of a student with a camera after imitation: it learns from its own episodes what its teacher could not show it.
+
+A privileged teacher drives as close to things as it can measure; a student that sees pictures has to keep a distance
+that only its own mistakes can teach. The critic sees what the teacher sees and learns alone at first, the steps of the
+actor are small, and the teacher's answers stay in the loss as an anchor that fades. Algorithm: Schulman et al.,
+"Proximal Policy Optimization Algorithms", 2017, over whole sequences, so that a memory is trained through time; the
+anchor: Schmitt et al., "Kickstarting Deep Reinforcement Learning", 2018.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import optax
+from ml_collections import ConfigDict
+
+from .dagger import Teacher, make_student
+from .map_networks import MAP, VECTOR, MapCritic, MapTrunk
+from .networks import PIXELS
+from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
+
+ENDS = ("success", "hit", "off_traversable", "timeout")
+
+
+def default_finetune_config() -> ConfigDict:
+    """A fresh configuration.
+
+    Fields:
+      num_envs, unroll_length: envs, and control steps of an iteration.
+      epochs, minibatches: passes over an iteration's states, and parts (of envs) that a pass is cut into.
+      learning_rate, final_learning_rate: of the actor, from the end of `critic_only` to the end of the training.
+      critic_learning_rate: constant. critic_only: env-steps in which the actor does not change.
+      noise: standard deviation of the actions around the student's; it does not learn.
+      imitation, final_imitation: weight of the teacher's answers in the loss, at the begin and at the end.
+      reward_scaling: rewards are multiplied by this before the critic sees them.
+      auxiliary, mirror, light, pixel_noise: as in `dagger.default_dagger_config`.
+      map_layers, critic_hidden: of the critic.
+    """
+    return ConfigDict(
+        {
+            "num_envs": 4096,
+            "unroll_length": 32,
+            "epochs": 2,
+            "minibatches": 16,
+            "learning_rate": 1e-4,
+            "final_learning_rate": 1e-5,
+            "critic_learning_rate": 5e-4,
+            "critic_only": 3_000_000,
+            "max_grad_norm": 1.0,
+            "clip": 0.2,
+            "discounting": 0.99,
+            "gae_lambda": 0.95,
+            "reward_scaling": 0.2,
+            "noise": 0.15,
+            "imitation": 0.5,
+            "final_imitation": 0.05,
+            "auxiliary": 0.5,
+            "mirror": True,
+            "light": 0.2,
+            "pixel_noise": 0.01,
+            "seed": 0,
+            "map_layers": ((32, 4, 2), (64, 4, 2)),
+            "critic_hidden": (256, 256, 128),
+        }
+    )
+
+
+class FinetuneState(NamedTuple):
+    """What training carries from one iteration to the next.
+
+    Attributes:
+      params: {"actor": of the student, "critic"}. optimizer: of both. env: `State` of all envs.
+      memory: (n, memory). begins: (n,) bool, the present observation is the first of an episode.
+      mirrored: (n,) bool. key: typed. steps: () i32 iterations done.
+    """
+
+    params: Any
+    optimizer: Any
+    env: Any
+    memory: jax.Array
+    begins: jax.Array
+    mirrored: jax.Array
+    key: jax.Array
+    steps: jax.Array
+
+
+class Batch(NamedTuple):
+    """What an iteration learns from; all (T, n, ...).
+
+    Attributes:
+      obs: `SEEN`, mirrored where the env is. privileged: what the critic sees, never mirrored.
+      action: as the student took it, not clipped. mean: of the distribution that it was drawn from.
+      label: the teacher's answer. target: the map to predict. begins: bool.
+      advantage, returns: f32, in scaled rewards.
+    """
+
+    obs: Any
+    privileged: Any
+    action: jax.Array
+    mean: jax.Array
+    label: jax.Array
+    target: jax.Array
+    begins: jax.Array
+    advantage: jax.Array
+    returns: jax.Array
+
+
+def advantages(
+    reward: jax.Array, done: jax.Array, value: jax.Array, last: jax.Array, discount: float, trace: float
+) -> jax.Array:
+    """Generalized advantage estimates (Schulman et al., 2016, equation 16).
+
+    Args:
+      reward, done, value: (T, n), of the step taken in each state. last: (n,) value of the state after them.
+      discount, trace: gamma and lambda.
+
+    Returns:
+      (T, n). An end is an end, a timeout too: the critic sees how much of the time is left.
+    """
+
+    def back(carry: tuple[jax.Array, jax.Array], step: tuple[jax.Array, ...]) -> tuple[Any, jax.Array]:
+        after, next_value = carry
+        reward, done, value = step
+        going = 1.0 - done
+        after = reward + discount * going * next_value - value + discount * trace * going * after
+        return (after, value), after
+
+    start = jnp.zeros_like(last), last
+    return jax.lax.scan(back, start, (reward, done, value), reverse=True)[1]
+
+
+def log_ratio(action: jax.Array, new: jax.Array, old: jax.Array, noise: float) -> jax.Array:
+    """log p_new(action) - log p_old(action) of two normal distributions (..., k) with the same standard deviation."""
+    return ((jnp.square(action - old) - jnp.square(action - new)) / (2.0 * noise**2)).sum(-1)
+
+
+class Finetune:
+    """The algorithm over a wrapped env (`wrap_for_training`).
+
+    Args:
+      env: batched and auto-resetting; its observations hold `student.SEEN`, `privileged`, `privileged_map` and what
+        the teacher sees.
+      teacher: (parameters, observations, key) -> actions.
+      dagger_config: the student was trained by; names its network. config: see `default_finetune_config`.
+      teacher_params: its parameters; may be set later, as long as shapes stay what they were.
+    """
+
+    def __init__(
+        self, env: Any, teacher: Teacher, dagger_config: ConfigDict, config: ConfigDict, teacher_params: Any = None
+    ) -> None:
+        self.env, self.teacher, self.config, self.teacher_params = env, teacher, config, teacher_params
+        self.student = make_student(dagger_config, env.action_size)
+        layers = tuple(tuple(int(x) for x in layer) for layer in config.map_layers)
+        self._critic = MapCritic(MapTrunk(layers, tuple(int(n) for n in config.critic_hidden)))  # type: ignore[arg-type]
+        adam = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
+        parts = {"actor": "actor", "critic": "critic"}
+        self._optimizer = optax.multi_transform({"actor": adam, "critic": adam}, parts)
+        self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
+        self._reset = jax.jit(env.reset)
+        self._compiled: Any = jax.jit(self._iterate, donate_argnums=0)
+
+    def compile(self, actor: Any) -> None:
+        """Compiles an iteration ahead of the first one. actor: parameters, or their shapes."""
+        state = jax.eval_shape(self.begin, actor)
+        self._compiled = self._compiled.lower(state, self.teacher_params, jnp.float32(0.0)).compile()
+
+    def iterate(self, state: FinetuneState, progress: jax.Array) -> tuple[FinetuneState, dict[str, jax.Array]]:
+        """One iteration, which takes the buffers of `state`; and what happened in it.
+
+        Args:
+          progress: () in [0, 1], of the whole training; learning rate and anchor follow it.
+        """
+        return self._compiled(state, self.teacher_params, progress)
+
+    def begin(self, actor: Any) -> FinetuneState:
+        """The state before the first iteration; actor: parameters of the student to go on from."""
+        n = int(self.config.num_envs)
+        key, key_env, key_net = jax.random.split(jax.random.key(int(self.config.seed)), 3)
+        env = self._reset(jax.random.split(key_env, n))
+        critic = self._critic.init(key_net, env.obs[MAP][:1], env.obs[VECTOR][:1])
+        # Copies: the state is donated, what the caller holds is not.
+        params = {"actor": jax.tree.map(jnp.array, actor), "critic": critic}
+        mirrored = (jnp.arange(n) % 2 == 1) & bool(self.config.mirror)
+        memory, begins = self.student.first_memory(n), jnp.ones(n, bool)
+        optimizer = self._optimizer.init(params)
+        return FinetuneState(params, optimizer, env, memory, begins, mirrored, key, jnp.zeros((), jnp.int32))
+
+    def _value(self, critic: Any, privileged: Any) -> jax.Array:
+        return self._critic.apply(critic, privileged[MAP], privileged[VECTOR])  # type: ignore[return-value]
+
+    def _rollout(
+        self, state: FinetuneState, teacher: Any, key: jax.Array
+    ) -> tuple[FinetuneState, Batch, dict[str, jax.Array]]:
+        config = self.config
+
+        def step(carry: Any, key: jax.Array) -> Any:
+            env, memory, begins = carry
+            key_teacher, key_noise, key_light = jax.random.split(key, 3)
+            label = mirror_lateral(self.teacher(teacher, env.obs, key_teacher), state.mirrored, LATERAL_ACTION)
+            seen = mirrored_view(env.obs, state.mirrored)
+            # Here and not in the loss: the actions' probabilities belong to what was seen.
+            seen[PIXELS] = relit(seen[PIXELS][None], key_light, config.light, config.pixel_noise)[0]
+            one = {name: x[None] for name, x in seen.items()}
+            mean, memory, _ = self.student.apply(state.params["actor"], one, memory, begins[None])  # type: ignore[misc]
+            action = mean[0] + config.noise * jax.random.normal(key_noise, mean[0].shape)
+            privileged = {MAP: env.obs[MAP], VECTOR: env.obs[VECTOR]}
+            target = mirrored_target(env.obs[MAP], state.mirrored)
+            new = self.env.step(env, mirror_lateral(jnp.clip(action, -1.0, 1.0), state.mirrored, LATERAL_ACTION))
+            value = self._value(state.params["critic"], privileged)
+            reward = config.reward_scaling * new.reward
+            # The advantage and the return of a step are known once all steps are taken.
+            kept = Batch(seen, privileged, action, mean[0], label, target, begins, reward, reward)
+            counts = {name: new.metrics[name].sum() for name in (*ENDS, "slot_overflow")} | {"reward": new.reward.sum()}
+            return (new, memory, new.done > 0), (kept, reward, new.done, value, counts)
+
+        keys = jax.random.split(key, int(config.unroll_length))
+        carry, (kept, reward, done, value, counts) = jax.lax.scan(step, (state.env, state.memory, state.begins), keys)
+        env, memory, begins = carry
+        last = self._value(state.params["critic"], {MAP: env.obs[MAP], VECTOR: env.obs[VECTOR]})
+        gained = advantages(reward, done, value, last, config.discounting, config.gae_lambda)
+        normal = (gained - gained.mean()) / (gained.std() + 1e-6)
+        batch = kept._replace(advantage=normal, returns=gained + value)
+        explained = 1.0 - gained.var() / jnp.maximum(batch.returns.var(), 1e-9)
+        counts = jax.tree.map(lambda x: x.sum(), counts) | {"explained": explained}
+        return state._replace(env=env, memory=memory, begins=begins), batch, counts
+
+    def _loss(self, params: Any, batch: Batch, memory: jax.Array, anchor: jax.Array) -> Any:
+        config = self.config
+        mean, _, predicted = self.student.apply(params["actor"], batch.obs, memory, batch.begins)  # type: ignore[misc]
+        moved = log_ratio(batch.action, mean, batch.mean, config.noise)
+        ratio = jnp.exp(jnp.clip(moved, -20.0, 20.0))
+        clipped = jnp.clip(ratio, 1.0 - config.clip, 1.0 + config.clip)
+        actor = -jnp.minimum(ratio * batch.advantage, clipped * batch.advantage).mean()
+        critic = jnp.square(self._value(params["critic"], batch.privileged) - batch.returns).mean()
+        imitation = optax.huber_loss(mean, batch.label, delta=0.5).sum(-1).mean()
+        auxiliary = jnp.square(predicted - batch.target).mean()
+        loss = actor + critic + anchor * imitation + config.auxiliary * auxiliary
+        divergence = (jnp.square(mean - batch.mean) / (2.0 * config.noise**2)).sum(-1).mean()
+        return loss, {"critic": critic, "imitation": imitation, "auxiliary": auxiliary, "kl": divergence}
+
+    def _iterate(
+        self, state: FinetuneState, teacher: Any, progress: jax.Array
+    ) -> tuple[FinetuneState, dict[str, jax.Array]]:
+        config = self.config
+        key, key_roll, key_learn = jax.random.split(state.key, 3)
+        memory = state.memory
+        state, batch, counts = self._rollout(state, teacher, key_roll)
+        cosine = 0.5 * (1.0 + jnp.cos(jnp.pi * progress))
+        rate = config.final_learning_rate + (config.learning_rate - config.final_learning_rate) * cosine
+        frozen = state.steps * self.steps_per_iteration < config.critic_only
+        rates = {"actor": jnp.where(frozen, 0.0, rate), "critic": jnp.float32(config.critic_learning_rate)}
+        anchor = config.imitation + (config.final_imitation - config.imitation) * progress
+
+        def loss(params: Any, batch: Any, memory: jax.Array, key: jax.Array) -> tuple[jax.Array, Any]:
+            del key
+            return self._loss(params, batch, memory, anchor)
+
+        start = state.params, state.optimizer
+        (params, optimizer), reported = epochs(
+            loss, self._optimizer, start, batch, memory, key_learn, rates, int(config.epochs), int(config.minibatches)
+        )
+        state = state._replace(params=params, optimizer=optimizer, key=key, steps=state.steps + 1)
+        ended = sum((counts[name] for name in ENDS), jnp.float32(0.0))
+        shares = {name: counts[name] / jnp.maximum(ended, 1.0) for name in ENDS}
+        per_step = {name: counts[name] / self.steps_per_iteration for name in ("reward", "slot_overflow")}
+        return state, {**shares, **per_step, "ended": ended, "explained": counts["explained"], **reported}

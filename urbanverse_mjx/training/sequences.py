@@ -1,0 +1,132 @@
+"""What learning from sequences of camera observations shares: mirrors, lighting, and epochs over minibatches.
+
+Half of the envs are seen in a mirror: picture, goal, speeds and labels are flipped left to right, and the student's
+action is flipped back before it drives. Streets and their mirror images are equally likely, so this doubles them.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import jax
+import jax.numpy as jnp
+import optax
+
+from .map_networks import MAP_SHAPE
+from .networks import PIXELS
+from .student import predicted_target
+
+#: The action (x, y) of a navigating robot changes the sign of its second component in a mirror.
+LATERAL_ACTION = (1,)
+#: (params, minibatch (T, rows, ...), memory (rows, memory), key) -> (loss, what to report).
+Loss = Callable[[Any, Any, jax.Array, jax.Array], tuple[jax.Array, Any]]
+
+
+def mirror_lateral(values: jax.Array, mirrored: jax.Array, lateral: tuple[int, ...]) -> jax.Array:
+    """Values (n, k) with the components `lateral` of the envs `mirrored` (n,) negated."""
+    sign = jnp.ones(values.shape[-1]).at[jnp.array(lateral)].set(-1.0)
+    return jnp.where(mirrored[:, None], values * sign, values)
+
+
+def mirrored_view(obs: Mapping[str, jax.Array], mirrored: jax.Array) -> dict[str, jax.Array]:
+    """`SEEN` of n envs as the student sees them; proprio is (forward, lateral, yaw rate, action x, action y)."""
+    wide = mirrored[:, None, None, None]
+    return {
+        PIXELS: jnp.where(wide, obs[PIXELS][:, :, ::-1], obs[PIXELS]),
+        "goal": mirror_lateral(obs["goal"], mirrored, (1,)),
+        "proprio": mirror_lateral(obs["proprio"], mirrored, (1, 2, 4)),
+    }
+
+
+def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float) -> jax.Array:
+    """Pictures (T, n, H, W, 3) u8 with another exposure, contrast and colour for each of the n sequences."""
+    if light == 0.0 and noise == 0.0:
+        return pixels
+    n = pixels.shape[1]
+    keys = jax.random.split(key, 3)
+    gain = 1.0 + light * jax.random.uniform(keys[0], (n, 1, 1, 3), minval=-1.0, maxval=1.0)
+    gain = gain * (1.0 + light * jax.random.uniform(keys[1], (n, 1, 1, 1), minval=-1.0, maxval=1.0))
+    x = pixels.astype(jnp.bfloat16) * gain.astype(jnp.bfloat16)
+    x = x + (255.0 * noise) * jax.random.normal(keys[2], pixels.shape, jnp.bfloat16)
+    return jnp.clip(x, 0.0, 255.0).astype(jnp.uint8)
+
+
+def mirrored_target(distances: jax.Array, mirrored: jax.Array) -> jax.Array:
+    """`privileged_map` (n, 640) u8 of n envs -> the map to predict (n, *PREDICTED), flipped for the envs `mirrored`."""
+    cells = distances.reshape(-1, *MAP_SHAPE)
+    # The second axis of the map runs from right to left.
+    return predicted_target(jnp.where(mirrored[:, None, None, None], cells[:, :, ::-1], cells))
+
+
+def epochs(
+    loss: Loss,
+    optimizer: optax.GradientTransformation,
+    start: tuple[Any, Any],
+    batch: Any,
+    memory: jax.Array,
+    key: jax.Array,
+    rate: Any,
+    count: int,
+    parts: int,
+) -> tuple[tuple[Any, Any], Any]:
+    """Passes over the sequences of a rollout, each cut at random into minibatches of whole sequences.
+
+    Args:
+      start: (parameters, optimizer state). batch: a pytree of (T, n, ...). memory: (n, memory) at its first step.
+      rate: what an update of the optimizer is multiplied by: a number, or a pytree that the parameters' begins with.
+      count: passes. parts: minibatches of a pass; divides n.
+
+    Returns:
+      (parameters, optimizer state), and the mean of what the loss reports.
+    """
+    n = memory.shape[0]
+
+    def epoch(carry: Any, key: jax.Array) -> Any:
+        key_order, key_loss = jax.random.split(key)
+        rows = jax.random.permutation(key_order, n).reshape(parts, -1)
+
+        def update(carry: Any, inputs: Any) -> Any:
+            params, state = carry
+            chosen, key = inputs
+            part = jax.tree.map(lambda x: jnp.take(x, chosen, axis=1), batch)
+            grads, reported = jax.grad(loss, has_aux=True)(params, part, memory[chosen], key)
+            change, state = optimizer.update(grads, state, params)
+            change = jax.tree.map(lambda r, part: jax.tree.map(lambda x: -r * x, part), rate, change)
+            return (optax.apply_updates(params, change), state), reported
+
+        return jax.lax.scan(update, carry, (rows, jax.random.split(key_loss, parts)))
+
+    end, reported = jax.lax.scan(epoch, start, jax.random.split(key, count))
+    return end, jax.tree.map(jnp.mean, reported)
+
+
+class Learner(Protocol):
+    """An algorithm that iterates: `dagger.Dagger`, `finetune.Finetune`."""
+
+    def iterate(self, state: Any, progress: jax.Array) -> tuple[Any, dict[str, jax.Array]]:
+        """The state after another iteration, whose buffers the old one gives up, and what happened in it."""
+        ...
+
+
+def run(
+    learner: Learner,
+    iterations: int,
+    seconds: float,
+    on_iteration: Callable[[int, Any, dict[str, float]], None],
+    state: Any,
+) -> Any:
+    """Iterates until `iterations` are done or `seconds` of wall time are over; calls back after each.
+
+    Args:
+      state: the learner's, to go on from. Its `steps` count towards `iterations`.
+
+    With a limit of seconds that is reached, the learning rate follows the clock, and no two runs are the same.
+    """
+    begin = time.monotonic()
+    for number in range(int(state.steps) + 1, iterations + 1):
+        progress = max((number - 1) / iterations, (time.monotonic() - begin) / seconds)
+        if progress >= 1.0:
+            break
+        state, reported = learner.iterate(state, jnp.float32(progress))
+        on_iteration(number, state, {name: float(x) for name, x in reported.items()})
+    return state

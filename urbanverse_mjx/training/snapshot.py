@@ -1,0 +1,54 @@
+"""The whole state of a training as one file, from which it goes on as if it had never stopped.
+
+A pytree's leaves, random keys included, in the order in which JAX flattens it; the structure itself comes from the
+algorithm, which makes the same one anew.
+"""
+
+import pathlib
+from typing import Any
+
+import jax
+import numpy as np
+
+from ..datatypes import NounError
+from ..datatypes import validation as v
+
+
+def _is_key(leaf: Any) -> bool:
+    return jax.numpy.issubdtype(leaf.dtype, jax.dtypes.prng_key)
+
+
+def save_state(path: pathlib.Path, state: Any) -> pathlib.Path:
+    """Writes all arrays of a pytree; a file of this name is replaced once the new one is whole."""
+    leaves = [np.asarray(jax.random.key_data(x) if _is_key(x) else x) for x in jax.tree.leaves(state)]
+
+    def write(temporary: pathlib.Path) -> None:
+        with temporary.open("wb") as file:
+            np.savez(file, **{f"leaf_{k:05d}": leaf for k, leaf in enumerate(leaves)})  # type: ignore[arg-type]
+
+    return v.write_atomically(path, write)
+
+
+def load_state(path: pathlib.Path, like: Any) -> Any:
+    """The state that `save_state` wrote.
+
+    Args:
+      like: a state of the same training, such as the one that it began with; its values are not used.
+
+    Raises:
+      NounError: no such file, or one of a training with other shapes.
+    """
+    if not path.is_file():
+        raise NounError(f"training state: found no file {path}, needed one that a training wrote.")
+    leaves, structure = jax.tree.flatten(like)
+    with np.load(path) as file:
+        found = [file[name] for name in sorted(file.files)]
+    keys = [_is_key(leaf) for leaf in leaves]
+    needed = [jax.eval_shape(jax.random.key_data, x) if k else x for x, k in zip(leaves, keys, strict=True)]
+    if [(x.shape, x.dtype) for x in found] != [(x.shape, np.dtype(x.dtype)) for x in needed]:
+        raise NounError(
+            f"training state: found arrays of other shapes in {path}, needed those of this training; "
+            "take the environment and options that it was written with."
+        )
+    arrays = [jax.random.wrap_key_data(x) if k else jax.numpy.asarray(x) for x, k in zip(found, keys, strict=True)]
+    return jax.tree.unflatten(structure, arrays)
