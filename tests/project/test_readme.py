@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from urbanverse_mjx.assets import libraries, load_index, ontology
-from urbanverse_mjx.citygen import craft, procedural
+from urbanverse_mjx.citygen import craft, places, procedural
 from urbanverse_mjx.cli.main import COMMANDS
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.scene import library
@@ -70,7 +70,9 @@ def test_the_counts_are_those_of_the_tables() -> None:
     procedural_scenes, by_hand = procedural.COUNT, len(craft.BUILDERS)
     assert f"{layouts['urbanverse160']} layouts after the paper's cities" in TEXT
     assert f"{procedural_scenes} procedural scenes" in TEXT
-    total = sum(s.cousins * layouts[name] for name, s in sets.items() if not s.builder) + procedural_scenes + by_hand
+    assert f"{places.COUNT} procedural places" in TEXT
+    made = procedural_scenes + places.COUNT + by_hand
+    total = sum(s.cousins * layouts[name] for name, s in sets.items() if not s.builder) + made
     assert f"`make scenes` all {total}" in TEXT
 
 

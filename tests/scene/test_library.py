@@ -22,7 +22,7 @@ from .test_rest import CUBE, scene_of
 
 def test_sets_and_ids() -> None:
     sets = library.sets()
-    assert {"urbanverse160", "autobench", "craftbench", "procedural"} <= set(sets)
+    assert {"urbanverse160", "autobench", "craftbench", "procedural", "places"} <= set(sets)
     assert sum(sets[n].cousins * len(layouts_of(sets[n])) for n in ("urbanverse160", "autobench", "procedural")) == 330
     assert sets["urbanverse160"].scene_id("Africa_Egypt_Cairo_walk_01", 4) == "Africa_Egypt_Cairo_walk_01_Cousin_05"
     assert sets["procedural"].scene_id("procedural_007", 0) == "procedural_007"

@@ -15,8 +15,9 @@ from ..datatypes import validation as v
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
 #: Hull slots of the physics model (design, section 3); m of COCO's root above the ground.
 SLOTS, ROOT = 16, 0.3
-#: What makes the graphs of a set that has no files: `citygen.craft` by hand, `citygen.procedural` from templates.
-GENERATORS = ("craft", "procedural")
+#: What makes the graphs of a set that has no files: `citygen.craft` by hand, `citygen.procedural` and
+#: `citygen.places` from templates.
+GENERATORS = ("craft", "procedural", "places")
 
 
 @dataclasses.dataclass(frozen=True)

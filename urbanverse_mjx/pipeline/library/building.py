@@ -37,13 +37,12 @@ class Failure:
 
 def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
     """What makes the graph of each layout of a set: a file to read, or the generator that the set's row names."""
-    if scenes.builder == "procedural":
-        from ...citygen import procedural
+    if scenes.builder in ("procedural", "places"):
+        from ...citygen import places, procedural
 
-        names = {f"procedural_{k:03d}": k for k in range(procedural.COUNT)}
-        return {
-            name: lambda k=k, name=name: dataclasses.replace(procedural.build(k), id=name) for name, k in names.items()
-        }
+        made = {"procedural": procedural, "places": places}[scenes.builder]
+        names = {f"{scenes.builder}_{k:03d}": k for k in range(made.COUNT)}
+        return {name: lambda k=k, name=name: dataclasses.replace(made.build(k), id=name) for name, k in names.items()}
     if scenes.builder == "craft":
         from ...citygen import craft
 
