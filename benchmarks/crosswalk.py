@@ -27,6 +27,7 @@ from urbanverse_mjx.envs import NavEnv, Result, registry
 from urbanverse_mjx.envs.navigation import terms
 from urbanverse_mjx.envs.navigation.encounters import route_pose
 from urbanverse_mjx.envs.navigation.living import slot_looks
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viz.pictures import look_at
 from urbanverse_mjx.viz.video import write_video
@@ -129,7 +130,7 @@ class Driver:
     def __call__(self, nav: Any) -> tuple[Any, Any]:
         """Action (2,), and () bool: it stands and waits."""
         root = self.env.mj_model.body(self.env.robot.root_body).id
-        p_xy, yaw = nav.sim.xpos[root, :2], terms.yaw_of(nav.sim.xquat[root])
+        p_xy, yaw = nav.sim.xpos[root, :2], rotations.yaw_of(nav.sim.xquat[root])
         arc = terms.route_position(p_xy, self.start[:3], self.waypoints)
         line = self.first - _LINE - self.env.robot.planner_radius
         front = p_xy + terms.to_world(jnp.array([[0.0, 0.0], *([d, 0.0] for d in _FRONT)]), yaw)

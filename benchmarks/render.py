@@ -33,6 +33,7 @@ import warp as wp
 from benchmarks.lib import timing
 from benchmarks.lib.megakernel import SharedAssets, WorldBatch
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.rendering import street_draw
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
@@ -93,13 +94,11 @@ def random_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int) -> 
     point = rng.integers(np.maximum(bank.episode_num_waypoints[scene, row], 1))
     place = bank.episode_waypoints[scene, row, point].astype(np.float64)
     yaw = rng.uniform(-np.pi, np.pi, number)
-    c, s, half = np.cos(yaw)[:, None], np.sin(yaw)[:, None], yaw[:, None] / 2
+    c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
     x, y, z = np.moveaxis(data.xpos, 1, 0)
     xpos = np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (number, len(z)))], -1) + place[:, None]
     xpos[..., 2] += robot.spawn_height
-    a, b = np.cos(half), np.sin(half)
-    w, i, j, k = np.moveaxis(data.xquat, 1, 0)
-    xquat = np.stack([a * w - b * k, a * i - b * j, a * j + b * i, a * k + b * w], -1)
+    xquat = rotations.product(rotations.from_yaw(yaw[:, None]), data.xquat)
     # The world body stays where it is; nothing is drawn of it.
     return scene, xpos.astype(np.float32), xquat.astype(np.float32)
 

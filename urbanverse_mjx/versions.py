@@ -32,7 +32,8 @@ def _below(package: str, *names: str) -> tuple[str, ...]:
 
 
 CODE: Mapping[str, Code] = {
-    "datatypes": Code(1, ("datatypes",)),
+    # What everything else is made with.
+    "datatypes": Code(1, ("datatypes", "geometry")),
     # Base meshes, by recipe and variant.
     "meshes": Code(
         1,

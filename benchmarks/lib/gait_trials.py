@@ -13,6 +13,7 @@ import numpy as np
 
 from urbanverse_mjx.datatypes import GroundRegion, RobotSpec
 from urbanverse_mjx.evaluation.gait_walks import Walk, walk
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import go2_body
 from urbanverse_mjx.robots.gait import Gait
 from urbanverse_mjx.scene.mjcf import scene_spec
@@ -60,7 +61,7 @@ class Judge:
         """(N, nq) robots standing at places (N, 3) m of the ground."""
         qpos = np.tile(model.qpos0, (len(places), 1))
         qpos[:, :3] = places + np.array([0.0, 0.0, self.robot.spawn_height])
-        qpos[:, 3:7] = np.stack([np.cos(yaws / 2), 0 * yaws, 0 * yaws, np.sin(yaws / 2)], 1)
+        qpos[:, 3:7] = rotations.from_yaw(yaws)
         qpos[:, 7:] = self.gait.stand
         return qpos
 

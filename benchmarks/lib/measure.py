@@ -13,6 +13,7 @@ import numpy as np
 from benchmarks.lib import placing, timing
 from benchmarks.lib.cases import Case
 from urbanverse_mjx.envs import registry, wrap_for_training
+from urbanverse_mjx.geometry import rotations
 
 
 @dataclasses.dataclass
@@ -154,7 +155,7 @@ def active(run: Run) -> dict[str, Any]:
     poses = placing.crowded_poses(env.bank, robot, num_envs, config.ctrl_dt)
     qpos = np.tile(env.qpos0, (num_envs, 1))
     qpos[:, :3] = poses.position + np.array([0.0, 0.0, robot.spawn_height])
-    qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(poses.yaw / 2), 0.0, np.sin(poses.yaw / 2)
+    qpos[:, 3:7] = rotations.from_yaw(poses.yaw)
     ahead = command(env, jnp.array([1.0, 0.0]))
     ctrl = jnp.broadcast_to(ahead, (steps, num_envs, *ahead.shape))
     bare = registry.make_nav_engine(config, env.bank, robot, num_slots=0)

@@ -17,7 +17,8 @@ from mujoco_warp_pbr._src import envmap, kernel_inputs
 from benchmarks.lib import megakernel_kernels as kernels
 from benchmarks.lib.megakernel_kernels import RobotTables, SceneTables
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.simulation.rendering.model import RenderModel, rotation_matrices
+from urbanverse_mjx.geometry import rotations
+from urbanverse_mjx.simulation.rendering.model import RenderModel
 from urbanverse_mjx.simulation.rendering.scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from urbanverse_mjx.simulation.rendering.settings import PBR_EXPOSURE, PLAIN_SKY, Settings
 
@@ -38,7 +39,7 @@ def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
     sun, irradiance = scene_sun(bank)
     tables = SceneTables()
     tables.position = wp.array(bank.slot_position, dtype=wp.vec3)
-    tables.rotation = wp.array(rotation_matrices(bank.slot_quaternion), dtype=wp.mat33)
+    tables.rotation = wp.array(rotations.matrix_f64(bank.slot_quaternion), dtype=wp.mat33)
     tables.lower = wp.array(lower, dtype=wp.vec3)
     tables.upper = wp.array(upper, dtype=wp.vec3)
     tables.mesh = wp.array(mesh, dtype=int)

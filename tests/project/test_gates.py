@@ -16,6 +16,7 @@ LAYERS = "every package stands in its layer"
 FAULTS = [
     (LAYERS, "datatypes", "urbanverse_mjx.robots"),
     (LAYERS, "datatypes", "urbanverse_mjx.settings"),
+    (LAYERS, "geometry", "urbanverse_mjx.datatypes"),
     (LAYERS, "robots", "urbanverse_mjx.simulation"),
     (LAYERS, "assets", "urbanverse_mjx.robots"),
     (LAYERS, "assets", "urbanverse_mjx.scene"),

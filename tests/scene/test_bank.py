@@ -5,8 +5,9 @@ import pytest
 
 from tests.support.box_bank import box_bank, box_scenes, box_skies
 from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene import grids
-from urbanverse_mjx.scene.bank import pack, quaternion_matrix
+from urbanverse_mjx.scene.bank import pack
 
 
 def _box_distance(points: np.ndarray, bank: SceneBank, z: int, q: int) -> np.ndarray:
@@ -32,7 +33,7 @@ def test_same_seed_same_bank_and_file_round_trip(tmp_path, small_bank: SceneBank
 def test_instances_stand_where_the_scene_has_them(small_bank: SceneBank) -> None:
     for z, scene in enumerate(box_scenes(3, 0)):
         for q, (hull, obj) in enumerate(zip(scene.inst_hull, scene.inst_object, strict=True)):
-            world = scene.hulls[hull] @ quaternion_matrix(scene.object_quaternion[obj]).T + scene.object_position[obj]
+            world = scene.hulls[hull] @ rotations.matrix(scene.object_quaternion[obj]).T + scene.object_position[obj]
             t = small_bank.inst_hull[z, q]
             mine = small_bank.hull_vertices[t, : small_bank.hull_num_vertices[t]]
             mine = mine @ small_bank.inst_rotation[z, q].T + small_bank.inst_position[z, q]

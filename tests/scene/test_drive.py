@@ -7,6 +7,7 @@ import pytest
 from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import GroundRegion, RobotSpec, SceneGraph, Source
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.pipeline import make_driver
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.robots.coco import Drive
@@ -27,7 +28,7 @@ def _straight(model: mujoco.MjModel, robot: RobotSpec, start: np.ndarray, speed:
     """(n, 3) positions of the root, one per physics step, at constant speed from (x, y, z, yaw)."""
     data = mujoco.MjData(model)
     x, y, z, yaw = start
-    data.qpos[:7] = [x, y, z + robot.spawn_height, np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
+    data.qpos[:7] = [x, y, z + robot.spawn_height, *rotations.from_yaw(yaw)]
     command = np.asarray(robot.command(np.array([speed, 0.0])))
     way = []
     for _ in range(round(seconds / model.opt.timestep)):

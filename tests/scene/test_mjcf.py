@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import box_scene, box_skies
-from urbanverse_mjx.scene.bank import quaternion_matrix
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.mjcf import TIMESTEP, _sky_face, scene_mjcf, scene_spec
 
@@ -31,7 +31,7 @@ def _world_vertices(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> np
 def test_every_hull_and_prism_stands_where_the_scene_has_it(scene: SceneGeometry, loaded) -> None:
     model, data = loaded
     for o, name in enumerate(scene.object_ids):
-        rotation = quaternion_matrix(scene.object_quaternion[o])
+        rotation = rotations.matrix(scene.object_quaternion[o])
         for number, q in enumerate(np.flatnonzero(scene.inst_object == o)):
             world = scene.hulls[scene.inst_hull[q]] @ rotation.T + scene.object_position[o]
             mine = _world_vertices(model, data, model.geom(f"{name}/hull_{number}").id)
@@ -53,7 +53,7 @@ def test_what_is_seen_is_not_touched_and_lies_in_the_right_place(scene: SceneGeo
     assert not model.geom_conaffinity[seen].any()
     for o in (0, 7, 23):
         mesh = scene.meshes[scene.object_mesh[o]]
-        world = mesh.vertices @ quaternion_matrix(scene.object_quaternion[o]).T + scene.object_position[o]
+        world = mesh.vertices @ rotations.matrix(scene.object_quaternion[o]).T + scene.object_position[o]
         mine = _world_vertices(model, data, model.geom(f"{scene.object_ids[o]}/visual").id)
         assert np.abs(mine[:, None] - world[None]).max(-1).min(1).max() < 1e-5
     assert model.opt.timestep == TIMESTEP

@@ -5,8 +5,8 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, UsdValidation
 
 from tests.support.box_bank import box_scene, box_skies
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene import export_usd
-from urbanverse_mjx.scene.bank import quaternion_matrix
 from urbanverse_mjx.scene.usd import hdr_bytes
 
 SKY = box_skies()["clear"]
@@ -39,7 +39,7 @@ def test_every_object_is_a_body_at_its_pose_with_its_mass_and_friction(stage: Us
         prim = bodies[name]
         pose = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
         assert pose[3, :3] == pytest.approx(SCENE.object_position[o], abs=1e-6)
-        assert pose[:3, :3].T == pytest.approx(quaternion_matrix(SCENE.object_quaternion[o]), abs=1e-5)
+        assert pose[:3, :3].T == pytest.approx(rotations.matrix(SCENE.object_quaternion[o]), abs=1e-5)
         assert UsdPhysics.MassAPI(prim).GetMassAttr().Get() == pytest.approx(SCENE.object_mass[o], rel=1e-6)
         kinematic = bool(UsdPhysics.RigidBodyAPI(prim).GetKinematicEnabledAttr().Get())
         assert kinematic != bool(SCENE.object_movable[o])

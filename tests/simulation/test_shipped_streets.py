@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.datatypes import SceneBank, traversable
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.reference.drives import ground_height
@@ -35,10 +36,9 @@ def poses(bank: SceneBank, engine: JaxEngine) -> tuple[np.ndarray, np.ndarray]:
         xy[mine] = bank.map_origin[s] + (chosen + rng.random(chosen.shape)) * float(bank.map_resolution)
         z[mine] = ground_height(bank, s, xy[mine])
     assert np.isfinite(z).all()
-    half = rng.uniform(-np.pi, np.pi, POSES) / 2
     qpos = np.tile(engine.physics.model.qpos0, (POSES, 1)).astype(np.float32)
     qpos[:, :2], qpos[:, 2] = xy, z + engine.robot.spawn_height
-    qpos[:, 3], qpos[:, 4:6], qpos[:, 6] = np.cos(half), 0.0, np.sin(half)
+    qpos[:, 3:7] = rotations.from_yaw(rng.uniform(-np.pi, np.pi, POSES))
     return scene, qpos
 
 

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 
 from urbanverse_mjx.datatypes import AssetMesh, GroundRegion, SceneBank
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene import ground, maps
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.geometry import EpisodeTable, SceneGeometry
@@ -114,7 +115,7 @@ def box_scene(number: int, seed: int = 0, num_objects: int = 40) -> SceneGeometr
         object_ids=tuple(f"object_{k}" for k in range(num_objects)),
         object_categories=tuple(kind for kind, _ in solids),
         object_position=np.column_stack([x, y, z]),
-        object_quaternion=np.column_stack([np.cos(yaw / 2), np.zeros((num_objects, 2)), np.sin(yaw / 2)]),
+        object_quaternion=rotations.from_yaw(yaw),
         object_mesh=np.arange(num_objects, dtype=np.int32),
         object_mass=rng.uniform(5.0, 200.0, num_objects),
         object_friction=rng.uniform(0.5, 1.0, num_objects),

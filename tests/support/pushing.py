@@ -11,6 +11,7 @@ import numpy as np
 
 from tests.support.box_bank import KERB, box_scene, box_skies
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.mjcf import scene_mjcf
@@ -72,7 +73,7 @@ def thing_scene(things: Sequence[Thing]) -> SceneGeometry:
         object_ids=tuple(f"thing_{i}" for i in range(count)),
         object_categories=("box",) * count,
         object_position=START + np.array([t.place for t in things]),
-        object_quaternion=np.column_stack([np.cos(yaw / 2), np.zeros((count, 2)), np.sin(yaw / 2)]),
+        object_quaternion=rotations.from_yaw(yaw),
         object_mesh=np.zeros(count, np.int32),
         object_mass=np.array([t.mass for t in things]),
         object_friction=np.array([t.friction for t in things]),

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from urbanverse_mjx.datatypes import AgentMotion, Contacts, RobotSpec, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, default_config
 from urbanverse_mjx.envs.registry import with_overrides
+from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.robots import make_coco
 
 NOTHING = Contacts(jnp.bool_(False), jnp.int32(-1), jnp.bool_(False), jnp.float32(0.0), jnp.float32(0.0), jnp.zeros(0))
@@ -49,7 +50,7 @@ class UnicycleEngine:
         yaw = 2.0 * jnp.arctan2(state.qpos[6], state.qpos[3]) + omega * self._dt
         velocity = v * jnp.stack([jnp.cos(yaw), jnp.sin(yaw)])
         xy = state.qpos[:2] + velocity * self._dt
-        turn = jnp.stack([jnp.cos(yaw / 2), 0.0 * yaw, 0.0 * yaw, jnp.sin(yaw / 2)])
+        turn = rotations.from_yaw(yaw)
         qpos = state.qpos.at[:2].set(xy).at[3:7].set(turn)
         qvel = state.qvel.at[:2].set(velocity).at[5].set(omega)
         if agents is None:

@@ -20,6 +20,7 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root
 
+from ..geometry import rotations
 from .instances import palette_cells, pixels
 from .mesh_builder import BuiltAsset
 
@@ -178,8 +179,7 @@ def _colors(mesh: AssetMesh, which: tuple[NDArray, NDArray]) -> tuple[NDArray, N
 
 def _view(points: NDArray, normals: NDArray, yaw: float) -> tuple[NDArray, NDArray, NDArray, float]:
     """Indices of the points seen in one view, the light on them, the layout and the aspect of the silhouette."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turn = rotations.about_z(yaw)
     p, n = points @ turn.T, normals @ turn.T
     e = np.radians(ELEVATION)
     to_camera = np.array([np.cos(e), 0.0, np.sin(e)])

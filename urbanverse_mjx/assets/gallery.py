@@ -12,6 +12,7 @@ from PIL import Image
 from urbanverse_mjx.datatypes import AssetMesh, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically
 
+from ..geometry import rotations
 from . import ontology, paint
 from .index import AssetIndex, build_mesh
 
@@ -57,8 +58,7 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
 
 
 def _turned_box(mesh: AssetMesh, yaw: float) -> tuple[np.ndarray, np.ndarray]:
-    c, s = np.cos(yaw), np.sin(yaw)
-    points = mesh.vertices @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    points = mesh.vertices @ rotations.about_z(-yaw)
     return points.min(0), points.max(0)
 
 
@@ -83,7 +83,7 @@ def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Seque
         meshname=name,
         material=name,
         pos=position,
-        quat=[np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)],
+        quat=rotations.from_yaw(yaw),
         contype=0,
         conaffinity=0,
     )

@@ -8,7 +8,7 @@ import scipy.spatial
 import skimage.draw
 
 from ..datatypes import KIND_INDEX, SceneBank, traversable
-from ..simulation.rendering.model import rotation_matrices
+from ..geometry import rotations
 
 CELL = 0.2  # m: a path is smoothed afterwards, and streets of 200 m stay under 200,000 cells
 #: m above the ground between which something is in the way of a person with a camera.
@@ -44,7 +44,7 @@ def slot_vertices(bank: SceneBank, scene: int, slot: int) -> np.ndarray:
     """(n, 3) f64 m: corners of a visual slot's mesh in the world."""
     mesh = bank.slot_mesh[scene, slot]
     corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]]
-    rotation = rotation_matrices(bank.slot_quaternion[scene, slot])
+    rotation = rotations.matrix_f64(bank.slot_quaternion[scene, slot])
     return corners.astype(np.float64) @ rotation.T + bank.slot_position[scene, slot]
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import shapely
 
 from ..datatypes import GROUND_KINDS, GraphObject, GroundRegion, NounError, SceneBank, SceneGraph, Source
+from ..geometry import rotations
 from .path import CameraPath
 from .street import GROUND_PREFIX, ground_tops
 
@@ -36,8 +37,7 @@ def true_objects(bank: SceneBank, scene: int) -> tuple[GraphObject, ...]:
             raise NounError(f"slot {slot}: found a leaning thing, needed one that turns about z alone.")
         yaw = 2.0 * float(np.arctan2(z, w))
         low, high = corners.min(0), corners.max(0)
-        c, s = np.cos(yaw), np.sin(yaw)
-        middle = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ ((low + high) / 2) + bank.slot_position[scene, slot]
+        middle = rotations.about_z(yaw) @ ((low + high) / 2) + bank.slot_position[scene, slot]
         things.append(
             GraphObject(
                 id=object_id(bank, scene, slot),

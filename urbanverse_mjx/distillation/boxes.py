@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 
 from ..datatypes import LabelPrior
+from ..geometry import rotations
 from . import shapes, silhouettes
 from .bearings import Sights
 
@@ -56,14 +57,8 @@ class Box:
 def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> float:
     """Share of a 5 x 5 x 5 grid from `low` to `high` (3,) m that lies within a box, given 0.2 m, `blur` and its own."""
     grid = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * 3), -1).reshape(-1, 3)
-    local = (low + grid * (high - low) - box.center) @ _turn(box.yaw).T
+    local = (low + grid * (high - low) - box.center) @ rotations.about_z(-box.yaw).T
     return float((np.abs(local) <= box.size / 2 + 0.2 + blur + box.blur).all(1).mean())
-
-
-def _turn(yaw: float) -> np.ndarray:
-    """(3, 3) rotation from the world's axes to those of a box."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: float) -> tuple[np.ndarray, float]:
@@ -182,7 +177,7 @@ def fit(
     low, high = _bounded(low, high, prior)
     shown = high - low
     low, high, completed = _complete(low, high, seen_from, prior, top is None)
-    back = _turn(yaw).T
+    back = rotations.about_z(-yaw).T
     yaw = float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi)
     return Box(back @ ((low + high) / 2), high - low, yaw, sigma, blur, completed, shown)
 
@@ -191,7 +186,7 @@ def _seen_along(
     yaw: float, points: np.ndarray, eyes: np.ndarray, noise: float, top: float | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(3,) and (3,) m: where points begin and end along a heading, across it and up; (v, 3) m: the eyes in its axes."""
-    turn = _turn(yaw)
+    turn = rotations.about_z(-yaw)
     local = points @ turn.T
     trim = min(0.002 + 0.4 * noise, 0.03)
     low, high = np.quantile(local, (trim, 1 - trim), axis=0)

@@ -11,6 +11,7 @@ import numpy as np
 import scipy.spatial
 
 from ..datatypes import LabelPrior
+from ..geometry import rotations
 
 #: Points of a thing that are laid on a shape.
 _POINTS = 120
@@ -63,8 +64,7 @@ def lay(points: np.ndarray, prior: LabelPrior, also: np.ndarray) -> Laid:
 
 
 def _misfit(points: np.ndarray, tree: scipy.spatial.cKDTree, yaw: float, height: float) -> float:
-    c, s = np.cos(yaw), np.sin(yaw)
-    local = points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]).T
+    local = points @ rotations.about_z(-yaw).T
     # What is seen of a thing has its middle elsewhere than the thing.
     local[:, :2] += (tree.maxes + tree.mins)[:2] / 2 - (local.max(0) + local.min(0))[:2] / 2
     distance = np.zeros(len(local))

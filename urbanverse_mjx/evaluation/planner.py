@@ -28,6 +28,7 @@ from ..datatypes import RobotSpec
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..envs.navigation.room import CELL, build_room
+from ..geometry import rotations
 from ..robots.waypoint import WAYPOINT_REACH
 from .ways import NODE, build_ways
 
@@ -193,7 +194,7 @@ class Planner:
     def act(self, nav: NavState, way: Way) -> Any:
         """(2,) waypoint in [-1, 1]."""
         xy, quaternion = nav.sim.xpos[self._root, :2], nav.sim.xquat[self._root]
-        yaw = terms.yaw_of(quaternion)
+        yaw = rotations.yaw_of(quaternion)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         agents = self._agents(nav) if self._people else None
         state = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw, speed, nav.sim.qvel[5]]))

@@ -10,6 +10,7 @@ import numpy as np
 from ..datatypes import AgentLook, AssetMesh, SceneBank, bank_join
 from ..datatypes import validation as v
 from ..datatypes.ground import GROUND_KINDS
+from ..geometry import rotations
 from . import grids
 from .geometry import SceneGeometry, Sky
 from .hulls import ConvexPart, convex_part, hull_table
@@ -43,17 +44,6 @@ def _fingerprint(*arrays: np.ndarray) -> bytes:
         digest.update(str((array.shape, array.dtype.str)).encode())
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.digest()
-
-
-def quaternion_matrix(quaternion: np.ndarray) -> np.ndarray:
-    """(..., 4) wxyz unit quaternions to (..., 3, 3) rotations."""
-    w, x, y, z = np.moveaxis(np.asarray(quaternion, np.float64), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 def _spread(count: int, slots: int) -> np.ndarray:
@@ -151,7 +141,7 @@ def _mesh_row(mesh: AssetMesh, library: _Library) -> int:
 
 
 def _instances(scenes: Any, hull_rows: Any, object_slots: Any) -> dict[str, np.ndarray]:
-    rotation = [quaternion_matrix(s.object_quaternion)[s.inst_object].reshape(-1, 3, 3) for s in scenes]
+    rotation = [rotations.matrix(s.object_quaternion)[s.inst_object].reshape(-1, 3, 3) for s in scenes]
     inst_rotation = _fill(rotation, 0.0, np.float32)
     for line, rows in zip(inst_rotation, rotation, strict=True):
         line[len(rows) :] = np.eye(3)
@@ -178,7 +168,7 @@ def _grid_arrays(scenes: Any, hull_rows: Any, parts: list[ConvexPart]) -> dict[s
     tables: dict[str, list[Any]] = {"hull_grid": [], "prism_grid": []}
     origins = []
     for scene, rows in zip(scenes, hull_rows, strict=True):
-        rotation = quaternion_matrix(scene.object_quaternion)[scene.inst_object].reshape(-1, 3, 3)
+        rotation = rotations.matrix(scene.object_quaternion)[scene.inst_object].reshape(-1, 3, 3)
         hull, prism = box[rows[scene.inst_hull]], box[rows[scene.prism_hull]]
         hull_centre = scene.object_position[scene.inst_object] + np.einsum("nij,nj->ni", rotation, hull[:, 0])
         prism_centre = scene.prism_position + prism[:, 0]

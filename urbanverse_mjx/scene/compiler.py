@@ -13,9 +13,9 @@ from ..assets.ground_materials import build_material
 from ..assets.skies import build_sky
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
+from ..geometry import rotations
 from ..work_folder import replacing_folder
 from . import ground, maps
-from .bank import quaternion_matrix
 from .drive import Driver, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
 from .exchange import exchange_map, save_map
@@ -146,8 +146,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     kinds = [library.add(o) for o in objects]
     prisms = ground.ground_prisms(regions)
     position = np.array([o.position for o in objects], np.float64).reshape(-1, 3)
-    yaw = np.array([o.yaw for o in objects], np.float64)
-    quaternion = np.column_stack([np.cos(yaw / 2), np.zeros((len(yaw), 2)), np.sin(yaw / 2)])
+    quaternion = rotations.from_yaw(np.array([o.yaw for o in objects], np.float64))
     counts = [len(library.hull_rows[k]) for k in kinds]
     inst_object = np.repeat(np.arange(len(objects)), counts).astype(np.int32)
     inst_hull = np.array([h for k in kinds for h in library.hull_rows[k]], np.int32)
@@ -155,7 +154,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     scene_map = maps.with_clearance(
         maps.ground_map(regions),
         [hulls[h] for h in inst_hull],
-        quaternion_matrix(quaternion)[inst_object],
+        rotations.matrix(quaternion)[inst_object],
         position[inst_object],
     )
     return SceneGeometry(

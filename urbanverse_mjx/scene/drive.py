@@ -8,6 +8,7 @@ import mujoco.rollout
 import numpy as np
 
 from ..datatypes import RobotSpec, traversable
+from ..geometry import rotations
 from .geometry import SceneGeometry
 from .mjcf import scene_spec
 from .planner import FreeSpace, path_length, resample
@@ -92,7 +93,7 @@ def _initial_states(
     state = np.zeros((len(starts), size))
     for row, (x, y, z, yaw) in zip(state, starts, strict=True):
         mujoco.mj_resetData(model, data)
-        data.qpos[adr : adr + 7] = [x, y, z + robot.spawn_height, np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
+        data.qpos[adr : adr + 7] = [x, y, z + robot.spawn_height, *rotations.from_yaw(yaw)]
         mujoco.mj_getState(model, data, row, mujoco.mjtState.mjSTATE_FULLPHYSICS)
     return state
 
@@ -103,8 +104,7 @@ def _judge(pose: np.ndarray, goal: np.ndarray, space: FreeSpace, time: float, li
         return Drive(-1.0, "unstable")
     if np.linalg.norm(pose[:2] - goal) < ARRIVED:
         return Drive(time, "")
-    upright = 1.0 - 2.0 * (pose[4] ** 2 + pose[5] ** 2)
-    if upright < 0.7:
+    if rotations.up_of(pose[3:7]) < 0.7:
         return Drive(-1.0, "tipped over")
     if not traversable(space.map.kind[space.cell(pose[:2])]):
         return Drive(-1.0, "off the traversable area")
@@ -116,7 +116,6 @@ def _target(pose: np.ndarray, path: np.ndarray, progress: int) -> tuple[int, np.
     window = path[progress : progress + 30]
     progress += int(np.linalg.norm(window - pose[:2], axis=1).argmin())
     ahead = path[min(progress + round(LOOKAHEAD / _SPACING), len(path) - 1)] - pose[:2]
-    w, x, y, z = pose[3:7]
-    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    yaw = rotations.yaw_of(pose[3:7])
     c, s = np.cos(yaw), np.sin(yaw)
     return progress, np.array([c * ahead[0] + s * ahead[1], -s * ahead[0] + c * ahead[1]])

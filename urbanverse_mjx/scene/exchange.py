@@ -13,7 +13,7 @@ import numpy as np
 
 from ..datatypes import validation as v
 from ..datatypes.ground import GROUND_KINDS, LIMIT
-from .bank import quaternion_matrix
+from ..geometry import rotations
 from .geometry import SceneGeometry, SceneMap
 from .maps import tops
 
@@ -50,7 +50,7 @@ class ExchangeMap:
 def exchange_map(geometry: SceneGeometry) -> ExchangeMap:
     """The map of a compiled scene."""
     hulls = [geometry.hulls[h] for h in geometry.inst_hull]
-    turns = quaternion_matrix(geometry.object_quaternion)[geometry.inst_object]
+    turns = rotations.matrix(geometry.object_quaternion)[geometry.inst_object]
     top = tops(geometry.map, hulls, turns, geometry.object_position[geometry.inst_object])
     return ExchangeMap(geometry.scene_id, geometry.map, top, {"made_by": "urbanverse_mjx"})
 

@@ -5,7 +5,7 @@ import dataclasses
 import mujoco
 import numpy as np
 
-from .bank import quaternion_matrix
+from ..geometry import rotations
 from .geometry import SceneGeometry
 from .mjcf import scene_mjcf
 
@@ -61,10 +61,10 @@ def rest_moves(
 
 def _around_movable(scene: SceneGeometry) -> SceneGeometry:
     """The scene with what is movable and the fixed things within `REACH` of that, by their upright boxes."""
-    rotations = quaternion_matrix(scene.object_quaternion)
+    turns = rotations.matrix(scene.object_quaternion)
     low, high = np.full((2, len(scene.object_ids), 3), [[[np.inf]], [[-np.inf]]])
     for hull, o in zip(scene.inst_hull, scene.inst_object, strict=True):
-        world = scene.hulls[hull] @ rotations[o].T + scene.object_position[o]
+        world = scene.hulls[hull] @ turns[o].T + scene.object_position[o]
         low[o], high[o] = np.minimum(low[o], world.min(0)), np.maximum(high[o], world.max(0))
     near = scene.object_movable.copy()
     for o in np.flatnonzero(scene.object_movable):

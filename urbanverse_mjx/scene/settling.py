@@ -10,7 +10,7 @@ import numpy as np
 
 from ..assets.ontology import category_of
 from ..assets.priors import prior
-from .bank import quaternion_matrix
+from ..geometry import rotations
 from .geometry import SceneGeometry
 from .rest import RestMove, rest_moves
 
@@ -49,7 +49,7 @@ def settle(scene: SceneGeometry) -> Settling:
 
 def hanging(scene: SceneGeometry) -> np.ndarray:
     """(n,) bool: things whose lowest point is over the ground below, and over the tops of what else stands there."""
-    rotation = quaternion_matrix(scene.object_quaternion)
+    rotation = rotations.matrix(scene.object_quaternion)
     low = np.full(len(scene.object_ids), np.inf)
     for hull, thing in zip(scene.inst_hull, scene.inst_object, strict=True):
         corners = scene.hulls[hull] @ rotation[thing].T + scene.object_position[thing]

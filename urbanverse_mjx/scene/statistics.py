@@ -12,7 +12,7 @@ from skimage.morphology import skeletonize
 
 from ..assets import ontology
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
-from .bank import quaternion_matrix
+from ..geometry import rotations
 from .geometry import SceneGeometry, SceneMap
 from .maps import closed, tops
 from .planner import KERB
@@ -116,7 +116,7 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
     roofs = tops(
         m,
         [geometry.hulls[h] for h in geometry.inst_hull[of_house]],
-        quaternion_matrix(geometry.object_quaternion)[objects],
+        rotations.matrix(geometry.object_quaternion)[objects],
         geometry.object_position[objects],
     )
     built = closed(roofs > m.height + HEAD, _SLIT / 2, m.resolution)

@@ -12,6 +12,7 @@ from PIL import Image, ImageDraw
 
 from ..datatypes import AgentMotion, RobotSpec, SceneBank
 from ..datatypes import validation as v
+from ..geometry import rotations
 from ..simulation.rendering.renderer import Renderer
 from .pictures import look_at
 
@@ -40,8 +41,7 @@ def _chase_cameras(
     Args:
       height: m, of the robot.
     """
-    w, x, y, z = xquat[:, 1].T
-    heading = np.stack([1 - 2 * (y * y + z * z), 2 * (w * z + x * y)], -1)
+    heading = rotations.matrix(xquat[:, 1])[:, :2, 0]
     window = min(round(_CHASE_SMOOTH * frames_per_second) // 2 * 2 + 1, len(heading))
     smooth = np.stack(
         [np.convolve(np.pad(h, window // 2, "edge"), np.ones(window) / window, "valid")[: len(h)] for h in heading.T],

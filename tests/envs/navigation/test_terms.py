@@ -61,13 +61,6 @@ def test_body_frame_turns_the_world_back() -> None:
     np.testing.assert_allclose(terms.to_body(jnp.array([2.0, 0.0]), yaw), [0.0, -2.0], atol=1e-6)
 
 
-def test_yaw_and_up_of_quaternions() -> None:
-    half = np.pi / 8
-    assert float(terms.yaw_of(jnp.array([np.cos(half), 0, 0, np.sin(half)]))) == pytest.approx(np.pi / 4)
-    # Rolled by 90 degrees: the up axis lies level.
-    assert float(terms.up_of(jnp.array([np.sqrt(0.5), np.sqrt(0.5), 0, 0]))) == pytest.approx(0.0, abs=1e-6)
-
-
 def test_paper_rewards() -> None:
     assert float(terms.reward_position(jnp.float32(0.0), 5.0)) == 1.0
     assert float(terms.reward_position(jnp.float32(5.0), 5.0)) == pytest.approx(1 - np.tanh(1.0))

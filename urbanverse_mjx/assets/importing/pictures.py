@@ -5,6 +5,7 @@ import numpy as np
 
 from urbanverse_mjx.datatypes import AssetMesh
 
+from ...geometry import rotations
 from ..gallery import scene_of
 
 VIEWS = 4
@@ -36,8 +37,7 @@ def render_views(mesh: AssetMesh, size: tuple[int, int]) -> list[np.ndarray]:
     pictures = []
     with mujoco.Renderer(model, height, width) as renderer:
         for k in range(VIEWS):
-            c, s = np.cos(np.pi / 2 * k), np.sin(np.pi / 2 * k)
-            model.light_dir[0] = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ light
+            model.light_dir[0] = rotations.about_z(np.pi / 2 * k) @ light
             mujoco.mj_forward(model, data)
             camera.azimuth = 180.0 + 90.0 * k
             renderer.update_scene(data, camera)

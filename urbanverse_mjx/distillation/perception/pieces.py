@@ -12,6 +12,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy import ndimage
 
+from ...geometry import rotations
+
 #: Steps on either side that say how fast the walker goes, and frames that a piece holds at least.
 _WINDOW, _LEAST = 5, 4
 #: A step so many times as long as those around it is a jump to a place that looks alike.
@@ -137,11 +139,6 @@ def _speed(piece: Piece, row: int) -> np.ndarray:
     return (piece.poses[high, :3, 3] - piece.poses[low, :3, 3]) / max(1, piece.frames[high] - piece.frames[low])
 
 
-def _about_z(angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
 def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | None:
     """(4, 4) that lays a piece beside what is joined, at the two frames nearest in time; None where no turn fits.
 
@@ -155,7 +152,7 @@ def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | Non
     before, after = _speed(joined, int(a)), _speed(piece, int(b))
 
     def goes_on(angle: float) -> np.ndarray:
-        return frames / 2 * (before + _about_z(angle) @ after)
+        return frames / 2 * (before + rotations.about_z(angle) @ after)
 
     grown = min(_SHIFT + _SHIFT_FRAME * (abs(frames) - 1), _MOST_SHIFT)
     known, own = _near(joined.points - here), _near(piece.points - there)
@@ -174,7 +171,7 @@ def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | Non
     if angle is None:
         return None
     place = np.eye(4)
-    place[:3, :3] = _about_z(angle)
+    place[:3, :3] = rotations.about_z(angle)
     place[:3, 3] = here + goes_on(angle) * [1.0, 1.0, 0.0] + np.r_[shift, 0.0] - place[:3, :3] @ there
     return place
 
@@ -214,7 +211,7 @@ def _search(
     shifts = start + np.stack(np.meshgrid(offsets, offsets, indexing="ij"), -1).reshape(-1, 2)
     scores, best = np.zeros(len(turns)), np.zeros((len(turns), 2))
     for k, turn in enumerate(turns):
-        moved = own @ _about_z(turn).T + goes_on(turn) * [1.0, 1.0, 0.0]
+        moved = own @ rotations.about_z(turn).T + goes_on(turn) * [1.0, 1.0, 0.0]
         found = []
         for shift in shifts:
             at = np.floor((moved + np.r_[shift, 0.0] - low) / cell).astype(int)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...datatypes import GraphObject
 from ...datatypes import validation as v
+from ...geometry import rotations
 from .kitti360_labels import BY_BOX_ID, Kitti360Class, thing_id
 
 
@@ -38,8 +39,7 @@ class Kitti360Box:
 
     def upright(self, origin: np.ndarray) -> GraphObject:
         """The upright box around it with its heading, `origin` (3,) m taken off."""
-        c, s = np.cos(self.heading), np.sin(self.heading)
-        turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        turn = rotations.about_z(-self.heading)
         local = (self.corners - origin) @ turn.T
         low, high = local.min(0), local.max(0)
         center, size = turn.T @ ((low + high) / 2), np.maximum(high - low, 1e-3)

@@ -9,10 +9,11 @@ import numpy as np
 from ml_collections import ConfigDict
 
 from ...datatypes import RobotSpec, SceneBank
+from ...geometry import rotations
 from ...precision import full_precision
 from ...robots.gait import felt_gravity, sensor_frame
 from ..heights import GroundHeights
-from ..navigation.terms import to_body, to_world, yaw_of
+from ..navigation.terms import to_body, to_world
 from ..staged import StagedBase, typed_key
 from ..types import Result
 from .draws import Body, draw_body, draw_command, draw_noise, draw_push
@@ -228,11 +229,9 @@ class JoystickEnv(StagedBase):
         joints = legs.stand + jax.random.uniform(bend, legs.stand.shape, jnp.float32, -0.1, 0.1)
         joints = jnp.clip(joints, legs.limits[:, 0], legs.limits[:, 1])
         ground = self._heights(scene, p_xy + to_world(jnp.asarray(SCAN), yaw)).max()
-        z, half = ground + self.robot.spawn_height + 0.02, 0.5 * yaw
-        zero = 0.0 * half
-        pose = jnp.stack([p_xy[0], p_xy[1], z, jnp.cos(half), zero, zero, jnp.sin(half)])
+        place = jnp.stack([p_xy[0], p_xy[1], ground + self.robot.spawn_height + 0.02])
         qvel = jnp.zeros(self.mj_model.nv).at[:6].set(jax.random.uniform(move, (6,), jnp.float32, -0.3, 0.3))
-        return self.engine.init(scene, jnp.concatenate([pose, joints]), qvel)
+        return self.engine.init(scene, jnp.concatenate([place, rotations.from_yaw(yaw), joints]), qvel)
 
     def _frame(self, sim: Any, command: jax.Array, action: jax.Array, body: Body, key: jax.Array) -> jax.Array:
         """(9 + 3 J,) what the sensors say of a state, with their noise."""
@@ -253,7 +252,7 @@ class JoystickEnv(StagedBase):
         contact = sim.contacts.foot_force > CONTACT_FORCE
         speed = sim.qvel[6:]
         return Motion(
-            linear=jnp.append(to_body(sim.qvel[:2], yaw_of(quaternion)), sim.qvel[2]),
+            linear=jnp.append(to_body(sim.qvel[:2], rotations.yaw_of(quaternion)), sim.qvel[2]),
             angular=sim.qvel[3:6],
             up=up,
             height=sim.xpos[legs.root, 2] - under.mean(),
@@ -286,7 +285,7 @@ class JoystickEnv(StagedBase):
         sim, legs, n = gait.sim, self._legs, self._legs.number
         sensed = self._sensed(sim)
         bend = sensed[6 : 6 + n] - legs.stand
-        position, yaw = sim.xpos[legs.root], yaw_of(sim.xquat[legs.root])
+        position, yaw = sim.xpos[legs.root], rotations.yaw_of(sim.xquat[legs.root])
         around = self._heights(sim.scene, position[:2] + to_world(jnp.asarray(SCAN), yaw))
         soles = gait.feet[:, 2] - legs.sole - self._heights(sim.scene, gait.feet[:, :2])
         body = gait.body

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from ...datatypes import NounError, RobotSpec
+from ...geometry import rotations
 
 
 class Legs:
@@ -44,15 +45,9 @@ class Legs:
 
     def feet(self, sim: Any) -> jax.Array:
         """(F, 3) m, centres of the feet."""
-        return sim.xpos[self.foot_body] + rotate(sim.xquat[self.foot_body], self.foot_place)
+        return sim.xpos[self.foot_body] + rotations.rotate(sim.xquat[self.foot_body], self.foot_place)
 
     def torque(self, ctrl: jax.Array, qpos: jax.Array, qvel: jax.Array) -> jax.Array:
         """(J,) N m of the servos, damping included."""
         push = jnp.clip(self.kp * (ctrl - qpos[7:]), -self.max_torque, self.max_torque)
         return push - self.kd * qvel[6:]
-
-
-def rotate(quaternion: jax.Array, vector: jax.Array) -> jax.Array:
-    """Vectors (..., 3) turned by unit quaternions (..., 4) wxyz."""
-    w, u = quaternion[..., :1], quaternion[..., 1:]
-    return vector + 2.0 * jnp.cross(u, jnp.cross(u, vector) + w * vector)

@@ -10,6 +10,7 @@ from ml_collections import ConfigDict
 
 from ...crowds import open_ground
 from ...datatypes import NounError, RobotSpec, SceneBank, traversable
+from ...geometry import rotations
 from ...precision import full_precision
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
@@ -144,18 +145,8 @@ class NavEnv(StagedBase):
         start = self._episodes["episode_start"][scene, row]
         goal = self._episodes["episode_goal"][scene, row]
         waypoints = self._episodes["episode_waypoints"][scene, row]
-        half = 0.5 * start[3]
-        pose = jnp.stack(
-            [
-                start[0],
-                start[1],
-                start[2] + self.robot.spawn_height,
-                jnp.cos(half),
-                0.0 * half,
-                0.0 * half,
-                jnp.sin(half),
-            ]
-        )
+        place = jnp.stack([start[0], start[1], start[2] + self.robot.spawn_height])
+        pose = jnp.concatenate([place, rotations.from_yaw(start[3])])
         key = typed_key(key)
         things = () if self.movables is None else (self.movables.near(scene, start[:3], waypoints),)
         sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), *things)
@@ -203,7 +194,7 @@ class NavEnv(StagedBase):
         person = {} if self.living is None else {"hit_agent": sim.contacts.hit_agent >= 0}
         result = terms.result_of(
             finite=finite,
-            fallen=terms.up_of(quaternion) < _UPRIGHT,
+            fallen=rotations.up_of(quaternion) < _UPRIGHT,
             hit=hit & config.terminate_on_hit,
             off_traversable=(~self.is_traversable(sim.scene, p_xy)) & config.terminate_off_traversable,
             at_goal=(distance < config.success_radius) & (steps > config.success_after_step),
@@ -240,7 +231,7 @@ class NavEnv(StagedBase):
     def observe(self, nav: NavState) -> dict[str, jax.Array]:
         """Observations of a state; the only place that renders."""
         position, quaternion = nav.sim.xpos[self._root], nav.sim.xquat[self._root]
-        yaw = terms.yaw_of(quaternion)
+        yaw = rotations.yaw_of(quaternion)
         last = nav.num_waypoints - 1
         to = [
             terms.to_body(point[:2] - position[:2], yaw)

@@ -20,8 +20,9 @@ from ...crowds.free_space import CELL
 from ...crowds.motion import wrapped
 from ...crowds.spawning import Watcher
 from ...datatypes import AgentMotion, AgentShapes, NounError, RobotSpec, SceneBank
+from ...geometry import rotations
 from ..types import NavState, Result
-from . import encounters, terms
+from . import encounters
 from .living_tables import POOL, kept_tables
 
 #: s, at most, between two steps of a crowd: those for which `crowds` was measured.
@@ -132,7 +133,7 @@ class LivingStreet:
         sim = nav.sim
         x, y = jnp.nan_to_num(sim.xpos[root, :2])
         vx, vy = jnp.nan_to_num(sim.qvel[:2])
-        watcher = Watcher(x, y, jnp.nan_to_num(terms.yaw_of(sim.xquat[root])), jnp.array(True))
+        watcher = Watcher(x, y, jnp.nan_to_num(rotations.yaw_of(sim.xquat[root])), jnp.array(True))
         key = jax.random.fold_in(nav.key, _STEP + nav.steps)
 
         def step(k: Any, crowd: Crowd) -> Crowd:

@@ -12,18 +12,6 @@ import jax.numpy as jnp
 from ..types import Result
 
 
-def yaw_of(quaternion: jax.Array) -> jax.Array:
-    """Heading (rad) of a body from its (4,) wxyz quaternion."""
-    w, x, y, z = quaternion
-    return jnp.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-
-
-def up_of(quaternion: jax.Array) -> jax.Array:
-    """z component of the body's up axis in the world; 1 = upright."""
-    _, x, y, _ = quaternion
-    return 1.0 - 2.0 * (x * x + y * y)
-
-
 def to_body(vector_world: jax.Array, yaw: jax.Array) -> jax.Array:
     """(2,) world vector seen in the heading frame (x forward, y left)."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)

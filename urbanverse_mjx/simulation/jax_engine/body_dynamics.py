@@ -13,7 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...datatypes import SceneBank
-from ..slots import body_contact, body_slots, static_slots
+from ...geometry import rotations
+from ..slots import body_contact, static_slots
 from ..slots.body_slots import Awake, BodyConstants
 from ..slots.hull_contact import HullTable
 from .constraint import Pushed, Rows, pyramid_rows, tangents
@@ -76,7 +77,7 @@ def matter(table: BodyConstants, awake: Awake) -> Matter:
 def hull_slots(awake: Awake, own: Matter) -> static_slots.Slots:
     """The (W H,) hulls of the bodies where they are now."""
     number, hulls = own.hull.shape
-    turn = body_slots.rotation(awake.quaternion)
+    turn = rotations.matrix(awake.quaternion)
     position = awake.place - jnp.einsum("wij,wj->wi", turn, own.centre)
 
     def each(x: Any) -> Any:
@@ -94,7 +95,7 @@ def hull_slots(awake: Awake, own: Matter) -> static_slots.Slots:
 
 def find_contacts(awake: Awake, own: Matter, hulls: static_slots.Slots, scenery: Scenery) -> body_contact.BodyContacts:
     """Contacts of the bodies with all but the robot; hulls: see `hull_slots`."""
-    turn = body_slots.rotation(awake.quaternion)
+    turn = rotations.matrix(awake.quaternion)
     places = awake.place[:, None] + jnp.einsum("wij,wpj->wpi", turn, own.points)
     there = awake.row >= 0
     # A slot without a body touches nothing.
@@ -147,7 +148,7 @@ def pushed(slot: Any, awake: Awake, own: Matter) -> Pushed:
 def joint_mass(robot: Any, awake: Awake, own: Matter) -> Any:
     """(nv + 6 W,) squared: the robot's mass matrix (nv, nv) with the bodies' blocks behind it."""
     first, bodies = robot.shape[0], len(own.mass)
-    turn = body_slots.rotation(awake.quaternion)
+    turn = rotations.matrix(awake.quaternion)
     moments = jnp.einsum("wij,wjk,wlk->wil", turn, own.moments, turn)
     whole = jnp.zeros((first + 6 * bodies,) * 2).at[:first, :first].set(robot)
     for w in range(bodies):
@@ -159,7 +160,7 @@ def joint_mass(robot: Any, awake: Awake, own: Matter) -> Any:
 
 def free_acceleration(awake: Awake, own: Matter) -> Any:
     """(6 W,) of bodies that touch nothing: gravity, and Euler's equations."""
-    turn = body_slots.rotation(awake.quaternion)
+    turn = rotations.matrix(awake.quaternion)
     moments = jnp.einsum("wij,wjk,wlk->wil", turn, own.moments, turn)
     momentum = jnp.einsum("wij,wj->wi", moments, awake.spin)
     change = -jnp.linalg.solve(moments, jnp.cross(awake.spin, momentum)[..., None])[..., 0]
@@ -179,8 +180,7 @@ def moved(awake: Awake, acceleration: Any, timestep: float) -> Awake:
     angle = jnp.linalg.norm(spin, axis=-1, keepdims=True) * timestep
     half = 0.5 * angle
     turn = jnp.concatenate([jnp.cos(half), 0.5 * timestep * jnp.sinc(half / jnp.pi) * spin], axis=-1)
-    quaternion = body_slots.product(turn, awake.quaternion)
-    quaternion = quaternion / jnp.linalg.norm(quaternion, axis=-1, keepdims=True)
+    quaternion = rotations.unit(rotations.product(turn, awake.quaternion))
     return awake._replace(
         place=awake.place + timestep * velocity, quaternion=quaternion, velocity=velocity, spin=spin, warm=warm
     )

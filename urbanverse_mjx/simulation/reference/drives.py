@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 from ...datatypes import RobotSpec, SceneBank
+from ...geometry import rotations
 
 #: What a drive is meant to meet; an aimed one starts where an episode does and heads for an object at any angle.
 KINDS = ("free", "ramp", "kerb", "graze", "head_on", "wedge", "aimed")
@@ -251,7 +252,7 @@ def mixed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, cont
             raise ValueError(f"scene {bank.scene_ids[scene[i]]!r}: found no place for a drive; needed some free ground")
         (plan, ground), yaw = found, found[0].yaw[0]
         qpos[i, :3] = *plan.place[0], ground + robot.spawn_height
-        qpos[i, 3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
+        qpos[i, 3:7] = rotations.from_yaw(yaw)
         command[:, i, 0] = plan.speed[0]
         command[:, i, 1] = plan.swing[0] * np.sin(plan.pulse[0] * time)
         names.append(kind)
@@ -272,7 +273,7 @@ def aimed_drives(bank: SceneBank, robot: RobotSpec, count: int, steps: int, cont
     for i in range(count):
         start, yaw = _aim(bank, int(scene[i]), rng)
         qpos[i, :3] = start + (0.0, 0.0, robot.spawn_height)
-        qpos[i, 3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
+        qpos[i, 3:7] = rotations.from_yaw(yaw)
         command[:, i, 0] = rng.uniform(0.4, 1.0) * robot.max_speed
         command[:, i, 1] = (
             rng.uniform(0, 0.5) * robot.max_yaw_rate * np.sin(rng.uniform(1, 3) * time + rng.uniform(0, 6))

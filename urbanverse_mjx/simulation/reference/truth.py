@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from ...datatypes import RobotSpec, SceneBank
+from ...geometry import rotations
 from .drives import KINDS, Drives, aimed_drives, mixed_drives
 
 __all__ = [
@@ -180,8 +181,8 @@ def drive_engine(
 
 def _ends(trace: Trace) -> list[str]:
     """Why an episode would end, per drive; what comes first counts, and a hit before a fall."""
-    x, y = trace.qpos[..., 4], trace.qpos[..., 5]
-    events = {"hit": trace.hit, "fall": 1.0 - 2.0 * (x * x + y * y) < _FALLEN, "nan": ~np.isfinite(trace.qpos).all(-1)}
+    up = rotations.up_of(trace.qpos[..., 3:7])
+    events = {"hit": trace.hit, "fall": up < _FALLEN, "nan": ~np.isfinite(trace.qpos).all(-1)}
     first = {name: np.where(e.any(1), e.argmax(1), e.shape[1]) for name, e in events.items()}
     steps = trace.hit.shape[1]
     return [

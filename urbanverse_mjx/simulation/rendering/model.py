@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from ...datatypes import NounError, RobotSpec, SceneBank
+from ...geometry import rotations
 from .settings import AGENT_LABEL, ROBOT_LABEL
 from .shapes import primitive_mesh
 
@@ -71,18 +72,6 @@ class RenderModel:
     num_bodies: int
     num_agents: int
     cameras: dict[str, RobotCamera]
-
-
-def rotation_matrices(quaternions: np.ndarray) -> np.ndarray:
-    """(..., 3, 3) f64 rotation matrices of (..., 4) wxyz quaternions of any length but zero."""
-    q = np.asarray(quaternions, np.float64)
-    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, -1) for row in rows], -2)
 
 
 def _add_bank(spec: mujoco.MjSpec, bank: SceneBank) -> None:
@@ -222,8 +211,8 @@ def _add_robot_mesh(spec: mujoco.MjSpec, robot: mujoco.MjModel, mesh: int, name:
 def _authored(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and normals of all meshes in the frames they were authored in."""
     vertices, normals = model.mesh_vert.astype(np.float64), model.mesh_normal.astype(np.float64)
-    rotations = rotation_matrices(model.mesh_quat) if model.nmesh else np.zeros((0, 3, 3))
-    for i, rotation in enumerate(rotations):
+    turns = rotations.matrix_f64(model.mesh_quat) if model.nmesh else np.zeros((0, 3, 3))
+    for i, rotation in enumerate(turns):
         corners = slice(model.mesh_vertadr[i], model.mesh_vertadr[i] + model.mesh_vertnum[i])
         arrows = slice(model.mesh_normaladr[i], model.mesh_normaladr[i] + model.mesh_normalnum[i])
         vertices[corners] = vertices[corners] @ rotation.T + model.mesh_pos[i]
@@ -296,7 +285,7 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence
         boxes = [_geom_box(robot_model, g) for g in geoms]
     bodies, number = 1 if robot_model is None else robot_model.nbody, len(looks)
     labels = [[ROBOT_LABEL, ROBOT_LABEL]] * len(geoms) + [[AGENT_LABEL, bank.agents["category"][i]] for i in looks]
-    rotation = np.concatenate([rotation_matrices(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
+    rotation = np.concatenate([rotations.matrix_f64(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
     return RenderModel(
         model=model,
         vertices=vertices,

@@ -16,6 +16,7 @@ import warp as wp
 
 from ... import settings as process
 from ...datatypes import AgentMotion, Bodies, NounError, RobotSpec, SceneBank
+from ...geometry import rotations
 from ...precision import full_precision
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from .model import build_render_model
@@ -154,8 +155,8 @@ class Renderer:
             raise NounError("renderer: found no robot; needed one to look through its camera; call `view` instead")
         xpos, xquat = jnp.asarray(xpos, jnp.float32), jnp.asarray(xquat, jnp.float32)
         body = self.camera.body
-        eye = xpos[body] + _rotate(xquat[body], jnp.asarray(self.camera.position))
-        turn = _multiply(xquat[body], jnp.asarray(self.camera.quaternion))
+        eye = xpos[body] + rotations.rotate(xquat[body], jnp.asarray(self.camera.position))
+        turn = rotations.product(xquat[body], jnp.asarray(self.camera.quaternion))
         return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look, agents, bodies)
 
     def view(
@@ -215,9 +216,8 @@ class Renderer:
         hidden = jnp.tile(jnp.array([0.0, 0.0, NOWHERE]), (number, 1))
         if agents is None:
             return hidden, jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))
-        half, none = 0.5 * agents.heading, jnp.zeros(number)
         place = jnp.where(agents.present[:, None], agents.position, hidden)
-        return place, jnp.stack([jnp.cos(half), none, none, jnp.sin(half)], -1)
+        return place, rotations.from_yaw(agents.heading)
 
     @property
     def num_contexts(self) -> int:
@@ -270,15 +270,3 @@ def _batch_function(number: int, settings: Settings) -> Any:
         return {name: x for name, x in zip(OUTPUTS, out, strict=True) if name in settings.outputs}
 
     return batch
-
-
-def _rotate(q: jax.Array, v: jax.Array) -> jax.Array:
-    """R(q) v for a unit quaternion wxyz."""
-    t = 2.0 * jnp.cross(q[1:], v)
-    return v + q[0] * t + jnp.cross(q[1:], t)
-
-
-def _multiply(p: jax.Array, q: jax.Array) -> jax.Array:
-    """Product of two quaternions wxyz."""
-    w = p[0] * q[0] - p[1:] @ q[1:]
-    return jnp.concatenate([w[None], p[0] * q[1:] + q[0] * p[1:] + jnp.cross(p[1:], q[1:])])

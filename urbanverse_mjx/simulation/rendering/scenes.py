@@ -8,7 +8,8 @@ from mujoco_warp_pbr._src import envmap
 from mujoco_warp_pbr._src.color import srgb_to_linear
 
 from ...datatypes import SceneBank
-from .model import RenderModel, rotation_matrices
+from ...geometry import rotations
+from .model import RenderModel
 
 #: Warp reads textures in software on the CPU, one channel and one mip level after the other: numbers of 32 bits, the
 #: nearest mip level and the nearest texel of the blurred skies draw the same street 24 % faster (368 instead of 302
@@ -115,7 +116,7 @@ def slot_boxes(bank: SceneBank) -> tuple[np.ndarray, np.ndarray]:
         if mesh < 0:
             continue
         z, n = np.divmod(slots, bank.slot_mesh.shape[1])
-        rotation = rotation_matrices(bank.slot_quaternion[z, n])
+        rotation = rotations.matrix_f64(bank.slot_quaternion[z, n])
         corners = rotation @ bank.mesh_vertices[start[mesh] : start[mesh + 1]].T.astype(np.float64)
         lower[z, n] = corners.min(-1) + bank.slot_position[z, n]
         upper[z, n] = corners.max(-1) + bank.slot_position[z, n]

@@ -10,8 +10,9 @@ from mujoco_warp_pbr._src import ibl
 from mujoco_warp_pbr._src.material import effective_geom_rgba, resolve_geom_materials
 
 from ...datatypes import SceneBank
+from ...geometry import rotations
 from . import street_draw
-from .model import FAR, RenderModel, rotation_matrices
+from .model import FAR, RenderModel
 from .scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from .settings import NOWHERE, Settings
 from .street_kernels import Street, Views, place
@@ -116,7 +117,7 @@ class Streets:
         nodes, roots = joined(meshes.nodes, trees)
         scene, number = scene[trees.order], number[trees.order]
         mesh = bank.slot_mesh[scene, number]
-        rotation = rotation_matrices(bank.slot_quaternion[scene, number])
+        rotation = rotations.matrix_f64(bank.slot_quaternion[scene, number])
         poses = inverse_rows(rotation, bank.slot_position[scene, number])
         poses = np.concatenate([poses, np.zeros((len(geoms), 3, 4))])
         textures, sizes = upload_textures(model)

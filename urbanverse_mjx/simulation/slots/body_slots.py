@@ -15,6 +15,7 @@ import numpy as np
 
 from ...datatypes import Bodies, SceneBank
 from ...datatypes import validation as v
+from ...geometry import rotations
 from .body_table import BodyTable, body_table
 
 #: m/s and rad/s below which a body does not move.
@@ -96,37 +97,12 @@ def constants(bank: SceneBank, sizes: Sizes) -> tuple[BodyTable, BodyConstants]:
     return table, BodyConstants(**columns)
 
 
-def rotation(quaternion: Any) -> Any:
-    """(..., 3, 3) of unit quaternions (..., 4) wxyz."""
-    w, x, y, z = jnp.moveaxis(quaternion, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return jnp.stack([jnp.stack(row, -1) for row in rows], -2)
-
-
-def product(p: Any, q: Any) -> Any:
-    """(..., 4) p q of quaternions wxyz."""
-    w, x, y, z = jnp.moveaxis(p, -1, 0)
-    a, b, c, d = jnp.moveaxis(q, -1, 0)
-    parts = (
-        w * a - x * b - y * c - z * d,
-        w * b + x * a + y * d - z * c,
-        w * c - x * d + y * a + z * b,
-        w * d + x * c - y * b + z * a,
-    )
-    return jnp.stack(parts, -1)
-
-
 def begin(table: BodyConstants, scene: Any, things: Any) -> Bodies:
     """Things (M,) i32 of a scene at rest where the bank has them; what cannot be a body becomes -1."""
     known = table.row[scene, jnp.maximum(things, 0)]
     there = (things >= 0) & (known >= 0)
     row, zero = jnp.maximum(known, 0), jnp.zeros((things.shape[0], 3))
-    quaternion = table.home_quaternion[row]
-    quaternion = quaternion / jnp.linalg.norm(quaternion, axis=-1, keepdims=True)
+    quaternion = rotations.unit(table.home_quaternion[row])
     one = jnp.array([1.0, 0.0, 0.0, 0.0])
     return Bodies(
         jnp.where(there, things, -1).astype(jnp.int32),
@@ -146,7 +122,7 @@ def rows(table: BodyConstants, scene: Any, bodies: Bodies) -> Any:
 def centres(table: BodyConstants, row: Any, position: Any, quaternion: Any) -> Any:
     """(n, 3) m, centres of mass of bodies (n,) whose objects stand at T_world_object."""
     local = table.centre[table.shape[jnp.maximum(row, 0)]]
-    return position + jnp.einsum("nij,nj->ni", rotation(quaternion), local)
+    return position + jnp.einsum("nij,nj->ni", rotations.matrix(quaternion), local)
 
 
 def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: float, number: int) -> Any:
@@ -191,7 +167,7 @@ def put_back(table: BodyConstants, bodies: Bodies, slot: Any, awake: Awake) -> B
     # What blew up stays where it was.
     kept = (awake.row >= 0) & fine
     local = table.centre[table.shape[jnp.maximum(awake.row, 0)]]
-    position = awake.place - jnp.einsum("nij,nj->ni", rotation(awake.quaternion), local)
+    position = awake.place - jnp.einsum("nij,nj->ni", rotations.matrix(awake.quaternion), local)
     new = (position, awake.quaternion, awake.velocity, awake.spin, awake.warm)
     # A body that should move and found no place keeps its speed and goes on later; the others have hardly any.
     moving = jnp.linalg.norm(bodies.velocity, axis=-1) > SLOW

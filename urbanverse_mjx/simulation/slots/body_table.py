@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from ...datatypes import SceneBank
+from ...geometry import rotations
 
 #: Points of a body's surface: COCO's largest neighbours, chairs of four hulls, have some 60 corners.
 NUM_POINTS = 64
@@ -148,8 +149,7 @@ def stands(bank: SceneBank, hulls: tuple[int, ...]) -> bool:
     model.opt.timestep = 0.005
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, round(_WATCHED / model.opt.timestep))
-    up = 1.0 - 2.0 * (data.qpos[4] ** 2 + data.qpos[5] ** 2)
-    return bool(up > np.cos(_TIPPED))
+    return bool(rotations.up_of(data.qpos[3:7]) > np.cos(_TIPPED))
 
 
 def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:

@@ -1,0 +1,81 @@
+"""Rotations as unit quaternions (wxyz) and as matrices, of numpy and of JAX arrays alike.
+
+Each function takes the library from its argument, so that what makes scenes loads no JAX.
+"""
+
+from typing import Any
+
+import numpy as np
+
+
+def matrix(quaternion: Any) -> Any:
+    """(..., 3, 3) rotation matrices of unit quaternions (..., 4)."""
+    xp = quaternion.__array_namespace__()
+    w, x, y, z = xp.moveaxis(quaternion, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return xp.stack([xp.stack(row, -1) for row in rows], -2)
+
+
+def matrix_f64(quaternion: np.ndarray) -> np.ndarray:
+    """(..., 3, 3) f64 of quaternions (..., 4) of any length but zero: stored in single precision they are not quite
+    unit ones."""
+    return matrix(unit(np.asarray(quaternion, np.float64)))
+
+
+def unit(quaternion: Any) -> Any:
+    """Quaternions (..., 4) of any length but zero as unit ones."""
+    xp = quaternion.__array_namespace__()
+    return quaternion / xp.linalg.norm(quaternion, axis=-1, keepdims=True)
+
+
+def product(p: Any, q: Any) -> Any:
+    """(..., 4) quaternions p q: first q turns, then p."""
+    xp = p.__array_namespace__()
+    w, x, y, z = xp.moveaxis(p, -1, 0)
+    a, b, c, d = xp.moveaxis(q, -1, 0)
+    parts = (
+        w * a - x * b - y * c - z * d,
+        w * b + x * a + y * d - z * c,
+        w * c - x * d + y * a + z * b,
+        w * d + x * c - y * b + z * a,
+    )
+    return xp.stack(parts, -1)
+
+
+def rotate(quaternion: Any, vector: Any) -> Any:
+    """Vectors (..., 3) turned by unit quaternions (..., 4)."""
+    xp = quaternion.__array_namespace__()
+    w, u = quaternion[..., :1], quaternion[..., 1:]
+    twice = 2.0 * xp.cross(u, vector)
+    return vector + w * twice + xp.cross(u, twice)
+
+
+def yaw_of(quaternion: Any) -> Any:
+    """(...) rad, the heading of bodies turned by unit quaternions (..., 4)."""
+    xp = quaternion.__array_namespace__()
+    w, x, y, z = xp.moveaxis(quaternion, -1, 0)
+    return xp.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def up_of(quaternion: Any) -> Any:
+    """(...) z component in the world of the up axis of bodies turned by unit quaternions (..., 4); 1 = upright."""
+    x, y = quaternion[..., 1], quaternion[..., 2]
+    return 1.0 - 2.0 * (x * x + y * y)
+
+
+def from_yaw(yaw: Any) -> Any:
+    """(..., 4) quaternions that turn by (...) rad about z; of a number or a list in numpy."""
+    xp = yaw.__array_namespace__() if hasattr(yaw, "__array_namespace__") else np
+    half = 0.5 * xp.asarray(yaw)
+    zero = xp.zeros_like(half)
+    return xp.stack([xp.cos(half), zero, zero, xp.sin(half)], -1)
+
+
+def about_z(yaw: float) -> np.ndarray:
+    """(3, 3) f64 that turns by an angle (rad) about z, counter-clockwise seen from above."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
