@@ -154,10 +154,14 @@ def test_alleys_are_narrow() -> None:
     assert np.median(reach) < 2.0
 
 
-def test_the_library_builds_the_set() -> None:
+def test_the_library_builds_the_set_as_committed() -> None:
     from urbanverse_mjx.pipeline.library.building import graph_of, layouts_of
     from urbanverse_mjx.scene import library
 
     scenes = library.scene_set("places")
     assert len(layouts_of(scenes)) == places.COUNT == 96
     assert graph_of(scenes, "places_005").ground == build(5).ground
+    known = library.shipped_hashes("places")
+    assert set(known) == set(layouts_of(scenes))
+    for layout in ("places_009", "places_011", "places_014"):
+        assert graph_of(scenes, layout).content_hash() == known[layout]["graph"], layout
