@@ -59,7 +59,7 @@ format: setup-dev ## format the code and mend what ruff can mend
 streets: setup ## compile the six shipped streets into a scene bank in the cache, where they changed
 	@$(BIN)/urbanverse scene bank
 
-scenes: streets ## build the scene library into the cache: 438 scenes, hours; goes on where it stopped (ARGS="autobench")
+scenes: streets ## build the scene library into the cache: 446 scenes, hours; goes on where it stopped (ARGS="autobench")
 	@$(BIN)/urbanverse scene library $(ARGS)
 
 bench: setup ## measure throughput; prints one JSON line

@@ -3,16 +3,15 @@
 import itertools
 import math
 
-import numpy as np
 import pytest
-import shapely
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.citygen.craft import BUILDERS, build, write
 from urbanverse_mjx.datatypes import NounError, SceneGraph
 from urbanverse_mjx.materialisation.choice import distortion
 from urbanverse_mjx.scene import library
-from urbanverse_mjx.scene.ground import check_regions, ground_prisms
+
+from . import composed
 
 IDS = list(BUILDERS)
 #: The ids of the authors' release (facts/reference_systems.md b.1).
@@ -30,8 +29,6 @@ PUBLISHED = {
     "11_urban_park_dogs_sports_area",
     "12_courtyard_plaza_central_fountain",
 }
-#: Ground prisms that an engine looks at, and how far around a robot's middle (scene.grids).
-PRISMS, REACH = 8, 0.55 + 2.0 * 0.2
 
 
 @pytest.fixture(scope="module", params=IDS)
@@ -68,43 +65,19 @@ def test_rich_and_long_enough(graph):
 
 
 def test_ground_compiles_and_no_place_has_more_prisms_than_an_engine_looks_at(graph):
-    check_regions(graph.ground)
-    boxes = []
-    for prism in ground_prisms(graph.ground):
-        corners = prism.position[:2] + prism.corners[:, :2]
-        boxes.append(shapely.box(*corners.min(0), *corners.max(0)))
-    walked = [shapely.Polygon(r.polygon) for r in graph.ground if r.kind in ("sidewalk", "crosswalk", "ground")]
-    area = shapely.union_all(walked, grid_size=1e-3)
-    x0, y0, x1, y1 = area.bounds
-    x, y = (a.ravel() for a in np.meshgrid(np.arange(x0, x1, 0.5), np.arange(y0, y1, 0.5)))
-    points = np.array(shapely.points(x, y), dtype=object)
-    points = points[shapely.contains(area, points)]
-    near, _ = shapely.STRtree(boxes).query(points, predicate="dwithin", distance=REACH)
-    counts = np.bincount(near, minlength=len(points))
-    worst = points[counts.argmax()]
-    assert counts.max() <= PRISMS, f"{counts.max()} prisms near ({worst.x:.1f}, {worst.y:.1f})"
+    most, place = composed.most_prisms_near(graph)
+    assert most <= composed.PRISMS, f"{most} prisms near {place}"
 
 
 def test_every_thing_has_an_asset_of_its_size(graph):
     """Nothing but house fronts, hedges and fences is stretched when assets are chosen."""
-    index = load_index()
-    for thing in graph.objects:
-        records = index.by_label(thing.label)
-        assert records, thing.label
-        if records[0].category[0] == "building" or thing.label in ("shrub", "fence", "wall", "gate", "guard rail"):
-            continue
-        assert min(distortion(thing.size, r) for r in records) < 0.2, (thing.id, thing.size)
+    assert composed.stretched(graph) == []
 
 
 def test_scenes_differ_in_character():
     """No two scenes share more than 70 % of their labels, weighted by count."""
-    counts = []
-    for scene_id in IDS:
-        labels = [o.label for o in build(scene_id).objects]
-        counts.append({name: labels.count(name) for name in set(labels)})
-    for a, b in itertools.combinations(counts, 2):
-        common = sum(min(a.get(k, 0), b.get(k, 0)) for k in a)
-        assert common / max(sum(a.values()), sum(b.values())) < 0.7
+    for a, b in itertools.combinations([build(scene_id) for scene_id in IDS], 2):
+        assert composed.shared_labels(a, b) < 0.7
 
 
 def test_fallen_scooters_lie_and_bollards_are_dense():

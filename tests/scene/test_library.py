@@ -12,6 +12,7 @@ import pytest
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
 from urbanverse_mjx.datatypes.validation import write_json
+from urbanverse_mjx.pipeline.banks import join_banks
 from urbanverse_mjx.pipeline.library import building
 from urbanverse_mjx.pipeline.library.building import cousins_of, graph_of, layouts_of
 from urbanverse_mjx.scene import library
@@ -22,7 +23,7 @@ from .test_rest import CUBE, scene_of
 
 def test_sets_and_ids() -> None:
     sets = library.sets()
-    assert {"urbanverse160", "autobench", "craftbench", "procedural", "places"} <= set(sets)
+    assert {"urbanverse160", "autobench", "craftbench", "validation", "procedural", "places"} <= set(sets)
     assert sum(sets[n].cousins * len(layouts_of(sets[n])) for n in ("urbanverse160", "autobench", "procedural")) == 330
     assert sets["urbanverse160"].scene_id("Africa_Egypt_Cairo_walk_01", 4) == "Africa_Egypt_Cairo_walk_01_Cousin_05"
     assert sets["procedural"].scene_id("procedural_007", 0) == "procedural_007"
@@ -30,6 +31,45 @@ def test_sets_and_ids() -> None:
     assert len(layouts_of(sets["craftbench"])) == 12
     with pytest.raises(NounError, match="layout of procedural"):
         graph_of(sets["procedural"], "procedural_160")
+
+
+def test_validation_is_held_out_of_the_training_sets() -> None:
+    known = library.sets()
+    splits = {name: [known[name].split_of(scene) for scene in scenes] for name, scenes in _scenes().items()}
+    assert {name: (row.count("train"), row.count("validation"), row.count("test")) for name, row in splits.items()} == {
+        "urbanverse160": (140, 20, 0),
+        "procedural": (144, 16, 0),
+        "validation": (0, 8, 0),
+        "craftbench": (0, 0, 12),
+    }
+    layouts = known["urbanverse160"].validation
+    assert set(layouts) <= set(layouts_of(known["urbanverse160"]))
+    assert len({layout.split("_")[0] for layout in layouts}) == 4  # continents
+    assert list(known["procedural"].validation) == layouts_of(known["procedural"])[-16:]
+    # All cousins of a layout, or none.
+    held_out = library.held_out(_scenes()["urbanverse160"])
+    assert {scene.rsplit("_Cousin_", 1)[0] for scene in held_out} == set(layouts)
+
+
+def _scenes() -> dict[str, list[str]]:
+    """Scene ids of each set."""
+    found = {}
+    for name in ("urbanverse160", "procedural", "validation", "craftbench"):
+        scenes = library.scene_set(name)
+        found[name] = [scenes.scene_id(layout, k) for layout in layouts_of(scenes) for k in range(scenes.cousins)]
+    return found
+
+
+def test_joined_banks_hold_validation_out_even_where_they_were_packed_before(
+    small_bank: SceneBank, tmp_path: pathlib.Path
+) -> None:
+    count = small_bank.num_scenes
+    ids = ["Europe_Italy_Naples_walk_01_Cousin_05", *(f"procedural_{k:03d}" for k in range(count - 1))]
+    meta = {**small_bank.meta, "scene_ids": ids, "splits": ["train"] * count}
+    dataclasses.replace(small_bank, meta=meta).save(tmp_path / "bank.npz")
+    assert join_banks([tmp_path / "bank.npz"]).meta["splits"] == ["validation", *["train"] * (count - 1)]
+    # The paper's comparison trains on all of them: what a caller asks for wins.
+    assert join_banks([tmp_path / "bank.npz"], ["train=*"]).meta["splits"] == ["train"] * count
 
 
 def test_a_missing_bank_names_the_command(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
@@ -48,6 +88,10 @@ def test_a_damaged_table_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: p
         library.sets()
     (tmp_path / "library.json").write_text('{"a": {"cousins": 1, "split": "train", "seed": 0, "builder": "magic"}}')
     with pytest.raises(NounError, match="a: builder"):
+        library.sets()
+    row = '{"a": {"cousins": 1, "split": "train", "seed": 0, "validation": ["x", "x"]}}'
+    (tmp_path / "library.json").write_text(row)
+    with pytest.raises(NounError, match="a: validation"):
         library.sets()
 
 

@@ -17,7 +17,7 @@ class BenchmarkArgs(BenchmarkOptions):
     """Score a policy on a frozen benchmark: prints the table; report.md, results and pictures go to a folder."""
 
     name: Annotated[str, tyro.conf.Positional]
-    """autobench, craftbench, shipped, or a file made by `python -m benchmarks.freeze`."""
+    """autobench, craftbench, shipped, validation, or a file made by `python -m benchmarks.freeze`."""
     bank: pathlib.Path | None = None
     """The scenes; default: those that `urbanverse scene library` (shipped: `urbanverse scene bank`) built."""
     out: pathlib.Path | None = None

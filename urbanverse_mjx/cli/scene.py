@@ -10,7 +10,7 @@ from typing import Annotated
 import tyro
 
 from .. import pipeline, settings
-from ..datatypes import SceneBank
+from ..datatypes import SPLITS, SceneBank
 from ..datatypes import validation as v
 from . import scene_gallery, scene_library, scene_routes
 
@@ -45,7 +45,7 @@ class BankArgs:
     seed: int = 0
     """Chooses among equally good assets, materials and skies, and the episodes."""
     split: str = "train"
-    """Split of the graphs given by name, "train" or "test"; shipped streets have their own (scenes/splits.json)."""
+    """Split of the graphs given by name, train, validation or test; scenes/splits.json has that of shipped streets."""
     cousins: int = 1
     """Digital cousins of each graph given by name: the same places, other assets, materials and sky."""
     quiet: bool = False
@@ -53,7 +53,8 @@ class BankArgs:
 
 @dataclasses.dataclass(frozen=True)
 class JoinArgs:
-    """Join bank files into one with all their scenes, each in its old split; prints one JSON line."""
+    """Join bank files into one with all their scenes, each in its old split, or in "validation" where the scene library
+    holds it out; prints one JSON line."""
 
     banks: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional]
     """Bank files; no scene may stand in two of them."""
@@ -114,7 +115,7 @@ def _compile(args: CompileArgs) -> int:
 
 def _bank(args: BankArgs) -> int:
     if args.graphs:
-        v.choice(args.split, "--split", ("train", "test"))
+        v.choice(args.split, "--split", SPLITS)
         v.integer(args.cousins, "--cousins", 1)
         graphs, splits, cousins = list(args.graphs), [args.split] * len(args.graphs), args.cousins
     elif args.seed == 0 and args.out is None:

@@ -8,7 +8,7 @@ from .label_prior import LabelPrior
 from .recording import Camera, Detection, Frame, Recording
 from .recording_writer import RecordingWriter
 from .robot import RobotSpec
-from .scene_bank import SceneBank
+from .scene_bank import SPLITS, SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
 from .simulation import AgentMotion, AgentShapes, Bodies, Contacts, SimState, Simulator
@@ -19,6 +19,7 @@ __all__ = [
     "KIND_INDEX",
     "PAINT_KINDS",
     "RESULTS",
+    "SPLITS",
     "TRAVERSABLE_KINDS",
     "AgentLook",
     "AgentMotion",

@@ -21,6 +21,8 @@ from .asset import MAX_HULL_VERTICES
 from .bank_checks import check_bank
 
 SCHEMA = "urbanverse.scene_bank/1"
+#: What scenes are for: to train on; to choose presets, checkpoints and ablations; to report.
+SPLITS = ("train", "validation", "test")
 MAX_HULL_TRIANGLES = 2 * MAX_HULL_VERTICES - 4
 
 
@@ -74,7 +76,7 @@ class SceneBank:
       counter-clockwise, the sun's disc taken out; sky_sun_direction (S, 3) f32 unit, from the ground to the sun;
       sky_sun_irradiance (S, 3) f32; scene_sky (Z,) i32, scene_sky_yaw (Z,) f32.
 
-    meta: {"schema", "scene_ids": [Z], "splits": [Z] "train"|"test", "categories": [A], "skies": [S],
+    meta: {"schema", "scene_ids": [Z], "splits": [Z] of `SPLITS` or others, "categories": [A], "skies": [S],
       "object_ids": [Z][..], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
       the last being how moving people and vehicles may look: names of kinds, rows of the meshes and categories. Banks
       in the cache hold their key there as well, "key": hexadecimal digits over everything that they are made of.
@@ -164,7 +166,7 @@ class SceneBank:
         return self.meta.get("agents", {"kind": [], "mesh": [], "category": []})
 
     def scenes_of(self, split: str) -> np.ndarray:
-        """(n,) i32: numbers of the scenes of a split ("train" or "test")."""
+        """(n,) i32: numbers of the scenes of a split, one of `SPLITS` or another."""
         return np.array([i for i, s in enumerate(self.meta["splits"]) if s == split], np.int32)
 
     def arrays(self) -> dict[str, np.ndarray]:

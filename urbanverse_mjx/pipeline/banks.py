@@ -124,6 +124,8 @@ def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank
 def join_banks(banks: Sequence[str | os.PathLike[str]], splits: Sequence[str] = ()) -> SceneBank:
     """Bank files joined into one bank with all their scenes, each in its old split.
 
+    Scenes that the scene library holds out are in the split "validation", also from banks that were packed before.
+
     Args:
       banks: files; no scene may stand in two of them.
       splits: NAME=PATTERN puts the scenes whose ids fit a shell pattern into a split of that name.
@@ -132,8 +134,10 @@ def join_banks(banks: Sequence[str | os.PathLike[str]], splits: Sequence[str] = 
       NounError: see `datatypes.bank_join.join`; or a pattern that fits no scene.
     """
     from ..datatypes.bank_join import join
+    from ..scene import library
 
-    bank = _with_splits(join([SceneBank.load(path) for path in banks]), splits)
+    bank = join([SceneBank.load(path) for path in banks])
+    bank = _with_splits(bank, [*(f"validation={scene}" for scene in library.held_out(bank.scene_ids)), *splits])
     if not bank.agents["kind"]:
         # Banks from before there were any.
         from ..assets.agents import agent_looks

@@ -56,7 +56,7 @@ def benchmark(
     """Scores a policy on a frozen benchmark and writes report.md, results and pictures into a folder.
 
     Args:
-      name: autobench, craftbench, shipped, or a file made by `python -m benchmarks.freeze`.
+      name: autobench, craftbench, shipped, validation, or a file made by `python -m benchmarks.freeze`.
       out: the folder; None for runs/NAME-POLICY.
       bank: the scenes; None for those that `build_library` (shipped: `ensure_default_bank`) builds into the cache.
       quiet: draw no progress bars on standard error.

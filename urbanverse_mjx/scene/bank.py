@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import AgentLook, AssetMesh, SceneBank, bank_join
+from ..datatypes import SPLITS, AgentLook, AssetMesh, SceneBank, bank_join
 from ..datatypes import validation as v
 from ..datatypes.ground import GROUND_KINDS
 from ..geometry import rotations
@@ -69,7 +69,7 @@ def pack(
     """One bank of all scenes.
 
     Args:
-      scenes: at least one, ids unique. splits: "train" or "test" for each.
+      scenes: at least one, ids unique. splits: of each, one of `SPLITS`.
       skies: by id, every sky a scene names, all of one image size.
       hashes: recorded in the bank's meta.
 
@@ -80,7 +80,7 @@ def pack(
         raise v.fail("bank", "no scene", "at least one", "compile a scene first")
     v.unique((s.scene_id for s in scenes), "bank scenes")
     for split in splits:
-        v.choice(split, "bank split", ("train", "test"))
+        v.choice(split, "bank split", SPLITS)
     hulls, meshes, categories = _Library(), _Library(), _Library()
     hull_rows = [_hull_rows(s, hulls) for s in scenes]
     mesh_rows = [np.array([_mesh_row(m, meshes) for m in s.meshes], np.int32) for s in scenes]

@@ -5,19 +5,21 @@
 
 import dataclasses
 import pathlib
+from collections.abc import Iterable
 
 import numpy as np
 
 from .. import settings
-from ..datatypes import SceneBank, traversable
+from ..datatypes import SPLITS, SceneBank, traversable
 from ..datatypes import validation as v
 
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
 #: Hull slots of the physics model (design, section 3); m of COCO's root above the ground.
 SLOTS, ROOT = 16, 0.3
-#: What makes the graphs of a set that has no files: `citygen.craft` by hand, `citygen.procedural` and
-#: `citygen.places` from templates.
-GENERATORS = ("craft", "procedural", "places")
+#: What makes the graphs of a set that has no files: `citygen.craft` and `citygen.validation` by hand,
+#: `citygen.procedural` and `citygen.places` from templates.
+GENERATORS = ("craft", "validation", "procedural", "places")
+_OPTIONAL = ("numbered", "builder", "validation")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,7 +28,8 @@ class SceneSet:
 
     Attributes:
       name: of its folder below `scenes/` and in the cache.
-      cousins: of each layout. split: "train" or "test". seed: of materialisation and episodes.
+      cousins: of each layout. split: one of `SPLITS`. seed: of materialisation and episodes.
+      validation: layouts that are held out of `split` for validation, with all their cousins.
       numbered: whether scene ids end in _Cousin_<k>, as the authors' do.
       builder: "" where graphs are files, else the generator that makes them: one of `GENERATORS`.
     """
@@ -37,10 +40,16 @@ class SceneSet:
     seed: int
     numbered: bool = True
     builder: str = ""
+    validation: tuple[str, ...] = ()
 
     def scene_id(self, layout: str, cousin: int) -> str:
         """Id of a layout's cousin number `cousin`, from 0."""
         return f"{layout}_Cousin_{cousin + 1:02d}" if self.numbered else layout
+
+    def split_of(self, scene: str) -> str:
+        """The split of a scene of this set, by its id."""
+        held_out = (self.scene_id(layout, k) for layout in self.validation for k in range(self.cousins))
+        return "validation" if scene in held_out else self.split
 
     def graphs(self) -> dict[str, pathlib.Path]:
         """Layout id -> its graph's file, by name; empty where a generator makes them."""
@@ -59,11 +68,13 @@ def sets() -> dict[str, SceneSet]:
         raise v.fail(TABLE, v.show(rows), "an object with a set per name")
     found = {}
     for name, row in rows.items():
-        row = v.mapping(row, f"{TABLE}: {name}", ("cousins", "split", "seed"), ("numbered", "builder"))
-        v.choice(row["split"], f"{TABLE}: {name}: split", ("train", "test"))
+        row = v.mapping(row, f"{TABLE}: {name}", ("cousins", "split", "seed"), _OPTIONAL)
+        v.choice(row["split"], f"{TABLE}: {name}: split", SPLITS)
         v.integer(row["cousins"], f"{TABLE}: {name}: cousins", 1, 64)
         v.choice(row.get("builder", ""), f"{TABLE}: {name}: builder", ("", *GENERATORS))
-        found[name] = SceneSet(name, **row)
+        held_out = [v.text(x, f"{TABLE}: {name}: validation") for x in row.get("validation", ())]
+        v.unique(held_out, f"{TABLE}: {name}: validation")
+        found[name] = SceneSet(name, **row | {"validation": tuple(held_out)})
     return found
 
 
@@ -75,6 +86,12 @@ def scene_set(name: str) -> SceneSet:
     """
     known = sets()
     return known[v.choice(name, "set of scenes", tuple(known))]
+
+
+def held_out(scenes: Iterable[str]) -> list[str]:
+    """Those of some scene ids that a set of the library holds out for validation, in their order."""
+    known = sets().values()
+    return [scene for scene in scenes if any(s.validation and s.split_of(scene) == "validation" for s in known)]
 
 
 def folder(name: str) -> pathlib.Path:

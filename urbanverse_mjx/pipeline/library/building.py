@@ -1,6 +1,7 @@
 """A layout of a set -> its cousins, compiled; and all scenes of a set -> one bank. Goes on where it stopped."""
 
 import dataclasses
+import importlib
 import pathlib
 import time
 from collections.abc import Callable, Iterator
@@ -43,10 +44,10 @@ def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
         made = {"procedural": procedural, "places": places}[scenes.builder]
         names = {f"{scenes.builder}_{k:03d}": k for k in range(made.COUNT)}
         return {name: lambda k=k, name=name: dataclasses.replace(made.build(k), id=name) for name, k in names.items()}
-    if scenes.builder == "craft":
-        from ...citygen import craft
-
-        return {name: lambda name=name: craft.build(name) for name in craft.BUILDERS}
+    if scenes.builder in ("craft", "validation"):
+        # Both are packages of hand-made scenes: BUILDERS by id, and `build`.
+        hand = importlib.import_module(f"...citygen.{scenes.builder}", __package__)
+        return {name: lambda name=name: hand.build(name) for name in hand.BUILDERS}
     return {name: lambda path=path: SceneGraph.load(path) for name, path in scenes.graphs().items()}
 
 
@@ -219,7 +220,7 @@ def pack_set(name: str, records: dict[str, dict[str, Any]]) -> dict[str, int]:
     from ...scene import pack_bank
 
     scenes = library.scene_set(name)
-    bank = pack_bank([_paths(name, scene)[0] for scene in records], [scenes.split] * len(records))
+    bank = pack_bank([_paths(name, scene)[0] for scene in records], [scenes.split_of(s) for s in records])
     most = {scene: library.most_in_reach(bank, z, POSES) for z, scene in enumerate(bank.scene_ids)}
     bank.save(library.folder(name) / library.BANK)
     return most
