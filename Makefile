@@ -84,8 +84,8 @@ scene-gallery: setup ## draw a page of compiled scenes with their numbers into t
 doctor: setup ## say what this machine has and how to mend what is missing
 	@$(BIN)/urbanverse doctor $(ARGS)
 
-lock: ## resolve the locks anew (needs uv)
-	@.ci/lock
+lock: ## resolve the locks anew, keeping versions that still fit (needs uv; ARGS=--upgrade takes the newest)
+	@.ci/lock $(ARGS)
 
 wheel: setup-dev ## build a wheel, install it in an empty environment and ask its doctor
 	@.ci/wheel

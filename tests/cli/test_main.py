@@ -9,6 +9,7 @@ import pytest
 
 import urbanverse_mjx
 from urbanverse_mjx.cli import main as cli
+from urbanverse_mjx.cli import packages
 from urbanverse_mjx.datatypes import NounError
 
 
@@ -58,6 +59,22 @@ def command(monkeypatch: pytest.MonkeyPatch):
         monkeypatch.setitem(cli.COMMANDS, "probe", ("probe", "for this test"))
 
     return put
+
+
+def test_what_is_not_installed_is_named_before_the_command_begins(command, monkeypatch, capsys) -> None:
+    command(lambda argv: pytest.fail("the command ran"))
+    monkeypatch.setattr(packages, "declared", lambda: ["numpy>=2.0", "no-such-package==1.0", "no_other>=2 ; extra"])
+    assert cli.main(["probe"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: found no package no-such-package, no_other, needed them; run `make setup`")
+    assert said.count("\n") == 1
+
+
+def test_what_is_declared_is_what_the_project_file_lists_and_is_installed() -> None:
+    names = list(map(packages.name_of, packages.declared()))
+    assert {"coacd", "opencv-python-headless", "mujoco", "jax"} <= set(names)
+    assert "ray" not in names
+    assert packages.missing() == []
 
 
 def raiser(error: BaseException, module: str):

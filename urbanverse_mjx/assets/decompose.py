@@ -16,7 +16,6 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
-from urbanverse_mjx.datatypes import optional
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh
 from urbanverse_mjx.process_pool import worker_pool
 
@@ -142,7 +141,8 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
     air = whole.volume - signed_volume(vertices, faces)
     if air < max(EXCESS_SHARE * whole.volume, allowance):
         return [whole]
-    coacd = optional.package("coacd", "a mesh that is not convex", "hulls")
+    import coacd  # loads a native library, and most meshes are convex or have shipped hulls
+
     coacd.set_log_level("error")
     parts = coacd.run_coacd(
         coacd.Mesh(vertices, faces),
@@ -255,11 +255,7 @@ def _gaps(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = None) -> tuple[np.ndarray, ...]:
-    """At most `budget` convex hulls of a mesh, each (n, 3) int32 in whole millimetres with n <= 32.
-
-    Raises:
-      NounError: the mesh needs CoACD, and the extra `hulls` is not installed.
-    """
+    """At most `budget` convex hulls of a mesh, each (n, 3) int32 in whole millimetres with n <= 32."""
     if mesh.extent[2] <= FLUSH_HEIGHT:
         flat = np.unique(np.round(mesh.vertices[:, :2], 3), axis=0)
         layers = [np.column_stack([flat, np.full(len(flat), z)]) for z in (FLUSH_BOTTOM, FLUSH_TOP)]

@@ -14,6 +14,8 @@ import sys
 from collections.abc import Callable
 from typing import Any, Literal
 
+from .packages import declared, name_of
+
 MINIMUM_PYTHON = (3, 12)
 #: CUDA 13 needs this driver series (NVIDIA's CUDA 13.0 release notes, table of driver versions).
 MINIMUM_DRIVER = 580
@@ -53,13 +55,8 @@ class Check:
 
 def requirement(package: str) -> str:
     """The package with the version range that our own metadata names, e.g. "warp-lang==1.18.0"."""
-    try:
-        declared = importlib.metadata.requires("urbanverse_mjx") or []
-    except importlib.metadata.PackageNotFoundError:
-        declared = []
-    for line in declared:
-        name = re.match(r"[A-Za-z0-9._-]+", line)
-        if name and _canonical(name.group()) == _canonical(package):
+    for line in declared():
+        if _canonical(name_of(line)) == _canonical(package):
             return line.partition(";")[0].strip().replace(" ", "")
     return package
 
@@ -106,11 +103,12 @@ def check_packages() -> Finding:
     from packaging.requirements import Requirement
 
     try:
-        declared = [Requirement(line) for line in importlib.metadata.requires("urbanverse_mjx") or []]
+        ours = _version("urbanverse_mjx")
     except importlib.metadata.PackageNotFoundError:
         mend = f"{sys.executable} -m pip install -e ."
         return Finding("missing", "urbanverse_mjx is not installed, only importable", mend)
-    needed = [r for r in declared if r.marker is None or r.marker.evaluate({"extra": ""})]
+    lines = [Requirement(line) for line in declared()]
+    needed = [r for r in lines if r.marker is None or r.marker.evaluate({"extra": ""})]
     missing, wrong = [], []
     for item in needed:
         try:
@@ -123,7 +121,7 @@ def check_packages() -> Finding:
     if missing or wrong:
         detail = "; ".join([*(f"{m.name} is not installed" for m in missing), *wrong])
         return Finding("missing" if missing else "problem", detail, "rm -f .venv/.stamp-main && make setup")
-    return Finding("ok", f"all {len(needed)} dependencies of urbanverse_mjx {_version('urbanverse_mjx')}")
+    return Finding("ok", f"all {len(needed)} dependencies of urbanverse_mjx {ours}")
 
 
 def check_jax() -> Finding:
@@ -303,6 +301,20 @@ def check_coacd() -> Finding:
     return Finding("ok", f"coacd {_version('coacd')} from {coacd.__name__}: hulls of new assets can be made")
 
 
+def check_opencv() -> Finding:
+    """Whether OpenCV reads videos, and brings the cascades of `--blur haar`."""
+    import pathlib
+
+    import cv2
+
+    backends = [cv2.videoio_registry.getBackendName(b) for b in cv2.videoio_registry.getStreamBackends()]
+    if "FFMPEG" not in backends:
+        return Finding("problem", f"{cv2.__version__} reads no video", reinstall("opencv-python-headless"))
+    if not list((pathlib.Path(cv2.__file__).parent / "data").glob("haarcascade_*.xml")):
+        return Finding("problem", f"{cv2.__version__} without cascades", install("opencv-python-headless"))
+    return Finding("ok", f"{cv2.__version__} reads videos by FFmpeg, with the cascades of --blur haar")
+
+
 CHECKS: dict[str, Check] = {
     "python": Check(check_python, None),
     "machine": Check(check_machine, None, required=False),
@@ -318,7 +330,8 @@ CHECKS: dict[str, Check] = {
     "cache": Check(check_cache, None),
     "assets": Check(check_assets, None),
     "scenes": Check(check_scenes, None),
-    "coacd": Check(check_coacd, "coacd", required=False),
+    "coacd": Check(check_coacd, "coacd"),
+    "opencv": Check(check_opencv, "opencv-python-headless"),
 }
 
 

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 from .. import __version__
 from ..pipeline.errors import refusal
+from .packages import missing
 
 #: Command -> (module below `urbanverse_mjx.cli`, one line for --help).
 COMMANDS = {
@@ -71,6 +72,10 @@ def _choose(argv: list[str]) -> int:
 
 
 def _run(name: str, argv: list[str]) -> int:
+    absent = [] if name == "doctor" else missing()
+    if absent:
+        needed = "them; run `make setup`, or `urbanverse doctor` for the command of each"
+        return _refuse(f"found no package {', '.join(absent)}, needed {needed}.")
     try:
         command = importlib.import_module(f"urbanverse_mjx.cli.{COMMANDS[name][0]}")
         return int(command.main(argv) or 0)

@@ -7,9 +7,10 @@ deep learning misses less. OpenCV 5 no longer ships the cascades' files.
 import pathlib
 from typing import Any
 
+import cv2
 import numpy as np
 
-from ...datatypes import NounError, optional
+from ...datatypes import NounError
 
 _CASCADES = (
     "haarcascade_frontalface_default.xml",
@@ -25,9 +26,8 @@ def detector() -> "HaarDetector":
     """The detector, for `blur_by_name`.
 
     Raises:
-      NounError: OpenCV is not installed, or came without the cascades.
+      NounError: OpenCV came without the cascades.
     """
-    cv2 = optional.package("cv2", "--blur haar: OpenCV 4", "privacy")
     folder = pathlib.Path(cv2.__file__).parent / "data"
     missing = [name for name in _CASCADES if not (folder / name).is_file()]
     if missing:
@@ -35,18 +35,18 @@ def detector() -> "HaarDetector":
             f"--blur haar: found OpenCV {cv2.__version__} without {missing[0]}, needed version 4, which brings it; "
             '`pip install "opencv-python-headless<5"`.'
         )
-    return HaarDetector(cv2, [cv2.CascadeClassifier(str(folder / name)) for name in _CASCADES])
+    return HaarDetector([cv2.CascadeClassifier(str(folder / name)) for name in _CASCADES])
 
 
 class HaarDetector:
     """`FindsPrivate` by cascades."""
 
-    def __init__(self, cv2: Any, cascades: list[Any]) -> None:
-        self._cv2, self._cascades = cv2, cascades
+    def __init__(self, cascades: list[Any]) -> None:
+        self._cascades = cascades
 
     def __call__(self, rgb: np.ndarray, /) -> np.ndarray:
         """(k, 4) left, top, right, bottom; profiles are looked for on both sides."""
-        grey = self._cv2.equalizeHist(self._cv2.cvtColor(rgb, self._cv2.COLOR_RGB2GRAY))
+        grey = cv2.equalizeHist(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY))
         found = [np.zeros((0, 4))]
         for number, cascade in enumerate(self._cascades):
             found.append(self._boxes(cascade, grey))

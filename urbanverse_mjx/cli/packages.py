@@ -1,0 +1,43 @@
+"""Which packages this code declares, and which of them are not installed. Imports the standard library alone."""
+
+import importlib.metadata
+import importlib.util
+import pathlib
+import re
+import tomllib
+
+#: Modules of packages that are also published under other names, such as `opencv-python`.
+_MODULES = {"opencv-python-headless": "cv2"}
+
+
+def declared() -> list[str]:
+    """The requirements of the default installation, e.g. "warp-lang==1.18.0".
+
+    A clone's `pyproject.toml` comes before the metadata of the installation, which a `git pull` leaves behind.
+    """
+    project = pathlib.Path(__file__).parents[2] / "pyproject.toml"
+    if project.is_file():
+        return list(tomllib.loads(project.read_text(encoding="utf-8"))["project"]["dependencies"])
+    try:
+        lines = importlib.metadata.requires("urbanverse_mjx") or []
+    except importlib.metadata.PackageNotFoundError:
+        return []
+    return [line for line in lines if "extra ==" not in line]
+
+
+def name_of(requirement: str) -> str:
+    """The package that a requirement names."""
+    found = re.match(r"[A-Za-z0-9._-]+", requirement)
+    return found.group() if found else requirement
+
+
+def missing() -> list[str]:
+    """Names of the declared packages that are not installed."""
+    absent = []
+    for name in map(name_of, declared()):
+        try:
+            importlib.metadata.distribution(name)
+        except importlib.metadata.PackageNotFoundError:
+            if name not in _MODULES or importlib.util.find_spec(_MODULES[name]) is None:
+                absent.append(name)
+    return absent
