@@ -88,7 +88,7 @@ CODE: Mapping[str, Code] = {
     "cards": Code(2, _below("viz", "graphs", "pictures", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.
     "perception": Code(
-        1,
+        2,
         (
             *("distillation.perception", "distillation.eye", "assets.importing.vision"),
             *_below("pipeline.generation", "listing", "perceiving", "seeing", "tours"),

@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 import scipy.ndimage
 import shapely
@@ -120,8 +121,8 @@ def _large(kind: np.ndarray) -> np.ndarray:
     """(X, Y) bool: cells that belong to a connected area of one kind of at least `_MIN_AREA`."""
     large = np.zeros(kind.shape, bool)
     for k in np.unique(kind[kind > 0]):
-        numbers, _ = scipy.ndimage.label(kind == k)
-        sizes = np.bincount(numbers.ravel()) * CELL**2
+        _, numbers, boxes, _ = cv2.connectedComponentsWithStats((kind == k).astype(np.uint8), connectivity=4)
+        sizes = boxes[:, cv2.CC_STAT_AREA] * CELL**2
         sizes[0] = 0.0
         large |= (sizes >= _MIN_AREA)[numbers]
     return large

@@ -8,7 +8,7 @@ import pathlib
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-import imageio_ffmpeg
+import cv2
 import numpy as np
 from PIL import Image
 
@@ -93,7 +93,8 @@ def sample(
     """Writes the usable frames of a video or of a folder of pictures, and `frames.json`.
 
     Args:
-      source: a video of any container that FFmpeg reads, or a folder of pictures in the order of their names.
+      source: a video of any container that FFmpeg (inside OpenCV) reads, or a folder of pictures in the order of
+        their names.
       folder: made; emptied of earlier frames.
       blur: finds faces and plates and makes them unreadable before anything is written.
 
@@ -163,38 +164,56 @@ Group = Sequence[tuple[float, np.ndarray]]
 
 def _video(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
     """Groups of neighbouring pictures, one group for each frame wanted, and about how many groups."""
-    about = _probe(path)
-    duration, fps = float(about["duration"]), float(about["fps"])
+    video = _opened(path)
+    fps, count = video.get(cv2.CAP_PROP_FPS), video.get(cv2.CAP_PROP_FRAME_COUNT)
+    duration = count / fps if fps > 0 and count > 0 else 0.0
     rate = min(options.rate, fps or options.rate, options.max_frames / duration if duration > 0 else options.rate)
     each = max(1, min(options.candidates, int(fps / rate))) if fps > 0 else 1
-    side = options.short_side
-    # Even sides, as most codecs have them; -2 keeps the proportions.
-    scale = f"scale=w='if(gt(iw,ih),-2,min({side},iw))':h='if(gt(iw,ih),min({side},ih),-2)':flags=area"
-    stream = imageio_ffmpeg.read_frames(str(path), output_params=["-vf", f"fps={rate * each:.6f},{scale}"])
+    pictures = itertools.islice(_pictures(video, rate * each, options.short_side), options.max_frames * each)
+    return _grouped(pictures, each), min(options.max_frames, max(1, round(duration * rate)))
 
-    def pictures() -> Iterator[tuple[float, np.ndarray]]:
-        width, height = next(stream)["size"]
-        for k, body in enumerate(itertools.islice(stream, options.max_frames * each)):
-            yield k / (rate * each), np.frombuffer(body, np.uint8).reshape(height, width, 3)
 
-    return _grouped(pictures(), each), min(options.max_frames, max(1, round(duration * rate)))
+def _opened(path: pathlib.Path) -> cv2.VideoCapture:
+    if not path.is_file():
+        raise v.fail(str(path), "no such file", "a video or a folder of pictures", "check the path")
+    video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    if not video.isOpened():
+        raise v.fail(str(path), "something that OpenCV reads no picture from", "a video", "play it to check")
+    return video
+
+
+def _pictures(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[tuple[float, np.ndarray]]:
+    """Time (s) and RGB of the pictures nearest to every 1 / `rate` s; what lies between is decoded and left out."""
+    period = 1.0 / (video.get(cv2.CAP_PROP_FPS) or rate)
+    first, time, due = None, -period, 0
+    try:
+        while video.grab():
+            stamp = video.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
+            first = stamp if first is None else first
+            # AVI stamps pictures when they are decoded: all late by the same time, and 0 where the file has ended.
+            time = stamp - first if stamp - first > time else time + period
+            if (time + period / 2) * rate < due:
+                continue
+            due = int((time + period / 2) * rate) + 1
+            whole, bgr = video.retrieve()
+            if whole:
+                yield time, _scaled(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB), short_side)
+    finally:
+        video.release()
+
+
+def _scaled(rgb: np.ndarray, short_side: int) -> np.ndarray:
+    """A picture (H, W, 3) u8 shrunk to a shorter side of at most `short_side` px, by means over what a pixel covers."""
+    height, width = rgb.shape[:2]
+    factor = short_side / min(height, width)
+    if factor >= 1.0:
+        return rgb
+    return cv2.resize(rgb, (round(width * factor), round(height * factor)), interpolation=cv2.INTER_AREA)
 
 
 def _grouped(pictures: Iterator[tuple[float, np.ndarray]], each: int) -> Iterator[Group]:
     while group := list(itertools.islice(pictures, each)):
         yield group
-
-
-def _probe(path: pathlib.Path) -> dict[str, Any]:
-    if not path.is_file():
-        raise v.fail(str(path), "no such file", "a video or a folder of pictures", "check the path")
-    stream = imageio_ffmpeg.read_frames(str(path))
-    try:
-        return next(stream)
-    except (OSError, StopIteration, ValueError) as error:
-        raise v.fail(str(path), "something that FFmpeg reads no picture from", "a video", "play it to check") from error
-    finally:
-        stream.close()
 
 
 def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
@@ -216,10 +235,7 @@ def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Grou
             if picture.size != size:
                 needed = "{}x{} as the first has".format(*size)
                 raise v.fail(str(file), "{}x{} pixels".format(*picture.size), needed, "scale it")
-            factor = min(1.0, options.short_side / min(size))
-            if factor < 1.0:
-                picture = picture.resize((round(size[0] * factor), round(size[1] * factor)), Image.Resampling.BOX)
-            yield [(k / options.rate, np.asarray(picture))]
+            yield [(k / options.rate, _scaled(np.asarray(picture), options.short_side))]
 
     return pictures(), len(files)
 

@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 from scipy import ndimage
 
@@ -42,22 +43,21 @@ class Measures:
 
 def measure(rgb: np.ndarray) -> Measures:
     """Measures of a picture (H, W, 3) u8. Sharpness: deviation of its Laplacian over that of its brightness."""
-    grey = rgb @ np.array([0.299, 0.587, 0.114], np.float32) / np.float32(255.0)
-    step = max(1, grey.shape[0] // _ROWS)
-    part = ndimage.uniform_filter(grey, step)[::step, ::step] if step > 1 else grey
+    grey = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2GRAY)
+    height, width = grey.shape
+    step = max(1, height // _ROWS)
+    part = cv2.resize(grey, (width // step, height // step), interpolation=cv2.INTER_AREA) if step > 1 else grey
     contrast = float(part.std())
-    sharpness = float(ndimage.laplace(part).std()) / contrast if contrast > 0.01 else 0.0
-    zoom = _SMALL[0] / grey.shape[0], _SMALL[1] / grey.shape[1]
-    blurred = ndimage.gaussian_filter(grey, [0.5 / z for z in zoom])
-    rows, columns = (np.minimum(((np.arange(n) + 0.5) / z).astype(int), size - 1)
-                     for n, z, size in zip(_SMALL, zoom, grey.shape, strict=True))  # fmt: skip
-    return Measures(float(np.quantile(grey[::4, ::4], 0.95)), sharpness, blurred[np.ix_(rows, columns)])
+    sharpness = float(cv2.Laplacian(part, cv2.CV_32F, ksize=1).std()) / contrast if contrast > 0.01 else 0.0
+    small = cv2.resize(grey, _SMALL[::-1], interpolation=cv2.INTER_AREA)
+    return Measures(float(np.quantile(grey[::4, ::4], 0.95)), sharpness, small)
 
 
 def turned(before: Measures, after: Measures) -> float:
     """Share of the width by which the picture moved sideways, by phase correlation; 0 where nothing matches.
 
-    Source: Kuglin and Hines, "The phase correlation image alignment method", 1975.
+    Source: Kuglin and Hines, "The phase correlation image alignment method", 1975. OpenCV's `phaseCorrelate` sums the
+    response around the peak, which tells noise from a match no longer: 0.27 for noise, 0.24 for a turn by half a width.
     """
     window = np.outer(np.hanning(_SMALL[0]), np.hanning(_SMALL[1]))
     a, b = (np.fft.rfft2((x.small - x.small.mean()) * window) for x in (before, after))

@@ -12,8 +12,8 @@ import tempfile
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import cv2
 import numpy as np
-from scipy import ndimage
 
 from ... import settings
 from ...datatypes import Camera, NounError
@@ -114,11 +114,12 @@ class Structure:
         corner = (camera.cx**2 + camera.cy**2) / camera.fx**2
         if abs(self.distortion) * corner * np.hypot(camera.cx, camera.cy) < _STRAIGHT:
             return rgb
-        rays = camera.rays()[..., :2]
-        bent = rays * (1.0 + self.distortion * (rays**2).sum(-1, keepdims=True))
-        rows, columns = bent[..., 1] * camera.fy + camera.cy - 0.5, bent[..., 0] * camera.fx + camera.cx - 0.5
-        parts = [ndimage.map_coordinates(rgb[..., c], [rows, columns], order=1, mode="nearest") for c in range(3)]
-        return np.stack(parts, -1)
+        # OpenCV counts pixels from the centre of the first, we from its corner. COLMAP's k1 is OpenCV's.
+        pinhole = np.array([[camera.fx, 0.0, camera.cx - 0.5], [0.0, camera.fy, camera.cy - 0.5], [0.0, 0.0, 1.0]])
+        lens = np.array([self.distortion, 0.0, 0.0, 0.0])
+        size = (camera.width, camera.height)
+        columns, rows = cv2.initUndistortRectifyMap(pinhole, lens, np.eye(3), pinhole, size, cv2.CV_32FC1)
+        return cv2.remap(rgb, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
 def reconstruct(
