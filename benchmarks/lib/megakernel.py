@@ -11,16 +11,16 @@ import mujoco_warp as mjw
 import mujoco_warp_pbr as pbr
 import numpy as np
 import warp as wp
-from mujoco_warp._src.bvh import compute_bvh_group_roots
-from mujoco_warp_pbr._src import envmap, kernel_inputs
 
 from benchmarks.lib import megakernel_kernels as kernels
 from benchmarks.lib.megakernel_kernels import RobotTables, SceneTables
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.simulation.rendering.model import RenderModel
+from urbanverse_mjx.simulation.rendering.pbr_private import BAKE_GROUPS, texel_angle
 from urbanverse_mjx.simulation.rendering.scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from urbanverse_mjx.simulation.rendering.settings import PBR_EXPOSURE, PLAIN_SKY, Settings
+from urbanverse_mjx.simulation.warp_engine.mujoco_warp_private import compute_bvh_group_roots
 
 
 def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:
@@ -112,7 +112,7 @@ class SharedAssets:
         context.features.base_color_map = context.features.textures = bool((mjm.mat_texid >= 0).any())
         context.features.specular_aa = False
         # Settings as constants of the kernel: 3 % (pbr) to 15 % (matte) more frames on a CPU.
-        context.baked = frozenset(kernel_inputs.BAKE_GROUPS)
+        context.baked = frozenset(BAKE_GROUPS)
         # The bank's radiance is relative to the display: 1 is white.
         context.exposure = wp.array([PBR_EXPOSURE], dtype=float)
         context.light_intensity = wp.ones((1, 1), dtype=float)
@@ -121,7 +121,7 @@ class SharedAssets:
             context.env_maps = list(skies.owners)
             assert skies.prefiltered is not None, "glossy skies are prefiltered"
             context.env_radiance, context.env_prefiltered, context.env_sh = skies.radiance, skies.prefiltered, skies.sh
-            context.env_texel_angle = envmap.texel_angle(skies.width)
+            context.env_texel_angle = texel_angle(skies.width)
             context.env_intensity = wp.ones(1, dtype=float)
             context.has_env = context.env_background = True
 

@@ -11,6 +11,7 @@ import functools
 import hashlib
 import json
 import pathlib
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 
@@ -158,7 +159,9 @@ def digests(root: pathlib.Path = ROOT) -> dict[str, str]:
 
 def stored() -> dict[str, str]:
     """The digests that were acknowledged last."""
-    return json.loads(STORED.read_text(encoding="utf-8"))
+    # Line by line: a merge may have left both sides of a conflict in the file, of which this reads the latter.
+    found = re.findall(r'^ "(.+)": "(\w+)",?$', STORED.read_text(encoding="utf-8"), re.MULTILINE)
+    return dict(found)
 
 
 def complaints(known: Mapping[str, str], root: pathlib.Path = ROOT) -> list[str]:

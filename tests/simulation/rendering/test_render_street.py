@@ -10,13 +10,13 @@ import mujoco
 import numpy as np
 import pytest
 import warp as wp
-from mujoco_warp_pbr._src import envmap
 
 from benchmarks.lib.megakernel import SharedAssets, WorldBatch
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots.coco import make_coco
 from urbanverse_mjx.simulation.rendering.model import build_render_model
+from urbanverse_mjx.simulation.rendering.pbr_private import eval_sh9, rotate_yaw
 from urbanverse_mjx.simulation.rendering.settings import Settings
 from urbanverse_mjx.simulation.rendering.shapes import primitive_mesh
 from urbanverse_mjx.simulation.rendering.street_batch import StreetBatch, Streets, sky_polynomials
@@ -81,7 +81,7 @@ def _spherical(
     harmonics: wp.array2d[wp.vec3], yaw: wp.array[float], normals: wp.array[wp.vec3], out: wp.array2d[wp.vec3]
 ):
     i, j = wp.tid()
-    out[i, j] = envmap.eval_sh9(harmonics, i, envmap.rotate_yaw(normals[j], -yaw[i]))
+    out[i, j] = eval_sh9(harmonics, i, rotate_yaw(normals[j], -yaw[i]))
 
 
 def test_the_polynomial_of_the_sky_is_its_spherical_harmonics() -> None:

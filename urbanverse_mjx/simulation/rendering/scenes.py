@@ -4,12 +4,11 @@ import dataclasses
 
 import numpy as np
 import warp as wp
-from mujoco_warp_pbr._src import envmap
-from mujoco_warp_pbr._src.color import srgb_to_linear
 
 from ...datatypes import SceneBank
 from ...geometry import rotations
 from .model import RenderModel
+from .pbr_private import prefilter_sky, sky_harmonics, srgb_to_linear
 
 #: Warp reads textures in software on the CPU, one channel and one mip level after the other: numbers of 32 bits, the
 #: nearest mip level and the nearest texel of the blurred skies draw the same street 24 % faster (368 instead of 302
@@ -61,7 +60,7 @@ def _blurred(radiance: wp.Texture2D, width: int, height: int) -> wp.Texture3D:
     """The sky blurred by the GGX lobe of each of `BLUR_LEVELS` roughnesses."""
     stack = wp.zeros((BLUR_LEVELS, BLUR_WIDTH // 2, BLUR_WIDTH, 4), dtype=wp.float16)
     wp.launch(
-        envmap._prefilter,
+        prefilter_sky,
         dim=stack.shape[:3],
         inputs=[radiance, width, height, BLUR_SAMPLES, 0],
         outputs=[stack],
@@ -94,7 +93,7 @@ def build_skies(radiance: np.ndarray, glossy: bool) -> Skies:
         maps.append(texture)
         if glossy:
             stacks.append(_blurred(texture, width, height))
-        harmonics.append(envmap._sh9_irradiance(image))
+        harmonics.append(sky_harmonics(image))
     return Skies(
         radiance=wp.array(maps, dtype=wp.Texture2D),
         prefiltered=wp.array(stacks, dtype=wp.Texture3D) if glossy else None,

@@ -6,13 +6,12 @@ from collections.abc import Callable, Sequence
 import mujoco
 import numpy as np
 import warp as wp
-from mujoco_warp_pbr._src import ibl
-from mujoco_warp_pbr._src.material import effective_geom_rgba, resolve_geom_materials
 
 from ...datatypes import SceneBank
 from ...geometry import rotations
 from . import street_draw
 from .model import FAR, RenderModel
+from .pbr_private import build_dfg_lut, effective_geom_rgba, resolve_geom_materials
 from .scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from .settings import NOWHERE, Settings
 from .street_kernels import Street, Views, place
@@ -177,7 +176,7 @@ class Streets:
         self.skies.radiance = skies.radiance
         if gloss:
             assert skies.prefiltered is not None, "skies for gloss are prefiltered"
-            self.skies.blurred, self.skies.lobes = skies.prefiltered, ibl.build_dfg_lut()
+            self.skies.blurred, self.skies.lobes = skies.prefiltered, build_dfg_lut()
         lights = np.zeros((bank.num_scenes, 9, 4))
         if self.settings.sky:
             lights[..., :3] = sky_polynomials(skies.sh.numpy()[bank.scene_sky], bank.scene_sky_yaw)

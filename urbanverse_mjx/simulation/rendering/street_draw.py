@@ -5,9 +5,9 @@
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
 import warp as wp
-from mujoco_warp_pbr._src import color
 
 from . import street_kernels as k
+from .pbr_private import srgb_oetf
 from .settings import OUTPUTS, Settings
 from .street_kernels import Street, Views
 from .street_shade import Skies, Surface, make_background, make_display, make_shade, make_surface
@@ -126,8 +126,8 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
                 total += display(radiance)
         if wp.static(want_rgb):
             mean = total * wp.static(share * share)
-            rgb[world, py, px, 0] = wp.uint8(int(color.srgb_oetf(mean[0]) * 255.0 + 0.5))
-            rgb[world, py, px, 1] = wp.uint8(int(color.srgb_oetf(mean[1]) * 255.0 + 0.5))
-            rgb[world, py, px, 2] = wp.uint8(int(color.srgb_oetf(mean[2]) * 255.0 + 0.5))
+            rgb[world, py, px, 0] = wp.uint8(int(srgb_oetf(mean[0]) * 255.0 + 0.5))
+            rgb[world, py, px, 1] = wp.uint8(int(srgb_oetf(mean[1]) * 255.0 + 0.5))
+            rgb[world, py, px, 2] = wp.uint8(int(srgb_oetf(mean[2]) * 255.0 + 0.5))
 
     return draw

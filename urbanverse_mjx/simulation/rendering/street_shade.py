@@ -10,15 +10,24 @@ Gloss is mujoco-warp-pbr's: its functions of a glTF material, of blurred skies a
 from typing import Any
 
 import warp as wp
-from mujoco_warp_pbr._src import brdf, color, envmap, material, texture
 
 from . import street_kernels as k
+from .pbr_private import (
+    GlossySurface,
+    sample_radiance,
+    sample_specular,
+    sample_texture,
+    shading_lobes,
+    specular_lobe,
+    srgb_to_linear,
+    tonemap_pbr_neutral,
+)
 from .settings import PBR_EXPOSURE, PLAIN_SKY, Settings
 from .street_kernels import FACE, LIGHT, PART, THING, Street, Views
 from .street_native import Hit
 
 #: Colour of the flat sky in linear light.
-_FLAT = tuple(float(x) for x in color.srgb_to_linear(PLAIN_SKY[:3]))
+_FLAT = tuple(float(x) for x in srgb_to_linear(PLAIN_SKY[:3]))
 
 
 @wp.struct
@@ -115,7 +124,7 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
                 # a[3]: texture lengths per metre; look[1]: texels per texture length.
                 cone = spread * hit.distance / wp.max(wp.abs(facing), 0.05)
                 level = wp.log2(wp.max(cone * a[3] * look[1], 1.0e-8))
-                texel = texture.sample(textures[int(look[0])], uv, level)
+                texel = sample_texture(textures[int(look[0])], uv, level)
                 out.colour = wp.cw_mul(out.colour, wp.vec3(texel[0], texel[1], texel[2]))
             if wp.static(gloss):
                 out.roughness = look[2]
@@ -172,12 +181,12 @@ def make_shade(settings: Settings, is_hidden: Any) -> Any:
         if wp.static(not gloss):
             return wp.cw_mul(surface.colour, around + direct)
         facing = wp.max(-wp.dot(normal, direction), 1.0e-4)
-        seen = material.Surface()
+        seen = GlossySurface()
         seen.base_color = surface.colour
         seen.metallic = surface.metallic
         seen.perceptual_roughness = surface.roughness
         seen.reflectance = surface.reflectance
-        lobes = material.shading_lobes(skies.lobes, seen, facing)
+        lobes = shading_lobes(skies.lobes, seen, facing)
         mirrored = even
         if wp.static(sky):
             look = scalars(street, scene, 6)
@@ -185,7 +194,7 @@ def make_shade(settings: Settings, is_hidden: Any) -> Any:
             softness = lobes.alpha * lobes.alpha
             ahead = direction + normal * (2.0 * facing)
             ahead = wp.normalize(ahead * (1.0 - softness) + normal * softness)
-            mirrored = envmap.sample_specular(
+            mirrored = sample_specular(
                 skies.radiance[number], skies.blurred[number], ahead, look[1], lobes.perceptual_roughness
             )
         light = wp.cw_mul(lobes.diffuse_color, around + direct)
@@ -193,7 +202,7 @@ def make_shade(settings: Settings, is_hidden: Any) -> Any:
         if wp.length_sq(direct) > 0.0:
             middle = wp.normalize(sun - direction)
             level = wp.max(wp.dot(normal, middle), 0.0)
-            lobe = brdf.specular_lobe(
+            lobe = specular_lobe(
                 lobes.f0, lobes.alpha, level, facing, wp.dot(normal, sun), wp.max(wp.dot(sun, middle), 0.0)
             )
             # `direct` is over pi, as a matte surface scatters it.
@@ -214,7 +223,7 @@ def make_background(settings: Settings, sky_width: int) -> Any:
             level = float(0.0)  # noqa: UP018 (Warp takes a bare number for a constant)
             if wp.static(gloss):
                 level = wp.log2(wp.max(spread * wp.static(sky_width / (2.0 * wp.pi)), 1.0e-8))
-            return envmap.sample_radiance(skies.radiance[int(look[0])], direction, look[1], level)
+            return sample_radiance(skies.radiance[int(look[0])], direction, look[1], level)
         if wp.static(gloss):
             return wp.static(wp.vec3(*_FLAT)) * wp.static(1.0 / PBR_EXPOSURE)
         return k.xyz(k.load(street.lights, LIGHT * scene))
@@ -230,7 +239,7 @@ def make_display(settings: Settings) -> Any:
     def display(radiance: wp.vec3) -> wp.vec3:
         shown = wp.max(radiance, wp.vec3(0.0))
         if wp.static(gloss):
-            shown = color.tonemap_pbr_neutral(shown * wp.static(PBR_EXPOSURE))
+            shown = tonemap_pbr_neutral(shown * wp.static(PBR_EXPOSURE))
         return wp.min(wp.max(shown, wp.vec3(0.0)), wp.vec3(1.0))
 
     return display

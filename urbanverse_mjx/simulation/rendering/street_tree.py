@@ -12,9 +12,9 @@ import dataclasses
 
 import numpy as np
 import warp as wp
-from mujoco_warp_pbr._src import traverse
 
 from ...datatypes import NounError
+from .pbr_private import BUILD_OPTIONS
 
 #: A reference leads to a node (from `NODE` on), or to a leaf whose first item is the rest (from `LEAF` on), or nowhere.
 #: As the bits of a float it is an ordinary number: programs that flush denormal numbers to 0 leave it alone.
@@ -42,7 +42,7 @@ class Trees:
     depth: int
 
 
-@wp.kernel(module="unique", module_options={"enable_backward": False, "extra_build_options": traverse.BUILD_OPTIONS})
+@wp.kernel(module="unique", module_options={"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
 def _read(tree: wp.uint64, number: int, corners: wp.array2d[wp.vec3], links: wp.array2d[int], items: wp.array[int]):
     """Copies Warp's tree; dim nodes (at least one per item)."""
     i = wp.tid()

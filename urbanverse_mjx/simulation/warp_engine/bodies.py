@@ -11,12 +11,12 @@ data of each world.
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
 import warp as wp
-from mujoco_warp._src.types import vec5
 
 from ..slots import body_contact, body_slots
 from .body_types import Bodies, BodyTable
 from .contact import Hulls, Places, Slots, outside_box, slide, write_contact
 from .kernels import Masses, Tables, find_nearest
+from .mujoco_warp_private import vec5
 
 _PRISMS, _HULLS = wp.constant(body_slots.PRISMS), wp.constant(body_slots.HULLS)
 _FAST = wp.constant(body_slots.FAST)

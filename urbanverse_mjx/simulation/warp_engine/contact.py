@@ -12,8 +12,8 @@ that no world can take another's.
 # pyright: reportGeneralTypeIssues=false, reportIndexIssue=false, reportOperatorIssue=false, reportReturnType=false
 
 import warp as wp
-from mujoco_warp._src.math import make_frame
-from mujoco_warp._src.types import ContactType, vec5
+
+from .mujoco_warp_private import ContactType, make_frame, vec5
 
 #: m; how far a foot may stick out of the body and still count as on its face (float32 over tens of metres).
 _FOOT_TOLERANCE = wp.constant(1e-5)

@@ -13,7 +13,6 @@ import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
-from mujoco_warp._src.types import vec5
 
 from ...datatypes import SceneBank
 from ...datatypes import validation as v
@@ -22,6 +21,7 @@ from ..slots import static_slots
 from ..slots.body_table import BodyTable
 from ..slots.hull_contact import planes_and_edges
 from . import body_types, contact, kernels
+from .mujoco_warp_private import vec5
 
 #: What MuJoCo Warp's dense solver takes; up to 32 it factorises in one piece, which is faster.
 MOST_VELOCITIES = 60

@@ -1,0 +1,27 @@
+"""All that we take from MuJoCo Warp's private modules; nothing else imports them.
+
+Our kernels write contacts into its arrays as its own collision kernels do: the types of those arrays and the frame of a
+contact are not among its public names.
+
+Raises:
+  NounError: the installed version lacks one of them.
+"""
+
+from ..private_modules import missing
+
+#: The versions that these names were taken from; `pyproject.toml` asks for them.
+NEEDED = ">=3.17,<3.18"
+
+try:
+    # The roots of its search trees by world: for the benchmark of mujoco-warp-pbr's own renderer.
+    from mujoco_warp._src.bvh import compute_bvh_group_roots
+
+    # A contact's frame from its normal.
+    from mujoco_warp._src.math import make_frame
+
+    # What a contact is for, and the type of a contact's friction and of a geom's solimp.
+    from mujoco_warp._src.types import ContactType, vec5
+except ImportError as error:
+    raise missing("mujoco-warp", NEEDED, "the types of contacts", error) from error
+
+__all__ = ["ContactType", "compute_bvh_group_roots", "make_frame", "vec5"]
