@@ -58,5 +58,5 @@ def _key(*files: pathlib.Path) -> str:
             with path.open("rb") as file:
                 digest.update(hashlib.file_digest(file, "sha256").digest())
         except OSError as error:
-            raise v.fail(str(path), error.strerror, "a file that can be read", "check its rights") from error
+            raise v.fail(str(path), str(error.strerror), "a file that can be read", "check its rights") from error
     return digest.hexdigest()[:16]
