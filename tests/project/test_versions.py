@@ -24,7 +24,7 @@ PACKAGE = ROOT / "urbanverse_mjx"
 APART = {
     *("settings", "versions", "precision", "process_pool", "work_folder", "simulation.private_modules"),
     *("pipeline.generation.progress", "pipeline.generation.run_folder", "pipeline.generation.sources"),
-    *("citygen.craft", "citygen.procedural", "scene.library"),
+    *("citygen.craft", "citygen.places", "citygen.procedural", "scene.library"),
 }
 
 
