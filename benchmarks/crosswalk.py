@@ -28,6 +28,7 @@ from urbanverse_mjx.envs.navigation import terms
 from urbanverse_mjx.envs.navigation.encounters import route_pose
 from urbanverse_mjx.envs.navigation.living import slot_looks
 from urbanverse_mjx.geometry import rotations
+from urbanverse_mjx.geometry.grids import cell_of
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 from urbanverse_mjx.viz.pictures import look_at
 from urbanverse_mjx.viz.video import write_video
@@ -73,7 +74,7 @@ def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]
         step = np.linalg.norm(np.diff(points, axis=0), axis=1)
         arc = np.arange(0.0, step.sum(), side)
         xy = np.stack([np.interp(arc, np.concatenate([[0.0], np.cumsum(step)]), points[:, k]) for k in (0, 1)], -1)
-        cell = np.clip(np.floor((xy - origin) / side).astype(int), 0, np.array(bank.map_kind.shape[1:]) - 1)
+        cell = cell_of(xy, origin, side, bank.map_kind.shape[1:])
         on = arc[bank.map_kind[scene, cell[:, 0], cell[:, 1]] == KIND_INDEX["crosswalk"]]
         if not len(on) or on[0] < _BEFORE:
             continue

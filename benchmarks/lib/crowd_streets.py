@@ -18,6 +18,7 @@ from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.navigation.living import slot_kinds
 from urbanverse_mjx.envs.registry import load_default_bank
+from urbanverse_mjx.geometry.grids import cell_of
 from urbanverse_mjx.simulation.slots import body_slots
 
 #: s after which somebody with an errand who has hardly moved is stuck, and m that bodies may overlap (issue 7).
@@ -138,8 +139,7 @@ def agent_minutes(arguments: argparse.Namespace) -> dict[str, Any]:
             for end in (-1.0, 1.0):
                 body, reach = crowd.bodies, end * half
                 xy = jnp.stack([body.x + reach * jnp.cos(body.heading), body.y + reach * jnp.sin(body.heading)], -1)
-                cell = jnp.floor((xy[some] - origin[scene]) / free_space.CELL).astype(jnp.int32)
-                cell = jnp.clip(cell, 0, jnp.array(clear[name].shape[1:]) - 1)
+                cell = cell_of(xy[some], origin[scene], free_space.CELL, clear[name].shape[1:])
                 found = found.at[some].min(clear[name][scene, cell[:, 0], cell[:, 1]])
         return found
 

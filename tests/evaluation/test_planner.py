@@ -9,7 +9,7 @@ import pytest
 from benchmarks.lib.gait_trials import Judge, Wandering, flat
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs.navigation.room import build_room, to_outline
+from urbanverse_mjx.envs.navigation.room import build_room
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, footprint, waypoint_of
@@ -74,13 +74,6 @@ def test_waypoints_mean_the_command_they_are_made_of() -> None:
             found = pd_velocity(point, 0.2, 2.0, 1.0)
             assert found[0] == pytest.approx(v, abs=0.011)
             assert found[1] == pytest.approx(w, abs=1e-3)
-
-
-def test_distance_to_an_outline_by_hand() -> None:
-    square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)])
-    found = to_outline(square, np.array([-1.0, 0.5, 3.0, 5.0]), np.array([0.5, 4.0 + 1.0]))
-    np.testing.assert_allclose(found[:, 0], [1.0, -0.5, 1.0, 3.0], atol=1e-6)
-    assert found[3, 1] == pytest.approx(5.0)
 
 
 def test_coco_covers_its_collision_spheres() -> None:

@@ -4,11 +4,12 @@ import dataclasses
 
 import numpy as np
 import scipy.ndimage
-import scipy.spatial
-import skimage.draw
 
 from ..datatypes import KIND_INDEX, SceneBank, traversable
 from ..geometry import rotations
+from ..geometry.grids import Grid
+from ..geometry.polygons import filled
+from ..geometry.raster import outline
 
 CELL = 0.2  # m: a path is smoothed afterwards, and streets of 200 m stay under 200,000 cells
 #: m above the ground between which something is in the way of a person with a camera.
@@ -30,14 +31,19 @@ class StreetGrid:
     height: np.ndarray
     clearance: np.ndarray
 
+    @property
+    def grid(self) -> Grid:
+        """The street's cells."""
+        x, y = self.kind.shape
+        return Grid(self.origin, CELL, (x, y))
+
     def cell(self, points: np.ndarray) -> np.ndarray:
         """(..., 2) i64 cells of (..., 2) m, clipped into the grid."""
-        cells = np.floor((points - self.origin) / CELL).astype(np.int64)
-        return np.clip(cells, 0, np.array(self.kind.shape) - 1)
+        return self.grid.cell(points)
 
     def middle(self, cells: np.ndarray) -> np.ndarray:
         """(..., 2) m of cells' middles."""
-        return self.origin + (np.asarray(cells) + 0.5) * CELL
+        return self.grid.centres(cells)
 
 
 def slot_vertices(bank: SceneBank, scene: int, slot: int) -> np.ndarray:
@@ -64,14 +70,14 @@ def ground_tops(bank: SceneBank, scene: int) -> list[tuple[int, int, np.ndarray]
     return tops
 
 
-def _draw_heights(tops: list[tuple[int, int, np.ndarray]], origin: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    height = np.full(shape, np.nan, np.float32)
+def _draw_heights(tops: list[tuple[int, int, np.ndarray]], grid: Grid) -> np.ndarray:
+    height = np.full(grid.shape, np.nan, np.float32)
     for _, _, triangles in tops:
         for triangle in triangles:
-            corners = (triangle[:, :2] - origin) / CELL - 0.5
-            rows, columns = skimage.draw.polygon(corners[:, 0], corners[:, 1], shape)
+            rows, columns = filled(grid, triangle[:, :2])
             if not len(rows):
                 continue
+            corners = (triangle[:, :2] - grid.origin) / CELL - 0.5
             plane = np.linalg.solve(np.c_[corners, np.ones(3)], triangle[:, 2])
             height[rows, columns] = np.fmax(height[rows, columns], plane[0] * rows + plane[1] * columns + plane[2])
     return height
@@ -81,16 +87,11 @@ def _draw_solids(bank: SceneBank, scene: int, street: "StreetGrid") -> np.ndarra
     """(X, Y) bool: cells that a hull covers at a walker's height."""
     solid = np.zeros(street.kind.shape, bool)
     floor = np.nan_to_num(street.height, nan=0.0)
-    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
-        hull = bank.inst_hull[scene, q]
-        corners = bank.hull_vertices[hull, : bank.hull_num_vertices[hull]].astype(np.float64)
-        world = corners @ bank.inst_rotation[scene, q].T.astype(np.float64) + bank.inst_position[scene, q]
+    for world in bank.standing_hulls(scene):
         i, j = street.cell(world[:, :2].mean(0))
         if world[:, 2].min() > floor[i, j] + _HIGH or world[:, 2].max() < floor[i, j] + _LOW:
             continue
-        flat = (world[:, :2] - street.origin) / CELL - 0.5
-        ring = flat[scipy.spatial.ConvexHull(flat, qhull_options="QJ").vertices]
-        solid[skimage.draw.polygon(ring[:, 0], ring[:, 1], solid.shape)] = True
+        solid[filled(street.grid, outline(world[:, :2]))] = True
     return solid
 
 
@@ -101,8 +102,10 @@ def street_grid(bank: SceneBank, scene: int) -> StreetGrid:
     origin = bank.map_origin[scene].astype(np.float64)
     used = np.argwhere(kind > 0)
     kind = kind[: used[:, 0].max() + 1, : used[:, 1].max() + 1].copy()
-    height = _draw_heights(ground_tops(bank, scene), origin, kind.shape)
-    street = StreetGrid(origin, kind, height, np.zeros(kind.shape, np.float32))
+    none = np.zeros(kind.shape, np.float32)
+    street = StreetGrid(origin, kind, none, none)
+    height = _draw_heights(ground_tops(bank, scene), street.grid)
+    street = dataclasses.replace(street, height=height)
     free = traversable(kind) & ~_draw_solids(bank, scene, street) & np.isfinite(height)
     clearance = scipy.ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * CELL
     return dataclasses.replace(street, clearance=clearance.astype(np.float32))

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from ..datatypes import KIND_INDEX
+from ..geometry.grids import cell_of
 from .bodies import Bodies
 from .free_space import CELL, FreeSpace
 
@@ -65,8 +66,8 @@ def make_crossings(spaces: Sequence[FreeSpace]) -> Crossings:
 def crossing_at(table: Crossings, scene: Any, x: Any, y: Any) -> Any:
     """i32, number of the crosswalk at places (...) m; 0 where there is none."""
     origin, side = table.origin[scene], POOL * CELL
-    i = jnp.floor((x - origin[0]) / side).astype(jnp.int32)
-    j = jnp.floor((y - origin[1]) / side).astype(jnp.int32)
+    i = cell_of(x, origin[0], side)
+    j = cell_of(y, origin[1], side)
     columns, rows = table.number.shape[1:]
     inside = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
     number = table.number[scene, jnp.clip(i, 0, columns - 1), jnp.clip(j, 0, rows - 1)]

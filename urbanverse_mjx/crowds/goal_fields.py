@@ -19,6 +19,7 @@ from scipy.sparse import csgraph
 
 from ..datatypes import GROUND_KINDS
 from ..datatypes import validation as v
+from ..geometry.grids import pooled
 from .free_space import CELL, FreeSpace
 from .kinds import SURFACES
 
@@ -89,11 +90,6 @@ class Ways(NamedTuple):
     place_goal: Any
 
 
-def _pooled(values: np.ndarray, pool: int, reduce: Any) -> np.ndarray:
-    x, y = (n // pool for n in values.shape)
-    return reduce(values[: x * pool, : y * pool].reshape(x, pool, y, pool), axis=(1, 3))
-
-
 def _sides(road: np.ndarray, node: float) -> tuple[np.ndarray, np.ndarray]:
     """(X, Y, 2) unit vectors to the nearest edge of a road, and (X, Y) m from its middle towards that edge."""
     edge, (ei, ej) = ndimage.distance_transform_edt(road, return_indices=True)
@@ -112,13 +108,13 @@ def _sides(road: np.ndarray, node: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _graph(space: FreeSpace, rules: WayRules) -> tuple[np.ndarray, sparse.csr_matrix]:
     """Nodes (X, Y) bool and the price (m) of going from one to the next."""
-    distance = _pooled(space.distance(), rules.pool, np.min)
+    distance = pooled(space.distance(), rules.pool, np.min)
     nodes = distance >= rules.clearance
     price = 1.0 + _NEAR_COST * np.clip(1.0 - (distance - rules.clearance) / _NEAR, 0.0, 1.0)
     keeps_side = rules.from_middle is not None
     if keeps_side:
         allowed = np.array([k in SURFACES[rules.surface] for k in GROUND_KINDS])[space.kind]
-        to_edge, from_middle = _sides(_pooled(allowed, rules.pool, np.all), rules.node)
+        to_edge, from_middle = _sides(pooled(allowed, rules.pool, np.all), rules.node)
         price += _MIDDLE * np.clip(rules.from_middle - from_middle, 0.0, None)
     number = np.full(nodes.shape, -1)
     number[nodes] = np.arange(nodes.sum())

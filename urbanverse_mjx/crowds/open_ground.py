@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
+from ..geometry.grids import cell_of
 from .free_space import CELL, FreeSpace
 
 
@@ -46,8 +47,8 @@ def make_open_ground(spaces: Sequence[FreeSpace]) -> OpenGround:
 def is_open(ground: OpenGround, scene: Any, x: Any, y: Any, cell: float = CELL) -> Any:
     """(...) bool: places (...) m of a scene () i32 lie in free cells of `cell` m; outside the map there are none."""
     origin = ground.origin[scene]
-    i = jnp.floor((x - origin[0]) / cell).astype(jnp.int32)
-    j = jnp.floor((y - origin[1]) / cell).astype(jnp.int32)
+    i = cell_of(x, origin[0], cell)
+    j = cell_of(y, origin[1], cell)
     columns, rows = ground.table.shape[1], 8 * ground.table.shape[2]
     inside = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
     byte = ground.table[scene, jnp.clip(i, 0, columns - 1), jnp.clip(j // 8, 0, rows // 8 - 1)].astype(jnp.int32)

@@ -11,6 +11,7 @@ K materials, S skies, A categories.
 import dataclasses
 import json
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -168,6 +169,14 @@ class SceneBank:
     def scenes_of(self, split: str) -> np.ndarray:
         """(n,) i32: numbers of the scenes of a split, one of `SPLITS` or another."""
         return np.array([i for i, s in enumerate(self.meta["splits"]) if s == split], np.int32)
+
+    def standing_hulls(self, scene: int) -> Iterator[np.ndarray]:
+        """Of each hull of a scene's objects the corners (n, 3) f64 m in the world."""
+        rows = zip(self.inst_hull[scene], self.inst_position[scene], self.inst_rotation[scene], strict=True)
+        for hull, position, rotation in rows:
+            if hull >= 0:
+                local = self.hull_vertices[hull, : self.hull_num_vertices[hull]].astype(np.float64)
+                yield local @ rotation.T.astype(np.float64) + position
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Every array by its name."""

@@ -11,6 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, NounError
 from ..datatypes.ground import check_polygon
+from ..geometry.grids import cell_of
 from .lifting import GroundPoints
 
 type Ring = tuple[tuple[float, float], ...]  # m
@@ -45,7 +46,7 @@ class GroundMap:
 
     def at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Kind (...) u8 and height (...) m under points (..., 2) m; 0 and NaN outside."""
-        cells = np.floor((points - self.origin) / CELL).astype(np.int64)
+        cells = cell_of(points, self.origin, CELL)
         inside = ((cells >= 0) & (cells < self.kind.shape)).all(-1)
         i, j = np.where(inside[..., None], cells, 0).swapaxes(0, -1) if cells.ndim == 2 else cells
         return np.where(inside, self.kind[i, j], 0).astype(np.uint8), np.where(inside, self.height[i, j], np.nan)
@@ -73,7 +74,7 @@ def ground_map(ground: GroundPoints, poses: np.ndarray, scale: np.ndarray, noise
     world = arms + shift
     weight = 1.0 / (0.05 + noise * np.linalg.norm(arms, axis=1)) ** 2
     origin = np.floor(world[:, :2].min(0) / CELL) * CELL
-    cells = np.floor((world[:, :2] - origin) / CELL).astype(np.int64)
+    cells = cell_of(world[:, :2], origin, CELL)
     shape = (int(cells[:, 0].max()) + 1, int(cells[:, 1].max()) + 1)
     flat = cells[:, 0] * shape[1] + cells[:, 1]
     votes = np.stack(

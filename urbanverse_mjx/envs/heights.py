@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..datatypes import SceneBank
+from ..geometry.grids import Grid, cell_of
 
 #: m, side of a cell; a kerb's edge is known to half of it.
 CELL = 0.05
@@ -17,16 +18,15 @@ _UPRIGHT = 1e-6
 
 def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.ndarray, origin: np.ndarray) -> None:
     """Raises the cells of heights (X, Y) in a prism's box low..high (2,) to its top; planes (F, 4)."""
-    first = np.maximum(np.floor((low - origin) / CELL).astype(int), 0)
-    last = np.minimum(np.ceil((high - origin) / CELL).astype(int), heights.shape)
-    x, y = (origin[k] + (np.arange(first[k], last[k]) + 0.5) * CELL for k in (0, 1))
-    points = np.stack(np.meshgrid(x, y, indexing="ij"), -1)
+    grid = Grid(origin, CELL, heights.shape)
+    window = grid.window(low, high)
+    points = np.stack(np.meshgrid(*grid.axes(window), indexing="ij"), -1)
     rest = planes[:, 3] - points @ planes[:, :2].T
     up = planes[:, 2] > _UPRIGHT
     side = np.abs(planes[:, 2]) <= _UPRIGHT
     top = (rest[..., up] / planes[up, 2]).min(-1)
     inside = (rest[..., side] >= -1e-6).all(-1)
-    part = heights[first[0] : last[0], first[1] : last[1]]
+    part = heights[window]
     np.copyto(part, np.maximum(part, top), where=inside)
 
 
@@ -70,6 +70,5 @@ class GroundHeights:
 
     def __call__(self, scene: Any, p_xy: Any) -> Any:
         """(...) m under points (..., 2) m of a scene () i32; at the rim for points outside."""
-        cell = jnp.floor((p_xy - self.low[scene]) / CELL).astype(jnp.int32)
-        cell = jnp.clip(cell, 0, jnp.array(self._heights.shape[1:]) - 1)
+        cell = cell_of(p_xy, self.low[scene], CELL, self._heights.shape[1:])
         return self._heights[scene, cell[..., 0], cell[..., 1]]

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..datatypes import AssetMesh, array_file
 from ..datatypes import validation as v
+from ..geometry.grids import Grid
 
 SCHEMA = "urbanverse.scene_geometry/1"
 
@@ -50,6 +51,12 @@ class SceneMap:
     height: np.ndarray
     kind: np.ndarray
     clearance: np.ndarray
+
+    @property
+    def grid(self) -> Grid:
+        """The map's cells."""
+        x, y = self.kind.shape
+        return Grid(self.origin, self.resolution, (x, y))
 
 
 @dataclasses.dataclass(frozen=True)

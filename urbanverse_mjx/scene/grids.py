@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..geometry.grids import Grid
+
 #: Side of a cell, m.
 CELL = 1.0
 #: A robot's circumradius (0.55 m holds COCO with its front axle turned, robots/coco.py) plus the way it goes in
@@ -33,16 +35,14 @@ def build_grid(
       centres: (n, 3) world centres; rotations: (n, 3, 3) turned about z alone; halves: (n, 3) m.
       reach: m; ceiling: boxes whose lower side is above it are left out.
     """
-    limit = reach + CELL * np.sqrt(0.5)
+    grid, limit = Grid(origin, CELL, shape), reach + CELL * np.sqrt(0.5)
     found: list[list[list[tuple[float, int]]]] = [[[] for _ in range(shape[1])] for _ in range(shape[0])]
     for number, (centre, rotation, half) in enumerate(zip(centres, rotations, halves, strict=True)):
         if centre[2] - half[2] > ceiling:
             continue
         span = np.abs(rotation[:2, :2]) @ half[:2] + limit
-        low = np.clip(np.floor((centre[:2] - span - origin) / CELL).astype(int), 0, shape)
-        high = np.clip(np.ceil((centre[:2] + span - origin) / CELL).astype(int), 0, shape)
-        i, j = (a.ravel() for a in np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]), indexing="ij"))
-        distance = box_distance(origin + (np.stack([i, j], -1) + 0.5) * CELL, centre, rotation, half)
+        i, j = (a.ravel() for a in np.mgrid[grid.window(centre[:2] - span, centre[:2] + span)])
+        distance = box_distance(grid.centres(np.stack([i, j], -1)), centre, rotation, half)
         for a, b, d in zip(i, j, distance, strict=True):
             if d <= limit:
                 found[a][b].append((float(d), number))

@@ -1,15 +1,13 @@
 """The 5 cm map of a scene: ground height, kind, free height, and how high things reach."""
 
 import dataclasses
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import shapely
-from scipy import ndimage
-from skimage.draw import polygon as fill
 
 from ..datatypes.ground import PAINT_KINDS
+from ..geometry.grids import Grid
+from ..geometry.polygons import filled, grown_outline
 from .geometry import SceneMap
 from .ground import Region, kind_index, plane_height
 
@@ -20,26 +18,6 @@ FREE, CEILING = 9.99, 6.4
 _MARGIN = 0.5
 
 
-def raster(ring: np.ndarray, origin: np.ndarray, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers (i, j) of the cells whose centres lie in a ring (n, 2)."""
-    cells = (ring - origin) / RESOLUTION - 0.5
-    return fill(cells[:, 0], cells[:, 1], shape)
-
-
-def closed(mask: np.ndarray, reach: float, resolution: float) -> np.ndarray:
-    """A mask (X, Y) with gaps of up to twice `reach` (m) between its parts filled (a morphological closing)."""
-    if not mask.any():
-        return mask
-    pad = math.ceil(reach / resolution) + 1
-    i, j = np.nonzero(mask)
-    window = np.s_[max(0, i.min() - pad) : i.max() + pad + 1, max(0, j.min() - pad) : j.max() + pad + 1]
-    near = ndimage.distance_transform_edt(~mask[window]) * resolution <= reach
-    near = np.pad(near, 1)  # beyond the window nothing is near
-    filled = mask.copy()
-    filled[window] |= (ndimage.distance_transform_edt(near) * resolution > reach)[1:-1, 1:-1]
-    return filled
-
-
 def ground_map(regions: Sequence[Region]) -> SceneMap:
     """Height and kind of the ground; nothing stands on it yet."""
     rings = [np.asarray(r.polygon) for r in regions]
@@ -47,18 +25,18 @@ def ground_map(regions: Sequence[Region]) -> SceneMap:
     origin = np.floor((low - _MARGIN) / RESOLUTION) * RESOLUTION
     width, depth = (int(n) for n in np.ceil((high + _MARGIN - origin) / RESOLUTION))
     shape = (width, depth)
+    grid = Grid(origin, RESOLUTION, shape)
     height, kind = np.full(shape, np.nan, np.float32), np.zeros(shape, np.uint8)
     for paint in (False, True):
         for region, ring in zip(regions, rings, strict=True):
             if (region.kind in PAINT_KINDS) != paint:
                 continue
-            i, j = raster(ring, origin, shape)
+            i, j = filled(grid, ring)
             if paint:
                 on_ground = kind[i, j] > 0
                 i, j = i[on_ground], j[on_ground]
             else:
-                centres = origin + (np.stack([i, j], -1) + 0.5) * RESOLUTION
-                height[i, j] = plane_height(region.plane, centres)
+                height[i, j] = plane_height(region.plane, grid.centres(np.stack([i, j], -1)))
             kind[i, j] = kind_index(region)
     return SceneMap(origin, RESOLUTION, height, kind, np.full(shape, np.float32(FREE)))
 
@@ -96,6 +74,5 @@ def _footprints(
     """Of each hull (n, 3) at T_world_hull the cells (i, j) that it touches from above, its lowest and highest z, m."""
     for corners, rotation, position in zip(hulls, rotations, positions, strict=True):
         world = corners @ rotation.T + position
-        outline = shapely.MultiPoint(world[:, :2]).convex_hull.buffer(RESOLUTION * np.sqrt(0.5), quad_segs=2)
-        i, j = raster(np.array(outline.exterior.coords[:-1]), scene_map.origin, scene_map.kind.shape)
+        i, j = filled(scene_map.grid, grown_outline(world[:, :2], RESOLUTION * np.sqrt(0.5)))
         yield i, j, world[:, 2].min(), world[:, 2].max()

@@ -6,15 +6,14 @@ always best), and `NAVBENCH`, by which CraftBench-Nav's robots climb kerbs and c
 
 import dataclasses
 from collections.abc import Generator, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
+from ..geometry.grids import cell_of, closed, pooled
 from .geometry import SceneMap
-from .maps import closed
 
 #: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm (issue 2, item 6).
 POOL = 4
@@ -96,8 +95,7 @@ class FreeSpace:
 
     def cell(self, xy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(i, j) of points (..., 2), clipped to the map."""
-        cells = np.floor((np.asarray(xy) - self.map.origin) / self.map.resolution).astype(int)
-        cells = np.clip(cells, 0, np.array(self.map.kind.shape) - 1)
+        cells = self.map.grid.cell(xy)
         return cells[..., 0], cells[..., 1]
 
     def coarse_center(self, cells: np.ndarray) -> np.ndarray:
@@ -106,7 +104,7 @@ class FreeSpace:
 
     def coarse_cell(self, xy: np.ndarray) -> np.ndarray:
         """(..., 2) numbers of the planning cells that points (..., 2) lie in; they may be outside the map."""
-        return np.floor((np.asarray(xy) - self.map.origin) / (self.pool * self.map.resolution)).astype(int)
+        return cell_of(np.asarray(xy), self.map.origin, self.pool * self.map.resolution)
 
     def _lines(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Cells (i, j) under points at most one cell (half a cell where lines are weighed) apart on each way from a to
@@ -145,12 +143,12 @@ def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -
     distance = (ndimage.distance_transform_edt(allowed) * resolution - resolution / 2).astype(np.float32)
     free = distance >= size.radius + size.margin
     price = of_kind[kind] + NEAR_COST * np.clip(1.0 - (distance - size.radius) / NEAR_DISTANCE, 0.0, 1.0)
-    cost = _pool(price, prices.pool, np.max)
+    cost = pooled(price, prices.pool, np.max)
     if prices.kerb:
         # Both cells beside a kerb are its edge: crossing it goes over two of them.
         kerb = _edges(scene_map.height, KERB) * (prices.kerb / (2 * resolution))
-        cost, price = cost + _pool(kerb, prices.pool, np.mean), price + kerb
-    cost = np.where(_pool(free, prices.pool, np.all), cost, -1.0)
+        cost, price = cost + pooled(kerb, prices.pool, np.mean), price + kerb
+    cost = np.where(pooled(free, prices.pool, np.all), cost, -1.0)
     return FreeSpace(scene_map, distance, free, cost, prices.pool, price if prices.kerb else None)
 
 
@@ -174,12 +172,6 @@ def _edges(height: np.ndarray, step: float) -> np.ndarray:
         pad[axis] = (1, 0)
         edge |= low | np.pad(jump, pad)
     return edge
-
-
-def _pool(cells: np.ndarray, side: int, reduce: Any) -> np.ndarray:
-    """Reduces blocks of side x side cells; an incomplete block at the far side is left out."""
-    x, y = (n // side for n in cells.shape)
-    return reduce(cells[: x * side, : y * side].reshape(x, side, y, side), axis=(1, 3))
 
 
 class GoalField:

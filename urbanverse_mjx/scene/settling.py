@@ -11,6 +11,7 @@ import numpy as np
 from ..assets.ontology import category_of
 from ..assets.priors import prior
 from ..geometry import rotations
+from ..geometry.grids import cell_of
 from .geometry import SceneGeometry
 from .rest import RestMove, rest_moves
 
@@ -55,7 +56,7 @@ def hanging(scene: SceneGeometry) -> np.ndarray:
         corners = scene.hulls[hull] @ rotation[thing].T + scene.object_position[thing]
         low[thing] = min(low[thing], float(corners[:, 2].min()))
     ground = scene.map.height
-    cells = np.floor((scene.object_position[:, :2] - scene.map.origin) / scene.map.resolution).astype(int)
+    cells = cell_of(scene.object_position[:, :2], scene.map.origin, scene.map.resolution)
     inside = ((cells >= 0) & (cells < ground.shape)).all(1)
     floor = np.full(len(low), np.nan)
     floor[inside] = ground[tuple(cells[inside].T)]

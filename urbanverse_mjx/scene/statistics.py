@@ -13,8 +13,9 @@ from skimage.morphology import skeletonize
 from ..assets import ontology
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from ..geometry import rotations
+from ..geometry.grids import closed, pooled
 from .geometry import SceneGeometry, SceneMap
-from .maps import closed, tops
+from .maps import tops
 from .planner import KERB
 
 #: Things at least this long and wide (m) and this high (m) that neither grow nor drive are houses.
@@ -139,9 +140,7 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
 
 def _middle_lines(pavement: np.ndarray, resolution: float) -> tuple[np.ndarray, np.ndarray]:
     """(n, 2) cells on the middle lines of a mask, one in every `_EVERY` metres, and (n, 2) directions along them."""
-    x, y = (n // _POOL for n in pavement.shape)
-    coarse = pavement[: x * _POOL, : y * _POOL].reshape(x, _POOL, y, _POOL).all(axis=(1, 3))
-    line = np.argwhere(skeletonize(coarse))
+    line = np.argwhere(skeletonize(pooled(pavement, _POOL, np.all)))
     if not len(line):
         return np.zeros((0, 2), int), np.zeros((0, 2))
     pitch = _POOL * resolution

@@ -177,7 +177,7 @@ def region_scene(name: str, regions: list[GroundRegion], friction: float = FRICT
     """A scene of ground alone; its one episode leads 1 m along x from the middle."""
     prisms, scene_map = ground.ground_prisms(regions), maps.ground_map(regions)
     visuals = [ground.region_mesh(r, _picture(), _TILE, 0.9) for r in regions]
-    i, j = np.floor(-scene_map.origin / scene_map.resolution).astype(int)
+    i, j = scene_map.grid.cell(np.zeros(2))
     start = np.array([[0.0, 0.0, scene_map.height[i, j], 0.0]])
     goal, no, none = start[:, :3] + np.array([1.0, 0.0, 0.0]), np.zeros(1, bool), np.zeros(0, np.int32)
     return SceneGeometry(

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
-from scipy.spatial import ConvexHull, QhullError
 
 from ..datatypes import GROUND_KINDS, SceneBank
+from ..geometry.grids import cell_of
+from ..geometry.raster import outline
 from .graphs import GROUND_COLOURS
 
 #: Share of white in the ground's colours, so that ways and things stand out, and sRGB of what stands and of how an
@@ -82,7 +83,7 @@ def _ground(bank: SceneBank, scene: int, low: np.ndarray, fine: float, size: tup
     y = low[1] + (size[1] - np.arange(size[1]) - 0.5) / fine
     resolution, origin = float(bank.map_resolution), bank.map_origin[scene]
     kind = bank.map_kind[scene]
-    i, j = (np.floor((a - o) / resolution).astype(int) for a, o in zip((x, y), origin, strict=True))
+    i, j = (cell_of(a, o, resolution) for a, o in zip((x, y), origin, strict=True))
     seen = kind[np.clip(i, 0, kind.shape[0] - 1)[None, :], np.clip(j, 0, kind.shape[1] - 1)[:, None]]
     colours = np.array([GROUND_COLOURS[name] for name in GROUND_KINDS])
     return Image.fromarray((_PALE * 255 + (1.0 - _PALE) * colours).astype(np.uint8)[seen])
@@ -93,14 +94,8 @@ def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, 
     number = int(bank.num_episodes[scene])
     ground = float(np.median(bank.episode_start[scene, :number, 2]))
     found = []
-    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
-        hull = bank.inst_hull[scene, q]
-        corners = bank.hull_vertices[hull, : bank.hull_num_vertices[hull]] @ bank.inst_rotation[scene, q].T
-        corners = corners + bank.inst_position[scene, q]
-        try:
-            ring = corners[ConvexHull(corners[:, :2]).vertices, :2]
-        except QhullError:
-            continue  # no area from above
+    for corners in bank.standing_hulls(scene):
+        ring = outline(corners[:, :2])
         found.append((ring, OVERHEAD if corners[:, 2].min() > ground + _LOW else THING))
     return sorted(found, key=lambda entry: entry[1] == THING)
 

@@ -21,6 +21,7 @@ from ...crowds.motion import wrapped
 from ...crowds.spawning import Watcher
 from ...datatypes import AgentMotion, AgentShapes, NounError, RobotSpec, SceneBank
 from ...geometry import rotations
+from ...geometry.grids import cell_of
 from ..types import NavState, Result
 from . import encounters
 from .living_tables import POOL, kept_tables
@@ -145,9 +146,8 @@ class LivingStreet:
     def places(self, crowd: Crowd, scene: Any) -> AgentMotion:
         """Where everybody is, standing still."""
         body = crowd.bodies
-        origin, side = self._origin[scene], POOL * CELL
-        cell = jnp.floor((jnp.stack([body.x, body.y], -1) - origin) / side).astype(jnp.int32)
-        cell = jnp.clip(cell, 0, jnp.array(self._height.shape[1:]) - 1)
+        places = jnp.stack([body.x, body.y], -1)
+        cell = cell_of(places, self._origin[scene], POOL * CELL, self._height.shape[1:])
         z = self._height[scene, cell[:, 0], cell[:, 1]]
         zero = jnp.zeros_like(body.x)
         return AgentMotion(

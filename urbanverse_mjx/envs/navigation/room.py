@@ -10,14 +10,16 @@ needs it finer, with signs, and up to the corners of the hulls instead of those 
 """
 
 import dataclasses
-from collections.abc import Sequence
+import functools
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy import ndimage
-from scipy.spatial import ConvexHull, QhullError
 
 from ...crowds import free_space
 from ...datatypes import SceneBank, traversable
+from ...geometry.grids import Grid
+from ...geometry.raster import Shape, nearest, outline, to_outline
 
 #: m, side of a cell: that of a compiled scene's map.
 CELL = 0.05
@@ -57,7 +59,8 @@ def build_room(bank: SceneBank, scenes: Sequence[int], height: float) -> Room:
     origin = np.asarray(bank.map_origin, np.float64)
     for scene in scenes:
         ground = _finer(free_space.ground_height(bank, scene), round(free_space.CELL / CELL), shape)
-        to_hull[scene] = _to_hull(bank, scene, origin[scene], ground, height)
+        grid = Grid(origin[scene], CELL, shape)
+        to_hull[scene] = nearest(grid, _outlines(bank, scene, grid, ground, height), FAR)
         to_edge[scene] = _to_edge(np.kron(bank.map_kind[scene], np.ones((cells, cells), np.uint8)), ground)
     return Room(origin, to_hull, to_edge)
 
@@ -69,45 +72,14 @@ def _finer(coarse: np.ndarray, times: int, shape: tuple[int, int]) -> np.ndarray
     return np.pad(fine, missing, mode="edge")
 
 
-def _to_hull(bank: SceneBank, scene: int, origin: np.ndarray, ground: np.ndarray, height: float) -> np.ndarray:
-    distance = np.full(ground.shape, FAR, np.float32)
-    for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
-        hull = bank.inst_hull[scene, q]
-        corners = bank.hull_vertices[hull, : bank.hull_num_vertices[hull]].astype(np.float64)
-        corners = corners @ bank.inst_rotation[scene, q].T.astype(np.float64) + bank.inst_position[scene, q]
-        i, j = np.clip(((corners[:, :2].mean(0) - origin) / CELL).astype(int), 0, np.array(ground.shape) - 1)
-        if corners[:, 2].min() - ground[i, j] > height or corners[:, 2].max() - ground[i, j] < LOW:
+def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, height: float) -> Iterator[Shape]:
+    """The outlines of the hulls that a robot of that height does not pass under or over."""
+    for corners in bank.standing_hulls(scene):
+        floor = ground[tuple(grid.cell(corners[:, :2].mean(0)))]
+        if corners[:, 2].min() - floor > height or corners[:, 2].max() - floor < LOW:
             continue
-        first = np.clip(np.floor((corners[:, :2].min(0) - FAR - origin) / CELL).astype(int), 0, ground.shape)
-        last = np.clip(np.ceil((corners[:, :2].max(0) + FAR - origin) / CELL).astype(int), 0, ground.shape)
-        part = slice(first[0], last[0]), slice(first[1], last[1])
-        x, y = (origin[k] + (np.arange(first[k], last[k]) + 0.5) * CELL for k in (0, 1))
-        np.minimum(distance[part], to_outline(_outline(corners[:, :2]), x, y), out=distance[part])
-    return distance
-
-
-def _outline(points: np.ndarray) -> np.ndarray:
-    """(n, 2) corners of the convex outline of points, counter-clockwise; of their box where they lie on a line."""
-    try:
-        return points[ConvexHull(points).vertices]
-    except QhullError:
-        (x0, y0), (x1, y1) = points.min(0) - 1e-3, points.max(0) + 1e-3
-        return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
-
-
-def to_outline(ring: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """(X, Y) f32 m, signed distance of the points of a grid to a convex ring (n, 2), counter-clockwise."""
-    x, y = x[:, None].astype(np.float32), y[None, :].astype(np.float32)
-    square = np.full((x.size, y.size), np.inf, np.float32)
-    beyond = np.full(square.shape, -np.inf, np.float32)
-    for a, b in zip(ring.astype(np.float32), np.roll(ring, -1, 0).astype(np.float32), strict=True):
-        along = b - a
-        length = max(float(np.hypot(*along)), 1e-9)
-        ux, uy = along / np.float32(length)
-        t = np.clip((x - a[0]) * ux + (y - a[1]) * uy, 0.0, np.float32(length))
-        square = np.minimum(square, (x - a[0] - t * ux) ** 2 + (y - a[1] - t * uy) ** 2)
-        beyond = np.maximum(beyond, (x - a[0]) * uy - (y - a[1]) * ux)
-    return np.where(beyond > 0.0, np.sqrt(square), beyond)
+        flat = corners[:, :2]
+        yield flat.min(0), flat.max(0), functools.partial(to_outline, outline(flat))
 
 
 def _to_edge(kind: np.ndarray, ground: np.ndarray) -> np.ndarray:

@@ -3,8 +3,10 @@
 Critics and rewards may know it; a policy may not. Distances are looked up in a grid made once per bank.
 """
 
+import functools
 import hashlib
 import pathlib
+from collections.abc import Iterator
 from typing import Any
 
 import jax.numpy as jnp
@@ -13,6 +15,8 @@ from scipy import ndimage
 
 from ... import settings, versions
 from ...datatypes import SceneBank, array_file, traversable
+from ...geometry.grids import Grid, cell_of, pooled
+from ...geometry.raster import Shape, nearest
 
 #: m, side of a cell. Half of it is the error of a look-up, a tenth of COCO's length.
 CELL = 0.2
@@ -26,38 +30,40 @@ def _to_edge(bank: SceneBank, scene: int, shape: tuple[int, int]) -> np.ndarray:
     """(X, Y) m from each cell to the nearest one that is not wholly walkable; 0 there."""
     walkable = traversable(bank.map_kind[scene])
     factor = round(CELL / float(bank.map_resolution))
-    padded = np.zeros((shape[0] * factor, shape[1] * factor), bool)
-    padded[: walkable.shape[0], : walkable.shape[1]] = walkable
-    whole = padded.reshape(shape[0], factor, shape[1], factor).all((1, 3))
+    missing = [(0, n * factor - m) for n, m in zip(shape, walkable.shape, strict=True)]
+    whole = pooled(np.pad(walkable, missing), factor, np.all)
     return ndimage.distance_transform_edt(np.pad(whole, 1))[1:-1, 1:-1] * CELL
 
 
-def _to_hulls(bank: SceneBank, scene: int, shape: tuple[int, int], low: float, high: float) -> np.ndarray:
-    """(X, Y) m on the ground from each cell's centre to the nearest hull's box between two heights above ground."""
-    distance = np.full(shape, FAR, np.float32)
-    origin = bank.map_origin[scene]
+def _boxes(bank: SceneBank, scene: int, height: float) -> Iterator[Shape]:
+    """The boxes of the hulls that reach between `LOW` and `height` m above ground."""
     ground = _ground_height(bank, scene)
-    x, y = (origin[k] + (np.arange(shape[k], dtype=np.float32) + 0.5) * np.float32(CELL) for k in (0, 1))
+    bottom, top = ground + LOW, ground + height
     for q in np.flatnonzero(bank.inst_hull[scene] >= 0):
         rotation, position = bank.inst_rotation[scene, q], bank.inst_position[scene, q]
-        centre, half = bank.hull_box[bank.inst_hull[scene, q]]
-        middle, reach = position + rotation @ centre, np.abs(rotation) @ half
-        if middle[2] - reach[2] > ground + high or middle[2] + reach[2] < ground + low:
+        box = bank.hull_box[bank.inst_hull[scene, q]]
+        middle, reach = position + rotation @ box[0], np.abs(rotation) @ box[1]
+        if middle[2] - reach[2] > top or middle[2] + reach[2] < bottom:
             continue
-        first = np.floor((middle[:2] - reach[:2] - FAR - origin) / CELL).astype(int).clip(0, shape)
-        last = np.ceil((middle[:2] + reach[:2] + FAR - origin) / CELL).astype(int).clip(0, shape)
-        part = slice(first[0], last[0]), slice(first[1], last[1])
         # At the height where the robot comes nearest to the box's middle.
-        z = np.clip(middle[2], ground + low, ground + high) - position[2]
-        # In the hull's frame, axis by axis: a column of x, a row of y.
-        along = np.outer(rotation[0], x[part[0]] - position[0]) - centre[:, None]
-        across = np.outer(rotation[1], y[part[1]] - position[1]) + (rotation[2] * z)[:, None]
-        square = 0.0
-        for a, b, h in zip(along, across, half, strict=True):
-            outside = np.maximum(np.abs(a[:, None] + b) - h, 0.0)
-            square = square + outside * outside
-        np.minimum(distance[part], np.sqrt(square), out=distance[part])
-    return distance
+        z = np.clip(middle[2], bottom, top) - position[2]
+        low, high = middle[:2] - reach[:2], middle[:2] + reach[:2]
+        yield low, high, functools.partial(_to_box, rotation, position, box, z)
+
+
+def _to_box(
+    rotation: np.ndarray, position: np.ndarray, box: np.ndarray, z: float, x: np.ndarray, y: np.ndarray
+) -> np.ndarray:
+    """(X, Y) m from the points of a grid, `z` above the hull's origin, to the hull's box (2, 3)."""
+    centre, half = box
+    # In the hull's frame, axis by axis: a column of x, a row of y.
+    along = np.outer(rotation[0], x - position[0]) - centre[:, None]
+    across = np.outer(rotation[1], y - position[1]) + (rotation[2] * z)[:, None]
+    square = 0.0
+    for a, b, h in zip(along, across, half, strict=True):
+        outside = np.maximum(np.abs(a[:, None] + b) - h, 0.0)
+        square = square + outside * outside
+    return np.sqrt(square)
 
 
 def _ground_height(bank: SceneBank, scene: int) -> float:
@@ -75,7 +81,7 @@ def build_fields(bank: SceneBank, height: float) -> np.ndarray:
     x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
     fields = np.zeros((bank.num_scenes, x, y, 2), np.uint8)
     for scene in range(bank.num_scenes):
-        hulls = _to_hulls(bank, scene, (x, y), LOW, height)
+        hulls = nearest(Grid(bank.map_origin[scene], CELL, (x, y)), _boxes(bank, scene, height), FAR)
         metres = np.stack([hulls, _to_edge(bank, scene, (x, y))], -1)
         fields[scene] = np.rint(np.minimum(metres, FAR) * 100.0)
     return fields
@@ -123,7 +129,7 @@ class Surroundings:
         Args:
           scene: () i32; p_xy: (..., 2) m in the world's frame. Outside the map both are 0.
         """
-        cell = jnp.floor((p_xy - self._origin[scene]) / CELL).astype(jnp.int32)
+        cell = cell_of(p_xy, self._origin[scene], CELL)
         size = jnp.array(self._fields.shape[1:3])
         inside = ((cell >= 0) & (cell < size)).all(-1, keepdims=True)
         cell = jnp.clip(cell, 0, size - 1)
