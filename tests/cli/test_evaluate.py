@@ -5,6 +5,7 @@ import pathlib
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 import pytest
 from brax.training.acme import running_statistics, specs
 
@@ -50,11 +51,19 @@ class MovableEngine(UnicycleEngine):
 
     def __init__(self, bank: SceneBank, sizes: Sizes, *args: Any) -> None:
         super().__init__(*args)
-        self.movable, self.body_table = sizes, body_table(bank)
+        self._rows, self._number = body_table(bank).row, sizes.bodies
+
+    @property
+    def body_rows(self) -> np.ndarray:
+        return self._rows
+
+    @property
+    def num_bodies(self) -> int:
+        return self._number
 
     def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
-        zero = jnp.zeros((self.movable.bodies, 3))
-        bodies = Bodies(things, zero, jnp.zeros((self.movable.bodies, 4)), zero, zero, zero)
+        zero = jnp.zeros((self._number, 3))
+        bodies = Bodies(things, zero, jnp.zeros((self._number, 4)), zero, zero, zero)
         return super().init(scene, qpos, qvel)._replace(bodies=bodies)
 
     def step(self, state: SimState, ctrl: Any, agents: Any = None) -> SimState:
@@ -64,9 +73,12 @@ class MovableEngine(UnicycleEngine):
 class BodyPicture(GoalPicture):
     """A renderer that is told where the movable objects are."""
 
-    def __call__(self, *args: Any, bodies: Bodies, **more: Any) -> dict[str, Any]:
+    def __call__(
+        self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: Any = None, bodies: Bodies | None = None
+    ) -> dict[str, Any]:
+        assert bodies is not None
         assert bodies.position.shape[-1] == 3
-        return super().__call__(*args, **more)
+        return super().__call__(scene, xpos, xquat, look, agents, bodies)
 
 
 def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:

@@ -5,6 +5,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from urbanverse_mjx.datatypes import AgentMotion, Contacts, RobotSpec, SceneBank, SimState
 from urbanverse_mjx.envs import NavEnv, default_config
@@ -34,6 +35,14 @@ class UnicycleEngine:
         self._height = robot.spawn_height
         self._agents = agents
 
+    @property
+    def body_rows(self) -> np.ndarray | None:
+        return None
+
+    @property
+    def num_bodies(self) -> int:
+        return 0
+
     def _state(self, scene: Any, qpos: Any, qvel: Any, hit: Any, agent: Any = -1) -> SimState:
         xpos = jnp.zeros((2, 3)).at[1].set(qpos[:3])
         xquat = jnp.zeros((2, 4)).at[:, 0].set(1.0).at[1].set(qpos[3:7])
@@ -42,7 +51,7 @@ class UnicycleEngine:
             contacts = contacts._replace(hit_agent=jnp.int32(agent))
         return SimState(scene, qpos, qvel, xpos, xquat, contacts, jnp.int32(0), (), jnp.float32(1.0), jnp.float32(1.0))
 
-    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
+    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
         return self._state(scene, qpos, qvel, jnp.bool_(False))
 
     def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
@@ -65,8 +74,10 @@ class UnicycleEngine:
 class GoalPicture:
     """A renderer whose picture shows where the robot stands: enough to see frames change."""
 
-    def __call__(self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: Any = None) -> dict[str, Any]:
-        del look, agents
+    def __call__(
+        self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: Any = None, bodies: Any = None
+    ) -> dict[str, Any]:
+        del look, agents, bodies
         rows = jnp.arange(12)[:, None, None] + scene * 7 + xpos[1, 0] * 10.0
         frame = (rows + jnp.arange(16)[None, :, None] * 3 + xquat[1, 3] * 50.0 + jnp.zeros((12, 16, 3))) % 256
         return {"rgb": frame.astype(jnp.uint8)}

@@ -11,7 +11,7 @@ from .robot import RobotSpec
 from .scene_bank import SPLITS, SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
-from .simulation import AgentMotion, AgentShapes, Bodies, Contacts, SimState, Simulator
+from .simulation import AgentMotion, AgentShapes, Bodies, Contacts, Renderer, SimState, Simulator
 from .validation import NounError
 
 __all__ = [
@@ -42,6 +42,7 @@ __all__ = [
     "PlacedObject",
     "Recording",
     "RecordingWriter",
+    "Renderer",
     "RobotSpec",
     "SceneBank",
     "SceneGraph",

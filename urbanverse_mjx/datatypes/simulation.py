@@ -1,6 +1,15 @@
-"""`SimState` and the interface every engine keeps. Arrays are per env; engines work alone and under `jax.vmap`."""
+"""`SimState` and the interfaces of engines and renderers. Arrays are per env; both work alone and under `jax.vmap`.
 
-from typing import Any, NamedTuple, Protocol
+The shapes are for type checkers and readers: what makes scenes imports this module and loads no JAX.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+
+if TYPE_CHECKING:
+    import numpy as np
+    from jaxtyping import Array, Bool, Float, Int
 
 
 class Contacts(NamedTuple):
@@ -16,13 +25,13 @@ class Contacts(NamedTuple):
       hit_agent: () i32, the agent of the strongest touch of an agent, -1 = none; None where the engine has no agents.
     """
 
-    hit: Any
-    hit_object: Any
-    hit_ground: Any
-    hit_force: Any
-    hit_fraction: Any
-    foot_force: Any
-    hit_agent: Any = None
+    hit: Bool[Array, ""]
+    hit_object: Int[Array, ""]
+    hit_ground: Bool[Array, ""]
+    hit_force: Float[Array, ""]
+    hit_fraction: Float[Array, ""]
+    foot_force: Float[Array, " F"]
+    hit_agent: Int[Array, ""] | None = None
 
 
 class AgentShapes(NamedTuple):
@@ -32,9 +41,9 @@ class AgentShapes(NamedTuple):
       radius: of the disc. half_length: from the middle to the centre of the front disc. height: above the ground.
     """
 
-    radius: Any
-    half_length: Any
-    height: Any
+    radius: Float[np.ndarray, " A"]
+    half_length: Float[np.ndarray, " A"]
+    height: Float[np.ndarray, " A"]
 
 
 class AgentMotion(NamedTuple):
@@ -46,11 +55,11 @@ class AgentMotion(NamedTuple):
       present: (A,) bool.
     """
 
-    position: Any
-    heading: Any
-    velocity: Any
-    turn_rate: Any
-    present: Any
+    position: Float[Array, "A 3"]
+    heading: Float[Array, " A"]
+    velocity: Float[Array, "A 3"]
+    turn_rate: Float[Array, " A"]
+    present: Bool[Array, " A"]
 
 
 class Bodies(NamedTuple):
@@ -63,12 +72,12 @@ class Bodies(NamedTuple):
       warm: (M, 6) the acceleration of velocity and spin that the solver found last.
     """
 
-    thing: Any
-    position: Any
-    quaternion: Any
-    velocity: Any
-    spin: Any
-    warm: Any
+    thing: Int[Array, " M"]
+    position: Float[Array, "M 3"]
+    quaternion: Float[Array, "M 4"]
+    velocity: Float[Array, "M 3"]
+    spin: Float[Array, "M 3"]
+    warm: Float[Array, "M 6"]
 
 
 class SimState(NamedTuple):
@@ -88,32 +97,74 @@ class SimState(NamedTuple):
       bodies: see `Bodies`; None where the engine has none.
     """
 
-    scene: Any
-    qpos: Any
-    qvel: Any
-    xpos: Any
-    xquat: Any
+    scene: Int[Array, ""]
+    qpos: Float[Array, " nq"]
+    qvel: Float[Array, " nv"]
+    xpos: Float[Array, "nbody 3"]
+    xquat: Float[Array, "nbody 4"]
     contacts: Contacts
-    slot_overflow: Any
+    slot_overflow: Int[Array, ""]
     carry: Any
-    friction_scale: Any
-    mass_scale: Any
-    bodies: Any = None
+    friction_scale: Float[Array, ""]
+    mass_scale: Float[Array, ""]
+    bodies: Bodies | None = None
 
 
+@runtime_checkable
 class Simulator(Protocol):
     """An engine over a bank of scenes."""
 
-    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+    @property
+    def body_rows(self) -> Int[np.ndarray, "Z N"] | None:
+        """The row of every object of every scene in the engine's table of bodies, -1 = it cannot be pushed; None where
+        the engine has no body slots."""
+        ...
+
+    @property
+    def num_bodies(self) -> int:
+        """M, body slots of an env."""
+        ...
+
+    def init(
+        self,
+        scene: Int[Array, ""],
+        qpos: Float[Array, " nq"],
+        qvel: Float[Array, " nv"],
+        things: Int[Array, " M"] | None = None,
+    ) -> SimState:
         """State at rest in the given scene with kinematics computed and no contact recorded.
 
         things: (M,) i32, objects that shall be bodies, -1 = none; None where the engine has no body slots.
         """
         ...
 
-    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
+    def step(self, state: SimState, ctrl: Float[Array, " nu"], agents: AgentMotion | None = None) -> SimState:
         """One control step (`num_substeps` physics steps) with the actuator commands `ctrl` (nu,) held.
 
         agents: how the engine's agents move meanwhile; None if and only if it has none.
+        """
+        ...
+
+
+@runtime_checkable
+class Renderer(Protocol):
+    """Draws what a robot's camera sees in a scene of a bank."""
+
+    def __call__(
+        self,
+        scene: Int[Array, ""],
+        xpos: Float[Array, "nbody 3"],
+        xquat: Float[Array, "nbody 4"],
+        look: Int[Array, ""] | int = 0,
+        agents: AgentMotion | None = None,
+        bodies: Bodies | None = None,
+    ) -> dict[str, Array]:
+        """One frame: "rgb" (H, W, 3) u8, and "depth" (H, W) f32 m, 0 where nothing was hit, of those that the renderer
+        was made for.
+
+        Args:
+          scene: row of the bank. xpos: m, xquat: wxyz, T_world_body of the robot's bodies (`SimState`).
+          look: 0 = as the bank says; other numbers stand for other appearances.
+          agents: where they are; None leaves them out. bodies: objects that stand elsewhere than in the bank.
         """
         ...

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .types import StagedEnv
 from .wrappers import wrap_for_training
 
 
@@ -55,7 +56,7 @@ class _Counted:
         self.call = jax.jit(counted)
 
 
-def check_env(env: Any, num_envs: int = 6, num_steps: int = 12, tolerance: float = 1e-4) -> None:
+def check_env(env: StagedEnv[Any], num_envs: int = 6, num_steps: int = 12, tolerance: float = 1e-4) -> None:
     """Checks an environment with `begin`, `renew`, `advance`, `observe`, `reset`, `step` (see `NavEnv`).
 
     Args:

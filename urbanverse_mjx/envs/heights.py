@@ -3,10 +3,9 @@
 A policy that is said to be blind never sees it.
 """
 
-from typing import Any
-
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float, Int
 
 from ..datatypes import SceneBank
 from ..geometry.grids import Grid, cell_of
@@ -30,7 +29,7 @@ def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.nd
     np.copyto(part, np.maximum(part, top), where=inside)
 
 
-def build_heights(bank: SceneBank) -> tuple[np.ndarray, np.ndarray]:
+def build_heights(bank: SceneBank) -> tuple[Float[np.ndarray, "Z X Y"], Float[np.ndarray, "Z 2"]]:
     """(Z, X, Y) f32 m of the ground's top at each cell's centre, and (Z, 2) m, where cell (0, 0) begins.
 
     Beside the ground it is as high as the scene's lowest ground.
@@ -68,7 +67,7 @@ class GroundHeights:
         boxes = bank.prism_position + bank.hull_box[bank.prism_hull, 0] + bank.hull_box[bank.prism_hull, 1]
         self.high = jnp.asarray(np.where(bank.prism_hull[..., None] >= 0, boxes, -np.inf).max(1)[:, :2])
 
-    def __call__(self, scene: Any, p_xy: Any) -> Any:
+    def __call__(self, scene: Int[Array, ""], p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n"]:
         """(...) m under points (..., 2) m of a scene () i32; at the rim for points outside."""
         cell = cell_of(p_xy, self.low[scene], CELL, self._heights.shape[1:])
         return self._heights[scene, cell[..., 0], cell[..., 1]]

@@ -1,28 +1,44 @@
 """`StagedBase`: what every environment of stages has alike, from its config and its stages."""
 
-from typing import Any, Self
+import abc
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float, Int, Key, PRNGKeyArray
 from ml_collections import ConfigDict
 
+from ..datatypes import SceneBank
 from .types import Result, State
 
 
-def typed_key(key: jax.Array) -> jax.Array:
+def typed_key(key: PRNGKeyArray) -> Key[Array, ""]:
     """Accepts raw uint32 and typed keys; returns a typed one."""
     return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
 
 
-class StagedBase:
+class StagedBase[C](abc.ABC):
     """Playground's interface over `begin`, `advance` and `observe`, which subclasses define (see `StagedEnv`)."""
 
+    bank: SceneBank
     _config: ConfigDict
-    begin: Any
-    advance: Any
-    observe: Any
-    zero_metrics: Any
-    info_of: Any
+
+    @abc.abstractmethod
+    def begin(self, key: PRNGKeyArray) -> C: ...
+    @abc.abstractmethod
+    def renew(self, carried: C, /) -> C: ...
+    @abc.abstractmethod
+    def advance(
+        self, carried: C, action: Float[Array, " nu"], /
+    ) -> tuple[C, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]: ...
+    @abc.abstractmethod
+    def observe(self, carried: C, /) -> dict[str, Array]: ...
+    @abc.abstractmethod
+    def zero_metrics(self) -> dict[str, Float[Array, ""]]: ...
+    @abc.abstractmethod
+    def info_of(self, carried: C, /) -> dict[str, Array]: ...
+    @property
+    @abc.abstractmethod
+    def action_size(self) -> int: ...
 
     @property
     def config(self) -> ConfigDict:
@@ -52,11 +68,13 @@ class StagedBase:
         return "mjx"
 
     @property
-    def unwrapped(self) -> Self:
+    def unwrapped(self) -> "StagedBase[C]":
         return self
 
     @staticmethod
-    def episode_info(scene: Any, episode: Any, result: Any, steps: Any) -> dict[str, jax.Array]:
+    def episode_info(
+        scene: Int[Array, ""], episode: Int[Array, ""], result: Int[Array, ""], steps: Int[Array, ""]
+    ) -> dict[str, Array]:
         """What `info_of` tells: where the env is and how its episode ended, () each."""
         timeout = (result == Result.TIMEOUT).astype(jnp.float32)
         return {
@@ -68,13 +86,13 @@ class StagedBase:
             "time_out": timeout,
         }
 
-    def reset(self, key: jax.Array) -> State:
+    def reset(self, key: PRNGKeyArray) -> State[C]:
         """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
         carried = self.begin(key)
         zero = jnp.float32(0.0)
         return State(carried, self.observe(carried), zero, zero, self.zero_metrics(), self.info_of(carried))
 
-    def step(self, state: State, action: jax.Array) -> State:
+    def step(self, state: State[C], action: Float[Array, " nu"]) -> State[C]:
         """One control step without auto-reset."""
         carried, reward, done, metrics = self.advance(state.data, action)
         return State(carried, self.observe(carried), reward, done, metrics, self.info_of(carried))

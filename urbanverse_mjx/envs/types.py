@@ -1,10 +1,16 @@
 """What an environment hands out (`State`), carries inside (`NavState`) and how episodes end (`Result`)."""
 
+import dataclasses
 import enum
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Iterable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import jax
-from flax import struct
+from jaxtyping import Array, Float, Int, Key, PRNGKeyArray
+from ml_collections import ConfigDict
+
+from ..crowds.crowd import Crowd
+from ..datatypes import SceneBank, SimState
 
 
 class Result(enum.IntEnum):
@@ -20,32 +26,88 @@ class Result(enum.IntEnum):
     HIT_AGENT = 7
 
 
-class StagedEnv(Protocol):
-    """What `wrap_for_training` asks of an environment; the carried state is a pytree of the environment's own."""
+@jax.tree_util.register_pytree_with_keys_class
+@dataclasses.dataclass(frozen=True)
+class State[C]:
+    """State of an environment, with the fields users of MuJoCo Playground know.
+
+    Attributes:
+      data: `NavState`, or what another environment carries.
+      obs: dict of observations.
+      reward: () f32; done: () f32, 1 when the episode ended with this step.
+      metrics: dict of () f32, the same keys from reset on.
+      info: dict of further values: scene, episode, result, steps, truncation, time_out.
+    """
+
+    data: C
+    obs: dict[str, Array]
+    reward: Float[Array, "*batch"]
+    done: Float[Array, "*batch"]
+    metrics: dict[str, Float[Array, "*batch"]]
+    info: dict[str, Any]
 
     @property
-    def config(self) -> Any: ...
+    def pipeline_state(self) -> C:
+        """Brax's name of `data`."""
+        return self.data
+
+    def replace(self, **changes: Any) -> "State[C]":
+        """A copy with some fields changed."""
+        return dataclasses.replace(self, **changes)
+
+    def tree_flatten_with_keys(self) -> tuple[list[tuple[Any, Any]], None]:
+        """For JAX."""
+        return [(jax.tree_util.GetAttrKey(f.name), getattr(self, f.name)) for f in dataclasses.fields(self)], None
+
+    @classmethod
+    def tree_unflatten(cls, _: None, children: Iterable[Any]) -> "State[C]":
+        """For JAX, whose leaves may be anything: nothing is checked."""
+        state = object.__new__(cls)
+        for field, child in zip(dataclasses.fields(cls), children, strict=True):
+            object.__setattr__(state, field.name, child)
+        return state
+
+
+@runtime_checkable
+class StagedEnv[C](Protocol):
+    """What `registry.load` returns and `wrap_for_training` asks of an environment; C is the state that it carries, a
+    pytree of its own."""
+
+    bank: SceneBank
+
+    @property
+    def config(self) -> ConfigDict: ...
     @property
     def action_size(self) -> int: ...
     @property
-    def observation_size(self) -> Any: ...
+    def observation_size(self) -> dict[str, tuple[int, ...]]: ...
     @property
     def backend(self) -> str: ...
-    def begin(self, key: jax.Array) -> Any:
+    def reset(self, key: PRNGKeyArray) -> State[C]:
+        """The first state of a random episode."""
+        ...
+
+    def step(self, state: State[C], action: Float[Array, " nu"]) -> State[C]:
+        """One control step without auto-reset."""
+        ...
+
+    def begin(self, key: PRNGKeyArray) -> C:
         """The first episode of an env."""
         ...
 
-    def renew(self, carried: Any, /) -> Any:
+    def renew(self, carried: C, /) -> C:
         """The episode after that of `carried`."""
         ...
 
-    def advance(self, carried: Any, action: jax.Array, /) -> tuple[Any, jax.Array, jax.Array, dict[str, jax.Array]]:
+    def advance(
+        self, carried: C, action: Float[Array, " nu"], /
+    ) -> tuple[C, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
         """One control step: next state, reward, done, metrics."""
         ...
 
-    def observe(self, carried: Any, /) -> dict[str, jax.Array]: ...
-    def zero_metrics(self) -> dict[str, jax.Array]: ...
-    def info_of(self, carried: Any, /) -> dict[str, jax.Array]: ...
+    def observe(self, carried: C, /) -> dict[str, Array]: ...
+    def zero_metrics(self) -> dict[str, Float[Array, ""]]: ...
+    def info_of(self, carried: C, /) -> dict[str, Array]: ...
 
 
 class NavState(NamedTuple):
@@ -70,47 +132,22 @@ class NavState(NamedTuple):
       crowd: the agents' `Crowd` in the scenario dynamic, else None.
     """
 
-    key: Any
-    sim: Any
-    episode: Any
-    start: Any
-    goal: Any
-    waypoints: Any
-    num_waypoints: Any
-    waypoint: Any
-    route_length: Any
-    route_done: Any
-    driven: Any
-    goal_distance: Any
-    steps: Any
-    age: Any
-    episodes: Any
-    last_action: Any
-    result: Any
-    look: Any
-    crowd: Any = None
-
-
-@struct.dataclass
-class State:
-    """State of an environment, with the fields users of MuJoCo Playground know.
-
-    Attributes:
-      data: `NavState`, or what another environment carries.
-      obs: dict of observations.
-      reward: () f32; done: () f32, 1 when the episode ended with this step.
-      metrics: dict of () f32, the same keys from reset on.
-      info: dict of further values: scene, episode, result, steps, truncation, time_out.
-    """
-
-    data: Any
-    obs: dict[str, jax.Array]
-    reward: jax.Array
-    done: jax.Array
-    metrics: dict[str, jax.Array]
-    info: dict[str, Any]
-
-    @property
-    def pipeline_state(self) -> Any:
-        """Brax's name of `data`."""
-        return self.data
+    key: Key[Array, ""]
+    sim: SimState
+    episode: Int[Array, ""]
+    start: Float[Array, "3"]
+    goal: Float[Array, "3"]
+    waypoints: Float[Array, "W 3"]
+    num_waypoints: Int[Array, ""]
+    waypoint: Int[Array, ""]
+    route_length: Float[Array, ""]
+    route_done: Float[Array, ""]
+    driven: Float[Array, ""]
+    goal_distance: Float[Array, ""]
+    steps: Int[Array, ""]
+    age: Int[Array, ""]
+    episodes: Int[Array, ""]
+    last_action: Float[Array, " nu"]
+    result: Int[Array, ""]
+    look: Int[Array, ""]
+    crowd: Crowd | None = None

@@ -10,12 +10,13 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float, Key, PRNGKeyArray, UInt32
 
 from ..datatypes import NounError
 from .types import StagedEnv, State
 
 
-class AutoResetEnv:
+class AutoResetEnv[C]:
     """A batch of staged envs: advance, begin anew where done (all carried state replaced), then observe once.
 
     `reset(keys)` and `step(state, actions)` take a leading batch axis. Beside the env's own info the state holds
@@ -24,7 +25,7 @@ class AutoResetEnv:
     the step that ended; Brax's GAE never looks across `done`.
     """
 
-    def __init__(self, env: StagedEnv, episode_length: int):
+    def __init__(self, env: StagedEnv[C], episode_length: int):
         if episode_length != env.config.episode_length:
             raise NounError(
                 f"episode_length: found {episode_length}, needed the environment's {env.config.episode_length}; "
@@ -37,7 +38,7 @@ class AutoResetEnv:
         return self.env.action_size
 
     @property
-    def observation_size(self) -> Any:
+    def observation_size(self) -> dict[str, tuple[int, ...]]:
         return self.env.observation_size
 
     @property
@@ -45,13 +46,13 @@ class AutoResetEnv:
         return self.env.backend
 
     @property
-    def unwrapped(self) -> StagedEnv:
+    def unwrapped(self) -> StagedEnv[C]:
         return self.env
 
-    def reset(self, keys: jax.Array) -> State:
+    def reset(self, keys: Key[Array, " n"] | UInt32[Array, "n 2"]) -> State[C]:
         """First states for (n,) keys."""
 
-        def first(key: jax.Array) -> State:
+        def first(key: PRNGKeyArray) -> State[C]:
             nav = self.env.begin(key)
             metrics, zero = self.env.zero_metrics(), jnp.float32(0.0)
             sums = {**metrics, "sum_reward": zero, "length": zero}
@@ -60,10 +61,10 @@ class AutoResetEnv:
 
         return jax.vmap(first)(keys)
 
-    def step(self, state: State, action: jax.Array) -> State:
+    def step(self, state: State[C], action: Float[Array, "n nu"]) -> State[C]:
         """One control step of every env."""
 
-        def advance(state: State, action: jax.Array) -> State:
+        def advance(state: State[C], action: jax.Array) -> State[C]:
             nav, reward, done, metrics = self.env.advance(state.data, action)
             alive = 1.0 - state.done
             old = state.info["episode_metrics"]
@@ -78,12 +79,12 @@ class AutoResetEnv:
         return dataclasses.replace(state, obs=jax.vmap(self.env.observe)(state.data))
 
 
-def wrap_for_training(
-    env: StagedEnv,
+def wrap_for_training[C](
+    env: StagedEnv[C],
     episode_length: int,
     action_repeat: int = 1,
     randomization_fn: Callable[..., Any] | None = None,
-) -> AutoResetEnv:
+) -> AutoResetEnv[C]:
     """The `wrap_env_fn` for Brax's trainers.
 
     Raises:

@@ -233,10 +233,12 @@ class Planner:
 
     def _agents(self, nav: NavState) -> Any:
         """(A, 6) x, y, vx, vy, radius, presence of moving agents, long ones as discs around the whole of them."""
-        living, bodies = self._env.living, nav.crowd.bodies
+        living, crowd = self._env.living, nav.crowd
         assert living is not None
+        assert crowd is not None
+        bodies = crowd.bodies
         size = jnp.asarray(living.shapes.radius + living.shapes.half_length)
-        return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, nav.crowd.present.astype(jnp.float32)], -1)
+        return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, crowd.present.astype(jnp.float32)], -1)
 
     def _downhill(self, way: Way, pose: Any, speed: Any) -> Any:
         """(2,) command that turns to where the field falls, and drives at up to `speed` when it points there."""

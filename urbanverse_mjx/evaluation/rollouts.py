@@ -192,7 +192,7 @@ class Rollout:
     def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any]:
         """What a `Trajectory` holds of one step of all envs."""
         agents = None
-        if self.env.living is not None:
+        if self.env.living is not None and nav.crowd is not None:
             agents = jax.vmap(self.env.living.places)(nav.crowd, nav.sim.scene)
         return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents
 

@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from mujoco import mjx
 
 from ..datatypes import AgentMotion, AgentShapes, Bodies, Contacts, RobotSpec, SceneBank, SimState
@@ -79,6 +80,16 @@ class EngineBase:
             raise v.fail("engine.step: agents", f"{given} of them", f"as many as the engine has slots ({wanted})")
 
     @property
+    def body_rows(self) -> np.ndarray | None:
+        """(Z, N) i32, see `Simulator`."""
+        return None if self.movable is None else self.body_table.row
+
+    @property
+    def num_bodies(self) -> int:
+        """M, body slots of an env."""
+        return 0 if self.movable is None else self.movable.bodies
+
+    @property
     def num_agent_contacts(self) -> int:
         """Pairs of a sphere and an agent that may touch at once."""
         return 0 if self.agents is None else min(AGENT_CONTACTS, len(self.agents.radius) * self.num_spheres)
@@ -117,7 +128,7 @@ class EngineBase:
         return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one, bodies)
 
     def _first_bodies(self, scene: Any, things: Any) -> Bodies | None:
-        wanted = 0 if self.movable is None else self.movable.bodies
+        wanted = self.num_bodies
         given = wanted if things is None else len(things)
         if given != wanted:
             raise v.fail("engine.init: things", f"{given} of them", f"as many as the engine has body slots ({wanted})")

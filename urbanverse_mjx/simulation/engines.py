@@ -2,12 +2,16 @@
 
 import dataclasses
 import xml.etree.ElementTree as ET
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 
 from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
 from .slots.body_slots import Sizes
+
+if TYPE_CHECKING:
+    from .jax_engine import JaxEngine
+    from .warp_engine import WarpEngine
 
 IMPLS = ("auto", "jax", "warp")
 
@@ -22,8 +26,8 @@ def make_engine(
     agents: AgentShapes | None = None,
     movable: Sizes | None = None,
     **sizes: Any,
-) -> Any:
-    """A `Simulator` over a bank.
+) -> "JaxEngine | WarpEngine":
+    """An engine over a bank.
 
     Args:
       bank, robot: what to simulate.

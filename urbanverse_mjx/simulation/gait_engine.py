@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
-from ..datatypes import Contacts, NounError, RobotSpec, SimState, Simulator
+from ..datatypes import AgentMotion, Contacts, NounError, RobotSpec, SimState, Simulator
 from ..precision import full_precision
 from ..robots.gait import Gait, felt_gravity, sensor_frame
 from .physics_model import make_physics_model
@@ -61,17 +62,33 @@ class GaitEngine:
         self.robot, self.engine, self.gait, self.control_dt = robot, engine, gait, control_dt
         self._root = physics.root
 
+    @property
+    def body_rows(self) -> np.ndarray | None:
+        """(Z, N) i32, see `Simulator`."""
+        return self.engine.body_rows
+
+    @property
+    def num_bodies(self) -> int:
+        """M, body slots of an env."""
+        return self.engine.num_bodies
+
     @full_precision
-    def init(self, scene: Any, qpos: Any, qvel: Any) -> SimState:
+    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
         """The engine's state at rest, of a gait that has stood there for a while."""
-        sim = self.engine.init(scene, qpos, qvel)
+        sim = self.engine.init(scene, qpos, qvel, things)
         still = jnp.zeros(len(self.gait.stand))
         frame = self._feel(sim, jnp.zeros(3), still)
         return sim._replace(carry=GaitMemory(sim.carry, still, jnp.tile(frame, (self.gait.history, 1))))
 
     @full_precision
-    def step(self, state: SimState, ctrl: Any) -> SimState:
-        """One control step with the command `ctrl` (3,) held; contacts are those of all its physics steps."""
+    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
+        """One control step with the command `ctrl` (3,) held; contacts are those of all its physics steps.
+
+        Raises:
+          NounError: agents, which would stand still through the steps of a gait.
+        """
+        if agents is not None:
+            raise NounError("engine.step: found agents around a robot with a gait, needed none.")
         command = jnp.asarray(ctrl, jnp.float32)
         memory: GaitMemory = state.carry
 

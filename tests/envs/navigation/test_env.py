@@ -66,7 +66,7 @@ def sent(env: NavEnv, nav: NavState, action: jax.Array) -> jax.Array:
 
     def advance(nav: NavState) -> jax.Array:
         ctrl = []
-        env.engine.step = lambda sim, command: ctrl.append(command) or sim
+        env.engine.step = lambda sim, command, agents: ctrl.append(command) or sim  # type: ignore[method-assign]
         env.advance(nav, action)
         return ctrl.pop()
 

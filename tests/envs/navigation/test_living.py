@@ -58,7 +58,7 @@ def test_people_are_there_and_meet_the_route(env: NavEnv, begun: Any) -> None:
 def test_motion_carries_agents_from_state_to_state(env: NavEnv, begun: Any) -> None:
     living = env.living
     assert living is not None
-    after, (motion,) = jax.jit(jax.vmap(lambda nav: living.advance(nav, 1)))(begun)
+    after, motion = jax.jit(jax.vmap(lambda nav: living.advance(nav, 1)))(begun)
     end = np.asarray(motion.position + env.dt * motion.velocity)
     where = np.asarray(motion.present)
     assert where.mean() > 0.5
@@ -78,12 +78,14 @@ def test_gaps_and_metrics_by_hand(env: NavEnv) -> None:
         present=jnp.arange(9) == 4, bodies=crowd.bodies._replace(x=jnp.full(9, 10.0), y=jnp.full(9, 6.0))
     )
     gap = 1.0 - 0.27 - env.robot.planner_radius
-    values = living.metrics(only, Result.RUNNING, jnp.array([10.0, 7.0]), jnp.array([0.3, 0.4]))
+    values = living.metrics(only, jnp.int32(Result.RUNNING), jnp.array([10.0, 7.0]), jnp.array([0.3, 0.4]))
     assert tuple(values) == PEOPLE_METRICS
     assert float(values["people_distance"]) == pytest.approx(gap, abs=1e-5)
     assert [float(values[f"{n}_time_per_step"]) for n in ("intimate", "personal")] == [gap < INTIMATE, gap < PERSONAL]
     assert float(values["personal_speed_per_step"]) == pytest.approx(0.5)
-    nobody = living.metrics(only._replace(present=jnp.zeros(9, bool)), Result.HIT_AGENT, jnp.zeros(2), jnp.ones(2))
+    nobody = living.metrics(
+        only._replace(present=jnp.zeros(9, bool)), jnp.int32(Result.HIT_AGENT), jnp.zeros(2), jnp.ones(2)
+    )
     assert [float(x) for x in nobody.values()] == [1.0, FAR, 0.0, 0.0, 0.0]
     near = living.nearer(jnp.full((2, 2), 2.0), only, jnp.array([[10.0, 6.5], [10.0, 20.0]]))
     np.testing.assert_allclose(near, [[0.5 - 0.27, 2.0], [2.0, 2.0]], atol=1e-6)
@@ -161,7 +163,7 @@ def test_every_encounter_takes_place_where_there_is_room_and_nowhere_else() -> N
     assert (ends[0] > 0).mean() == pytest.approx(0.5, abs=0.2), "from both sides"
     few = Encounters(ConfigDict(dict.fromkeys(ENCOUNTERS, 1.0)), walkers=2)
     assert few.draw(keys[0], start, waypoints, lambda p: jnp.ones(p.shape)).mode.shape == (2,)  # type: ignore[union-attr]
-    assert Encounters(ConfigDict({"talk": 0.0}), 9).draw(keys[0], start, waypoints, None) is None
+    assert Encounters(ConfigDict({"talk": 0.0}), 9).draw(keys[0], start, waypoints, jnp.ones_like) is None
     with pytest.raises(NounError, match="'dance'"):
         Encounters(ConfigDict({"dance": 0.5}), 9)
 

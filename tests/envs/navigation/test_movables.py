@@ -38,7 +38,7 @@ def test_the_things_nearest_to_the_route_are_chosen(small_bank: SceneBank) -> No
             assert set(np.asarray(near(z, start, way)).tolist()) == set(wanted.tolist())
     few = np.full_like(row, -1)
     few[0, things[:2]] = 0
-    found = np.asarray(Movables(small_bank, few, 5).near(0, start, way))
+    found = np.asarray(Movables(small_bank, few, 5).near(jnp.int32(0), jnp.asarray(start), jnp.asarray(way)))
     assert sorted(found.tolist()) == sorted([-1, -1, -1, *things[:2].tolist()])
 
 
@@ -50,7 +50,7 @@ def test_a_touch_of_one_is_told_apart() -> None:
         no, none = jnp.array(False), jnp.zeros(())
         contacts = Contacts(no, jnp.array(thing), no, none, none, none)
         sim = SimState(
-            scene=0,
+            scene=jnp.int32(0),
             qpos=none,
             qvel=none,
             xpos=none,

@@ -20,7 +20,8 @@ def standing(*places: tuple[float, float, float, bool]) -> AgentMotion:
     """Agents at x, y (m), heading (rad), present or not, on the pavement."""
     x, y, heading, present = (np.array(column) for column in zip(*places, strict=True))
     position = np.stack([x, y, np.full(len(x), KERB)], -1)
-    return AgentMotion(position, heading, np.zeros_like(position), np.zeros(len(x)), present.astype(bool))
+    still = jnp.zeros_like(position)
+    return AgentMotion(jnp.asarray(position), jnp.asarray(heading), still, still[:, 0], jnp.asarray(present, bool))
 
 
 @pytest.fixture(scope="module")

@@ -54,13 +54,14 @@ def motions() -> AgentMotion:
     time = CONTROL_DT * np.arange(NUM_STEPS)[None, :, None]
     wide = np.broadcast_to
     shape = (len(rows), NUM_STEPS, 2)
-    return AgentMotion(
+    columns = (
         START + place[:, None] + time[..., None] * velocity[:, None],
         heading[:, None] + time * rate[:, None],
         wide(velocity[:, None], (*shape, 3)),
         wide(rate[:, None], shape),
         np.ones(shape, bool),
     )
+    return AgentMotion(*(jnp.asarray(column) for column in columns))
 
 
 def free_bank() -> Any:

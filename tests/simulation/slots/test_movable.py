@@ -159,6 +159,7 @@ def test_what_sleeps_stays_to_the_bit_and_what_left_its_place_is_gone_from_there
     things = np.array([bank.meta["object_ids"][0].index("thing_0"), -1, -1])
     qpos = pushing.first_qpos(robot, engine.physics.model.nq)
     state = engine.init(0, qpos, np.zeros(engine.physics.model.nv), things)
+    assert state.bodies is not None
     np.testing.assert_allclose(state.bodies.position[0], pushing.START + [1.2, 0.0, 0.0], atol=1e-5)
     away = state._replace(bodies=state.bodies._replace(position=state.bodies.position.at[0, 0].add(5.0)))
     step, ctrl = jax.jit(engine.step), np.asarray(robot.command(jnp.array([1.5, 0.0])))
@@ -168,6 +169,7 @@ def test_what_sleeps_stays_to_the_bit_and_what_left_its_place_is_gone_from_there
     assert float(away.qpos[0]) > pushing.START[0] + 1.2
     for name in ("thing", "quaternion", "velocity", "spin", "warm"):
         np.testing.assert_array_equal(getattr(away.bodies, name), getattr(state.bodies, name), err_msg=name)
+    assert away.bodies is not None
     assert float(away.bodies.position[0, 0] - state.bodies.position[0, 0]) == 5.0
     # Without bodies the same box is static and stops the robot.
     still = engine.init(0, qpos, np.zeros(engine.physics.model.nv), np.full(3, -1))

@@ -1,9 +1,10 @@
 """What chance decides in the walking task: commands, what differs between robots, pushes, noise of the sensors."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float, Key
 from ml_collections import ConfigDict
 
 
@@ -17,14 +18,14 @@ class Body(NamedTuple):
       delay: () f32, 1 where commands reach the servos one control step late.
     """
 
-    friction_scale: Any
-    mass_scale: Any
-    strength: Any
-    joint_bias: Any
-    delay: Any
+    friction_scale: Float[Array, ""]
+    mass_scale: Float[Array, ""]
+    strength: Float[Array, ""]
+    joint_bias: Float[Array, " J"]
+    delay: Float[Array, ""]
 
 
-def draw_body(key: jax.Array, config: ConfigDict, num_joints: int) -> Body:
+def draw_body(key: Key[Array, ""], config: ConfigDict, num_joints: int) -> Body:
     """By `config.randomization`."""
     keys = jax.random.split(key, 5)
 
@@ -41,7 +42,7 @@ def draw_body(key: jax.Array, config: ConfigDict, num_joints: int) -> Body:
     )
 
 
-def draw_command(key: jax.Array, config: ConfigDict) -> tuple[jax.Array, jax.Array]:
+def draw_command(key: Key[Array, ""], config: ConfigDict) -> tuple[Float[Array, "3"], Float[Array, ""]]:
     """(3,) forward and left speed (m/s) and yaw rate (rad/s), and () s for which it holds; by `config.command`.
 
     A share of the commands is to stand, another to walk ahead in a slight bend; the rest is uniform.
@@ -57,7 +58,7 @@ def draw_command(key: jax.Array, config: ConfigDict) -> tuple[jax.Array, jax.Arr
     return command, jax.random.uniform(hold, (), jnp.float32, *config.hold)
 
 
-def draw_push(key: jax.Array, config: ConfigDict, dt: float) -> jax.Array:
+def draw_push(key: Key[Array, ""], config: ConfigDict, dt: float) -> Float[Array, "6"]:
     """(6,) change of the trunk's velocity (m/s, rad/s): mostly 0, now and then a kick; by `config.randomization`."""
     when, how, turn = jax.random.split(key, 3)
     heading, speed = jax.random.uniform(how, (2,)) * jnp.array([2.0 * jnp.pi, config.push_speed])
@@ -67,7 +68,7 @@ def draw_push(key: jax.Array, config: ConfigDict, dt: float) -> jax.Array:
     return jnp.where(jax.random.uniform(when) < dt / config.push_every, kick, 0.0)
 
 
-def draw_noise(key: jax.Array, config: ConfigDict, num_joints: int) -> jax.Array:
+def draw_noise(key: Key[Array, ""], config: ConfigDict, num_joints: int) -> Float[Array, " n"]:
     """(6 + 2 joints,) for yaw rates, gravity, joint angles and speeds, uniform; by `config.noise`."""
     width = jnp.concatenate(
         [

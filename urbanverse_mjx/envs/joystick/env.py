@@ -1,14 +1,15 @@
 """`JoystickEnv`: a legged robot follows velocity commands over uneven ground without seeing it."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
+from jaxtyping import Array, Float, Int, Key, PRNGKeyArray
 from ml_collections import ConfigDict
 
-from ...datatypes import RobotSpec, SceneBank
+from ...datatypes import RobotSpec, SceneBank, SimState, Simulator
 from ...geometry import rotations
 from ...precision import full_precision
 from ...robots.gait import felt_gravity, sensor_frame
@@ -52,26 +53,26 @@ class GaitState(NamedTuple):
       steps: () i32; result: () i32, see `Result`.
     """
 
-    key: Any
-    sim: Any
+    key: Key[Array, ""]
+    sim: SimState
     body: Body
-    kind: Any
-    levels: Any
-    command: Any
-    hold: Any
-    target: Any
-    action: Any
-    joint_speed: Any
-    history: Any
-    feet: Any
-    air_time: Any
-    way: Any
-    way_asked: Any
-    steps: Any
-    result: Any
+    kind: Int[Array, ""]
+    levels: Int[Array, " T"]
+    command: Float[Array, "3"]
+    hold: Float[Array, ""]
+    target: Float[Array, " J"]
+    action: Float[Array, " J"]
+    joint_speed: Float[Array, " J"]
+    history: Float[Array, "H n"]
+    feet: Float[Array, "F 3"]
+    air_time: Float[Array, " F"]
+    way: Float[Array, ""]
+    way_asked: Float[Array, ""]
+    steps: Int[Array, ""]
+    result: Int[Array, ""]
 
 
-class JoystickEnv(StagedBase):
+class JoystickEnv(StagedBase[GaitState]):
     """Walks with the commanded velocity; every env on ground of its own kind and level.
 
     Observation (dict):
@@ -85,7 +86,7 @@ class JoystickEnv(StagedBase):
         env = registry.load("Go2Joystick", config_overrides={"preset": "cpu"}, bank=terrain_bank())
     """
 
-    def __init__(self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Any) -> None:
+    def __init__(self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Simulator) -> None:
         self._config, self.bank, self.robot, self.engine = config, bank, robot, engine
         self._legs = Legs(robot, tuple(config.action_scale))
         self._heights = GroundHeights(bank)
@@ -105,7 +106,7 @@ class JoystickEnv(StagedBase):
 
     # The stages.
 
-    def begin(self, key: jax.Array) -> GaitState:
+    def begin(self, key: PRNGKeyArray) -> GaitState:
         """The first episode of an env, at low levels."""
         key, draw = jax.random.split(typed_key(key))
         return self.begin_at(key, self._levels.first(draw))
@@ -118,7 +119,7 @@ class JoystickEnv(StagedBase):
         return self.begin_at(key, levels)
 
     @full_precision
-    def begin_at(self, key: jax.Array, levels: jax.Array) -> GaitState:
+    def begin_at(self, key: PRNGKeyArray, levels: Int[Array, " T"]) -> GaitState:
         """A new episode at the given level (T,) of each kind."""
         config, legs = self._config, self._legs
         key, where, pose, body, command, noise = jax.random.split(typed_key(key), 6)
@@ -156,8 +157,8 @@ class JoystickEnv(StagedBase):
 
     @full_precision
     def advance(
-        self, gait: GaitState, action: jax.Array
-    ) -> tuple[GaitState, jax.Array, jax.Array, dict[str, jax.Array]]:
+        self, gait: GaitState, action: Float[Array, " J"]
+    ) -> tuple[GaitState, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
         """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
         config, legs = self._config, self._legs
         key, push, noise, command = jax.random.split(gait.key, 4)
@@ -203,17 +204,17 @@ class JoystickEnv(StagedBase):
         return new, total, done, self._metrics(new, motion, rewards)
 
     @full_precision
-    def observe(self, gait: GaitState) -> dict[str, jax.Array]:
+    def observe(self, gait: GaitState) -> dict[str, Array]:
         """Observations of a state."""
         return {"history": gait.history.reshape(-1), "privileged": self._privileged(gait)}
 
     # The environment as a whole.
 
-    def info_of(self, gait: GaitState) -> dict[str, jax.Array]:
+    def info_of(self, gait: GaitState) -> dict[str, Array]:
         """Where the env is and how its episode ended."""
         return self.episode_info(gait.sim.scene, jnp.int32(0), gait.result, gait.steps)
 
-    def zero_metrics(self) -> dict[str, jax.Array]:
+    def zero_metrics(self) -> dict[str, Float[Array, ""]]:
         """The metrics of a first state."""
         names = [f"reward/{name}" for name in self._config.reward_config.scales]
         names += ["error_linear", "error_angular", "fall", "timeout", "non_finite", "touch", "slot_overflow"]
@@ -222,7 +223,7 @@ class JoystickEnv(StagedBase):
 
     # Inside.
 
-    def _stand(self, scene: jax.Array, p_xy: jax.Array, yaw: jax.Array, key: jax.Array) -> Any:
+    def _stand(self, scene: jax.Array, p_xy: jax.Array, yaw: jax.Array, key: jax.Array) -> SimState:
         """The engine's state of a robot that stands about in its pose, no foot in the ground."""
         legs = self._legs
         bend, move = jax.random.split(key)
@@ -233,19 +234,19 @@ class JoystickEnv(StagedBase):
         qvel = jnp.zeros(self.mj_model.nv).at[:6].set(jax.random.uniform(move, (6,), jnp.float32, -0.3, 0.3))
         return self.engine.init(scene, jnp.concatenate([place, rotations.from_yaw(yaw), joints]), qvel)
 
-    def _frame(self, sim: Any, command: jax.Array, action: jax.Array, body: Body, key: jax.Array) -> jax.Array:
+    def _frame(self, sim: SimState, command: jax.Array, action: jax.Array, body: Body, key: jax.Array) -> jax.Array:
         """(9 + 3 J,) what the sensors say of a state, with their noise."""
         sensed = self._sensed(sim) + draw_noise(key, self._config.noise, self._legs.number)
         n = self._legs.number
         joints = sensed[6 : 6 + n] + body.joint_bias - self._legs.stand
         return sensor_frame(jnp, sensed[:3], sensed[3:6], joints, sensed[6 + n :], command, action)
 
-    def _sensed(self, sim: Any) -> jax.Array:
+    def _sensed(self, sim: SimState) -> jax.Array:
         """(6 + 2 J,) angular velocity (rad/s) and gravity's direction in the body frame, joint angles and speeds."""
         gravity = felt_gravity(jnp, sim.xquat[self._legs.root])
         return jnp.concatenate([sim.qvel[3:6], gravity, sim.qpos[7:], sim.qvel[6:]])
 
-    def _motion(self, gait: GaitState, sim: Any, action: jax.Array, ctrl: jax.Array) -> Motion:
+    def _motion(self, gait: GaitState, sim: SimState, action: jax.Array, ctrl: jax.Array) -> Motion:
         legs = self._legs
         quaternion, feet = sim.xquat[legs.root], legs.feet(sim)
         under, up = self._heights(sim.scene, feet[:, :2]), -felt_gravity(jnp, quaternion)
@@ -272,7 +273,7 @@ class JoystickEnv(StagedBase):
             command=gait.command,
         )
 
-    def _result(self, sim: Any, motion: Motion, finite: jax.Array, steps: jax.Array) -> jax.Array:
+    def _result(self, sim: SimState, motion: Motion, finite: jax.Array, steps: jax.Array) -> jax.Array:
         p_xy = sim.xpos[self._legs.root, :2]
         low, high = self._heights.low[sim.scene] + _RIM, self._heights.high[sim.scene] - _RIM
         late = (steps >= self._config.episode_length) | (p_xy < low).any() | (p_xy > high).any()

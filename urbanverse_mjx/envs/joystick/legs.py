@@ -1,13 +1,11 @@
 """What a walking task must know of a legged robot, read from its MJCF: joints, servos, feet."""
 
-from typing import Any
-
-import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
+from jaxtyping import Array, Float
 
-from ...datatypes import NounError, RobotSpec
+from ...datatypes import NounError, RobotSpec, SimState
 from ...geometry import rotations
 
 
@@ -43,11 +41,13 @@ class Legs:
     def number(self) -> int:
         return self.model.nu
 
-    def feet(self, sim: Any) -> jax.Array:
+    def feet(self, sim: SimState) -> Float[Array, "F 3"]:
         """(F, 3) m, centres of the feet."""
         return sim.xpos[self.foot_body] + rotations.rotate(sim.xquat[self.foot_body], self.foot_place)
 
-    def torque(self, ctrl: jax.Array, qpos: jax.Array, qvel: jax.Array) -> jax.Array:
+    def torque(
+        self, ctrl: Float[Array, " J"], qpos: Float[Array, " nq"], qvel: Float[Array, " nv"]
+    ) -> Float[Array, " J"]:
         """(J,) N m of the servos, damping included."""
         push = jnp.clip(self.kp * (ctrl - qpos[7:]), -self.max_torque, self.max_torque)
         return push - self.kd * qvel[6:]

@@ -1,10 +1,9 @@
 """Which ground an env walks on: a kind by its share, at a level of the env's own that follows what it can do."""
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Bool, Float, Int, Key
 from ml_collections import ConfigDict
 
 from ...datatypes import NounError, SceneBank
@@ -28,20 +27,26 @@ class TerrainLevels:
         self.kinds, self.scenes, shares = _terrain_table(bank, config.shares)
         self._rows, self._ends = jnp.asarray(self.scenes), jnp.cumsum(shares)
 
-    def first(self, key: jax.Array) -> jax.Array:
+    def first(self, key: Key[Array, ""]) -> Int[Array, " T"]:
         """(T,) i32, low levels to begin with."""
         highest = min(int(self._config.first_levels), self.scenes.shape[1])
         return jax.random.randint(key, (len(self.kinds),), 0, highest, jnp.int32)
 
-    def choose(self, key: jax.Array, levels: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def choose(self, key: Key[Array, ""], levels: Int[Array, " T"]) -> tuple[Int[Array, ""], Int[Array, ""]]:
         """() i32 kind and () i32 scene of the next episode, for levels (T,)."""
         kind = jnp.searchsorted(self._ends, jax.random.uniform(key)).astype(jnp.int32)
         kind = jnp.minimum(kind, len(self.kinds) - 1)
         return kind, self._rows[kind, levels[kind]]
 
     def after(
-        self, key: jax.Array, levels: jax.Array, kind: jax.Array, lasted: jax.Array, way: jax.Array, asked: jax.Array
-    ) -> jax.Array:
+        self,
+        key: Key[Array, ""],
+        levels: Int[Array, " T"],
+        kind: Int[Array, ""],
+        lasted: Bool[Array, ""],
+        way: Float[Array, ""],
+        asked: Float[Array, ""],
+    ) -> Int[Array, " T"]:
         """(T,) levels after an episode on `kind`: harder where it went well, easier where it did not.
 
         Args:
@@ -57,7 +62,7 @@ class TerrainLevels:
         return levels.at[kind].set(level)
 
 
-def _terrain_table(bank: SceneBank, shares: Any) -> tuple[tuple[str, ...], np.ndarray, jax.Array]:
+def _terrain_table(bank: SceneBank, shares: ConfigDict) -> tuple[tuple[str, ...], np.ndarray, jax.Array]:
     """Kinds of terrain in a bank, (T, L) i32 its scenes by kind and level, (T,) shares of episodes.
 
     Raises:

@@ -3,9 +3,10 @@
 Their forms are those of public tasks, see docs/decisions/go2.md.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
 from ml_collections import ConfigDict
 
 #: N, a foot with less on it is in the air.
@@ -23,45 +24,47 @@ SOFT_SPEED = 0.9
 
 
 class Motion(NamedTuple):
-    """What a control step made of the robot; J joints, 4 feet.
+    """What a control step made of the robot; J joints, F feet.
 
     Attributes:
       linear: (3,) m/s of the trunk, heading frame; angular: (3,) rad/s, body frame.
       up: (3,) the world's up in the body frame.
       height: () m, trunk above the ground under the feet.
       joints: (J,) rad; joint_speed: (J,) rad/s; joint_acceleration: (J,) rad/s²; torque: (J,) N m.
-      foot_height: (4,) m of the soles above the ground; foot_speed: (4,) m/s over ground.
-      contact: (4,) bool; air_time: (4,) s that each foot was in the air before this step; landed: (4,) bool.
+      foot_height: (F,) m of the soles above the ground; foot_speed: (F,) m/s over ground.
+      contact: (F,) bool; air_time: (F,) s that each foot was in the air before this step; landed: (F,) bool.
       touch: () share of the step in which something that is no foot touched.
       action, last_action: (J,). fell: () bool. command: (3,).
     """
 
-    linear: Any
-    angular: Any
-    up: Any
-    height: Any
-    joints: Any
-    joint_speed: Any
-    joint_acceleration: Any
-    torque: Any
-    foot_height: Any
-    foot_speed: Any
-    contact: Any
-    air_time: Any
-    landed: Any
-    touch: Any
-    action: Any
-    last_action: Any
-    fell: Any
-    command: Any
+    linear: Float[Array, "3"]
+    angular: Float[Array, "3"]
+    up: Float[Array, "3"]
+    height: Float[Array, ""]
+    joints: Float[Array, " J"]
+    joint_speed: Float[Array, " J"]
+    joint_acceleration: Float[Array, " J"]
+    torque: Float[Array, " J"]
+    foot_height: Float[Array, " F"]
+    foot_speed: Float[Array, " F"]
+    contact: Bool[Array, " F"]
+    air_time: Float[Array, " F"]
+    landed: Bool[Array, " F"]
+    touch: Float[Array, ""]
+    action: Float[Array, " J"]
+    last_action: Float[Array, " J"]
+    fell: Bool[Array, ""]
+    command: Float[Array, "3"]
 
 
-def is_moving(command: Any) -> Any:
+def is_moving(command: Float[Array, "3"]) -> Float[Array, ""]:
     """() f32: 1 where a command (3,) asks for more than standing."""
     return (jnp.linalg.norm(command) > STANDING).astype(jnp.float32)
 
 
-def terms(m: Motion, config: ConfigDict, stand: Any, limits: Any) -> dict[str, Any]:
+def terms(
+    m: Motion, config: ConfigDict, stand: Float[Array, " J"], limits: Float[Array, "J 2"]
+) -> dict[str, Float[Array, ""]]:
     """Each term by its name, unweighted; stand (J,) rad, limits (J, 2) rad, `config` is the env's reward_config."""
     moving = is_moving(m.command)
     deviation = m.joints - stand

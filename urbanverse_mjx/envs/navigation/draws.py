@@ -1,9 +1,8 @@
 """What differs from episode to episode beside the street: grip, mass, and how the street looks."""
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Int, Key
 from ml_collections import ConfigDict
 
 from ...datatypes import NounError, SimState
@@ -38,7 +37,7 @@ class Randomization:
         self._friction, self._mass = tuple(config.friction_scale), tuple(config.mass_scale)
         self.looks = config.appearance > 0.0
 
-    def scaled(self, key: Any, sim: SimState) -> SimState:
+    def scaled(self, key: Key[Array, ""], sim: SimState) -> SimState:
         """The first state of an episode with the grip and the mass drawn for it; `key` is typed and not used up."""
         draws = {"friction_scale": (_FRICTION, self._friction), "mass_scale": (_MASS, self._mass)}
         new = {
@@ -48,7 +47,7 @@ class Randomization:
         }
         return sim._replace(**new)
 
-    def look(self, key: Any) -> Any:
+    def look(self, key: Key[Array, ""]) -> Int[Array, ""]:
         """() i32 above 0 that stands for the look of an episode; 0 where looks do not differ."""
         if not self.looks:
             return jnp.int32(0)

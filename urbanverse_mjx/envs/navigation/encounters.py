@@ -6,10 +6,10 @@ When: when an episode begins, inside jit, per env.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Float, Key
 from ml_collections import ConfigDict
 
 from ...crowds import KINDS, behaviours
@@ -23,11 +23,11 @@ _START = 2.2
 #: m/s, about what a robot drives: who cuts its way sets out so that both may meet.
 _PACE = 1.2
 
-Pose = tuple[Any, Any, Any]
+Pose = tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]
 Ranges = tuple[float, float]
 
 
-def route_pose(start: Any, waypoints: Any, arc: Any) -> Pose:
+def route_pose(start: Float[Array, " s"], waypoints: Float[Array, "W 3"], arc: Float[Array, ""] | float) -> Pose:
     """() x, y m and heading rad at an arc length () m of the route start (3+,), waypoints (W, 3); its end beyond."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
     span = jnp.diff(points, axis=0)
@@ -40,44 +40,44 @@ def route_pose(start: Any, waypoints: Any, arc: Any) -> Pose:
     return x, y, jnp.arctan2(way[1], way[0])
 
 
-def _beside(pose: Pose, left: Any, ahead: Any = 0.0) -> Pose:
+def _beside(pose: Pose, left: Float[Array, ""], ahead: float = 0.0) -> Pose:
     x, y, heading = pose
     cos, sin = jnp.cos(heading), jnp.sin(heading)
     return x + ahead * cos - left * sin, y + ahead * sin + left * cos, heading
 
 
-def _head_on(pose: Pose, left: Any) -> Script:
+def _head_on(pose: Pose, left: Float[Array, ""]) -> Script:
     return behaviours.head_on(*_beside(pose, 0.3 * left, -6.0), distance=6.0)
 
 
-def _cross(pose: Pose, left: Any) -> Script:
+def _cross(pose: Pose, left: Float[Array, ""]) -> Script:
     # From the side that the draw says: turned about, the left is the right.
     x, y, heading = pose
     return behaviours.cross(x, y, heading + jnp.where(left > 0.0, 0.0, jnp.pi), distance=0.0, aside=2.5)
 
 
-def _obstruct(pose: Pose, left: Any) -> Script:
+def _obstruct(pose: Pose, left: Float[Array, ""]) -> Script:
     x, y, heading = _beside(pose, 0.2 * left)
     return behaviours.obstruct(x, y, heading + jnp.pi)
 
 
-def _overtaken(pose: Pose, left: Any) -> Script:
+def _overtaken(pose: Pose, left: Float[Array, ""]) -> Script:
     return behaviours.overtaken(*_beside(pose, 0.3 * left), distance=0.0)
 
 
-def _talk(pose: Pose, left: Any) -> Script:
+def _talk(pose: Pose, left: Float[Array, ""]) -> Script:
     x, y, heading = _beside(pose, left)
     return behaviours.talk(x, y, 2, heading)
 
 
-def _queue(pose: Pose, left: Any) -> Script:
+def _queue(pose: Pose, left: Float[Array, ""]) -> Script:
     x, y, heading = _beside(pose, left)
     return behaviours.queue(x, y, heading, 3)
 
 
 #: Name -> rows, where along the route its middle lies (m), and what makes the script of a pose of the route and how
 #: far aside it is (m, left positive, drawn from [-1.2, 1.2]).
-ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Any], Script]]] = {
+ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Float[Array, ""]], Script]]] = {
     "head_on": (1, (8.0, 16.0), _head_on),
     # Who crosses has 2.5 m at 1.34 m/s to the route, in which a robot covers 2.2 m.
     "cross": (1, (2.5 * _PACE / 1.34 + 1.0, 2.5 * _PACE / 1.34 + 3.0), _cross),
@@ -112,7 +112,13 @@ class Encounters:
                 self._drawn.append((name, float(config[name])))
                 rows += number
 
-    def draw(self, key: Any, start: Any, waypoints: Any, clearance: Any) -> Script | None:
+    def draw(
+        self,
+        key: Key[Array, ""],
+        start: Float[Array, " s"],
+        waypoints: Float[Array, "W 3"],
+        clearance: Callable[[Float[Array, "n 2"]], Float[Array, "n 2"]],
+    ) -> Script | None:
         """The script of an episode, `ROAM` in the rows of what does not take place; None where nothing ever does.
 
         Args:

@@ -1,15 +1,14 @@
 """`NavEnv`: drive to a goal 10-30 m away over the pavement of a street, by camera, without touching anything."""
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 from ml_collections import ConfigDict
 
 from ...crowds import open_ground
-from ...datatypes import NounError, RobotSpec, SceneBank, traversable
+from ...datatypes import NounError, Renderer, RobotSpec, SceneBank, Simulator, traversable
 from ...geometry import rotations
 from ...precision import full_precision
 from ..staged import StagedBase, typed_key
@@ -47,7 +46,7 @@ def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
     return jnp.asarray(ends, jnp.float32)
 
 
-class NavEnv(StagedBase):
+class NavEnv(StagedBase[NavState]):
     """Point-goal navigation of one robot, each env in its own scene of a bank.
 
     Observation (dict):
@@ -75,7 +74,9 @@ class NavEnv(StagedBase):
         state = jax.jit(env.step)(state, jnp.array([1.0, 0.0]))
     """
 
-    def __init__(self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Any, renderer: Any | None):
+    def __init__(
+        self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Simulator, renderer: Renderer | None
+    ):
         if config.action_mode not in ACTION_MODES:
             raise NounError(f"config.action_mode: found {config.action_mode!r}, needed one of {ACTION_MODES}.")
         if config.goal_mode not in ("final", "waypoint"):
@@ -111,8 +112,8 @@ class NavEnv(StagedBase):
             self.living = LivingStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
         #: What can be pushed; None where the engine has no body slots.
         self.movables: Movables | None = None
-        if getattr(engine, "movable", None) is not None:
-            self.movables = Movables(bank, engine.body_table.row, engine.movable.bodies)
+        if engine.body_rows is not None:
+            self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
 
     # What users of Playground and Brax ask an environment.
 
@@ -127,7 +128,7 @@ class NavEnv(StagedBase):
 
     # The three stages.
 
-    def begin(self, key: jax.Array) -> NavState:
+    def begin(self, key: PRNGKeyArray) -> NavState:
         """The first episode of an env: a scene of `config.scenes` and a row of its table, see `EpisodeSchedule`."""
         key, draw = jax.random.split(typed_key(key))
         return self.begin_at(key, *self._schedule.draw(draw, jnp.int32(0), jnp.int32(0)))
@@ -140,7 +141,7 @@ class NavEnv(StagedBase):
         return new._replace(age=nav.age, episodes=episodes)
 
     @full_precision
-    def begin_at(self, key: jax.Array, scene: jax.Array, row: jax.Array) -> NavState:
+    def begin_at(self, key: PRNGKeyArray, scene: Int[Array, ""], row: Int[Array, ""]) -> NavState:
         """A new episode from a given row of a given scene's episode table."""
         start = self._episodes["episode_start"][scene, row]
         goal = self._episodes["episode_goal"][scene, row]
@@ -148,8 +149,8 @@ class NavEnv(StagedBase):
         place = jnp.stack([start[0], start[1], start[2] + self.robot.spawn_height])
         pose = jnp.concatenate([place, rotations.from_yaw(start[3])])
         key = typed_key(key)
-        things = () if self.movables is None else (self.movables.near(scene, start[:3], waypoints),)
-        sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), *things)
+        things = None if self.movables is None else self.movables.near(scene, start[:3], waypoints)
+        sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), things)
         crowd = None
         if self.living is not None:
             crowd = self.living.begin(key, scene, start, waypoints, self._surroundings.distances)
@@ -177,11 +178,13 @@ class NavEnv(StagedBase):
         )
 
     @full_precision
-    def advance(self, nav: NavState, action: jax.Array) -> tuple[NavState, jax.Array, jax.Array, dict[str, jax.Array]]:
+    def advance(
+        self, nav: NavState, action: Float[Array, " nu"]
+    ) -> tuple[NavState, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
         """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
-        crowd, agents = (None, ()) if self.living is None else self.living.advance(nav, self._root)
-        sim = self.engine.step(nav.sim, self._control(action), *agents)
+        crowd, agents = (None, None) if self.living is None else self.living.advance(nav, self._root)
+        sim = self.engine.step(nav.sim, self._control(action), agents)
         finite = jnp.isfinite(sim.qpos).all() & jnp.isfinite(sim.qvel).all()
         position = jnp.where(finite, sim.xpos[self._root], nav.sim.xpos[self._root])
         quaternion = jnp.where(finite, sim.xquat[self._root], nav.sim.xquat[self._root])
@@ -191,7 +194,7 @@ class NavEnv(StagedBase):
         steps = nav.steps + 1
         hit = sim.contacts.hit & finite
         config = self._config
-        person = {} if self.living is None else {"hit_agent": sim.contacts.hit_agent >= 0}
+        agent = sim.contacts.hit_agent
         result = terms.result_of(
             finite=finite,
             fallen=rotations.up_of(quaternion) < _UPRIGHT,
@@ -199,7 +202,7 @@ class NavEnv(StagedBase):
             off_traversable=(~self.is_traversable(sim.scene, p_xy)) & config.terminate_off_traversable,
             at_goal=(distance < config.success_radius) & (steps > config.success_after_step),
             out_of_time=steps >= config.episode_length,
-            **person,
+            hit_agent=False if agent is None else agent >= 0,
         )
         done = result != Result.RUNNING
         done_f = done.astype(jnp.float32)
@@ -228,7 +231,7 @@ class NavEnv(StagedBase):
         return new, reward, done_f, metrics
 
     @full_precision
-    def observe(self, nav: NavState) -> dict[str, jax.Array]:
+    def observe(self, nav: NavState) -> dict[str, Array]:
         """Observations of a state; the only place that renders."""
         position, quaternion = nav.sim.xpos[self._root], nav.sim.xquat[self._root]
         yaw = rotations.yaw_of(quaternion)
@@ -263,11 +266,11 @@ class NavEnv(StagedBase):
 
     # The environment as a whole.
 
-    def info_of(self, nav: NavState) -> dict[str, jax.Array]:
+    def info_of(self, nav: NavState) -> dict[str, Array]:
         """Where the env is and how its episode ended."""
         return self.episode_info(nav.sim.scene, nav.episode, nav.result, nav.steps)
 
-    def zero_metrics(self) -> dict[str, jax.Array]:
+    def zero_metrics(self) -> dict[str, Float[Array, ""]]:
         """The metrics of a first state."""
         names = [f"reward/{name}" for name in self._config.reward_config.scales]
         names += [
@@ -286,7 +289,7 @@ class NavEnv(StagedBase):
         names += MOVABLE_METRICS if self.movables is not None else ()
         return {name: jnp.float32(0.0) for name in names}
 
-    def is_traversable(self, scene: jax.Array, p_xy: jax.Array) -> jax.Array:
+    def is_traversable(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "2"]) -> Bool[Array, ""]:
         """() bool: whether the ground under (2,) m is a kind a pavement robot may be on."""
         return open_ground.is_open(self._walkable, scene, p_xy[0], p_xy[1], self._map_resolution)
 
@@ -340,18 +343,19 @@ class NavEnv(StagedBase):
             "slot_overflow": nav.sim.slot_overflow.astype(jnp.float32),
         }
 
-    def _distances(self, nav: NavState, p_xy: Any) -> Any:
+    def _distances(self, nav: NavState, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
         """(..., 2) m from places (..., 2) to the next hull or agent and to the edge of the walkable ground."""
         found = self._surroundings.distances(nav.sim.scene, p_xy)
-        return found if self.living is None else self.living.nearer(found, nav.crowd, p_xy)
+        if self.living is None or nav.crowd is None:
+            return found
+        return self.living.nearer(found, nav.crowd, p_xy)
 
     def _pixels(self, nav: NavState) -> jax.Array:
         assert self.renderer is not None
-        look = (nav.look,) if self._randomization.looks else ()
-        moving = {} if self.living is None else {"agents": self.living.places(nav.crowd, nav.sim.scene)}
-        if self.movables is not None:
-            moving["bodies"] = nav.sim.bodies
-        frame = self.renderer(nav.sim.scene, nav.sim.xpos, nav.sim.xquat, *look, **moving)
+        sim, look, agents = nav.sim, nav.look if self._randomization.looks else 0, None
+        if self.living is not None and nav.crowd is not None:
+            agents = self.living.places(nav.crowd, sim.scene)
+        frame = self.renderer(sim.scene, sim.xpos, sim.xquat, look, agents, sim.bodies)
         if not self._config.vision_config.depth:
             return frame["rgb"]
         # The renderer writes 0 where nothing was hit: as far as one can say.

@@ -5,11 +5,12 @@ Out:  `Crowd` states, `AgentMotion` for engines and renderer, distances to peopl
 When: tables at construction; the rest every control step, inside jit, per env.
 """
 
-from typing import Any
+from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float, Int, Key
 from ml_collections import ConfigDict
 
 from ...crowds import KINDS
@@ -115,7 +116,14 @@ class LivingStreet:
         self._people = jnp.array([kind != "car" for kind in self.kinds])
         self._encounters = encounters.Encounters(config.encounters, self.kinds.count("pedestrian"))
 
-    def begin(self, key: Any, scene: Any, start: Any, waypoints: Any, clearance: Any) -> Crowd:
+    def begin(
+        self,
+        key: Key[Array, ""],
+        scene: Int[Array, ""],
+        start: Float[Array, "4"],
+        waypoints: Float[Array, "W 3"],
+        clearance: Callable[[Int[Array, ""], Float[Array, "n 2"]], Float[Array, "n 2"]],
+    ) -> Crowd:
         """The crowd of a new episode.
 
         Args:
@@ -129,21 +137,22 @@ class LivingStreet:
         script: Script | None = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
         return self.model.init(keys[2], scene, watcher, jnp.round(share * number).astype(jnp.int32), script)
 
-    def advance(self, nav: NavState, root: int) -> tuple[Crowd, tuple[AgentMotion]]:
+    def advance(self, nav: NavState, root: int) -> tuple[Crowd, AgentMotion]:
         """The crowd one control step after `nav`, and how its agents move in it; root: the robot's body."""
-        sim = nav.sim
+        sim, before = nav.sim, nav.crowd
+        assert before is not None
         x, y = jnp.nan_to_num(sim.xpos[root, :2])
         vx, vy = jnp.nan_to_num(sim.qvel[:2])
         watcher = Watcher(x, y, jnp.nan_to_num(rotations.yaw_of(sim.xquat[root])), jnp.array(True))
         key = jax.random.fold_in(nav.key, _STEP + nav.steps)
 
-        def step(k: Any, crowd: Crowd) -> Crowd:
+        def step(k: Int[Array, ""], crowd: Crowd) -> Crowd:
             return self.model.step(crowd, sim.scene, watcher, (vx, vy), jax.random.fold_in(key, k))
 
-        crowd = jax.lax.fori_loop(0, self._crowd_steps, step, nav.crowd)
-        return crowd, (self.motion(nav.crowd, crowd, sim.scene),)
+        crowd = jax.lax.fori_loop(0, self._crowd_steps, step, before)
+        return crowd, self.motion(before, crowd, sim.scene)
 
-    def places(self, crowd: Crowd, scene: Any) -> AgentMotion:
+    def places(self, crowd: Crowd, scene: Int[Array, ""]) -> AgentMotion:
         """Where everybody is, standing still."""
         body = crowd.bodies
         places = jnp.stack([body.x, body.y], -1)
@@ -154,7 +163,7 @@ class LivingStreet:
             jnp.stack([body.x, body.y, z], -1), body.heading, jnp.zeros((len(z), 3)), zero, crowd.present
         )
 
-    def motion(self, before: Crowd, after: Crowd, scene: Any) -> AgentMotion:
+    def motion(self, before: Crowd, after: Crowd, scene: Int[Array, ""]) -> AgentMotion:
         """How everybody moves from one state to the next; who appears elsewhere is absent meanwhile."""
         start, end = self.places(before, scene), self.places(after, scene)
         velocity = (end.position - start.position) / self._dt
@@ -165,7 +174,7 @@ class LivingStreet:
             present=start.present & end.present & there,
         )
 
-    def gaps(self, crowd: Crowd, p_xy: Any) -> Any:
+    def gaps(self, crowd: Crowd, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n A"]:
         """(..., A) m from points (..., 2) to the bodies of those present, negative inside; infinite for the absent."""
         body, half = crowd.bodies, jnp.asarray(self.shapes.half_length)
         dx, dy = p_xy[..., :1] - body.x, p_xy[..., 1:] - body.y
@@ -174,11 +183,13 @@ class LivingStreet:
         distance = jnp.sqrt((dx - along * cos) ** 2 + (dy - along * sin) ** 2) - jnp.asarray(self.shapes.radius)
         return jnp.where(crowd.present, distance, jnp.inf)
 
-    def nearer(self, found: Any, crowd: Crowd, p_xy: Any) -> Any:
+    def nearer(self, found: Float[Array, "*n 2"], crowd: Crowd, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
         """Distances (..., 2) m to hulls and edges from places (..., 2) with those to agents taken for hulls."""
         return found.at[..., 0].min(jnp.maximum(self.gaps(crowd, p_xy).min(-1), 0.0))
 
-    def metrics(self, crowd: Crowd, result: Any, p_xy: Any, velocity: Any) -> dict[str, Any]:
+    def metrics(
+        self, crowd: Crowd, result: Int[Array, ""], p_xy: Float[Array, "2"], velocity: Float[Array, "2"]
+    ) -> dict[str, Float[Array, ""]]:
         """`PEOPLE_METRICS` of a robot at (2,) m that drives (2,) m/s; result: () i32."""
         gap = jnp.min(jnp.where(self._people, self.gaps(crowd, p_xy), jnp.inf)) - self._robot_radius
         gap = jnp.clip(gap, 0.0, FAR)

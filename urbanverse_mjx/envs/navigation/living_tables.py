@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from ... import settings, versions
 from ...crowds import crossings, flats, free_space, goal_fields, kinds, open_ground
@@ -24,8 +25,8 @@ class LivingTables(NamedTuple):
     """
 
     crowd: CrowdTables
-    height: Any
-    origin: Any
+    height: Float[Array, "Z X Y"]
+    origin: Float[Array, "Z 2"]
 
 
 def _parts() -> dict[str, tuple[type, Sequence[str]]]:

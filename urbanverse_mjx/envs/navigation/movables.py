@@ -5,11 +5,10 @@ Out:  objects for `engine.init`, metrics.
 When: tables at construction; the rest at reset and every control step, inside jit, per env.
 """
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Bool, Float, Int
 from ml_collections import ConfigDict
 
 from ...datatypes import NounError, SceneBank, SimState
@@ -18,7 +17,7 @@ from ...datatypes import NounError, SceneBank, SimState
 MOVABLE_METRICS = ("hit_movable",)
 
 
-def body_sizes(config: Any) -> dict[str, int] | None:
+def body_sizes(config: ConfigDict) -> dict[str, int] | None:
     """Sizes of the body slots that an environment's config asks for: its `movable` in the scenario dynamic, else None
     (also for policies trained before there were any).
 
@@ -43,7 +42,7 @@ class Movables:
       bank: the scenes. row: (Z, N) i32, -1 for what cannot be pushed. number: M, how many an env has.
     """
 
-    def __init__(self, bank: SceneBank, row: np.ndarray, number: int) -> None:
+    def __init__(self, bank: SceneBank, row: Int[np.ndarray, "Z N"], number: int) -> None:
         found = [np.flatnonzero(r >= 0) for r in row]
         width = max([number, *(len(f) for f in found)])
         things = np.full((len(row), width), -1, np.int32)
@@ -52,7 +51,7 @@ class Movables:
         place = np.take_along_axis(bank.slot_position[..., :2], np.maximum(things, 0)[..., None], axis=1)
         self._things, self._place, self._number = jnp.asarray(things), jnp.asarray(place, jnp.float32), number
 
-    def near(self, scene: Any, start: Any, waypoints: Any) -> Any:
+    def near(self, scene: Int[Array, ""], start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Int[Array, " M"]:
         """(M,) i32, objects nearest to the route start (3,), waypoints (W, 3) m; -1 where a scene has fewer."""
         points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
         begin, span = points[:-1], jnp.diff(points, axis=0)
@@ -62,8 +61,9 @@ class Movables:
         _, pick = jax.lax.top_k(-jnp.where(self._things[scene] >= 0, distance, jnp.inf), self._number)
         return self._things[scene][pick]
 
-    def metrics(self, sim: SimState, ended: Any) -> dict[str, Any]:
+    def metrics(self, sim: SimState, ended: Bool[Array, ""]) -> dict[str, Float[Array, ""]]:
         """`MOVABLE_METRICS`; ended: () bool, with a touch of an object."""
         hit = sim.contacts.hit_object
+        assert sim.bodies is not None
         mine = (hit >= 0) & (hit == sim.bodies.thing).any()
         return {MOVABLE_METRICS[0]: (ended & mine).astype(jnp.float32)}

@@ -4,16 +4,18 @@
 """
 
 import dataclasses
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Int32
+from ml_collections import ConfigDict
 
 from ...datatypes import NounError, SceneBank
 
 SCENARIOS = ("clean", "static", "dynamic")
 
 
-def scenario_of(config: Any) -> str:
+def scenario_of(config: ConfigDict) -> str:
     """The scenario of an environment's config; "static" where it names none (policies trained before there were any).
 
     Raises:
@@ -40,7 +42,7 @@ def bank_for(scenario: str, bank: SceneBank) -> SceneBank:
     )
 
 
-def select_scenes(bank: SceneBank, which: Any) -> np.ndarray:
+def select_scenes(bank: SceneBank, which: str | Sequence[str]) -> Int32[np.ndarray, " n"]:
     """(n,) i32 rows of the bank named by a split ("train", "test", ...), "all", or ids (a list, or with commas)."""
     if isinstance(which, str) and which == "all":
         return np.arange(bank.num_scenes, dtype=np.int32)

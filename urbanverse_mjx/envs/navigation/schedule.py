@@ -1,10 +1,9 @@
 """Which scene and which row of its episode table an env gets next: all at random, or by a training schedule."""
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Int, Key
 from ml_collections import ConfigDict
 
 from ...datatypes import NounError, SceneBank
@@ -56,7 +55,9 @@ class EpisodeSchedule:
         self._lengths = jnp.asarray(np.sort(lengths, axis=1), jnp.float32)
         self._longest = float(lengths[exists].max())
 
-    def draw(self, key: Any, age: Any, episodes: Any) -> tuple[Any, Any]:
+    def draw(
+        self, key: Key[Array, ""], age: Int[Array, ""], episodes: Int[Array, ""]
+    ) -> tuple[Int[Array, ""], Int[Array, ""]]:
         """Scene () i32 and row () i32 of the next episode.
 
         Args:

@@ -7,10 +7,10 @@ import functools
 import hashlib
 import pathlib
 from collections.abc import Iterator
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float, Int, UInt8
 from scipy import ndimage
 
 from ... import settings, versions
@@ -75,7 +75,7 @@ def _ground_height(bank: SceneBank, scene: int) -> float:
 LOW = 0.05
 
 
-def build_fields(bank: SceneBank, height: float) -> np.ndarray:
+def build_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
     """(Z, X, Y, 2) u8 cm: to the next hull between `LOW` and `height` m above ground, and to the walkable edge."""
     size = np.array(bank.map_kind.shape[1:]) * float(bank.map_resolution)
     x, y = (int(n) for n in np.ceil(size / CELL - 1e-6))
@@ -98,7 +98,7 @@ def path_of(bank: SceneBank, height: float) -> pathlib.Path:
     return settings.cache_dir("surroundings", f"{digest.hexdigest()[:24]}.npz")
 
 
-def kept_fields(bank: SceneBank, height: float) -> np.ndarray:
+def kept_fields(bank: SceneBank, height: float) -> UInt8[np.ndarray, "Z X Y 2"]:
     """`build_fields`, from the cache where a large bank's were built before."""
     if int((bank.inst_hull >= 0).sum()) < KEEP_FROM:
         return build_fields(bank, height)
@@ -123,7 +123,7 @@ class Surroundings:
         self._fields = jnp.asarray(self.fields)
         self._origin = jnp.asarray(bank.map_origin, jnp.float32)
 
-    def distances(self, scene: Any, p_xy: Any) -> Any:
+    def distances(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
         """(..., 2) m to the next hull and to the edge of the walkable ground, at most `FAR`.
 
         Args:

@@ -4,41 +4,41 @@ Distances are on the ground plane. Rewards follow the paper's appendix; where th
 authors' released terms are used, each named in its docstring.
 """
 
-from typing import Any
-
-import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
 
 from ..types import Result
 
 
-def to_body(vector_world: jax.Array, yaw: jax.Array) -> jax.Array:
+def to_body(vector_world: Float[Array, "2"], yaw: Float[Array, ""]) -> Float[Array, "2"]:
     """(2,) world vector seen in the heading frame (x forward, y left)."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     x, y = vector_world[0], vector_world[1]
     return jnp.stack([c * x + s * y, -s * x + c * y])
 
 
-def to_world(vectors_body: jax.Array, yaw: jax.Array) -> jax.Array:
+def to_world(vectors_body: Float[Array, "*n 2"], yaw: Float[Array, ""]) -> Float[Array, "*n 2"]:
     """(..., 2) vectors of the heading frame seen in the world."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     x, y = vectors_body[..., 0], vectors_body[..., 1]
     return jnp.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
-def limit_norm(vector: jax.Array, limit: float) -> jax.Array:
+def limit_norm(vector: Float[Array, " n"], limit: float) -> Float[Array, " n"]:
     """Shortens a vector to at most `limit`."""
     norm = jnp.linalg.norm(vector)
     return vector * jnp.minimum(1.0, limit / jnp.maximum(norm, 1e-6))
 
 
-def route_length(start: jax.Array, waypoints: jax.Array) -> jax.Array:
+def route_length(start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Float[Array, ""]:
     """Length (m) of the polyline start (3,), waypoints (W, 3); repeated waypoints add nothing."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
     return jnp.linalg.norm(jnp.diff(points, axis=0), axis=-1).sum()
 
 
-def route_position(p_xy: jax.Array, start: jax.Array, waypoints: jax.Array) -> jax.Array:
+def route_position(
+    p_xy: Float[Array, "2"], start: Float[Array, "3"], waypoints: Float[Array, "W 3"]
+) -> Float[Array, ""]:
     """Arc length (m) of the point of the route nearest to `p_xy` (2,)."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
     a, b = points[:-1], points[1:]
@@ -53,8 +53,13 @@ def route_position(p_xy: jax.Array, start: jax.Array, waypoints: jax.Array) -> j
 
 
 def route_completed(
-    p_xy: jax.Array, start: jax.Array, waypoints: jax.Array, length: jax.Array, left: jax.Array, driven: jax.Array
-) -> jax.Array:
+    p_xy: Float[Array, "2"],
+    start: Float[Array, "3"],
+    waypoints: Float[Array, "W 3"],
+    length: Float[Array, ""],
+    left: Float[Array, ""],
+    driven: Float[Array, ""],
+) -> Float[Array, ""]:
     """Metres of a route of `length` m that are behind somebody at `p_xy` (2,), for the paper's RC.
 
     On the route it is the nearest point's place. Who takes another way may come near a later part of the route, or near
@@ -67,33 +72,35 @@ def route_completed(
     return jnp.clip(jnp.minimum(route_position(p_xy, start, waypoints), length - left), 0.0, driven)
 
 
-def next_waypoint(p_xy: jax.Array, waypoint: jax.Array, waypoints: jax.Array, count: jax.Array) -> jax.Array:
+def next_waypoint(
+    p_xy: Float[Array, "2"], waypoint: Int[Array, ""], waypoints: Float[Array, "W 3"], count: Int[Array, ""]
+) -> Int[Array, ""]:
     """Index of the waypoint to head for: moves on when within 2 m of the present one."""
     near = jnp.linalg.norm(waypoints[waypoint, :2] - p_xy) < 2.0
     return jnp.minimum(waypoint + near.astype(jnp.int32), count - 1)
 
 
-def reward_arrived(result: jax.Array) -> jax.Array:
+def reward_arrived(result: Int[Array, ""]) -> Float[Array, ""]:
     """1 on the step that reaches the goal (paper R_A)."""
     return (result == Result.GOAL).astype(jnp.float32)
 
 
-def reward_hit(hit: jax.Array) -> jax.Array:
+def reward_hit(hit: Bool[Array, ""]) -> Float[Array, ""]:
     """1 on a step with a hit (paper R_C)."""
     return hit.astype(jnp.float32)
 
 
-def reward_off_traversable(result: jax.Array) -> jax.Array:
+def reward_off_traversable(result: Int[Array, ""]) -> Float[Array, ""]:
     """1 on the step that leaves the traversable area."""
     return (result == Result.OFF_TRAVERSABLE).astype(jnp.float32)
 
 
-def reward_position(distance: jax.Array, std: float) -> jax.Array:
+def reward_position(distance: Float[Array, ""], std: float) -> Float[Array, ""]:
     """1 - tanh(distance / std) in [0, 1] (paper R_P; the form is the released code's tracking term)."""
     return 1.0 - jnp.tanh(distance / std)
 
 
-def reward_velocity_cosine(velocity_xy: jax.Array, to_goal_xy: jax.Array) -> jax.Array:
+def reward_velocity_cosine(velocity_xy: Float[Array, "2"], to_goal_xy: Float[Array, "2"]) -> Float[Array, ""]:
     """Cosine between the velocity and the direction to the goal (paper R_V), 0 at rest.
 
     The speed enters below 5 cm/s so that the jitter of a standing robot earns nothing.
@@ -102,31 +109,31 @@ def reward_velocity_cosine(velocity_xy: jax.Array, to_goal_xy: jax.Array) -> jax
     return velocity_xy @ to_goal_xy / norm
 
 
-def reward_velocity_dot(velocity_xy: jax.Array, to_goal_xy: jax.Array) -> jax.Array:
+def reward_velocity_dot(velocity_xy: Float[Array, "2"], to_goal_xy: Float[Array, "2"]) -> Float[Array, ""]:
     """Speed (m/s) towards the goal (released code's velocity term)."""
     return velocity_xy @ to_goal_xy / jnp.maximum(jnp.linalg.norm(to_goal_xy), 1e-6)
 
 
-def reward_progress(previous_distance: jax.Array, distance: jax.Array) -> jax.Array:
+def reward_progress(previous_distance: Float[Array, ""], distance: Float[Array, ""]) -> Float[Array, ""]:
     """Metres by which the goal came nearer in this step (released code's moving-towards-goal idea)."""
     return previous_distance - distance
 
 
-def reward_near_object(distance: jax.Array) -> jax.Array:
+def reward_near_object(distance: Float[Array, ""]) -> Float[Array, ""]:
     """1 with a hull 0.4 m from the robot's origin on the ground (COCO about touches it), falling to 0 at 1 m; ours."""
     return jnp.clip((1.0 - distance) / 0.6, 0.0, 1.0)
 
 
 def result_of(
     *,
-    finite: jax.Array,
-    fallen: jax.Array,
-    hit: jax.Array,
-    off_traversable: jax.Array,
-    at_goal: jax.Array,
-    out_of_time: jax.Array,
-    hit_agent: Any = False,
-) -> jax.Array:
+    finite: Bool[Array, ""],
+    fallen: Bool[Array, ""],
+    hit: Bool[Array, ""],
+    off_traversable: Bool[Array, ""],
+    at_goal: Bool[Array, ""],
+    out_of_time: Bool[Array, ""],
+    hit_agent: Bool[Array, ""] | bool = False,
+) -> Int[Array, ""]:
     """() i32 result code; when several hold, the first of non-finite, hit, fall, off, goal, timeout counts.
 
     Args:

@@ -190,17 +190,19 @@ class JaxEngine(EngineBase):
 
     def _wake(self, state: SimState, centre: Any) -> tuple[Any, body_slots.Awake, Any]:
         assert self.movable is not None
+        assert state.bodies is not None
         return body_slots.wake(self.body_constants, state.scene, state.bodies, centre, self.reach, self.movable.awake)
 
     def _scenery(self, state: SimState, awake: body_slots.Awake, origin: Any) -> body_dynamics.Scenery:
         """What stands near each of the bodies, about the origin (3,)."""
-        tables, scene = self.tables, state.scene
+        assert state.bodies is not None
+        tables, scene, things = self.tables, state.scene, state.bodies.thing
 
         def near(place: Any, reach: Any) -> Any:
             cell = static_slots.grid_cell(tables.grid_origin[scene], tables.grid_cell, self._grid_shape, place)
             where = cell, scene, place, reach
             prisms, _ = static_slots.nearest(tables.prisms, *where, body_slots.PRISMS)
-            hulls, _ = static_slots.nearest(tables.objects, *where, body_slots.HULLS, state.bodies.thing)
+            hulls, _ = static_slots.nearest(tables.objects, *where, body_slots.HULLS, things)
             return prisms, hulls
 
         reach = body_slots.reach(self.body_constants, awake, self.control_dt)
