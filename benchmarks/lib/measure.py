@@ -158,7 +158,8 @@ def active(run: Run) -> dict[str, Any]:
     qpos[:, 3:7] = rotations.from_yaw(poses.yaw)
     ahead = command(env, jnp.array([1.0, 0.0]))
     ctrl = jnp.broadcast_to(ahead, (steps, num_envs, *ahead.shape))
-    bare = registry.make_nav_engine(config, env.bank, robot, num_slots=0)
+    without = registry.with_overrides(config, {"num_slots": 0, "vision": False})
+    bare = registry.load_nav_env(run.case.env, without, env.bank).engine
     place = (jnp.asarray(poses.scene), jnp.asarray(qpos), jnp.zeros((num_envs, env.mj_model.nv)))
     engines = {"active": env.engine, "bare": bare}
     first = {name: jax.jit(jax.vmap(engine.init))(*place) for name, engine in engines.items()}

@@ -9,7 +9,7 @@ import pytest
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import train
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs import registry
+from urbanverse_mjx.envs.robot import make_robot
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy
 from urbanverse_mjx.training.record import RunRequest, configs_of
 
@@ -63,7 +63,7 @@ def test_the_commands_of_a_tutorial_are_ones_that_can_be_given(
         assert (program, command) == ("urbanverse", "train"), "a command that this test does not know how to try"
         assert train.main(words) == 0
         _, config, _ = configs_of(given[-1])
-        registry.make_robot(config)
+        make_robot(config)
         if "--start-from" in words:
             PolicySpec.load(latest_policy(ROOT / words[words.index("--start-from") + 1]))
     assert len(given) == len(lines) > 0

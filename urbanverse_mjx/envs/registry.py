@@ -3,23 +3,23 @@
 import difflib
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
-import jax.numpy as jnp
-import mujoco
 from ml_collections import ConfigDict
 
 from .. import settings
-from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
+from ..datatypes import NounError, SceneBank
 from .joystick import JoystickEnv
 from .joystick.config import JOYSTICK_PRESETS, joystick_config
+from .joystick.make import make_joystick_env
+from .joystick.ppo import joystick_ppo_config
 from .navigation import NavEnv
 from .navigation.config import PRESETS, default_config, go2_nav_config
-from .navigation.living import slot_kinds, slot_looks, slot_shapes
-from .navigation.movables import body_sizes
-from .navigation.scenarios import bank_for, scenario_of
+from .navigation.make import make_walking_env, make_wheeled_env
+from .navigation.ppo import ppo_config
+from .types import StagedEnv
 
-EnvMaker = Callable[[ConfigDict, SceneBank], Any]
+EnvMaker = Callable[[ConfigDict, SceneBank], StagedEnv[Any]]
 ConfigMaker = Callable[[str], ConfigDict]
 BankLoader = Callable[[], SceneBank]
 
@@ -27,6 +27,7 @@ BankLoader = Callable[[], SceneBank]
 class _Entry(NamedTuple):
     make: EnvMaker
     make_config: ConfigMaker
+    make_ppo_config: ConfigMaker
     load_bank: BankLoader
     preset: str
     presets: tuple[str, ...]
@@ -42,6 +43,7 @@ def register_environment(
     load_bank: BankLoader | None = None,
     default_preset: str = "paper",
     presets: Sequence[str] = PRESETS,
+    make_ppo_config: ConfigMaker = ppo_config,
 ) -> None:
     """Adds an environment.
 
@@ -50,11 +52,13 @@ def register_environment(
       make: (config, bank) -> environment.
       make_config: preset name -> a fresh config.
       load_bank: -> the bank where the user gives none; default: the shipped streets.
-      default_preset: where the user names none. presets: all that `make_config` takes.
+      default_preset: where the user names none. presets: all that both makers of configs take.
+      make_ppo_config: preset name -> a fresh config of its training; default: navigation's.
     """
     if name in _REGISTRY:
         raise NounError(f"environment {name!r}: found it registered already, needed a new name.")
-    _REGISTRY[name] = _Entry(make, make_config, load_bank or load_default_bank, default_preset, tuple(presets))
+    load = load_bank or load_default_bank
+    _REGISTRY[name] = _Entry(make, make_config, make_ppo_config, load, default_preset, tuple(presets))
 
 
 def all_envs() -> tuple[str, ...]:
@@ -91,6 +95,25 @@ def get_default_config(name: str, preset: str | None = None) -> ConfigDict:
     return entry.make_config(preset or entry.preset)
 
 
+def get_ppo_config(name: str, preset: str | None = None) -> ConfigDict:
+    """A fresh, locked config of an environment's training; None takes the environment's own default preset.
+
+    Raises:
+      NounError: no environment has this name, or its training no such preset.
+    """
+    entry = _entry(name)
+    return entry.make_ppo_config(preset or entry.preset).lock()
+
+
+def bank_loader(name: str) -> BankLoader:
+    """What loads the bank of an environment where the user gives none.
+
+    Raises:
+      NounError: no environment has this name.
+    """
+    return _entry(name).load_bank
+
+
 def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDict:
     """A copy of `config` with flat dotted keys replaced, e.g. {"reward_config.scales.hit": -50}."""
     copy = ConfigDict(config.to_dict()).lock()
@@ -115,12 +138,33 @@ def same_task(config: ConfigDict, name: str) -> ConfigDict:
     return ConfigDict({k: theirs[k] if k in own else config.get(k, x) for k, x in theirs.items()}).lock()
 
 
+@overload
+def load(
+    name: Literal["CocoNav", "Go2Nav"],
+    config: ConfigDict | None = None,
+    config_overrides: Mapping[str, Any] | None = None,
+    bank: SceneBank | None = None,
+) -> NavEnv: ...
+@overload
+def load(
+    name: Literal["Go2Joystick"],
+    config: ConfigDict | None = None,
+    config_overrides: Mapping[str, Any] | None = None,
+    bank: SceneBank | None = None,
+) -> JoystickEnv: ...
+@overload
 def load(
     name: str,
     config: ConfigDict | None = None,
     config_overrides: Mapping[str, Any] | None = None,
     bank: SceneBank | None = None,
-) -> Any:
+) -> StagedEnv[Any]: ...
+def load(
+    name: str,
+    config: ConfigDict | None = None,
+    config_overrides: Mapping[str, Any] | None = None,
+    bank: SceneBank | None = None,
+) -> StagedEnv[Any]:
     """Builds an environment.
 
     Args:
@@ -134,6 +178,18 @@ def load(
     if config is None:
         config = entry.make_config(overrides.pop("preset", entry.preset))
     return entry.make(with_overrides(config, overrides), bank if bank is not None else entry.load_bank())
+
+
+def load_nav_env(name: str, config: ConfigDict, bank: SceneBank) -> NavEnv:
+    """`load` of an environment that navigates.
+
+    Raises:
+      NounError: one of another task.
+    """
+    env = load(name, config=config, bank=bank)
+    if not isinstance(env, NavEnv):
+        raise NounError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
+    return env
 
 
 def load_default_bank() -> SceneBank:
@@ -165,116 +221,14 @@ def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
     return bank
 
 
-def make_robot(config: ConfigDict) -> RobotSpec:
-    """The robot a config names: "coco", "go2", "wheelchair", or a robot.json of one's own (see `robots.load`)."""
-    from .. import robots
-
-    if config.robot == "go2":
-        return robots.make_go2(config.get("menagerie") or None)
-    if config.robot == "coco":
-        return robots.make_coco(drive=config.drive)
-    return robots.load(config.robot)
-
-
-def _check_fit(config: ConfigDict, robot: RobotSpec) -> None:
-    """Raises `NounError` where a robot and a navigation config do not go together."""
-    if config.sim_dt > robot.physics_timestep + 1e-9:
-        raise NounError(
-            f"config.sim_dt: found {config.sim_dt:g} s, needed at most the {robot.physics_timestep:g} s that the MJCF "
-            f"of {robot.name!r} asks for; override sim_dt."
-        )
-    told, motors = robot.command(jnp.zeros(2)).shape[0], mujoco.MjModel.from_xml_string(robot.mjcf).nu
-    if "gait" not in config and told != motors:
-        raise NounError(
-            f"config.robot: found {robot.name!r}, which walks by a gait, needed a robot on wheels; take Go2Nav with "
-            "robot and gait overridden."
-        )
-
-
-def make_nav_engine(
-    config: ConfigDict,
-    bank: SceneBank,
-    robot: RobotSpec,
-    num_slots: int,
-    agents: AgentShapes | None = None,
-    movable: dict[str, int] | None = None,
-) -> Any:
-    """The engine that a navigation config asks for, with a gait in it where the robot walks.
-
-    Raises:
-      NounError: moving agents around a robot with a gait, which no engine knows yet.
-    """
-    from ..simulation.engines import make_engine
-    from ..simulation.slots.body_slots import Sizes
-
-    options = {"impl": config.impl, "physics_dt": config.sim_dt, "num_slots": num_slots}
-    if "gait" not in config:
-        options["movable"] = None if movable is None else Sizes(**movable)
-        return make_engine(bank, robot, control_dt=config.ctrl_dt, agents=agents, **options)
-    if agents is not None:
-        raise NounError("config.scenario: found 'dynamic' for a robot with a gait, needed 'clean' or 'static'.")
-    from ..robots.go2 import load_gait
-    from ..simulation.gait_engine import GaitEngine
-
-    gait = load_gait(config.gait or None)
-    engine = make_engine(bank, robot, control_dt=gait.control_dt, **options)
-    return GaitEngine(engine, robot, gait, config.ctrl_dt)
-
-
-def make_nav_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
-    """A `NavEnv` with the engine and the renderer its config asks for."""
-    scenario = scenario_of(config)
-    bank = bank_for(scenario, bank)
-    kinds = slot_kinds(config.crowd) if scenario == "dynamic" else ()
-    robot = make_robot(config)
-    if abs(config.ctrl_dt / config.sim_dt - round(config.ctrl_dt / config.sim_dt)) > 1e-6:
-        raise NounError(
-            f"config.ctrl_dt: found {config.ctrl_dt} s with sim_dt {config.sim_dt} s, needed a whole number of steps."
-        )
-    if "gait" in config and config.action_mode == "joint":
-        raise NounError("config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'.")
-    _check_fit(config, robot)
-    movable = body_sizes(config)
-    engine = make_nav_engine(config, bank, robot, config.num_slots, slot_shapes(kinds) if kinds else None, movable)
-    renderer = None
-    if config.vision:
-        from ..simulation.rendering.renderer import Renderer
-
-        view = config.vision_config
-        outputs = ("rgb", "depth") if view.depth else ("rgb",)
-        renderer = Renderer(
-            bank,
-            robot,
-            view.height,
-            view.width,
-            outputs=outputs,
-            sky=view.sky,
-            shadows=view.shadows,
-            shading=view.shading,
-            appearance=config.randomization.appearance,
-            agents=slot_looks(kinds, bank),
-            bodies=0 if movable is None else movable["bodies"],
-        )
-    return NavEnv(config, bank, robot, engine, renderer)
-
-
-def make_joystick_env(config: ConfigDict, bank: SceneBank) -> JoystickEnv:
-    """A `JoystickEnv` with the engine its config asks for; nothing is drawn."""
-    from ..simulation.engines import make_engine
-
-    robot = make_robot(config)
-    engine = make_engine(
-        bank,
-        robot,
-        impl=config.impl,
-        control_dt=config.ctrl_dt,
-        physics_dt=config.sim_dt,
-        num_slots=0,
-        **config.engine,
-    )
-    return JoystickEnv(config, bank, robot, engine)
-
-
-register_environment("CocoNav", make_nav_env, default_config)
-register_environment("Go2Nav", make_nav_env, go2_nav_config)
-register_environment("Go2Joystick", make_joystick_env, joystick_config, load_terrain_bank, "fast", JOYSTICK_PRESETS)
+register_environment("CocoNav", make_wheeled_env, default_config)
+register_environment("Go2Nav", make_walking_env, go2_nav_config)
+register_environment(
+    "Go2Joystick",
+    make_joystick_env,
+    joystick_config,
+    load_terrain_bank,
+    "fast",
+    JOYSTICK_PRESETS,
+    joystick_ppo_config,
+)

@@ -149,15 +149,14 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
 
     name, path = options.policy, pathlib.Path(options.policy)
     if name in BASELINES or name == "planner":
-        env = registry.load(
-            options.env_name or "CocoNav", config=_config(options, runs, contact, False), bank=runs.bank
-        )
+        config = _config(options, runs, contact, False)
+        env = registry.load_nav_env(options.env_name or "CocoNav", config, runs.bank)
         driver = Planner(env) if name == "planner" else BASELINES[name]
         return env, driver, False, name, {"name": name, "privileged": name == "planner"}
     if name.endswith(".onnx") or (":" in name and not path.exists()):
         policy = load_onnx(path) if name.endswith(".onnx") else load_callable(name)
         config = _config(options, runs, contact, policy.sees, policy.size)
-        env = registry.load(options.env_name or "CocoNav", config=config, bank=runs.bank)
+        env = registry.load_nav_env(options.env_name or "CocoNav", config, runs.bank)
         where = {"name": name, "privileged": policy.privileged, "observations": list(policy.observations)}
         return env, policy, True, path.stem if name.endswith(".onnx") else name, where
     if not path.is_dir():
@@ -177,7 +176,7 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
         trained = registry.same_task(trained, environment)
     sees = any(k.startswith("pixels/") for k in spec.observations)
     config = _config(options, runs, contact, sees, trained=trained.to_dict(), environment=environment)
-    env = registry.load(environment, config=config, bank=runs.bank)
+    env = registry.load_nav_env(environment, config, runs.bank)
     where = {"name": str(options.policy), "privileged": False, "steps": spec.steps, "versions": spec.versions}
     return env, act, False, folder.name, where
 

@@ -73,7 +73,7 @@ def _scripted(name: str, bank: SceneBank, scenes: Any, dynamic: bool, environmen
 
     values = registry.get_default_config(environment, preset).to_dict()
     config = registry.with_overrides(evaluation_config(environment, values, scenes, dynamic), {"vision": False})
-    env = registry.load(environment, config=config, bank=bank)
+    env = registry.load_nav_env(environment, config, bank)
     driver = Planner(env) if name == "planner" else BASELINES[name]
     privileged = isinstance(driver, Privileged)
     return _Entrants(name, environment, env, [(env, {name: driver})], {"policy": name, "privileged": privileged})
@@ -89,7 +89,7 @@ def _trained(policy: pathlib.Path, bank: SceneBank, scenes: Any, dynamic: bool, 
     if environment != spec.environment:
         trained = registry.same_task(trained, environment)
     config = evaluation_config(environment, trained.to_dict(), scenes, dynamic)
-    env = registry.load(environment, config=config, bank=bank)
+    env = registry.load_nav_env(environment, config, bank)
     # Without a renderer: nothing is drawn for those who do not look.
     blind = NavEnv(env.config, env.bank, env.robot, env.engine, None)
     pictures = {name: shape for name, shape in spec.observations.items() if name.startswith("pixels/")}

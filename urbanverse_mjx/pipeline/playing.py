@@ -65,7 +65,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     hold = _steps_held(options.fps, config.ctrl_dt)
     finer = {"ctrl_dt": config.ctrl_dt / hold}
     finer |= {k: config[k] * hold for k in ("episode_length", "success_after_step")}
-    env = registry.load(name, config=registry.with_overrides(config, finer), bank=ensure_default_bank())
+    env = registry.load_nav_env(name, registry.with_overrides(config, finer), ensure_default_bank())
     episodes = fixed_episodes(env, options.num_episodes, options.seed)
     results, poses = Rollout(env, hold=hold).run({options.agent: agent}, episodes)
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]

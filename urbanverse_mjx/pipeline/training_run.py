@@ -7,6 +7,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ..datatypes import SceneBank
     from ..training.record import RunRequest
 
 
@@ -51,11 +52,10 @@ def train(
     Raises:
       NounError: unknown names or keys, or a request that differs from the record of the run that goes on.
     """
-    from ..envs import registry
+    from ..envs import NavEnv, registry
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
     from ..training.run import train as run
-    from .banks import ensure_default_bank, ensure_terrain_bank
     from .evaluation import evaluate_policy
 
     request, options = request or RunRequest(), options or TrainOptions()
@@ -68,8 +68,7 @@ def train(
     else:
         folder = options.resume
         name, config, ppo = resumed_configs(folder, request)
-    walks = name.endswith("Joystick")
-    bank = ensure_terrain_bank() if walks else ensure_default_bank(quiet=quiet)
+    bank = bank_of(name, quiet)
     _say(f"run folder: {folder}", quiet)
     env = registry.load(name, config=config, bank=bank)
     built = time.monotonic()
@@ -77,8 +76,8 @@ def train(
     trained = time.monotonic()
     _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
     summary: dict[str, Any] = {}
-    # A gait is judged in C MuJoCo: python -m benchmarks.go2_gait.
-    if options.num_episodes and result.policy is not None and not walks:
+    # Other tasks have their own judges: a gait's is C MuJoCo, python -m benchmarks.go2_gait.
+    if options.num_episodes and result.policy is not None and isinstance(env, NavEnv):
         summary = evaluate_policy(
             result.policy, bank, folder / "evaluation", options.num_episodes, ppo.seed, options.video, quiet
         )
@@ -96,6 +95,22 @@ def train(
         },
         "folder": str(folder),
     }
+
+
+def bank_of(environment: str, quiet: bool = False) -> "SceneBank":
+    """The bank that an environment is registered with; the package's own are built into the cache where they are
+    missing or wrong.
+
+    Raises:
+      NounError: no environment has this name, or its own loader refuses.
+    """
+    from ..envs import registry
+    from .banks import ensure_default_bank, ensure_terrain_bank
+
+    load = registry.bank_loader(environment)
+    if load is registry.load_default_bank:
+        return ensure_default_bank(quiet=quiet)
+    return ensure_terrain_bank() if load is registry.load_terrain_bank else load()
 
 
 def _folder_name(environment: str, options: TrainOptions) -> str:

@@ -7,8 +7,8 @@ import numpy as np
 from ml_collections import ConfigDict
 
 from ..datatypes import NounError
-from ..envs import registry
 from ..envs.joystick.legs import Legs
+from ..envs.robot import make_robot
 from ..robots.gait import Gait
 from .policy import PolicySpec, latest_policy, load_params
 
@@ -31,7 +31,7 @@ def export_gait(source: pathlib.Path, meta: dict[str, Any] | None = None) -> Gai
     names = [*sorted((n for n in layers if n.startswith("hidden_")), key=lambda n: int(n.split("_")[1])), "out"]
     kernels, biases = (tuple(np.asarray(layers[n][part], np.float32) for n in names) for part in ("kernel", "bias"))
     # The last layer ends in the means; the standard deviations are a parameter of their own.
-    legs = Legs(registry.make_robot(config), tuple(config.action_scale))
+    legs = Legs(make_robot(config), tuple(config.action_scale))
     facts = {
         "robot": config.robot,
         "environment": spec.environment,

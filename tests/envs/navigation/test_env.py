@@ -6,12 +6,18 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from ml_collections import ConfigDict
 
 from tests.support.unicycle import drive_to_goal, unicycle_env
 from urbanverse_mjx.datatypes import NounError, SceneBank, traversable
-from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, registry, wrap_for_training
+from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, joystick_config, registry, wrap_for_training
 from urbanverse_mjx.envs.checks import EnvCheckError
+from urbanverse_mjx.envs.navigation.make import make_wheeled_env
+from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.envs.types import NavState
+from urbanverse_mjx.pipeline.training_run import bank_of
+from urbanverse_mjx.scene.terrain import terrain_bank
+from urbanverse_mjx.training.record import RunRequest, configs_of
 
 
 def test_check_env_accepts_the_task(small_bank: SceneBank) -> None:
@@ -216,8 +222,20 @@ def test_small_and_fast_presets_change_only_picture_weights_and_randomization(pr
     assert paper == cpu
 
 
-def test_register_from_outside() -> None:
-    registry.register_environment("TestOnlyNav", lambda config, bank: (config, bank), default_config)
+def test_register_from_outside(small_bank: SceneBank) -> None:
+    """All that is registered is what the trainer and the pipeline then use."""
+
+    def own_training(preset: str) -> ConfigDict:
+        return registry.with_overrides(ppo_config(preset), {"num_envs": 32})
+
+    registry.register_environment(
+        "TestOnlyNav", make_wheeled_env, default_config, lambda: small_bank, "cpu", ("cpu",), own_training
+    )
     assert "TestOnlyNav" in registry.ALL_ENVS
+    _, env, ppo = configs_of(RunRequest(environment="TestOnlyNav"))
+    assert (env.preset, ppo.num_envs) == ("cpu", 32)
+    assert bank_of("TestOnlyNav") is small_bank
+    with pytest.raises(NounError, match="found another task"):
+        registry.load_nav_env("Go2Joystick", joystick_config("cpu"), terrain_bank(0, 1))
     with pytest.raises(NounError, match="registered already"):
-        registry.register_environment("TestOnlyNav", lambda config, bank: None, default_config)
+        registry.register_environment("TestOnlyNav", make_wheeled_env, default_config)

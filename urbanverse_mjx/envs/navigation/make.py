@@ -1,0 +1,134 @@
+"""Makes the navigation task from a config: robot, engine, renderer, environment; on wheels or on legs."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax.numpy as jnp
+import mujoco
+from ml_collections import ConfigDict
+
+from ...datatypes import AgentShapes, NounError, Renderer, RobotSpec, SceneBank, Simulator
+from ..robot import make_robot
+from .env import NavEnv
+from .living import slot_kinds, slot_looks, slot_shapes
+from .movables import body_sizes
+from .scenarios import bank_for, scenario_of
+
+#: (config, bank, robot, shapes of the moving agents, sizes of the body slots) -> an engine.
+EngineMaker = Callable[[ConfigDict, SceneBank, RobotSpec, AgentShapes | None, dict[str, int] | None], Simulator]
+
+
+def make_wheeled_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
+    """A `NavEnv` of a robot on wheels with the engine and the renderer its config asks for.
+
+    Raises:
+      NounError: steps that do not divide or are too long for the robot, or a robot on legs.
+    """
+    return _make(config, bank, wheeled_engine)
+
+
+def make_walking_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
+    """A `NavEnv` of a robot on legs, whose gait is told body velocities; else as `make_wheeled_env`.
+
+    Raises:
+      NounError: as there; moving agents, or actions that are joint angles.
+    """
+    if config.action_mode == "joint":
+        raise NounError("config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'.")
+    return _make(config, bank, walking_engine)
+
+
+def wheeled_engine(
+    config: ConfigDict,
+    bank: SceneBank,
+    robot: RobotSpec,
+    agents: AgentShapes | None,
+    movable: dict[str, int] | None,
+) -> Simulator:
+    """The engine that a config asks for.
+
+    Raises:
+      NounError: a robot that takes no wheel commands.
+    """
+    from ...simulation.engines import make_engine
+    from ...simulation.slots.body_slots import Sizes
+
+    told, motors = robot.command(jnp.zeros(2)).shape[0], mujoco.MjModel.from_xml_string(robot.mjcf).nu
+    if told != motors:
+        raise NounError(
+            f"config.robot: found {robot.name!r}, which walks by a gait, needed a robot on wheels; take Go2Nav with "
+            "robot and gait overridden."
+        )
+    sizes = None if movable is None else Sizes(**movable)
+    return make_engine(bank, robot, control_dt=config.ctrl_dt, agents=agents, movable=sizes, **_options(config))
+
+
+def walking_engine(
+    config: ConfigDict,
+    bank: SceneBank,
+    robot: RobotSpec,
+    agents: AgentShapes | None,
+    movable: dict[str, int] | None,
+) -> Simulator:
+    """The engine that a config asks for, at the rate of the gait in it.
+
+    Raises:
+      NounError: moving agents around a robot with a gait, which no engine knows yet.
+    """
+    from ...robots.go2 import load_gait
+    from ...simulation.engines import make_engine
+    from ...simulation.gait_engine import GaitEngine
+
+    if agents is not None or movable is not None:
+        raise NounError("config.scenario: found 'dynamic' for a robot with a gait, needed 'clean' or 'static'.")
+    gait = load_gait(config.gait or None)
+    engine = make_engine(bank, robot, control_dt=gait.control_dt, **_options(config))
+    return GaitEngine(engine, robot, gait, config.ctrl_dt)
+
+
+def _options(config: ConfigDict) -> dict[str, Any]:
+    return {"impl": config.impl, "physics_dt": config.sim_dt, "num_slots": config.num_slots}
+
+
+def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavEnv:
+    scenario = scenario_of(config)
+    bank = bank_for(scenario, bank)
+    kinds = slot_kinds(config.crowd) if scenario == "dynamic" else ()
+    robot = make_robot(config)
+    if abs(config.ctrl_dt / config.sim_dt - round(config.ctrl_dt / config.sim_dt)) > 1e-6:
+        raise NounError(
+            f"config.ctrl_dt: found {config.ctrl_dt} s with sim_dt {config.sim_dt} s, needed a whole number of steps."
+        )
+    if config.sim_dt > robot.physics_timestep + 1e-9:
+        raise NounError(
+            f"config.sim_dt: found {config.sim_dt:g} s, needed at most the {robot.physics_timestep:g} s that the MJCF "
+            f"of {robot.name!r} asks for; override sim_dt."
+        )
+    movable = body_sizes(config)
+    engine = make_engine(config, bank, robot, slot_shapes(kinds) if kinds else None, movable)
+    bodies = 0 if movable is None else movable["bodies"]
+    return NavEnv(config, bank, robot, engine, _renderer(config, bank, robot, kinds, bodies))
+
+
+def _renderer(
+    config: ConfigDict, bank: SceneBank, robot: RobotSpec, kinds: tuple[str, ...], bodies: int
+) -> Renderer | None:
+    """The renderer that a config asks for; kinds: of the agents in sight; bodies: objects that may be moved."""
+    if not config.vision:
+        return None
+    from ...simulation.rendering import renderer
+
+    view = config.vision_config
+    return renderer.Renderer(
+        bank,
+        robot,
+        view.height,
+        view.width,
+        outputs=("rgb", "depth") if view.depth else ("rgb",),
+        sky=view.sky,
+        shadows=view.shadows,
+        shading=view.shading,
+        appearance=config.randomization.appearance,
+        agents=slot_looks(kinds, bank),
+        bodies=bodies,
+    )
