@@ -14,17 +14,16 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from scipy import ndimage, sparse
+from scipy import ndimage
 from scipy.sparse import csgraph
 
 from ..datatypes import GROUND_KINDS
 from ..datatypes import validation as v
+from ..geometry.geodesics import Cells, GridGraph, Step, extra_near
 from ..geometry.grids import pooled
 from .free_space import CELL, FreeSpace
 from .kinds import SURFACES
 
-#: Cost of one metre right beside something, above that of a metre away from everything, and how far that reaches (m).
-_NEAR_COST, _NEAR = 1.5, 0.6
 #: Cost of a metre on the wrong side of the road, and of one that is a metre too near to its middle.
 _WRONG_SIDE, _MIDDLE = 5.0, 1.0
 #: Nodes ahead on the way that a direction looks: about 1.2 m on foot and 2.5 m on the road.
@@ -34,7 +33,6 @@ _DIRECTIONS = 256
 _SETTLED = 40
 #: Nodes from a vehicle's centre to its ends' discs: 1.6 m.
 _ENDS = 4
-_STEPS = tuple((i, j) for i in range(-2, 3) for j in range(-2, 3) if np.gcd(i, j) == 1)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,48 +104,24 @@ def _sides(road: np.ndarray, node: float) -> tuple[np.ndarray, np.ndarray]:
     return to_edge, 0.5 * (across - edge) * node
 
 
-def _graph(space: FreeSpace, rules: WayRules) -> tuple[np.ndarray, sparse.csr_matrix]:
+def _graph(space: FreeSpace, rules: WayRules) -> tuple[np.ndarray, GridGraph]:
     """Nodes (X, Y) bool and the price (m) of going from one to the next."""
     distance = pooled(space.distance(), rules.pool, np.min)
     nodes = distance >= rules.clearance
-    price = 1.0 + _NEAR_COST * np.clip(1.0 - (distance - rules.clearance) / _NEAR, 0.0, 1.0)
-    keeps_side = rules.from_middle is not None
-    if keeps_side:
-        allowed = np.array([k in SURFACES[rules.surface] for k in GROUND_KINDS])[space.kind]
-        to_edge, from_middle = _sides(pooled(allowed, rules.pool, np.all), rules.node)
-        price += _MIDDLE * np.clip(rules.from_middle - from_middle, 0.0, None)
-    number = np.full(nodes.shape, -1)
-    number[nodes] = np.arange(nodes.sum())
-    tails, heads, prices = [], [], []
-    padded = np.pad(number, 2, constant_values=-1)
+    price = 1.0 + extra_near(distance, rules.clearance)
+    if rules.from_middle is None:
+        return nodes, GridGraph(nodes, lambda step, tail, _: np.hypot(*step) * rules.node * price[tail])
+    allowed = np.array([k in SURFACES[rules.surface] for k in GROUND_KINDS])[space.kind]
+    to_edge, from_middle = _sides(pooled(allowed, rules.pool, np.all), rules.node)
+    price += _MIDDLE * np.clip(rules.from_middle - from_middle, 0.0, None)
 
-    def shifted(di: int, dj: int) -> np.ndarray:
-        return padded[2 + di : 2 + di + nodes.shape[0], 2 + dj : 2 + dj + nodes.shape[1]]
+    def on_its_side(step: Step, tail: Cells, _: Cells) -> np.ndarray:
+        (di, dj), length = step, np.hypot(*step)
+        hand = (dj / length, -di / length) if not rules.left_hand else (-dj / length, di / length)
+        wrong = to_edge[..., 0] * hand[0] + to_edge[..., 1] * hand[1] < -0.3
+        return length * rules.node * price[tail] * np.where(wrong[tail], _WRONG_SIDE, 1.0)
 
-    for di, dj in _STEPS:
-        head = shifted(di, dj)
-        through = nodes & (head >= 0)
-        if max(abs(di), abs(dj)) == 2:  # a knight's move passes between two nodes
-            mid = (int(np.sign(di)) * (abs(di) == 2), int(np.sign(dj)) * (abs(dj) == 2))
-            through &= (shifted(*mid) >= 0) & (shifted(int(np.sign(di)), int(np.sign(dj))) >= 0)
-        length = np.hypot(di, dj)
-        cost = length * rules.node * price[through]
-        if keeps_side:
-            hand = (dj / length, -di / length) if not rules.left_hand else (-dj / length, di / length)
-            wrong = to_edge[..., 0] * hand[0] + to_edge[..., 1] * hand[1] < -0.3
-            cost = cost * np.where(wrong[through], _WRONG_SIDE, 1.0)
-        tails.append(number[through])
-        heads.append(head[through])
-        prices.append(cost)
-    total = int(nodes.sum())
-    entries = (np.concatenate(prices), (np.concatenate(tails), np.concatenate(heads)))
-    return nodes, sparse.csr_matrix(entries, shape=(total, total))
-
-
-def _to_goal(graph: sparse.csr_matrix, goal: int) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) m to a goal node, inf where there is no way, and (n,) the next node on the way (itself at the end)."""
-    cost, following = csgraph.dijkstra(graph.T.tocsr(), indices=goal, return_predecessors=True)
-    return cost, np.where(following < 0, np.arange(len(following)), following)
+    return nodes, GridGraph(nodes, on_its_side)
 
 
 def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -> np.ndarray:
@@ -178,11 +152,11 @@ def ways_of(space: FreeSpace, rules: WayRules, seed: int = 0) -> tuple[np.ndarra
     empty = np.zeros((0, *nodes.shape), np.uint8), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, int)
     if not nodes.any():
         return empty
-    _, label = csgraph.connected_components(graph, connection="strong")
+    _, label = csgraph.connected_components(graph.edges, connection="strong")
     main = label == np.bincount(label).argmax()
     if main.sum() * rules.node**2 < 25.0:  # m²: too little to move about in
         return empty
-    cells = np.argwhere(nodes)
+    cells = graph.cells
     centres = space.origin + (cells + 0.5) * rules.node
     costs: list[np.ndarray] = []
     goals: list[int] = []
@@ -190,9 +164,9 @@ def ways_of(space: FreeSpace, rules: WayRules, seed: int = 0) -> tuple[np.ndarra
     taken: list[np.ndarray] = []
     rng = np.random.default_rng(seed)
     at = int(np.flatnonzero(main)[0])
-    at = int(np.where(main, _to_goal(graph, at)[0], -1.0).argmax())
+    at = int(np.where(main, graph.to_goal(at)[0], -1.0).argmax())
     for _ in range(rules.num_goals):
-        cost, following = _to_goal(graph, at)
+        cost, following = graph.to_goal(at)
         costs.append(cost)
         goals.append(at)
         fields.append(_directions(nodes, following, np.isfinite(cost)))

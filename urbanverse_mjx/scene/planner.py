@@ -12,6 +12,7 @@ from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
+from ..geometry.geodesics import extra_near
 from ..geometry.grids import cell_of, closed, pooled
 from .geometry import SceneMap
 
@@ -142,7 +143,7 @@ def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -
     resolution = scene_map.resolution
     distance = (ndimage.distance_transform_edt(allowed) * resolution - resolution / 2).astype(np.float32)
     free = distance >= size.radius + size.margin
-    price = of_kind[kind] + NEAR_COST * np.clip(1.0 - (distance - size.radius) / NEAR_DISTANCE, 0.0, 1.0)
+    price = of_kind[kind] + extra_near(distance, size.radius, NEAR_COST, NEAR_DISTANCE)
     cost = pooled(price, prices.pool, np.max)
     if prices.kerb:
         # Both cells beside a kerb are its edge: crossing it goes over two of them.
