@@ -70,6 +70,19 @@ def test_what_is_not_installed_is_named_before_the_command_begins(command, monke
     assert said.count("\n") == 1
 
 
+def test_a_machine_with_a_bank_trains_without_what_makes_scenes(command, monkeypatch) -> None:
+    ran = []
+    command(lambda argv: ran.append(argv))
+    monkeypatch.setattr(cli, "missing", lambda: ["coacd", "usd-core"])
+    assert cli.main(["probe"]) == 2
+    monkeypatch.setattr(cli, "ON_A_BANK", frozenset({"probe"}))
+    assert cli.main(["probe"]) == 0
+    assert ran == [[]]
+    monkeypatch.setattr(cli, "missing", lambda: ["coacd", "jax"])
+    assert cli.main(["probe"]) == 2
+    assert cli.ON_A_BANK != set(cli.COMMANDS)
+
+
 def test_what_is_declared_is_what_the_project_file_lists_and_is_installed() -> None:
     names = list(map(packages.name_of, packages.declared()))
     assert {"coacd", "opencv-python-headless", "mujoco", "jax"} <= set(names)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from .. import __version__
 from ..pipeline.errors import refusal
-from .packages import missing
+from .packages import MAKERS, missing
 
 #: Command -> (module below `urbanverse_mjx.cli`, one line for --help).
 COMMANDS = {
@@ -30,6 +30,8 @@ COMMANDS = {
     "list-envs": ("list_envs", "list the registered environments and their presets"),
     "doctor": ("doctor", "say what this machine has and how to mend what is missing"),
 }
+#: Commands that run on a machine with a bank and nothing to make one.
+ON_A_BANK = frozenset({"train", "evaluate", "benchmark", "export-policy", "export-gait", "list-envs"})
 
 
 def usage() -> str:
@@ -72,7 +74,7 @@ def _choose(argv: list[str]) -> int:
 
 
 def _run(name: str, argv: list[str]) -> int:
-    absent = [] if name == "doctor" else missing()
+    absent = [] if name == "doctor" else [p for p in missing() if not (name in ON_A_BANK and p in MAKERS)]
     if absent:
         needed = "them; run `make setup`, or `urbanverse doctor` for the command of each"
         return _refuse(f"found no package {', '.join(absent)}, needed {needed}.")
