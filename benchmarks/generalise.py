@@ -128,11 +128,6 @@ class StudentTraining:
         self.rates = suite.quick(env, self.imitation.student, self.validation)
         self.steps = 0
 
-    def compile(self) -> None:
-        """All that is trained with, before the teacher is there."""
-        self.imitation.compile()
-        self.log(compiled="imitation")
-
     def compile_finetune(self) -> threading.Thread:
         """Beside the imitation, in a thread of its own."""
         shapes = jax.eval_shape(self.imitation.begin).params
@@ -145,8 +140,8 @@ class StudentTraining:
         thread.start()
         return thread
 
-    def stage(self, name: str, learner: Any, state: Any, seconds: float, iterations: int) -> tuple[Any, Any]:
-        """Iterates; returns the actor's best parameters on the validation streets, and the last."""
+    def stage(self, name: str, learner: Any, state: Any, seconds: float, iterations: int) -> Any:
+        """Iterates; returns the actor's parameters that did best on the validation streets."""
         from urbanverse_mjx.training import sequences
 
         best: list[Any] = [-1.0, None]
@@ -174,7 +169,7 @@ class StudentTraining:
         state = sequences.run(learner, iterations, seconds, on_iteration, state)
         validate(int(state.steps), state)
         self.steps += int(state.steps) * learner.steps_per_iteration
-        return best[1], jax.device_get(actor_of(state))
+        return best[1]
 
     def save(self, name: str, params: Any) -> None:
         from urbanverse_mjx.training.policy import PolicySpec, save_student
@@ -183,35 +178,55 @@ class StudentTraining:
         config = said if name == "finetuned" else self.dagger_config
         save_student(self.args.out / name, params, PolicySpec.of(ENVIRONMENT, self.env, config, self.steps))
 
-    def run(self) -> dict[str, Any]:
-        """The parameters of each stage, by its name."""
+    def start(self) -> Any:
+        """The parameters that `--start` names, or None."""
         from flax import serialization
 
         from urbanverse_mjx.training.policy import latest_policy, load_params
 
-        args = self.args
-        self.compile()
-        while not (args.teacher / "done").exists():
+        path = self.args.start
+        if path is None:
+            return None
+        if path.is_dir():
+            return jax.tree.map(lambda x: jax.numpy.asarray(x, jax.numpy.float32), load_params(latest_policy(path))[1])
+        return serialization.msgpack_restore(path.read_bytes())
+
+    def wait_for_teacher(self) -> None:
+        """Takes over the teacher's parameters once it is done; without one its untrained network stays."""
+        from urbanverse_mjx.training.policy import latest_policy, load_params
+
+        if self.args.teacher is None:
+            return
+        while not (self.args.teacher / "done").exists():
             time.sleep(0.5)
-        folder = latest_policy(args.teacher / "training")
+        folder = latest_policy(self.args.teacher / "training")
         self.log(teacher=folder.name)
         actor = jax.tree.map(jax.numpy.asarray, load_params(folder)[1])
         self.imitation.teacher_params = self.ppo.teacher_params = actor
-        thread = self.compile_finetune() if args.finetune_seconds > 0 else None
-        if args.start is None:
-            start = self.imitation.begin()
+
+    def run(self) -> dict[str, Any]:
+        """The parameters of each stage, by its name. A stage of no seconds is left out."""
+        args = self.args
+        start = best = self.start()
+        made = {} if start is None else {"start": start}
+        if args.seconds > 0:
+            self.imitation.compile()
+            self.log(compiled="imitation")
+            self.wait_for_teacher()
+            thread = self.compile_finetune() if args.finetune_seconds > 0 else None
+            state = self.imitation.begin(start)
+            best = self.stage("student", self.imitation, state, args.seconds, args.steps or 100_000)
+            del state
+            self.save("student", best)
+            made["student"] = best
+            if thread is not None:
+                thread.join()
         else:
-            start = self.imitation.begin(serialization.msgpack_restore(args.start.read_bytes()))
-        best, last = self.stage("student", self.imitation, start, args.seconds, args.steps or 100_000)
-        del start
-        self.save("student", best)
-        made = {"student": best, "student_last": last}
-        if thread is not None:
-            thread.join()
+            self.wait_for_teacher()
+        if args.finetune_seconds > 0:
             state = self.ppo.begin(best)
-            made["finetuned"], _ = self.stage(
-                "finetune", self.ppo, state, args.finetune_seconds, args.finetune_steps or 100_000
-            )
+            iterations = args.finetune_steps or 100_000
+            made["finetuned"] = self.stage("finetune", self.ppo, state, args.finetune_seconds, iterations)
             self.save("finetuned", made["finetuned"])
         return made
 
@@ -223,7 +238,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--test", nargs="*", type=pathlib.Path, default=[], help="banks of frozen benchmarks")
     cli.add_argument("--out", type=pathlib.Path, required=True)
     cli.add_argument("--holdout", type=int, default=16)
-    cli.add_argument("--teacher", type=pathlib.Path, help="its --out; waited for until it is done")
+    cli.add_argument("--teacher", type=pathlib.Path, help="its --out; waited for until it is done; none: no anchor")
     cli.add_argument("--no-map", dest="map", action="store_false", help="a teacher without the map of its surroundings")
     cli.add_argument("--seconds", type=float, default=300.0, help="of training")
     cli.add_argument("--steps", type=int, help="at most: env-steps of a teacher, iterations of a student")
@@ -232,7 +247,7 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--finetune-steps", type=int, help="iterations at most")
     cli.add_argument("--validate-every", type=int, default=60, help="iterations")
     cli.add_argument("--validation-episodes", type=int, default=256, help="of each set of validation streets")
-    cli.add_argument("--start", type=pathlib.Path, help="parameters of a student (msgpack) to go on from")
+    cli.add_argument("--start", type=pathlib.Path, help="a student to go on from: msgpack or policy folder")
     cli.add_argument("--memory", type=int, default=0)
     cli.add_argument("--num-envs", type=int, default=4096)
     cli.add_argument("--seed", type=int, default=0)
