@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import scipy.optimize
-import shapely
 
 from urbanverse_mjx.datatypes import GraphObject, Recording
+from urbanverse_mjx.materialisation.overlap import ground_box
 
 GATE = 5.0  # m
 SMALL = 50.0  # m^3: Scale and mAP25 leave buildings out
@@ -157,14 +157,8 @@ def iou(a: GraphObject, b: GraphObject) -> float:
     high = min(a.center[2] + a.size[2] / 2, b.center[2] + b.size[2] / 2)
     if high <= low:
         return 0.0
-    shared = _footprint(a).intersection(_footprint(b)).area * (high - low)
+    shared = ground_box(a).intersection(ground_box(b)).area * (high - low)
     return float(shared / (np.prod(a.size) + np.prod(b.size) - shared))
-
-
-def _footprint(thing: GraphObject) -> shapely.Polygon:
-    c, s = np.cos(thing.yaw), np.sin(thing.yaw)
-    half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(thing.size[:2]) / 2
-    return shapely.Polygon(half @ np.array([[c, s], [-s, c]]) + thing.center[:2])
 
 
 def _detections(

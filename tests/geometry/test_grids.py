@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from urbanverse_mjx.geometry.grids import Grid, cell_of, closed, pooled
-from urbanverse_mjx.geometry.polygons import filled, grown_outline
+from urbanverse_mjx.geometry.polygons import filled, grown_outline, rectangle
 from urbanverse_mjx.geometry.raster import nearest, outline, to_outline, touched
 
 GRID = Grid(np.array([-2.0, 1.0]), 0.25, (24, 16))
@@ -112,3 +112,12 @@ def test_closing_fills_narrow_gaps_alone() -> None:
     assert not found[20:28].any(), "a gap of 1.6 m"
     assert (found & cells == cells).all()
     assert not closed(np.zeros((3, 3), bool), 1.0, 0.1).any()
+
+
+def test_a_box_from_above_begins_at_its_front_and_turns_about_its_centre() -> None:
+    box = rectangle(4.0, 2.0, np.pi / 2, 10.0, 20.0)
+    # It heads along +y: its right is +x.
+    wanted = [(11, 22), (9, 22), (9, 18), (11, 18)]
+    np.testing.assert_allclose(shapely.get_coordinates(box)[:4], wanted, atol=1e-12)
+    trunk = rectangle(0.4, 0.4, np.pi / 2, 10.0, 20.0, ahead=-1.5)
+    assert (trunk.centroid.x, trunk.centroid.y) == pytest.approx((10.0, 18.5))

@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterable
 
 import shapely
-from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import TRAVERSABLE_KINDS, GraphObject, GroundRegion
+from ..geometry.polygons import rectangle
 from . import catalogue
 
 #: Free width (m) that must remain: a robot of 0.35 m radius with 20 cm of air on each side.
@@ -19,9 +19,7 @@ def footprint(thing: GraphObject) -> shapely.Polygon:
     stem = catalogue.STEMS.get(thing.label)
     along, across = (stem.side, stem.side) if stem else thing.size[:2]
     ahead = stem.offset * thing.size[0] / 2 if stem else 0.0
-    box = shapely.box(ahead - along / 2, -across / 2, ahead + along / 2, across / 2)
-    turned = affinity.rotate(box, thing.yaw, origin=(0.0, 0.0), use_radians=True)
-    return affinity.translate(turned, thing.center[0], thing.center[1])
+    return rectangle(along, across, thing.yaw, *thing.center[:2], ahead)
 
 
 def is_obstacle(thing: GraphObject) -> bool:

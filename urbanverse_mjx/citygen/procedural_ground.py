@@ -12,12 +12,12 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GroundRegion
+from ..geometry.polygons import MAX_OVERLAP
 from .section import CROSSWALK_HALF_WIDTH, FLARE, KERB, LOT_DEPTH, RAMP_HALF_WIDTH, RAMP_RUN, ROAD_PLANE, Plane
 
 PAVEMENT: Plane = (0.0, 0.0, KERB)
 _GRID = 0.001  # m
 _SMALLEST = 0.05  # m², pieces smaller than this are left out
-_SHARED = 1e-3  # m², what two regions may share at most, as the compiler says
 
 
 @dataclasses.dataclass(frozen=True)
@@ -166,7 +166,7 @@ def _apart(piece: shapely.Polygon, beside: Sequence[BaseGeometry]) -> Iterator[s
     """The piece, cut back by two millimetres from what it lies over: where a cut meets a long edge that runs askew, its
     corner is snapped, and the edge leaves its neighbour's by up to half of one."""
     exact = shapely.set_precision(piece, 0.0)  # on its grid it would share nothing
-    over = [other for other in beside if exact.intersection(other).area > _SHARED]
+    over = [other for other in beside if exact.intersection(other).area > MAX_OVERLAP]
     if not over:
         yield piece
         return

@@ -12,13 +12,14 @@ from shapely.geometry.base import BaseGeometry
 from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, NounError
 from ..datatypes.ground import check_polygon
 from ..geometry.grids import cell_of
+from ..geometry.polygons import MAX_OVERLAP
 from .lifting import GroundPoints
 
 type Ring = tuple[tuple[float, float], ...]  # m
 
 CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
-#: m^2 that two regions may share at most; the compiler refuses twice as much.
-_SHARED = 5e-4
+#: m^2 that two regions may share at most: half of what the compiler refuses.
+_SHARED = MAX_OVERLAP / 2
 #: m that ground is carried on under things that hide it.
 _FILL = 2.5
 #: m; regions of less area are votes gone astray.

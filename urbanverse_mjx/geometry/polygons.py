@@ -1,10 +1,25 @@
-"""Polygons on the ground plane: where they are drawn. For what makes scenes: it needs shapely and scikit-image."""
+"""Polygons on the ground plane. For what makes scenes: it needs shapely and scikit-image."""
 
 import numpy as np
 import shapely
+from shapely import affinity
 from skimage.draw import polygon
 
 from .grids import Grid
+
+#: m² shared from which on two regions of ground overlap: rounded corners move long edges by that much.
+MAX_OVERLAP = 1e-3
+
+
+def rectangle(along: float, across: float, yaw: float, x: float, y: float, ahead: float = 0.0) -> shapely.Polygon:
+    """A box from above, counter-clockwise from the right corner of its front.
+
+    Args:
+      along, across: m, its sides along and across its heading. yaw: rad. x, y: m, the centre that it is turned about.
+      ahead: m that its middle lies before that centre.
+    """
+    flat = shapely.box(ahead - along / 2, -across / 2, ahead + along / 2, across / 2)
+    return affinity.translate(affinity.rotate(flat, yaw, origin=(0.0, 0.0), use_radians=True), x, y)
 
 
 def filled(grid: Grid, ring: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

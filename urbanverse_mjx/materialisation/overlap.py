@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 import shapely.ops
-from shapely import affinity
 
 from ..datatypes import AssetRecord, GraphObject, HullSet, PlacedObject
 from ..datatypes import validation as v
+from ..geometry.polygons import rectangle
 
 #: m that two things may share: collision hulls overstate curved shapes by about this much.
 TOUCH = 0.01
@@ -153,10 +153,7 @@ def penetrating_pairs(bodies: Sequence[Body]) -> list[tuple[int, int]]:
 
 def ground_box(thing: GraphObject) -> shapely.Polygon:
     """A graph's box from above."""
-    along, across = thing.size[:2]
-    flat = shapely.box(-along / 2, -across / 2, along / 2, across / 2)
-    turned = affinity.rotate(flat, thing.yaw, origin=(0.0, 0.0), use_radians=True)
-    return affinity.translate(turned, *thing.center[:2])
+    return rectangle(*thing.size[:2], thing.yaw, *thing.center[:2])
 
 
 class Support:

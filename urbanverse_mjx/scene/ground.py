@@ -10,6 +10,7 @@ import shapely
 from ..datatypes import AssetMesh
 from ..datatypes import validation as v
 from ..datatypes.ground import KIND_INDEX, PAINT_KINDS
+from ..geometry.polygons import MAX_OVERLAP
 from .polygons import convex_parts, triangulate
 
 #: Corners of a prism's ring; two rings make 16 vertices (design, section 3).
@@ -18,8 +19,6 @@ MAX_RING = 8
 THICKNESS = 0.3
 #: Paint is drawn this high (m) above what it is painted on.
 PAINT_LIFT = 0.003
-#: Shared area (m^2) from which two regions count as overlapping.
-MAX_OVERLAP = 1e-3
 #: Frames of regions sit on this raster (m), a power of two: float32 holds it exactly, so seams stay level.
 _RASTER = 1 / 64
 #: m within which a road borders on a crosswalk, and the least border that says where the traffic goes.

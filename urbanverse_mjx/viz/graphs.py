@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 from PIL import Image, ImageDraw
 
 from ..datatypes import GraphObject, NounError, Recording, SceneGraph
+from ..geometry.polygons import rectangle
 
 #: sRGB of the kinds of ground, as all maps have them.
 GROUND_COLOURS = {
@@ -22,10 +24,8 @@ _NEAR = 0.2  # m before the camera where edges are cut off
 
 
 def corners(thing: GraphObject) -> np.ndarray:
-    """(8, 3) m: the box's corners, the foot first; corners 0 and 3 are the front's."""
-    c, s = np.cos(thing.yaw), np.sin(thing.yaw)
-    ring = np.array([[1, -1], [-1, -1], [-1, 1], [1, 1]]) / 2 * np.array(thing.size[:2])
-    flat = ring @ np.array([[c, s], [-s, c]]) + np.array(thing.center[:2])
+    """(8, 3) m: the box's corners, the foot first; corners 0 and 1 are the front's."""
+    flat = shapely.get_coordinates(rectangle(*thing.size[:2], thing.yaw, *thing.center[:2]))[:4]
     half = thing.size[2] / 2
     return np.concatenate([np.c_[flat, np.full(4, thing.center[2] + dz)] for dz in (-half, half)])
 
@@ -54,7 +54,7 @@ def plan(graph: SceneGraph, truth: Sequence[GraphObject] = (), width: int = 1600
         for thing in things:
             box = corners(thing)[:4, :2]
             draw.line(to_pixels(np.concatenate([box, box[:1]])), fill=colour, width=2)
-            front = (box[0] + box[3]) / 2
+            front = (box[0] + box[1]) / 2
             draw.line(to_pixels(np.stack([np.array(thing.center[:2]), front])), fill=colour, width=1)
     if len(graph.camera_path) > 1:
         draw.line(to_pixels(np.array(graph.camera_path)[:, :2]), fill=PATH, width=2)
@@ -88,5 +88,5 @@ def overlay(recording: Recording, frame: int, things: Sequence[GraphObject], rea
                 cut = a + (b - a) * (_NEAR - a[2]) / (b[2] - a[2])
                 a, b = (cut, b) if a[2] < _NEAR else (a, cut)
             line = [(camera.fx * p[0] / p[2] + camera.cx, camera.fy * p[1] / p[2] + camera.cy) for p in (a, b)]
-            draw.line(line, fill=TRUE if {i, j} <= {0, 3, 4, 7} else FOUND, width=2)
+            draw.line(line, fill=TRUE if {i, j} <= {0, 1, 4, 5} else FOUND, width=2)
     return np.asarray(image)

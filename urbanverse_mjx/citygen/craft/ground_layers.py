@@ -14,6 +14,7 @@ import shapely.ops
 
 from ...datatypes import GroundRegion, NounError
 from ...datatypes.ground import height_at
+from ...geometry.polygons import MAX_OVERLAP
 
 Corner = tuple[float, float]
 Plane = tuple[float, float, float]
@@ -222,7 +223,7 @@ def seams(regions: Sequence[GroundRegion]) -> list[str]:
     shapes = [shapely.Polygon(r.polygon) for r in regions]
     found = []
     for (a, p), (b, q) in itertools.combinations(zip(regions, shapes, strict=True), 2):
-        if p.intersects(q) and p.intersection(q).area > 10 * CRUMB:
+        if p.intersects(q) and p.intersection(q).area > MAX_OVERLAP:
             found.append(f"{a.id} and {b.id} share {p.intersection(q).area:.4f} m²")
     whole = shapely.union_all(shapes, grid_size=GRID)
     for part in shapely.get_parts(whole):
