@@ -19,14 +19,14 @@ import tyro
 from rich.console import Console
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.assets.catalogue import disagreements, leaf_counts
-from urbanverse_mjx.assets.hulls import HullStore
-from urbanverse_mjx.assets.hulls import store_path as hulls_path
-from urbanverse_mjx.assets.matching import Matcher
-from urbanverse_mjx.assets.priors import prior
-from urbanverse_mjx.assets.published import QUANTITIES, errors, published, set_aside, truths
-from urbanverse_mjx.assets.search import ObjectLibrary
-from urbanverse_mjx.assets.store import build_store, forget, load_store, recorded_content
+from urbanverse_mjx.assets.categories.priors import prior
+from urbanverse_mjx.assets.categories.published import QUANTITIES, errors, published, set_aside, truths
+from urbanverse_mjx.assets.collision.hulls import HullStore
+from urbanverse_mjx.assets.collision.hulls import store_path as hulls_path
+from urbanverse_mjx.assets.records.catalogue import disagreements, leaf_counts
+from urbanverse_mjx.assets.records.store import build_store, forget, load_store, recorded_content
+from urbanverse_mjx.assets.selection.matching import Matcher
+from urbanverse_mjx.assets.selection.search import ObjectLibrary
 
 from .lib import asset_steps
 from .lib.report import machine

@@ -24,9 +24,9 @@ import numpy as np
 
 from benchmarks.lib import banks, cutting, streets
 from urbanverse_mjx.assets import AssetIndex, load_hulls, load_index
-from urbanverse_mjx.assets.agents import agent_looks
-from urbanverse_mjx.assets.index import build_mesh
-from urbanverse_mjx.assets.skies import build_sky
+from urbanverse_mjx.assets.appearances.skies import build_sky
+from urbanverse_mjx.assets.meshes.agents import agent_looks
+from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.datatypes import AssetRecord, HullSet, NounError, SceneBank, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.materialisation.choice import pick

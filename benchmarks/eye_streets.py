@@ -26,11 +26,11 @@ import numpy as np
 from benchmarks.bank import coarser, map_stride
 from benchmarks.lib import streets
 from urbanverse_mjx.assets import AssetIndex, load_index
-from urbanverse_mjx.assets.ground_materials import material_ids
-from urbanverse_mjx.assets.index import build_mesh
-from urbanverse_mjx.assets.instances import instance_params, place
-from urbanverse_mjx.assets.skies import build_sky, sky_ids
-from urbanverse_mjx.assets.tints import tints
+from urbanverse_mjx.assets.appearances.ground_materials import material_ids
+from urbanverse_mjx.assets.appearances.skies import build_sky, sky_ids
+from urbanverse_mjx.assets.meshes.instances import instance_params, place
+from urbanverse_mjx.assets.meshes.tints import tints
+from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.citygen import section
 from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, HullSet, NounError, SceneBank, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash
@@ -94,7 +94,7 @@ def of_split(split: str, index: AssetIndex) -> AssetIndex:
 
 
 def _instances(leaf: str, bases: tuple[AssetRecord, ...]) -> list[AssetRecord]:
-    """Other sizes, proportions and paints of base shapes, drawn as `assets.catalogue` draws its records."""
+    """Other sizes, proportions and paints of base shapes, drawn as `assets.records.catalogue` draws its records."""
     uids = [f"{leaf.replace(' ', '-')}/eye/{k:02d}" for k in range(INSTANCES)]
     drawn = place(leaf, uids, np.array([r.extent_xyz for r in bases]))
     records = []

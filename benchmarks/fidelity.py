@@ -44,8 +44,8 @@ from benchmarks.lib import fidelity_scores as scores
 from benchmarks.lib.fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_eye
 from benchmarks.lib.injection import inject
 from urbanverse_mjx import settings
-from urbanverse_mjx.assets.index import load_index
-from urbanverse_mjx.assets.label_priors import LabelPriors
+from urbanverse_mjx.assets.records.index import load_index
+from urbanverse_mjx.assets.selection.label_priors import LabelPriors
 from urbanverse_mjx.datatypes import NounError, Recording, SceneBank
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation import Describe, DistilOptions, distil

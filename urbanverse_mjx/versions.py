@@ -37,40 +37,38 @@ CODE: Mapping[str, Code] = {
     # Base meshes, by recipe and variant.
     "meshes": Code(
         1,
-        _below(
-            "assets",
-            *("atlas", "materials", "mesh_builder", "mesh_cache", "ontology", "paint", "palette", "panels", "priors"),
-            *("recipe", "recipes", "shapes"),
+        (
+            "assets.recipes",
+            *_below("assets.categories", "materials", "ontology", "priors"),
+            *_below("assets.meshes", "atlas", "mesh_builder", "mesh_cache", "paint", "palette", "panels"),
+            *_below("assets.meshes", "recipe", "shapes"),
         ),
         ("datatypes",),
     ),
     # The records of all assets, their hulls, and what an instance makes of its base shape.
     "catalogue": Code(
         1,
-        _below(
-            "assets",
-            *("base_shapes", "catalogue", "glb", "hulls", "index", "instances", "physical", "record_texts", "store"),
-            *("tints", "user_store"),
+        (
+            *("assets.categories.physical", "assets.collision.hulls"),
+            *_below("assets.meshes", "base_shapes", "glb", "instances", "tints"),
+            *_below("assets.records", "catalogue", "index", "record_texts", "store", "user_store"),
         ),
         ("meshes",),
     ),
     # Ground materials and skies, and the numbers by which they are compared.
     "appearances": Code(
         1,
-        _below(
-            "assets",
-            *("collection", "descriptors", "ground_materials", "ground_patterns", "grounds", "looks", "noise"),
-            *("skies", "sky_maps"),
-        ),
+        ("assets.appearances", "assets.selection.descriptors"),
         ("catalogue",),
     ),
-    "thumbnails": Code(1, _below("assets", "gallery", "thumbnails"), ("catalogue",)),
+    "thumbnails": Code(1, _below("assets.pictures", "gallery", "thumbnails"), ("catalogue",)),
     # Layouts; the number stands in their hashes.
     "cousins": Code(
         3,
         (
             "materialisation",
-            *_below("assets", "annotations", "integrity", "labels", "matching", "neural", "search", "semantics"),
+            *("assets.categories.labels", "assets.categories.semantics", "assets.records.annotations"),
+            *_below("assets.selection", "integrity", "matching", "neural", "search"),
         ),
         ("appearances", "thumbnails"),
     ),
@@ -78,7 +76,7 @@ CODE: Mapping[str, Code] = {
         1,
         (
             *("scene", "robots", "pipeline.scenes", "pipeline.generation.compiling"),
-            *_below("assets", "agents", "decompose", "rigid_body", "usd_parts"),
+            *("assets.collision", "assets.exporting.usd_parts", "assets.meshes.agents"),
         ),
         ("cousins",),
     ),
@@ -98,7 +96,7 @@ CODE: Mapping[str, Code] = {
     ),
     "distillation": Code(
         1,
-        ("distillation", "pipeline.generation.distilling", "assets.label_priors"),
+        ("distillation", "pipeline.generation.distilling", "assets.selection.label_priors"),
         ("appearances",),
         _below("distillation", "eye", "fit_trust", "perception", "readers", "train_eye"),
     ),
@@ -115,7 +113,7 @@ CODE: Mapping[str, Code] = {
     # The scenes of the library.
     "library": Code(1, ("pipeline.library.building",), ("bank",)),
     # The user's assets from files.
-    "imports": Code(1, ("assets.importing", *_below("assets", "decompose", "rigid_body")), ("catalogue", "thumbnails")),
+    "imports": Code(1, ("assets.importing", "assets.collision"), ("catalogue", "thumbnails")),
     # Where the agents of a scene may go, and how far a robot is from what surrounds it.
     "crowds": Code(1, ("crowds", "envs.navigation.living_tables"), ("datatypes",)),
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),

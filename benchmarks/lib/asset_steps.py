@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from urbanverse_mjx.assets import build_mesh, descriptors, load_index, ontology
-from urbanverse_mjx.assets.gallery import render_masked
-from urbanverse_mjx.assets.labels import mapped_labels
-from urbanverse_mjx.assets.matching import Matcher
-from urbanverse_mjx.assets.search import ObjectLibrary
-from urbanverse_mjx.assets.semantics import NgramIndex, known_names
+from urbanverse_mjx.assets import build_mesh, load_index
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.labels import mapped_labels
+from urbanverse_mjx.assets.categories.semantics import NgramIndex, known_names
+from urbanverse_mjx.assets.pictures.gallery import render_masked
+from urbanverse_mjx.assets.selection import descriptors
+from urbanverse_mjx.assets.selection.matching import Matcher
+from urbanverse_mjx.assets.selection.search import ObjectLibrary
 
 HELD_OUT = 5  # one in so many of the vocabularies' labels
 RENDER = (128, 128)  # pixels of a crop

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.assets.ontology import UnknownLabelError
+from urbanverse_mjx.assets.categories.ontology import UnknownLabelError
 from urbanverse_mjx.capture import PathOptions, TourOptions, tour
 from urbanverse_mjx.capture.truth import object_id, object_slots
 from urbanverse_mjx.datatypes import AssetRecord, GraphObject, Recording, RecordingWriter, SceneBank, SceneGraph

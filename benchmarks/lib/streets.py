@@ -11,8 +11,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from urbanverse_mjx.assets import AssetIndex
-from urbanverse_mjx.assets.ground_materials import material_ids
-from urbanverse_mjx.assets.skies import sky_ids
+from urbanverse_mjx.assets.appearances.ground_materials import material_ids
+from urbanverse_mjx.assets.appearances.skies import sky_ids
 from urbanverse_mjx.citygen import catalogue, section
 from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, NounError, PlacedGround, PlacedObject, SceneLayout
 from urbanverse_mjx.datatypes.hashing import content_hash

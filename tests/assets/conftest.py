@@ -4,8 +4,8 @@ import pyarrow as pa
 import pytest
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.assets.catalogue import build_catalogue
-from urbanverse_mjx.assets.search import ObjectLibrary
+from urbanverse_mjx.assets.records.catalogue import build_catalogue
+from urbanverse_mjx.assets.selection.search import ObjectLibrary
 
 
 @pytest.fixture(scope="session")

@@ -15,8 +15,8 @@ from trimesh.visual.material import PBRMaterial
 from trimesh.visual.texture import TextureVisuals
 
 from urbanverse_mjx.assets import build_mesh, load_index
-from urbanverse_mjx.assets.glb import TO_GLTF, glb_bytes
-from urbanverse_mjx.assets.obj import mtl_text, obj_text, png_bytes
+from urbanverse_mjx.assets.exporting.obj import mtl_text, obj_text, png_bytes
+from urbanverse_mjx.assets.meshes.glb import TO_GLTF, glb_bytes
 from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
 
 INDEX = load_index()

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import ontology, priors, recipe, shapes
-from urbanverse_mjx.assets.mesh_builder import BuiltAsset, MeshBuilder
+from urbanverse_mjx.assets.categories import ontology, priors
+from urbanverse_mjx.assets.meshes import recipe, shapes
+from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes import proportions
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.

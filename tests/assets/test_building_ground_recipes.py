@@ -5,9 +5,10 @@ import functools
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import ontology, recipe
-from urbanverse_mjx.assets.mesh_builder import BuiltAsset
-from urbanverse_mjx.assets.priors import Prior, prior
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.priors import Prior, prior
+from urbanverse_mjx.assets.meshes import recipe
+from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow

@@ -5,10 +5,11 @@ import itertools
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import ontology, recipe
-from urbanverse_mjx.assets.index import make_record
-from urbanverse_mjx.assets.mesh_builder import BuiltAsset
-from urbanverse_mjx.assets.priors import prior
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.priors import prior
+from urbanverse_mjx.assets.meshes import recipe
+from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset
+from urbanverse_mjx.assets.records.index import make_record
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow

@@ -5,7 +5,8 @@ import pyarrow as pa
 import pytest
 
 from urbanverse_mjx.assets import AssetIndex, load_index
-from urbanverse_mjx.assets.catalogue import (
+from urbanverse_mjx.assets.categories.materials import FINISHES, HARDNESS
+from urbanverse_mjx.assets.records.catalogue import (
     SCHEMA,
     build_leaf,
     catalogue_hash,
@@ -13,8 +14,7 @@ from urbanverse_mjx.assets.catalogue import (
     leaf_counts,
     leaf_uid,
 )
-from urbanverse_mjx.assets.materials import FINISHES, HARDNESS
-from urbanverse_mjx.assets.store import shipped_content
+from urbanverse_mjx.assets.records.store import shipped_content
 from urbanverse_mjx.datatypes import NounError
 
 INDEX = load_index()

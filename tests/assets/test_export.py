@@ -9,10 +9,11 @@ import pytest
 import trimesh
 from scipy.spatial import ConvexHull
 
-from urbanverse_mjx.assets import build_mesh, load_hulls, load_index, search
-from urbanverse_mjx.assets.export import FORMATS, export_asset, export_mjcf, export_obj, export_usd
-from urbanverse_mjx.assets.rigid_body import convex_surface, rigid_body
-from urbanverse_mjx.assets.search import ObjectLibrary
+from urbanverse_mjx.assets import build_mesh, load_hulls, load_index
+from urbanverse_mjx.assets.collision.rigid_body import convex_surface, rigid_body
+from urbanverse_mjx.assets.exporting.export import FORMATS, export_asset, export_mjcf, export_obj, export_usd
+from urbanverse_mjx.assets.selection import search
+from urbanverse_mjx.assets.selection.search import ObjectLibrary
 from urbanverse_mjx.cli.assets import main as assets_command
 from urbanverse_mjx.datatypes import AssetRecord, NounError
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import ground_materials as materials
+from urbanverse_mjx.assets.appearances import ground_materials as materials
 from urbanverse_mjx.datatypes import NounError, ground
 
 KINDS = ("road", "sidewalk", "crosswalk", "ground", "road_marking")

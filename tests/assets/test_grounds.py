@@ -5,10 +5,10 @@ import hashlib
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import ground_materials, looks
-from urbanverse_mjx.assets.grounds import ground_records, paint_ground, table
-from urbanverse_mjx.assets.grounds.surface import normals
-from urbanverse_mjx.assets.materials import material
+from urbanverse_mjx.assets.appearances import ground_materials, looks
+from urbanverse_mjx.assets.appearances.grounds import ground_records, paint_ground, table
+from urbanverse_mjx.assets.appearances.grounds.surface import normals
+from urbanverse_mjx.assets.categories.materials import material
 from urbanverse_mjx.datatypes import NounError
 
 RECORDS = {record.uid: record for record in ground_records()}

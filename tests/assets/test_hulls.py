@@ -9,11 +9,18 @@ from scipy.spatial import ConvexHull
 
 from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, load_hulls, load_index
-from urbanverse_mjx.assets import hulls as hulls_module
-from urbanverse_mjx.assets.decompose import FLUSH_HEIGHT, FOOT_PLATE, convex_piece, decompose, merge_pieces, simplified
-from urbanverse_mjx.assets.hulls import HullStore, hull_budget, mesh_key, store_path
-from urbanverse_mjx.assets.mesh_builder import MeshBuilder
-from urbanverse_mjx.assets.recipe import all_recipes, get_recipe
+from urbanverse_mjx.assets.collision import hulls as hulls_module
+from urbanverse_mjx.assets.collision.decompose import (
+    FLUSH_HEIGHT,
+    FOOT_PLATE,
+    convex_piece,
+    decompose,
+    merge_pieces,
+    simplified,
+)
+from urbanverse_mjx.assets.collision.hulls import HullStore, hull_budget, mesh_key, store_path
+from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
+from urbanverse_mjx.assets.meshes.recipe import all_recipes, get_recipe
 from urbanverse_mjx.datatypes import AssetRecord, NounError
 
 INDEX = load_index()

@@ -91,7 +91,7 @@ def test_the_index_opens_beside_the_packaged_one(street) -> None:
     assert again.records == imported_index().records
     import pyarrow.parquet as pq
 
-    from urbanverse_mjx.assets.catalogue import SCHEMA
+    from urbanverse_mjx.assets.records.catalogue import SCHEMA
 
     table = pq.read_table(cache / "assets" / "imported" / "catalogue.parquet")
     assert table.schema.names == SCHEMA.names
@@ -156,7 +156,7 @@ def store(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Pa
 
 def test_an_exported_asset_comes_back_with_its_annotation(store: pathlib.Path) -> None:
     """OBJ with its official JSON: mass, friction and description are the annotation's, and pictures are drawn."""
-    from urbanverse_mjx.assets.export import export_asset
+    from urbanverse_mjx.assets.exporting.export import export_asset
 
     record = load_index().by_leaf("trash bin")[0]
     export_asset(record, store, "obj")
@@ -206,7 +206,7 @@ def test_a_changed_mesh_is_not_taken_for_the_imported_one(street) -> None:
     path = cache / "assets" / "imported" / record.params["path"]
     body = path.read_bytes()
     path.write_bytes(body + b" ")
-    from urbanverse_mjx.assets import user_store
+    from urbanverse_mjx.assets.records import user_store
 
     user_store._read.cache_clear()
     with pytest.raises(NounError, match="changed"):

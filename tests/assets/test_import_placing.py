@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets import build_mesh, load_index
-from urbanverse_mjx.assets.glb import TO_GLTF
+from urbanverse_mjx.assets.categories.priors import prior
 from urbanverse_mjx.assets.importing.placing import STRETCHED, misfit_of_proportions, place, quarter_turns
-from urbanverse_mjx.assets.priors import prior
+from urbanverse_mjx.assets.meshes.glb import TO_GLTF
 
 INDEX = load_index()
 

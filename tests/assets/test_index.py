@@ -5,13 +5,13 @@ import pytest
 
 from tests.support.leaves import always, leaf_params
 from urbanverse_mjx.assets import build_mesh, load_index
-from urbanverse_mjx.assets.export import export_glb
-from urbanverse_mjx.assets.glb import read_glb
-from urbanverse_mjx.assets.index import build_index, make_record, save_index
-from urbanverse_mjx.assets.ontology import categories
-from urbanverse_mjx.assets.physical import ROLLING
-from urbanverse_mjx.assets.priors import prior
-from urbanverse_mjx.assets.recipe import all_recipes
+from urbanverse_mjx.assets.categories.ontology import categories
+from urbanverse_mjx.assets.categories.physical import ROLLING
+from urbanverse_mjx.assets.categories.priors import prior
+from urbanverse_mjx.assets.exporting.export import export_glb
+from urbanverse_mjx.assets.meshes.glb import read_glb
+from urbanverse_mjx.assets.meshes.recipe import all_recipes
+from urbanverse_mjx.assets.records.index import build_index, make_record, save_index
 from urbanverse_mjx.datatypes import NounError
 
 INDEX = load_index()

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets import build_mesh, load_hulls, load_index
-from urbanverse_mjx.assets.base_shapes import enclosed_volume, measure, shape_of
-from urbanverse_mjx.assets.catalogue import build_leaf, leaf_uid
-from urbanverse_mjx.assets.instances import (
+from urbanverse_mjx.assets.categories.ontology import categories
+from urbanverse_mjx.assets.categories.physical import sample_uids
+from urbanverse_mjx.assets.meshes.base_shapes import enclosed_volume, measure, shape_of
+from urbanverse_mjx.assets.meshes.instances import (
     LONG,
     SHORT,
     STRETCH,
@@ -21,13 +22,12 @@ from urbanverse_mjx.assets.instances import (
     proportion,
     scaled_mesh,
 )
-from urbanverse_mjx.assets.mesh_builder import MeshBuilder
-from urbanverse_mjx.assets.ontology import categories
-from urbanverse_mjx.assets.palette import NAMED
-from urbanverse_mjx.assets.physical import sample_uids
-from urbanverse_mjx.assets.recipe import get_recipe
-from urbanverse_mjx.assets.store import record_of
-from urbanverse_mjx.assets.tints import color_names, hsv, is_free, is_paint, tinted, tints
+from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
+from urbanverse_mjx.assets.meshes.palette import NAMED
+from urbanverse_mjx.assets.meshes.recipe import get_recipe
+from urbanverse_mjx.assets.meshes.tints import color_names, hsv, is_free, is_paint, tinted, tints
+from urbanverse_mjx.assets.records.catalogue import build_leaf, leaf_uid
+from urbanverse_mjx.assets.records.store import record_of
 from urbanverse_mjx.datatypes import NounError
 
 INDEX = load_index()
@@ -202,7 +202,7 @@ def test_no_tint_changes_nothing() -> None:
     ],
 )
 def test_colour_names(color: tuple[int, int, int], name: str) -> None:
-    from urbanverse_mjx.assets.tints import BASIC
+    from urbanverse_mjx.assets.meshes.tints import BASIC
 
     assert list(BASIC)[int(color_names(np.array(color)))] == name
 

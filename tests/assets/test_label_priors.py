@@ -3,7 +3,7 @@
 import numpy as np
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.assets.label_priors import LabelPriors
+from urbanverse_mjx.assets.selection.label_priors import LabelPriors
 
 
 def test_shapes_fill_their_boxes() -> None:

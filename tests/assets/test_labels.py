@@ -6,8 +6,9 @@ import pathlib
 
 import pytest
 
-from urbanverse_mjx.assets import load_index, match_label, ontology
-from urbanverse_mjx.assets.labels import (
+from urbanverse_mjx.assets import load_index, match_label
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.labels import (
     DECISION,
     FILES,
     NAME,
@@ -18,8 +19,8 @@ from urbanverse_mjx.assets.labels import (
     save_labels,
     stored_vocabularies,
 )
-from urbanverse_mjx.assets.ontology import UnknownLabelError, guess_leaf
-from urbanverse_mjx.assets.priors import prior
+from urbanverse_mjx.assets.categories.ontology import UnknownLabelError, guess_leaf
+from urbanverse_mjx.assets.categories.priors import prior
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.settings import asset_root
 

@@ -7,12 +7,13 @@ import time
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import descriptors, ontology
-from urbanverse_mjx.assets.matching import Matcher, distortions
-from urbanverse_mjx.assets.neural import PictureEmbedder, SentenceEmbedder
-from urbanverse_mjx.assets.overview import overview
-from urbanverse_mjx.assets.search import ObjectLibrary
-from urbanverse_mjx.assets.semantics import NgramIndex, known_names, rank_leaves
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.semantics import NgramIndex, known_names, rank_leaves
+from urbanverse_mjx.assets.selection import descriptors
+from urbanverse_mjx.assets.selection.matching import Matcher, distortions
+from urbanverse_mjx.assets.selection.neural import PictureEmbedder, SentenceEmbedder
+from urbanverse_mjx.assets.selection.overview import overview
+from urbanverse_mjx.assets.selection.search import ObjectLibrary
 from urbanverse_mjx.datatypes import NounError
 
 FREE = pathlib.Path(__file__).with_name("free_labels.csv")

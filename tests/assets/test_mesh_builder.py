@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from urbanverse_mjx.assets import paint, shapes
-from urbanverse_mjx.assets.atlas import pack
-from urbanverse_mjx.assets.mesh_builder import MeshBuilder
-from urbanverse_mjx.assets.shapes import Shape
+from urbanverse_mjx.assets.meshes import paint, shapes
+from urbanverse_mjx.assets.meshes.atlas import pack
+from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
+from urbanverse_mjx.assets.meshes.shapes import Shape
 
 TURNED = shapes.box((1.0, 2.0, 3.0)).transformed(np.diag([-1.0, 1.0, 1.0, 1.0]))  # mirrored, still outwards
 HOLE = [(0.5, 0.5), (1.5, 0.5), (1.5, 1.5), (0.5, 1.5)]

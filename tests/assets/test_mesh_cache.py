@@ -7,8 +7,8 @@ import pytest
 
 from tests.support.code_digests import raised
 from urbanverse_mjx import versions
-from urbanverse_mjx.assets.mesh_cache import cached_mesh
-from urbanverse_mjx.assets.recipe import all_recipes
+from urbanverse_mjx.assets.meshes.mesh_cache import cached_mesh
+from urbanverse_mjx.assets.meshes.recipe import all_recipes
 from urbanverse_mjx.datatypes import AssetMesh, array_file
 
 RECIPE = all_recipes()[0]

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urbanverse_mjx.assets import ontology
-from urbanverse_mjx.assets.ontology import UnknownLabelError, match_label
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.ontology import UnknownLabelError, match_label
 
 
 def test_tree_has_the_published_sizes() -> None:

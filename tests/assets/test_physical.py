@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urbanverse_mjx.assets import load_index, ontology
-from urbanverse_mjx.assets.materials import AIR, material
-from urbanverse_mjx.assets.physical import (
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.materials import AIR, material
+from urbanverse_mjx.assets.categories.physical import (
     GRAVITY,
     MASS_STEP,
     ONE_PERSON_PUSH,
@@ -22,7 +23,7 @@ from urbanverse_mjx.assets.physical import (
     sample_uids,
     uniforms,
 )
-from urbanverse_mjx.assets.priors import Prior, prior, priors
+from urbanverse_mjx.assets.categories.priors import Prior, prior, priors
 from urbanverse_mjx.datatypes import NounError
 
 MIDDLES = sorted({middle for _, middle, _ in ontology.categories().values()})

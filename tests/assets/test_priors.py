@@ -2,11 +2,11 @@
 
 import pytest
 
-from urbanverse_mjx.assets import ontology
-from urbanverse_mjx.assets.materials import materials, sources
-from urbanverse_mjx.assets.physical import GRAVITY, ROLLING, medians, sample
-from urbanverse_mjx.assets.priors import FORMS, Prior, prior, priors
-from urbanverse_mjx.assets.published import published
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.categories.materials import materials, sources
+from urbanverse_mjx.assets.categories.physical import GRAVITY, ROLLING, medians, sample
+from urbanverse_mjx.assets.categories.priors import FORMS, Prior, prior, priors
+from urbanverse_mjx.assets.categories.published import published
 from urbanverse_mjx.datatypes import NounError
 
 # What the median thing of a leaf may weigh (kg) and measure at its largest (m), by mid-level category. Written apart
@@ -175,8 +175,8 @@ def test_force_of_a_car_with_brakes_and_of_a_bicycle_that_rolls() -> None:
 
 
 def test_an_invalid_row_is_refused_with_its_place(tmp_path, monkeypatch) -> None:
-    from urbanverse_mjx.assets import materials as tables
-    from urbanverse_mjx.assets import priors as module
+    from urbanverse_mjx.assets.categories import materials as tables
+    from urbanverse_mjx.assets.categories import priors as module
     from urbanverse_mjx.settings import asset_root
 
     text = (asset_root() / "priors.csv").read_text(encoding="utf-8")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import published as module
-from urbanverse_mjx.assets.materials import sources
-from urbanverse_mjx.assets.published import QUANTITIES, Published, errors, published, set_aside, truths
+from urbanverse_mjx.assets.categories import published as module
+from urbanverse_mjx.assets.categories.materials import sources
+from urbanverse_mjx.assets.categories.published import QUANTITIES, Published, errors, published, set_aside, truths
 from urbanverse_mjx.datatypes import NounError
 
 #: The leaves of the 17 categories in the paper's table of annotated attributes (appendix, `eval_database_anno`).

@@ -6,12 +6,14 @@ import time
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import integrity, looks, store
-from urbanverse_mjx.assets.annotations import explain
-from urbanverse_mjx.assets.libraries import MODULES, Library
-from urbanverse_mjx.assets.libraries import library as named_library
-from urbanverse_mjx.assets.ontology import categories
-from urbanverse_mjx.assets.search import ObjectLibrary
+from urbanverse_mjx.assets.appearances import looks
+from urbanverse_mjx.assets.categories.ontology import categories
+from urbanverse_mjx.assets.records import store
+from urbanverse_mjx.assets.records.annotations import explain
+from urbanverse_mjx.assets.selection import integrity
+from urbanverse_mjx.assets.selection.libraries import MODULES, Library
+from urbanverse_mjx.assets.selection.libraries import library as named_library
+from urbanverse_mjx.assets.selection.search import ObjectLibrary
 from urbanverse_mjx.datatypes import NounError
 
 #: filter, its value, and the same asked of one row.

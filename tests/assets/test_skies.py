@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import skies
+from urbanverse_mjx.assets.appearances import skies
 from urbanverse_mjx.datatypes import NounError
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

@@ -5,10 +5,10 @@ import hashlib
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import looks, skies
-from urbanverse_mjx.assets.grounds import ground_records
-from urbanverse_mjx.assets.sky_maps import atmosphere, clouds, paint_sky, sky_records
-from urbanverse_mjx.assets.sky_maps.table import MOMENTS, WEATHERS, unit_to_sun
+from urbanverse_mjx.assets.appearances import looks, skies
+from urbanverse_mjx.assets.appearances.grounds import ground_records
+from urbanverse_mjx.assets.appearances.sky_maps import atmosphere, clouds, paint_sky, sky_records
+from urbanverse_mjx.assets.appearances.sky_maps.table import MOMENTS, WEATHERS, unit_to_sun
 from urbanverse_mjx.datatypes import NounError
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

@@ -9,8 +9,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import ontology, recipe
-from urbanverse_mjx.assets.mesh_builder import BuiltAsset, MeshBuilder
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.meshes import recipe
+from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes import fitted, limbs, speed_limits
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.settings import asset_root

@@ -5,8 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import decompose, recipe
-from urbanverse_mjx.assets.mesh_builder import BuiltAsset, MeshBuilder
+from urbanverse_mjx.assets.collision import decompose
+from urbanverse_mjx.assets.meshes import recipe
+from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes import car_shapes
 from urbanverse_mjx.assets.recipes.facade import Facade
 from urbanverse_mjx.assets.recipes.figure import STANDING, Figure, Look

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from urbanverse_mjx.assets import load_index, thumbnails
-from urbanverse_mjx.assets.index import build_mesh
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.assets.pictures import thumbnails
+from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.datatypes.validation import write_atomically
 
 RECORDS = load_index().by_leaf("traffic cone")

@@ -4,8 +4,8 @@ import pytest
 
 from benchmarks import eye_streets
 from urbanverse_mjx.assets import AssetIndex, load_index
-from urbanverse_mjx.assets.index import build_mesh
-from urbanverse_mjx.assets.instances import KEY
+from urbanverse_mjx.assets.meshes.instances import KEY
+from urbanverse_mjx.assets.records.index import build_mesh
 
 
 @pytest.fixture(scope="module")

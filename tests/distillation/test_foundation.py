@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import ontology
+from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.importing.vision import VisionError
 from urbanverse_mjx.datatypes import KIND_INDEX, NounError
 from urbanverse_mjx.datatypes.recording import SKY

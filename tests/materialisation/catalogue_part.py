@@ -5,8 +5,8 @@ import functools
 import pyarrow as pa
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.assets.catalogue import build_leaf
-from urbanverse_mjx.assets.search import ObjectLibrary
+from urbanverse_mjx.assets.records.catalogue import build_leaf
+from urbanverse_mjx.assets.selection.search import ObjectLibrary
 
 LEAVES = ("bench", "sedan", "bollard", "pedestrian adult", "tree")
 

@@ -6,8 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import descriptors, load_hulls, looks
-from urbanverse_mjx.assets.index import build_mesh
+from urbanverse_mjx.assets import load_hulls
+from urbanverse_mjx.assets.appearances import looks
+from urbanverse_mjx.assets.records.index import build_mesh
+from urbanverse_mjx.assets.selection import descriptors
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, NounError, SceneGraph, SceneLayout, Source
 from urbanverse_mjx.materialisation import index_of, materialise_cousins, overlap
 from urbanverse_mjx.materialisation.shortlists import affordances

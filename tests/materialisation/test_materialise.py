@@ -7,8 +7,9 @@ import pathlib
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import category_of, looks
-from urbanverse_mjx.assets.ground_materials import build_material
+from urbanverse_mjx.assets import category_of
+from urbanverse_mjx.assets.appearances import looks
+from urbanverse_mjx.assets.appearances.ground_materials import build_material
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, NounError, SceneGraph, SceneLayout, Source
 from urbanverse_mjx.materialisation import choice, materialise
 

@@ -8,7 +8,9 @@ import sys
 
 import pytest
 
-from urbanverse_mjx.assets import libraries, load_index, ontology
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.assets.categories import ontology
+from urbanverse_mjx.assets.selection import libraries
 from urbanverse_mjx.citygen import craft, places, procedural
 from urbanverse_mjx.cli.main import COMMANDS
 from urbanverse_mjx.datatypes import SceneBank

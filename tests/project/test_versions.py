@@ -13,7 +13,9 @@ import pytest
 from tests.support import code_digests
 from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings, versions
-from urbanverse_mjx.assets import index, mesh_cache, store, thumbnails
+from urbanverse_mjx.assets.meshes import mesh_cache
+from urbanverse_mjx.assets.pictures import thumbnails
+from urbanverse_mjx.assets.records import index, store
 from urbanverse_mjx.envs.navigation import living_tables, surroundings
 from urbanverse_mjx.pipeline.generation.run_folder import key_of
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets.skies import build_sky
+from urbanverse_mjx.assets.appearances.skies import build_sky
 from urbanverse_mjx.citygen.craft import BUILDERS, build
 from urbanverse_mjx.datatypes import traversable
 from urbanverse_mjx.materialisation import index_of, materialise_cousins

@@ -3,8 +3,8 @@
 import numpy as np
 
 from urbanverse_mjx.assets import AssetIndex
-from urbanverse_mjx.assets.ground_materials import material_ids
-from urbanverse_mjx.assets.skies import sky_ids
+from urbanverse_mjx.assets.appearances.ground_materials import material_ids
+from urbanverse_mjx.assets.appearances.skies import sky_ids
 from urbanverse_mjx.datatypes import (
     AssetMesh,
     AssetRecord,

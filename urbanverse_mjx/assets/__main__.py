@@ -6,9 +6,9 @@ import tyro
 from rich.console import Console
 from rich.progress import track
 
-from .export_command import export
+from .exporting.export_command import export
 from .importing.command import import_assets
-from .look_sheets import COMMANDS as LOOKS
+from .pictures.look_sheets import COMMANDS as LOOKS
 
 
 def build(out: pathlib.Path | None = None) -> None:
@@ -17,7 +17,7 @@ def build(out: pathlib.Path | None = None) -> None:
     Args:
       out: file to write.
     """
-    from .store import build_store, load_store, recorded_content, shipped_content
+    from .records.store import build_store, load_store, recorded_content, shipped_content
 
     path = build_store(out)
     table = load_store(path)
@@ -39,11 +39,11 @@ def index(jobs: int = 2) -> None:
     """
     from rich.progress import Progress
 
-    from .base_build import build_base
-    from .base_shapes import save_shapes
-    from .catalogue import build_catalogue
-    from .index import save_index
-    from .store import save_content
+    from .meshes.base_shapes import save_shapes
+    from .records.base_build import build_base
+    from .records.catalogue import build_catalogue
+    from .records.index import save_index
+    from .records.store import save_content
 
     with Progress() as bar:
         line = bar.add_task("base shapes", total=None)
@@ -66,7 +66,7 @@ def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
       leaf: only this leaf.
       again: also where there are hulls already (after a change of the decomposition itself).
     """
-    from .decompose import build_missing
+    from .collision.decompose import build_missing
 
     build_missing(jobs, leaf, again, Console().print)
 
@@ -80,8 +80,8 @@ def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
     """
     from urbanverse_mjx.settings import cache_dir
 
-    from .gallery import middle_sheets
-    from .index import load_index
+    from .pictures.gallery import middle_sheets
+    from .records.index import load_index
 
     folder = out or cache_dir("assets", "gallery")
     wanted = None if middle is None else [middle]
@@ -96,8 +96,8 @@ def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), co
       out: PNG to write.
       columns: tiles in a row.
     """
-    from . import gallery
-    from .index import load_index
+    from .pictures import gallery
+    from .records.index import load_index
 
     records = load_index()
     names = gallery.overview_leaves(records)
@@ -115,8 +115,8 @@ def thumbnails(leaf: str | None = None) -> None:
     """
     from rich.progress import Progress
 
-    from .index import load_index
-    from .thumbnails import draw_missing, folder
+    from .pictures.thumbnails import draw_missing, folder
+    from .records.index import load_index
 
     records = load_index().records if leaf is None else load_index().by_leaf(leaf)
     with Progress() as bar:
@@ -133,7 +133,7 @@ def labels(folder: pathlib.Path | None = None) -> None:
     """
     from urbanverse_mjx.settings import asset_root
 
-    from .labels import map_labels, read_vocabularies, save_labels, stored_vocabularies
+    from .categories.labels import map_labels, read_vocabularies, save_labels, stored_vocabularies
 
     rows = map_labels(stored_vocabularies() if folder is None else read_vocabularies(folder))
     path = save_labels(rows, asset_root() / "labels.csv")

@@ -9,7 +9,7 @@ import tyro
 
 from ._options import json_object
 
-#: The collections of `assets.libraries`.
+#: The collections of `assets.selection.libraries`.
 Kind = Literal["object", "sky", "road", "sidewalk"]
 
 
@@ -54,7 +54,7 @@ def show(
       label: free text, e.g. "cafe parasol".
       as_json: print JSON instead.
     """
-    from ..assets.overview import overview
+    from ..assets.selection.overview import overview
 
     found = overview(label)
     if as_json:
@@ -86,7 +86,7 @@ def search(
       filters: JSON object of filters, e.g. '{"mass_range": [1, 5], "movable": true}'.
       count: how many to print.
     """
-    from ..assets import libraries
+    from ..assets.selection import libraries
 
     conditions = json_object(filters, "--filters")
     chosen = libraries.library(library)
@@ -107,7 +107,7 @@ def explain(field: Annotated[str, tyro.conf.Positional], library: Kind = "object
       field: its name, e.g. "required_force", or "turbidity" of a sky.
       library: whose field.
     """
-    from ..assets import libraries
+    from ..assets.selection import libraries
 
     print(libraries.library(library).explain_annotation(field))
 
@@ -120,7 +120,7 @@ def match(label: Annotated[str, tyro.conf.Positional], size: tuple[float, float,
       size: along its heading, across and up, m.
       count: how many.
     """
-    from ..assets.matching import Matcher
+    from ..assets.selection.matching import Matcher
 
     for found in Matcher().match(label, size, count=count):
         print(f"{found.uid:<44} distortion {found.distortion:.3f}  yaw {found.yaw:.2f} rad")
@@ -132,7 +132,7 @@ def check(repair: bool = False) -> None:
     Args:
       repair: also make anew what is damaged.
     """
-    from ..assets import integrity, libraries
+    from ..assets.selection import integrity, libraries
 
     # A damaged catalogue cannot be opened, so the objects are checked without it.
     problems = integrity.repair() if repair else integrity.problems()

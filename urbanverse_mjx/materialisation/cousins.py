@@ -16,11 +16,11 @@ from shapely.geometry.base import BaseGeometry
 
 from .. import versions
 from ..assets import AssetIndex, load_hulls
-from ..assets.matching import Matcher
-from ..assets.ontology import category_of
-from ..assets.priors import prior
-from ..assets.search import ObjectLibrary, library
-from ..assets.store import catalogue_hash, recorded_content
+from ..assets.categories.ontology import category_of
+from ..assets.categories.priors import prior
+from ..assets.records.store import catalogue_hash, recorded_content
+from ..assets.selection.matching import Matcher
+from ..assets.selection.search import ObjectLibrary, library
 from ..datatypes import PAINT_KINDS, AssetRecord, GraphObject, HullSet, NounError, PlacedObject, SceneGraph, SceneLayout
 from ..datatypes import validation as v
 from . import choice, clearing, kerbs, overlap, passage, shortlists, standing, surroundings, unseen

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 import shapely
 
 from ..assets import AssetIndex, UnknownLabelError, load_hulls, nearest_leaves
-from ..assets.ground_materials import material_ids
-from ..assets.skies import sky_ids
+from ..assets.appearances.ground_materials import material_ids
+from ..assets.appearances.skies import sky_ids
 from ..datatypes import (
     PAINT_KINDS,
     AssetRecord,

@@ -1,4 +1,4 @@
-"""Which assets may stand for a thing: the paper's three steps (`assets.matching`), then k of them that differ.
+"""Which assets may stand for a thing: three steps of the paper (`assets.selection.matching`), then k that differ.
 
 Semantics, box and look give a ranking; of it the ones that could do what the best one can are kept, and k are drawn for
 k cousins, other base shapes first.
@@ -7,11 +7,11 @@ k cousins, other base shapes first.
 import dataclasses
 from collections.abc import Sequence
 
-from ..assets.matching import Match, Matcher
-from ..assets.ontology import UnknownLabelError, category_of
-from ..assets.priors import prior
-from ..assets.search import ObjectLibrary
-from ..assets.semantics import rank_leaves
+from ..assets.categories.ontology import UnknownLabelError, category_of
+from ..assets.categories.priors import prior
+from ..assets.categories.semantics import rank_leaves
+from ..assets.selection.matching import Match, Matcher
+from ..assets.selection.search import ObjectLibrary
 from ..datatypes import AssetRecord, GraphObject, NounError
 from .choice import Vector, pick
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..assets.priors import prior
+from ..assets.categories.priors import prior
 from ..datatypes import GraphObject
 from . import overlap
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ..assets import looks
-from ..assets.ground_materials import build_material, material_ids
-from ..assets.grounds import ground_records
-from ..assets.sky_maps import sky_records
+from ..assets.appearances import looks
+from ..assets.appearances.ground_materials import build_material, material_ids
+from ..assets.appearances.grounds import ground_records
+from ..assets.appearances.sky_maps import sky_records
 from ..datatypes import GroundRegion, PlacedGround, SceneGraph
 from .choice import pick
 from .shortlists import POOL_PER_COUSIN

@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..assets.ontology import category_of
-from ..assets.priors import prior
+from ..assets.categories.ontology import category_of
+from ..assets.categories.priors import prior
 from ..datatypes import PAINT_KINDS, GraphObject, GroundRegion, SceneGraph
 from . import overlap
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..assets import AssetIndex, build_mesh, load_hulls
-from ..assets.ground_materials import build_material
-from ..assets.skies import build_sky
+from ..assets.appearances.ground_materials import build_material
+from ..assets.appearances.skies import build_sky
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
 from ..geometry import rotations

@@ -18,7 +18,7 @@ SCHEMA = "urbanverse.scene_geometry/1"
 
 
 class Sky(Protocol):
-    """Light of a scene, as `assets.skies` builds it.
+    """Light of a scene, as `assets.appearances.skies` builds it.
 
     Attributes:
       radiance: (H, W, 3) float32 equirectangular, rows from zenith to nadir, column 0 at yaw -π growing

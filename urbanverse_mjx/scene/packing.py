@@ -3,8 +3,8 @@
 import os
 from collections.abc import Sequence
 
-from ..assets.agents import agent_looks
-from ..assets.skies import build_sky
+from ..assets.appearances.skies import build_sky
+from ..assets.meshes.agents import agent_looks
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
 from .bank import pack, with_agents

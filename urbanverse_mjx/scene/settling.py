@@ -8,8 +8,8 @@ import dataclasses
 
 import numpy as np
 
-from ..assets.ontology import category_of
-from ..assets.priors import prior
+from ..assets.categories.ontology import category_of
+from ..assets.categories.priors import prior
 from ..geometry import rotations
 from ..geometry.grids import cell_of
 from .geometry import SceneGeometry
@@ -17,7 +17,7 @@ from .rest import RestMove, rest_moves
 
 #: m over the ground from which a thing's lowest point hangs.
 HANGS = 0.3
-#: How things rest (`assets.priors`) that are not let go.
+#: How things rest (`assets.categories.priors`) that are not let go.
 HELD = frozenset({"fixed", "alive", "hangs"})
 #: m and rad below which a thing counts as still (issue 6).
 SHIFT, TILT = 0.05, np.radians(5.0)

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 from skimage.morphology import skeletonize
 
-from ..assets import ontology
+from ..assets.categories import ontology
 from ..datatypes.ground import GROUND_KINDS, KIND_INDEX
 from ..geometry import rotations
 from ..geometry.grids import closed, pooled

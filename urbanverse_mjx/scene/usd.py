@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..assets import usd_parts
-from ..assets.rigid_body import even_body
+from ..assets.collision.rigid_body import even_body
+from ..assets.exporting import usd_parts
 from ..work_folder import replacing_folder
 from .geometry import SceneGeometry, Sky
 from .mjcf import png_bytes
@@ -24,7 +24,7 @@ INTENSITY = 1000.0
 #: Angle of the sun's disc, degrees.
 SUN_ANGLE = 0.53
 GRAVITY = 9.81  # m/s^2
-#: Restitution of ground and things: stone to plastic (`assets.export_usd.UNKNOWN_BOUNCINESS`).
+#: Restitution of ground and things: stone to plastic (`assets.exporting.export_usd.UNKNOWN_BOUNCINESS`).
 RESTITUTION = 0.3
 
 

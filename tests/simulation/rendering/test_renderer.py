@@ -11,7 +11,7 @@ import pytest
 
 from tests.support import render_truth
 from tests.support.box_bank import box_bank
-from urbanverse_mjx.assets.skies import build_sky
+from urbanverse_mjx.assets.appearances.skies import build_sky
 from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
 from urbanverse_mjx.robots import load, make_coco
 from urbanverse_mjx.simulation.rendering.renderer import OUTPUTS, ROBOT_LABEL, SKY_LABEL, Renderer

@@ -15,12 +15,12 @@ import numpy as np
 from urbanverse_mjx.datatypes import AssetRecord, NounError
 from urbanverse_mjx.datatypes import validation as v
 
-from .. import ontology
-from ..catalogue import SCHEMA
-from ..materials import AIR, FINISHES, HARDNESS, material
-from ..physical import GRAVITY, ONE_PERSON_PUSH, ROLLING, composition, sample_meshes
-from ..priors import COMPOSITIONS, TRAVERSABILITY, prior
-from ..user_store import FILE_RECIPE
+from ..categories import ontology
+from ..categories.materials import AIR, FINISHES, HARDNESS, material
+from ..categories.physical import GRAVITY, ONE_PERSON_PUSH, ROLLING, composition, sample_meshes
+from ..categories.priors import COMPOSITIONS, TRAVERSABILITY, prior
+from ..records.catalogue import SCHEMA
+from ..records.user_store import FILE_RECIPE
 from .screening import RefusedFileError, inside
 
 Check = Callable[[Any, str], Any]
@@ -245,6 +245,6 @@ def describe(
 
 
 def catalogue_row(record: AssetRecord, whole: Mapping[str, Any]) -> dict[str, Any]:
-    """The asset's row in a table with the columns of `assets.catalogue`; None where nothing is known."""
+    """The asset's row in a table with the columns of `assets.records.catalogue`; None where nothing is known."""
     known = dict(whole) | {"recipe": record.recipe, "movable": record.movable}
     return {name: known.get(name) for name in SCHEMA.names if name != "params"}

@@ -3,7 +3,7 @@
 import numpy as np
 from PIL import Image
 
-from .. import atlas
+from ..meshes import atlas
 from .reading import Part
 
 REPEATS = 4  # a picture that repeats more often over one face is replaced by its mean colour

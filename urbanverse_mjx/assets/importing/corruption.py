@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .. import ontology
-from ..priors import Prior
+from ..categories import ontology
+from ..categories.priors import Prior
 from .placing import misfit_of_proportions
 from .reading import Source
 from .shape import Shape

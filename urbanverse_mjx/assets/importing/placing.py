@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..glb import TO_GLTF
-from ..priors import Prior
+from ..categories.priors import Prior
+from ..meshes.glb import TO_GLTF
 
 #: What a file's unit may be in metres, likeliest first.
 UNITS = {

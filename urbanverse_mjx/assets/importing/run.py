@@ -22,9 +22,9 @@ from urbanverse_mjx.datatypes import AssetRecord, NounError
 from urbanverse_mjx.datatypes.validation import write_atomically, write_json
 from urbanverse_mjx.settings import VisionEndpoint, imported_assets
 
-from ..catalogue import SCHEMA
-from ..index import AssetIndex, save_index
-from ..user_store import INDEX
+from ..records.catalogue import SCHEMA
+from ..records.index import AssetIndex, save_index
+from ..records.user_store import INDEX
 from . import vision
 from .annotation import catalogue_row
 from .containment import FAILURES, Bounds, Outcome, check_workers, contained

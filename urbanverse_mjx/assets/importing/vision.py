@@ -11,7 +11,7 @@ from typing import Any
 from urbanverse_mjx.datatypes import NounError
 from urbanverse_mjx.settings import VisionEndpoint
 
-from .. import ontology
+from ..categories import ontology
 from .annotation import checked
 
 TIMEOUT = 120.0  # s for one answer

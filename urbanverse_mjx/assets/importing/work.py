@@ -11,11 +11,11 @@ import numpy as np
 
 from urbanverse_mjx.datatypes import AssetMesh, NounError
 
-from ..decompose import closed_surface, connected_pieces, decompose, signed_volume
-from ..glb import glb_bytes, read_glb
-from ..hulls import HullStore, hull_budget, mesh_key
-from ..priors import prior
-from ..user_store import HULLS
+from ..categories.priors import prior
+from ..collision.decompose import closed_surface, connected_pieces, decompose, signed_volume
+from ..collision.hulls import HullStore, hull_budget, mesh_key
+from ..meshes.glb import glb_bytes, read_glb
+from ..records.user_store import HULLS
 from .annotation import SIZES, Measured, describe, leaf_in, licence_of, official_fields
 from .bake import bake
 from .corruption import NAMES, SCALE, Finding, find_in_shape
@@ -109,7 +109,7 @@ def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | 
 
 
 def _rotation(source: Source, placement: Placement | None) -> np.ndarray:
-    from ..glb import TO_GLTF
+    from ..meshes.glb import TO_GLTF
 
     if placement:
         return placement.rotation

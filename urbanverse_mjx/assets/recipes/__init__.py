@@ -1,1 +1,1 @@
-"""Parametric recipes, one module per family; every module here is imported by `assets.recipe`."""
+"""Parametric recipes, one module per family; every module here is imported by `assets.meshes.recipe`."""

@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, mix, shade
-from ..recipe import Physics, recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, mix, shade
+from ..meshes.recipe import Physics, recipe
 
 _REASON = "body masses of common breeds; an animal walks off rather than being pushed; fur slides at about 0.5"
 _DOG = Physics(("flesh", "fur"), 1000.0, (6.0, 40.0), 0.5, False, _REASON)

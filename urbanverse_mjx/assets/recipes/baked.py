@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .. import shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
-from ..shapes import Shape
+from ..meshes import shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Shape
 from .handheld import finished, lumpy, painted, pillow, skin, softened
 
 CRUST = ("#a8662c", "#c98a44", "#b87434")

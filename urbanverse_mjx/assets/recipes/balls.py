@@ -6,9 +6,9 @@ import numpy as np
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb
-from ..recipe import recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb
+from ..meshes.recipe import recipe
 from .outlines import sized
 
 WIDTH, HEIGHT = 192, 96  # pixels of a sphere's picture; a seam is two to four of them wide

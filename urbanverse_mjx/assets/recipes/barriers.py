@@ -3,10 +3,10 @@
 import numpy as np
 from PIL import Image
 
-from .. import paint, shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import rgb, shade
-from ..recipe import Physics, recipe
+from ..meshes import paint, shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import rgb, shade
+from ..meshes.recipe import Physics, recipe
 
 CONE = Physics(("rubber", "plastic"), 500.0, (1.0, 7.0), 0.7, True, "45-90 cm road cones weigh 1-6 kg")
 

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb, shade
-from ..recipe import recipe
-from ..shapes import Point2, lathe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Point2, lathe
 from .handheld import finished, label, painted, patch
 
 BORDEAUX = ((3.6, 0), (3.8, 0.4), (3.8, 18.5), (3.5, 20.2), (1.9, 22.6), (1.45, 24), (1.4, 29.5))

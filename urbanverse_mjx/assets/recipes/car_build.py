@@ -2,9 +2,9 @@
 
 import dataclasses
 
-from ..mesh_builder import MeshBuilder
-from ..palette import Color, shade
-from ..recipe import Physics
+from ..meshes.mesh_builder import MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import Physics
 from .vehicle_body import Body, BodyShape
 from .wheels import grille_picture, number_plate, rim_picture, wheel
 

@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset
+from ..meshes.recipe import recipe
 from .car_build import CAR, CarStyle, build_car, roof_rails
 from .car_shapes import (
     HATCHBACK,

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import Physics, recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import Physics, recipe
 from .bicycles import spoked_wheel
 
 _WHEELCHAIR = Physics(

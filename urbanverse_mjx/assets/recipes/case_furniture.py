@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
 from .proportions import made
 
 BOARD = 0.022  # m, chipboard of 18-22 mm

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .. import paint, shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import Physics, recipe
+from ..meshes import paint, shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import Physics, recipe
 
 MASONRY = Physics(
     ("stone", "bronze"), 2200.0, (90.0, 9000.0), 0.7, False, "dressed stone of 2,200-2,600 kg/m3, bronze shells over it"

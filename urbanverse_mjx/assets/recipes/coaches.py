@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
-from ..palette import Color, shade
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
 from .fitted import fitted
 from .trucks import box_shape
 from .vehicle_body import Body, BodyShape

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..recipe import Physics, recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.recipe import Physics, recipe
 from .bicycles import BIKES, build_bicycle
 from .figure import ANKLE_HEIGHT, FOREARM, SHANK, THIGH, UPPER_ARM, Figure, Look, Pose
 from .worn import cap

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
 from .armoured import tracks
 from .carts import solid_wheel
 from .coaches import lettering, road_wheels

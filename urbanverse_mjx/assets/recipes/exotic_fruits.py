@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .. import shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb
-from ..recipe import recipe
-from ..shapes import Point2, Shape
+from ..meshes import shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Point2, Shape
 from .handheld import bead, finished, lumpy, painted, pillow, skin, softened
 
 AVOCADO = ((0, 0.0), (2.0, 0.5), (3.3, 2.0), (3.6, 4.0), (3.2, 6.2), (2.2, 8.2), (1.3, 9.8), (0.5, 10.4), (0, 10.5))

@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 from scipy.spatial import ConvexHull
 
-from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
-from ..palette import Color, shade
-from ..recipe import Physics
-from ..shapes import Shape
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import Physics
+from ..meshes.shapes import Shape
 
 #: kg per m^3 of a town building's outer volume (masonry walls and floors: 200-350).
 BUILDING_DENSITY = 250.0

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from PIL import Image, ImageDraw
 
-from .. import paint
-from ..palette import Color, mix, rgb, shade
+from ..meshes import paint
+from ..meshes.palette import Color, mix, rgb, shade
 
 Pen = ImageDraw.ImageDraw
 

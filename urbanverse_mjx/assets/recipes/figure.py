@@ -9,10 +9,10 @@ import functools
 
 import numpy as np
 
-from .. import shapes
-from ..mesh_builder import MeshBuilder
-from ..palette import Color, mix, shade
-from ..shapes import Shape
+from ..meshes import shapes
+from ..meshes.mesh_builder import MeshBuilder
+from ..meshes.palette import Color, mix, shade
+from ..meshes.shapes import Shape
 
 THIGH, SHANK, ANKLE_HEIGHT = 0.245, 0.246, 0.039
 UPPER_ARM, FOREARM, HAND = 0.186, 0.146, 0.108

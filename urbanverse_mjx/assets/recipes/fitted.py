@@ -4,8 +4,8 @@ import numpy as np
 
 from urbanverse_mjx.datatypes import NounError
 
-from ..mesh_builder import BuiltAsset
-from ..shapes import Point3
+from ..meshes.mesh_builder import BuiltAsset
+from ..meshes.shapes import Point3
 
 #: How far one axis may be stretched against another before round things look oval.
 GREATEST_DISTORTION = 1.35

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from ..mesh_builder import BuiltAsset
-from ..priors import FORMS, Range, prior
+from ..categories.priors import FORMS, Range, prior
+from ..meshes.mesh_builder import BuiltAsset
 
 Size = tuple[float, float, float]
 #: Where each variant lies in the range of (length, width, height): 0 the median, -1 the least, 1 the greatest.

@@ -3,10 +3,10 @@
 import numpy as np
 from PIL import Image
 
-from .. import paint, shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
-from ..palette import Color, rgb, shade
-from ..recipe import recipe
+from ..meshes import paint, shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import recipe
 from .proportions import made
 
 #: Share of the convex hull of rippled cloth that lies between its two faces; our estimate of a few shallow folds.

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image, ImageDraw
 
-from .. import shapes
-from ..mesh_builder import MeshBuilder
-from ..palette import Color, mix, rgb
-from ..shapes import Shape
+from ..meshes import shapes
+from ..meshes.mesh_builder import MeshBuilder
+from ..meshes.palette import Color, mix, rgb
+from ..meshes.shapes import Shape
 
 PICTURE = 96
 

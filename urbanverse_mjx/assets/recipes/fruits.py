@@ -5,11 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .. import shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color
-from ..recipe import recipe
-from ..shapes import Point2
+from ..meshes import shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Point2
 from .handheld import finished, lumpy, painted, pillow, ribbed, skin, softened
 
 APPLE = (

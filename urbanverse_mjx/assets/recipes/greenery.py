@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .. import paint
-from ..palette import Color, mix
+from ..meshes import paint
+from ..meshes.palette import Color, mix
 
 
 def small_leaves(color: Color, rng: np.random.Generator, size: int = 32) -> np.ndarray:

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from .. import shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, mix, shade
-from ..recipe import recipe
-from ..shapes import Shape
+from ..meshes import shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, mix, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Shape
 from .handheld import finished, lumpy, painted, pillow, skin, softened
 
 

@@ -4,10 +4,10 @@ import itertools
 
 import numpy as np
 
-from .. import paint, shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb, shade
-from ..recipe import recipe
+from ..meshes import paint, shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import recipe
 from .handheld import bead, finished, painted, pillow, skin, stadium
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset
+from ..meshes.recipe import recipe
 from .figure import STANDING, Look, Pose
 from .uniforms import STEP, badge_words, belt, dressed, finished
 from .worn import backpack, cap, vest

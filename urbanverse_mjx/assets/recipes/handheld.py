@@ -11,10 +11,10 @@ import numpy as np
 from PIL import Image
 from scipy.interpolate import PchipInterpolator
 
-from .. import paint, shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
-from ..palette import Color, rgb
-from ..shapes import Point2, Point3, Points3, Shape
+from ..meshes import paint, shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ..meshes.palette import Color, rgb
+from ..meshes.shapes import Point2, Point3, Points3, Shape
 
 #: How far copies of one variant spread about its size, relative: no two apples are alike, but the kind keeps its size.
 SPREAD = 0.015

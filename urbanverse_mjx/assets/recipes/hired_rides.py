@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..recipe import recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.recipe import recipe
 from .bicycles import spoked_wheel
 from .carts import solid_wheel
 from .coaches import lettering

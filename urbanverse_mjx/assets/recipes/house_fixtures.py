@@ -3,11 +3,11 @@
 import numpy as np
 from PIL import Image
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb
-from ..recipe import recipe
-from ..shapes import Shape
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Shape
 from .outlines import curve, ellipse, level, rounded, section, sized
 
 

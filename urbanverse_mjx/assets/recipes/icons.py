@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from PIL import ImageDraw
 
-from .. import paint
-from ..palette import Color, rgb
+from ..meshes import paint
+from ..meshes.palette import Color, rgb
 
 Pairs = Sequence[tuple[float, float]]
 

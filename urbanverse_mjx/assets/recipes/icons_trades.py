@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..palette import Color
+from ..meshes.palette import Color
 from .icons import Ink, icon
 
 

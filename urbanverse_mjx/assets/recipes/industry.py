@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
 from . import facade_pictures as pictures
 from . import masonry as m
 from .fitting import fitted, size_of

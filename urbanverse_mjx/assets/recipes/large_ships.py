@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color
-from ..recipe import recipe
-from ..shapes import Points3
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Points3
 from .coaches import lettering, panes
 from .fitted import fitted
 from .small_craft import hull

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import rgb
-from ..recipe import Physics, recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import rgb
+from ..meshes.recipe import Physics, recipe
 
 POLE = Physics(
     ("steel", "aluminium"),

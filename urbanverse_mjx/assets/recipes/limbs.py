@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..shapes import Point3
+from ..meshes.shapes import Point3
 from .figure import FOREARM, HIP_HALF, SHANK, THIGH, UPPER_ARM, Figure
 
 

@@ -4,11 +4,11 @@ import dataclasses
 
 import numpy as np
 
-from .. import paint, shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
-from ..shapes import Shape
+from ..meshes import paint, shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Shape
 from .fitted import fitted
 
 

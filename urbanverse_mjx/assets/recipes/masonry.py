@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image
 
-from .. import paint
-from ..mesh_builder import MeshBuilder, Picture
-from ..palette import Color, mix, rgb, shade
-from ..shapes import Point3
+from ..meshes import paint
+from ..meshes.mesh_builder import MeshBuilder, Picture
+from ..meshes.palette import Color, mix, rgb, shade
+from ..meshes.shapes import Point3
 from . import facade_pictures as pictures
 
 Wall = tuple[str, Color]

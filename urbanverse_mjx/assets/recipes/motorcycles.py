@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import Physics, recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import Physics, recipe
 from .wheels import number_plate, two_legged_stand
 
 _MOTORCYCLE = Physics(

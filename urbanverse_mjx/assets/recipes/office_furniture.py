@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import shade
-from ..recipe import recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import shade
+from ..meshes.recipe import recipe
 from .case_furniture import Carcass
 from .facade_pictures import sign
 from .proportions import made

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb, shade
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import recipe
 from .outlines import curve, desk_panel, pairs, rounded, sized
 
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..shapes import Point2, Point3
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.shapes import Point2, Point3
 
 # Relative, to either side: how far two copies of one product differ in a side, so that no two meshes are alike.
 JITTER = 0.012

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color
-from ..recipe import Physics, recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color
+from ..meshes.recipe import Physics, recipe
 from .figure import RUNNING, STANDING, WALKING, WALKING_OTHER, Figure, Look, Pose
 from .worn import backpack, cap, carried_bag, shoulder_bag, vest
 

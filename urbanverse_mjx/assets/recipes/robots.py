@@ -4,10 +4,10 @@ import itertools
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color
+from ..meshes.recipe import recipe
 from .fitted import fitted
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 from PIL import Image
 
-from .. import paint
-from ..palette import mix, rgb
+from ..meshes import paint
+from ..meshes.palette import mix, rgb
 
 INKS = ("signal red", "amber", "green", "signal blue", "purple", "teal", "orange", "pink")
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
-from ..shapes import Point2
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Point2
 from .outlines import desk_panel, rounded, sized
 from .screen_pictures import desktop, icons, landscape, race_game, space_game
 

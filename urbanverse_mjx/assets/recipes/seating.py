@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color
-from ..recipe import Physics, recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color
+from ..meshes.recipe import Physics, recipe
 
 BENCH = Physics(
     ("wood", "cast iron"),

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset
-from ..palette import Color
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset
+from ..meshes.palette import Color
+from ..meshes.recipe import recipe
 from .car_build import CAR, CarStyle, build_car
 from .car_shapes import MINIVAN, MINIVAN_PLACES, SEDAN, SEDAN_GLASS, SEDAN_PLACES, SUV, SUV_PLACES
 

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
 from .car_shapes import PICKUP, PICKUP_PLACES, VAN, VAN_PLACES
 from .coaches import lettering, road_wheels
 from .fitted import fitted

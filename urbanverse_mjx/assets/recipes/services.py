@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb, shade
-from ..recipe import recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import recipe
 from . import facade_pictures as pictures
 from . import icons
 from . import masonry as m

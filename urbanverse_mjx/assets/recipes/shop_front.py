@@ -3,8 +3,8 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from .. import paint
-from ..palette import Color, mix, rgb, shade
+from ..meshes import paint
+from ..meshes.palette import Color, mix, rgb, shade
 from . import facade_pictures as pictures
 from . import icons, icons_goods, icons_trades  # noqa: F401  (the last two enter their pictograms)
 from .facade import Facade

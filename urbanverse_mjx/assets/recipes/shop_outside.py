@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..palette import Color
+from ..meshes.palette import Color
 from .facade import Facade
 from .foliage import leafy
 from .greenery import small_leaves

@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from ..palette import Color
+from ..meshes.palette import Color
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, mix, shade
-from ..recipe import recipe
-from ..shapes import Point3, Points3
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, mix, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Point3, Points3
 from .animals import ring
 from .fitted import fitted
 

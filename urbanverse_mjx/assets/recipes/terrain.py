@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, mix, rgb, shade
-from ..recipe import recipe
-from ..shapes import Shape, merged
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, mix, rgb, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Shape, merged
 from .fitting import fitted, size_of
 from .foliage import leafy, lump
 from .greenery import small_leaves

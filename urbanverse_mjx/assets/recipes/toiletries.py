@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .. import shapes
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, mix, shade
-from ..recipe import recipe
+from ..meshes import shapes
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, mix, shade
+from ..meshes.recipe import recipe
 from .bottles import tinted
 from .handheld import finished, label, painted, patch, pillow, stadium
 

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb, shade
-from ..recipe import Physics, recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import Physics, recipe
 from .facade_pictures import awning
 from .vehicle_body import Body, BodyShape
 from .wheels import number_plate, rim_picture, wheel

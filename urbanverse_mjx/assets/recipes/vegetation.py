@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, mix, shade
-from ..recipe import Physics, recipe
-from ..shapes import Shape
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, mix, shade
+from ..meshes.recipe import Physics, recipe
+from ..meshes.shapes import Shape
 from .foliage import leaf_picture, leafy
 
 _TREE = Physics(

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..mesh_builder import BuiltAsset, MeshBuilder, Picture
-from ..palette import Color
-from ..shapes import Point2, Shape, merged, sheet, welded
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ..meshes.palette import Color
+from ..meshes.shapes import Point2, Shape, merged, sheet, welded
 
 SUBDIVISION = 2
 ARCH_SEGMENTS = 9

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb, shade
-from ..recipe import recipe
-from ..shapes import Point2
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Point2
 from .proportions import arc, hollow, made
 
 

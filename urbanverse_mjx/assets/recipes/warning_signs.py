@@ -3,11 +3,11 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb
-from ..recipe import recipe
-from ..shapes import Point2
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Point2
 from .fitted import fitted
 from .signs import PX, SCALE, done, face, ngon, rectangle
 from .speed_limits import sign_post

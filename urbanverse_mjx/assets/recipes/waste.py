@@ -3,10 +3,10 @@
 import numpy as np
 from PIL import Image
 
-from .. import paint
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, rgb, shade
-from ..recipe import Physics, recipe
+from ..meshes import paint
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, rgb, shade
+from ..meshes.recipe import Physics, recipe
 
 BIN = Physics(
     ("plastic", "steel"),

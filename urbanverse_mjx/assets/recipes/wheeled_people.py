@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color
-from ..recipe import recipe
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color
+from ..meshes.recipe import recipe
 from .bicycles import spoked_wheel
 from .figure import Figure, Look, Pose
 from .fitted import fitted

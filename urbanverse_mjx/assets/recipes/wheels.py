@@ -5,10 +5,10 @@ import functools
 import numpy as np
 from PIL import Image
 
-from .. import paint
-from ..mesh_builder import MeshBuilder
-from ..palette import Color, rgb
-from ..shapes import Point2, Point3
+from ..meshes import paint
+from ..meshes.mesh_builder import MeshBuilder
+from ..meshes.palette import Color, rgb
+from ..meshes.shapes import Point2, Point3
 
 
 @functools.cache

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..mesh_builder import BuiltAsset, MeshBuilder
-from ..palette import Color, shade
-from ..recipe import recipe
-from ..shapes import Shape
+from ..meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ..meshes.palette import Color, shade
+from ..meshes.recipe import recipe
+from ..meshes.shapes import Shape
 from .outlines import curve, sized
 
 

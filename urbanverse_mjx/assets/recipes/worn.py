@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..palette import Color, shade
+from ..meshes.palette import Color, shade
 from .figure import Figure
 
 

@@ -6,7 +6,7 @@ import random
 import numpy as np
 
 from ... import versions
-from ...assets import looks
+from ...assets.appearances import looks
 from ...datatypes import GroundRegion, SceneGraph, Source
 from . import fronts, groups, stock
 from .filling import ENDS, Filler

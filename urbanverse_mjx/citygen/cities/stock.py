@@ -8,12 +8,14 @@ import random
 
 import numpy as np
 
-from ...assets import descriptors, instances, looks
-from ...assets.base_shapes import shape_of
-from ...assets.ground_materials import build_material, material_ids
-from ...assets.index import load_index
-from ...assets.search import library
-from ...assets.tints import is_free
+from ...assets.appearances import looks
+from ...assets.appearances.ground_materials import build_material, material_ids
+from ...assets.meshes import instances
+from ...assets.meshes.base_shapes import shape_of
+from ...assets.meshes.tints import is_free
+from ...assets.records.index import load_index
+from ...assets.selection import descriptors
+from ...assets.selection.search import library
 from ...datatypes import NounError
 from ...datatypes import validation as v
 from .profile import Mix

@@ -12,8 +12,8 @@ from collections.abc import Iterable, Sequence
 
 import shapely
 
-from ...assets import looks
-from ...assets.ground_materials import build_material
+from ...assets.appearances import looks
+from ...assets.appearances.ground_materials import build_material
 from ...datatypes import GraphObject, GroundRegion, NounError, SceneGraph, Source
 from ...datatypes.ground import PAINT_KINDS
 from .. import catalogue
@@ -174,12 +174,13 @@ class Canvas(Stage):
     # Looks.
 
     def wear(self, where: str | Corner, material: str) -> None:
-        """Names the material of a piece of ground: of the one at (x, y), or of all of a kind; a uid of `assets.grounds`
-        or an id of `assets.ground_materials`. Touching sidewalks wear one material, other kinds one in the scene."""
+        """Names the material of a piece of ground: of the one at (x, y), or of all of a kind; a uid of
+        `assets.appearances.grounds` or an id of `assets.appearances.ground_materials`. Touching sidewalks wear one
+        material, other kinds one in the scene."""
         self._worn.append((where, material))
 
     def sky(self, uid: str) -> None:
-        """Names the sky, a uid of `assets.sky_maps`."""
+        """Names the sky, a uid of `assets.appearances.sky_maps`."""
         self._sky = uid
 
     # Things.

@@ -35,7 +35,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     """
     import mujoco
 
-    from ...assets.skies import build_sky
+    from ...assets.appearances.skies import build_sky
     from ...scene import EpisodeRules, NoRoomError, export_usd
     from ..scenes import compile_layout
 

@@ -7,8 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...assets import descriptors, load_index, looks
-from ...assets.label_priors import LabelPriors
+from ...assets import load_index
+from ...assets.appearances import looks
+from ...assets.selection import descriptors
+from ...assets.selection.label_priors import LabelPriors
 from ...datatypes import Recording, SceneGraph
 from ...distillation import Describe, distil
 

@@ -6,7 +6,7 @@ import pathlib
 from collections.abc import Sequence
 from typing import Any
 
-from ...assets import ontology
+from ...assets.categories import ontology
 from ...assets.importing.vision import VisionError, post
 from ...settings import VisionEndpoint
 

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from ...assets import looks
-from ...assets.search import library
+from ...assets.appearances import looks
+from ...assets.selection.search import library
 from ...datatypes import NounError, Recording, SceneBank, SceneGraph
 from ...viz.pictures import Studio
 

@@ -3,7 +3,7 @@
 import pathlib
 
 from ... import settings
-from ...assets import ontology
+from ...assets.categories import ontology
 from ...datatypes import NounError
 from ...distillation.eye.seeing import Eye
 from ...distillation.perception import Sees

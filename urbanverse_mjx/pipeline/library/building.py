@@ -94,7 +94,7 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
     Raises:
       NounError: a scene that cannot be compiled; those before it are kept.
     """
-    from ...assets.store import inputs_key
+    from ...assets.records.store import inputs_key
 
     scenes = library.scene_set(name)
     graph = graph_of(scenes, layout)

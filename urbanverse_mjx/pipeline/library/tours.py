@@ -9,9 +9,9 @@ import pathlib
 
 import numpy as np
 
-from ...assets.index import load_index
-from ...assets.label_priors import LabelPriors
-from ...assets.skies import build_sky
+from ...assets.appearances.skies import build_sky
+from ...assets.records.index import load_index
+from ...assets.selection.label_priors import LabelPriors
 from ...capture import CameraPath, TourOptions, tour
 from ...capture.path import camera_poses
 from ...capture.street import StreetGrid, street_grid

@@ -1,0 +1,1 @@
+"""Ground materials and skies: how they are painted, described and found."""

@@ -1,0 +1,1 @@
+"""What is known of each category before any mesh exists: names, sizes, matter, mass and friction."""

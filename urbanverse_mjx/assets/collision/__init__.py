@@ -1,0 +1,1 @@
+"""Convex hulls that collide, and the mass properties of what they enclose."""

@@ -1,0 +1,133 @@
+"""Collision hulls: stored by the content of the mesh, loaded without ever running CoACD.
+
+The store is one compressed file, `assets_index/hulls/hulls.npz`: the corners of all hulls in millimetres (int32), hull
+after hull, and for every mesh key the range of its hulls. `assets.collision.decompose` makes what is missing.
+"""
+
+import dataclasses
+import functools
+import hashlib
+import os
+import pathlib
+from collections.abc import Mapping
+
+import numpy as np
+
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, NounError
+from urbanverse_mjx.datatypes.validation import write_atomically
+from urbanverse_mjx.settings import asset_root
+
+from ..meshes import instances
+from ..meshes.recipe import get_recipe
+from ..records.index import base_mesh
+from ..records.user_store import AGAIN, FILE_RECIPE, HULLS, mesh_file
+
+BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
+MILLIMETRE = 1e-3
+# Rounding bins are shifted so that hand-chosen sizes (multiples of 0.5 mm) never lie on a bin's edge, where the last
+# bit of a sine that differs between machines would change the key.
+_SHIFT = 0.317
+
+
+def mesh_key(mesh: AssetMesh, budget: int) -> str:
+    """32 hexadecimal digits over the vertices (1 mm bins), the faces and the hull budget."""
+    bins = np.floor(mesh.vertices.astype(np.float64) / MILLIMETRE + _SHIFT).astype(np.int32)
+    digest = hashlib.sha256(f"{budget}/{len(bins)}/{len(mesh.faces)}/".encode())
+    digest.update(bins.astype("<i4").tobytes())
+    digest.update(mesh.faces.astype("<i4").tobytes())
+    return digest.hexdigest()[:32]
+
+
+@dataclasses.dataclass(frozen=True)
+class HullStore:
+    """Hulls by mesh key; every hull an (n, 3) int32 array of whole millimetres."""
+
+    hulls: Mapping[str, tuple[np.ndarray, ...]]
+
+    def save(self, path: str | os.PathLike[str]) -> pathlib.Path:
+        """Writes the store, keys in order, so that equal stores give equal arrays."""
+        keys = sorted(self.hulls)
+        flat = [h for k in keys for h in self.hulls[k]]
+        arrays = {
+            "keys": np.array([list(bytes.fromhex(k)) for k in keys], np.uint8).reshape(-1, 16),
+            "hulls_per_key": np.array([len(self.hulls[k]) for k in keys], np.uint8),
+            "corners_per_hull": np.array([len(h) for h in flat], np.uint8),
+            "corners_mm": np.concatenate(flat).astype(np.int32) if flat else np.zeros((0, 3), np.int32),
+        }
+
+        def write(temporary: pathlib.Path) -> None:
+            with temporary.open("wb") as file:
+                np.savez_compressed(file, **arrays)
+
+        return write_atomically(path, write)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> "HullStore":
+        """Reads the store; a missing file is an empty store."""
+        if not pathlib.Path(path).is_file():
+            return HullStore({})
+        with np.load(path) as data:
+            ends = np.cumsum(data["corners_per_hull"].astype(int))
+            hulls = np.split(data["corners_mm"], ends[:-1]) if len(ends) else []
+            stops = np.cumsum(data["hulls_per_key"].astype(int))
+            keys = [row.tobytes().hex() for row in data["keys"]]
+        return HullStore(
+            {k: tuple(hulls[b - n : b]) for k, b, n in zip(keys, stops, np.diff(stops, prepend=0), strict=True)}
+        )
+
+
+def store_path() -> pathlib.Path:
+    return asset_root() / "hulls" / "hulls.npz"
+
+
+@functools.cache
+def _store() -> HullStore:
+    return HullStore.load(store_path())
+
+
+def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
+    """Most hulls for a mesh: the recipe's own cap, else by its largest side.
+
+    Small things stay cheap because the simulator streams only the 16 hulls nearest to a robot.
+    """
+    if cap is not None:
+        return cap
+    largest = float(mesh.extent.max())
+    return 3 if largest < 1.1 else 6 if largest < 2.2 else 12
+
+
+def load_hulls(record: AssetRecord) -> HullSet:
+    """The convex hulls of a record, in the asset frame at scale 1 (an instance's: those of its base shape, scaled).
+    Never runs CoACD.
+
+    Raises:
+      NounError: the store (the user's, for an imported asset) holds none for this mesh; the message names the command
+        that makes them.
+    """
+    if record.recipe == FILE_RECIPE:
+        return _file_hulls(record)
+    mesh = base_mesh(record)
+    key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
+    found = _store().hulls.get(key)
+    if found is None:
+        raise NounError(
+            f"asset {record.uid!r}: found no collision hulls for its mesh ({key}), needed them in {store_path().name}; "
+            f"build the missing ones with `{BUILD_COMMAND}`."
+        )
+    hulls = HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in found))
+    if instances.KEY not in record.params:
+        return hulls
+    return instances.scaled_hulls(hulls, record.params[instances.KEY]["scale"])
+
+
+def _file_hulls(record: AssetRecord) -> HullSet:
+    """The convex hulls of a record whose recipe is `file`, as they were made at its import.
+
+    Raises:
+      NounError: the file of hulls is missing or holds none.
+    """
+    path = mesh_file(record).with_name(HULLS)
+    stored = list(HullStore.load(path).hulls.values())
+    if len(stored) != 1:
+        raise NounError(f"asset {record.uid!r}: found {len(stored)} sets of hulls in {path}, needed one; {AGAIN}.")
+    return HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in stored[0]))

@@ -1,0 +1,1 @@
+"""Assets for other tools: GLB, OBJ, MJCF and USD."""

@@ -1,0 +1,34 @@
+"""`urbanverse assets export`."""
+
+import pathlib
+from typing import Literal
+
+from rich.console import Console
+from rich.progress import track
+
+
+def export(
+    out: pathlib.Path,
+    form: Literal["glb", "obj", "mjcf", "usd"] = "glb",
+    leaf: str | None = None,
+    uid: str | None = None,
+) -> None:
+    """Writes assets as GLB, OBJ, MJCF or USD, each with its annotation as JSON; imported assets too.
+
+    Args:
+      out: folder to write into.
+      form: file format.
+      leaf: only this leaf.
+      uid: only this asset; any that `urbanverse assets search` prints.
+    """
+    from ..records.index import full_index
+    from .export import export_asset, record_to_export
+
+    if uid is not None:
+        records = (record_to_export(uid),)
+    else:
+        index = full_index()
+        records = index.records if leaf is None else index.by_leaf(leaf)
+    for record in track(records, f"{form} files"):
+        export_asset(record, out, form)
+    Console().print(f"{out}: {len(records)} assets as {form}", soft_wrap=True)

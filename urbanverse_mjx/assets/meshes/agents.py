@@ -1,0 +1,52 @@
+"""What moving people and vehicles look like: a few meshes for each kind of agent, carried by every bank.
+
+In:   recipes.
+Out:  `AgentLook`s, those of a kind in the order in which agents take them.
+When: when a bank is packed.
+
+Meshes of vehicles are fitted to the sides that their kind has in `crowds.kinds`, so that what is seen is what is
+driven around; people keep their own.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from urbanverse_mjx.datatypes import AgentLook, NounError
+
+from .recipe import all_recipes
+
+#: Kind, leaf and variants. Those in a stride come first: who stands and talks are few.
+_LOOKS = (
+    ("pedestrian", "pedestrian adult", (0, 1, 3, 5, 2, 4)),
+    ("pedestrian", "elderly person", (0,)),
+    ("wheelchair", "wheelchair user", (0, 1)),
+    ("scooter", "electric scooter rider", (0, 1)),
+    ("cyclist", "cyclist", (0, 1)),
+    ("car", "sedan", (0, 1, 2)),
+)
+#: m, length and width of the kinds that are fitted: 2 (half_length + radius) and 2 radius in `crowds.kinds`.
+_SIDES = {"car": (4.74, 1.76), "cyclist": (1.80, 0.75)}
+
+
+def agent_looks() -> tuple[AgentLook, ...]:
+    """All of them.
+
+    Raises:
+      NounError: a recipe is gone.
+    """
+    recipes = {recipe.leaf: recipe for recipe in all_recipes()}
+    looks = []
+    for kind, leaf, variants in _LOOKS:
+        if leaf not in recipes:
+            raise NounError(f"agent {kind!r}: found no recipe for {leaf!r}, needed one; mend assets/meshes/agents.py.")
+        for variant in variants:
+            mesh = recipes[leaf].build(variant).mesh
+            if kind in _SIDES:
+                length, width = _SIDES[kind]
+                along, across, _ = mesh.extent
+                # Heights follow lengths, so that wheels stay round from the side.
+                factor = np.array([length / along, min(width / across, 1.0), length / along])
+                mesh = dataclasses.replace(mesh, vertices=mesh.vertices * factor)
+            looks.append(AgentLook(kind, leaf, mesh))
+    return tuple(looks)

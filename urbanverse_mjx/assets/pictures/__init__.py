@@ -1,0 +1,1 @@
+"""Pictures of assets: thumbnails, galleries and contact sheets."""

@@ -1,0 +1,1 @@
+"""Which asset fits: by label, box and look, over all collections."""

@@ -1,0 +1,77 @@
+"""What every collection of the index offers, whatever it holds: objects, skies, roads, sidewalks.
+
+    from urbanverse_mjx.assets.selection.libraries import library
+
+    skies = library("sky")
+    uids = skies.get_uids_conditioned(seasons=["winter"], snow=True)
+
+The names are those that users of the official toolkit know. A module joins by a line in `MODULES` and a function
+`library` that returns an object with these methods.
+"""
+
+import importlib
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from urbanverse_mjx.datatypes import NounError
+
+
+@runtime_checkable
+class Library(Protocol):
+    """One collection, addressed by uid."""
+
+    def get_uids_all(self) -> list[str]:
+        """Every uid, in a fixed order."""
+        ...
+
+    def categories(self, level: int = 1) -> list[str]:
+        """The names of a level of its classes, the widest being 1."""
+        ...
+
+    def filters(self) -> list[str]:
+        """The names that `get_uids_conditioned` takes."""
+        ...
+
+    def get_uids_conditioned(self, *, query: str | None = None, top_k: int = 100, **conditions: Any) -> list[str]:
+        """The uids that meet all conditions; with a query the `top_k` nearest, best first."""
+        ...
+
+    def load_annotations(self, uids: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """uid -> field -> value, official names, SI units."""
+        ...
+
+    def load_thumbnails(self, uids: Sequence[str]) -> dict[str, np.ndarray]:
+        """uid -> (H, W, 3) uint8."""
+        ...
+
+    def explain_annotation(self, field: str) -> str:
+        """What a field means, its unit and where its values come from."""
+        ...
+
+    def check_integrity(self) -> list[str]:
+        """One sentence per thing that is missing or damaged; empty where all is well."""
+        ...
+
+    def repair(self) -> list[str]:
+        """Makes anew what `check_integrity` finds; returns what it still finds afterwards."""
+        ...
+
+
+_LOOKS = "appearances.looks"
+#: name of a collection -> module of `assets` with a function `library`.
+MODULES: Mapping[str, str] = {"object": "selection.search", "sky": _LOOKS, "road": _LOOKS, "sidewalk": _LOOKS}
+
+
+def library(name: str) -> Library:
+    """The collection of that name; where a module serves several, its `library` takes the name.
+
+    Raises:
+      NounError: no such collection.
+    """
+    if name not in MODULES:
+        raise NounError(f"library: found {name!r}, needed one of {', '.join(MODULES)}.")
+    module = importlib.import_module(f"urbanverse_mjx.assets.{MODULES[name]}")
+    several = list(MODULES.values()).count(MODULES[name]) > 1
+    return module.library(name) if several else module.library()

@@ -1,0 +1,192 @@
+"""The paper's three steps from an object of a scene graph to assets: meaning, box, look.
+
+1. Semantic: the label's leaves (`semantics.rank_leaves`); a leaf without shapes is stood in for.
+2. Geometric: of their records the 1,000 whose boxes need the least distortion to become the object's.
+3. Appearance: of those the ones that look most like the crop, by the built-in descriptor (`descriptors`) computed from
+   the records' parameters, or by DINOv2 over thumbnails (`neural.PictureEmbedder`).
+"""
+
+import dataclasses
+import functools
+import json
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from urbanverse_mjx.datatypes import NounError
+
+from ..categories.semantics import TextEmbedder, rank_leaves
+from ..meshes import instances
+from ..meshes.base_shapes import BaseShape, shape_of
+from ..meshes.tints import is_free
+from ..records.index import AssetIndex, load_index
+from . import descriptors
+from .neural import PictureEmbedder
+from .search import ObjectLibrary, library
+
+KEEP = 1000  # the paper's number of candidates after the geometric step
+# A leaf whose score is this near to the best one's is a candidate too; a name that matches leaves no doubt.
+_NEAR, _MOST_LEAVES = 0.9, 3
+
+
+@dataclasses.dataclass(frozen=True)
+class Match:
+    """One asset for an object.
+
+    Attributes:
+      uid, leaf: of the asset.
+      distortion: mean |log| of the factors between the boxes' sides; 0 for equal boxes, 0.1 for 10 % a side.
+      look: distance of the descriptors, or 1 - cosine of the embeddings; None where nothing was known of the look.
+      yaw: rad, quarter turn of the asset that fits its box best, 0 or pi / 2.
+      base: uid of the base shape that it is an instance of (its own for a base shape).
+    """
+
+    uid: str
+    leaf: str
+    distortion: float
+    look: float | None
+    yaw: float
+    base: str
+
+
+class Matcher:
+    """Matches objects against a library; holds what does not change between them."""
+
+    def __init__(self, objects: ObjectLibrary | None = None, index: AssetIndex | None = None) -> None:
+        self._objects = objects or library()
+        self._index = index or load_index()
+        self._of_leaf: dict[str, _Leaf] = {}
+
+    def match(
+        self,
+        label: str,
+        size: Sequence[float],
+        descriptor: Sequence[int] | NDArray | None = None,
+        count: int = 5,
+        keep: int = KEEP,
+        text: TextEmbedder | None = None,
+        slack: float | None = None,
+        turn_gain: float = 0.0,
+    ) -> list[Match]:
+        """The best assets for an object, best first.
+
+        Args:
+          label: free text.
+          size: (along the heading, across, up) m, as `SceneGraph` has it.
+          descriptor: as `descriptors.of_picture` makes it; None ranks by the box alone.
+          count: how many.
+          keep: candidates that the geometric step leaves.
+          text: embedding of labels; None for the built-in one.
+          slack: of the candidates only those whose distortion is at most this much above the least one's; None: all.
+          turn_gain: distortion that a quarter turn must save, so that a square box does not turn a front away.
+
+        Raises:
+          UnknownLabelError: the label means nothing.
+          NounError: a size not above 0, a descriptor that is not ours.
+        """
+        box = np.asarray(size, dtype=np.float64)
+        if box.shape != (3,) or not (np.isfinite(box).all() and (box > 0).all()):
+            raise NounError(f"size: found {list(size)}, needed three lengths above 0 m.")
+        leaves = [self._leaf(leaf) for leaf in self.leaves(label, text)]
+        extents = np.concatenate([leaf.extents for leaf in leaves])
+        distortion, turned = distortions(box, extents, turn_gain)
+        near = np.argsort(distortion, kind="stable")[:keep]
+        if slack is not None:
+            near = near[distortion[near] <= distortion[near[0]] + slack]
+        look = None
+        if descriptor is not None:
+            look = np.concatenate([np.zeros(0), _looks(leaves, near).distances(descriptor)])
+            order = np.lexsort((distortion[near], look))[:count]
+        else:
+            order = np.arange(min(count, len(near)))
+        owner = np.repeat(np.arange(len(leaves)), [len(leaf.extents) for leaf in leaves])
+        start = np.cumsum([0, *(len(leaf.extents) for leaf in leaves)])
+        matches = []
+        for k in order:
+            row = near[k]
+            leaf = leaves[owner[row]]
+            at = row - start[owner[row]]
+            seen = None if look is None else float(look[k])
+            yaw, base = float(turned[row]) * np.pi / 2, leaf.shapes[leaf.base[at]].uid
+            matches.append(Match(leaf.uids[at], leaf.name, float(distortion[row]), seen, yaw, base))
+        return matches
+
+    def rerank(self, matches: Sequence[Match], crop: np.ndarray, pictures: PictureEmbedder) -> list[Match]:
+        """Matches in the order of a neural picture embedding of the crop against their thumbnails (drawn where the
+        cache has none)."""
+        thumbnails = self._objects.load_thumbnails([m.uid for m in matches])
+        vectors = pictures([crop, *(thumbnails[m.uid] for m in matches)])
+        look = 1.0 - vectors[1:] @ vectors[0]
+        order = np.argsort(look, kind="stable")
+        return [dataclasses.replace(matches[k], look=float(look[k])) for k in order]
+
+    def leaves(self, label: str, text: TextEmbedder | None = None) -> list[str]:
+        """The leaves with shapes that a label may speak of, best first, at least one."""
+        ranked = rank_leaves(label, 659, text)
+        best = ranked[0][1]
+        alike = [leaf for leaf, score in ranked[:_MOST_LEAVES] if score >= _NEAR * best]
+        if best >= 0.9:  # a name or a noun
+            alike = [ranked[0][0]]
+        found = [name for leaf in alike if (name := self._index.stand_in(leaf))]
+        if not found:
+            found = [name for leaf, _ in ranked if (name := self._index.stand_in(leaf))][:1]
+        if not found:
+            raise NounError(f"label {label!r}: found no leaf with shapes like it, needed one; write a recipe for it.")
+        return list(dict.fromkeys(found))
+
+    def _leaf(self, name: str) -> "_Leaf":
+        if name not in self._of_leaf:
+            self._of_leaf[name] = _Leaf.of(name, self._objects, self._index)
+        return self._of_leaf[name]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Leaf:
+    """The records of a leaf as arrays of n rows."""
+
+    name: str
+    uids: list[str]
+    extents: NDArray[np.float64]
+    shapes: list[BaseShape]
+    base: NDArray[np.int64]
+    tint: NDArray[np.float64]
+    scale: NDArray[np.float64]
+
+    @functools.cached_property
+    def looks(self) -> descriptors.Looks:
+        """Descriptors of all records of the leaf."""
+        free = np.full(len(self.base), is_free(self.name))
+        return descriptors.of_records(free, self.shapes, self.base, self.tint, self.scale)
+
+    @staticmethod
+    def of(name: str, objects: ObjectLibrary, index: AssetIndex) -> "_Leaf":
+        table = objects.table.take(objects.rows_of(name))
+        shapes = [shape_of(r) for r in index.by_leaf(name)]
+        place = {shape.uid: k for k, shape in enumerate(shapes)}
+        base, tint, scale = [], [], []
+        for uid, params in zip(table["uid"].to_pylist(), table["params"].to_pylist(), strict=True):
+            inner = json.loads(params).get(instances.KEY, {"base": uid, "tint": (0.0, 1.0, 1.0), "scale": (1.0,) * 3})
+            base.append(place[inner["base"]])
+            tint.append(inner["tint"])
+            scale.append(inner["scale"])
+        extents = np.array(table["extent_xyz"].to_pylist())
+        return _Leaf(name, table["uid"].to_pylist(), extents, shapes, np.array(base), np.array(tint), np.array(scale))
+
+
+def distortions(
+    box: NDArray, extents: NDArray, turn_gain: float = 0.0
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """How far (n, 3) boxes are from one: mean |log| of the factors of the sides, for the better of two quarter turns,
+    and which turn that is (0 or 1); a turn counts where it saves more than `turn_gain`."""
+    straight = np.abs(np.log(extents / box)).mean(1)
+    turned = np.abs(np.log(extents[:, [1, 0, 2]] / box)).mean(1)
+    turns = turned < straight - turn_gain
+    return np.where(turns, turned, straight), turns.astype(np.int64)
+
+
+def _looks(leaves: Sequence[_Leaf], rows: NDArray) -> descriptors.Looks:
+    """Descriptors of rows of the leaves' joined records."""
+    found = [leaf.looks for leaf in leaves]
+    parts = (np.concatenate([getattr(x, name) for x in found])[rows] for name in ("colors", "layouts", "aspects"))
+    return descriptors.Looks(*parts)

@@ -1,0 +1,81 @@
+"""Embeddings by neural networks, for who has them: sentences (sentence-transformers) and pictures (DINOv2).
+
+Optional (`pip install "urbanverse_mjx[embeddings]"`); the first use of a model downloads its weights unless a folder
+that holds them is named.
+"""
+
+import dataclasses
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...datatypes import optional
+
+SENTENCE_MODEL = "sentence-transformers/all-mpnet-base-v2"  # the official toolkit's default
+PICTURE_MODEL = "facebook/dinov2-base"  # DINOv2 with patches of 14 pixels and vectors of 768 numbers
+BATCH = 32
+
+
+def _module(name: str) -> Any:
+    return optional.package(name, "embedding", "embeddings", "leave the model out to match offline")
+
+
+def _loaded(what: str, load: Callable[[], Any], model: str) -> Any:
+    return optional.weights(load, what, model, "the name of a folder that holds them")
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class SentenceEmbedder:
+    """Texts -> vectors of length 1."""
+
+    model: Any
+
+    @staticmethod
+    @functools.lru_cache(maxsize=2)
+    def load(model: str = SENTENCE_MODEL) -> "SentenceEmbedder":
+        """Loads a sentence-transformers model by name or folder.
+
+        Raises:
+          NounError: the package or the weights are not there.
+        """
+        package = _module("sentence_transformers")
+        return SentenceEmbedder(_loaded("sentence model", lambda: package.SentenceTransformer(model), model))
+
+    def __call__(self, texts: Sequence[str]) -> np.ndarray:
+        """(n, d) float32."""
+        return np.asarray(self.model.encode(list(texts), batch_size=BATCH, normalize_embeddings=True))
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PictureEmbedder:
+    """Pictures -> vectors of length 1: DINOv2's class token."""
+
+    model: Any
+    processor: Any
+
+    @staticmethod
+    @functools.lru_cache(maxsize=2)
+    def load(model: str = PICTURE_MODEL) -> "PictureEmbedder":
+        """Loads a DINOv2 model by name or folder, onto the GPU where there is one.
+
+        Raises:
+          NounError: the packages or the weights are not there.
+        """
+        torch, package = _module("torch"), _module("transformers")
+        network = _loaded("picture model", lambda: package.AutoModel.from_pretrained(model), model)
+        processor = _loaded("picture model", lambda: package.AutoImageProcessor.from_pretrained(model), model)
+        device = "cuda" if torch.cuda.is_available() else "cpu"
+        return PictureEmbedder(network.eval().to(device), processor)
+
+    def __call__(self, pictures: Sequence[np.ndarray]) -> np.ndarray:
+        """(n, d) float32 of (H, W, 3) uint8 pictures."""
+        torch = _module("torch")
+        vectors = []
+        for start in range(0, len(pictures), BATCH):
+            batch = self.processor(images=list(pictures[start : start + BATCH]), return_tensors="pt")
+            with torch.inference_mode():
+                token = self.model(**batch.to(self.model.device)).last_hidden_state[:, 0]
+            vectors.append(torch.nn.functional.normalize(token, dim=-1).float().cpu().numpy())
+        return np.concatenate(vectors)
