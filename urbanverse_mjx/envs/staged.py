@@ -93,6 +93,15 @@ class StagedBase[C](abc.ABC):
         return State(carried, self.observe(carried), zero, zero, self.zero_metrics(), self.info_of(carried))
 
     def step(self, state: State[C], action: Float[Array, " nu"]) -> State[C]:
-        """One control step without auto-reset."""
+        """One control step without auto-reset.
+
+        What wrappers keep in `info` and `metrics` stays there. Where an `EpisodeWrapper` of Brax counts the steps
+        (`info` has its `episode_done`), it alone says when time is out: as a truncation, not as an end.
+        """
         carried, reward, done, metrics = self.advance(state.data, action)
-        return State(carried, self.observe(carried), reward, done, metrics, self.info_of(carried))
+        info = self.info_of(carried)
+        if "episode_done" in state.info:
+            done = done * (1.0 - info["time_out"])
+            info = {name: x for name, x in info.items() if name not in ("steps", "truncation")}
+        obs = self.observe(carried)
+        return State(carried, obs, reward, done, {**state.metrics, **metrics}, {**state.info, **info})

@@ -2,7 +2,7 @@
 
 import dataclasses
 import enum
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import jax
@@ -52,8 +52,17 @@ class State[C]:
         return self.data
 
     def replace(self, **changes: Any) -> "State[C]":
-        """A copy with some fields changed."""
+        """A copy with some fields changed; `pipeline_state` is `data`."""
+        if "pipeline_state" in changes:
+            changes["data"] = changes.pop("pipeline_state")
         return dataclasses.replace(self, **changes)
+
+    def tree_replace(self, changes: Mapping[str, Any]) -> "State[C]":
+        """A copy with what dotted names stand for changed, e.g. {"data.qpos": qpos, "info.scene": scene}."""
+        state = self
+        for name, value in changes.items():
+            state = _changed(state, name.split("."), value)
+        return state
 
     def tree_flatten_with_keys(self) -> tuple[list[tuple[Any, Any]], None]:
         """For JAX."""
@@ -66,6 +75,51 @@ class State[C]:
         for field, child in zip(dataclasses.fields(cls), children, strict=True):
             object.__setattr__(state, field.name, child)
         return state
+
+
+def _changed(tree: Any, names: Sequence[str], value: Any) -> Any:
+    """`tree` with a part of a part replaced; parts are keys of mappings or fields."""
+    first, *rest = names
+    if isinstance(tree, Mapping):
+        return {**tree, first: _changed(tree[first], rest, value) if rest else value}
+    return tree.replace(**{first: _changed(getattr(tree, first), rest, value) if rest else value})
+
+
+class Carried:
+    """What users of Playground read off `state.data`, for the named tuples that environments carry."""
+
+    __slots__ = ()
+    sim: SimState
+    _fields: tuple[str, ...]
+    _replace: Callable[..., Any]
+
+    @property
+    def qpos(self) -> Float[Array, "*batch nq"]:
+        """Of the robot: m and wxyz of its root, then joints."""
+        return self.sim.qpos
+
+    @property
+    def qvel(self) -> Float[Array, "*batch nv"]:
+        """Of the robot: m/s in the world's frame, rad/s in the body's, then joints."""
+        return self.sim.qvel
+
+    @property
+    def xpos(self) -> Float[Array, "*batch nbody 3"]:
+        """m, see `SimState`."""
+        return self.sim.xpos
+
+    @property
+    def xquat(self) -> Float[Array, "*batch nbody 4"]:
+        """wxyz, see `SimState`."""
+        return self.sim.xquat
+
+    def replace(self, **changes: Any) -> Any:
+        """A copy with some fields changed, of its own or of `sim` (qpos, qvel, xpos, xquat). As in MJX, what follows
+        from a new `qpos` is computed by the next step."""
+        inner = {name: changes.pop(name) for name in list(changes) if name not in self._fields}
+        if inner:
+            changes["sim"] = changes.get("sim", self.sim)._replace(**inner)
+        return self._replace(**changes)
 
 
 @runtime_checkable
@@ -110,7 +164,7 @@ class StagedEnv[C](Protocol):
     def info_of(self, carried: C, /) -> dict[str, Array]: ...
 
 
-class NavState(NamedTuple):
+class _NavFields(NamedTuple):
     """Everything one navigation env carries from step to step; replaced when an episode begins.
 
     Attributes:
@@ -151,3 +205,8 @@ class NavState(NamedTuple):
     result: Int[Array, ""]
     look: Int[Array, ""]
     crowd: Crowd | None = None
+
+
+class NavState(Carried, _NavFields):
+    __doc__ = _NavFields.__doc__
+    __slots__ = ()

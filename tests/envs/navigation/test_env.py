@@ -183,21 +183,6 @@ def test_wrapper_sums_and_new_episodes(small_bank: SceneBank) -> None:
     assert len(starts) > 12, "every episode begins somewhere else"
 
 
-def test_brax_autoreset_does_not_fit() -> None:
-    """Brax's own wrapper keeps each env's first scene for ever; ours replaces all carried state."""
-    from brax.envs.wrappers.training import AutoResetWrapper, VmapWrapper
-
-    from tests.support.box_bank import box_bank
-
-    env = unicycle_env(box_bank(3, 0), {"episode_length": 2, "terminate_off_traversable": False})
-    theirs = AutoResetWrapper(VmapWrapper(env))  # type: ignore[arg-type]
-    state = jax.jit(theirs.reset)(jax.random.split(jax.random.key(0), 2))
-    # It keeps the first state of each env to restore it at every end: one scene, start and goal for the whole run.
-    assert "first_pipeline_state" in state.info
-    with pytest.raises(KeyError, match="first_pipeline_state"):
-        jax.eval_shape(theirs.step, state, jnp.zeros((2, 2)))
-
-
 def test_overrides_and_errors(small_bank: SceneBank) -> None:
     config = registry.with_overrides(default_config(), {"reward_config.scales.hit": -50})
     assert config.reward_config.scales.hit == -50

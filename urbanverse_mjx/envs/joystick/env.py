@@ -16,7 +16,7 @@ from ...robots.gait import felt_gravity, sensor_frame
 from ..heights import GroundHeights
 from ..navigation.terms import to_body, to_world
 from ..staged import StagedBase, typed_key
-from ..types import Result
+from ..types import Carried, Result
 from .draws import Body, draw_body, draw_command, draw_noise, draw_push
 from .legs import Legs
 from .schedule import TerrainLevels
@@ -38,7 +38,7 @@ SCAN = np.array([(x, y) for x in np.linspace(-0.6, 0.75, 9) for y in np.linspace
 _FORCE = 0.01
 
 
-class GaitState(NamedTuple):
+class _GaitFields(NamedTuple):
     """Everything one env carries from step to step; J joints, F feet, T terrain kinds, H steps of history.
 
     Attributes:
@@ -70,6 +70,11 @@ class GaitState(NamedTuple):
     way_asked: Float[Array, ""]
     steps: Int[Array, ""]
     result: Int[Array, ""]
+
+
+class GaitState(Carried, _GaitFields):
+    __doc__ = _GaitFields.__doc__
+    __slots__ = ()
 
 
 class JoystickEnv(StagedBase[GaitState]):
