@@ -52,7 +52,7 @@ def _boxes(bank: SceneBank, scene: int, height: float) -> Iterator[Shape]:
 
 
 def _to_box(
-    rotation: np.ndarray, position: np.ndarray, box: np.ndarray, z: float, x: np.ndarray, y: np.ndarray
+    rotation: np.ndarray, position: np.ndarray, box: np.ndarray, z: float | np.floating, x: np.ndarray, y: np.ndarray
 ) -> np.ndarray:
     """(X, Y) m from the points of a grid, `z` above the hull's origin, to the hull's box (2, 3)."""
     centre, half = box
