@@ -11,11 +11,13 @@ import pytest
 
 from tests.evaluation.test_evaluation import _result
 from tests.support.unicycle import unicycle_env
+from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
 from urbanverse_mjx.evaluation import benchmark, go_to_goal
 from urbanverse_mjx.evaluation.agents import zero
 from urbanverse_mjx.evaluation.frozen import RUNS, Protocol, freeze, half_rows
 from urbanverse_mjx.evaluation.scores import by_scene, over_runs, over_scenes, scores
+from urbanverse_mjx.scene import library
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +132,18 @@ def test_the_paper_protocol_leaves_extra_scenes_out(hashed: SceneBank) -> None:
         freeze("boxes", hashed, 8, seed=0, extra=["nowhere"])
     with pytest.raises(NounError, match="needed a number of at least 5"):
         freeze("boxes", hashed, 3, seed=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "scenes", "episodes"), [("autobench", 10, 64), ("craftbench", 12, 64), ("validation", 8, 48)]
+)
+def test_frozen_lists_name_the_scenes_as_committed(name: str, scenes: int, episodes: int) -> None:
+    """A scene that was frozen anew without its list, or the other way round, would refuse every run."""
+    protocol = Protocol.load(settings.protocol_root() / f"{name}.json")
+    assert len(protocol.scenes) == scenes
+    assert {len(scene.episodes) for scene in protocol.scenes} == {episodes}
+    hashes = library.shipped_hashes(name)
+    assert {scene.id: scene.hash for scene in protocol.scenes} == {k: row["scene"] for k, row in hashes.items()}
 
 
 def test_half_length_ways_stay_in_the_first_half(hashed: SceneBank) -> None:

@@ -1,4 +1,4 @@
-"""CraftBench compiled: every scene has its episodes, and the engine misses no hull and no piece of ground in it."""
+"""Hand-made scenes compiled: each has its episodes, and the engine misses no hull and no piece of ground in it."""
 
 import jax
 import jax.numpy as jnp
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets.appearances.skies import build_sky
-from urbanverse_mjx.citygen.craft import BUILDERS, build
+from urbanverse_mjx.citygen import craft, validation
 from urbanverse_mjx.datatypes import traversable
 from urbanverse_mjx.materialisation import index_of, materialise_cousins
 from urbanverse_mjx.pipeline import make_driver
@@ -17,13 +17,14 @@ from urbanverse_mjx.scene.episodes import EpisodeRules
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 from urbanverse_mjx.simulation.reference.drives import ground_height
 
+BUILDERS = {**craft.BUILDERS, **validation.BUILDERS}
 POSES, ROWS = 10_000, 512
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene_id", list(BUILDERS))
 def test_a_hand_made_scene_compiles_whole(scene_id, tmp_path):
-    (cousin,) = materialise_cousins(build(scene_id), 1)
+    (cousin,) = materialise_cousins(BUILDERS[scene_id]().graph(), 1)
     assert len(cousin.left_out) <= 2
     rules = EpisodeRules(rows=ROWS)
     layout = cousin.layout

@@ -1,4 +1,4 @@
-"""A covered market alley that bends twice: shop goods stand out on both sides, people stop to look at them.
+"""A market alley that bends twice: shop goods stand out on both sides, people stop to look at them.
 
 A street with a crossing lies in the west; from it the alley (5.2 m between the fronts) runs east, turns 29° to the
 left and back again, and ends in a yard with a shrine and bicycles. Goods and people leave 1.3 to 2.5 m.
