@@ -2,6 +2,7 @@
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import SceneGraph
@@ -12,10 +13,11 @@ from urbanverse_mjx.scene.ground import check_regions, ground_prisms
 PRISMS, REACH = 8, 0.55 + 2.0 * 0.2
 
 
-def walkable(graph: SceneGraph) -> shapely.Geometry:
+def walkable(graph: SceneGraph) -> BaseGeometry:
     """Union of the ground that pavement robots may be on."""
     walked = [shapely.Polygon(r.polygon) for r in graph.ground if r.kind in ("sidewalk", "crosswalk", "ground")]
-    return shapely.union_all(walked, grid_size=1e-3)
+    area: BaseGeometry = shapely.union_all(walked, grid_size=1e-3)
+    return area
 
 
 def most_prisms_near(graph: SceneGraph) -> tuple[int, tuple[float, float]]:

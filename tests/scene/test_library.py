@@ -93,6 +93,9 @@ def test_a_damaged_table_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: p
     (tmp_path / "library.json").write_text(row)
     with pytest.raises(NounError, match="a: validation"):
         library.sets()
+    (tmp_path / "library.json").write_text(row.replace('["x", "x"]', "16"))
+    with pytest.raises(NounError, match="a: validation"):
+        library.sets()
 
 
 def test_packed_graphs_have_the_same_bytes_and_broken_ones_are_refused(tmp_path: pathlib.Path) -> None:

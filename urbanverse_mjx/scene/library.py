@@ -72,9 +72,10 @@ def sets() -> dict[str, SceneSet]:
         v.choice(row["split"], f"{TABLE}: {name}: split", SPLITS)
         v.integer(row["cousins"], f"{TABLE}: {name}: cousins", 1, 64)
         v.choice(row.get("builder", ""), f"{TABLE}: {name}: builder", ("", *GENERATORS))
-        held_out = [v.text(x, f"{TABLE}: {name}: validation") for x in row.get("validation", ())]
-        v.unique(held_out, f"{TABLE}: {name}: validation")
-        found[name] = SceneSet(name, **row | {"validation": tuple(held_out)})
+        where = f"{TABLE}: {name}: validation"
+        layouts = tuple(v.text(x, where) for x in v.items(row.get("validation", ()), where))
+        v.unique(layouts, where)
+        found[name] = SceneSet(name, **{**row, "validation": layouts})
     return found
 
 
