@@ -20,7 +20,9 @@ from urbanverse_mjx.simulation.rendering.model import RenderModel
 from urbanverse_mjx.simulation.rendering.pbr_private import BAKE_GROUPS, texel_angle
 from urbanverse_mjx.simulation.rendering.scenes import build_skies, scene_sun, sky_ambient, slot_boxes, upload_textures
 from urbanverse_mjx.simulation.rendering.settings import PBR_EXPOSURE, PLAIN_SKY, Settings
-from urbanverse_mjx.simulation.warp_engine.mujoco_warp_private import compute_bvh_group_roots
+from urbanverse_mjx.simulation.warp_engine.mujoco_warp_private import (
+    compute_bvh_group_roots,  # pyright: ignore[reportAttributeAccessIssue] (its package is untyped)
+)
 
 
 def build_scene_tables(bank: SceneBank, model: RenderModel, sky: bool) -> Any:

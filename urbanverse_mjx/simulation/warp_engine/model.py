@@ -21,7 +21,7 @@ from ..slots import static_slots
 from ..slots.body_table import BodyTable
 from ..slots.hull_contact import planes_and_edges
 from . import body_types, contact, kernels
-from .mujoco_warp_private import vec5
+from .mujoco_warp_private import vec5  # pyright: ignore[reportAttributeAccessIssue] (its package is untyped)
 
 #: What MuJoCo Warp's dense solver takes; up to 32 it factorises in one piece, which is faster.
 MOST_VELOCITIES = 60
