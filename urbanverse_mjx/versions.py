@@ -79,6 +79,7 @@ CODE: Mapping[str, Code] = {
             *("assets.collision", "assets.exporting.usd_parts", "assets.meshes.agents"),
         ),
         ("cousins",),
+        ("scene.library",),
     ),
     "bank": Code(1, ("pipeline.banks",), ("scenes",)),
     "rendering": Code(1, _below("simulation", "rendering", "warp_bridge"), ("datatypes",)),
