@@ -73,7 +73,7 @@ CODE: Mapping[str, Code] = {
         ("appearances", "thumbnails"),
     ),
     "scenes": Code(
-        1,
+        2,
         (
             *("scene", "robots", "pipeline.scenes", "pipeline.generation.compiling"),
             *("assets.collision", "assets.exporting.usd_parts", "assets.meshes.agents"),
@@ -110,7 +110,7 @@ CODE: Mapping[str, Code] = {
         ("cousins", "rendering"),
     ),
     # The stages of a run; what each calls has a number of its own.
-    "generation": Code(1, ("pipeline.generation.stages",), ("bank", "distillation", "perception", "report")),
+    "generation": Code(2, ("pipeline.generation.stages",), ("bank", "distillation", "perception", "report")),
     # The scenes of the library.
     "library": Code(1, ("pipeline.library.building",), ("bank",)),
     # The user's assets from files.

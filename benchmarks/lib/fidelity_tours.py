@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from benchmarks.lib import fidelity_scores as scores
-from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.categories.ontology import UnknownLabelError
 from urbanverse_mjx.capture import PathOptions, TourOptions, tour
 from urbanverse_mjx.capture.truth import object_id, object_slots
@@ -17,7 +16,7 @@ from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation.eye.seeing import Eye
 from urbanverse_mjx.distillation.perception import Perception, perceive
 from urbanverse_mjx.distillation.perception.frames import Frames
-from urbanverse_mjx.materialisation import materialise, materialise_cousins
+from urbanverse_mjx.materialisation import materialise_cousin, materialise_cousins
 from urbanverse_mjx.settings import scene_root
 
 #: Frames per second of the tours with pictures: COLMAP wants steps of less than a metre.
@@ -113,8 +112,7 @@ def retrieved(filmed: Tour, graph: SceneGraph, pairs: list[tuple[str, str]]) -> 
     path = scene_root() / filmed.scene / "graph.json"
     if not path.is_file():
         return None
-    index = load_index()
-    true = {p.id: index.get(p.asset_uid) for p in materialise(SceneGraph.load(path), index, 0, 0).layout.objects}
+    true = {name: candidate.record for name, candidate in materialise_cousin(SceneGraph.load(path)).chosen.items()}
     try:
         (cousin,) = materialise_cousins(graph, 1, 0)
     except UnknownLabelError:

@@ -59,7 +59,7 @@ def _only_road(graph: dict[str, Any]) -> None:
 BROKEN = {
     "missing field": (_drop("objects", 0, "size"), "'post'.size"),
     "missing ground": (_drop("ground"), "ground"),
-    "unknown category": (_put("quantum teapot", "objects", 0, "label"), "quantum teapot"),
+    "unknown category": (_put("zqxv", "objects", 0, "label"), "zqxv"),
     "NaN": (_put(float("nan"), "objects", 0, "center", 1), "NaN"),
     "infinity": (_put(float("inf"), "ground", 0, "plane", 2), "finite"),
     "negative size": (_put(-0.2, "objects", 0, "size", 0), "greater than 0"),

@@ -8,7 +8,7 @@ from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.records.catalogue import build_leaf
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
 
-LEAVES = ("bench", "sedan", "bollard", "pedestrian adult", "tree")
+LEAVES = ("bench", "sedan", "bollard", "pedestrian adult", "tree", "bakery", "directional sign")
 
 
 @functools.cache

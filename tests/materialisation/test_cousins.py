@@ -6,12 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets import load_hulls
+from urbanverse_mjx import settings
+from urbanverse_mjx.assets import category_of, load_hulls
 from urbanverse_mjx.assets.appearances import looks
+from urbanverse_mjx.assets.appearances.ground_materials import build_material
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.assets.selection import descriptors
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, NounError, SceneGraph, SceneLayout, Source
-from urbanverse_mjx.materialisation import index_of, materialise_cousins, overlap
+from urbanverse_mjx.materialisation import check_labels, index_of, materialise_cousin, materialise_cousins, overlap
 from urbanverse_mjx.materialisation.shortlists import affordances
 
 from .catalogue_part import few_objects
@@ -57,6 +59,55 @@ def test_the_same_inputs_give_the_same_layouts_and_another_seed_others(cousins):
     assert other[0].layout.to_json()["objects"] != cousins[0].layout.to_json()["objects"]
     for cousin in cousins:
         assert SceneLayout.from_json(cousin.layout.to_json()) == cousin.layout
+
+
+def test_a_cousin_is_the_same_alone_and_among_any_number(cousins):
+    """With what was seen known and not: the draw among near matches must not depend on how many cousins there are."""
+    picture = np.random.default_rng(1).integers(0, 255, (60, 90, 3)).astype(np.uint8)
+    look = tuple(map(int, descriptors.of_picture(picture)))
+    seen = [dataclasses.replace(node, descriptor=look) for node in THINGS[:2]]
+    walk = dataclasses.replace(WALK, descriptor=looks.own_ground_descriptor("sidewalk/flags_buff"))
+    graph = street(
+        *seen, *THINGS[2:], ground=(ROAD, walk), sky_descriptor=looks.own_sky_descriptor("autumn_noon-overcast")
+    )
+    described = materialise_cousins(graph, 7, seed=3, objects=few_objects())
+    for k in (0, 3, 6):
+        assert materialise_cousin(graph, k, 3, objects=few_objects()).layout == described[k].layout
+    for k in (1, 4):
+        assert materialise_cousin(street(*THINGS), k, 3, objects=few_objects()).layout == cousins[k].layout
+    assert materialise_cousins(graph, 2, seed=3, objects=few_objects())[1].layout == described[1].layout
+
+
+def test_mass_grows_with_the_volume_factor_and_friction_comes_from_the_record(cousins):
+    for cousin in cousins:
+        for placed in cousin.layout.objects:
+            asset = cousin.chosen[placed.id].record
+            assert placed.mass == pytest.approx(asset.mass * math.prod(placed.scale), abs=1e-3)
+            assert placed.friction == asset.friction_coefficient
+            assert placed.movable == asset.movable
+            assert placed.category == asset.leaf
+            assert category_of(placed.category) == asset.category
+
+
+def test_feet_near_the_ground_are_put_onto_it_and_hanging_things_stay():
+    ramp = GroundRegion("ramp", "sidewalk", ((0, 0), (2, 0), (2, 1.5), (0, 1.5)), (0.0, 0.1, 0.0))
+    sunk = GraphObject("sunk", "bollard", (1.0, 1.0, 0.3), (0.2, 0.2, 0.95), 0.0)
+    hung = GraphObject("hung", "directional sign", (1.0, 0.5, 4.0), (0.15, 1.0, 2.6), 0.0)
+    placed = materialise_cousin(street(sunk, hung, ground=(ramp,)), objects=few_objects()).layout.objects
+    assert placed[0].position[2] == pytest.approx(0.1)
+    assert placed[1].position[2] == pytest.approx(4.0 - 1.3)
+
+
+def test_a_label_without_an_asset_is_named_with_the_object_and_the_nearest_leaves():
+    check_labels(street(*THINGS), few_objects())
+    with pytest.raises(NounError) as caught:
+        check_labels(street(*THINGS, thing("o7", "zqxv", 0, 0)), few_objects())
+    message = str(caught.value)
+    assert "object 'o7'.label: found 'zqxv'" in message
+    assert "--skip-unknown" in message
+    assert message.count("'") >= 10, "three leaves are named"
+    with pytest.raises(NounError, match=r"'walk_2'\.label: found 'sidewalk' \('sidewalk' is ground"):
+        check_labels(street(thing("walk_2", "sidewalk", 0, 0)), few_objects())
 
 
 def test_cousins_keep_places_headings_and_affordances_and_differ_in_looks_and_physics(cousins):
@@ -193,3 +244,45 @@ def test_bad_numbers_are_refused():
     for count, seed, kerb in ((0, 0, 0.15), (65, 0, 0.15), (1, -1, 0.15), (1, 0, -0.1)):
         with pytest.raises(NounError):
             materialise_cousins(street(), count, seed, kerb, few_objects())
+    for number in (-1, 64, 0.5, True):
+        with pytest.raises(NounError):
+            materialise_cousin(street(), number, objects=few_objects())
+
+
+def test_one_material_per_kind_except_that_separate_pavements_may_differ():
+    graph = SceneGraph.load(settings.scene_root() / "commercial_cafes" / "graph.json")
+    sides = set()
+    for seed in range(6):
+        layout = materialise_cousin(dataclasses.replace(graph, objects=()), 0, seed, objects=few_objects()).layout
+        by_kind: dict[str, set[str]] = {}
+        for region in layout.ground:
+            by_kind.setdefault(region.kind, set()).add(region.material)
+        assert all(len(found) == 1 for kind, found in by_kind.items() if kind != "sidewalk")
+        left = {r.material for r in layout.ground if r.id.startswith("left_") and r.kind == "sidewalk"}
+        assert len(left) == 1
+        sides.add(len(by_kind["sidewalk"]))
+        assert [(r.id, r.polygon, r.plane) for r in layout.ground] == [(r.id, r.polygon, r.plane) for r in graph.ground]
+    assert max(sides) > 1
+
+
+def test_named_materials_lie_side_by_side():
+    """Touching regions wear the materials whose own descriptors they have; the rest of the piece joins the first."""
+
+    def square(name: str, kind: str, x: float, descriptor: tuple[int, ...] | None) -> GroundRegion:
+        return GroundRegion(name, kind, ((x, 0), (x + 2, 0), (x + 2, 2), (x, 2)), (0.0, 0.0, 0.0), descriptor)
+
+    flags, brick = (looks.own_ground_descriptor(f"sidewalk/{n}") for n in ("flags_buff", "brick_charcoal"))
+    grass, gravel = (looks.ground_descriptor(build_material(n).texture) for n in ("grass", "gravel"))
+    ground = (
+        square("a", "sidewalk", 0, flags),
+        square("b", "sidewalk", 2, brick),
+        square("c", "sidewalk", 4, None),
+        square("d", "ground", 6, grass),
+        square("e", "ground", 8, gravel),
+    )
+    layout = materialise_cousin(street(ground=ground), objects=few_objects()).layout
+    wanted = ["sidewalk/flags_buff", "sidewalk/brick_charcoal", "sidewalk/flags_buff", "grass", "gravel"]
+    assert [g.material for g in layout.ground] == wanted
+    blurred = dataclasses.replace(ground[1], descriptor=(brick[0] + 1, *brick[1:]))
+    mixed = materialise_cousin(street(ground=(ground[0], blurred, *ground[2:])), objects=few_objects()).layout
+    assert len({g.material for g in mixed.ground if g.kind == "sidewalk"}) == 1

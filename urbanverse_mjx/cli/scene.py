@@ -26,7 +26,7 @@ class CompileArgs:
     seed: int = 0
     """Chooses among equally good assets, materials and skies, and the episodes."""
     cousin: int = 0
-    """Number of the digital cousin."""
+    """Number of the digital cousin, from 0: the same as of `urbanverse gen` and of the scene library."""
     half: int = 0
     """1 or 2: that half of the street alone, cut across its middle; 0: all of it."""
     skip_unknown: bool = False
@@ -104,11 +104,11 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _compile(args: CompileArgs) -> int:
-    materialised, compiled = pipeline.compile_graph(
+    cousin, compiled = pipeline.compile_graph(
         args.graph, args.out, args.seed, args.cousin, args.skip_unknown, args.half
     )
-    for name, label in materialised.skipped:
-        sys.stderr.write(f"left out {name!r}: no asset for the label {label!r}\n")
+    for gone in cousin.left_out:
+        sys.stderr.write(f"left out {gone.id!r}, because {gone.reason}\n")
     print(json.dumps({"folder": str(args.out), "id": compiled.layout.id, **compiled.metadata["counts"]}))
     return 0
 

@@ -1,7 +1,6 @@
 """From what a street holds to what stands where: assets, materials, a sky, and no two things in one place."""
 
-from .cousins import Cousin, index_of, materialise_cousins
-from .materialise import Materialisation, materialise
+from .cousins import Cousin, check_labels, index_of, materialise_cousin, materialise_cousins
 from .shortlists import LeftOut
 
-__all__ = ["Cousin", "LeftOut", "Materialisation", "index_of", "materialise", "materialise_cousins"]
+__all__ = ["Cousin", "LeftOut", "check_labels", "index_of", "materialise_cousin", "materialise_cousins"]

@@ -1,17 +1,15 @@
-"""Choosing an asset for a box, and how to scale it: pure functions of the box, the records and a seed."""
+"""Drawing among what fits, and scaling an asset to a box: pure functions of their arguments and a seed."""
 
-import dataclasses
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-from ..datatypes import AssetRecord, GraphObject
+from ..datatypes import AssetRecord
 
 Vector = tuple[float, float, float]
 
-#: Records whose distortion is within this of the best are equally good: the seed chooses among them. A side that is
-#: off by 5 % costs 0.05.
-NEAR_TIE = 0.05
+#: Cousins that are drawn together, and how many entries of a ranking a seed chooses among for each of them.
+BATCH, POOL_PER_COUSIN = 5, 2
 #: How far an asset is scaled as a whole, and how far one axis may leave the others before people and chairs look wrong.
 SCALE = (0.8, 1.25)
 STRETCH = (0.92, 1.09)
@@ -20,28 +18,30 @@ SCALE_OF_FRONTS = (0.4, 2.5)
 FRONTS = ("fence", "guard rail", "wall", "awning")
 
 
-@dataclasses.dataclass(frozen=True)
-class Choice:
-    """An asset for an object: scale per asset axis; distortion in log units, 0 = same proportions and size."""
-
-    record: AssetRecord
-    scale: Vector
-    distortion: float
-
-
 def pick(options: int, *key: object) -> int:
     """A number in [0, options) that depends on the key alone: the same on every machine, unrelated between keys."""
     digest = hashlib.sha256("\x1f".join(str(k) for k in key).encode("utf-8")).digest()
     return int.from_bytes(digest[:8], "big") % options
 
 
-def distortion(size: Vector, record: AssetRecord) -> float:
-    """Root of the summed squared log ratios of the sorted ground sides and of the height.
+def one_each[T](ranking: Sequence[T], ranked: bool, count: int, draw: Callable[[T], int]) -> list[T]:
+    """`count` entries for as many cousins, all different while there are enough.
 
-    Ground sides are compared longer with longer, because a detector may turn a box by a quarter.
+    The entry of a cousin does not depend on how many are asked for: `BATCH` of them are drawn at a time, of which the
+    first batch chooses among the best entries, the next among as many more, and so on.
+
+    Args:
+      ranking: at least one entry, best first.
+      ranked: whether the order says how well an entry fits: then the first cousin gets the best. Otherwise all fit
+        equally well, and every one is drawn.
+      draw: number of an entry; the smallest are drawn first.
     """
-    pairs = ((max(size[:2]), record.length), (min(size[:2]), record.width), (size[2], record.height))
-    return math.sqrt(sum(math.log(a / b) ** 2 for a, b in pairs))
+    drawn = [0] if ranked else []
+    for first in range(0, count, BATCH):
+        among = range(min(POOL_PER_COUSIN * (first + BATCH), len(ranking)) if ranked else len(ranking))
+        free = sorted(set(among) - set(drawn), key=lambda place: (draw(ranking[place]), place))
+        drawn += free[: first + BATCH - len(drawn)]
+    return [ranking[drawn[k % len(drawn)]] for k in range(count)]
 
 
 def is_front(record: AssetRecord) -> bool:
@@ -59,11 +59,3 @@ def scale_to(size: Vector, record: AssetRecord) -> Vector:
     whole = min(max(math.prod(ratios) ** (1 / 3), SCALE[0]), SCALE[1])
     parts = (whole * min(max(r / whole, STRETCH[0]), STRETCH[1]) for r in ratios)
     return tuple(round(min(max(p, SCALE[0]), SCALE[1]), 4) for p in parts)  # type: ignore[return-value]
-
-
-def choose(thing: GraphObject, records: Sequence[AssetRecord], seed: int, cousin: int) -> Choice:
-    """The record whose box is least distorted; among near ties (and only there) seed and cousin decide."""
-    ranked = sorted(((distortion(thing.size, r), r.uid, r) for r in records), key=lambda entry: entry[:2])
-    ties = [entry for entry in ranked if entry[0] <= ranked[0][0] + NEAR_TIE]
-    value, _, record = ties[pick(len(ties), "asset", seed, cousin, thing.id)]
-    return Choice(record, scale_to(thing.size, record), value)

@@ -15,7 +15,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from .. import versions
-from ..assets import AssetIndex, load_hulls
+from ..assets import AssetIndex, load_hulls, nearest_leaves
 from ..assets.categories.ontology import category_of
 from ..assets.categories.priors import prior
 from ..assets.records.store import catalogue_hash, recorded_content
@@ -28,6 +28,8 @@ from .shortlists import Candidate, LeftOut
 
 #: Stands in the hashes of layouts.
 VERSION = f"cousins {versions.CODE['cousins'].version}"
+#: Cousins of a graph at most: what the authors released of one tour.
+MOST = 64
 #: How `Source.video` begins in graphs that were composed, not filmed: the tour in them is a plan. Tours filmed through
 #: blocks of our own say "synthetic tour of ...".
 COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")
@@ -65,11 +67,11 @@ def materialise_cousins(
     objects: ObjectLibrary | None = None,
     hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
 ) -> list[Cousin]:
-    """k cousins of a graph; the same inputs give the same layouts.
+    """The first cousins of a graph; the same inputs give the same layouts, and more of them begin with the same ones.
 
     Args:
       graph: what the scene holds; descriptors, where it has them, choose looks (see `describe`).
-      count: cousins, 1 to 64 (the most that the authors released of one tour).
+      count: cousins, 1 to `MOST`.
       seed: chooses among what fits equally well.
       kerb: m, of sidewalks whose step to the road the graph does not show; 0 leaves them.
       objects: the catalogue; default: the packaged one.
@@ -78,7 +80,58 @@ def materialise_cousins(
     Raises:
       NounError: a seed, count or kerb out of range.
     """
-    v.integer(count, "cousins", 1, 64)
+    v.integer(count, "cousins", 1, MOST)
+    return _materialise(graph, range(count), seed, kerb, objects, hulls_of)
+
+
+def materialise_cousin(
+    graph: SceneGraph,
+    cousin: int = 0,
+    seed: int = 0,
+    kerb: float = kerbs.KERB,
+    objects: ObjectLibrary | None = None,
+    hulls_of: Callable[[AssetRecord], HullSet] = load_hulls,
+) -> Cousin:
+    """One cousin of a graph, the same as in `materialise_cousins` at that place.
+
+    Args:
+      cousin: its number, from 0. The others: see `materialise_cousins`.
+
+    Raises:
+      NounError: a cousin, seed or kerb out of range.
+    """
+    v.integer(cousin, "cousin", 0, MOST - 1)
+    return _materialise(graph, (cousin,), seed, kerb, objects, hulls_of)[0]
+
+
+def check_labels(graph: SceneGraph, objects: ObjectLibrary | None = None) -> None:
+    """Whether an asset can stand for every object of a graph; `materialise_cousins` leaves the others out.
+
+    Raises:
+      NounError: names the first object that has none, the reason, and the three nearest leaves.
+    """
+    _, unknown = _leaves(graph.objects, _matcher(objects or library()))
+    if unknown:
+        first = unknown[0]
+        nearest = ", ".join(repr(leaf) for leaf in nearest_leaves(first.label))
+        raise v.fail(
+            f"object {first.id!r}.label",
+            f"{v.show(first.label)} ({first.reason})",
+            f"a label that an asset is known for, such as the nearest {nearest}",
+            "correct the label, or leave such objects out with --skip-unknown",
+        )
+
+
+def _materialise(
+    graph: SceneGraph,
+    numbers: Sequence[int],
+    seed: int,
+    kerb: float,
+    objects: ObjectLibrary | None,
+    hulls_of: Callable[[AssetRecord], HullSet],
+) -> list[Cousin]:
+    """Cousins by their numbers; what does not depend on the cousin is done once."""
+    count = numbers[-1] + 1
     v.integer(seed, "seed", 0)
     v.number(kerb, "kerb", 0.0, 1.0)
     objects = objects or library()
@@ -108,7 +161,7 @@ def materialise_cousins(
     things = {thing.id: thing for thing in known}
     floors = [_floor_of(thing, support) for thing in known]
     cousins = []
-    for k in range(count):
+    for k in numbers:
         chosen = {thing.id: drawn[thing.id][k] for thing in known}
         bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
         cleared = clearing.clear(bodies, support, things)

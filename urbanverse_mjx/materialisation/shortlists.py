@@ -13,14 +13,15 @@ from ..assets.categories.semantics import rank_leaves
 from ..assets.selection.matching import Match, Matcher
 from ..assets.selection.search import ObjectLibrary
 from ..datatypes import AssetRecord, GraphObject, NounError
-from .choice import Vector, pick
+from . import choice
+from .choice import Vector
 
 #: Distortion above the least one's (mean |log| of a side) up to which a box fits as well: scaling takes it away.
 SLACK = 0.08
 #: Distortion that turning an asset by a quarter must save; a bench of 0.65 x 1.8 m saves 0.68.
 TURN_GAIN = 0.2
-#: How many matches are looked at, and how many a seed chooses among for each cousin wanted.
-DEPTH, POOL_PER_COUSIN = 40, 2
+#: How many matches are looked at.
+DEPTH = 40
 #: What stands alone in its looks; all else comes in series (lamps, bollards, chairs of one cafe) and looks alike where
 #: boxes and descriptors do.
 SINGLES = frozenset({"street user", "vehicle", "building"})
@@ -148,11 +149,7 @@ def one_each(candidates: Sequence[Candidate], count: int, seed: int, key: str) -
     """
     known = candidates[0].match.look is not None
     pool = _other_shapes_first(candidates)
-    if known:
-        pool = pool[: max(POOL_PER_COUSIN * count, count)]
-    first, rest = (pool[:1], pool[1:]) if known else ([], pool)
-    drawn = [*first, *sorted(rest, key=lambda c: pick(2**62, "asset", seed, key, c.match.uid))]
-    return [drawn[k % len(drawn)] for k in range(count)]
+    return choice.one_each(pool, known, count, lambda c: choice.pick(2**62, "asset", seed, key, c.match.uid))
 
 
 def _other_shapes_first(candidates: Sequence[Candidate]) -> list[Candidate]:

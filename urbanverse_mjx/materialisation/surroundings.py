@@ -14,8 +14,7 @@ from ..assets.appearances.ground_materials import build_material, material_ids
 from ..assets.appearances.grounds import ground_records
 from ..assets.appearances.sky_maps import sky_records
 from ..datatypes import GroundRegion, PlacedGround, SceneGraph
-from .choice import pick
-from .shortlists import POOL_PER_COUSIN
+from .choice import one_each, pick
 
 #: Kinds that the large collection has materials for; the others have a few of their own.
 COLLECTED = ("road", "sidewalk")
@@ -136,10 +135,7 @@ def skies(graph: SceneGraph, count: int, seed: int) -> list[Look]:
 def _one_each(ranked: Sequence[Look], count: int, seed: int, key: str) -> list[Look]:
     """As `shortlists.one_each`: the best first where something was seen, the others drawn among the next."""
     known = ranked[0].distance is not None
-    pool = list(ranked[: POOL_PER_COUSIN * count] if known else ranked)
-    first, rest = (pool[:1], pool[1:]) if known else ([], pool)
-    drawn = [*first, *sorted(rest, key=lambda look: pick(2**62, "look", seed, key, look.uid))]
-    return [drawn[k % len(drawn)] for k in range(count)]
+    return one_each(ranked, known, count, lambda look: pick(2**62, "look", seed, key, look.uid))
 
 
 def identity(graph: SceneGraph, cousin: int, seed: int) -> dict[str, Any]:

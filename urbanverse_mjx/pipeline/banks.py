@@ -35,8 +35,10 @@ def build_bank(
     from rich.console import Console
     from rich.progress import Progress
 
+    from ..assets.records.store import ensure_store
     from ..scene import pack_bank
 
+    ensure_store()
     wanted = [(pathlib.Path(graph), cousin) for graph in graphs for cousin in range(cousins)]
     with (
         work_folder("urbanverse-scenes-") as work,

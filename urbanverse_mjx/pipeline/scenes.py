@@ -13,7 +13,7 @@ from ..datatypes import validation as v
 if TYPE_CHECKING:
     from ..assets import AssetIndex
     from ..datatypes import SceneLayout, Source
-    from ..materialisation import Materialisation
+    from ..materialisation import Cousin
     from ..scene import CompiledScene, Driver, EpisodeRules
 
 
@@ -24,14 +24,17 @@ def compile_graph(
     cousin: int = 0,
     skip_unknown: bool = False,
     half: int = 0,
-) -> "tuple[Materialisation, CompiledScene]":
-    """Reads, materialises and compiles one graph or (1, 2) a half of it; COCO with the differential drive drives it.
+) -> "tuple[Cousin, CompiledScene]":
+    """Reads a graph, materialises one cousin of it and compiles that; COCO with the differential drive drives it.
+
+    The layout is the one that `generate` and the scene library make of the same graph, seed and cousin. What does not
+    stay for two seconds of C MuJoCo is fixed, as there.
 
     Args:
       graph: graph.json.
       out: folder to write; an older compiled scene there is replaced once the new one is whole.
       seed: chooses among equally good assets, materials and skies, and the episodes.
-      cousin: number of the digital cousin.
+      cousin: number of the digital cousin, 0 to 63.
       skip_unknown: leave out objects whose label no asset is known for instead of refusing the graph.
       half: 1 or 2 for that half of the street alone, cut across its middle; 0 for all of it.
 
@@ -46,14 +49,14 @@ def compile_graph(
     check_out_dir(out)
     scene = SceneGraph.load(graph)
     check_regions(scene.ground)
-    from ..assets import load_index
-    from ..materialisation import materialise
+    from ..materialisation import check_labels, index_of, materialise_cousin
     from ..scene.halves import half_layouts
 
-    index = load_index()
-    materialised = materialise(scene, index, seed, cousin, skip_unknown)
-    layout = half_layouts(materialised.layout)[half - 1] if half else materialised.layout
-    return materialised, compile_layout(layout, index, out, place=scene.source)
+    if not skip_unknown:
+        check_labels(scene)
+    made = materialise_cousin(scene, cousin, seed)
+    layout = half_layouts(made.layout)[half - 1] if half else made.layout
+    return made, compile_layout(layout, index_of(layout), out, fix_fallers=True, place=scene.source)
 
 
 def compile_layout(

@@ -70,14 +70,17 @@ def load_store(path: str | os.PathLike[str] | None = None) -> pa.Table:
     """
     if path is not None:
         return _load_cached(pathlib.Path(path))
+    try:
+        return _load_cached(ensure_store())
+    except NounError as error:
+        discard(store_path(), str(error))
+    return _load_cached(ensure_store())
+
+
+def ensure_store() -> pathlib.Path:
+    """The file of today's catalogue, made first where there is none; to be called before several processes load it."""
     path = store_path()
-    if path.is_file():
-        try:
-            return _load_cached(path)
-        except NounError as error:
-            discard(path, str(error))
-    build_store(show_progress=sys.stderr.isatty())
-    return _load_cached(path)
+    return path if path.is_file() else build_store(show_progress=sys.stderr.isatty())
 
 
 @functools.lru_cache(maxsize=2)

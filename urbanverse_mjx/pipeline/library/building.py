@@ -188,12 +188,15 @@ def build_set(
     Returns:
       record of every scene by id, in the set's order, and the layouts that failed.
     """
+    from ...assets.records.store import ensure_store
+
     scenes = library.scene_set(name)
     wanted = [layout for layout in layouts_of(scenes) if only in layout]
     if not wanted:
         raise v.fail("--only", v.show(only), f"a part of a layout's id of {name}", "leave it out")
     records: dict[str, dict[str, Any]] = {}
     failures = []
+    ensure_store()
     built = results_as_completed(_built, [(name, layout) for layout in wanted], workers)
     for number, (task, result) in enumerate(built, 1):
         if isinstance(result, Failure):
