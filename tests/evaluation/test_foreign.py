@@ -2,7 +2,6 @@
 
 import dataclasses
 import pathlib
-import sys
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,9 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import BenchmarkReport, NounError, SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal
-from urbanverse_mjx.evaluation.foreign import load_callable, load_onnx
+from urbanverse_mjx.evaluation.foreign import load_callable
 from urbanverse_mjx.evaluation.frozen import freeze
+from urbanverse_mjx.evaluation.onnx_policy import load_onnx
 from urbanverse_mjx.pipeline import BenchmarkOptions, benchmark
 
 
@@ -25,8 +25,13 @@ class Remembering:
 
     def __init__(self) -> None:
         self.asked = 0
+        self.begun: list[int] = []
+
+    def begin(self, count: int) -> None:
+        self.begun.append(count)
 
     def __call__(self, obs: dict[str, np.ndarray]) -> np.ndarray:
+        assert self.begun
         self.asked += 1
         return obs["goal"] / np.maximum(np.linalg.norm(obs["goal"], axis=1, keepdims=True), 1e-6)
 
@@ -71,6 +76,7 @@ def test_a_callable_drives_as_the_same_rule_inside_jax(small_bank: SceneBank) ->
     for a, b in zip(outside, inside, strict=True):
         assert (a.result, a.steps, a.touches) == (b.result, b.steps, b.touches)
         assert a.path_length == pytest.approx(b.path_length, abs=0.02)
+    assert policy.agent.begun == [6]  # type: ignore[attr-defined]
     assert policy.agent.asked == len(ways.xpos) == max(r.steps for r in outside)  # type: ignore[attr-defined]
 
 
@@ -134,20 +140,7 @@ def test_the_report_says_where_a_policy_was_told_more_than_its_sensors_measure(
     assert ("privileged: true" in page) is asked
 
 
-def test_without_onnxruntime_the_package_to_install_is_named(
-    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "policy.onnx"
-    with pytest.raises(NounError, match="found no file"):
-        load_onnx(path)
-    path.write_bytes(linear_policy(np.eye(2)))
-    monkeypatch.setitem(sys.modules, "onnxruntime", None)
-    with pytest.raises(NounError, match=r'policy.onnx: found no package .*pip install "urbanverse_mjx\[onnx\]"'):
-        load_onnx(path)
-
-
 def test_an_onnx_file_answers_as_its_weights_say(tmp_path: pathlib.Path) -> None:
-    pytest.importorskip("onnxruntime")
     weights = np.array([[0.5, 0.1], [0.0, -1.0]])
     goal = np.random.default_rng(0).normal(size=(4, 2)).astype(np.float32)
     for batch in ("n", 1):
@@ -156,13 +149,14 @@ def test_an_onnx_file_answers_as_its_weights_say(tmp_path: pathlib.Path) -> None
         policy = load_onnx(path)
         assert not policy.sees
         np.testing.assert_allclose(policy.agent({"goal": goal}), goal @ weights, rtol=1e-5, atol=1e-6)
+    with pytest.raises(NounError, match="found no file"):
+        load_onnx(tmp_path / "absent.onnx")
     path.write_bytes(b"no model")
     with pytest.raises(NounError, match="that onnxruntime cannot load"):
         load_onnx(path)
 
 
 def test_an_onnx_file_sees_pictures_as_it_wants_them(tmp_path: pathlib.Path) -> None:
-    pytest.importorskip("onnxruntime")
     path = tmp_path / "seeing.onnx"
     path.write_bytes(linear_policy(np.zeros((2, 2)), picture=("n", 3, 12, 16)))
     policy = load_onnx(path)

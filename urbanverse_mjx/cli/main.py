@@ -22,6 +22,7 @@ COMMANDS = {
     "benchmark": ("benchmark", "score a policy on a frozen benchmark"),
     "play": ("play", "drive one episode and write it as a video"),
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
+    "export-onnx": ("export_onnx", "write a trained policy as an ONNX file, with how it is driven in its metadata"),
     "export-gait": ("export_gait", "write a trained gait as one small file"),
     "gen": ("gen", "digital cousins of a tour: scene graph, assets, compiled scenes, report"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),

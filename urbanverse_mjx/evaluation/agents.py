@@ -41,6 +41,19 @@ class Recurrent(Protocol):
         ...
 
 
+@runtime_checkable
+class Beginning(Protocol):
+    """A `BatchAgent` that is told when episodes begin, to forget the ones before."""
+
+    def begin(self, count: int) -> None:
+        """`count` episodes begin together."""
+        ...
+
+    def __call__(self, obs: Mapping[str, np.ndarray], /) -> np.ndarray:
+        """Actions (n, 2)."""
+        ...
+
+
 def zero(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     """Stands still."""
     del obs, key

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..datatypes import RESULTS, AgentMotion, EpisodeResult, NounError
 from ..envs import NavEnv, NavState
-from .agents import Agent, BatchAgent, Privileged, Recurrent
+from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent
 from .people import counted, no_people, people_fields
 
 
@@ -159,6 +159,8 @@ class Rollout:
         observe, places = jax.jit(jax.vmap(self.env.observe)), jax.jit(self._places)
         advance = jax.jit(jax.vmap(self._advance))
         seen = []
+        if isinstance(agent, Beginning):
+            agent.begin(len(episodes))
         for step in range(self.env.config.episode_length):
             action = np.asarray(agent(jax.tree.map(np.asarray, observe(nav))))
             if action.shape != (len(episodes), self.env.action_size) or not np.isfinite(action).all():

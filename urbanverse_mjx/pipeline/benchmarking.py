@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import time
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from .. import settings
@@ -144,7 +145,6 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
     """The environment, the driver, whether it is asked outside JAX, its name, and what is recorded of it."""
     from ..envs import registry
     from ..evaluation.agents import BASELINES
-    from ..evaluation.foreign import load_callable, load_onnx
     from ..evaluation.planner import Planner
 
     name, path = options.policy, pathlib.Path(options.policy)
@@ -154,31 +154,56 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
         driver = Planner(env) if name == "planner" else BASELINES[name]
         return env, driver, False, name, {"name": name, "privileged": name == "planner"}
     if name.endswith(".onnx") or (":" in name and not path.exists()):
-        policy = load_onnx(path) if name.endswith(".onnx") else load_callable(name)
-        config = _config(options, runs, contact, policy.sees, policy.size)
-        env = registry.load_nav_env(options.env_name or "CocoNav", config, runs.bank)
-        where = {"name": name, "privileged": policy.privileged, "observations": list(policy.observations)}
-        return env, policy, True, path.stem if name.endswith(".onnx") else name, where
+        return _prepare_foreign(options, runs, contact)
     if not path.is_dir():
         known = ", ".join((*BASELINES, "planner"))
         raise NounError(
             f"--policy: found {name!r}, needed one of {known}, a policy folder, module:callable or a .onnx file."
         )
-    from ml_collections import ConfigDict
-
     from ..training.policy import latest_policy, load_policy
 
     folder = latest_policy(path)
     act, spec = load_policy(folder)
-    environment = options.env_name or spec.environment
-    trained = ConfigDict(spec.env_config)
-    if environment != spec.environment:
-        trained = registry.same_task(trained, environment)
     sees = any(k.startswith("pixels/") for k in spec.observations)
-    config = _config(options, runs, contact, sees, trained=trained.to_dict(), environment=environment)
-    env = registry.load_nav_env(environment, config, runs.bank)
+    env = _trained_env(options, runs, contact, sees, spec.environment, spec.env_config)
     where = {"name": str(options.policy), "privileged": False, "steps": spec.steps, "versions": spec.versions}
     return env, act, False, folder.name, where
+
+
+def _prepare_foreign(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
+    """`_prepare` for an ONNX file or a Python callable."""
+    from ..envs import registry
+    from ..evaluation.foreign import PROPRIO, load_callable
+    from ..evaluation.onnx_policy import load_onnx
+
+    name, path = options.policy, pathlib.Path(options.policy)
+    policy = load_onnx(path) if name.endswith(".onnx") else load_callable(name)
+    where = {"name": name, "privileged": policy.privileged, "observations": list(policy.observations)}
+    if policy.record is not None:
+        record = policy.record
+        where |= {"steps": record.steps, "versions": dict(record.versions)}
+        env = _trained_env(options, runs, contact, policy.sees, record.environment, record.env_config)
+    else:
+        config = _config(options, runs, contact, policy.sees, policy.size)
+        if PROPRIO in policy.observations:
+            config = registry.with_overrides(config, {"observations.proprio": True})
+        env = registry.load_nav_env(options.env_name or "CocoNav", config, runs.bank)
+    return env, policy, True, path.stem if name.endswith(".onnx") else name, where
+
+
+def _trained_env(
+    options: BenchmarkOptions, runs: Any, contact: str, sees: bool, environment: str, trained: Mapping[str, Any]
+) -> Any:
+    """The benchmark's task as a policy was trained to see it, by its own robot or by that of `options.env_name`."""
+    from ml_collections import ConfigDict
+
+    from ..envs import registry
+
+    chosen, own = options.env_name or environment, ConfigDict(dict(trained))
+    if chosen != environment:
+        own = registry.same_task(own, chosen)
+    config = _config(options, runs, contact, sees, trained=own.to_dict(), environment=chosen)
+    return registry.load_nav_env(chosen, config, runs.bank)
 
 
 #: s, longest episode (paper: a fixed horizon of 60 s).

@@ -91,7 +91,8 @@ class Encoder(nn.Module):
 
 def goal_features(goal: jax.Array) -> jax.Array:
     """(..., 2) goal in the heading frame (m) -> (..., 5): in units of 10 m, direction, and 1 m nearness."""
-    distance = jnp.linalg.norm(goal, axis=-1, keepdims=True)
+    # What `jnp.linalg.norm` computes, in operations that ONNX has.
+    distance = jnp.sqrt((goal * goal).sum(-1, keepdims=True))
     direction = goal / jnp.maximum(distance, 1e-3)
     return jnp.concatenate([goal / 10.0, direction, jnp.exp(-distance)], axis=-1)
 

@@ -39,6 +39,7 @@ class Student(nn.Module):
       layers: (depth, kernel, stride) of the conv layers. hidden: units of the dense layers.
       memory: units of the GRU; 0 = none.
       dtype: of the convolutions' arithmetic.
+      single_step: sequences have one step, so nothing is scanned: ONNX has no scan over a batch of unknown size.
     """
 
     layers: Sequence[tuple[int, int, int]]
@@ -47,6 +48,7 @@ class Student(nn.Module):
     memory: int = 256
     dtype: Any = jnp.float32
     convolution: str = "auto"
+    single_step: bool = False
 
     @nn.compact
     def __call__(
@@ -66,7 +68,10 @@ class Student(nn.Module):
         seen = nn.LayerNorm(name="seen_norm")(nn.Dense(self.hidden, name="seen")(seen))
         x = jnp.concatenate([nn.elu(seen), goal_features(obs["goal"]), obs["proprio"]], axis=-1)
         x = nn.elu(nn.Dense(self.hidden, name="joint")(x))
-        if self.memory:
+        if self.memory and self.single_step:
+            memory, kept = _Memory(self.memory, name="memory")(memory, (x[0], begins[0]))
+            x = jnp.concatenate([x, kept[None]], axis=-1)
+        elif self.memory:
             scan = nn.scan(_Memory, variable_broadcast="params", split_rngs={"params": False}, in_axes=0, out_axes=0)
             memory, kept = scan(self.memory, name="memory")(memory, (x, begins))
             x = jnp.concatenate([x, kept], axis=-1)

@@ -1,0 +1,90 @@
+"""What a policy file (ONNX) says about itself: `PolicyRecord`, JSON under `METADATA_KEY` in the file's metadata."""
+
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from . import validation as v
+
+SCHEMA = "urbanverse.onnx/1"
+#: Key of the record among an ONNX file's metadata.
+METADATA_KEY = "urbanverse"
+#: What the name of an input gets in front of it to name the output that is fed back to it at the next step.
+NEXT = "next_"
+#: Length of the first axis, which counts robots, in `TensorRecord.shape`.
+BATCH = "n"
+
+
+@dataclasses.dataclass(frozen=True)
+class TensorRecord:
+    """One input or output.
+
+    Attributes:
+      name: in the file. shape: axes, the first one `BATCH`. dtype: "uint8" or "float32".
+      unit: of its numbers, SI or "1". meaning: what they are.
+      normalisation: what the caller must do to the numbers, or that nothing is to be done.
+    """
+
+    name: str
+    shape: tuple[int | str, ...]
+    dtype: str
+    unit: str
+    meaning: str
+    normalisation: str
+
+    @staticmethod
+    def from_json(value: Any, where: str) -> "TensorRecord":
+        m = v.mapping(value, where, [f.name for f in dataclasses.fields(TensorRecord)])
+        return TensorRecord(**{**m, "shape": tuple(m["shape"])})
+
+
+@dataclasses.dataclass(frozen=True)
+class PolicyRecord:
+    """How a policy file is driven.
+
+    Attributes:
+      inputs, outputs: in the file's order. An input X with an output `next_`X is memory: zeros when an episode begins,
+        then what the step before answered.
+      rate_hz: control steps per second.
+      environment, env_config: the task it was trained for, as `registry.load` takes it.
+      steps: env-steps of its training. versions: of the packages that trained it.
+      largest_difference: of its outputs from JAX's at export; observations: over how many.
+    """
+
+    inputs: tuple[TensorRecord, ...]
+    outputs: tuple[TensorRecord, ...]
+    rate_hz: float
+    environment: str
+    env_config: Mapping[str, Any]
+    steps: int
+    versions: Mapping[str, str]
+    largest_difference: float = 0.0
+    observations: int = 0
+
+    def to_json(self) -> str:
+        return json.dumps({"schema": SCHEMA, **dataclasses.asdict(self)}, ensure_ascii=False)
+
+    @staticmethod
+    def from_json(text: str, where: str) -> "PolicyRecord":
+        """The record in a file's metadata.
+
+        Raises:
+          NounError: no JSON, fields that are missing or unknown, or another schema.
+        """
+        try:
+            body = json.loads(text)
+        except ValueError as error:
+            raise v.fail(
+                where, f"metadata that is no JSON ({error})", "what `urbanverse export-onnx` writes"
+            ) from error
+        m = dict(v.mapping(body, where, ["schema", *(f.name for f in dataclasses.fields(PolicyRecord))]))
+        v.choice(m.pop("schema"), f"{where}: schema", (SCHEMA,))
+        for side in ("inputs", "outputs"):
+            m[side] = tuple(TensorRecord.from_json(t, f"{where}: {side}") for t in v.items(m[side], f"{where}: {side}"))
+        return PolicyRecord(**m)
+
+
+def memories(inputs: Sequence[str], outputs: Sequence[str]) -> tuple[str, ...]:
+    """Names of the inputs that an output is fed back to."""
+    return tuple(name for name in inputs if NEXT + name in outputs)
