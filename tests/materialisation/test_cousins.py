@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -244,7 +245,8 @@ def test_bad_numbers_are_refused():
     for count, seed, kerb in ((0, 0, 0.15), (65, 0, 0.15), (1, -1, 0.15), (1, 0, -0.1)):
         with pytest.raises(NounError):
             materialise_cousins(street(), count, seed, kerb, few_objects())
-    for number in (-1, 64, 0.5, True):
+    wrong: tuple[Any, ...] = (-1, 64, 0.5, True)
+    for number in wrong:
         with pytest.raises(NounError):
             materialise_cousin(street(), number, objects=few_objects())
 
