@@ -2,8 +2,10 @@
 
 import json
 import re
+from collections.abc import Mapping
 from typing import Annotated, Any
 
+import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
 from ..datatypes import NounError
@@ -40,6 +42,18 @@ def _is_size(value: Any) -> bool:
     return isinstance(value, tuple) and len(value) == 2 and all(isinstance(n, int) for n in value)
 
 
+#: Type of the option `--playground-config-overrides JSON`: flat dotted keys of the environment's config.
+EnvOverrides = Annotated[
+    Mapping[str, Any],
+    tyro.conf.arg(name="playground-config-overrides"),
+    PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="JSON",
+        instance_from_str=lambda words: json_object(words[0], "--playground-config-overrides"),
+        is_instance=lambda value: isinstance(value, Mapping),
+        str_from_instance=lambda value: [json.dumps(dict(value))],
+    ),
+]
 #: Type of an option `--size HEIGHTxWIDTH`: (height, width) in pixels.
 ImageSize = Annotated[
     tuple[int, int],

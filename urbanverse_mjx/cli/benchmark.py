@@ -10,6 +10,7 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.benchmarking import BenchmarkOptions
+from ._options import EnvOverrides
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -20,6 +21,8 @@ class BenchmarkArgs(BenchmarkOptions):
     """autobench, craftbench, shipped, validation, or a file made by `python -m benchmarks.freeze`."""
     bank: pathlib.Path | None = None
     """The scenes; default: those that `urbanverse scene library` (shipped: `urbanverse scene bank`) built."""
+    env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
+    """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
     out: pathlib.Path | None = None
     """Folder; default: runs/NAME-POLICY."""
     quiet: bool = False

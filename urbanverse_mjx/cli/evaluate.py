@@ -11,6 +11,7 @@ import tyro
 
 from ..datatypes import NounError
 from ..datatypes import validation as v
+from ._options import EnvOverrides
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,6 +28,10 @@ class EvaluateArgs:
     """Whose robot the policy drives, e.g. Go2Nav; default: the one it was trained with, for a scripted one CocoNav."""
     preset: str = "paper"
     """Of the environment, for a scripted policy."""
+    bank: pathlib.Path | None = None
+    """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
+    env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
+    """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
     num_episodes: int = 100
     seed: int = 0
     out: pathlib.Path | None = None
@@ -39,7 +44,7 @@ class EvaluateArgs:
 def main(argv: Sequence[str]) -> int:
     """Runs `urbanverse evaluate`."""
     args = tyro.cli(EvaluateArgs, args=list(argv), prog="urbanverse evaluate")
-    from ..pipeline import ensure_default_bank
+    from ..pipeline.banks import chosen_bank
     from ..pipeline.evaluation import SCRIPTED, evaluate_policy
     from ..training.policy import latest_policy
 
@@ -54,9 +59,9 @@ def main(argv: Sequence[str]) -> int:
             f"policy: found {args.policy!r}, needed a policy or run folder, or one of {', '.join(SCRIPTED)}."
         )
     out = args.out or out
-    bank = ensure_default_bank(quiet=args.quiet)
+    bank = chosen_bank(args.bank, quiet=args.quiet)
     options = (args.num_episodes, args.seed, args.video, args.quiet, args.scenes, args.dynamic, args.env_name)
-    summary = evaluate_policy(policy, bank, out, *options, preset=args.preset)
+    summary = evaluate_policy(policy, bank, out, *options, preset=args.preset, env_overrides=args.env_overrides)
     if not args.quiet:
         print(f"report: {out / 'report.md'}", file=sys.stderr)
     print(json.dumps({**summary, "folder": str(out)}))

@@ -9,7 +9,7 @@ import tyro
 
 from .. import pipeline
 from ..pipeline.playing import PlayOptions
-from ._options import ImageSize
+from ._options import EnvOverrides, ImageSize
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -19,6 +19,8 @@ class PlayArgs(PlayOptions):
     size: ImageSize = (180, 320)
     """Of each of the two pictures, in pixels."""
     out: pathlib.Path = pathlib.Path("rollout.mp4")
+    env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
+    """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""
 
 
 def main(argv: Sequence[str]) -> int:

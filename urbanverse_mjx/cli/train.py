@@ -3,13 +3,12 @@
 import dataclasses
 import json
 from collections.abc import Sequence
-from typing import Annotated
 
 import tyro
 
 from .. import pipeline
 from ..pipeline.training_run import TrainOptions
-from ._options import json_object
+from ._options import EnvOverrides, json_object
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -29,7 +28,7 @@ class TrainArgs(TrainOptions):
     """Parallel envs; default of the preset."""
     seed: int | None = None
     """Of the networks, episodes and the evaluation's draw; default 0."""
-    env_overrides: Annotated[str, tyro.conf.arg(name="playground-config-overrides")] = "{}"
+    env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"reward_config.scales.hit": -10}'."""
     ppo_overrides: str = "{}"
     """JSON of flat dotted PPO config keys, e.g. '{"learning_rate": 1e-3}'."""
@@ -45,7 +44,7 @@ def main(argv: Sequence[str]) -> int:
     request = RunRequest(
         environment=args.env_name,
         preset=args.preset,
-        env_overrides=json_object(args.env_overrides, "--playground-config-overrides"),
+        env_overrides=args.env_overrides,
         ppo_overrides=json_object(args.ppo_overrides, "--ppo-overrides"),
         num_timesteps=args.num_timesteps,
         num_envs=args.num_envs,

@@ -85,6 +85,15 @@ def ensure_default_bank(quiet: bool = False) -> SceneBank:
     return cached_bank(settings.shipped_bank_path(), lambda: build_bank(*shipped_scenes(), quiet=quiet))
 
 
+def chosen_bank(path: str | os.PathLike[str] | None, quiet: bool = False) -> SceneBank:
+    """The bank of a file, or `ensure_default_bank` where none is named.
+
+    Raises:
+      NounError: no such file, or no bank.
+    """
+    return ensure_default_bank(quiet) if path is None else SceneBank.load(path)
+
+
 def ensure_terrain_bank() -> SceneBank:
     """The terrain that robots learn to walk on, built into the cache where it is missing or wrong."""
     return cached_bank(settings.terrain_bank_path(), build_terrain_bank)

@@ -1,6 +1,7 @@
 """A policy on a frozen benchmark: tables, results and pictures in a folder."""
 
 import dataclasses
+import json
 import os
 import pathlib
 import subprocess
@@ -33,6 +34,8 @@ class BenchmarkOptions:
     """With people and vehicles that move."""
     scenes: int | None = None
     """Only so many scenes, to try things out."""
+    env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    """Flat dotted keys of the environment's config, such as the robot; the page and the record name them."""
     at_once: int = 128
     """Episodes side by side."""
     pictures: bool = True
@@ -63,7 +66,8 @@ def benchmark(
       quiet: draw no progress bars on standard error.
 
     Raises:
-      NounError: no such benchmark, policy or bank, or a bank whose scenes are not those of the benchmark.
+      NounError: no such benchmark, policy or bank, a bank whose scenes are not those of the benchmark, or an override
+        of what the benchmark fixes.
     """
     from ..evaluation.frozen import Protocol
 
@@ -136,6 +140,8 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
     }[runs.kind]
     if privileged:
         how += "\n\nprivileged: true. The policy is told what no sensor of the robot measures."
+    if options.env_overrides:
+        how += f"\n\nConfig overrides: `{json.dumps(dict(options.env_overrides))}`."
     page = benchmark.to_markdown(title, tables, scenes, how)
     benchmark.write_page(out, page)
     return page
@@ -238,7 +244,13 @@ def _config(
     }
     if size is not None:
         task |= {"vision_config.height": size[0], "vision_config.width": size[1]}
-    return registry.with_overrides(config, task)
+    taken = sorted(set(task) & set(options.env_overrides))
+    if taken:
+        raise NounError(
+            f"--playground-config-overrides: found {', '.join(taken)}, which the benchmark fixes, needed other keys; "
+            "for another task take `urbanverse evaluate`."
+        )
+    return registry.with_overrides(config, {**options.env_overrides, **task})
 
 
 def _drive(
@@ -278,6 +290,7 @@ def _record(options: BenchmarkOptions, runs: Any, env: Any, contact: str) -> dic
         "scenes": {s.id: s.hash for s in runs.protocol.scenes if s.id in runs.scenes},
         "seeds": [int(s) for s in runs.episodes.seeds],
         "contact": contact,
+        **({"overrides": dict(options.env_overrides)} if options.env_overrides else {}),
         "config": env.config.to_dict(),
         "engine": type(env.engine).__name__,
         "device": f"{jax.devices()[0].platform}: {jax.devices()[0].device_kind}",

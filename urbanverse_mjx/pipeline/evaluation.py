@@ -67,19 +67,35 @@ class _Entrants:
 SCRIPTED = (*BASELINES, "planner")
 
 
-def _scripted(name: str, bank: SceneBank, scenes: Any, dynamic: bool, environment: str, preset: str) -> _Entrants:
+def _scripted(
+    name: str,
+    bank: SceneBank,
+    scenes: Any,
+    dynamic: bool,
+    environment: str,
+    preset: str,
+    overrides: Mapping[str, Any],
+) -> _Entrants:
     """A rule alone; nothing is drawn."""
     from ..evaluation.planner import Planner
 
     values = registry.get_default_config(environment, preset).to_dict()
-    config = registry.with_overrides(evaluation_config(environment, values, scenes, dynamic), {"vision": False})
+    config = evaluation_config(environment, values, scenes, dynamic)
+    config = registry.with_overrides(config, {**overrides, "vision": False})
     env = registry.load_nav_env(environment, config, bank)
     driver = Planner(env) if name == "planner" else BASELINES[name]
     privileged = isinstance(driver, Privileged)
     return _Entrants(name, environment, env, [(env, {name: driver})], {"policy": name, "privileged": privileged})
 
 
-def _trained(policy: pathlib.Path, bank: SceneBank, scenes: Any, dynamic: bool, environment: str | None) -> _Entrants:
+def _trained(
+    policy: pathlib.Path,
+    bank: SceneBank,
+    scenes: Any,
+    dynamic: bool,
+    environment: str | None,
+    overrides: Mapping[str, Any],
+) -> _Entrants:
     """A trained policy, and what it is compared with."""
     from ..training.policy import load_policy, untrained_policy
 
@@ -89,6 +105,7 @@ def _trained(policy: pathlib.Path, bank: SceneBank, scenes: Any, dynamic: bool, 
     if environment != spec.environment:
         trained = registry.same_task(trained, environment)
     config = evaluation_config(environment, trained.to_dict(), scenes, dynamic)
+    config = registry.with_overrides(config, overrides)
     env = registry.load_nav_env(environment, config, bank)
     # Without a renderer: nothing is drawn for those who do not look.
     blind = NavEnv(env.config, env.bank, env.robot, env.engine, None)
@@ -138,6 +155,7 @@ def evaluate_policy(
     dynamic: bool = False,
     environment: str | None = None,
     preset: str = "paper",
+    env_overrides: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Drives the same episodes by all agents, writes report and video, returns agent -> metrics.
 
@@ -150,11 +168,13 @@ def evaluate_policy(
       dynamic: the streets are full of people.
       environment: whose robot is driven; None = the one that the policy was trained with, for a rule CocoNav.
       preset: of the environment, for a rule.
+      env_overrides: flat dotted keys of the environment's config, over those of the policy or preset.
     """
+    overrides = dict(env_overrides or {})
     if str(policy) in SCRIPTED:
-        entrants = _scripted(str(policy), bank, scenes, dynamic, environment or "CocoNav", preset)
+        entrants = _scripted(str(policy), bank, scenes, dynamic, environment or "CocoNav", preset, overrides)
     else:
-        entrants = _trained(pathlib.Path(policy), bank, scenes, dynamic, environment)
+        entrants = _trained(pathlib.Path(policy), bank, scenes, dynamic, environment, overrides)
     env = entrants.env
     # The same episodes for every policy, however it was trained.
     episodes = fixed_episodes(env, num_episodes, seed)
@@ -166,6 +186,7 @@ def evaluate_policy(
         "scenario": scenario_of(env.config),
         "scenes": ", ".join(bank.scene_ids[i] for i in env.scenes),
         "seed": seed,
+        **({"overrides": overrides} if overrides else {}),
         "hashes": bank.meta.get("hashes", {}),
     }
     report = make_report(f"{entrants.environment}: {num_episodes} fixed episodes on unseen streets", results, record)

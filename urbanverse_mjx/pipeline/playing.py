@@ -3,6 +3,7 @@
 import dataclasses
 import os
 import pathlib
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..datatypes import NounError
@@ -11,7 +12,7 @@ from ..datatypes import validation as v
 if TYPE_CHECKING:
     from ml_collections import ConfigDict
 
-    from ..evaluation.agents import Agent
+    from ..evaluation.agents import Agent, Privileged
 
 
 @dataclasses.dataclass(frozen=True)
@@ -19,13 +20,17 @@ class PlayOptions:
     """Who drives where, and what the video shows."""
 
     agent: str = "go_to_goal"
-    """zero, random, go_to_goal, or trained (needs --policy)."""
+    """zero, random, go_to_goal, planner, or trained (needs --policy)."""
     policy: pathlib.Path | None = None
     """Policy or run folder for --agent trained."""
     env_name: str | None = None
     """Whose robot is driven; default: the policy's own, else CocoNav."""
     preset: str = "cpu"
     """Of the environment, where no policy brings its own."""
+    bank: pathlib.Path | None = None
+    """Scene bank; default: that of the shipped streets, or the one that URBANVERSE_BANK names."""
+    env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    """Flat dotted keys of the environment's config, such as the robot."""
     scenes: str = "test"
     num_episodes: int = 2
     """Episodes that are driven; all are in the video but for --only-successes and --shown."""
@@ -45,7 +50,7 @@ class PlayOptions:
 
 
 def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dict[str, Any]:
-    """Drives episodes and writes them as an mp4. Needs no checkpoint with the agents zero, random and go_to_goal.
+    """Drives episodes and writes them as an mp4. Needs no checkpoint with the agents that are rules.
 
     Returns:
       video: the file; results: an `EpisodeResult` of every episode that was driven, as JSON.
@@ -55,17 +60,21 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     """
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
-    from .banks import ensure_default_bank
+    from ..evaluation.planner import Planner
+    from .banks import chosen_bank
     from .rollout_video import random_draw, write_episodes
 
     options = options or PlayOptions()
     if options.shown is not None:
         v.integer(options.shown, "--shown", 1)
     agent, name, config = _chosen(options)
+    config = registry.with_overrides(config, options.env_overrides)
     hold = _steps_held(options.fps, config.ctrl_dt)
     finer = {"ctrl_dt": config.ctrl_dt / hold}
     finer |= {k: config[k] * hold for k in ("episode_length", "success_after_step")}
-    env = registry.load_nav_env(name, registry.with_overrides(config, finer), ensure_default_bank())
+    env = registry.load_nav_env(name, registry.with_overrides(config, finer), chosen_bank(options.bank))
+    if agent is None:
+        agent = Planner(env)
     episodes = fixed_episodes(env, options.num_episodes, options.seed)
     results, poses = Rollout(env, hold=hold).run({options.agent: agent}, episodes)
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
@@ -77,23 +86,29 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     return {"video": str(out), "results": [r.to_json() for r in results]}
 
 
-def _chosen(options: PlayOptions) -> tuple["Agent", str, "ConfigDict"]:
-    """The agent, the environment and its config."""
+def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "ConfigDict"]:
+    """The agent (None for the planner, which is made for an environment), the environment and its config.
+
+    Raises:
+      NounError: no such agent or policy, or an environment whose robot has no goal to drive to.
+    """
     from ..envs import registry
     from ..envs.navigation.draws import OFF
     from ..evaluation import BASELINES
 
-    if options.agent in BASELINES:
-        # Baselines do not look, so nothing is rendered while they drive.
+    if options.agent in (*BASELINES, "planner"):
         name = options.env_name or "CocoNav"
         config = registry.get_default_config(name, options.preset)
-        return (
-            BASELINES[options.agent],
-            name,
-            registry.with_overrides(config, {"scenes": options.scenes, "vision": False}),
-        )
+        if "goal_mode" not in config:
+            raise NounError(
+                f"--env-name: found {name!r}, whose robot has no goal to drive to, needed a navigation environment "
+                "such as CocoNav or Go2Nav."
+            )
+        # Rules do not look, so nothing is rendered while they drive.
+        config = registry.with_overrides(config, {"scenes": options.scenes, "vision": False})
+        return BASELINES.get(options.agent), name, config
     if options.agent != "trained":
-        raise NounError(f"--agent: found {options.agent!r}, needed trained, {', '.join(BASELINES)}.")
+        raise NounError(f"--agent: found {options.agent!r}, needed trained, planner, {', '.join(BASELINES)}.")
     if options.policy is None:
         raise NounError("--policy: found nothing, needed a policy or run folder for --agent trained.")
     from ml_collections import ConfigDict

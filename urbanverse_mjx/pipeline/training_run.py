@@ -17,6 +17,8 @@ class TrainOptions:
 
     logdir: pathlib.Path = pathlib.Path("runs")
     """Where new run folders go."""
+    bank: pathlib.Path | None = None
+    """Scene bank; default: the shipped streets' (to walk: the terrain), or the one that URBANVERSE_BANK names."""
     suffix: str = ""
     """Added to a new run folder's name."""
     resume: pathlib.Path | None = None
@@ -56,6 +58,7 @@ def train(
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
     from ..training.run import train as run
+    from .banks import chosen_bank
     from .evaluation import evaluate_policy
 
     request, options = request or RunRequest(), options or TrainOptions()
@@ -68,7 +71,7 @@ def train(
     else:
         folder = options.resume
         name, config, ppo = resumed_configs(folder, request)
-    bank = bank_of(name, quiet)
+    bank = bank_of(name, quiet) if options.bank is None else chosen_bank(options.bank)
     _say(f"run folder: {folder}", quiet)
     env = registry.load(name, config=config, bank=bank)
     built = time.monotonic()

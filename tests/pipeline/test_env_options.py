@@ -1,0 +1,92 @@
+"""`--bank` and `--playground-config-overrides` mean the same to train, evaluate, play and benchmark."""
+
+import dataclasses
+import pathlib
+from typing import Any
+
+import pytest
+import tyro
+
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.cli.benchmark import BenchmarkArgs
+from urbanverse_mjx.cli.evaluate import EvaluateArgs
+from urbanverse_mjx.cli.play import PlayArgs
+from urbanverse_mjx.cli.train import TrainArgs
+from urbanverse_mjx.datatypes import BenchmarkReport, NounError, SceneBank
+from urbanverse_mjx.envs import NavEnv, registry
+from urbanverse_mjx.evaluation.frozen import freeze
+from urbanverse_mjx.pipeline import BenchmarkOptions, PlayOptions, benchmark, evaluate_policy, play, rollout_video
+
+OVERRIDES = {"robot": "/robots/tug", "sim_dt": 0.005}
+WORDS = ["--bank", "a/bank.npz", "--playground-config-overrides", '{"robot": "/robots/tug", "sim_dt": 0.005}']
+
+
+@pytest.fixture
+def loads(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, SceneBank]]:
+    """Environments are kinematic ones; the config and bank that each was asked for."""
+    seen = []
+
+    def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:
+        seen.append((config, bank))
+        return unicycle_env(bank, {"episode_length": 3, "scenes": config.scenes})
+
+    monkeypatch.setattr(registry, "load", kinematic)
+    return seen
+
+
+@pytest.fixture
+def bank(small_bank: SceneBank, tmp_path: pathlib.Path) -> pathlib.Path:
+    hashes = {name: f"{i}" * 64 for i, name in enumerate(small_bank.scene_ids)}
+    dataclasses.replace(small_bank, meta={**small_bank.meta, "hashes": hashes}).save(tmp_path / "bank.npz")
+    return tmp_path / "bank.npz"
+
+
+@pytest.mark.parametrize(
+    ("kind", "first"), [(TrainArgs, []), (EvaluateArgs, ["zero"]), (PlayArgs, []), (BenchmarkArgs, ["shipped"])]
+)
+def test_every_command_reads_them(kind: Any, first: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    args = tyro.cli(kind, args=[*first, *WORDS])
+    assert args.bank == pathlib.Path("a/bank.npz")
+    assert args.env_overrides == OVERRIDES
+    assert tyro.cli(kind, args=first).env_overrides == {}
+    with pytest.raises(SystemExit):
+        tyro.cli(kind, args=[*first, "--playground-config-overrides", "{"])
+    assert "which is not JSON" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("agent", ["go_to_goal", "planner"])
+def test_play_drives_a_chosen_bank_by_a_changed_config(
+    agent: str, bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rollout_video, "write_episodes", lambda path, *rest, **style: path.write_bytes(b"film"))
+    options = PlayOptions(agent=agent, bank=bank, scenes="all", env_overrides=OVERRIDES)
+    done = play(tmp_path / "a.mp4", options)
+    ((config, used),) = loads
+    assert (config.robot, config.sim_dt) == ("/robots/tug", 0.005)
+    assert used.scene_ids == SceneBank.load(bank).scene_ids
+    assert len(done["results"]) == 2
+    with pytest.raises(NounError, match="needed a navigation environment such as CocoNav"):
+        play(tmp_path / "b.mp4", PlayOptions(agent=agent, env_name="Go2Joystick", bank=bank))
+
+
+def test_evaluate_drives_a_changed_config_and_records_it(
+    bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path
+) -> None:
+    scenes, out = SceneBank.load(bank), tmp_path / "report"
+    evaluate_policy("zero", scenes, out, 4, 0, False, True, "all", env_overrides={"success_radius": 2.5})
+    assert loads[0][0].success_radius == 2.5
+    assert BenchmarkReport.load(out / "report.json").record["overrides"] == {"success_radius": 2.5}
+
+
+def test_a_benchmark_names_overrides_and_keeps_what_it_fixes(
+    bank: pathlib.Path, loads: list[Any], tmp_path: pathlib.Path
+) -> None:
+    freeze("boxes", SceneBank.load(bank), 5, seed=0).save(tmp_path / "boxes.json")
+    options = BenchmarkOptions(policy="zero", contact="ends", pictures=False, env_overrides={"num_slots": 24})
+    done = benchmark(str(tmp_path / "boxes.json"), tmp_path / "out", options, bank)
+    assert loads[0][0].num_slots == 24
+    assert 'Config overrides: `{"num_slots": 24}`.' in done.page
+    fixed = dataclasses.replace(options, env_overrides={"success_radius": 9.0, "num_slots": 24})
+    with pytest.raises(NounError, match="found success_radius, which the benchmark fixes"):
+        benchmark(str(tmp_path / "boxes.json"), tmp_path / "other", fixed, bank)
+    assert not (tmp_path / "other").exists()
