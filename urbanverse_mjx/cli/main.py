@@ -28,6 +28,7 @@ COMMANDS = {
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
     "capture": ("capture", "film a street into a recording with its truth, and as a video"),
     "assets": ("assets", "show, search, match, import and export assets"),
+    "robot": ("robot", "read a robot's description; how well spheres fit its collision shapes"),
     "schema": ("schema", "print the JSON Schema of scene graphs or layouts"),
     "list-envs": ("list_envs", "list the registered environments and their presets"),
     "doctor": ("doctor", "say what this machine has and how to mend what is missing"),

@@ -18,6 +18,8 @@ import numpy as np
 
 from ..datatypes import RobotSpec
 from ..datatypes import validation as v
+from .collision import Fit, replace_by_spheres
+from .sphere_fit import FitOptions
 from .waypoint import gait_command, pd_velocity
 from .wheel_drive import WheelDrive
 
@@ -26,7 +28,7 @@ FILE = "robot.json"
 #: Robots of this form that come with the package, each a folder beside this file.
 SHIPPED = ("wheelchair",)
 _REQUIRED = ("schema", "name", "mjcf", "root_body", "camera", "feet", "max_speed", "max_yaw_rate", "drive", "planner")
-_OPTIONAL = ("spawn_height", "circumradius")
+_OPTIONAL = ("spawn_height", "circumradius", "fit")
 Command = Callable[[Any], Any]
 
 
@@ -39,21 +41,32 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
     Raises:
       NounError: what is missing or wrong in the description or its MJCF.
     """
+    return load_with_fits(source)[0]
+
+
+def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit, ...]]:
+    """`load`, and what was fitted with spheres: each collision shape of the MJCF that is no sphere.
+
+    Raises:
+      NounError: as `load`.
+    """
     path = _file_of(source)
     body = v.mapping(v.read_json(path, "robot"), str(path), _REQUIRED, _OPTIONAL)
     v.choice(body["schema"], f"{path}: schema", (SCHEMA,))
     name = v.identifier(body["name"], f"{path}: name")
     where = f"robot {name!r}"
-    spec = _read_mjcf(path.parent / v.text(body["mjcf"], f"{where}.mjcf"), where)
+    feet = tuple(v.text(foot, f"{where}.feet[{i}]") for i, foot in enumerate(v.items(body["feet"], f"{where}.feet", 1)))
+    fit = FitOptions(**v.mapping(body.get("fit", {}), f"{where}.fit", (), ("tolerance", "spheres")))
+    file = path.parent / v.text(body["mjcf"], f"{where}.mjcf")
+    spec, feet, fits = _read_mjcf(file, where, feet, fit)
     model = spec.compile()
     root = _named(model, mujoco.mjtObj.mjOBJ_BODY, body["root_body"], f"{where}.root_body")
     _named(model, mujoco.mjtObj.mjOBJ_CAMERA, body["camera"], f"{where}.camera")
-    feet = tuple(v.items(body["feet"], f"{where}.feet", 1))
     geoms = [_named(model, mujoco.mjtObj.mjOBJ_GEOM, foot, f"{where}.feet[{i}]") for i, foot in enumerate(feet)]
     limits = {key: v.number(body[key], f"{where}.{key}", above=0.0) for key in ("max_speed", "max_yaw_rate")}
     planner = v.mapping(body["planner"], f"{where}.planner", ("radius", "height", "step"))
     drive = _drive(body["drive"], model, limits, f"{where}.drive")
-    return RobotSpec(
+    robot = RobotSpec(
         name=name,
         mjcf=spec.to_xml(),
         root_body=body["root_body"],
@@ -69,6 +82,7 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
         step_height=planner["step"],
         **limits,
     )
+    return robot, fits
 
 
 def _file_of(source: str | os.PathLike[str]) -> pathlib.Path:
@@ -93,8 +107,14 @@ def _waypoint_to_velocity(waypoint: Any, control_period: float, max_speed: float
 # The MJCF.
 
 
-def _read_mjcf(path: pathlib.Path, where: str) -> mujoco.MjSpec:
-    """The robot alone, its files named by absolute paths; its spheres collide with the world, not with each other."""
+def _read_mjcf(
+    path: pathlib.Path, where: str, feet: tuple[str, ...], options: FitOptions
+) -> tuple[mujoco.MjSpec, tuple[str, ...], tuple[Fit, ...]]:
+    """The robot alone, its files named by absolute paths; its spheres collide with the world, not with each other.
+
+    Returns:
+      also the feet, and what was fitted, see `replace_by_spheres`.
+    """
     if not path.is_file():
         raise v.fail(f"{where}.mjcf", f"no file {path}", "the robot's MJCF, named relative to the description")
     try:
@@ -113,21 +133,17 @@ def _read_mjcf(path: pathlib.Path, where: str) -> mujoco.MjSpec:
             if thing.file:
                 thing.file = str((path.parent / folder / thing.file).absolute())
     spec.meshdir = spec.texturedir = ""
+    feet, fits = replace_by_spheres(spec, model, feet, options, where)
     for geom in spec.geoms:
-        if geom.contype == 0 and geom.conaffinity == 0:
-            continue
-        if geom.type != mujoco.mjtGeom.mjGEOM_SPHERE:
-            found = f"a collision shape that is no sphere on body {geom.parent.name!r}"
-            hint = 'cover it with spheres and give it contype="0" conaffinity="0"'
-            raise v.fail(f"{where}.mjcf: geom {geom.name!r}", found, "collision spheres alone", hint)
-        geom.contype, geom.conaffinity = 0, 1
+        if geom.contype or geom.conaffinity:
+            geom.contype, geom.conaffinity = 0, 1
     # Engines drop the geoms that are only seen; what they weigh must stay.
     for link in list(spec.bodies)[1:]:
         same = model.body(link.name) if link.name else model.body(link.id)
         link.explicitinertial = True
         link.mass, link.ipos, link.iquat, link.inertia = float(same.mass[0]), same.ipos, same.iquat, same.inertia
         link.fullinertia = np.full(6, np.nan)
-    return spec
+    return spec, feet, fits
 
 
 def _named(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, where: str) -> int:

@@ -1,0 +1,52 @@
+"""`urbanverse robot`: what a robot's description says, and how well spheres fit its collision shapes."""
+
+import dataclasses
+import json
+import pathlib
+import sys
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import tyro
+
+from ..datatypes import validation as v
+
+
+@dataclasses.dataclass(frozen=True)
+class RobotArgs:
+    """Read a robot; prints a line for each collision shape that spheres replace, with the largest error of the fit, and
+    one JSON line."""
+
+    source: Annotated[str, tyro.conf.Positional]
+    """A robot.json, its folder, or wheelchair."""
+    picture: pathlib.Path | None = None
+    """Where a PNG of the shapes and the spheres goes, from three sides."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs `urbanverse robot`."""
+    args = tyro.cli(RobotArgs, args=list(argv), prog="urbanverse robot")
+    from ..robots.description import load_with_fits
+
+    robot, fits = load_with_fits(args.source)
+    for fit in fits:
+        name = fit.geom or f"(a geom of {fit.body})"
+        what = f"{fit.shape}{', rolls' if fit.rolls else ''}"
+        errors = f"stand out by {fit.cover.protrudes:.3f} m, fall short by {fit.cover.falls_short:.3f} m"
+        sys.stdout.write(f"{name:<24} {what:<16} {len(fit.spheres):>3} spheres {errors}\n")
+    if args.picture is not None:
+        _draw(args.picture, robot, fits)
+    worst = max((fit.cover.error for fit in fits), default=0.0)
+    said: dict[str, Any] = {"robot": robot.name, "fitted": len(fits), "largest_error": round(worst, 4)}
+    said |= {"spawn_height": round(robot.spawn_height, 4), "circumradius": round(robot.circumradius, 4)}
+    print(json.dumps(said | {"feet": list(robot.foot_geoms)}))
+    return 0
+
+
+def _draw(path: pathlib.Path, robot: Any, fits: Any) -> None:
+    from PIL import Image
+
+    from ..viz.robot_shapes import robot_shapes
+
+    picture = Image.fromarray(robot_shapes(robot, fits))
+    v.write_atomically(path, lambda p: picture.save(p, "PNG"))

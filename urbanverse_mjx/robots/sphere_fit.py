@@ -1,0 +1,179 @@
+"""Convex shapes covered by few spheres, with the largest error of the cover.
+
+The engines find contacts between spheres and hulls alone, so other collision shapes of a robot are covered. MuJoCo
+collides meshes as their convex hulls: every shape here is convex. For centres c_i at depths d_i below the surface the
+gap G = max over surface points p of min_i (|p - c_i| - d_i) is what radii d_i leave uncovered; radii d_i + G / 2 stand
+out of the shape by at most G / 2 and leave at most G / 2 uncovered. Centres are chosen greedily (set cover) for the
+smallest G within a budget.
+"""
+
+import dataclasses
+import functools
+
+import numpy as np
+import trimesh
+from scipy.spatial import ConvexHull, cKDTree
+from scipy.spatial.distance import cdist
+
+from ..datatypes import validation as v
+
+#: Points of a shape's longest side between which centres are tried, and samples of its surface.
+_CENTRES, _SAMPLES = 13, 20
+#: Samples along the longest side on which the error of a finished cover is measured.
+_CHECKS = 80
+_HALVINGS = 7
+
+
+@dataclasses.dataclass(frozen=True)
+class FitOptions:
+    """tolerance: m, covers that err by no more are good enough; spheres: at most so many for one shape."""
+
+    tolerance: float = 0.02
+    spheres: int = 16
+
+    def __post_init__(self) -> None:
+        v.number(self.tolerance, "fit.tolerance", above=0.0, maximum=1.0)
+        v.integer(self.spheres, "fit.spheres", 1, 64)
+
+
+@dataclasses.dataclass(frozen=True)
+class Cover:
+    """Spheres in place of a shape.
+
+    Attributes:
+      centre: (k, 3) m; radius: (k,) m.
+      protrudes: m, by how much a sphere stands out of the shape at most.
+      falls_short: m, how far a point of the surface lies outside all spheres at most.
+    """
+
+    centre: np.ndarray
+    radius: np.ndarray
+    protrudes: float
+    falls_short: float
+
+    @property
+    def error(self) -> float:
+        """m, the larger of both."""
+        return max(self.protrudes, self.falls_short)
+
+
+def cover(points: np.ndarray, options: FitOptions | None = None) -> Cover:
+    """Spheres that cover the convex hull of (n, 3) points in m, in its frame, whose axes should be those of the shape.
+
+    Raises:
+      NounError: points that enclose no volume.
+    """
+    points = np.ascontiguousarray(points, np.float64)
+    return _cover(points.tobytes(), options or FitOptions())
+
+
+@functools.lru_cache(maxsize=64)
+def _cover(data: bytes, options: FitOptions) -> Cover:
+    """`cover` of the bytes of (n, 3) f64: a robot is built several times in a process."""
+    points = np.frombuffer(data).reshape(-1, 3)
+    if len(points) < 4 or np.linalg.matrix_rank(points - points.mean(0), tol=1e-6) < 3:
+        raise v.fail("collision shape", "points that enclose no volume", "a solid", "give it a thickness")
+    hull = ConvexHull(points)
+    planes = hull.equations
+    centres = _candidates(points, planes)
+    depth = _depth(centres, planes)
+    surface = _surface(points, hull, _SAMPLES)
+    # (p, c) what a sphere about c that touches the surface from inside leaves between itself and p.
+    gap = cdist(surface, centres).astype(np.float32) - depth[None].astype(np.float32)
+    chosen = _chosen(gap, options)
+    centre, inner = centres[chosen], depth[chosen]
+    fine = _surface(points, hull, _CHECKS)
+    uncovered = cdist(fine, centre) - inner[None]
+    half = max(float(uncovered.min(1).max()), 0.0) / 2
+    return Cover(centre, inner + half, half, half)
+
+
+def _depth(at: np.ndarray, planes: np.ndarray) -> np.ndarray:
+    """(n,) m below the surface."""
+    return -(at @ planes[:, :3].T + planes[:, 3]).max(1)
+
+
+def _candidates(points: np.ndarray, planes: np.ndarray) -> np.ndarray:
+    """(n, 3) points inside: a grid along the axes that has a layer in the middle of thin shapes."""
+    low, high = points.min(0), points.max(0)
+    step = (high - low).max() / _CENTRES
+    axes = []
+    for a, b in zip(low, high, strict=True):
+        count = max(1, round((b - a) / step)) | 1
+        axes.append(a + (b - a) * (np.arange(count) + 0.5) / count)
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+    inside = np.concatenate([grid, points.mean(0)[None]])
+    return inside[_depth(inside, planes) > 1e-9]
+
+
+def _surface(points: np.ndarray, hull: ConvexHull, count: int) -> np.ndarray:
+    """(n, 3) points of the hull's surface, no farther apart than a `count`th of its longest side; corners included."""
+    longest = np.ptp(points, axis=0).max() / count
+    vertices = trimesh.remesh.subdivide_to_size(points, hull.simplices, longest, max_iter=30)[0]
+    # One point in each cell of half that size: hulls of many small triangles have far more than are needed.
+    cell = np.round(vertices / (longest / 2)).astype(np.int64)
+    _, first = np.unique(cell, axis=0, return_index=True)
+    corners = points[hull.vertices]
+    return np.concatenate([vertices[np.sort(first)], corners if len(corners) <= 64 else corners[:: len(corners) // 64]])
+
+
+def _chosen(gap: np.ndarray, options: FitOptions) -> np.ndarray:
+    """Columns of `gap` (p, c) that leave the least of all points uncovered, within the budget."""
+    low = 2 * options.tolerance
+    best = _greedy(gap <= low, options.spheres)
+    if best is not None:
+        return best
+    high = float(gap.max(0).min())  # one sphere
+    best = np.array([int(gap.max(0).argmin())])
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        found = _greedy(gap <= middle, options.spheres)
+        if found is None:
+            low = middle
+        else:
+            best, high = found, middle
+    return best
+
+
+def _greedy(covers: np.ndarray, most: int) -> np.ndarray | None:
+    """At most `most` columns of (p, c) bool that together cover every row; None where greedy choice needs more."""
+    left, weights = np.ones(len(covers), bool), covers.astype(np.float32)
+    chosen: list[int] = []
+    while left.any():
+        if len(chosen) == most:
+            return None
+        gain = left.astype(np.float32) @ weights
+        best = int(gain.argmax())
+        if gain[best] == 0:
+            return None
+        chosen.append(best)
+        left &= ~covers[:, best]
+    return np.array(chosen)
+
+
+def wheel(points: np.ndarray, axis: np.ndarray, anchor: np.ndarray) -> Cover:
+    """Spheres that roll as a shape does that turns about an axis: centred on it, as large as the shape's reach from it.
+
+    Args:
+      points: (n, 3) m of the shape. axis: (3,) unit. anchor: (3,) m, a point of the axis.
+    """
+    arm = np.asarray(points, np.float64) - anchor
+    along = arm @ axis
+    away = np.linalg.norm(arm - along[:, None] * axis, axis=1)
+    radius, low, high = float(away.max()), float(along.min()), float(along.max())
+    count = max(1, int(np.ceil((high - low) / (2 * radius) - 1e-6)))
+    at = low + (high - low) * (np.arange(count) + 0.5) / count
+    centre = anchor + at[:, None] * axis
+    hull = ConvexHull(points)
+    # Of a sphere the point farthest from the shape lies on the axis, or on its rim, where it is half as wide.
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=radius).vertices
+    out = (centre[:, None] + ball[None]).reshape(-1, 3)
+    fine = _surface(np.asarray(points, np.float64), hull, _CHECKS)
+    gap = cdist(fine, centre).min(1) - radius
+    return Cover(centre, np.full(count, radius), _outside(out, hull, fine), max(float(gap.max()), 0.0))
+
+
+def _outside(at: np.ndarray, hull: ConvexHull, surface: np.ndarray) -> float:
+    """m, the largest distance of points (n, 3) from a hull that they lie outside of, by samples of its surface."""
+    beyond = at[_depth(at, hull.equations) < 0.0]
+    return float(cKDTree(surface).query(beyond)[0].max()) if len(beyond) else 0.0
