@@ -3,7 +3,7 @@
 import copy
 import dataclasses
 import json
-from typing import Any
+from typing import Any, cast
 
 import jsonschema
 import pytest
@@ -60,7 +60,7 @@ def test_what_a_datatype_writes_is_valid(name: str) -> None:
 def test_what_the_datatype_refuses_the_schema_refuses_where_it_can(name: str) -> None:
     passed = []
     for case in CASES:
-        whose, _, spoiled = case.values
+        whose, spoiled = case.values[0], cast("Any", case.values[2])
         if "10,000 entries" in str(case.id):
             continue  # minutes of walking, for one keyword
         if whose == name and VALIDATORS[name].is_valid(spoiled):
