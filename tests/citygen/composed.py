@@ -1,16 +1,23 @@
 """What is asked of every scene composed by hand, counted on its graph."""
 
+import math
+
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.datatypes import SceneGraph
-from urbanverse_mjx.materialisation.choice import distortion
+from urbanverse_mjx.datatypes import AssetRecord, SceneGraph
 from urbanverse_mjx.scene.ground import check_regions, ground_prisms
 
 #: Ground prisms that an engine looks at, and how far around a robot's middle (scene.grids), m.
 PRISMS, REACH = 8, 0.55 + 2.0 * 0.2
+
+
+def distortion(size: tuple[float, float, float], record: AssetRecord) -> float:
+    """Root of the summed squared log ratios of the sorted ground sides and of the height; 0 = the record's own size."""
+    pairs = ((max(size[:2]), record.length), (min(size[:2]), record.width), (size[2], record.height))
+    return math.sqrt(sum(math.log(a / b) ** 2 for a, b in pairs))
 
 
 def walkable(graph: SceneGraph) -> BaseGeometry:

@@ -8,7 +8,6 @@ import pytest
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.citygen.craft import BUILDERS, build, write
 from urbanverse_mjx.datatypes import NounError, SceneGraph
-from urbanverse_mjx.materialisation.choice import distortion
 from urbanverse_mjx.scene import library
 
 from . import composed
@@ -91,7 +90,7 @@ def test_fallen_scooters_lie_and_bollards_are_dense():
     lying = [r for r in index.by_label("scooter") if r.height < 0.6]
     assert lying
     for thing in scooters:
-        best = min(index.by_label("scooter"), key=lambda r: distortion(thing.size, r))
+        best = min(index.by_label("scooter"), key=lambda r: composed.distortion(thing.size, r))
         assert (best in lying) == (thing.size[2] < 0.6)
     assert len(things("01", "bollard")) >= 60
     assert len(things("01", "garbage bag")) >= 35

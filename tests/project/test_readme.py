@@ -11,7 +11,7 @@ import pytest
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.selection import libraries
-from urbanverse_mjx.citygen import craft, places, procedural
+from urbanverse_mjx.citygen import craft, places, procedural, validation
 from urbanverse_mjx.cli.main import COMMANDS
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.scene import library
@@ -69,7 +69,7 @@ def test_the_counts_are_those_of_the_tables() -> None:
     assert counted("ground materials") == [looks["road"] + looks["sidewalk"]]
     sets = {name: library.scene_set(name) for name in library.sets()}
     layouts = {name: len(s.graphs()) for name, s in sets.items()}
-    procedural_scenes, by_hand = procedural.COUNT, len(craft.BUILDERS)
+    procedural_scenes, by_hand = procedural.COUNT, len(craft.BUILDERS) + len(validation.BUILDERS)
     assert f"{layouts['urbanverse160']} layouts after the paper's cities" in TEXT
     assert f"{procedural_scenes} procedural scenes" in TEXT
     assert f"{places.COUNT} procedural places" in TEXT
