@@ -1,18 +1,25 @@
 """Wrappers of Brax and of MuJoCo Playground, unchanged, around our environments."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 import pytest
 from brax.envs.wrappers import training as brax_wrappers
+from brax.training.agents.ppo import networks as ppo_networks
 from mujoco_playground import wrapper as playground
 
 from tests.support.unicycle import drive_to_goal, unicycle_env
-from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs import NavEnv, Result
+from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.envs import NavEnv, Result, registry
+from urbanverse_mjx.envs.playground import FRICTION, MASS
+from urbanverse_mjx.envs.staged import observed_size
+from urbanverse_mjx.training.brax_compat import load_ppo
+from urbanverse_mjx.training.config import brax_ppo_config
 
 LENGTH, NUM = 4, 3
 
@@ -107,3 +114,66 @@ def test_a_state_is_read_and_changed_by_dotted_names(env: NavEnv) -> None:
     assert jax.tree.structure(moved) == jax.tree.structure(state)
     assert moved.replace(pipeline_state=state.data).data is state.data
     np.testing.assert_array_equal(state.pipeline_state.xquat, state.data.sim.xquat)
+
+
+def test_a_randomiser_changes_friction_and_mass_of_each_env_and_nothing_else_can_be(small_bank: SceneBank) -> None:
+    env = unicycle_env(small_bank, {"randomization.friction_scale": (1.0, 1.0), "randomization.mass_scale": (1.0, 1.0)})
+    keys = jax.random.split(jax.random.PRNGKey(0), 8)
+    randomize = registry.get_domain_randomizer("CocoNav")
+
+    def draw(model: Any) -> Any:
+        return randomize(model, keys)
+
+    for wrap in (brax_wrappers.wrap, playground.wrap_for_brax_training):
+        state = jax.jit(wrap(env, LENGTH, randomization_fn=draw).reset)(keys)  # pyright: ignore[reportArgumentType]
+        for found, (low, high) in ((state.data.sim.friction_scale, FRICTION), (state.data.sim.mass_scale, MASS)):
+            assert len(set(np.asarray(found).tolist())) == 8
+            assert low <= float(found.min()) < float(found.max()) <= high
+    assert float(jax.jit(env.reset)(keys[0]).data.sim.mass_scale) == 1.0
+
+    def other(model: Any) -> Any:
+        axes = jax.tree.map(lambda _: None, model).tree_replace({"dof_damping": 0})
+        return model.tree_replace({"dof_damping": jnp.tile(model.dof_damping, (8, 1))}), axes
+
+    wrapped: Any = playground.wrap_for_brax_training(env, LENGTH, randomization_fn=other)  # pyright: ignore[reportArgumentType]
+    with pytest.raises(NounError, match="dof_damping"):
+        jax.eval_shape(wrapped.reset, keys)
+
+
+def test_the_model_is_there_under_playgrounds_names(env: NavEnv) -> None:
+    model = mujoco.MjModel.from_xml_path(env.xml_path, env.model_assets)
+    assert (model.nq, model.nu, model.nbody) == (env.mj_model.nq, env.mj_model.nu, env.mj_model.nbody)
+    np.testing.assert_allclose(env.mjx_model.body_mass, model.body_mass, rtol=1e-6)
+    state = jax.jit(env.reset)(jax.random.key(0))
+    np.testing.assert_array_equal(state.obs["state"][:2], state.obs["goal"])
+    assert state.obs["state"].shape == (2 + 3 + env.action_size,)
+    np.testing.assert_array_equal(state.obs["privileged_state"], state.obs["privileged"])
+    assert set(env.observation_size) - set(observed_size(env)) == {"state", "privileged_state"}
+
+
+def test_brax_trains_under_playgrounds_wrapper(small_bank: SceneBank) -> None:
+    """2,048 steps by the call of Playground's training script, with a small camera."""
+    env = unicycle_env(small_bank, {"episode_length": 16, "terminate_off_traversable": False}, vision=True)
+    params = brax_ppo_config("CocoNav", "cpu")
+    assert params.batch_size * params.num_minibatches == params.num_envs
+    small = {"num_timesteps": 2048, "num_envs": 16, "batch_size": 8, "num_minibatches": 2, "num_evals": 2}
+    params.update({**small, "episode_length": 16, "learning_rate_schedule": None})
+    training = dict(params)
+    factory = functools.partial(ppo_networks.make_ppo_networks, **training.pop("network_factory"))
+    seen: dict[int, Any] = {}
+    make_policy, trained, _ = load_ppo().train(
+        environment=env,
+        wrap_env_fn=playground.wrap_for_brax_training,
+        network_factory=factory,
+        num_eval_envs=16,
+        progress_fn=lambda steps, metrics: seen.update({steps: metrics}),
+        **training,
+    )
+    assert max(seen) == 2048
+    last = seen[2048]
+    assert float(last["eval/avg_episode_length"]) <= 16
+    assert np.isfinite(float(last["training/total_loss"]))
+    assert not np.allclose(trained[0].mean["state"], 0.0), "its statistics have seen observations"
+    state = jax.jit(env.reset)(jax.random.key(0))
+    action, _ = make_policy(trained, deterministic=True)(state.obs, jax.random.key(1))
+    assert action.shape == (2,)

@@ -13,6 +13,7 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import NounError, SceneBank
 from urbanverse_mjx.envs import NavEnv, wrap_for_training
 from urbanverse_mjx.envs.navigation.env import MAP_PROBES
+from urbanverse_mjx.envs.staged import observed_size
 from urbanverse_mjx.evaluation import Rollout, blank_image, fixed_episodes
 from urbanverse_mjx.training import dagger, sequences, snapshot
 from urbanverse_mjx.training.map_networks import MAP_SHAPE
@@ -99,7 +100,7 @@ def test_proprioception_and_the_map_tell_speeds_last_action_and_distances(small_
         np.testing.assert_allclose(cells[x, y] / 100.0, metres, atol=0.0051)
     np.testing.assert_allclose(MAP_PROBES[:, ::-1, 1], -MAP_PROBES[..., 1], atol=1e-6)
     plain = unicycle_env(small_bank, {"scenes": "all"})
-    assert set(plain.observation_size) == {"goal", "privileged"}
+    assert set(observed_size(plain)) == {"goal", "privileged"}
 
 
 def test_seen_in_a_mirror_twice_is_seen_as_it_is() -> None:

@@ -3,8 +3,9 @@
 import difflib
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
+import jax
 from ml_collections import ConfigDict
 
 from .. import settings
@@ -17,11 +18,16 @@ from .navigation import NavEnv
 from .navigation.config import PRESETS, default_config, go2_nav_config
 from .navigation.make import make_walking_env, make_wheeled_env
 from .navigation.ppo import ppo_config
+from .playground import domain_randomize
 from .types import StagedEnv
+
+if TYPE_CHECKING:
+    from mujoco import mjx
 
 EnvMaker = Callable[[ConfigDict, SceneBank], StagedEnv[Any]]
 ConfigMaker = Callable[[str], ConfigDict]
 BankLoader = Callable[[], SceneBank]
+type DomainRandomizer = Callable[[mjx.Model, jax.Array], tuple[mjx.Model, mjx.Model]]
 
 
 class _Entry(NamedTuple):
@@ -103,6 +109,16 @@ def get_ppo_config(name: str, preset: str | None = None) -> ConfigDict:
     """
     entry = _entry(name)
     return entry.make_ppo_config(preset or entry.preset).lock()
+
+
+def get_domain_randomizer(name: str) -> DomainRandomizer:
+    """What Playground's and Brax's wrappers take as `randomization_fn`; comes on top of `config.randomization`.
+
+    Raises:
+      NounError: no environment has this name.
+    """
+    _entry(name)
+    return domain_randomize
 
 
 def bank_loader(name: str) -> BankLoader:

@@ -1,6 +1,7 @@
 """`StagedBase`: what every environment of stages has alike, from its config and its stages."""
 
 import abc
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +9,8 @@ from jaxtyping import Array, Float, Int, Key, PRNGKeyArray
 from ml_collections import ConfigDict
 
 from ..datatypes import SceneBank
-from .types import Result, State
+from .playground import ModelNames
+from .types import Result, StagedEnv, State
 
 
 def typed_key(key: PRNGKeyArray) -> Key[Array, ""]:
@@ -16,7 +18,7 @@ def typed_key(key: PRNGKeyArray) -> Key[Array, ""]:
     return key if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else jax.random.wrap_key_data(key)
 
 
-class StagedBase[C](abc.ABC):
+class StagedBase[C](ModelNames, abc.ABC):
     """Playground's interface over `begin`, `advance` and `observe`, which subclasses define (see `StagedEnv`)."""
 
     bank: SceneBank
@@ -39,6 +41,11 @@ class StagedBase[C](abc.ABC):
     @property
     @abc.abstractmethod
     def action_size(self) -> int: ...
+
+    def named_observations(self, carried: C, obs: dict[str, Array]) -> dict[str, Array]:
+        """What `reset` and `step` give beside the observations `obs`, under the names of Playground's PPO configs:
+        `state` for a policy without a camera and `privileged_state` for a critic, where an environment has them."""
+        return {}
 
     @property
     def config(self) -> ConfigDict:
@@ -90,7 +97,7 @@ class StagedBase[C](abc.ABC):
         """First state of a random episode. Works alone and under vmap; raw and typed keys are both fine."""
         carried = self.begin(key)
         zero = jnp.float32(0.0)
-        return State(carried, self.observe(carried), zero, zero, self.zero_metrics(), self.info_of(carried))
+        return State(carried, self._all_of(carried), zero, zero, self.zero_metrics(), self.info_of(carried))
 
     def step(self, state: State[C], action: Float[Array, " nu"]) -> State[C]:
         """One control step without auto-reset.
@@ -103,5 +110,15 @@ class StagedBase[C](abc.ABC):
         if "episode_done" in state.info:
             done = done * (1.0 - info["time_out"])
             info = {name: x for name, x in info.items() if name not in ("steps", "truncation")}
-        obs = self.observe(carried)
+        obs = self._all_of(carried)
         return State(carried, obs, reward, done, {**state.metrics, **metrics}, {**state.info, **info})
+
+    def _all_of(self, carried: C) -> dict[str, Array]:
+        obs = self.observe(carried)
+        return {**obs, **self.named_observations(carried, obs)}
+
+
+def observed_size(env: StagedEnv[Any]) -> dict[str, tuple[int, ...]]:
+    """Shapes of what `observe` gives, by name: what our own trainers see."""
+    shapes = jax.eval_shape(lambda key: env.observe(env.begin(key)), jax.random.key(0))
+    return {name: tuple(x.shape) for name, x in shapes.items()}

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Key, PRNGKeyArray, UInt32
 
 from ..datatypes import NounError
+from .staged import observed_size
 from .types import StagedEnv, State
 
 
@@ -39,7 +40,7 @@ class AutoResetEnv[C]:
 
     @property
     def observation_size(self) -> dict[str, tuple[int, ...]]:
-        return self.env.observation_size
+        return observed_size(self.env)
 
     @property
     def backend(self) -> str:

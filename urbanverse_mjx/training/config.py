@@ -1,5 +1,7 @@
 """PPO hyper-parameters as the registry has them, and the sizes that Brax makes of them."""
 
+from typing import Any
+
 from ml_collections import ConfigDict
 
 from ..datatypes import NounError
@@ -13,6 +15,62 @@ def default_ppo_config(preset: str = "paper", environment: str = "CocoNav") -> C
       NounError: unknown environment or preset.
     """
     return registry.get_ppo_config(environment, preset)
+
+
+#: Fields of our configs that `ppo.train` of Brax knows by the same name.
+_SAME = (
+    "num_envs",
+    "unroll_length",
+    "num_updates_per_batch",
+    "learning_rate",
+    "learning_rate_schedule",
+    "desired_kl",
+    "discounting",
+    "gae_lambda",
+    "clipping_epsilon",
+    "entropy_cost",
+    "vf_loss_coefficient",
+    "max_grad_norm",
+    "reward_scaling",
+    "normalize_advantage",
+)
+
+
+def brax_arguments(config: ConfigDict) -> dict[str, Any]:
+    """Our hyper-parameters under the names of `ppo.train`, `batch_size` and `num_minibatches` among them.
+
+    Raises:
+      NounError: the sizes do not divide.
+    """
+    batch_size, num_minibatches = batch_shape(config)
+    return {
+        **{name: config[name] for name in _SAME},
+        "batch_size": batch_size,
+        "num_minibatches": num_minibatches,
+        "learning_rate_schedule_max_lr": config.max_learning_rate,
+    }
+
+
+def brax_ppo_config(environment: str, preset: str | None = None) -> ConfigDict:
+    """A preset's training as Playground's `config` modules have it: all but `network_factory` goes to `ppo.train` by
+    name, with Brax's own networks on the observations `state` and `privileged_state`, which see no pixels.
+
+    Raises:
+      NounError: unknown environment or preset.
+    """
+    env, own = registry.get_default_config(environment, preset), registry.get_ppo_config(environment, preset)
+    sizes = {"policy_hidden_layer_sizes": (128, 128, 128), "value_hidden_layer_sizes": (256, 256, 256)}
+    return ConfigDict(
+        {
+            **brax_arguments(own),
+            "num_timesteps": own.num_timesteps,
+            "num_evals": own.num_checkpoints + 1,
+            "episode_length": env.episode_length,
+            "action_repeat": 1,
+            "normalize_observations": True,
+            "network_factory": {**sizes, "policy_obs_key": "state", "value_obs_key": "privileged_state"},
+        }
+    )
 
 
 def batch_shape(config: ConfigDict) -> tuple[int, int]:

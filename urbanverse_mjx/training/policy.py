@@ -17,6 +17,7 @@ from ml_collections import ConfigDict
 
 from ..datatypes import NounError
 from ..datatypes import validation as v
+from ..envs.staged import observed_size
 from . import policy_files
 from .policy_files import FILE
 
@@ -54,7 +55,7 @@ class PolicySpec:
             environment=environment,
             env_config=env.config.to_dict(),
             ppo_config=ppo_config.to_dict(),
-            observations={k: list(s) for k, s in env.observation_size.items()},
+            observations={k: list(s) for k, s in observed_size(env).items()},
             action_size=env.action_size,
             scene_ids=ids,
             bank_hashes=dict(env.bank.meta.get("hashes", {})),
@@ -244,7 +245,7 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
     """
     path = latest_policy(folder)
     found = load_params(path)
-    observations = {name: tuple(shape) for name, shape in env.observation_size.items()}
+    observations = observed_size(env)
     needed = jax.eval_shape(lambda: initial_params(observations, env.action_size, ppo_config, 0))
     for part, mine, theirs in (("actor", needed[1], found[1]), ("critic", needed[2], found[2])):
         if (part == "actor" or theirs) and jax.tree.map(jnp.shape, mine) != jax.tree.map(jnp.shape, theirs):

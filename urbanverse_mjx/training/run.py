@@ -12,7 +12,7 @@ from ..datatypes import NounError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from .brax_compat import load_ppo
-from .config import batch_shape
+from .config import brax_arguments
 from .policy import PolicySpec, latest_policy, load_compatible, load_params, network_factory, save_policy
 from .progress import TrainingLog
 from .record import begin_segment, check_scenes
@@ -52,35 +52,16 @@ def _start_of(folder: pathlib.Path, resume: bool, env: Any) -> tuple[int, Any]:
 
 def _ppo_arguments(config: ConfigDict) -> dict[str, Any]:
     """Our hyper-parameters under the names of `ppo.train`."""
-    batch_size, num_minibatches = batch_shape(config)
-    same = (
-        "num_envs",
-        "unroll_length",
-        "num_updates_per_batch",
-        "learning_rate",
-        "learning_rate_schedule",
-        "desired_kl",
-        "discounting",
-        "gae_lambda",
-        "clipping_epsilon",
-        "entropy_cost",
-        "vf_loss_coefficient",
-        "max_grad_norm",
-        "reward_scaling",
-        "normalize_advantage",
-    )
+    same = brax_arguments(config)
     return {
-        **{name: config[name] for name in same},
-        "batch_size": batch_size,
-        "num_minibatches": num_minibatches,
-        "learning_rate_schedule_max_lr": config.max_learning_rate,
+        **same,
         "normalize_observations": False,
         "num_evals": config.num_checkpoints + 1,
         # Brax builds an evaluator even when it never runs it; the same size shares the render context.
         "num_eval_envs": config.num_envs // jax.device_count(),
         "run_evals": False,
         "log_training_metrics": True,
-        "training_metrics_steps": batch_size * num_minibatches * config.unroll_length,
+        "training_metrics_steps": same["batch_size"] * same["num_minibatches"] * config.unroll_length,
     }
 
 

@@ -137,6 +137,7 @@ class JoystickEnv(StagedBase[GaitState]):
         sim = self._stand(scene, p_xy, yaw, pose)
         drawn = draw_body(body, config.randomization, legs.number)
         sim = sim._replace(friction_scale=drawn.friction_scale, mass_scale=drawn.mass_scale)
+        sim = self.with_model(sim)
         wanted, hold = draw_command(command, config.command)
         zero, still = jnp.float32(0.0), jnp.zeros(legs.number)
         frame = self._frame(sim, wanted, still, drawn, noise)
@@ -212,6 +213,10 @@ class JoystickEnv(StagedBase[GaitState]):
     def observe(self, gait: GaitState) -> dict[str, Array]:
         """Observations of a state."""
         return {"history": gait.history.reshape(-1), "privileged": self._privileged(gait)}
+
+    def named_observations(self, gait: GaitState, obs: dict[str, Array]) -> dict[str, Array]:
+        """`state`: `history`; `privileged_state`: `privileged`."""
+        return {"state": obs["history"], "privileged_state": obs["privileged"]}
 
     # The environment as a whole.
 

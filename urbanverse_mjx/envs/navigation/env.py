@@ -157,7 +157,7 @@ class NavEnv(StagedBase[NavState]):
         zero = jnp.float32(0.0)
         return NavState(
             key=key,
-            sim=self._randomization.scaled(key, sim),
+            sim=self.with_model(self._randomization.scaled(key, sim)),
             episode=row.astype(jnp.int32),
             start=start[:3],
             goal=goal,
@@ -256,13 +256,18 @@ class NavEnv(StagedBase[NavState]):
         privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
         if self._sees_proprio:
-            obs["proprio"] = jnp.concatenate([speed, nav.sim.qvel[5:6], nav.last_action]).astype(jnp.float32)
+            obs["proprio"] = self._proprio(nav)
         if self._sees_map:
             metres = self._distances(nav, position[:2] + terms.to_world(jnp.asarray(MAP_PROBES), yaw))
             obs["privileged_map"] = jnp.clip(jnp.rint(metres * 100.0), 0.0, 255.0).astype(jnp.uint8).reshape(-1)
         if self.renderer is not None:
             obs["pixels/front"] = self._pixels(nav)
         return obs
+
+    @full_precision
+    def named_observations(self, nav: NavState, obs: dict[str, Array]) -> dict[str, Array]:
+        """`state`, (5 + action_size,) f32: goal and `proprio`; `privileged_state`: `privileged`."""
+        return {"state": jnp.concatenate([obs["goal"], self._proprio(nav)]), "privileged_state": obs["privileged"]}
 
     # The environment as a whole.
 
@@ -292,6 +297,10 @@ class NavEnv(StagedBase[NavState]):
     def is_traversable(self, scene: Int[Array, ""] | int, p_xy: Float[Array, "2"]) -> Bool[Array, ""]:
         """() bool: whether the ground under (2,) m is a kind a pavement robot may be on."""
         return open_ground.is_open(self._walkable, scene, p_xy[0], p_xy[1], self._map_resolution)
+
+    def _proprio(self, nav: NavState) -> Float[Array, " n"]:
+        speed = terms.to_body(nav.sim.qvel[:2], rotations.yaw_of(nav.sim.xquat[self._root]))
+        return jnp.concatenate([speed, nav.sim.qvel[5:6], nav.last_action]).astype(jnp.float32)
 
     def _control(self, action: jax.Array) -> jax.Array:
         robot = self.robot
