@@ -27,7 +27,7 @@ from urbanverse_mjx.assets import AssetIndex, load_hulls, load_index
 from urbanverse_mjx.assets.appearances.skies import build_sky
 from urbanverse_mjx.assets.meshes.agents import agent_looks
 from urbanverse_mjx.assets.records.index import build_mesh
-from urbanverse_mjx.datatypes import AssetRecord, HullSet, NounError, SceneBank, SceneLayout
+from urbanverse_mjx.datatypes import AssetRecord, HullSet, SceneBank, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.materialisation.choice import pick
 from urbanverse_mjx.robots import make_coco
@@ -76,11 +76,11 @@ def map_stride(cell: float) -> int:
     """How many of a compiled scene's map cells make one of `cell` m.
 
     Raises:
-      NounError: no whole number does.
+      ValidationError: no whole number does.
     """
     stride = round(cell / RESOLUTION)
     if stride < 1 or abs(stride * RESOLUTION - cell) > 1e-6:
-        raise NounError(f"--map-cell: found {cell:g} m, needed a multiple of {RESOLUTION:g} m.")
+        raise ValidationError(f"--map-cell: found {cell:g} m, needed a multiple of {RESOLUTION:g} m.")
     return stride
 
 
@@ -113,7 +113,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
       progress: called with (layouts done, layouts in all).
 
     Raises:
-      NounError: numbers that fit no street.
+      ValidationError: numbers that fit no street.
     """
     stride = map_stride(options.map_cell)
     index = load_index()
@@ -202,7 +202,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         bank = build(options, None if arguments.quiet else functools.partial(_say, begin))
         bank.save(arguments.out)
-    except NounError as error:
+    except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     if not arguments.quiet:

@@ -22,7 +22,7 @@ import numpy as np
 from urbanverse_mjx.crowds import behaviours
 from urbanverse_mjx.crowds.crossings import crossing_at
 from urbanverse_mjx.crowds.spawning import Watcher
-from urbanverse_mjx.datatypes import KIND_INDEX, NounError, SceneBank
+from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, registry
 from urbanverse_mjx.envs.navigation import terms
 from urbanverse_mjx.envs.navigation.encounters import route_pose
@@ -84,7 +84,7 @@ def crossing_rows(bank: SceneBank, scene: int) -> list[tuple[int, float, float]]
         ends = [xy[round(a / side)] for a in (first - 1.5, last + 1.5)]
         rows.append(((last - first + 3.0) / float(np.linalg.norm(ends[1] - ends[0])), (row, first, last)))
     if not rows:
-        raise NounError(f"--scene: found no route over a crosswalk in {bank.scene_ids[scene]}, needed one.")
+        raise ValidationError(f"--scene: found no route over a crosswalk in {bank.scene_ids[scene]}, needed one.")
     return [row for _, row in sorted(rows)]
 
 

@@ -50,7 +50,7 @@ from urbanverse_mjx.crowds import (
     settle,
     traits_of,
 )
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 CPU_SIZES = ("64x32x8", "256x32x8", "1024x32x8", "64x128x8")
 GPU_SIZES = ("4096x32x8", "1024x32x8", "16384x32x8", "4096x16x8", "4096x32x4", "4096x32x10", "4096x64x8", "1024x128x8")
@@ -263,7 +263,7 @@ def main(argv: list[str] | None = None) -> int:
     for job in jobs:
         try:
             result = job()
-        except NounError as error:
+        except ValidationError as error:
             print(f"error: {error}", file=sys.stderr)
             return 2
         if arguments.json:

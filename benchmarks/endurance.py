@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.lib.cases import Case
 from benchmarks.lib.memory import in_use_mib
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import registry, wrap_for_training
 
 #: MiB by which the memory in use may grow after the first steps: allocators round.
@@ -125,7 +125,7 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
         result = run(arguments)
-    except NounError as error:
+    except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     for name, value in result.items():

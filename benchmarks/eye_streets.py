@@ -32,7 +32,7 @@ from urbanverse_mjx.assets.meshes.instances import instance_params, place
 from urbanverse_mjx.assets.meshes.tints import tints
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.citygen import section
-from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, HullSet, NounError, SceneBank, SceneLayout
+from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, HullSet, SceneBank, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.scene.bank import pack
@@ -238,7 +238,7 @@ def main(argv: list[str] | None = None) -> int:
         say = functools.partial(_say, begin)
         bank = build(arguments.split, arguments.layouts, say, arguments.processes, arguments.first)
         bank.save(arguments.out)
-    except NounError as error:
+    except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     print(file=sys.stderr)

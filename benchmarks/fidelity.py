@@ -46,7 +46,7 @@ from benchmarks.lib.injection import inject
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.index import load_index
 from urbanverse_mjx.assets.selection.label_priors import LabelPriors
-from urbanverse_mjx.datatypes import NounError, Recording, SceneBank
+from urbanverse_mjx.datatypes import Recording, SceneBank, ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation import Describe, DistilOptions, distil
 from urbanverse_mjx.pipeline import ensure_default_bank
@@ -83,7 +83,9 @@ def judge(
     pairs = [(made.poses[i], times.get(given.frames[n].time_s)) for i, n in enumerate(given.registered)]
     kept = [(a, b) for a, b in pairs if b is not None]
     if len(kept) < 2:
-        raise NounError(f"recording {given.id!r}: found {len(kept)} registered frames of the tour, needed at least 2.")
+        raise ValidationError(
+            f"recording {given.id!r}: found {len(kept)} registered frames of the tour, needed at least 2."
+        )
     found, true = (np.array(p) for p in zip(*kept, strict=True))
     T = scores.alignment(found, true)
     error = np.linalg.norm((T @ found)[:, :3, 3] - true[:, :3, 3], axis=1)
@@ -173,7 +175,7 @@ def street_rows(street: Street) -> Work:
             try:
                 given = plan.recording_of(filmed, pathlib.Path(work))
                 rows[plan.row] = judge(given, filmed, priors, plan.options, plan.describe)
-            except NounError as error:
+            except ValidationError as error:
                 failed[plan.row] = str(error)
         fidelity_store.save(file, rows)
     return Work(filmed.scene, rows, failed, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
@@ -250,7 +252,7 @@ def main(argv: list[str] | None = None) -> int:
                 if arguments.scaling is not None
                 else _scored(streets, arguments)
             )
-    except NounError as error:
+    except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     if arguments.markdown is not None:
@@ -261,7 +263,7 @@ def main(argv: list[str] | None = None) -> int:
 
 def _timed(street: Street, folder: pathlib.Path, frames: Sequence[int]) -> dict[str, Any]:
     if street.bank is None:
-        raise NounError("--scaling: found an imported recording, needed a bank to film; name one.")
+        raise ValidationError("--scaling: found an imported recording, needed a bank to film; name one.")
     counts = tuple(frames) or fidelity_scaling.FRAMES
     most = max(*fidelity_scaling.FRAMES, *counts)
     filmed = film(SceneBank.load(street.bank), street.scene, folder, most, street.size, False)

@@ -13,7 +13,7 @@ import json
 import pathlib
 import sys
 
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.evaluation.frozen import freeze
 from urbanverse_mjx.pipeline.benchmarking import benchmark_bank
 
@@ -37,11 +37,11 @@ def main(argv: list[str] | None = None) -> int:
     path = args.out / f"{name}.json"
     try:
         if path.exists() and not args.force:
-            raise NounError(f"{path}: found a frozen list, needed none; --force replaces it.")
+            raise ValidationError(f"{path}: found a frozen list, needed none; --force replaces it.")
         bank = SceneBank.load(args.bank) if args.bank else benchmark_bank(args.name)
         protocol = freeze(name, bank, args.episodes, args.seed, args.extra, HALF if args.half else None)
         protocol.save(path)
-    except NounError as error:
+    except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     print(json.dumps({"list": str(path), "scenes": len(protocol.scenes), "hash": protocol.content_hash()}))

@@ -20,7 +20,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.process_pool import worker_pool
 from urbanverse_mjx.robots import make_go2
@@ -121,7 +121,7 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
         found = _earlier(arguments.show) if arguments.show else judge_all(arguments)
-    except NounError as error:
+    except ValidationError as error:
         print(error, file=sys.stderr)
         return 2
     print(json.dumps(found) if arguments.json else tables(found))

@@ -24,7 +24,7 @@ from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx import settings
 from urbanverse_mjx.citygen import cities
 from urbanverse_mjx.citygen.cities.block import LENGTH
-from urbanverse_mjx.datatypes import NounError, Recording, SceneGraph
+from urbanverse_mjx.datatypes import Recording, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.process_pool import results_as_completed
 
@@ -66,7 +66,7 @@ def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) 
     """The figures of one layout, or no figures and why it cannot be filmed."""
     try:
         return _figures(name, layout, out, keep, length), ""
-    except NounError as error:
+    except ValidationError as error:
         return {}, str(error)
 
 

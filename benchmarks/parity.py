@@ -27,7 +27,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.reference import truth
@@ -57,7 +57,7 @@ class Suite:
 
     @staticmethod
     def load(folder: pathlib.Path) -> "Suite":
-        """Raises `NounError` where the folder was not written by `save`."""
+        """Raises `ValidationError` where the folder was not written by `save`."""
         try:
             with np.load(folder / "truth.npz") as file:
                 kept = {name: file[name] for name in file.files}
@@ -66,7 +66,7 @@ class Suite:
             trace = truth.Trace(kept["driven"], kept["hit"], objects, kept["ground"], kept["met"])
         except (OSError, KeyError, ValueError) as error:
             needed = "a folder written by `python -m benchmarks.parity --keep`"
-            raise NounError(f"{folder} holds no kept suite ({error}); {needed} is needed.") from error
+            raise ValidationError(f"{folder} holds no kept suite ({error}); {needed} is needed.") from error
         return Suite(SceneBank.load(folder / "bank.npz"), drives, trace)
 
 
@@ -200,7 +200,7 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
         result = measure(arguments)
-    except NounError as error:
+    except ValidationError as error:
         print(f"parity: {error}", file=sys.stderr)
         return 2
     if arguments.json:

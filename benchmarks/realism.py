@@ -18,7 +18,7 @@ import numpy as np
 from scipy.spatial.distance import pdist, squareform
 
 from benchmarks.lib import realism_figure as figure
-from urbanverse_mjx.datatypes import NounError, SceneLayout
+from urbanverse_mjx.datatypes import SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.validation import read_json, write_json
 from urbanverse_mjx.scene.folders import scene_folders
 
@@ -156,13 +156,15 @@ def families_of(texts: Sequence[str]) -> dict[str, list[pathlib.Path]]:
     """NAME=FOLDER ... as names and compiled scenes.
 
     Raises:
-      NounError: a text is none of these, or a folder holds no scene.
+      ValidationError: a text is none of these, or a folder holds no scene.
     """
     found: dict[str, list[pathlib.Path]] = {}
     for text in texts:
         name, equals, folder = text.partition("=")
         if not (name and equals and folder):
-            raise NounError(f"family: found {text!r}, needed NAME=FOLDER, such as shipped=streets/; name the family.")
+            raise ValidationError(
+                f"family: found {text!r}, needed NAME=FOLDER, such as shipped=streets/; name the family."
+            )
         found[name] = scene_folders([pathlib.Path(folder)])
     return found
 
@@ -174,7 +176,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = parser.parse_args(argv)
     try:
         told = measure(families_of(args.families))
-    except NounError as error:
+    except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     write_json(args.out.with_suffix(".json"), told)

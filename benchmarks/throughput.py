@@ -41,7 +41,7 @@ import psutil
 from benchmarks.lib import banks, memory, report, rivals
 from benchmarks.lib import measure as measurements
 from benchmarks.lib.cases import MEASURES, Case, product, read_grid
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.simulation.engines import IMPLS
@@ -96,7 +96,9 @@ def _list(text: str, kind: Any, option: str) -> list[Any]:
     try:
         return [kind(part) for part in text.split(",") if part]
     except ValueError:
-        raise NounError(f"--{option.replace('_', '-')}: found {text!r}, needed a comma list of numbers.") from None
+        raise ValidationError(
+            f"--{option.replace('_', '-')}: found {text!r}, needed a comma list of numbers."
+        ) from None
 
 
 def _settings(pairs: Sequence[str], option: str) -> dict[str, Any]:
@@ -108,7 +110,7 @@ def _settings(pairs: Sequence[str], option: str) -> dict[str, Any]:
         except json.JSONDecodeError:
             found[key] = value
         if not separator or not key:
-            raise NounError(f"--{option}: found {pair!r}, needed KEY=JSON such as vision_config.samples=2.")
+            raise ValidationError(f"--{option}: found {pair!r}, needed KEY=JSON such as vision_config.samples=2.")
     return found
 
 
@@ -116,7 +118,7 @@ def cases_of(arguments: argparse.Namespace) -> list[Case]:
     """All configurations that the options name.
 
     Raises:
-      NounError: a value that does not fit.
+      ValidationError: a value that does not fit.
     """
     measure = _list(arguments.measure, str, "measure") + ["learn"] * arguments.learn
     same = ("env", "num_slots", "shading", "shadows", "sky", "steps", "repeats", "iterations", "seed")
@@ -135,7 +137,7 @@ def cases_of(arguments: argparse.Namespace) -> list[Case]:
     for case in cases:
         for name, known in ((case.impl, IMPLS), *((r, tuple(rivals.RIVALS)) for r in case.rivals)):
             if name not in known:
-                raise NounError(f"configuration: found {name!r}, needed one of {', '.join(known)}.")
+                raise ValidationError(f"configuration: found {name!r}, needed one of {', '.join(known)}.")
     return cases
 
 
@@ -170,7 +172,7 @@ def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str,
         row = {**report.describe(env, case), "load_s": time.perf_counter() - begin, "machine": row["machine"]}
         for found in _figures(env, case, proof):
             row |= found
-    except NounError as error:
+    except ValidationError as error:
         row["error"] = str(error)
     except Exception as error:  # out of memory, a driver's failure: the next configuration may still work
         row["error"] = f"{type(error).__name__}: {error}".strip()[:500]
@@ -301,7 +303,7 @@ def main(argv: list[str] | None = None) -> int:
     try:
         cases = cases_of(arguments)
         return _judge(arguments, measure_all(arguments, cases))
-    except NounError as error:
+    except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
 

@@ -45,7 +45,8 @@ def asset_root() -> pathlib.Path:
     """Folder of the asset index.
 
     Raises:
-      NounError: the folder named by `URBANVERSE_ASSET_ROOT`, or the one that belongs to the package, is not there.
+      ValidationError: the folder named by `URBANVERSE_ASSET_ROOT`, or the one that belongs to the package, is not
+        there.
     """
     return _data_root("assets_index", "URBANVERSE_ASSET_ROOT")
 
@@ -68,7 +69,7 @@ def vision_endpoint() -> VisionEndpoint | None:
     """The endpoint that the environment names, or None: without an address nothing is ever sent.
 
     Raises:
-      NounError: an address that is not http or https, or no model beside it.
+      ValidationError: an address that is not http or https, or no model beside it.
     """
     url = os.environ.get("URBANVERSE_VISION_URL", "").strip().rstrip("/")
     if not url:
@@ -85,7 +86,8 @@ def scene_root() -> pathlib.Path:
     """Folder of the shipped scenes.
 
     Raises:
-      NounError: the folder named by `URBANVERSE_SCENE_ROOT`, or the one that belongs to the package, is not there.
+      ValidationError: the folder named by `URBANVERSE_SCENE_ROOT`, or the one that belongs to the package, is not
+        there.
     """
     return _data_root("scenes", "URBANVERSE_SCENE_ROOT")
 
@@ -94,7 +96,8 @@ def protocol_root() -> pathlib.Path:
     """Folder of the frozen benchmarks.
 
     Raises:
-      NounError: the folder named by `URBANVERSE_PROTOCOL_ROOT`, or the one that belongs to the package, is not there.
+      ValidationError: the folder named by `URBANVERSE_PROTOCOL_ROOT`, or the one that belongs to the package, is not
+        there.
     """
     return _data_root("benchmarks/protocols", "URBANVERSE_PROTOCOL_ROOT")
 
@@ -114,7 +117,7 @@ def shipped_bank_path() -> pathlib.Path:
     """File in the cache of the bank of the shipped scenes, named by its key.
 
     Raises:
-      NounError: the shipped scenes or the asset index are not there.
+      ValidationError: the shipped scenes or the asset index are not there.
     """
     # Of the scenes the shipped streets alone: the library's sets lie a folder deeper.
     root = scene_root()
@@ -130,7 +133,7 @@ def user_bank_path(
     The name begins with another word than that of the shipped scenes: it never takes their place.
 
     Raises:
-      NounError: a graph that is no file, or no asset index.
+      ValidationError: a graph that is no file, or no asset index.
     """
     for path in graphs:
         if not path.is_file():
@@ -166,7 +169,7 @@ def assets_digest() -> str:
     """16 hexadecimal digits over the names and bytes of all files of the asset index.
 
     Raises:
-      NounError: see `asset_root`.
+      ValidationError: see `asset_root`.
     """
     root = asset_root()
     files = sorted(p for p in root.rglob("*") if p.is_file())
@@ -193,7 +196,7 @@ def num_threads() -> int:
     """Worker threads to use on the CPU, at least 1.
 
     Raises:
-      NounError: `URBANVERSE_THREADS` is no whole number from 1 to 1024.
+      ValidationError: `URBANVERSE_THREADS` is no whole number from 1 to 1024.
     """
     text = os.environ.get("URBANVERSE_THREADS", "").strip()
     if not text:
@@ -220,7 +223,7 @@ def _data_root(name: str, variable: str) -> pathlib.Path:
 
 
 def _fail(where: str, found: str, needed: str, hint: str) -> ValueError:
-    # Imported late: the nouns need numpy, and `urbanverse doctor` reads settings where numpy may be missing.
+    # Imported late: the datatypes need numpy, and `urbanverse doctor` reads settings where numpy may be missing.
     from .datatypes.validation import fail
 
     return fail(where, found, needed, hint)

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 
 #: Arrays of a bank with a leading scene axis.
 _BY_SCENE = ("inst_", "prism_", "grid_origin", "hull_grid", "map_kind", "map_origin", "episode_", "slot_", "scene_sky")
@@ -14,10 +14,10 @@ def first_scenes(bank: SceneBank, count: int) -> SceneBank:
     """The first `count` scenes with the meshes that they show; hulls, textures and skies stay.
 
     Raises:
-      NounError: the bank holds fewer.
+      ValidationError: the bank holds fewer.
     """
     if not 1 <= count <= bank.num_scenes:
-        raise NounError(f"--scenes: found {count}, needed 1 to {bank.num_scenes}, the scenes of the bank.")
+        raise ValidationError(f"--scenes: found {count}, needed 1 to {bank.num_scenes}, the scenes of the bank.")
     arrays = bank.arrays()
     cut = {name: a[:count] for name, a in arrays.items() if name.startswith(_BY_SCENE) or name == "num_episodes"}
     meta = {**bank.meta, **{name: bank.meta[name][:count] for name in ("scene_ids", "splits", "object_ids")}}
@@ -46,10 +46,10 @@ def with_hulls(bank: SceneBank, count: int, seed: int = 0) -> SceneBank:
     What is seen, the map and the episodes stay as they are, so costs can be compared.
 
     Raises:
-      NounError: `count` below 1.
+      ValidationError: `count` below 1.
     """
     if count < 1:
-        raise NounError(f"--hulls-per-scene: found {count}, needed at least 1.")
+        raise ValidationError(f"--hulls-per-scene: found {count}, needed at least 1.")
     hull, grid = bank.inst_hull.copy(), bank.hull_grid.copy()
     for scene in range(bank.num_scenes):
         rng = np.random.default_rng([seed, scene])

@@ -7,7 +7,7 @@ import pathlib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
 
 #: What can be measured of a configuration, see `measure`.
@@ -58,7 +58,7 @@ class Case:
                 v.integer(getattr(self, name), name, 1)
         unknown = [m for m in self.measure if m not in MEASURES]
         if unknown:
-            raise NounError(f"measure: found {unknown[0]!r}, needed some of {', '.join(MEASURES)}.")
+            raise ValidationError(f"measure: found {unknown[0]!r}, needed some of {', '.join(MEASURES)}.")
         _ = self.size
 
     @property
@@ -71,7 +71,7 @@ class Case:
         except ValueError:
             height = width = 0
         if min(height, width) < 1:
-            raise NounError(f"pixels: found {self.pixels!r}, needed HEIGHTxWIDTH such as 36x64, or none.")
+            raise ValidationError(f"pixels: found {self.pixels!r}, needed HEIGHTxWIDTH such as 36x64, or none.")
         return height, width
 
     def config_overrides(self, ctrl_dt: float) -> dict[str, Any]:
@@ -98,12 +98,12 @@ class Case:
         """A case from a mapping of some of its fields.
 
         Raises:
-          NounError: a key that is no field, or a value that does not fit.
+          ValidationError: a key that is no field, or a value that does not fit.
         """
         names = [f.name for f in dataclasses.fields(Case)]
         unknown = [k for k in value if k not in names]
         if unknown:
-            raise NounError(f"grid: found the key {unknown[0]!r}, needed some of {', '.join(names)}.")
+            raise ValidationError(f"grid: found the key {unknown[0]!r}, needed some of {', '.join(names)}.")
         lists = {k: _texts(value[k], k) for k in ("measure", "rivals") if k in value}
         return Case(**{**value, **lists})
 
@@ -112,7 +112,7 @@ def _texts(value: Any, key: str) -> tuple[str, ...]:
     if isinstance(value, str):
         value = [part for part in value.split(",") if part]
     if not isinstance(value, (list, tuple)) or not all(isinstance(x, str) for x in value):
-        raise NounError(f"grid: found {value!r} for {key!r}, needed a list of texts.")
+        raise ValidationError(f"grid: found {value!r} for {key!r}, needed a list of texts.")
     return tuple(value)
 
 
@@ -129,12 +129,12 @@ def read_grid(path: pathlib.Path, base: Case) -> list[Case]:
     """Cases of a JSON file: a list of objects, each some fields of `Case`; the rest is `base`'s.
 
     Raises:
-      NounError: no such file, no list of objects, or a wrong key.
+      ValidationError: no such file, no list of objects, or a wrong key.
     """
     try:
         rows = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, json.JSONDecodeError) as error:
-        raise NounError(f"--grid {path}: found no readable JSON ({error}), needed a list of objects.") from error
+        raise ValidationError(f"--grid {path}: found no readable JSON ({error}), needed a list of objects.") from error
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
-        raise NounError(f"--grid {path}: found something else, needed a list of at least one object.")
+        raise ValidationError(f"--grid {path}: found something else, needed a list of at least one object.")
     return [Case.from_json({**base.to_json(), **row}) for row in rows]

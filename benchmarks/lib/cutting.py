@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES
 from urbanverse_mjx.scene.hulls import ConvexPart, convex_part
 
@@ -63,7 +63,7 @@ def halves(part: ConvexPart, exact: bool = True) -> tuple[ConvexPart, ConvexPart
                 for side, most in zip(sides, room, strict=True)
             )
             return low, high
-        except (NounError, QhullError):  # a piece or a section that is flat
+        except (ValidationError, QhullError):  # a piece or a section that is flat
             continue
     return halves(part, exact=False) if exact else None
 

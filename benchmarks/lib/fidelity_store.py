@@ -25,7 +25,7 @@ def load(path: pathlib.Path) -> dict[str, Row]:
     """The rows of one street, as far as they were done; none without a file.
 
     Raises:
-      NounError: a file that is no such record.
+      ValidationError: a file that is no such record.
     """
     if not path.is_file():
         return {}

@@ -62,7 +62,7 @@ def imported(folder: pathlib.Path) -> Tour:
     """A recording that `urbanverse gen import` made of KITTI-360, with the boxes beside it as truth.
 
     Raises:
-      NounError: no such recording, or no boxes beside it.
+      ValidationError: no such recording, or no boxes beside it.
     """
     recording = Recording.load(folder)
     rows = v.items(v.read_json(folder / "boxes.json", "boxes of a recording"), "boxes")

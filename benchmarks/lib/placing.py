@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,7 +47,7 @@ def crowded_poses(bank: SceneBank, robot: RobotSpec, count: int, control_dt: flo
     """The `count` places with the most hulls within reach; they repeat where the bank offers fewer.
 
     Raises:
-      NounError: the bank holds no hull within reach of any place.
+      ValidationError: the bank holds no hull within reach of any place.
     """
     reach = robot.circumradius + robot.max_speed * control_dt
     # Hulls are judged at half the robot's height, where its body would meet them.
@@ -68,7 +68,9 @@ def crowded_poses(bank: SceneBank, robot: RobotSpec, count: int, control_dt: flo
             found.append((scenes, chunk, yaw, (distance < reach).sum(1), distance[row, nearest]))
     columns = [np.concatenate(c) for c in zip(*found, strict=True)]
     if not columns or not columns[3].any():
-        raise NounError(f"bank: found no hull within {reach:.2f} m of any episode's places, needed some to drive into.")
+        raise ValidationError(
+            f"bank: found no hull within {reach:.2f} m of any episode's places, needed some to drive into."
+        )
     # Most hulls first, then the nearest: those are hit within the fewest steps.
     order = np.lexsort((columns[4], -columns[3]))
     order = order[columns[3][order] > 0]

@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image
 
 from benchmarks.lib import tables
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
 from urbanverse_mjx.datatypes.validation import write_atomically
 
@@ -190,7 +190,7 @@ def save_baseline(rows: Sequence[Mapping[str, Any]], path: pathlib.Path) -> None
         if not row.get("error")
     ]
     if not kept:
-        raise NounError("--save-baseline: found no row without an error, needed one; nothing was written.")
+        raise ValidationError("--save-baseline: found no row without an error, needed one; nothing was written.")
     body = {"schema": SCHEMA, "machine": _machine_of(rows), "rows": kept}
     text = json.dumps(body, indent=1) + "\n"
     write_atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
@@ -200,18 +200,20 @@ def compare(rows: Sequence[Mapping[str, Any]], path: pathlib.Path, tolerance: fl
     """The rates of rows beside a baseline's: {"what", "rate", "now", "baseline", "ratio", "slower"} each.
 
     Raises:
-      NounError: no baseline, one of another device or number of cores, or none of its rows was measured.
+      ValidationError: no baseline, one of another device or number of cores, or none of its rows was measured.
     """
     try:
         body = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, json.JSONDecodeError) as error:
-        raise NounError(f"--compare {path}: found no baseline ({error}), needed one; see --save-baseline.") from error
+        raise ValidationError(
+            f"--compare {path}: found no baseline ({error}), needed one; see --save-baseline."
+        ) from error
     if not isinstance(body, dict) or body.get("schema") != SCHEMA:
-        raise NounError(f"--compare {path}: found something else, needed a baseline ({SCHEMA}).")
+        raise ValidationError(f"--compare {path}: found something else, needed a baseline ({SCHEMA}).")
     here, there = _machine_of(rows), body["machine"]
     for name in ("device", "cores"):
         if here[name] != there[name]:
-            raise NounError(
+            raise ValidationError(
                 f"--compare {path}: found a baseline of {name} {there[name]!r}, needed one of {here[name]!r}; "
                 "make one here with --save-baseline."
             )
@@ -228,5 +230,7 @@ def compare(rows: Sequence[Mapping[str, Any]], path: pathlib.Path, tolerance: fl
                 | {"slower": ratio < 1.0 - tolerance}
             )
     if not found:
-        raise NounError(f"--compare {path}: found no row of the baseline measured, needed one; use the same options.")
+        raise ValidationError(
+            f"--compare {path}: found no row of the baseline measured, needed one; use the same options."
+        )
     return found

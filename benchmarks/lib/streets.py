@@ -14,7 +14,7 @@ from urbanverse_mjx.assets import AssetIndex
 from urbanverse_mjx.assets.appearances.ground_materials import material_ids
 from urbanverse_mjx.assets.appearances.skies import sky_ids
 from urbanverse_mjx.citygen import catalogue, section
-from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, NounError, PlacedGround, PlacedObject, SceneLayout
+from urbanverse_mjx.datatypes import AssetRecord, GroundRegion, PlacedGround, PlacedObject, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
 
 #: Grows whenever the same seed would give another layout.
@@ -213,7 +213,7 @@ def make_layout(
       ground: what it stands on; default: one of `SECTIONS`.
 
     Raises:
-      NounError: so many do not fit, or fewer are wanted than there are house fronts.
+      ValidationError: so many do not fit, or fewer are wanted than there are house fronts.
     """
     stock = stock or Stock()
     ground = ground or make_ground(seed, number % SECTIONS)
@@ -222,7 +222,7 @@ def make_layout(
     wanted = int(rng.integers(objects[0], objects[1] + 1))
     _put_houses(street)
     if len(street.objects) > wanted:
-        raise NounError(
+        raise ValidationError(
             f"--objects: found {wanted}, needed at least {len(street.objects)} for the house fronts; ask for more."
         )
     for band, count in _share(wanted - len(street.objects)).items():
@@ -278,7 +278,7 @@ def _put_somewhere(street: _Street, band: str) -> None:
     """One thing at a random free place of a band, or of another one where that is full.
 
     Raises:
-      NounError: none was found anywhere.
+      ValidationError: none was found anywhere.
     """
     for other in (band, *(b for b in SHARES if b != band)):
         for _ in range(_TRIES):
@@ -286,7 +286,7 @@ def _put_somewhere(street: _Street, band: str) -> None:
             record = street.record(street.stock.leaves[other])
             if _try_place(street, other, side, record):
                 return
-    raise NounError(
+    raise ValidationError(
         f"--objects: found no free place for another thing in a street with {len(street.objects)}, needed one; "
         "ask for fewer."
     )

@@ -15,7 +15,7 @@ from urbanverse_mjx.assets.records.catalogue import (
     leaf_uid,
 )
 from urbanverse_mjx.assets.records.store import shipped_content
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 INDEX = load_index()
 #: Of every tenth leaf without any recipe's records, so that it changes with the priors, materials and ontology alone.
@@ -123,7 +123,7 @@ def test_the_hash_sees_every_change() -> None:
 
 
 def test_no_records_are_refused() -> None:
-    with pytest.raises(NounError, match="found 0, needed at least 1"):
+    with pytest.raises(ValidationError, match="found 0, needed at least 1"):
         build_leaf("bench", INDEX, 0)
 
 

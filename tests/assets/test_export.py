@@ -15,7 +15,7 @@ from urbanverse_mjx.assets.exporting.export import FORMATS, export_asset, export
 from urbanverse_mjx.assets.selection import search
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
 from urbanverse_mjx.cli.assets import main as assets_command
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 
 INDEX = load_index()
 # Light and heavy, convex and hollow, tall and flat, free and fixed to the ground.
@@ -182,7 +182,7 @@ def test_a_glb_says_what_it_is(tmp_path) -> None:
 
 
 def test_an_unknown_format_is_refused(tmp_path) -> None:
-    with pytest.raises(NounError, match="'fbx', needed one of glb, obj, mjcf, usd"):
+    with pytest.raises(ValidationError, match="'fbx', needed one of glb, obj, mjcf, usd"):
         export_asset(RECORDS[0], tmp_path, "fbx")
 
 
@@ -195,5 +195,5 @@ def test_what_search_returns_can_be_exported(objects: ObjectLibrary, tmp_path, m
     (path,) = tmp_path.glob("*.glb")
     size = trimesh.load(path, force="scene").extents
     assert sorted(size) == pytest.approx(sorted(objects.record(uid).extent_xyz), abs=2e-3)
-    with pytest.raises(NounError, match="asset uid: found 'no/such'"):
+    with pytest.raises(ValidationError, match="asset uid: found 'no/such'"):
         assets_command(["export", "--uid", "no/such", "--out", str(tmp_path)])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets.appearances import ground_materials as materials
-from urbanverse_mjx.datatypes import NounError, ground
+from urbanverse_mjx.datatypes import ValidationError, ground
 
 KINDS = ("road", "sidewalk", "crosswalk", "ground", "road_marking")
 ALL = [i for kind in KINDS for i in materials.material_ids(kind)]
@@ -56,7 +56,7 @@ def test_same_id_same_pixels_and_unknown_names() -> None:
     first = materials.build_material("brick_herringbone").texture.copy()
     materials.build_material.cache_clear()
     assert np.array_equal(first, materials.build_material("brick_herringbone").texture)
-    with pytest.raises(NounError, match="asphalt_new"):
+    with pytest.raises(ValidationError, match="asphalt_new"):
         materials.build_material("cheese")
-    with pytest.raises(NounError, match="sidewalk"):
+    with pytest.raises(ValidationError, match="sidewalk"):
         materials.material_ids("none")

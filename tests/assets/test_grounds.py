@@ -9,7 +9,7 @@ from urbanverse_mjx.assets.appearances import ground_materials, looks
 from urbanverse_mjx.assets.appearances.grounds import ground_records, paint_ground, table
 from urbanverse_mjx.assets.appearances.grounds.surface import normals
 from urbanverse_mjx.assets.categories.materials import material
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 RECORDS = {record.uid: record for record in ground_records()}
 #: One material of every family and one of every condition.
@@ -124,7 +124,7 @@ def test_same_uid_same_maps_and_unknown_uid() -> None:
     first, again = paint_ground("sidewalk/crazy_paving"), paint_ground("sidewalk/crazy_paving")
     assert np.array_equal(first.albedo, again.albedo)
     assert np.array_equal(first.normal, again.normal)
-    with pytest.raises(NounError, match="road/asphalt_old-cracked"):
+    with pytest.raises(ValidationError, match="road/asphalt_old-cracked"):
         table.find_ground("road/asphalt_old-cheese")
 
 
@@ -168,7 +168,7 @@ def test_crops_find_their_material() -> None:
 
 @pytest.mark.parametrize("crops", [[], np.zeros((4, 4), np.uint8), [np.zeros((4, 4, 3))]])
 def test_a_bad_crop_is_refused(crops: object) -> None:
-    with pytest.raises(NounError, match="crop"):
+    with pytest.raises(ValidationError, match="crop"):
         looks.rank_grounds(crops, "road")  # pyright: ignore[reportArgumentType]
 
 
@@ -182,7 +182,7 @@ def test_search_joins_filters_by_and_and_lists_by_or() -> None:
         "sidewalk/brick_red_basket"
     ]
     assert "yellow" in looks.sidewalk.explain_annotation("colors")
-    with pytest.raises(NounError, match="families"):
+    with pytest.raises(ValidationError, match="families"):
         looks.road.get_uids_conditioned(flavour="sweet")
-    with pytest.raises(NounError, match="low <= high"):
+    with pytest.raises(ValidationError, match="low <= high"):
         looks.road.get_uids_conditioned(tile_size_range=(3, 1))

@@ -21,7 +21,7 @@ from urbanverse_mjx.assets.collision.decompose import (
 from urbanverse_mjx.assets.collision.hulls import HullStore, hull_budget, mesh_key, store_path
 from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
 from urbanverse_mjx.assets.meshes.recipe import all_recipes, get_recipe
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 
 INDEX = load_index()
 #: The leaves of the shipped and the benchmark streets: their recipes have physical priors of their own.
@@ -149,7 +149,7 @@ def test_the_store_survives_its_file(tmp_path) -> None:
 
 def test_missing_hulls_name_the_command(monkeypatch) -> None:
     monkeypatch.setattr(hulls_module, "_store", lambda: HullStore({}))
-    with pytest.raises(NounError, match=r"python -m urbanverse_mjx\.assets hulls"):
+    with pytest.raises(ValidationError, match=r"python -m urbanverse_mjx\.assets hulls"):
         load_hulls(INDEX.records[0])
 
 

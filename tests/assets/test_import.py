@@ -14,7 +14,7 @@ from urbanverse_mjx.assets.importing import run
 from urbanverse_mjx.assets.importing.containment import CRASHED, MEMORY, TIME, Bounds, contained
 from urbanverse_mjx.assets.importing.corruption import CORRUPTIONS
 from urbanverse_mjx.assets.importing.run import Entry, Options, import_folder
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 QUICK = Options(pictures=False)
 
@@ -194,9 +194,9 @@ def test_a_contained_function_cannot_take_the_others_with_it() -> None:
 
 
 def test_a_folder_without_meshes_and_a_busy_store_are_refused(store: pathlib.Path) -> None:
-    with pytest.raises(NounError, match="no file ending in"):
+    with pytest.raises(ValidationError, match="no file ending in"):
         import_folder(store, QUICK, quiet)
-    with pytest.raises(NounError, match="no such folder"):
+    with pytest.raises(ValidationError, match="no such folder"):
         import_folder(store / "nowhere", QUICK, quiet)
 
 
@@ -209,9 +209,9 @@ def test_a_changed_mesh_is_not_taken_for_the_imported_one(street) -> None:
     from urbanverse_mjx.assets.records import user_store
 
     user_store._read.cache_clear()
-    with pytest.raises(NounError, match="changed"):
+    with pytest.raises(ValidationError, match="changed"):
         build_mesh(record)
     path.write_bytes(body)
     outside = type(record)(**{**vars(record), "params": {"path": "../../../etc/passwd", "sha256": "0"}})
-    with pytest.raises(NounError, match="inside"):
+    with pytest.raises(ValidationError, match="inside"):
         build_mesh(outside)

@@ -12,7 +12,7 @@ from urbanverse_mjx.assets.exporting.export import export_glb
 from urbanverse_mjx.assets.meshes.glb import read_glb
 from urbanverse_mjx.assets.meshes.recipe import all_recipes
 from urbanverse_mjx.assets.records.index import build_index, make_record, save_index
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 INDEX = load_index()
 
@@ -132,7 +132,7 @@ def test_the_index_survives_its_file(tmp_path) -> None:
 
 
 def test_unknown_uid_and_leaf_are_refused() -> None:
-    with pytest.raises(NounError, match="no-such-thing"):
+    with pytest.raises(ValidationError, match="no-such-thing"):
         INDEX.get("no-such-thing")
-    with pytest.raises(NounError, match="bensh"):
+    with pytest.raises(ValidationError, match="bensh"):
         INDEX.by_leaf("bensh")

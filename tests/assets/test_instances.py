@@ -28,7 +28,7 @@ from urbanverse_mjx.assets.meshes.recipe import get_recipe
 from urbanverse_mjx.assets.meshes.tints import color_names, hsv, is_free, is_paint, tinted, tints
 from urbanverse_mjx.assets.records.catalogue import build_leaf, leaf_uid
 from urbanverse_mjx.assets.records.store import record_of
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 INDEX = load_index()
 #: Leaves that are quick to build and of every kind: tied, rolling, round, free, alive.
@@ -141,7 +141,7 @@ def test_kinds_of_proportion() -> None:
 
 
 def test_no_base_shape_is_refused() -> None:
-    with pytest.raises(NounError, match="found no base shape"):
+    with pytest.raises(ValidationError, match="found no base shape"):
         place("bench", ["bench/prior/00009"], np.zeros((0, 3)))
 
 

@@ -21,7 +21,7 @@ from urbanverse_mjx.assets.categories.labels import (
 )
 from urbanverse_mjx.assets.categories.ontology import UnknownLabelError, guess_leaf
 from urbanverse_mjx.assets.categories.priors import prior
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
 FREE = pathlib.Path(__file__).with_name("free_labels.csv")
@@ -85,11 +85,11 @@ def test_labels_that_names_alone_would_get_wrong(vocabulary: str, label: str, le
 
 
 def test_unknown_labels_are_refused() -> None:
-    with pytest.raises(NounError, match="'no_such_thing' of 'lvis'"):
+    with pytest.raises(ValidationError, match="'no_such_thing' of 'lvis'"):
         leaf_of_label("lvis", "no_such_thing")
-    with pytest.raises(NounError, match=r"1 without a leaf.*cityscapes 'xyzzy'"):
+    with pytest.raises(ValidationError, match=r"1 without a leaf.*cityscapes 'xyzzy'"):
         map_labels(stored_vocabularies() | {"cityscapes": [*stored_vocabularies()["cityscapes"], "xyzzy"]})
-    with pytest.raises(NounError, match=r"label_decisions\.csv: found \('cityscapes'"):
+    with pytest.raises(ValidationError, match=r"label_decisions\.csv: found \('cityscapes'"):
         map_labels(stored_vocabularies() | {"cityscapes": []})
 
 
@@ -101,7 +101,7 @@ def test_vocabularies_are_read_from_their_files(tmp_path) -> None:
     assert read["osm"] == ["amenity=bench"]
     assert read["lvis"] == ["a", "b"]
     (tmp_path / "lvis_v1.txt").unlink()
-    with pytest.raises(NounError, match="lvis_v1"):
+    with pytest.raises(ValidationError, match="lvis_v1"):
         read_vocabularies(tmp_path)
 
 

@@ -14,7 +14,7 @@ from urbanverse_mjx.assets.selection.matching import Matcher, distortions
 from urbanverse_mjx.assets.selection.neural import PictureEmbedder, SentenceEmbedder
 from urbanverse_mjx.assets.selection.overview import overview
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 FREE = pathlib.Path(__file__).with_name("free_labels.csv")
 
@@ -115,14 +115,14 @@ def test_the_mask_decides_what_is_seen() -> None:
     mask[10:30, 15:25] = True
     inner = descriptors.of_picture(crop[10:30, 15:25])
     assert np.array_equal(descriptors.of_picture(crop, mask), inner)
-    with pytest.raises(NounError, match="0 pixels"):
+    with pytest.raises(ValidationError, match="0 pixels"):
         descriptors.of_picture(crop, np.zeros((40, 40), bool))
 
 
 def test_wrong_sizes_and_descriptors_are_refused(matcher: Matcher) -> None:
-    with pytest.raises(NounError, match="three lengths above 0"):
+    with pytest.raises(ValidationError, match="three lengths above 0"):
         matcher.match("bench", (1.0, 0.0, 1.0))
-    with pytest.raises(NounError, match="descriptor"):
+    with pytest.raises(ValidationError, match="descriptor"):
         matcher.match("bench", (0.6, 1.7, 0.8), [1, 2, 3])
 
 
@@ -141,7 +141,7 @@ def test_matching_is_quick(matcher: Matcher) -> None:
 @pytest.mark.parametrize("load", [SentenceEmbedder.load, PictureEmbedder.load])
 def test_neural_embeddings_say_what_they_need(load, tmp_path) -> None:
     """Without the packages, the command that installs them; with them, that the folder holds no weights."""
-    with pytest.raises(NounError, match=r"urbanverse_mjx\[embeddings\]|no weights"):
+    with pytest.raises(ValidationError, match=r"urbanverse_mjx\[embeddings\]|no weights"):
         load(str(tmp_path))
 
 

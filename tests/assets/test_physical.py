@@ -24,7 +24,7 @@ from urbanverse_mjx.assets.categories.physical import (
     uniforms,
 )
 from urbanverse_mjx.assets.categories.priors import Prior, prior, priors
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 MIDDLES = sorted({middle for _, middle, _ in ontology.categories().values()})
 LEAVES = st.sampled_from(list(ontology.categories()))
@@ -157,5 +157,5 @@ def test_larger_things_weigh_more() -> None:
     [(np.ones((2, 3)), np.ones(1)), (np.zeros((1, 3)), np.ones(1)), (np.full((1, 3), np.nan), np.ones(1))],
 )
 def test_measures_that_do_not_fit_are_refused(extent: np.ndarray, volume: np.ndarray) -> None:
-    with pytest.raises(NounError, match="measured geometry: found"):
+    with pytest.raises(ValidationError, match="measured geometry: found"):
         sample(prior("bench"), uniforms(["a"]), Measured(extent, volume))

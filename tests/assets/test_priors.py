@@ -7,7 +7,7 @@ from urbanverse_mjx.assets.categories.materials import materials, sources
 from urbanverse_mjx.assets.categories.physical import GRAVITY, ROLLING, medians, sample
 from urbanverse_mjx.assets.categories.priors import FORMS, Prior, prior, priors
 from urbanverse_mjx.assets.categories.published import published
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 # What the median thing of a leaf may weigh (kg) and measure at its largest (m), by mid-level category. Written apart
 # from the table, from what such things are, so that a slipped decimal point in a row falls out.
@@ -184,9 +184,9 @@ def test_an_invalid_row_is_refused_with_its_place(tmp_path, monkeypatch) -> None
         (tmp_path / name).write_bytes((asset_root() / name).read_bytes())
     (tmp_path / "priors.csv").write_text(text.replace("1.2 1.68 2.4", "1.2 1.68", 1), encoding="utf-8")
     monkeypatch.setattr(module, "asset_root", lambda: tmp_path)
-    with pytest.raises(NounError, match=r"priors\.csv:\d+ length: found '1\.2 1\.68', needed three"):
+    with pytest.raises(ValidationError, match=r"priors\.csv:\d+ length: found '1\.2 1\.68', needed three"):
         module.priors.__wrapped__()
     (tmp_path / "priors.csv").write_text(text.replace("published,fiba ball:", "published,my ball:"), encoding="utf-8")
-    with pytest.raises(NounError, match="found 'my ball' as its source"):
+    with pytest.raises(ValidationError, match="found 'my ball' as its source"):
         module.priors.__wrapped__()
     assert tables.materials() is tables.materials()

@@ -6,7 +6,7 @@ import pytest
 from urbanverse_mjx.assets.categories import published as module
 from urbanverse_mjx.assets.categories.materials import sources
 from urbanverse_mjx.assets.categories.published import QUANTITIES, Published, errors, published, set_aside, truths
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 #: The leaves of the 17 categories in the paper's table of annotated attributes (appendix, `eval_database_anno`).
 PAPER = {
@@ -95,7 +95,7 @@ def test_bad_rows_are_refused(line: str, said: str, tmp_path, monkeypatch) -> No
     head = ",".join(("leaf", "thing", *QUANTITIES, "source"))
     (tmp_path / "published.csv").write_text(f"{head}\n{line}\n", encoding="utf-8")
     monkeypatch.setattr(module, "asset_root", lambda: tmp_path)
-    with pytest.raises(NounError, match=said):
+    with pytest.raises(ValidationError, match=said):
         module.published.__wrapped__()
 
 
@@ -103,5 +103,5 @@ def test_a_figure_set_aside_without_a_reason_is_refused(tmp_path, monkeypatch) -
     head = ",".join(("leaf", "thing", *QUANTITIES, "title", "address", "reason"))
     (tmp_path / "published_set_aside.csv").write_text(f"{head}\negg,egg,1,,,,page,https://a.b,\n", encoding="utf-8")
     monkeypatch.setattr(module, "asset_root", lambda: tmp_path)
-    with pytest.raises(NounError, match="no reason"):
+    with pytest.raises(ValidationError, match="no reason"):
         module.set_aside.__wrapped__()

@@ -14,7 +14,7 @@ from urbanverse_mjx.assets.selection import integrity
 from urbanverse_mjx.assets.selection.libraries import MODULES, Library
 from urbanverse_mjx.assets.selection.libraries import library as named_library
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 #: filter, its value, and the same asked of one row.
 FILTERS = [
@@ -106,14 +106,14 @@ def test_any_filter_is_quick_once_its_column_is_decoded(objects: ObjectLibrary) 
     ],
 )
 def test_wrong_filters_are_refused(objects: ObjectLibrary, conditions: dict, said: str) -> None:
-    with pytest.raises(NounError, match=said):
+    with pytest.raises(ValidationError, match=said):
         objects.get_uids_conditioned(**conditions)
 
 
 def test_levels(objects: ObjectLibrary) -> None:
     assert [len(objects.categories(k)) for k in (1, 2, 3)] == [8, 59, 659]
     assert objects.categories("class_name_l3") == objects.categories("l3") == list(categories())
-    with pytest.raises(NounError, match="needed 1, 2 or 3"):
+    with pytest.raises(ValidationError, match="needed 1, 2 or 3"):
         objects.categories(4)
 
 
@@ -139,9 +139,9 @@ def test_annotations_hold_the_official_fields(objects: ObjectLibrary) -> None:
         assert all(explain(field) for field in row)
         assert None not in row.values()
         json.dumps(row)
-    with pytest.raises(NounError, match="no-such-thing"):
+    with pytest.raises(ValidationError, match="no-such-thing"):
         objects.load_annotations(["no-such-thing"])
-    with pytest.raises(NounError, match="'weight'"):
+    with pytest.raises(ValidationError, match="'weight'"):
         explain("weight")
     assert "MPa" in explain("youngs_modulus")
 
@@ -149,7 +149,7 @@ def test_annotations_hold_the_official_fields(objects: ObjectLibrary) -> None:
 def test_records_of_leaves_without_shapes_have_no_mesh(objects: ObjectLibrary, rows) -> None:
     bare = next((r["uid"] for r in rows if r["recipe"] is None), None)
     if bare is not None:
-        with pytest.raises(NounError, match="found no base shape"):
+        with pytest.raises(ValidationError, match="found no base shape"):
             objects.record(bare)
     record = objects.record("bench/prior/00100")
     assert record.leaf == "bench"
@@ -159,7 +159,7 @@ def test_records_of_leaves_without_shapes_have_no_mesh(objects: ObjectLibrary, r
 def test_collections_plug_in_by_one_function(objects: ObjectLibrary) -> None:
     assert isinstance(objects, Library)
     assert set(MODULES) == {"object", "sky", "road", "sidewalk"}
-    with pytest.raises(NounError, match="'tree'"):
+    with pytest.raises(ValidationError, match="'tree'"):
         named_library("tree")
 
 
@@ -178,7 +178,7 @@ def test_skies_and_grounds_answer_as_objects_do(name: str, number: int, classes:
     assert len(set(uids)) == number
     assert classes in library.categories(1)
     assert len(library.categories(2)) > 1
-    with pytest.raises(NounError, match="needed 1 to 2"):
+    with pytest.raises(ValidationError, match="needed 1 to 2"):
         library.categories(3)
     found = library.get_uids_conditioned(**conditions)
     assert 0 < len(found) < number
@@ -189,7 +189,7 @@ def test_skies_and_grounds_answer_as_objects_do(name: str, number: int, classes:
     assert all(picture.dtype == np.uint8 and picture.std() > 1.0 for picture in pictures.values())
     for field in rows[found[0]]:
         assert library.explain_annotation(field).startswith(f"{field}: ")
-    with pytest.raises(NounError, match="'taste'"):
+    with pytest.raises(ValidationError, match="'taste'"):
         library.explain_annotation("taste")
     best = library.get_uids_conditioned(query=rows[found[0]]["description"], top_k=1)
     assert library.load_annotations(best)[best[0]]["description"] == rows[found[0]]["description"]

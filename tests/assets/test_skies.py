@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx.assets.appearances import skies
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
@@ -89,5 +89,5 @@ def test_same_id_same_numbers_and_unknown_id() -> None:
     first = skies.build_sky("partly_cloudy").radiance.copy()
     skies.build_sky.cache_clear()
     assert np.array_equal(first, skies.build_sky("partly_cloudy").radiance)
-    with pytest.raises(NounError, match="clear_noon"):
+    with pytest.raises(ValidationError, match="clear_noon"):
         skies.build_sky("green")

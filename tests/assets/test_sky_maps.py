@@ -9,7 +9,7 @@ from urbanverse_mjx.assets.appearances import looks, skies
 from urbanverse_mjx.assets.appearances.grounds import ground_records
 from urbanverse_mjx.assets.appearances.sky_maps import atmosphere, clouds, paint_sky, sky_records
 from urbanverse_mjx.assets.appearances.sky_maps.table import MOMENTS, WEATHERS, unit_to_sun
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 RECORDS = {record.uid: record for record in sky_records()}
@@ -126,7 +126,7 @@ def test_finer_pictures_show_the_same_clouds() -> None:
 def test_same_uid_same_numbers_and_unknown_uid() -> None:
     first, again = paint_sky("night-broken_cumulus", 64), paint_sky("night-broken_cumulus", 64)
     assert np.array_equal(first.radiance, again.radiance)
-    with pytest.raises(NounError, match="night-clear"):
+    with pytest.raises(ValidationError, match="night-clear"):
         paint_sky("night-cheese")
 
 
@@ -163,7 +163,7 @@ def test_a_crop_of_a_sky_finds_it_by_its_histogram() -> None:
     kinds = [RECORDS[looks.rank_skies(looks.sky_descriptor(crop))[0][0]].kind for crop in (blue, grey)]
     assert kinds[0] not in ("overcast", "stratus")
     assert kinds[1] in ("overcast", "stratus", "hazy")
-    with pytest.raises(NounError, match="64"):
+    with pytest.raises(ValidationError, match="64"):
         looks.rank_skies((1, 2, 3))
 
 
@@ -177,7 +177,7 @@ def test_search() -> None:
     snowy = looks.sky.get_uids_conditioned(snow=True)
     assert all(RECORDS[u].snow for u in snowy)
     assert 0 < len(snowy) < 54
-    with pytest.raises(NounError, match="true or false"):
+    with pytest.raises(ValidationError, match="true or false"):
         looks.sky.get_uids_conditioned(snow="yes")
 
 
@@ -186,5 +186,5 @@ def test_its_own_descriptor_finds_every_material_and_sky_first():
         assert looks.rank_ground_descriptors(looks.own_ground_descriptor(record.uid), record.kind)[0][0] == record.uid
     for record in sky_records():
         assert looks.rank_skies(looks.own_sky_descriptor(record.uid))[0][0] == record.uid
-    with pytest.raises(NounError, match="sky"):
+    with pytest.raises(ValidationError, match="sky"):
         looks.own_sky_descriptor("no such sky")

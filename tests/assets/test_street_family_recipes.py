@@ -13,7 +13,7 @@ from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes import fitted, limbs, speed_limits
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
@@ -190,7 +190,7 @@ def test_fitted_scales_to_a_box_and_refuses_to_squash() -> None:
     grown = fitted.fitted(built, (1.1, 0, 3.3))
     np.testing.assert_allclose(grown.mesh.extent, (1.1, 2.2, 3.3), rtol=1e-5)
     assert grown.volume == pytest.approx(6 * 1.1**3, rel=1e-5)
-    with pytest.raises(NounError, match="same proportions"):
+    with pytest.raises(ValidationError, match="same proportions"):
         fitted.fitted(built, (1.0, 2.0, 6.0))
 
 

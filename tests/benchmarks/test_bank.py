@@ -13,7 +13,7 @@ import pytest
 from benchmarks import bank as bank_script
 from benchmarks.lib import banks, cutting, streets
 from urbanverse_mjx.assets import load_hulls, load_index
-from urbanverse_mjx.datatypes import GROUND_KINDS, NounError, SceneBank
+from urbanverse_mjx.datatypes import GROUND_KINDS, SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.hulls import convex_part
 from urbanverse_mjx.simulation.engines import make_engine
@@ -158,7 +158,7 @@ def test_fewer_scenes_are_the_first_of_the_larger_bank(bench_bank: SceneBank) ->
         sizes = [np.diff(b.mesh_vertex_start)[m] for b, m in ((part, new), (bench_bank, old))]
         assert sizes[0] == sizes[1], f"the looks of a {kind} are kept"
     assert len(set(looks[0])) == 5
-    with pytest.raises(NounError, match="needed 1 to 2"):
+    with pytest.raises(ValidationError, match="needed 1 to 2"):
         banks.first_scenes(bench_bank, 3)
 
 

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from benchmarks import realism
-from urbanverse_mjx.datatypes import NounError, PlacedGround, PlacedObject, SceneLayout
+from urbanverse_mjx.datatypes import PlacedGround, PlacedObject, SceneLayout, ValidationError
 
 GROUND = (PlacedGround("g", "sidewalk", ((0, 0), (1, 0), (1, 1)), (0.0, 0.0, 0.0), "slabs_grey"),)
 
@@ -71,6 +71,6 @@ def test_figure_and_numbers(tmp_path: pathlib.Path, capsys) -> None:
 def test_a_family_without_scenes_is_refused(tmp_path: pathlib.Path, capsys) -> None:
     assert realism.main([f"x={tmp_path}", "--out", str(tmp_path / "f.png")]) == 2
     assert "no compiled scene" in capsys.readouterr().err
-    with pytest.raises(NounError, match="NAME=FOLDER"):
+    with pytest.raises(ValidationError, match="NAME=FOLDER"):
         realism.families_of(["x"])
     assert not (tmp_path / "f.png").exists()

@@ -17,7 +17,7 @@ from benchmarks import throughput
 from benchmarks.lib import memory, placing, report, timing
 from benchmarks.lib.cases import Case, read_grid
 from tests.support.box_bank import box_bank
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 
 
@@ -89,7 +89,7 @@ def test_crowded_poses_face_the_nearest_hull_and_hold_the_most(small_bank: Scene
 
 
 def test_a_bank_without_objects_is_refused() -> None:
-    with pytest.raises(NounError, match="no hull within"):
+    with pytest.raises(ValidationError, match="no hull within"):
         placing.crowded_poses(box_bank(1, num_objects=0), make_coco(), 4, control_dt=0.2)
 
 
@@ -168,7 +168,7 @@ def test_mistakes_are_one_sentence(options: list[str], said: str, capsys: pytest
 def test_a_grid_must_be_one(body: str, tmp_path: pathlib.Path) -> None:
     grid = tmp_path / "grid.json"
     grid.write_text(body)
-    with pytest.raises(NounError, match="grid"):
+    with pytest.raises(ValidationError, match="grid"):
         cases("--grid", str(grid))
 
 
@@ -209,17 +209,17 @@ def test_the_shipped_grids_are_valid(name: str) -> None:
 
 def test_what_cannot_be_compared_is_refused(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "cpu.json"
-    with pytest.raises(NounError, match="found no baseline"):
+    with pytest.raises(ValidationError, match="found no baseline"):
         report.compare([row(1.0)], path, 0.15)
     report.save_baseline([row(1.0)], path)
-    with pytest.raises(NounError, match="baseline of cores 2, needed one of 4"):
+    with pytest.raises(ValidationError, match="baseline of cores 2, needed one of 4"):
         report.compare([row(1.0, machine={"device": "cpu", "cores": 4})], path, 0.15)
-    with pytest.raises(NounError, match="no row of the baseline measured"):
+    with pytest.raises(ValidationError, match="no row of the baseline measured"):
         report.compare([row(1.0, num_envs=1)], path, 0.15)
     path.write_text("{}")
-    with pytest.raises(NounError, match="found something else"):
+    with pytest.raises(ValidationError, match="found something else"):
         report.compare([row(1.0)], path, 0.15)
-    with pytest.raises(NounError, match="no row without an error"):
+    with pytest.raises(ValidationError, match="no row without an error"):
         report.save_baseline([row(1.0, error="x")], path)
 
 

@@ -8,7 +8,7 @@ import pytest
 from urbanverse_mjx.capture import PathOptions, TourOptions, tour, true_objects, walk
 from urbanverse_mjx.capture.path import camera_poses
 from urbanverse_mjx.capture.street import street_grid
-from urbanverse_mjx.datatypes import NounError, Recording, SceneBank, SceneGraph
+from urbanverse_mjx.datatypes import Recording, SceneBank, SceneGraph, ValidationError
 
 SMALL = TourOptions(width=160, height=90, samples=1, shadows=False)
 
@@ -90,11 +90,11 @@ def test_the_true_graph_is_written_beside(filmed: Recording, small_bank: SceneBa
 
 
 def test_bad_wishes_are_one_sentence(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
-    with pytest.raises(NounError, match="scene: found 9"):
+    with pytest.raises(ValidationError, match="scene: found 9"):
         tour(small_bank, 9, tmp_path)
-    with pytest.raises(NounError, match="camera path"):
+    with pytest.raises(ValidationError, match="camera path"):
         PathOptions(speed=0.0)
-    with pytest.raises(NounError, match="fovy"):
+    with pytest.raises(ValidationError, match="fovy"):
         TourOptions(fovy=4.0)
 
 

@@ -16,7 +16,7 @@ from urbanverse_mjx.citygen.cities.filling import Filler
 from urbanverse_mjx.citygen.cities.ground import ground
 from urbanverse_mjx.citygen.cities.line import StreetLine
 from urbanverse_mjx.citygen.cities.profile import CityProfile, mix
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.scene.ground import check_regions
 
 #: The paper's appendix on the scene library.
@@ -52,9 +52,9 @@ def test_left_hand_traffic_is_where_it_is() -> None:
 
 def test_mixes_are_read() -> None:
     assert mix("cafe#1 3, bus stop, bar 0.5") == (("cafe#1", 3.0), ("bus stop", 1.0), ("bar", 0.5))
-    with pytest.raises(NounError, match="empty entry"):
+    with pytest.raises(ValidationError, match="empty entry"):
         mix("bar 1,, cafe 2")
-    with pytest.raises(NounError, match="bends"):
+    with pytest.raises(ValidationError, match="bends"):
         dataclasses.replace(city("Paris"), bends=(30.0,))
 
 

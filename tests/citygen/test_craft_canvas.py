@@ -8,7 +8,7 @@ import shapely
 from urbanverse_mjx.citygen.craft import ground_layers, write
 from urbanverse_mjx.citygen.craft.canvas import Canvas, edge
 from urbanverse_mjx.citygen.craft.ground_layers import rectangle
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import height_at
 
 
@@ -115,7 +115,7 @@ def test_named_looks_become_descriptors():
     assert {r.kind for r in worn} == {"road", "sidewalk"}
     assert shapely.Polygon(worn[0].polygon if worn[0].kind == "sidewalk" else worn[1].polygon).bounds[1] > 0
     canvas.wear((99.0, 99.0), "flagstones")
-    with pytest.raises(NounError, match="no ground at"):
+    with pytest.raises(ValidationError, match="no ground at"):
         canvas.graph()
 
 
@@ -129,7 +129,7 @@ def test_named_looks_become_descriptors():
     ],
 )
 def test_a_mistake_is_refused_in_one_sentence(wrong, said):
-    with pytest.raises(NounError, match=said):
+    with pytest.raises(ValidationError, match=said):
         wrong(street())
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.citygen.craft import BUILDERS, build, write
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.scene import library
 
 from . import composed
@@ -45,7 +45,7 @@ def test_a_graph_has_the_committed_hash_and_survives_its_file(graph, tmp_path):
 def test_every_scene_is_one_of_the_published_ids():
     assert set(IDS) <= PUBLISHED
     assert set(library.shipped_hashes("craftbench")) == set(IDS)
-    with pytest.raises(NounError, match="01_residential"):
+    with pytest.raises(ValidationError, match="01_residential"):
         build("nowhere")
 
 

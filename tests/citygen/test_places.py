@@ -12,7 +12,7 @@ from urbanverse_mjx.citygen import passage, places
 from urbanverse_mjx.citygen.craft.ground_layers import seams
 from urbanverse_mjx.citygen.places import COUNT, TEMPLATES, build, site_of, stock, template_of
 from urbanverse_mjx.citygen.places.site import Site
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import PAINT_KINDS, height_at
 from urbanverse_mjx.scene.ground import check_regions, ground_prisms
 from urbanverse_mjx.scene.library import SLOTS
@@ -39,7 +39,7 @@ def test_every_template_has_its_turn() -> None:
     turns = collections.Counter(template_of(k) for k in range(COUNT))
     assert set(turns) == set(TEMPLATES)
     assert max(turns.values()) - min(turns.values()) <= 1
-    with pytest.raises(NounError, match=str(COUNT - 1)):
+    with pytest.raises(ValidationError, match=str(COUNT - 1)):
         build(COUNT)
 
 

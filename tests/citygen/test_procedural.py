@@ -9,7 +9,7 @@ import shapely
 from urbanverse_mjx.citygen import catalogue, passage
 from urbanverse_mjx.citygen.procedural import COUNT, build, template_of
 from urbanverse_mjx.citygen.procedural_templates import TEMPLATES
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import height_at
 from urbanverse_mjx.scene.ground import check_regions, ground_prisms
 
@@ -22,7 +22,7 @@ def graph(request) -> SceneGraph:
 def test_every_template_has_its_turn() -> None:
     assert COUNT == 160
     assert sorted(template_of(i) for i in range(COUNT)) == sorted(list(TEMPLATES) * 32)
-    with pytest.raises(NounError, match="160"):
+    with pytest.raises(ValidationError, match="160"):
         build(160)
 
 

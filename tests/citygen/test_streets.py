@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from urbanverse_mjx.citygen import BUILDERS, SPLITS, build, catalogue, passage
-from urbanverse_mjx.datatypes import PAINT_KINDS, NounError, SceneGraph
+from urbanverse_mjx.datatypes import PAINT_KINDS, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import height_at
 
 SCENES = pathlib.Path(__file__).parents[2] / "scenes"
@@ -46,7 +46,7 @@ def test_splits_name_every_scene_once():
 
 
 def test_an_unknown_scene_is_refused():
-    with pytest.raises(NounError, match="residential_bins"):
+    with pytest.raises(ValidationError, match="residential_bins"):
         build("nowhere")
 
 

@@ -8,7 +8,7 @@ import shapely
 
 from urbanverse_mjx.citygen import craft
 from urbanverse_mjx.citygen.validation import BUILDERS, build
-from urbanverse_mjx.datatypes import NounError, SceneGraph
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
 from urbanverse_mjx.scene import library
 
 from . import composed
@@ -26,7 +26,7 @@ def test_there_are_eight_and_each_has_the_committed_hash(graph):
     assert list(hashes) == IDS
     assert len(IDS) == 8
     assert graph.content_hash() == hashes[graph.id]["graph"]
-    with pytest.raises(NounError, match="v01_shopping"):
+    with pytest.raises(ValidationError, match="v01_shopping"):
         build("nowhere")
 
 

@@ -8,7 +8,7 @@ import pytest
 from tests.support.code_digests import raised
 from urbanverse_mjx import settings
 from urbanverse_mjx.cli.main import main
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.pipeline import banks
 
@@ -68,7 +68,7 @@ def test_a_wrong_bank_under_the_shipped_name_is_built_anew(builds, small_bank, t
     path = settings.shipped_bank_path()
     small_bank.save(path)
     wrong = path.read_bytes()
-    with pytest.raises(NounError, match=r"found other scenes than its name says.*urbanverse scene bank"):
+    with pytest.raises(ValidationError, match=r"found other scenes than its name says.*urbanverse scene bank"):
         registry.load_default_bank()
     assert main(["scene", "bank", "--quiet"]) == 0
     captured = capsys.readouterr()
@@ -87,7 +87,7 @@ def test_a_wrong_bank_under_the_shipped_name_is_built_anew(builds, small_bank, t
 def test_a_bank_that_is_named_is_taken_as_it_is_and_never_written(builds, small_bank, tmp_path, monkeypatch) -> None:
     path = tmp_path / "mine.npz"
     monkeypatch.setenv("URBANVERSE_BANK", str(path))
-    with pytest.raises(NounError, match="no such file"):
+    with pytest.raises(ValidationError, match="no such file"):
         banks.ensure_default_bank(quiet=True)
     small_bank.save(path)
     before = path.read_bytes()
@@ -101,7 +101,7 @@ def test_terrain_of_another_seed_has_a_file_of_its_own(capsys) -> None:
     assert main(["scene", "terrain", "--levels", "1", "--seed", "1"]) == 0
     path = pathlib.Path(json.loads(capsys.readouterr().out)["bank"])
     assert path == settings.terrain_bank_path(1, 1) != settings.terrain_bank_path()
-    with pytest.raises(NounError, match="urbanverse scene terrain"):
+    with pytest.raises(ValidationError, match="urbanverse scene terrain"):
         registry.load_terrain_bank()
 
 

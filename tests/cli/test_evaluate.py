@@ -14,7 +14,7 @@ from tests.support.unicycle import GoalPicture, UnicycleEngine, unicycle_env, un
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli.evaluate import main as evaluate
 from urbanverse_mjx.cli.train import main as train
-from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, NounError, SceneBank, SimState
+from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimState, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.pipeline.evaluation import SHOWN, evaluate_policy
 from urbanverse_mjx.pipeline.rollout_video import random_draw
@@ -164,7 +164,9 @@ def test_a_scripted_policy_is_evaluated_by_its_name(
 
 
 def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:
-    with pytest.raises(NounError, match="found 'go_to_gaol', needed a policy or run folder, or one of zero, random"):
+    with pytest.raises(
+        ValidationError, match="found 'go_to_gaol', needed a policy or run folder, or one of zero, random"
+    ):
         evaluate(["go_to_gaol"])
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.support import drawn_street
-from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
+from urbanverse_mjx.datatypes import SceneBank, SceneGraph, ValidationError
 from urbanverse_mjx.pipeline.generation import batch, compiling, one_source, stages
 from urbanverse_mjx.pipeline.generation.executors import EXECUTORS, Job, Outcome
 from urbanverse_mjx.pipeline.generation.run_folder import RunFolder, key_of
@@ -73,13 +73,13 @@ def test_a_recording_is_known_by_the_content_of_its_pictures(tmp_path: pathlib.P
 
 def test_a_folder_with_other_things_or_of_another_run_is_not_touched(tmp_path: pathlib.Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(NounError, match="other things"):
+    with pytest.raises(ValidationError, match="other things"):
         generate(GRAPH, tmp_path)
     assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
     other = tmp_path / "run"
     with RunFolder.open(other, "a video") as run:
         run.finish("graph", "k", 1.0)
-    with pytest.raises(NounError, match="a run of a video"):
+    with pytest.raises(ValidationError, match="a run of a video"):
         generate(GRAPH, other)
 
 
@@ -144,7 +144,11 @@ def test_the_sweep_leaves_what_the_user_put_into_the_folder(tmp_path: pathlib.Pa
 
 
 def test_one_run_at_a_time(tmp_path: pathlib.Path) -> None:
-    with RunFolder.open(tmp_path, "s"), pytest.raises(NounError, match="another run"), RunFolder.open(tmp_path, "s"):
+    with (
+        RunFolder.open(tmp_path, "s"),
+        pytest.raises(ValidationError, match="another run"),
+        RunFolder.open(tmp_path, "s"),
+    ):
         pass
 
 
@@ -263,11 +267,11 @@ def test_a_source_ends_with_its_batch(tmp_path: pathlib.Path) -> None:
 
 
 def test_lists_that_cannot_be_used(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(NounError, match="no such file"):
+    with pytest.raises(ValidationError, match="no such file"):
         batch.read_list(tmp_path / "none.txt")
-    with pytest.raises(NounError, match="no source"):
+    with pytest.raises(ValidationError, match="no source"):
         batch.read_list(sources_of(tmp_path, "# nothing"))
-    with pytest.raises(NounError, match="--executor"):
+    with pytest.raises(ValidationError, match="--executor"):
         batch.run_batch(sources_of(tmp_path, "a.mp4"), tmp_path / "out", GenerationOptions(), executor="cloud")
 
 

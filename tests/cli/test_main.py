@@ -10,7 +10,7 @@ import pytest
 import urbanverse_mjx
 from urbanverse_mjx.cli import main as cli
 from urbanverse_mjx.cli import packages
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 
 def run(*argv: str) -> subprocess.CompletedProcess[str]:
@@ -100,7 +100,7 @@ def raiser(error: BaseException, module: str):
 @pytest.mark.parametrize(
     ("error", "module", "status", "said"),
     [
-        (NounError("graph.size: found -1, needed more."), "elsewhere", 2, "error: graph.size: found -1"),
+        (ValidationError("graph.size: found -1, needed more."), "elsewhere", 2, "error: graph.size: found -1"),
         (ValueError("two\nlines"), "urbanverse_mjx.scene.compile", 2, "error: two lines\n"),
         (FileNotFoundError(2, "No such file or directory", "a.json"), "elsewhere", 2, "error: a.json: No such file"),
         (ModuleNotFoundError("no", name="coacd"), "urbanverse_mjx.assets", 2, "error: the package 'coacd' is not"),

@@ -7,7 +7,7 @@ import pytest
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli import capture, list_envs, play
 from urbanverse_mjx.cli._options import image_size
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.training.config import default_ppo_config
 
@@ -33,7 +33,7 @@ def test_both_commands_hand_on_height_and_width(
 
 @pytest.mark.parametrize("text", ["180", "180 320", "180X320", "0x320", "180x-1", "180x320x3", "1e3x10", ""])
 def test_another_form_of_a_size_is_refused(text: str) -> None:
-    with pytest.raises(NounError, match=r"--size: found .* needed HEIGHTxWIDTH in pixels"):
+    with pytest.raises(ValidationError, match=r"--size: found .* needed HEIGHTxWIDTH in pixels"):
         image_size(text, "--size")
 
 
@@ -66,5 +66,5 @@ def test_the_presets_that_are_listed_are_those_that_train_takes(name: str, capsy
             assert registry.get_default_config(name, preset).preset == preset
             default_ppo_config(preset, name)
             continue
-        with pytest.raises(NounError, match="preset: found"):
+        with pytest.raises(ValidationError, match="preset: found"):
             default_ppo_config(preset, name)

@@ -12,7 +12,7 @@ from ml_collections import ConfigDict
 
 from tests.support.unicycle import UnicycleEngine, unicycle_robot
 from urbanverse_mjx.cli import train as cli_train
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.pipeline import banks
 from urbanverse_mjx.training import run as training_run
@@ -128,7 +128,7 @@ def test_what_differs_is_refused_and_nothing_changes(session: Session, option: s
     own += ["--playground-config-overrides", json.dumps({HIT: -77.0}), "--ppo-overrides", '{"minibatch": 1024}']
     folder = session.killed(*own)
     before = (folder / "config.json").read_bytes()
-    with pytest.raises(NounError, match="--start-from") as error:
+    with pytest.raises(ValidationError, match="--start-from") as error:
         session.train("--resume", str(folder), option, value)
     assert said in str(error.value)
     assert (folder / "config.json").read_bytes() == before
@@ -145,7 +145,7 @@ def test_other_scenes_are_refused(session: Session) -> None:
     ids = session.bank.scene_ids
     meta = {**session.bank.meta, "hashes": {**session.bank.meta.get("hashes", {}), ids[0]: "another layout"}}
     session.bank = dataclasses.replace(session.bank, meta=meta)
-    with pytest.raises(NounError, match=f"scenes are not those of the run .first '{ids[0]}' of 1 "):
+    with pytest.raises(ValidationError, match=f"scenes are not those of the run .first '{ids[0]}' of 1 "):
         session.train("--resume", str(folder))
 
 
@@ -162,7 +162,7 @@ def test_a_run_recorded_without_segments_goes_on(session: Session) -> None:
 
 
 def test_a_folder_that_is_no_run_stays_as_it_was(session: Session, tmp_path: pathlib.Path) -> None:
-    with pytest.raises(NounError, match=r"found no config\.json"):
+    with pytest.raises(ValidationError, match=r"found no config\.json"):
         session.train("--resume", str(tmp_path / "nowhere"))
     assert list(tmp_path.iterdir()) == []
 

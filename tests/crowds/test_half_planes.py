@@ -10,7 +10,7 @@ import pytest
 from tests.crowds import reference
 from urbanverse_mjx.crowds import KINDS, Bodies, Options, Traits, half_planes, neighbours, orca, traits_of
 from urbanverse_mjx.crowds.linear_program import NO_LIMIT
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
@@ -168,5 +168,7 @@ def test_a_pair_shares_the_change_it_needs() -> None:
 
 def test_walkers_come_before_vehicles() -> None:
     kinds = [KINDS[name] for name in ("pedestrian", "car", "scooter")]
-    with pytest.raises(NounError, match="found a scooter after a car, needed those who walk before those who roll"):
+    with pytest.raises(
+        ValidationError, match="found a scooter after a car, needed those who walk before those who roll"
+    ):
         traits_of(kinds)

@@ -22,7 +22,7 @@ from urbanverse_mjx.crowds import (
 )
 from urbanverse_mjx.crowds.crowd import Crowd, CrowdModel, CrowdTables, make_tables
 from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 
 NOBODY = spawning.Watcher(jnp.float32(0), jnp.float32(0), jnp.float32(0), jnp.array(False))
 
@@ -65,7 +65,7 @@ def test_free_space_is_the_surface_without_what_stands_on_it(
 
 
 def test_free_space_refuses_a_scene_that_is_not_there(small_bank: SceneBank) -> None:
-    with pytest.raises(NounError, match="found scene 7, needed one of 0 to 2"):
+    with pytest.raises(ValidationError, match="found scene 7, needed one of 0 to 2"):
         free_space.free_spaces(small_bank, 7)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.support.agent_looks import BOXES, with_box_agents
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.bank_join import join
 
 
@@ -114,7 +114,7 @@ def test_what_does_not_fit_is_refused(small_bank: SceneBank, word: str) -> None:
         "multiples": [small_bank, dataclasses.replace(other, map_resolution=np.float32(0.13))],
         "at least one": [],
     }[word]
-    with pytest.raises(NounError, match=word):
+    with pytest.raises(ValidationError, match=word):
         join(banks)
 
 

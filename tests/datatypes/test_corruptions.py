@@ -1,6 +1,6 @@
 """Every field of a graph and of a layout, spoiled in every way its type allows, is refused by name.
 
-The cases are made by walking the file's JSON, so a field added to a noun is covered or fails here.
+The cases are made by walking the file's JSON, so a field added to a datatype is covered or fails here.
 """
 
 import copy
@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urbanverse_mjx.datatypes import NounError, SceneGraph, SceneLayout, ground
+from urbanverse_mjx.datatypes import SceneGraph, SceneLayout, ValidationError, ground
 
 from . import strategies
 
@@ -57,7 +57,7 @@ LAYOUT = {
     "sky_yaw": 0.5,
     "hashes": {"assets": "cd" * 32},
 }  # fmt: skip
-NOUNS = {"graph": (SceneGraph, GRAPH), "layout": (SceneLayout, LAYOUT)}
+DATATYPES = {"graph": (SceneGraph, GRAPH), "layout": (SceneLayout, LAYOUT)}
 
 OPTIONAL = {"score", "descriptor", "camera_path"}
 #: Dictionaries whose keys are free.
@@ -198,23 +198,23 @@ CASES = [
         spoiled,
         id=f"{name}-{'.'.join(map(str, path)) or 'whole'}-{what}"[:90].encode("ascii", "replace").decode(),
     )
-    for name, (_, body) in NOUNS.items()
+    for name, (_, body) in DATATYPES.items()
     for what, path, spoiled in itertools.chain(corruptions(body), special(name, body))
 ]
 
 
-@pytest.mark.parametrize("name", list(NOUNS))
+@pytest.mark.parametrize("name", list(DATATYPES))
 def test_the_sound_bodies_are_accepted(name):
-    noun, body = NOUNS[name]
-    again = noun.from_json(body).to_json()
-    assert noun.from_json(again).to_json() == again
+    datatype, body = DATATYPES[name]
+    again = datatype.from_json(body).to_json()
+    assert datatype.from_json(again).to_json() == again
 
 
 @pytest.mark.parametrize(("name", "path", "spoiled"), CASES)
 def test_every_corruption_is_refused_by_name(name, path, spoiled):
-    noun, body = NOUNS[name]
-    with pytest.raises(NounError) as caught:
-        noun.from_json(spoiled)
+    datatype, body = DATATYPES[name]
+    with pytest.raises(ValidationError) as caught:
+        datatype.from_json(spoiled)
     message = str(caught.value)
     for word in expected_words(body, path, spoiled):
         assert word in message
@@ -224,20 +224,22 @@ def test_every_corruption_is_refused_by_name(name, path, spoiled):
 
 
 @pytest.mark.parametrize("whole", [None, 5, "text", [], [GRAPH], True, math.nan])
-@pytest.mark.parametrize("noun", [SceneGraph, SceneLayout])
-def test_a_body_that_is_no_object_is_refused(noun, whole):
-    with pytest.raises(NounError):
-        noun.from_json(whole)
+@pytest.mark.parametrize("datatype", [SceneGraph, SceneLayout])
+def test_a_body_that_is_no_object_is_refused(datatype, whole):
+    with pytest.raises(ValidationError):
+        datatype.from_json(whole)
 
 
 @settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_a_random_graph_with_one_random_corruption_is_refused(data):
-    noun, nouns = data.draw(st.sampled_from([(SceneGraph, strategies.graphs), (SceneLayout, strategies.layouts)]))
-    body = json.loads(json.dumps(data.draw(nouns).to_json()))
+    datatype, datatypes = data.draw(
+        st.sampled_from([(SceneGraph, strategies.graphs), (SceneLayout, strategies.layouts)])
+    )
+    body = json.loads(json.dumps(data.draw(datatypes).to_json()))
     _, _, spoiled = data.draw(st.sampled_from(list(corruptions(body))))
-    with pytest.raises(NounError):
-        noun.from_json(spoiled)
+    with pytest.raises(ValidationError):
+        datatype.from_json(spoiled)
 
 
 FIELDS = [
@@ -252,21 +254,25 @@ FIELDS = [
 
 
 @pytest.mark.parametrize(
-    ("noun", "field"),
-    [pytest.param(noun, f.name, id=f"{what}-{f.name}") for noun, what in FIELDS for f in dataclasses.fields(noun)],
+    ("datatype", "field"),
+    [
+        pytest.param(datatype, f.name, id=f"{what}-{f.name}")
+        for datatype, what in FIELDS
+        for f in dataclasses.fields(datatype)
+    ],
 )
-def test_nouns_made_in_code_are_checked_too(noun, field):
-    """`dataclasses.replace` goes through the constructor: no field of no noun takes a thing of another kind."""
+def test_datatypes_made_in_code_are_checked_too(datatype, field):
+    """`dataclasses.replace` goes through the constructor: no field of no datatype takes a thing of another kind."""
     for wrong in (object(), b"bytes", {1, 2}, lambda: 1, 3 + 4j):
-        with pytest.raises(NounError):
-            dataclasses.replace(noun, **{field: wrong})
+        with pytest.raises(ValidationError):
+            dataclasses.replace(datatype, **{field: wrong})
 
 
 @pytest.mark.parametrize("group", ["objects", "ground"])
-def test_lists_of_nouns_hold_nouns_only(group):
-    for noun in (SceneGraph.from_json(GRAPH), SceneLayout.from_json(LAYOUT)):
-        with pytest.raises(NounError, match=rf"{group}\[1\]"):
-            dataclasses.replace(noun, **{group: (getattr(noun, group)[0], "stranger")})
+def test_lists_of_datatypes_hold_datatypes_only(group):
+    for datatype in (SceneGraph.from_json(GRAPH), SceneLayout.from_json(LAYOUT)):
+        with pytest.raises(ValidationError, match=rf"{group}\[1\]"):
+            dataclasses.replace(datatype, **{group: (getattr(datatype, group)[0], "stranger")})
 
 
 @settings(max_examples=200, deadline=None)
@@ -279,6 +285,6 @@ def test_a_ring_is_taken_exactly_when_shapely_calls_it_a_simple_polygon(corners)
     try:
         ground.check_polygon(corners, "polygon")
         taken = True
-    except NounError:
+    except ValidationError:
         taken = False
     assert taken == sound

@@ -8,7 +8,7 @@ import pytest
 
 from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import NounError, SceneBank, array_file
+from urbanverse_mjx.datatypes import SceneBank, ValidationError, array_file
 from urbanverse_mjx.pipeline import banks
 
 
@@ -29,7 +29,7 @@ def _own_cache(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def refused(path: pathlib.Path) -> str:
     """The sentence with which a bank is refused."""
     before = path.read_bytes()
-    with pytest.raises(NounError) as caught:
+    with pytest.raises(ValidationError) as caught:
         SceneBank.load(path)
     assert path.read_bytes() == before
     assert "\n" not in str(caught.value)
@@ -59,7 +59,7 @@ def test_a_changed_bit_is_refused_or_changes_nothing(body: bytes, tmp_path: path
         path.write_bytes(flipped)
         try:
             bank = SceneBank.load(path)
-        except NounError:
+        except ValidationError:
             found += k < 60
             continue
         for name, array in whole.arrays().items():
@@ -112,19 +112,19 @@ def test_an_index_outside_its_table_is_refused(
     """Also in a file whose checksums are right."""
     array = getattr(small_bank, name).copy()
     array.reshape(-1)[array.size // 2] = value
-    with pytest.raises(NounError, match=rf"bank\.{name}: "):
+    with pytest.raises(ValidationError, match=rf"bank\.{name}: "):
         dataclasses.replace(small_bank, **{name: array})
     path = tmp_path / "bank.npz"
     small_bank.save(path)
     arrays = array_file.load(path, "", "")
     array_file.save(path, {**arrays, name: array})
-    with pytest.raises(NounError, match=rf"bank\.{name}: "):
+    with pytest.raises(ValidationError, match=rf"bank\.{name}: "):
         SceneBank.load(path)
 
 
 def test_looks_of_agents_outside_the_meshes_are_refused(small_bank: SceneBank) -> None:
     agents = {"kind": ["adult"], "mesh": [small_bank.num_meshes], "category": [0]}
-    with pytest.raises(NounError, match=r"meta\.agents\.mesh"):
+    with pytest.raises(ValidationError, match=r"meta\.agents\.mesh"):
         dataclasses.replace(small_bank, meta={**small_bank.meta, "agents": agents})
 
 
@@ -151,6 +151,6 @@ def test_a_bank_that_the_user_names_is_never_renamed(
     path = tmp_path / "mine.npz"
     path.write_bytes(body[:-100])
     monkeypatch.setenv("URBANVERSE_BANK", str(path))
-    with pytest.raises(NounError, match="damaged"):
+    with pytest.raises(ValidationError, match="damaged"):
         banks.ensure_default_bank(quiet=True)
     assert [p.name for p in tmp_path.iterdir()] == ["mine.npz"]

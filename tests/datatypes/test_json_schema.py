@@ -8,7 +8,7 @@ from typing import Any, cast
 import jsonschema
 import pytest
 
-from tests.datatypes.test_corruptions import CASES, NOUNS
+from tests.datatypes.test_corruptions import CASES, DATATYPES
 from urbanverse_mjx import settings
 from urbanverse_mjx.cli import main as cli
 from urbanverse_mjx.datatypes import SceneLayout
@@ -49,14 +49,14 @@ def test_shipped_graphs_are_valid() -> None:
         VALIDATORS["graph"].validate(json.loads(path.read_text(encoding="utf-8")))
 
 
-@pytest.mark.parametrize("name", list(NOUNS))
+@pytest.mark.parametrize("name", list(DATATYPES))
 def test_what_a_datatype_writes_is_valid(name: str) -> None:
-    noun, body = NOUNS[name]
+    datatype, body = DATATYPES[name]
     VALIDATORS[name].validate(body)
-    VALIDATORS[name].validate(noun.from_json(body).to_json())
+    VALIDATORS[name].validate(datatype.from_json(body).to_json())
 
 
-@pytest.mark.parametrize("name", list(NOUNS))
+@pytest.mark.parametrize("name", list(DATATYPES))
 def test_what_the_datatype_refuses_the_schema_refuses_where_it_can(name: str) -> None:
     passed = []
     for case in CASES:
@@ -76,7 +76,7 @@ def test_what_the_datatype_refuses_the_schema_refuses_where_it_can(name: str) ->
 def test_bounds_are_those_of_the_datatypes() -> None:
     """At each bound that a schema names the datatype accepts, and a little beyond both refuse."""
     tried = 0
-    for name, (noun, body) in NOUNS.items():
+    for name, (datatype, body) in DATATYPES.items():
         for path, low, high in _bounds(SCHEMAS[name](), body):
             for bound, way in ((low, -1.0), (high, 1.0)):
                 if bound is None:
@@ -85,10 +85,10 @@ def test_bounds_are_those_of_the_datatypes() -> None:
                     changed = _put(body, path, value)
                     assert VALIDATORS[name].is_valid(changed) is fine, (path, value)
                     if fine:
-                        noun.from_json(changed)
+                        datatype.from_json(changed)
                     else:
                         with pytest.raises(ValueError, match="needed"):
-                            noun.from_json(changed)
+                            datatype.from_json(changed)
                     tried += 1
     assert tried > 50
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from urbanverse_mjx.datatypes import Camera, Detection, NounError, Recording, RecordingWriter, Source
+from urbanverse_mjx.datatypes import Camera, Detection, Recording, RecordingWriter, Source, ValidationError
 
 SOURCE = Source("synthetic", "CC0-1.0", "Bern", "Switzerland")
 CAMERA = Camera(6, 4, 5.0, 5.0, 3.0, 2.0)
@@ -85,27 +85,27 @@ def spoil(folder: pathlib.Path, *path: Any, value: Any) -> None:
 def test_a_spoiled_file_is_refused(tmp_path: pathlib.Path, path: tuple, value: Any, message: str) -> None:
     write(tmp_path)
     spoil(tmp_path, *path, value=value)
-    with pytest.raises(NounError, match=message):
+    with pytest.raises(ValidationError, match=message):
         Recording.load(tmp_path)
 
 
 def test_spoiled_pictures_are_refused_when_read(tmp_path: pathlib.Path) -> None:
     recording = write(tmp_path)
     Image.fromarray(np.full((4, 6), 9, np.uint16)).save(tmp_path / "masks/000000.png")
-    with pytest.raises(NounError, match="detection 9"):
+    with pytest.raises(ValidationError, match="detection 9"):
         recording.masks(0)
     Image.fromarray(np.full((4, 6), 77, np.uint8)).save(tmp_path / "surfaces/000000.png")
-    with pytest.raises(NounError, match="the value 77"):
+    with pytest.raises(ValidationError, match="the value 77"):
         recording.surfaces(0)
     Image.fromarray(np.zeros((5, 6), np.uint16)).save(tmp_path / "depth/000000.png")
-    with pytest.raises(NounError, match="6x5 pixels"):
+    with pytest.raises(ValidationError, match="6x5 pixels"):
         recording.depth(0)
     body = (tmp_path / "rgb/000000.png").read_bytes()
     (tmp_path / "rgb/000000.png").write_bytes(body[: len(body) // 2])
-    with pytest.raises(NounError, match="unreadable"):
+    with pytest.raises(ValidationError, match="unreadable"):
         recording.rgb(0)
     (tmp_path / "masks/000001.png").write_bytes(b"not a picture")
-    with pytest.raises(NounError, match="unreadable"):
+    with pytest.raises(ValidationError, match="unreadable"):
         recording.masks(1)
 
 
@@ -113,13 +113,13 @@ def test_an_interrupted_writer_leaves_no_recording(tmp_path: pathlib.Path) -> No
     write(tmp_path)
     writer = RecordingWriter(tmp_path, "tour", SOURCE, CAMERA)
     writer.add(0.0, np.zeros((4, 6, 3), np.uint8))
-    with pytest.raises(NounError, match="no such file"):
+    with pytest.raises(ValidationError, match="no such file"):
         Recording.load(tmp_path)
-    with pytest.raises(NounError, match="rows of 6 pixels"):
+    with pytest.raises(ValidationError, match="rows of 6 pixels"):
         writer.add(1.0, np.zeros((4, 7, 3), np.uint8))
 
 
 def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path: pathlib.Path) -> None:
     (tmp_path / "file").write_text("in the way")
-    with pytest.raises(NounError, match="cannot be written"):
+    with pytest.raises(ValidationError, match="cannot be written"):
         RecordingWriter(tmp_path / "file" / "r", "tour", SOURCE, CAMERA)

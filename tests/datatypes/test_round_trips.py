@@ -1,4 +1,4 @@
-"""A noun written and read back is the same noun; a file is either whole or refused."""
+"""A datatype written and read back is the same datatype; a file is either whole or refused."""
 
 import json
 import os
@@ -6,7 +6,7 @@ import os
 import pytest
 from hypothesis import given, settings
 
-from urbanverse_mjx.datatypes import NounError, SceneGraph, SceneLayout, ground
+from urbanverse_mjx.datatypes import SceneGraph, SceneLayout, ValidationError, ground
 from urbanverse_mjx.datatypes import validation as v
 
 from . import strategies
@@ -31,7 +31,7 @@ def test_layout_round_trip(layout):
 @settings(max_examples=5, deadline=None)
 @given(strategies.graphs, strategies.layouts)
 def test_files_round_trip(tmp_path_factory, graph, layout):
-    folder = tmp_path_factory.mktemp("nouns")
+    folder = tmp_path_factory.mktemp("datatypes")
     graph.save(folder / "graph.json")
     layout.save(folder / "deep" / "layout.json")
     assert SceneGraph.load(folder / "graph.json") == graph
@@ -58,20 +58,20 @@ def test_rings_are_stored_counter_clockwise(ring):
         (b"null", "needed a JSON object"),
     ],
 )
-@pytest.mark.parametrize("noun", [SceneGraph, SceneLayout])
-def test_what_is_no_noun_file_is_refused_in_one_sentence(tmp_path, noun, content, said):
-    path = tmp_path / "noun.json"
+@pytest.mark.parametrize("datatype", [SceneGraph, SceneLayout])
+def test_what_is_no_datatype_file_is_refused_in_one_sentence(tmp_path, datatype, content, said):
+    path = tmp_path / "datatype.json"
     path.write_bytes(content)
-    with pytest.raises(NounError) as caught:
-        noun.load(path)
+    with pytest.raises(ValidationError) as caught:
+        datatype.load(path)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_missing_file_and_folder_are_refused(tmp_path):
-    with pytest.raises(NounError, match="no such file"):
+    with pytest.raises(ValidationError, match="no such file"):
         SceneGraph.load(tmp_path / "nothing.json")
-    with pytest.raises(NounError, match="no such file"):
+    with pytest.raises(ValidationError, match="no such file"):
         SceneGraph.load(tmp_path)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import LabelPrior, NounError
+from urbanverse_mjx.datatypes import LabelPrior, ValidationError
 from urbanverse_mjx.distillation import boxes
 
 HOUSE = LabelPrior(np.array([[9.0, 13.0, 8.0]]), faces_road=True)
@@ -71,5 +71,5 @@ def test_a_known_shape_tells_front_from_back(degrees: int) -> None:
 
 
 def test_shapes_belong_to_extents() -> None:
-    with pytest.raises(NounError, match="one for each extent"):
+    with pytest.raises(ValidationError, match="one for each extent"):
         LabelPrior(np.ones((2, 3)), shapes=(np.zeros((5, 3)),))

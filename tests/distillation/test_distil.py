@@ -10,7 +10,7 @@ import shapely
 from benchmarks.lib import fidelity_scores as scores
 from benchmarks.lib.injection import Errors, inject
 from tests.support import drawn_street as street
-from urbanverse_mjx.datatypes import GraphObject, GroundRegion, LabelPrior, NounError, Recording, SceneGraph
+from urbanverse_mjx.datatypes import GraphObject, GroundRegion, LabelPrior, Recording, SceneGraph, ValidationError
 from urbanverse_mjx.distillation import Distillation, DistilOptions, distil, ground
 
 THINGS = street.street_things()
@@ -126,10 +126,10 @@ def test_a_thing_on_the_wrong_ground_is_pulled_back_only_as_far_as_it_can_be_off
 
 def test_no_ground_and_no_pose_are_one_sentence(recording: Recording) -> None:
     blind = tuple(dataclasses.replace(f, surfaces=None) for f in recording.frames)
-    with pytest.raises(NounError, match="found no ground"):
+    with pytest.raises(ValidationError, match="found no ground"):
         distil(dataclasses.replace(recording, frames=blind), prior_of)
     lost = tuple(dataclasses.replace(f, T_world_camera=None) for f in recording.frames)
-    with pytest.raises(NounError, match="no frame with a pose"):
+    with pytest.raises(ValidationError, match="no frame with a pose"):
         distil(dataclasses.replace(recording, frames=lost), prior_of)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks import eye_streets
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.ground import GROUND_KINDS
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.eye import classes, score, seeing, weights
@@ -86,7 +86,7 @@ def test_surfaces_keep_their_codes():
     codes = classes.surface_codes()
     assert codes[0] == SKY
     assert [GROUND_KINDS[codes[k]] for k in range(1, classes.FIRST_THING)] == list(NAMES[1 : classes.FIRST_THING])
-    with pytest.raises(NounError, match="ground:lava"):
+    with pytest.raises(ValidationError, match="ground:lava"):
         classes.class_table(["ground:lava"])
 
 
@@ -267,14 +267,14 @@ def test_the_shipped_weights_are_small_and_belong_to_this_network(variables):
 
 
 def test_missing_and_foreign_weights_are_named(tmp_path: pathlib.Path, variables, monkeypatch: pytest.MonkeyPatch):
-    with pytest.raises(NounError, match="found no weights of the eye"):
+    with pytest.raises(ValidationError, match="found no weights of the eye"):
         weights.load(tmp_path / "none.npz")
     (tmp_path / "text.npz").write_text("no weights")
-    with pytest.raises(NounError, match="unreadable"):
+    with pytest.raises(ValidationError, match="unreadable"):
         weights.load(tmp_path / "text.npz")
     path = weights.save(tmp_path / "w.npz", variables, {})
     monkeypatch.setattr(classes, "names", lambda: NAMES[:-1])
-    with pytest.raises(NounError, match="other classes"):
+    with pytest.raises(ValidationError, match="other classes"):
         weights.load(path)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.importing.vision import VisionError
-from urbanverse_mjx.datatypes import KIND_INDEX, NounError
+from urbanverse_mjx.datatypes import KIND_INDEX, ValidationError
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.perception.foundation import FoundationSees, boxes, grounds, loading
 from urbanverse_mjx.distillation.perception.foundation.loading import Loaded
@@ -68,7 +68,7 @@ def test_grounds_of_two_label_sets() -> None:
     }
     crosswalk, paint = KIND_INDEX["crosswalk"], KIND_INDEX["road_marking"]
     assert grounds.surface_codes(vistas)[[2, 5, 8, 13, 23, 24]].tolist() == [walk, 0, crosswalk, road, crosswalk, paint]
-    with pytest.raises(NounError, match="class road"):
+    with pytest.raises(ValidationError, match="class road"):
         grounds.surface_codes({0: "cat", 1: "sky"})
 
 
@@ -186,7 +186,7 @@ def test_nothing_found_asks_for_no_masks(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     monkeypatch.setitem(sys.modules, "torch", None)
-    with pytest.raises(NounError, match=r"found no package 'torch'.*foundation"):
+    with pytest.raises(ValidationError, match=r"found no package 'torch'.*foundation"):
         make_sees(TourOptions(perception="foundation"))
     asked = []
 
@@ -201,13 +201,13 @@ def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.Monke
     monkeypatch.setitem(sys.modules, "transformers", library)
     (tmp_path / "owlv2").mkdir()
     for models, name in ((None, loading.DETECTOR.hub), (tmp_path, str(tmp_path / "owlv2"))):
-        with pytest.raises(NounError, match="found no weights under") as error:
+        with pytest.raises(ValidationError, match="found no weights under") as error:
             loading.load(loading.DETECTOR, models)
         assert asked[-1] == name
         assert "\n" not in str(error.value)
-    with pytest.raises(NounError, match="needed a newer version"):
+    with pytest.raises(ValidationError, match="needed a newer version"):
         loading.load(loading.SEGMENTER, None)
-    with pytest.raises(NounError, match="one of eye, foundation"):
+    with pytest.raises(ValidationError, match="one of eye, foundation"):
         make_sees(TourOptions(perception="magic"))
 
 
@@ -243,5 +243,5 @@ def test_unblurred_frames_are_never_sent(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.setenv("URBANVERSE_VISION_URL", "https://example.org/v1")
     monkeypatch.setenv("URBANVERSE_VISION_MODEL", "m")
     monkeypatch.setattr(listing, "post", lambda *_: pytest.fail("sent"))
-    with pytest.raises(NounError, match="needed --blur"):
+    with pytest.raises(ValidationError, match="needed --blur"):
         make_sees(TourOptions(perception="foundation"), tmp_path)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation.perception import blur_by_name, haar
 from urbanverse_mjx.distillation.perception.haar import HaarDetector
 
@@ -44,7 +44,7 @@ def test_profiles_are_found_on_both_sides() -> None:
 
 def test_without_cascades_it_is_one_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     monkeypatch.setattr(haar, "cv2", fake_cv2(tmp_path))
-    with pytest.raises(NounError, match=r"OpenCV 5\.0 without"):
+    with pytest.raises(ValidationError, match=r"OpenCV 5\.0 without"):
         blur_by_name("haar")
 
 

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from scipy import ndimage
 
-from urbanverse_mjx.datatypes import GROUND_KINDS, Camera, Detection, NounError, Recording, Source
+from urbanverse_mjx.datatypes import GROUND_KINDS, Camera, Detection, Recording, Source, ValidationError
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.perception import (
     Frames,
@@ -196,7 +196,7 @@ def test_frames_without_a_pose_stay_in_the_recording_without_one(
 
 
 def test_without_ground_there_is_no_scale(frames: Frames, structure: Structure):
-    with pytest.raises(NounError, match="found 0 points on the ground"):
+    with pytest.raises(ValidationError, match="found 0 points on the ground"):
         to_metric(structure, np.zeros(len(structure.frame), np.uint8), 1.5)
 
 
@@ -204,7 +204,7 @@ def test_frames_without_texture_give_no_poses(tmp_path: pathlib.Path):
     rng = np.random.default_rng(0)
     for k in range(3):
         Image.fromarray(rng.integers(0, 255, (60, 90, 3), dtype=np.uint8)).save(tmp_path / f"{k}.png")
-    with pytest.raises(NounError, match="found poses for 0 of 3 frames"):
+    with pytest.raises(ValidationError, match="found poses for 0 of 3 frames"):
         reconstruct(sample(tmp_path, tmp_path / "frames"))
 
 

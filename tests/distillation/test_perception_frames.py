@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from scipy import ndimage
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation.perception import Blur, SamplingOptions, blur_by_name, sample
 from urbanverse_mjx.distillation.perception.frames import load
 from urbanverse_mjx.distillation.perception.screening import ScreenLimits, measure, screen, turned
@@ -100,7 +100,7 @@ def test_a_sideways_turn_is_measured_and_a_fast_one_dropped():
     ],
 )
 def test_broken_input_is_one_sentence(tmp_path: pathlib.Path, make, said: str):
-    with pytest.raises(NounError, match=said):
+    with pytest.raises(ValidationError, match=said):
         sample(make(tmp_path), tmp_path / "frames")
 
 
@@ -128,7 +128,7 @@ def test_faces_are_unreadable_in_what_is_stored(tmp_path: pathlib.Path):
 
 
 def test_a_detector_that_is_missing_or_wrong_is_named():
-    with pytest.raises(NounError, match="needed 'module:function'"):
+    with pytest.raises(ValidationError, match="needed 'module:function'"):
         blur_by_name("no_such_package:detector")
-    with pytest.raises(NounError, match=r"needed finite \(k, 4\)"):
+    with pytest.raises(ValidationError, match=r"needed finite \(k, 4\)"):
         Blur(lambda rgb: np.zeros((2, 3)), "odd")(np.zeros((8, 8, 3), np.uint8))

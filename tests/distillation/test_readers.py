@@ -9,7 +9,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.assets import load_index
-from urbanverse_mjx.datatypes import KIND_INDEX, Detection, NounError, Recording, Source
+from urbanverse_mjx.datatypes import KIND_INDEX, Detection, Recording, Source, ValidationError
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.perception import Sight
 from urbanverse_mjx.distillation.readers import Kitti360Options, read_authors_tree, read_kitti360
@@ -189,7 +189,7 @@ def test_kitti360s_laser_gives_depth(tmp_path: pathlib.Path):
     assert depth[0, 0] == 0
     assert len(cameras) == 3
     (scans / f"{7:010d}.bin").write_bytes(b"12345")
-    with pytest.raises(NounError, match="5 bytes"):
+    with pytest.raises(ValidationError, match="5 bytes"):
         read_kitti360(tmp_path / "kitti", tmp_path / "again", Kitti360Options(SEQUENCE))
     assert not (tmp_path / "again" / "recording.json").exists()
 
@@ -207,7 +207,7 @@ def test_kitti360s_laser_gives_depth(tmp_path: pathlib.Path):
 def test_broken_kitti360_is_one_sentence(tmp_path: pathlib.Path, file: str, content: str, said: str):
     write_kitti(tmp_path / "kitti")
     (tmp_path / "kitti" / file).write_text(content)
-    with pytest.raises(NounError, match=said):
+    with pytest.raises(ValidationError, match=said):
         read_kitti360(tmp_path / "kitti", tmp_path / "out", Kitti360Options(SEQUENCE))
     assert not (tmp_path / "out" / "recording.json").exists()
 
@@ -291,6 +291,6 @@ def test_a_broken_tree_of_theirs_is_one_sentence(tmp_path: pathlib.Path, broken:
     else:
         root = tmp_path / "none"
     words = {"pose": "pose 1", "lens": "fields fx", "count": "2 depth maps", "depth": "no readable array"}
-    with pytest.raises(NounError, match=words.get(broken, "no such files")):
+    with pytest.raises(ValidationError, match=words.get(broken, "no such files")):
         read_authors_tree(root, tmp_path / "out", OneCar(), Source("a", "b", "c", "d"))
     assert not (tmp_path / "out" / "recording.json").exists()

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.distillation import train_eye
 from urbanverse_mjx.distillation.train_eye import Learner, Progress
 
@@ -28,10 +28,10 @@ def test_a_stopped_run_goes_on_with_all_that_it_knew(tmp_path: pathlib.Path):
     assert progress == Progress(20, 61.5)
     assert jax.tree.structure(learner) == jax.tree.structure(empty)
     assert all((a == b).all() for a, b in zip(jax.tree.leaves(learner), jax.tree.leaves(_learner()), strict=True))
-    with pytest.raises(NounError, match="another network"):
+    with pytest.raises(ValidationError, match="another network"):
         train_eye._read_state(options.state, _learner(5))
     options.state.write_text("nothing")
-    with pytest.raises(NounError, match="no state of this training"):
+    with pytest.raises(ValidationError, match="no state of this training"):
         train_eye._read_state(options.state, empty)
 
 

@@ -14,7 +14,7 @@ from brax.training.agents.ppo import networks as ppo_networks
 from mujoco_playground import wrapper as playground
 
 from tests.support.unicycle import drive_to_goal, unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, registry
 from urbanverse_mjx.envs.playground import FRICTION, MASS
 from urbanverse_mjx.envs.staged import observed_size
@@ -136,7 +136,7 @@ def test_a_randomiser_changes_friction_and_mass_of_each_env_and_nothing_else_can
         return model.tree_replace({"dof_damping": jnp.tile(model.dof_damping, (8, 1))}), axes
 
     wrapped: Any = playground.wrap_for_brax_training(env, LENGTH, randomization_fn=other)  # pyright: ignore[reportArgumentType]
-    with pytest.raises(NounError, match="dof_damping"):
+    with pytest.raises(ValidationError, match="dof_damping"):
         jax.eval_shape(wrapped.reset, keys)
 
 

@@ -12,7 +12,7 @@ import pytest
 from tests.evaluation.test_evaluation import _result
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
+from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, SceneBank, ValidationError
 from urbanverse_mjx.evaluation import benchmark, go_to_goal
 from urbanverse_mjx.evaluation.agents import zero
 from urbanverse_mjx.evaluation.frozen import RUNS, Protocol, freeze, half_rows
@@ -87,7 +87,7 @@ def test_a_list_is_the_same_every_time_and_comes_back_from_its_file(hashed: Scen
     assert Protocol.load(tmp_path / "boxes.json") == protocol
     changed = (tmp_path / "boxes.json").read_text().replace('"seed":', '"seed":1', 1)
     (tmp_path / "changed.json").write_text(changed)
-    with pytest.raises(NounError, match="do not fit their hash"):
+    with pytest.raises(ValidationError, match="do not fit their hash"):
         Protocol.load(tmp_path / "changed.json")
 
 
@@ -113,11 +113,11 @@ def test_a_scene_that_changed_is_refused_by_its_name(hashed: SceneBank) -> None:
     protocol = freeze("boxes", hashed, 8, seed=0)
     name = hashed.scene_ids[1]
     other = {**hashed.meta, "hashes": {**hashed.meta["hashes"], name: "f" * 64}}
-    with pytest.raises(NounError, match=f"scene '{name}': found hash ffffffffffff, needed 111111111111"):
+    with pytest.raises(ValidationError, match=f"scene '{name}': found hash ffffffffffff, needed 111111111111"):
         protocol.on(dataclasses.replace(hashed, meta=other))
     ids = [*hashed.scene_ids[:2], "another"]
     renamed = {**hashed.meta, "scene_ids": ids}
-    with pytest.raises(NounError, match=f"found no scene '{hashed.scene_ids[2]}'"):
+    with pytest.raises(ValidationError, match=f"found no scene '{hashed.scene_ids[2]}'"):
         protocol.on(dataclasses.replace(hashed, meta=renamed))
 
 
@@ -128,9 +128,9 @@ def test_the_paper_protocol_leaves_extra_scenes_out(hashed: SceneBank) -> None:
     assert runs.scenes == (hashed.scene_ids[0], hashed.scene_ids[2])
     assert sorted(set(runs.episodes.episodes.tolist())) == list(range(RUNS))
     assert len(protocol.on(hashed, "full").scenes) == 3
-    with pytest.raises(NounError, match="extra scenes"):
+    with pytest.raises(ValidationError, match="extra scenes"):
         freeze("boxes", hashed, 8, seed=0, extra=["nowhere"])
-    with pytest.raises(NounError, match="needed a number of at least 5"):
+    with pytest.raises(ValidationError, match="needed a number of at least 5"):
         freeze("boxes", hashed, 3, seed=0)
 
 
@@ -155,7 +155,7 @@ def test_half_length_ways_stay_in_the_first_half(hashed: SceneBank) -> None:
             limit = x.min() + min(half, float(np.ptp(x)) / 2.0)
             assert set(rows) == set(np.flatnonzero(x.max(1) <= limit + 1e-4))
             assert len(rows) < number
-    with pytest.raises(NounError, match="episodes that fit"):
+    with pytest.raises(ValidationError, match="episodes that fit"):
         freeze("boxes", hashed, 8, seed=0, half=20.0)
 
 

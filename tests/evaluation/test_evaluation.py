@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError, SceneBank
+from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, SceneBank, ValidationError
 from urbanverse_mjx.envs import default_config
 from urbanverse_mjx.envs.navigation.scenarios import scenario_of
 from urbanverse_mjx.evaluation import (
@@ -193,12 +193,12 @@ def test_report_round_trip_and_files(tmp_path: pathlib.Path) -> None:
     broken = json.loads((tmp_path / "report.json").read_text())
     broken["episodes"][0]["route_completion"] = 1.5
     (tmp_path / "broken.json").write_text(json.dumps(broken))
-    with pytest.raises(NounError, match="route_completion"):
+    with pytest.raises(ValidationError, match="route_completion"):
         BenchmarkReport.load(tmp_path / "broken.json")
 
 
 def test_too_many_episodes_is_said(small_bank: SceneBank) -> None:
-    with pytest.raises(NounError, match="episodes: found"):
+    with pytest.raises(ValidationError, match="episodes: found"):
         fixed_episodes(unicycle_env(small_bank), 100_000)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.onnx_bytes import linear_policy
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import BenchmarkReport, NounError, SceneBank
+from urbanverse_mjx.datatypes import BenchmarkReport, SceneBank, ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal
 from urbanverse_mjx.evaluation.foreign import load_callable
@@ -81,17 +81,17 @@ def test_a_callable_drives_as_the_same_rule_inside_jax(small_bank: SceneBank) ->
 
 
 def test_what_is_no_callable_is_refused(small_bank: SceneBank) -> None:
-    with pytest.raises(NounError, match=r"found no module 'nowhere\.at_all'"):
+    with pytest.raises(ValidationError, match=r"found no module 'nowhere\.at_all'"):
         load_callable("nowhere.at_all:act")
-    with pytest.raises(NounError, match="found no 'absent' in"):
+    with pytest.raises(ValidationError, match="found no 'absent' in"):
         load_callable(f"{__name__}:absent")
-    with pytest.raises(NounError, match="to be a int, needed something to call"):
+    with pytest.raises(ValidationError, match="to be a int, needed something to call"):
         load_callable(f"{__name__}:NUMBER")
     env = unicycle_env(small_bank, vision=True)
-    with pytest.raises(NounError, match=r"found actions of shape \(2,\), needed finite ones of shape \(3, 2\)"):
+    with pytest.raises(ValidationError, match=r"found actions of shape \(2,\), needed finite ones of shape \(3, 2\)"):
         Rollout(env).run_batch("bad", load_callable(f"{__name__}:wrong_shape"), fixed_episodes(env, 3))
     blind = unicycle_env(small_bank)
-    with pytest.raises(NounError, match="found no observation 'pixels/front' in the environment"):
+    with pytest.raises(ValidationError, match="found no observation 'pixels/front' in the environment"):
         Rollout(blind).run_batch("bad", load_callable(f"{__name__}:wrong_shape"), fixed_episodes(blind, 3))
 
 
@@ -114,7 +114,7 @@ def test_a_callable_is_given_exactly_the_observations_that_it_declares(
 
 
 def test_an_observation_that_no_environment_has_is_refused() -> None:
-    with pytest.raises(NounError, match=r"found the observation 'lidar' .* needed some of pixels/front, goal"):
+    with pytest.raises(ValidationError, match=r"found the observation 'lidar' .* needed some of pixels/front, goal"):
         load_callable(f"{__name__}:AskingForWhatIsNotThere")
 
 
@@ -149,10 +149,10 @@ def test_an_onnx_file_answers_as_its_weights_say(tmp_path: pathlib.Path) -> None
         policy = load_onnx(path)
         assert not policy.sees
         np.testing.assert_allclose(policy.agent({"goal": goal}), goal @ weights, rtol=1e-5, atol=1e-6)
-    with pytest.raises(NounError, match="found no file"):
+    with pytest.raises(ValidationError, match="found no file"):
         load_onnx(tmp_path / "absent.onnx")
     path.write_bytes(b"no model")
-    with pytest.raises(NounError, match="that onnxruntime cannot load"):
+    with pytest.raises(ValidationError, match="that onnxruntime cannot load"):
         load_onnx(path)
 
 

@@ -13,7 +13,7 @@ from urbanverse_mjx.assets.appearances import looks
 from urbanverse_mjx.assets.appearances.ground_materials import build_material
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.assets.selection import descriptors
-from urbanverse_mjx.datatypes import GraphObject, GroundRegion, NounError, SceneGraph, SceneLayout, Source
+from urbanverse_mjx.datatypes import GraphObject, GroundRegion, SceneGraph, SceneLayout, Source, ValidationError
 from urbanverse_mjx.materialisation import check_labels, index_of, materialise_cousin, materialise_cousins, overlap
 from urbanverse_mjx.materialisation.shortlists import affordances
 
@@ -101,13 +101,13 @@ def test_feet_near_the_ground_are_put_onto_it_and_hanging_things_stay():
 
 def test_a_label_without_an_asset_is_named_with_the_object_and_the_nearest_leaves():
     check_labels(street(*THINGS), few_objects())
-    with pytest.raises(NounError) as caught:
+    with pytest.raises(ValidationError) as caught:
         check_labels(street(*THINGS, thing("o7", "zqxv", 0, 0)), few_objects())
     message = str(caught.value)
     assert "object 'o7'.label: found 'zqxv'" in message
     assert "--skip-unknown" in message
     assert message.count("'") >= 10, "three leaves are named"
-    with pytest.raises(NounError, match=r"'walk_2'\.label: found 'sidewalk' \('sidewalk' is ground"):
+    with pytest.raises(ValidationError, match=r"'walk_2'\.label: found 'sidewalk' \('sidewalk' is ground"):
         check_labels(street(thing("walk_2", "sidewalk", 0, 0)), few_objects())
 
 
@@ -243,11 +243,11 @@ def test_crops_and_stored_descriptors_give_the_same():
 
 def test_bad_numbers_are_refused():
     for count, seed, kerb in ((0, 0, 0.15), (65, 0, 0.15), (1, -1, 0.15), (1, 0, -0.1)):
-        with pytest.raises(NounError):
+        with pytest.raises(ValidationError):
             materialise_cousins(street(), count, seed, kerb, few_objects())
     wrong: tuple[Any, ...] = (-1, 64, 0.5, True)
     for number in wrong:
-        with pytest.raises(NounError):
+        with pytest.raises(ValidationError):
             materialise_cousin(street(), number, objects=few_objects())
 
 

@@ -12,7 +12,7 @@ from urbanverse_mjx.cli.benchmark import BenchmarkArgs
 from urbanverse_mjx.cli.evaluate import EvaluateArgs
 from urbanverse_mjx.cli.play import PlayArgs
 from urbanverse_mjx.cli.train import TrainArgs
-from urbanverse_mjx.datatypes import BenchmarkReport, NounError, SceneBank
+from urbanverse_mjx.datatypes import BenchmarkReport, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.evaluation.frozen import freeze
 from urbanverse_mjx.pipeline import BenchmarkOptions, PlayOptions, benchmark, evaluate_policy, play, rollout_video
@@ -65,7 +65,7 @@ def test_play_drives_a_chosen_bank_by_a_changed_config(
     assert (config.robot, config.sim_dt) == ("/robots/tug", 0.005)
     assert used.scene_ids == SceneBank.load(bank).scene_ids
     assert len(done["results"]) == 2
-    with pytest.raises(NounError, match="needed a navigation environment such as CocoNav"):
+    with pytest.raises(ValidationError, match="needed a navigation environment such as CocoNav"):
         play(tmp_path / "b.mp4", PlayOptions(agent=agent, env_name="Go2Joystick", bank=bank))
 
 
@@ -87,6 +87,6 @@ def test_a_benchmark_names_overrides_and_keeps_what_it_fixes(
     assert loads[0][0].num_slots == 24
     assert 'Config overrides: `{"num_slots": 24}`.' in done.page
     fixed = dataclasses.replace(options, env_overrides={"success_radius": 9.0, "num_slots": 24})
-    with pytest.raises(NounError, match="found success_radius, which the benchmark fixes"):
+    with pytest.raises(ValidationError, match="found success_radius, which the benchmark fixes"):
         benchmark(str(tmp_path / "boxes.json"), tmp_path / "other", fixed, bank)
     assert not (tmp_path / "other").exists()

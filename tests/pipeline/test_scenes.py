@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.box_bank import street_regions
 from urbanverse_mjx import pipeline
-from urbanverse_mjx.datatypes import GraphObject, NounError, SceneGraph, SceneLayout, Source
+from urbanverse_mjx.datatypes import GraphObject, SceneGraph, SceneLayout, Source, ValidationError
 from urbanverse_mjx.materialisation import materialise_cousins
 from urbanverse_mjx.pipeline import banks, scenes
 from urbanverse_mjx.pipeline.library import building
@@ -68,7 +68,7 @@ def test_a_label_without_an_asset_is_refused_or_left_out_as_asked(
 ) -> None:
     odd = dataclasses.replace(graph.objects[0], id="odd", label="zqxv", center=(30.0, 6.0, 0.6))
     dataclasses.replace(graph, objects=(*graph.objects, odd)).save(tmp_path / "graph.json")
-    with pytest.raises(NounError, match=r"object 'odd'\.label: found 'zqxv'.*--skip-unknown"):
+    with pytest.raises(ValidationError, match=r"object 'odd'\.label: found 'zqxv'.*--skip-unknown"):
         pipeline.compile_graph(tmp_path / "graph.json", tmp_path / "out")
     assert not compiled
     cousin, _ = pipeline.compile_graph(tmp_path / "graph.json", tmp_path / "out", skip_unknown=True)
@@ -89,5 +89,5 @@ def test_half_of_a_street_is_compiled_where_it_is_asked_for(tmp_path: pathlib.Pa
     assert len(first) == len(second) == 2
     assert first | second == whole
     assert [layout.id[-8:] for layout in compiled[1:]] == ["_Half_01", "_Half_02"]
-    with pytest.raises(NounError, match="--half"):
+    with pytest.raises(ValidationError, match="--half"):
         pipeline.compile_graph(tmp_path / "graph.json", tmp_path / "out", half=3)

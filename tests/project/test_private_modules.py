@@ -10,7 +10,7 @@ from importlib import metadata
 
 import pytest
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.pipeline.errors import refusal
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -85,7 +85,7 @@ def test_a_name_that_is_gone_is_said_with_both_versions(
     with monkeypatch.context() as patch:
         patch.delattr(importlib.import_module(module), name)
         patch.setattr(metadata, "version", {package: "9.8.7"}.__getitem__)
-        with pytest.raises(NounError) as caught:
+        with pytest.raises(ValidationError) as caught:
             reloaded(path)
     needed = importlib.import_module(path.removesuffix(".py").replace("/", ".")).NEEDED
     assert str(caught.value).startswith(
@@ -100,7 +100,7 @@ def test_a_module_that_is_gone_is_said_too(monkeypatch: pytest.MonkeyPatch) -> N
     for path, module, _ in TAKEN:
         with monkeypatch.context() as patch:
             patch.setitem(sys.modules, module, None)
-            with pytest.raises(NounError, match=re.escape(f"without {module}, needed")):
+            with pytest.raises(ValidationError, match=re.escape(f"without {module}, needed")):
                 reloaded(path)
         reloaded(path)
 

@@ -5,7 +5,7 @@ import pathlib
 import pytest
 
 from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 ROOT = pathlib.Path(__file__).parents[2]
 VARIABLES = (
@@ -44,7 +44,7 @@ def test_data_roots_can_be_moved_and_a_wrong_one_is_refused(root, variable, monk
     monkeypatch.setenv(variable, str(tmp_path))
     assert root() == tmp_path
     monkeypatch.setenv(variable, str(tmp_path / "nowhere"))
-    with pytest.raises(NounError, match=f"{variable}: found .*nowhere, needed an existing folder"):
+    with pytest.raises(ValidationError, match=f"{variable}: found .*nowhere, needed an existing folder"):
         root()
 
 
@@ -55,7 +55,7 @@ def test_an_installed_package_finds_the_data_inside(monkeypatch: pytest.MonkeyPa
     (tmp_path / "site-packages" / "scenes").mkdir()
     monkeypatch.setattr(settings, "_PACKAGE", package)
     assert settings.scene_root() == package / "_data" / "scenes"
-    with pytest.raises(NounError, match="URBANVERSE_ASSET_ROOT"):
+    with pytest.raises(ValidationError, match="URBANVERSE_ASSET_ROOT"):
         settings.asset_root()
 
 
@@ -84,7 +84,7 @@ def test_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     assert settings.num_threads() == 3
     for wrong in ("0", "-1", "two", "1.5", "²", "99999"):
         monkeypatch.setenv("URBANVERSE_THREADS", wrong)
-        with pytest.raises(NounError, match="URBANVERSE_THREADS"):
+        with pytest.raises(ValidationError, match="URBANVERSE_THREADS"):
             settings.num_threads()
 
 
@@ -92,12 +92,12 @@ def test_a_vision_endpoint_only_where_one_is_named(monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("URBANVERSE_VISION_KEY", "secret")
     assert settings.vision_endpoint() is None
     monkeypatch.setenv("URBANVERSE_VISION_URL", "http://127.0.0.1:8000/v1/")
-    with pytest.raises(NounError, match="URBANVERSE_VISION_MODEL"):
+    with pytest.raises(ValidationError, match="URBANVERSE_VISION_MODEL"):
         settings.vision_endpoint()
     monkeypatch.setenv("URBANVERSE_VISION_MODEL", "a-model")
     found = settings.vision_endpoint()
     assert found == settings.VisionEndpoint("http://127.0.0.1:8000/v1", "a-model", "secret")
     assert "secret" not in repr(found)
     monkeypatch.setenv("URBANVERSE_VISION_URL", "ftp://somewhere")
-    with pytest.raises(NounError, match="URBANVERSE_VISION_URL"):
+    with pytest.raises(ValidationError, match="URBANVERSE_VISION_URL"):
         settings.vision_endpoint()

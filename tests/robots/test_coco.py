@@ -11,7 +11,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urbanverse_mjx.datatypes import NounError, RobotSpec
+from urbanverse_mjx.datatypes import RobotSpec, ValidationError
 from urbanverse_mjx.robots import coco, coco_body, make_coco
 
 DRIVES = ("differential", "ackermann")
@@ -206,5 +206,5 @@ def test_waypoint_is_bounded_mirrored_and_differentiable(x: float, y: float) -> 
 
 
 def test_unknown_drive_is_refused() -> None:
-    with pytest.raises(NounError, match="differential, ackermann"):
+    with pytest.raises(ValidationError, match="differential, ackermann"):
         make_coco("tracks")  # pyright: ignore[reportArgumentType]

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from urbanverse_mjx.cli import main as cli
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.robots import load
 from urbanverse_mjx.robots.collision import Fit
 from urbanverse_mjx.robots.description import load_with_fits
@@ -125,7 +125,7 @@ def test_few_spheres_are_taken_where_few_are_enough() -> None:
     made = cover(capsule, FitOptions(0.02))
     assert len(made.radius) <= 3
     assert made.error <= 0.02
-    with pytest.raises(NounError, match="enclose no volume"):
+    with pytest.raises(ValidationError, match="enclose no volume"):
         cover(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.0]]))
 
 
@@ -254,5 +254,5 @@ def test_the_fit_can_be_finer_and_its_options_are_checked(tmp_path: pathlib.Path
         load_with_fits(write(tmp_path, fit={"tolerance": 0.005, "spheres": n}))[1][0].cover.error for n in (6, 40)
     )
     assert fine < 0.8 * rough
-    with pytest.raises(NounError, match=r"fit\.spheres"):
+    with pytest.raises(ValidationError, match=r"fit\.spheres"):
         load(write(tmp_path, fit={"spheres": 0}))

@@ -12,7 +12,7 @@ import pytest
 
 from tests.robots.test_coco_drive import Driver, ground
 from tests.support.box_bank import box_bank, box_scenes
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.robots import load, make_coco, make_go2
 from urbanverse_mjx.scene.mjcf import scene_spec
@@ -76,7 +76,7 @@ def test_a_bound_on_the_reach_holds_for_every_robot() -> None:
 def test_a_robot_from_outside_drives_to_its_waypoints(folder: pathlib.Path, small_bank: SceneBank) -> None:
     options = {"preset": "cpu", "scenes": "all", "vision_config.height": 18, "vision_config.width": 32, "impl": "jax"}
     free = {"terminate_on_hit": False, "terminate_off_traversable": False, "success_radius": 1e-3}
-    with pytest.raises(NounError, match="sim_dt"):
+    with pytest.raises(ValidationError, match="sim_dt"):
         registry.load("CocoNav", config_overrides={**options, "robot": str(folder)}, bank=small_bank)
     options |= {"robot": str(folder), "sim_dt": 0.005, **free}
     env: NavEnv = registry.load("CocoNav", config_overrides=options, bank=small_bank)
@@ -101,7 +101,7 @@ def test_an_axle_that_steers(folder: pathlib.Path) -> None:
     swivel += ' contype="0" conaffinity="0"/></body><camera'
     (folder / "tug.xml").write_text(xml.replace("</actuator>", steering).replace("<camera", swivel, 1))
     drive = json.loads((folder / "robot.json").read_text())["drive"]
-    with pytest.raises(NounError, match=r"found 2 actuators named, needed each of the 3"):
+    with pytest.raises(ValidationError, match=r"found 2 actuators named, needed each of the 3"):
         load(folder)
     change(folder, drive={**drive, "kind": "ackermann", "steer": "steer", "wheelbase": 0.5})
     # The nose weighs as much where what is only seen of it has been taken away.
@@ -120,9 +120,9 @@ def test_a_robot_told_by_a_gait(folder: pathlib.Path) -> None:
     change(folder, drive={"kind": "gait"})
     np.testing.assert_allclose(load(folder).command(np.array([0.7, -0.2])), [0.7, 0.0, -0.2], rtol=1e-6)
     options = {"preset": "cpu", "robot": str(folder), "sim_dt": 0.005, "vision": False}
-    with pytest.raises(NounError, match="walks by a gait"):
+    with pytest.raises(ValidationError, match="walks by a gait"):
         registry.load("CocoNav", config_overrides=options, bank=box_bank(1))
-    with pytest.raises(NounError, match="one for 12 joints, needed one for the 2"):
+    with pytest.raises(ValidationError, match="one for 12 joints, needed one for the 2"):
         registry.load("Go2Nav", config_overrides=options, bank=box_bank(1))
 
 
@@ -140,7 +140,7 @@ def test_a_robot_told_by_a_gait(folder: pathlib.Path) -> None:
     ],
 )
 def test_what_is_wrong_is_said(folder: pathlib.Path, fields: dict[str, Any], words: str) -> None:
-    with pytest.raises(NounError, match=words):
+    with pytest.raises(ValidationError, match=words):
         load(change(folder, **fields))
 
 
@@ -151,9 +151,9 @@ def test_what_is_wrong_in_the_mjcf_is_said(folder: pathlib.Path) -> None:
         ("</mujoco>", "", "does not read"),
     ):
         (folder / "tug.xml").write_text(xml.replace(old, new, 1))
-        with pytest.raises(NounError, match=words):
+        with pytest.raises(ValidationError, match=words):
             load(folder)
-    with pytest.raises(NounError, match=r"coco, go2, wheelchair, or a robot\.json"):
+    with pytest.raises(ValidationError, match=r"coco, go2, wheelchair, or a robot\.json"):
         load(folder / "nowhere")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.support.gaits import make_gait
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.robots.gait import Gait, sensor_frame
 
 
@@ -50,14 +50,14 @@ def test_file_gives_back_the_gait_and_jax_agrees(tmp_path: pathlib.Path) -> None
 
 
 def test_what_is_no_gait_is_refused(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(NounError, match="export-gait"):
+    with pytest.raises(ValidationError, match="export-gait"):
         Gait.load(tmp_path / "none.npz")
     (tmp_path / "text.npz").write_text("hello")
-    with pytest.raises(NounError, match="unreadable"):
+    with pytest.raises(ValidationError, match="unreadable"):
         Gait.load(tmp_path / "text.npz")
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    with pytest.raises(NounError, match="head: found something that is not JSON"):
+    with pytest.raises(ValidationError, match="head: found something that is not JSON"):
         Gait.load(tmp_path / "other.npz")
     gait = make_gait()
-    with pytest.raises(NounError, match="225 to 12"):
+    with pytest.raises(ValidationError, match="225 to 12"):
         Gait(gait.kernels[1:], gait.biases[1:], gait.stand, gait.scale, gait.history, gait.control_dt, {})

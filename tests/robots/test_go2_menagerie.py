@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.robots import go2_body, make_go2
 from urbanverse_mjx.simulation.physics_model import make_physics_model
 
@@ -87,11 +87,11 @@ def test_the_rest_is_ours_and_engines_take_it(tmp_path: pathlib.Path) -> None:
 
 
 def test_what_is_no_go2_is_refused(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(NounError, match=r"no go2\.xml"):
+    with pytest.raises(ValidationError, match=r"no go2\.xml"):
         make_go2(tmp_path)
-    with pytest.raises(NounError, match="RR_hip"):
+    with pytest.raises(ValidationError, match="RR_hip"):
         make_go2(_write(tmp_path / "three", ("FL", "FR", "RL")))
     broken = _write(tmp_path / "broken")
     (broken / "assets" / "part.obj").unlink()
-    with pytest.raises(NounError, match="does not read"):
+    with pytest.raises(ValidationError, match="does not read"):
         make_go2(broken)

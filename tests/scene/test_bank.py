@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import box_bank, box_scenes, box_skies
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.scene import grids
 from urbanverse_mjx.scene.bank import pack
@@ -115,13 +115,13 @@ def test_equal_things_are_stored_once() -> None:
 
 def test_what_cannot_be_packed_is_refused() -> None:
     scene = box_scenes(1, 0, 3)[0]
-    with pytest.raises(NounError, match="no scene"):
+    with pytest.raises(ValidationError, match="no scene"):
         pack([], [], box_skies())
-    with pytest.raises(NounError, match="twice"):
+    with pytest.raises(ValidationError, match="twice"):
         pack([scene, scene], ["train", "test"], box_skies())
-    with pytest.raises(NounError, match="sky"):
+    with pytest.raises(ValidationError, match="sky"):
         pack([scene], ["train"], {})
-    with pytest.raises(NounError, match="split"):
+    with pytest.raises(ValidationError, match="split"):
         pack([scene], ["dev"], box_skies())
 
 

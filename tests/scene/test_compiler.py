@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.box_bank import street_regions
 from tests.support.toy_assets import TOY_SOURCE, UNIT_BOX, toy_index, toy_layout
-from urbanverse_mjx.datatypes import GraphObject, NounError, SceneBank, SceneGraph, SceneLayout, Source
+from urbanverse_mjx.datatypes import GraphObject, SceneBank, SceneGraph, SceneLayout, Source, ValidationError
 from urbanverse_mjx.datatypes.ground import KIND_INDEX, TRAVERSABLE_KINDS
 from urbanverse_mjx.pipeline import make_driver
 from urbanverse_mjx.scene import CompiledScene, compile_scene, pack_bank
@@ -170,23 +170,23 @@ def test_bank_of_the_folder_has_the_scene(compiled: CompiledScene) -> None:
     np.testing.assert_allclose(bank.episode_start[0], table.start, atol=1e-5)
     np.testing.assert_array_equal(bank.map_kind[0], compiled.geometry.map.kind)
     assert bank.meta["hashes"] == {"toy_street": compiled.layout.content_hash()}
-    with pytest.raises(NounError, match="one for each scene"):
+    with pytest.raises(ValidationError, match="one for each scene"):
         pack_bank([compiled.folder], [])
 
 
 def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene, tmp_path: pathlib.Path) -> None:
     layout = _layout()
     broken = dataclasses.replace(layout, objects=(dataclasses.replace(layout.objects[0], asset_uid="no/such"),))
-    with pytest.raises(NounError, match="no/such"):
+    with pytest.raises(ValidationError, match="no/such"):
         compile_scene(broken, toy_index(), tmp_path / "new", make_driver(), source=TOY_SOURCE)
     assert not list(tmp_path.iterdir())
     before = {p: p.stat().st_mtime_ns for p in compiled.folder.rglob("*")}
-    with pytest.raises(NounError, match="no/such"):
+    with pytest.raises(ValidationError, match="no/such"):
         compile_scene(broken, toy_index(), compiled.folder, make_driver(), source=TOY_SOURCE)
     assert {p: p.stat().st_mtime_ns for p in compiled.folder.rglob("*")} == before
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "diary.txt").write_text("mine")
-    with pytest.raises(NounError, match="folder with other things"):
+    with pytest.raises(ValidationError, match="folder with other things"):
         compile_scene(layout, toy_index(), tmp_path / "notes", make_driver(), source=TOY_SOURCE)
     assert [p.name for p in (tmp_path / "notes").iterdir()] == ["diary.txt"]
 
@@ -194,12 +194,12 @@ def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene
 def test_no_room_for_episodes_is_refused(tmp_path: pathlib.Path) -> None:
     layout = _layout()
     road = tuple(g for g in layout.ground if g.kind == "road")
-    with pytest.raises(NounError, match="walkable ground"):
+    with pytest.raises(ValidationError, match="walkable ground"):
         compile_scene(
             dataclasses.replace(layout, ground=road), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE
         )
     small = tuple(g for g in layout.ground if g.id == "ramp_left")
-    with pytest.raises(NounError, match="walkable ground"):
+    with pytest.raises(ValidationError, match="walkable ground"):
         compile_scene(
             dataclasses.replace(layout, ground=small), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE
         )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import street_regions
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes.ground import KIND_INDEX
 from urbanverse_mjx.scene import maps
 from urbanverse_mjx.scene.exchange import ExchangeMap, load_map, save_map
@@ -260,7 +260,7 @@ def test_damaged_routes_are_refused(change, message, street: ExchangeMap, tmp_pa
     wanted = [Wanted("r001", (3.0, 6.0), (55.0, -6.0))]
     save_planned(tmp_path, plan_all(RoutePlanner(street.map), "toy", street.grid, wanted))
     _break(tmp_path / "routes.json", **change)
-    with pytest.raises(NounError, match=message):
+    with pytest.raises(ValidationError, match=message):
         load_planned(tmp_path)
 
 
@@ -273,7 +273,7 @@ def test_waypoints_come_from_beside_the_file_alone(street: ExchangeMap, tmp_path
     for name, message in (("../other.npy", "beside"), ("gone.npy", "no such file")):
         body["routes"][0]["waypoints"] = name
         path.write_text(json.dumps(body))
-        with pytest.raises(NounError, match=message):
+        with pytest.raises(ValidationError, match=message):
             load_planned(tmp_path / "toy")
 
 
@@ -292,7 +292,7 @@ def test_damaged_maps_are_refused(fault: str, tmp_path: pathlib.Path) -> None:
             layers = dict(file)
         layers["kind"] = layers["kind"][:5] if fault == "shape" else layers["kind"] + 7
         np.savez_compressed(folder / "layers.npz", allow_pickle=False, **layers)
-    with pytest.raises(NounError, match="found"):
+    with pytest.raises(ValidationError, match="found"):
         load_map(folder)
 
 

@@ -4,7 +4,7 @@ import shapely
 
 from tests.support.box_bank import street_regions
 from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import GroundRegion, NounError, SceneGraph
+from urbanverse_mjx.datatypes import GroundRegion, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import PAINT_KINDS
 from urbanverse_mjx.scene import ground
 
@@ -56,9 +56,9 @@ def test_convex_regions_stay_whole(path: str) -> None:
 
 def test_overlap_names_both_regions() -> None:
     ground.check_regions([_square("a", 0.0), _square("b", 2.0), _square("paint", 1.0, "road_marking")])
-    with pytest.raises(NounError, match=r"'a'.*2 m².*'b'"):
+    with pytest.raises(ValidationError, match=r"'a'.*2 m².*'b'"):
         ground.check_regions([_square("a", 0.0), _square("b", 1.0)])
-    with pytest.raises(NounError, match="paint alone"):
+    with pytest.raises(ValidationError, match="paint alone"):
         ground.check_regions([_square("paint", 1.0, "road_marking")])
 
 

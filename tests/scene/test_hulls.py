@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.scene.hulls import convex_part, hull_table
 
 
@@ -46,10 +46,10 @@ def test_inner_points_are_dropped() -> None:
 
 
 def test_flat_and_too_many_corners_are_refused() -> None:
-    with pytest.raises(NounError, match="without volume"):
+    with pytest.raises(ValidationError, match="without volume"):
         convex_part(np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float))
     sphere = np.random.default_rng(0).normal(size=(60, 3))
-    with pytest.raises(NounError, match="at most 32"):
+    with pytest.raises(ValidationError, match="at most 32"):
         convex_part(sphere / np.linalg.norm(sphere, axis=1, keepdims=True))
 
 

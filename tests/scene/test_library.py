@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from urbanverse_mjx import settings
-from urbanverse_mjx.datatypes import NounError, SceneBank, SceneGraph
+from urbanverse_mjx.datatypes import SceneBank, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.validation import write_json
 from urbanverse_mjx.pipeline.banks import join_banks
 from urbanverse_mjx.pipeline.library import building
@@ -29,7 +29,7 @@ def test_sets_and_ids() -> None:
     assert sets["procedural"].scene_id("procedural_007", 0) == "procedural_007"
     assert graph_of(sets["procedural"], "procedural_007").id == "procedural_007"
     assert len(layouts_of(sets["craftbench"])) == 12
-    with pytest.raises(NounError, match="layout of procedural"):
+    with pytest.raises(ValidationError, match="layout of procedural"):
         graph_of(sets["procedural"], "procedural_160")
 
 
@@ -74,27 +74,27 @@ def test_joined_banks_hold_validation_out_even_where_they_were_packed_before(
 
 def test_a_missing_bank_names_the_command(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
-    with pytest.raises(NounError, match="run `urbanverse scene library autobench`"):
+    with pytest.raises(ValidationError, match="run `urbanverse scene library autobench`"):
         library.bank_path("autobench")
     assert not list(tmp_path.iterdir())
-    with pytest.raises(NounError, match="set of scenes"):
+    with pytest.raises(ValidationError, match="set of scenes"):
         library.bank_path("nonsense")
 
 
 def test_a_damaged_table_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     monkeypatch.setenv("URBANVERSE_SCENE_ROOT", str(tmp_path))
     (tmp_path / "library.json").write_text('{"a": {"cousins": 0, "split": "train", "seed": 0}}')
-    with pytest.raises(NounError, match="a: cousins"):
+    with pytest.raises(ValidationError, match="a: cousins"):
         library.sets()
     (tmp_path / "library.json").write_text('{"a": {"cousins": 1, "split": "train", "seed": 0, "builder": "magic"}}')
-    with pytest.raises(NounError, match="a: builder"):
+    with pytest.raises(ValidationError, match="a: builder"):
         library.sets()
     row = '{"a": {"cousins": 1, "split": "train", "seed": 0, "validation": ["x", "x"]}}'
     (tmp_path / "library.json").write_text(row)
-    with pytest.raises(NounError, match="a: validation"):
+    with pytest.raises(ValidationError, match="a: validation"):
         library.sets()
     (tmp_path / "library.json").write_text(row.replace('["x", "x"]', "16"))
-    with pytest.raises(NounError, match="a: validation"):
+    with pytest.raises(ValidationError, match="a: validation"):
         library.sets()
 
 
@@ -107,10 +107,10 @@ def test_packed_graphs_have_the_same_bytes_and_broken_ones_are_refused(tmp_path:
     assert a.read_bytes() == b.read_bytes()
     assert SceneGraph.load(a) == graph
     b.write_bytes(a.read_bytes()[:500])
-    with pytest.raises(NounError, match="not JSON"):
+    with pytest.raises(ValidationError, match="not JSON"):
         SceneGraph.load(b)
     b.write_bytes(b"{}")
-    with pytest.raises(NounError, match="not JSON"):
+    with pytest.raises(ValidationError, match="not JSON"):
         SceneGraph.load(b)
     assert json.loads(gzip.decompress(a.read_bytes()))["id"] == graph.id
 

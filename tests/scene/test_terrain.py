@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.heights import build_heights
 from urbanverse_mjx.scene import terrain
 from urbanverse_mjx.scene.mjcf import scene_spec
@@ -56,9 +56,9 @@ def test_slopes_have_no_edge_and_the_slope_of_their_level() -> None:
 
 
 def test_unknown_kinds_and_levels_are_refused() -> None:
-    with pytest.raises(NounError, match="terrain kind"):
+    with pytest.raises(ValidationError, match="terrain kind"):
         terrain.terrain_regions("moon", 0)
-    with pytest.raises(NounError, match="terrain level"):
+    with pytest.raises(ValidationError, match="terrain level"):
         terrain.terrain_regions("flat", terrain.LEVELS)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.gaits import make_gait
-from urbanverse_mjx.datatypes import Contacts, NounError
+from urbanverse_mjx.datatypes import Contacts, ValidationError
 from urbanverse_mjx.evaluation.gait_walks import walk
 from urbanverse_mjx.robots import make_go2
 from urbanverse_mjx.scene.mjcf import scene_spec
@@ -61,5 +61,5 @@ def test_touches_of_short_steps_are_those_of_a_long_one() -> None:
 
 
 def test_steps_must_divide() -> None:
-    with pytest.raises(NounError, match="multiple of the gait's"):
+    with pytest.raises(ValidationError, match="multiple of the gait's"):
         GaitEngine(object(), make_go2(), make_gait(), 0.05)  # pyright: ignore[reportArgumentType]

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.training.policy import load_policy
 from urbanverse_mjx.training.run import join_processes
 
@@ -62,5 +62,5 @@ def test_two_devices_of_one_process(bank_file: str, tmp_path: pathlib.Path) -> N
     [(("host:1", None, 0), "--num-processes"), (("host", 2, 0), "HOST:PORT"), (("host:1", 2, 2), "--process-id")],
 )
 def test_wrong_numbers_are_refused(arguments: tuple[str, int | None, int | None], word: str) -> None:
-    with pytest.raises(NounError, match=word):
+    with pytest.raises(ValidationError, match=word):
         join_processes(*arguments)

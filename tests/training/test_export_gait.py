@@ -9,7 +9,7 @@ import pytest
 from brax.training.acme import running_statistics
 from ml_collections import ConfigDict
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.envs.joystick.config import joystick_config
 from urbanverse_mjx.envs.navigation.config import default_config
 from urbanverse_mjx.robots import go2_body
@@ -56,5 +56,5 @@ def test_gait_acts_as_the_policy(tmp_path: pathlib.Path) -> None:
 
 def test_a_policy_that_drives_is_no_gait(tmp_path: pathlib.Path) -> None:
     _spec("CocoNav", default_config("cpu")).save(tmp_path)
-    with pytest.raises(NounError, match="a policy of CocoNav"):
+    with pytest.raises(ValidationError, match="a policy of CocoNav"):
         export_gait(tmp_path)

@@ -12,7 +12,7 @@ import pytest
 from ml_collections import ConfigDict
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.policy_file import PolicyRecord
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.evaluation.frozen import freeze
@@ -175,11 +175,11 @@ def test_the_page_drives_a_file_by_onnxruntime_alone(files, tmp_path: pathlib.Pa
 
 def test_what_differs_from_jax_is_not_written(folders, tmp_path: pathlib.Path, monkeypatch) -> None:
     monkeypatch.setattr(export_onnx, "_converted", lambda step: pytest.fail("converted"))
-    with pytest.raises(NounError, match=r"needed a name that ends in \.onnx"):
+    with pytest.raises(ValidationError, match=r"needed a name that ends in \.onnx"):
         export_onnx.export_onnx(folders["ppo"], tmp_path / "policy.bin")
     monkeypatch.undo()
     monkeypatch.setattr(export_onnx, "largest_difference", lambda model, step: 0.5)
-    with pytest.raises(NounError, match=r"found answers that differ from JAX's by 0\.5,"):
+    with pytest.raises(ValidationError, match=r"found answers that differ from JAX's by 0\.5,"):
         export_onnx.export_onnx(folders["ppo"], tmp_path / "policy.onnx")
     assert not list(tmp_path.iterdir())
 
@@ -188,5 +188,5 @@ def test_what_differs_from_jax_is_not_written(folders, tmp_path: pathlib.Path, m
     ("text", "said"), [("no json", "no JSON"), ('{"schema": "urbanverse.onnx/1"}', "inputs"), ("[]", "needed")]
 )
 def test_broken_metadata_are_one_sentence(text: str, said: str) -> None:
-    with pytest.raises(NounError, match=said):
+    with pytest.raises(ValidationError, match=said):
         PolicyRecord.from_json(text, "x.onnx")

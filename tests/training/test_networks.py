@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from flax import linen as nn
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.training.networks import conv_by_matmul, goal_features, make_networks
 
 SIZES = {"pixels/front": (27, 48, 3), "goal": (2,), "privileged": (13,)}
@@ -101,5 +101,5 @@ def test_both_convolutions_give_the_same_network() -> None:
         for name in ("matmul", "xla")
     ]
     np.testing.assert_allclose(*outputs, atol=1e-5)
-    with pytest.raises(NounError, match="convolution"):
+    with pytest.raises(ValidationError, match="convolution"):
         make_networks(SIZES, 2, convolution="winograd").policy_network.init(jax.random.key(0))

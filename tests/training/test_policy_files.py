@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.training import run
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_params, save_policy
 
@@ -78,7 +78,7 @@ def test_every_damaged_file_is_noticed_and_the_policy_before_is_taken(folder: pa
         assert str(path) in said
         assert "taking the one before it" in said
         assert load_params(found)[1]["params"]["out"]["kernel"][0, 0] == 100.0
-        with pytest.raises(NounError) as caught:
+        with pytest.raises(ValidationError) as caught:
             latest_policy(newest)
         assert str(path) in str(caught.value)
         path.write_bytes(whole)
@@ -100,7 +100,7 @@ def test_a_resumed_run_goes_on_from_the_checkpoint_before_a_damaged_one(
 def test_where_all_are_damaged_the_run_is_refused(folder: pathlib.Path) -> None:
     for policy in (folder / "checkpoints").iterdir():
         cut(policy / "policy.json")
-    with pytest.raises(NounError, match="2 policies, all of them damaged"):
+    with pytest.raises(ValidationError, match="2 policies, all of them damaged"):
         latest_policy(folder)
 
 
@@ -111,7 +111,7 @@ def test_an_edited_number_in_policy_json_is_noticed(folder: pathlib.Path) -> Non
     assert latest_policy(path.parent) == path.parent, "blanks are no content"
     body["env_config"]["limit"] = 0.2
     path.write_text(json.dumps(body))
-    with pytest.raises(NounError, match="checksum"):
+    with pytest.raises(ValidationError, match="checksum"):
         latest_policy(path.parent)
 
 
@@ -122,6 +122,6 @@ def test_policies_from_before_checksums_load_and_damage_is_one_sentence(folder: 
     assert ConfigDict(PolicySpec.load(newest).env_config).limit == 0.1
     assert jax.tree.leaves(load_params(latest_policy(newest)))
     cut(max(_files(newest), key=lambda path: path.stat().st_size))
-    with pytest.raises(NounError, match="parameters that cannot be read") as caught:
+    with pytest.raises(ValidationError, match="parameters that cannot be read") as caught:
         load_params(latest_policy(newest))
     assert "\n" not in str(caught.value)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, wrap_for_training
 from urbanverse_mjx.envs.navigation.env import MAP_PROBES
 from urbanverse_mjx.envs.staged import observed_size
@@ -191,7 +191,7 @@ def test_a_training_cut_in_two_ends_with_the_digits_of_one(small_bank: SceneBank
 
     config.network.hidden = 24
     other = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)
-    with pytest.raises(NounError, match="other shapes"):
+    with pytest.raises(ValidationError, match="other shapes"):
         snapshot.load_state(a, jax.eval_shape(other.begin))
-    with pytest.raises(NounError, match="found no file"):
+    with pytest.raises(ValidationError, match="found no file"):
         snapshot.load_state(tmp_path / "none.npz", whole)

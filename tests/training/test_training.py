@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs.registry import with_overrides
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.training import brax_compat
@@ -51,9 +51,9 @@ def test_shim_gives_pmaps_own_sharding_and_ppo_loads() -> None:
 
 def test_batch_shape_divides_or_says_why() -> None:
     assert batch_shape(default_ppo_config("paper")) == (16, 6)
-    with pytest.raises(NounError, match="num_envs"):
+    with pytest.raises(ValidationError, match="num_envs"):
         batch_shape(with_overrides(default_ppo_config(), {"num_envs": 50}))
-    with pytest.raises(NounError, match="minibatch"):
+    with pytest.raises(ValidationError, match="minibatch"):
         batch_shape(with_overrides(default_ppo_config(), {"minibatch": 500}))
 
 
@@ -72,7 +72,7 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     first = train("CocoNav", env, ppo, tmp_path, quiet=True)
     assert first.steps == 8192
     assert len(list((tmp_path / "checkpoints").iterdir())) == 2
-    with pytest.raises(NounError, match="resume"):
+    with pytest.raises(ValidationError, match="resume"):
         train("CocoNav", env, ppo, tmp_path, quiet=True)
 
     longer = with_overrides(ppo, {"num_timesteps": 12288, "num_checkpoints": 1})
@@ -100,9 +100,9 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     alone, exported = load_policy(pathlib.Path(os.path.relpath(actor)))
     assert exported == spec
     np.testing.assert_array_equal(alone(obs, jax.random.key(0)), act(obs, jax.random.key(0)))
-    with pytest.raises(NounError, match="empty folder"):
+    with pytest.raises(ValidationError, match="empty folder"):
         export_actor(tmp_path, actor)
-    with pytest.raises(NounError, match="without its critic"):
+    with pytest.raises(ValidationError, match="without its critic"):
         train("CocoNav", env, longer, tmp_path / "exported", resume=True, quiet=True)
 
 
@@ -120,10 +120,10 @@ def test_starts_from_another_policy_with_a_new_critic(small_bank: SceneBank, tmp
     critics = zip(jax.tree.leaves(before[2]), jax.tree.leaves(after[2]), strict=True)
     assert any((x != y).any() for x, y in critics), "a critic of its own"
 
-    with pytest.raises(NounError, match="one of them"):
+    with pytest.raises(ValidationError, match="one of them"):
         train("Go2Nav", env, still, tmp_path / "second", resume=True, quiet=True, start_from=actor)
     other = with_overrides(still, {"network.layers": ((8, 4, 4), (16, 2, 2))})
-    with pytest.raises(NounError, match="actor layers of other shapes"):
+    with pytest.raises(ValidationError, match="actor layers of other shapes"):
         train("Go2Nav", env, other, tmp_path / "third", quiet=True, start_from=actor)
 
 

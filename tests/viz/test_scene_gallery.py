@@ -5,7 +5,7 @@ import pathlib
 
 import pytest
 
-from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, NounError
+from urbanverse_mjx.datatypes import BenchmarkReport, EpisodeResult, ValidationError
 from urbanverse_mjx.scene.folders import scene_folders
 from urbanverse_mjx.viz.scene_gallery import make_card, with_difficulty, write_page
 
@@ -66,10 +66,10 @@ def test_scenes_are_found_in_folders_of_folders(tmp_path: pathlib.Path) -> None:
     (tmp_path / "set" / "other" / "metadata.json").write_text('{"schema": "something else"}')
     assert [f.name for f in scene_folders([tmp_path / "set"])] == ["a", "b"]
     assert [f.name for f in scene_folders([tmp_path / "set" / "scenes" / "b"])] == ["b"]
-    with pytest.raises(NounError, match="no compiled scene"):
+    with pytest.raises(ValidationError, match="no compiled scene"):
         scene_folders([tmp_path / "set" / "other"])
     _scene(tmp_path / "again", "a")
-    with pytest.raises(NounError, match="another scene"):
+    with pytest.raises(ValidationError, match="another scene"):
         scene_folders([tmp_path])
 
 
@@ -115,5 +115,5 @@ def test_the_page_tells_the_numbers_and_escapes_names(tmp_path: pathlib.Path) ->
     assert 'data-difficulty="0.5"' in text
     assert 'data-difficulty=""' in text
     assert 'src="pictures/a.jpg"' in text
-    with pytest.raises(NounError, match="planner, zero"):
+    with pytest.raises(ValidationError, match="planner, zero"):
         with_difficulty(cards, report, "nobody")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from urbanverse_mjx.datatypes import RESULTS, NounError
+from urbanverse_mjx.datatypes import RESULTS, ValidationError
 from urbanverse_mjx.viz.pictures import look_at
 from urbanverse_mjx.viz.video import OUTCOMES, _chase_cameras, caption, write_video
 
@@ -55,7 +55,7 @@ def test_mp4_round_trip(tmp_path: pathlib.Path) -> None:
 
 
 def test_odd_sizes_leave_no_file(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(NounError, match="even size"):
+    with pytest.raises(ValidationError, match="even size"):
         write_video(tmp_path / "a.mp4", [np.zeros((63, 96, 3), np.uint8)], 5)
     assert not list(tmp_path.iterdir())
 

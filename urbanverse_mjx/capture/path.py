@@ -7,7 +7,7 @@ import scipy.ndimage
 import skimage.graph
 from scipy.spatial.transform import Rotation
 
-from ..datatypes import NounError, SceneBank
+from ..datatypes import SceneBank, ValidationError
 from .street import CELL, StreetGrid, street_grid
 
 #: m: nobody walks nearer to a thing than half a shoulder's width and a hand.
@@ -46,12 +46,12 @@ class PathOptions:
     def __post_init__(self) -> None:
         positive = min(self.speed, self.rate, self.height, self.sway_period)
         if positive <= 0 or self.turn_time < 0 or not abs(self.pitch) < 1.2:
-            raise NounError(
+            raise ValidationError(
                 f"camera path: found {self}, needed positive speed, rate and height, a turn time of at least 0 and a "
                 "pitch below 1.2."
             )
         if self.frames is not None and self.frames < 1:
-            raise NounError(f"camera path: found {self.frames} frames, needed at least 1.")
+            raise ValidationError(f"camera path: found {self.frames} frames, needed at least 1.")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,7 +71,7 @@ def walk(bank: SceneBank, scene: int, options: PathOptions | None = None) -> Cam
     """The way along both sides of a scene's street.
 
     Raises:
-      NounError: no ground where a walker fits.
+      ValidationError: no ground where a walker fits.
     """
     options = options or PathOptions()
     street = street_grid(bank, scene)
@@ -129,7 +129,9 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
     component, _ = scipy.ndimage.label(street.clearance > _BODY, np.ones((3, 3)))
     sizes = np.bincount(component.ravel())
     if len(sizes) < 2:
-        raise NounError(f"scene {name!r}: found no ground with {_BODY:g} m to every side, needed some to walk on.")
+        raise ValidationError(
+            f"scene {name!r}: found no ground with {_BODY:g} m to every side, needed some to walk on."
+        )
     cells = np.argwhere(component == 1 + np.argmax(sizes[1:]))
     points = street.middle(cells)
     centre = points.mean(0)

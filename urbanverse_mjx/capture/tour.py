@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..datatypes import KIND_INDEX, Camera, Detection, NounError, Recording, RecordingWriter, SceneBank
+from ..datatypes import KIND_INDEX, Camera, Detection, Recording, RecordingWriter, SceneBank, ValidationError
 from ..datatypes.recording import SKY
 from ..simulation.rendering.settings import SKY_LABEL
 from .path import CameraPath, PathOptions, walk
@@ -45,7 +45,7 @@ class TourOptions:
 
     def __post_init__(self) -> None:
         if not 0.1 < self.fovy < 2.6:
-            raise NounError(f"tour.fovy: found {self.fovy:g} rad, needed 0.1 to 2.6.")
+            raise ValidationError(f"tour.fovy: found {self.fovy:g} rad, needed 0.1 to 2.6.")
 
 
 def tour(
@@ -69,10 +69,10 @@ def tour(
       the recording: RGB, planar depth, masks with true labels and the things' ids as tracks, ground kinds, poses.
 
     Raises:
-      NounError: a scene that the bank does not hold, or a folder that cannot be written.
+      ValidationError: a scene that the bank does not hold, or a folder that cannot be written.
     """
     if not 0 <= scene < bank.num_scenes:
-        raise NounError(f"scene: found {scene}, needed 0 to {bank.num_scenes - 1}, the scenes of the bank.")
+        raise ValidationError(f"scene: found {scene}, needed 0 to {bank.num_scenes - 1}, the scenes of the bank.")
     options = options or TourOptions()
     way = path if isinstance(path, CameraPath) else walk(bank, scene, path)
     camera = Camera.from_fov(options.width, options.height, options.fovy)

@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-from ..datatypes import GROUND_KINDS, GraphObject, GroundRegion, NounError, SceneBank, SceneGraph, Source
+from ..datatypes import GROUND_KINDS, GraphObject, GroundRegion, SceneBank, SceneGraph, Source, ValidationError
 from ..geometry import rotations
 from .path import CameraPath
 from .street import GROUND_PREFIX, ground_tops
@@ -26,7 +26,7 @@ def true_objects(bank: SceneBank, scene: int) -> tuple[GraphObject, ...]:
     """Every thing with its label and the box around its mesh, turned with the asset's +x.
 
     Raises:
-      NounError: a thing that does not stand upright.
+      ValidationError: a thing that does not stand upright.
     """
     things = []
     for slot in object_slots(bank, scene):
@@ -34,7 +34,7 @@ def true_objects(bank: SceneBank, scene: int) -> tuple[GraphObject, ...]:
         corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]].astype(np.float64)
         w, x, y, z = bank.slot_quaternion[scene, slot].astype(np.float64)
         if abs(x) + abs(y) > 1e-4:
-            raise NounError(f"slot {slot}: found a leaning thing, needed one that turns about z alone.")
+            raise ValidationError(f"slot {slot}: found a leaning thing, needed one that turns about z alone.")
         yaw = 2.0 * float(np.arctan2(z, w))
         low, high = corners.min(0), corners.max(0)
         middle = rotations.about_z(yaw) @ ((low + high) / 2) + bank.slot_position[scene, slot]
@@ -66,7 +66,7 @@ def true_graph(bank: SceneBank, scene: int, path: CameraPath | None = None, sour
     """The graph of everything in a scene, seen or not.
 
     Raises:
-      NounError: see `true_objects`.
+      ValidationError: see `true_objects`.
     """
     way = () if path is None else tuple(tuple(float(x) for x in row) for row in path.plan())
     return SceneGraph(

@@ -11,7 +11,7 @@ def build(scene_id: str) -> SceneGraph:
     """The graph of one of the shipped streets, the same on every machine.
 
     Raises:
-      NounError: no street has this id.
+      ValidationError: no street has this id.
     """
     v.choice(scene_id, "scene id", BUILDERS)
     return BUILDERS[scene_id]().graph()

@@ -16,7 +16,7 @@ LEFT, RIGHT = 1, -1
 
 
 class StreetComposer(Stage):
-    """Collects the objects of one street; `graph()` makes the noun."""
+    """Collects the objects of one street; `graph()` makes the scene graph."""
 
     def __init__(self, scene_id: str, section: StreetSection, seed: int) -> None:
         super().__init__(scene_id, seed)

@@ -86,7 +86,7 @@ def build(index: int) -> SceneGraph:
     """Procedural scene number `index` of `COUNT`, the same on every machine.
 
     Raises:
-      NounError: no such number.
+      ValidationError: no such number.
     """
     v.integer(index, "procedural scene", 0, COUNT - 1)
     rng = random.Random(f"procedural-{index}")

@@ -8,21 +8,23 @@ from typing import Annotated, Any
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 
 
 def json_object(text: str, option: str) -> dict[str, Any]:
     """The object that an option's text holds.
 
     Raises:
-      NounError: no JSON, or no object; the message names the option.
+      ValidationError: no JSON, or no object; the message names the option.
     """
     try:
         value = json.loads(text)
     except json.JSONDecodeError as error:
-        raise NounError(f"{option}: found {text!r}, which is not JSON ({error}), needed a JSON object.") from error
+        raise ValidationError(
+            f"{option}: found {text!r}, which is not JSON ({error}), needed a JSON object."
+        ) from error
     if not isinstance(value, dict):
-        raise NounError(f"{option}: found {text!r}, needed a JSON object such as '{{\"key\": 1}}'.")
+        raise ValidationError(f"{option}: found {text!r}, needed a JSON object such as '{{\"key\": 1}}'.")
     return value
 
 
@@ -30,11 +32,11 @@ def image_size(text: str, option: str) -> tuple[int, int]:
     """Height and width in pixels of an option's "HEIGHTxWIDTH".
 
     Raises:
-      NounError: another form, or no pixels; the message names the option.
+      ValidationError: another form, or no pixels; the message names the option.
     """
     found = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", text)
     if found is None:
-        raise NounError(f"{option}: found {text!r}, needed HEIGHTxWIDTH in pixels, such as 180x320.")
+        raise ValidationError(f"{option}: found {text!r}, needed HEIGHTxWIDTH in pixels, such as 180x320.")
     return int(found[1]), int(found[2])
 
 

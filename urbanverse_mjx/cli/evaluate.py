@@ -9,7 +9,7 @@ from typing import Annotated
 
 import tyro
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ._options import EnvOverrides
 
@@ -55,7 +55,7 @@ def main(argv: Sequence[str]) -> int:
         policy = latest_policy(pathlib.Path(args.policy))
         out = policy / "evaluation"
     else:
-        raise NounError(
+        raise ValidationError(
             f"policy: found {args.policy!r}, needed a policy or run folder, or one of {', '.join(SCRIPTED)}."
         )
     out = args.out or out

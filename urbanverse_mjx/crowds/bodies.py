@@ -70,7 +70,7 @@ def traits_of(kinds: Sequence[AgentKind], num_envs: int = 1) -> Traits:
     """Traits (A, num_envs) f32 of agents of these kinds, all present, at their kinds' largest speed.
 
     Raises:
-      NounError: a kind that walks after one that rolls (see `num_wheeled`).
+      ValidationError: a kind that walks after one that rolls (see `num_wheeled`).
     """
     num_wheeled(kinds)
 
@@ -87,7 +87,7 @@ def num_wheeled(kinds: Sequence[AgentKind]) -> int:
     """How many of the agents roll. They come last, so that walkers and vehicles are two plain slices.
 
     Raises:
-      NounError: a kind that walks after one that rolls, or no agent.
+      ValidationError: a kind that walks after one that rolls, or no agent.
     """
     rolls = [kind.wheeled for kind in kinds]
     if not rolls:

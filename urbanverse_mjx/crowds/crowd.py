@@ -125,7 +125,7 @@ class CrowdModel:
             out of its sight appears elsewhere: few agents fill the street around it. None: the whole scene.
 
         Raises:
-          NounError: an unknown kind, or walkers after vehicles.
+          ValidationError: an unknown kind, or walkers after vehicles.
         """
         for i, name in enumerate(kinds):
             v.choice(name, f"crowd kinds[{i}]", KINDS)

@@ -49,7 +49,7 @@ def free_spaces(bank: SceneBank, scene: int) -> dict[str, FreeSpace]:
     """The free space of every surface in `SURFACES`.
 
     Raises:
-      NounError: no such scene, or a map whose resolution does not divide `CELL`.
+      ValidationError: no such scene, or a map whose resolution does not divide `CELL`.
     """
     if not 0 <= scene < bank.num_scenes:
         raise v.fail("free space", f"scene {scene}", f"one of 0 to {bank.num_scenes - 1}")

@@ -205,7 +205,7 @@ def make_ways(spaces: Sequence[FreeSpace], rules: WayRules, seed: int = 0) -> Wa
     """The table of one group in several scenes.
 
     Raises:
-      NounError: no scene.
+      ValidationError: no scene.
     """
     if not spaces:
         raise v.fail("ways", "no scene", "at least one")

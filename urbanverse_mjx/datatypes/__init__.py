@@ -1,4 +1,4 @@
-"""The nouns that the stages exchange: frozen, validated, each with a file form."""
+"""The datatypes that the stages exchange: frozen, validated, each with a file form."""
 
 from .asset import AgentLook, AssetMesh, AssetRecord, HullSet
 from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
@@ -12,7 +12,7 @@ from .scene_bank import SPLITS, SceneBank
 from .scene_graph import GraphObject, GroundRegion, SceneGraph, Source
 from .scene_layout import PlacedGround, PlacedObject, SceneLayout
 from .simulation import AgentMotion, AgentShapes, Bodies, Contacts, Renderer, SimState, Simulator
-from .validation import NounError
+from .validation import ValidationError
 
 __all__ = [
     "GROUND_KINDS",
@@ -37,7 +37,6 @@ __all__ = [
     "GroundRegion",
     "HullSet",
     "LabelPrior",
-    "NounError",
     "PlacedGround",
     "PlacedObject",
     "Recording",
@@ -50,6 +49,7 @@ __all__ = [
     "SimState",
     "Simulator",
     "Source",
+    "ValidationError",
     "content_hash",
     "traversable",
 ]

@@ -27,14 +27,14 @@ def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray]) -> path
     return v.write_atomically(path, lambda p: np.savez_compressed(p, allow_pickle=False, **arrays))
 
 
-def load(path: str | os.PathLike[str], noun: str, hint: str) -> dict[str, Any]:
+def load(path: str | os.PathLike[str], kind: str, hint: str) -> dict[str, Any]:
     """Every array by its name.
 
     Args:
-      noun: what the file should be, in messages. hint: what to do about a damaged one.
+      kind: what the file should be, in messages. hint: what to do about a damaged one.
 
     Raises:
-      NounError: the file cannot be read, is cut off, or any of its bytes changed since it was written.
+      ValidationError: the file cannot be read, is cut off, or any of its bytes changed since it was written.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -43,7 +43,7 @@ def load(path: str | os.PathLike[str], noun: str, hint: str) -> dict[str, Any]:
         raise
     except Exception as error:
         # A changed byte can reach any part of zipfile, of a decompressor or of numpy, which raise a dozen kinds.
-        raise v.fail(str(path), f"an unreadable or damaged file ({v.show(str(error), 100)})", noun, hint) from error
+        raise v.fail(str(path), f"an unreadable or damaged file ({v.show(str(error), 100)})", kind, hint) from error
 
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
@@ -58,7 +58,7 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
     return array
 
 
-def load_cached(path: pathlib.Path, noun: str, names: Collection[str]) -> dict[str, np.ndarray] | None:
+def load_cached(path: pathlib.Path, kind: str, names: Collection[str]) -> dict[str, np.ndarray] | None:
     """The arrays of a file that this program keeps in its cache, under `names`; None where they must be made.
 
     A damaged file is renamed (see `validation.set_aside`), with one line on standard error.
@@ -66,12 +66,12 @@ def load_cached(path: pathlib.Path, noun: str, names: Collection[str]) -> dict[s
     if not path.is_file():
         return None
     try:
-        found = load(path, noun, "")
+        found = load(path, kind, "")
         if set(found) != set(names):
             wrong = ", ".join(sorted(set(found) ^ set(names)))
-            raise v.fail(str(path), f"other arrays than expected ({wrong})", noun)
+            raise v.fail(str(path), f"other arrays than expected ({wrong})", kind)
         return found
-    except v.NounError as error:
+    except v.ValidationError as error:
         discard(path, str(error))
         return None
 

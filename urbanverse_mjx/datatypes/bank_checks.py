@@ -20,7 +20,7 @@ def check_bank(arrays: Mapping[str, np.ndarray], meta: Mapping[str, Any]) -> Non
       arrays: as `SceneBank` describes them. meta: as there.
 
     Raises:
-      NounError: names the first array that is wrong.
+      ValidationError: names the first array that is wrong.
     """
     scenes = len(arrays["inst_hull"])
     for key in ("scene_ids", "splits", "object_ids"):

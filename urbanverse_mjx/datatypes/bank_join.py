@@ -44,7 +44,7 @@ def join(banks: Sequence[SceneBank]) -> SceneBank:
     Maps are thinned out to the coarsest resolution among them. Meshes and hulls that two banks share are kept twice.
 
     Raises:
-      NounError: no bank, a scene id twice, skies of different sizes, grids of different cells or reach, or map
+      ValidationError: no bank, a scene id twice, skies of different sizes, grids of different cells or reach, or map
         resolutions that are no multiples of each other.
     """
     if not banks:

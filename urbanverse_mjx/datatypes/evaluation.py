@@ -4,7 +4,7 @@ import dataclasses
 from typing import Any, ClassVar, Self
 
 from . import validation as v
-from .json_noun import JsonNoun
+from .json_datatype import JsonDatatype
 
 SCHEMA = "urbanverse.benchmark_report/1"
 RESULTS = ("goal", "hit", "off_traversable", "fall", "non_finite", "timeout", "hit_agent")
@@ -92,7 +92,7 @@ class EpisodeResult:
 
 
 @dataclasses.dataclass(frozen=True)
-class BenchmarkReport(JsonNoun):
+class BenchmarkReport(JsonDatatype):
     """Results of several agents on the same episodes.
 
     Attributes:
@@ -102,7 +102,7 @@ class BenchmarkReport(JsonNoun):
       record: everything that made them: versions, configs, hashes, seeds, command.
     """
 
-    NOUN: ClassVar[str] = "benchmark report"
+    KIND: ClassVar[str] = "benchmark report"
 
     title: str
     summary: dict[str, dict[str, Any]]

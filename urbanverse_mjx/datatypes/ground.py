@@ -33,7 +33,7 @@ def check_plane(value: object, where: str) -> tuple[float, ...]:
     """(a, b, c) of a top z = a x + b y + c.
 
     Raises:
-      NounError: not three finite numbers, or steeper than `MAX_SLOPE`.
+      ValidationError: not three finite numbers, or steeper than `MAX_SLOPE`.
     """
     plane = v.vector(value, where, 3, minimum=-LIMIT, maximum=LIMIT)
     if max(abs(plane[0]), abs(plane[1])) > MAX_SLOPE:
@@ -66,7 +66,7 @@ def check_polygon(value: object, where: str, maximum: int = 512) -> tuple[tuple[
     """A simple ring of at least three corners, returned counter-clockwise.
 
     Raises:
-      NounError: fewer than three corners, a repeated corner, edges that cross, or no area.
+      ValidationError: fewer than three corners, a repeated corner, edges that cross, or no area.
     """
     raw = v.items(value, where, minimum=3, maximum=maximum)
     ring = [v.vector(corner, f"{where}[{i}]", 2, minimum=-LIMIT, maximum=LIMIT) for i, corner in enumerate(raw)]

@@ -14,7 +14,7 @@ def package(name: str, where: str, extra: str, instead: str = "") -> Any:
       where: what asks for it. instead: what else to do.
 
     Raises:
-      NounError: it or a package that it needs is not installed, or cannot be imported.
+      ValidationError: it or a package that it needs is not installed, or cannot be imported.
     """
     try:
         return importlib.import_module(name)
@@ -30,7 +30,7 @@ def weights[Model](load: Callable[[], Model], where: str, name: str, needed: str
     """What `load` makes of the weights of a name or folder.
 
     Raises:
-      NounError: there are none.
+      ValidationError: there are none.
     """
     try:
         return load()

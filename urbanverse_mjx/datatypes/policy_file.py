@@ -70,7 +70,7 @@ class PolicyRecord:
         """The record in a file's metadata.
 
         Raises:
-          NounError: no JSON, fields that are missing or unknown, or another schema.
+          ValidationError: no JSON, fields that are missing or unknown, or another schema.
         """
         try:
             body = json.loads(text)

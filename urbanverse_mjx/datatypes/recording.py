@@ -248,7 +248,7 @@ class Recording:
         """Writes `recording.json` into the folder; the pictures must be there already.
 
         Raises:
-          NounError: a picture is missing.
+          ValidationError: a picture is missing.
         """
         self._check_files()
         return v.write_json(self.folder / FILE, self.to_json())

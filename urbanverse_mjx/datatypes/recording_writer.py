@@ -25,7 +25,7 @@ class RecordingWriter:
       lossless: RGB as PNG instead of JPEG.
 
     Raises:
-      NounError: the folder cannot be written.
+      ValidationError: the folder cannot be written.
     """
 
     def __init__(

@@ -196,7 +196,7 @@ class SceneBank:
         """Reads a bank.
 
         Raises:
-          NounError: no such file, one that is damaged, another schema, or arrays that do not fit together.
+          ValidationError: no such file, one that is damaged, another schema, or arrays that do not fit together.
         """
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a scene bank", "build one with `urbanverse scene bank`")

@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Self
 
 from . import ground
 from . import validation as v
-from .json_noun import JsonNoun
+from .json_datatype import JsonDatatype
 
 SCHEMA = "urbanverse.scene_graph/1"
 MAX_OBJECTS = 5_000
@@ -146,7 +146,7 @@ class Source:
 
 
 @dataclasses.dataclass(frozen=True)
-class SceneGraph(JsonNoun):
+class SceneGraph(JsonDatatype):
     """⟨objects, ground, sky⟩ plus where they come from.
 
     Attributes:
@@ -158,7 +158,7 @@ class SceneGraph(JsonNoun):
       camera_path: (n, 4) of x, y, z (m), yaw (rad): the way the tour went; may be empty.
     """
 
-    NOUN: ClassVar[str] = "scene graph"
+    KIND: ClassVar[str] = "scene graph"
 
     id: str
     source: Source

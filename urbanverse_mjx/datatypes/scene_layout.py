@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Self
 
 from . import ground
 from . import validation as v
-from .json_noun import JsonNoun
+from .json_datatype import JsonDatatype
 from .scene_graph import MAX_OBJECTS, MAX_REGIONS
 
 SCHEMA = "urbanverse.scene_layout/1"
@@ -96,7 +96,7 @@ class PlacedGround:
 
 
 @dataclasses.dataclass(frozen=True)
-class SceneLayout(JsonNoun):
+class SceneLayout(JsonDatatype):
     """One cousin of a graph: what stands where, on which ground, under which sky.
 
     Attributes:
@@ -108,7 +108,7 @@ class SceneLayout(JsonNoun):
       hashes: further inputs, name to hash (asset index, materialiser).
     """
 
-    NOUN: ClassVar[str] = "scene layout"
+    KIND: ClassVar[str] = "scene layout"
 
     id: str
     graph_id: str

@@ -1,7 +1,7 @@
 """Checks that turn bad input into one sentence: where, what was found, what was needed, what to try.
 
-Every noun validates itself when it is made, so a noun that exists is a valid one. The functions here
-return the checked value in its canonical Python type and raise `NounError` otherwise.
+Every datatype validates itself when it is made, so one that exists is a valid one. The functions here
+return the checked value in its canonical Python type and raise `ValidationError` otherwise.
 """
 
 import errno
@@ -19,14 +19,14 @@ MAX_FILE_BYTES = 64 * 2**20
 MAX_TEXT = 2_000  # characters: the longest address a browser takes
 
 
-class NounError(ValueError):
-    """A noun (scene graph, layout, ...) that cannot be used; the message is one clear sentence."""
+class ValidationError(ValueError):
+    """A datatype (scene graph, layout, ...) that cannot be used; the message is one clear sentence."""
 
 
-def fail(where: str, found: str, needed: str, hint: str = "") -> NounError:
+def fail(where: str, found: str, needed: str, hint: str = "") -> ValidationError:
     """Returns the error (to raise) that says where, what was found, what was needed and what to try."""
     tail = f"; {hint}" if hint else ""
-    return NounError(f"{where}: found {found}, needed {needed}{tail}.")
+    return ValidationError(f"{where}: found {found}, needed {needed}{tail}.")
 
 
 def show(value: Any, limit: int = 60) -> str:
@@ -120,7 +120,7 @@ def items(value: Any, where: str, minimum: int = 0, maximum: int | None = None) 
 
 
 def instances(value: Any, where: str, kind: type, minimum: int = 0, maximum: int | None = None) -> tuple[Any, ...]:
-    """A tuple of nouns of one kind."""
+    """A tuple of instances of one kind."""
     entries = tuple(items(value, where, minimum, maximum))
     for i, entry in enumerate(entries):
         if not isinstance(entry, kind):
@@ -128,10 +128,10 @@ def instances(value: Any, where: str, kind: type, minimum: int = 0, maximum: int
     return entries
 
 
-def named(value: Any, where: str, noun: str) -> str:
+def named(value: Any, where: str, kind: str) -> str:
     """How an entry is called in errors: by its id where it has one, else by its place in the list."""
     name = value.get("id") if isinstance(value, Mapping) else None
-    return f"{noun} {name!r}" if isinstance(name, str) and 0 < len(name) <= 60 else where
+    return f"{kind} {name!r}" if isinstance(name, str) and 0 < len(name) <= 60 else where
 
 
 def unique(names: Iterable[str], where: str) -> None:
@@ -159,28 +159,28 @@ def mapping(
     return value
 
 
-def read_json(path: str | os.PathLike[str], noun: str) -> Any:
-    """Reads a JSON file; every failure is a `NounError` naming the file."""
+def read_json(path: str | os.PathLike[str], kind: str) -> Any:
+    """Reads a JSON file; every failure is a `ValidationError` naming the file."""
     path = pathlib.Path(path)
     if not path.is_file():
-        raise fail(str(path), "no such file", f"a {noun} file", "check the path")
+        raise fail(str(path), "no such file", f"a {kind} file", "check the path")
     if path.stat().st_size > MAX_FILE_BYTES:
-        raise fail(str(path), f"{path.stat().st_size} bytes", f"a {noun} file of at most {MAX_FILE_BYTES} bytes")
+        raise fail(str(path), f"{path.stat().st_size} bytes", f"a {kind} file of at most {MAX_FILE_BYTES} bytes")
     try:
         return json.loads(_text(path), object_pairs_hook=_without_repeats)
-    except NounError as error:
-        raise NounError(f"{path}: {error}") from error
+    except ValidationError as error:
+        raise ValidationError(f"{path}: {error}") from error
     except OSError as error:
-        raise fail(str(path), f"a file that cannot be read ({error.strerror})", f"a {noun} file") from error
+        raise fail(str(path), f"a file that cannot be read ({error.strerror})", f"a {kind} file") from error
     except (ValueError, RecursionError) as error:
-        raise fail(str(path), f"something that is not JSON ({error})", f"a {noun} written as JSON") from error
+        raise fail(str(path), f"something that is not JSON ({error})", f"a {kind} written as JSON") from error
 
 
 def parse_json(body: bytes, where: str) -> dict[str, Any]:
     """The JSON object in UTF-8 text that stands inside another file.
 
     Raises:
-      NounError: something else.
+      ValidationError: something else.
     """
     try:
         value = json.loads(body.decode("utf-8"))

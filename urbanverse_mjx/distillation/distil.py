@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import GraphObject, LabelPrior, NounError, Recording, SceneGraph
+from ..datatypes import GraphObject, LabelPrior, Recording, SceneGraph, ValidationError
 from . import bearings, crops, fusion, ground, placement
 from .depth_scale import DepthScale, depth_scale
 from .drift import close_loops
@@ -108,12 +108,14 @@ def distil(
       progress: called with (frames read, frames in all).
 
     Raises:
-      NounError: no registered frame, or no ground in sight.
+      ValidationError: no registered frame, or no ground in sight.
     """
     options = options or DistilOptions()
     poses = recording.poses()
     if not len(poses):
-        raise NounError(f"recording {recording.id!r}: found no frame with a pose, needed at least one; estimate poses.")
+        raise ValidationError(
+            f"recording {recording.id!r}: found no frame with a pose, needed at least one; estimate poses."
+        )
     lifted = lift(recording, options.min_pixels, options.max_range, lambda label: _reach(prior_of(label)), progress)
     views, seen = lifted.views, lifted.ground
     depth = depth_scale(seen, poses)
@@ -131,7 +133,7 @@ def distil(
     ground_grid = ground.ground_map(seen, poses, depth.scale, depth.noise)
     regions = () if ground_grid is None else ground.regions(ground_grid)
     if ground_grid is None or not regions:
-        raise NounError(
+        raise ValidationError(
             f"recording {recording.id!r}: found no ground, needed surfaces with depth in some registered frame."
         )
     from_above = bearings.sights(views, poses, depth.scale)

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.optimize
 
-from ..datatypes import NounError, SceneBank
+from ..datatypes import SceneBank, ValidationError
 from .eye import network, score, weights
 from .eye.decode import Decoded
 from .eye.views import Views
@@ -72,10 +72,10 @@ def main(argv: list[str] | None = None) -> int:
             ([t.evidence for t in f.seen.things], right(f.seen, f.kinds, f.owner)) for f in frames if f.seen.things
         ]
         if not parts:
-            raise NounError(
+            raise ValidationError(
                 f"{arguments.streets}: found nothing in {arguments.frames} frames, needed things; add frames."
             )
-    except NounError as error:
+    except ValidationError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
     evidence, is_right = (np.concatenate(x) for x in zip(*parts, strict=True))

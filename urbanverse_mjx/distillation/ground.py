@@ -9,7 +9,7 @@ import scipy.ndimage
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, NounError
+from ..datatypes import GROUND_KINDS, KIND_INDEX, GroundRegion, ValidationError
 from ..datatypes.ground import check_polygon
 from ..geometry.grids import cell_of
 from ..geometry.polygons import MAX_OVERLAP
@@ -173,7 +173,7 @@ def _rings(piece: shapely.Polygon) -> list[Ring]:
             continue
         try:
             rings.append(check_polygon([list(c) for c in flat.exterior.coords[:-1]], "ground"))
-        except NounError:
+        except ValidationError:
             continue
         if part is piece:
             return rings

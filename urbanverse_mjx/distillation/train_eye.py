@@ -25,7 +25,7 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from ..datatypes import NounError, SceneBank
+from ..datatypes import SceneBank, ValidationError
 from ..datatypes.validation import write_atomically
 from .eye import network, score, seeing, weights
 from .eye.augment import augment
@@ -219,7 +219,7 @@ def _read_state(path: pathlib.Path, like: Learner) -> tuple[Learner, Progress]:
     """What `_keep` wrote.
 
     Raises:
-      NounError: a file of another network, or none of ours.
+      ValidationError: a file of another network, or none of ours.
     """
     leaves, tree = jax.tree.flatten(like)
     try:
@@ -227,9 +227,11 @@ def _read_state(path: pathlib.Path, like: Learner) -> tuple[Learner, Progress]:
             found = [file[str(i)] for i in range(len(leaves))]
             steps, seconds = file["progress"]
     except (OSError, ValueError, KeyError) as error:
-        raise NounError(f"{path}: found no state of this training ({error}), needed one; remove the file.") from error
+        raise ValidationError(
+            f"{path}: found no state of this training ({error}), needed one; remove the file."
+        ) from error
     if [x.shape for x in found] != [x.shape for x in leaves]:
-        raise NounError(f"{path}: found the state of another network, needed this one's; remove the file.")
+        raise ValidationError(f"{path}: found the state of another network, needed this one's; remove the file.")
     learner = jax.tree.unflatten(tree, [jnp.asarray(x) for x in found])
     return learner, Progress(int(steps), float(seconds))
 
@@ -277,7 +279,7 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
         table = train(arguments)
-    except NounError as error:
+    except ValidationError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
     if "paused_after_s" in table:

@@ -13,7 +13,7 @@ from jax import core
 from jaxtyping import Array, Key, Shaped
 
 from .. import settings
-from ..datatypes import NounError, RobotSpec, SimState
+from ..datatypes import RobotSpec, SimState, ValidationError
 from ..datatypes.validation import write_atomically
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class ModelNames:
         """The first state of an episode under the model that a wrapper put in place, if it did.
 
         Raises:
-          NounError: a wrapper randomises something else than friction and mass.
+          ValidationError: a wrapper randomises something else than friction and mass.
         """
         first, model = self._first_model, self._mjx_model
         if first is None or model is None or model is first:
@@ -83,7 +83,7 @@ class ModelNames:
         for path, leaf in jax.tree_util.tree_leaves_with_path(model):
             name = str(getattr(path[0], "name", path[0]))
             if isinstance(leaf, core.Tracer) and name not in _TAKEN:
-                raise NounError(
+                raise ValidationError(
                     f"randomization_fn: found one that changes {name}, needed one that changes only "
                     f"{', '.join(_TAKEN)}; take registry.get_domain_randomizer."
                 )

@@ -9,7 +9,7 @@ import jax
 from ml_collections import ConfigDict
 
 from .. import settings
-from ..datatypes import NounError, SceneBank
+from ..datatypes import SceneBank, ValidationError
 from .joystick import JoystickEnv
 from .joystick.config import JOYSTICK_PRESETS, joystick_config
 from .joystick.make import make_joystick_env
@@ -62,7 +62,7 @@ def register_environment(
       make_ppo_config: preset name -> a fresh config of its training; default: navigation's.
     """
     if name in _REGISTRY:
-        raise NounError(f"environment {name!r}: found it registered already, needed a new name.")
+        raise ValidationError(f"environment {name!r}: found it registered already, needed a new name.")
     load = load_bank or load_default_bank
     _REGISTRY[name] = _Entry(make, make_config, make_ppo_config, load, default_preset, tuple(presets))
 
@@ -82,7 +82,7 @@ def _entry(name: str) -> _Entry:
     if name not in _REGISTRY:
         near = difflib.get_close_matches(name, _REGISTRY, 1, 0.4)
         hint = f"did you mean {near[0]!r}?" if near else "see registry.ALL_ENVS"
-        raise NounError(f"environment: found {name!r}, needed one of {', '.join(all_envs())}; {hint}")
+        raise ValidationError(f"environment: found {name!r}, needed one of {', '.join(all_envs())}; {hint}")
     return _REGISTRY[name]
 
 
@@ -90,7 +90,7 @@ def presets(name: str) -> tuple[str, ...]:
     """The presets of an environment.
 
     Raises:
-      NounError: no environment has this name.
+      ValidationError: no environment has this name.
     """
     return _entry(name).presets
 
@@ -105,7 +105,7 @@ def get_ppo_config(name: str, preset: str | None = None) -> ConfigDict:
     """A fresh, locked config of an environment's training; None takes the environment's own default preset.
 
     Raises:
-      NounError: no environment has this name, or its training no such preset.
+      ValidationError: no environment has this name, or its training no such preset.
     """
     entry = _entry(name)
     return entry.make_ppo_config(preset or entry.preset).lock()
@@ -115,7 +115,7 @@ def get_domain_randomizer(name: str) -> DomainRandomizer:
     """What Playground's and Brax's wrappers take as `randomization_fn`; comes on top of `config.randomization`.
 
     Raises:
-      NounError: no environment has this name.
+      ValidationError: no environment has this name.
     """
     _entry(name)
     return domain_randomize
@@ -125,7 +125,7 @@ def bank_loader(name: str) -> BankLoader:
     """What loads the bank of an environment where the user gives none.
 
     Raises:
-      NounError: no environment has this name.
+      ValidationError: no environment has this name.
     """
     return _entry(name).load_bank
 
@@ -137,7 +137,7 @@ def with_overrides(config: ConfigDict, overrides: Mapping[str, Any]) -> ConfigDi
         try:
             copy.update_from_flattened_dict({key: value})
         except (KeyError, TypeError, ValueError) as error:
-            raise NounError(f"config override {key!r}: found {value!r}, which does not fit ({error}).") from error
+            raise ValidationError(f"config override {key!r}: found {value!r}, which does not fit ({error}).") from error
     return copy
 
 
@@ -145,11 +145,11 @@ def same_task(config: ConfigDict, name: str) -> ConfigDict:
     """The task of one environment's config for the robot of another: all that both have but what a robot is made of.
 
     Raises:
-      NounError: unknown name, or an environment with another action or none of the config's presets.
+      ValidationError: unknown name, or an environment with another action or none of the config's presets.
     """
     theirs = get_default_config(name, config.preset)
     if "action_mode" not in theirs or "action_mode" not in config:
-        raise NounError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
+        raise ValidationError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
     own = ("robot", "drive", "gait", "menagerie", "sim_dt")
     return ConfigDict({k: theirs[k] if k in own else config.get(k, x) for k, x in theirs.items()}).lock()
 
@@ -200,11 +200,11 @@ def load_nav_env(name: str, config: ConfigDict, bank: SceneBank) -> NavEnv:
     """`load` of an environment that navigates.
 
     Raises:
-      NounError: one of another task.
+      ValidationError: one of another task.
     """
     env = load(name, config=config, bank=bank)
     if not isinstance(env, NavEnv):
-        raise NounError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
+        raise ValidationError(f"environment {name!r}: found another task, needed one of navigation, such as CocoNav.")
     return env
 
 
@@ -212,7 +212,7 @@ def load_default_bank() -> SceneBank:
     """The bank of the six streets in the cache, or the one that `URBANVERSE_BANK` names.
 
     Raises:
-      NounError: it has not been built on this machine, or another bank took its place.
+      ValidationError: it has not been built on this machine, or another bank took its place.
     """
     path = settings.default_bank_path()
     return _load_built(path, settings.chosen_bank_path() is None, "urbanverse scene bank` (or `make streets")
@@ -222,7 +222,7 @@ def load_terrain_bank() -> SceneBank:
     """The terrain in the cache.
 
     Raises:
-      NounError: it has not been built on this machine, or another bank took its place.
+      ValidationError: it has not been built on this machine, or another bank took its place.
     """
     return _load_built(settings.terrain_bank_path(), True, "urbanverse scene terrain")
 
@@ -230,10 +230,10 @@ def load_terrain_bank() -> SceneBank:
 def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
     """A bank that a command builds; `keyed` where the file's name says what it is made of."""
     if not path.is_file():
-        raise NounError(f"scene bank: found none at {path}, needed one; run `{command}`.")
+        raise ValidationError(f"scene bank: found none at {path}, needed one; run `{command}`.")
     bank = SceneBank.load(path)
     if keyed and bank.key != settings.bank_key(path):
-        raise NounError(f"{path}: found other scenes than its name says, needed those; run `{command}`.")
+        raise ValidationError(f"{path}: found other scenes than its name says, needed those; run `{command}`.")
     return bank
 
 

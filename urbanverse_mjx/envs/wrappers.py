@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Key, PRNGKeyArray, UInt32
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from .staged import observed_size
 from .types import StagedEnv, State
 
@@ -28,7 +28,7 @@ class AutoResetEnv[C]:
 
     def __init__(self, env: StagedEnv[C], episode_length: int):
         if episode_length != env.config.episode_length:
-            raise NounError(
+            raise ValidationError(
                 f"episode_length: found {episode_length}, needed the environment's {env.config.episode_length}; "
                 "set config.episode_length instead."
             )
@@ -89,10 +89,10 @@ def wrap_for_training[C](
     """The `wrap_env_fn` for Brax's trainers.
 
     Raises:
-      NounError: action_repeat other than 1 (the env's control step is the policy's step) or a Brax randomiser.
+      ValidationError: action_repeat other than 1 (the env's control step is the policy's step) or a Brax randomiser.
     """
     if action_repeat != 1:
-        raise NounError(f"action_repeat: found {action_repeat}, needed 1; set config.ctrl_dt instead.")
+        raise ValidationError(f"action_repeat: found {action_repeat}, needed 1; set config.ctrl_dt instead.")
     if randomization_fn is not None:
-        raise NounError("randomization_fn: found a function, needed None; scenes differ per env already.")
+        raise ValidationError("randomization_fn: found a function, needed None; scenes differ per env already.")
     return AutoResetEnv(env, episode_length)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes.policy_file import PolicyRecord
 from .agents import BatchAgent, Beginning
 
@@ -48,11 +48,13 @@ class ForeignPolicy:
         """Actions (n, 2).
 
         Raises:
-          NounError: the environment does not give what the policy declares.
+          ValidationError: the environment does not give what the policy declares.
         """
         for name in self.observations:
             if name not in obs:
-                raise NounError(f"policy: found no observation {name!r} in the environment, needed it; it declares it.")
+                raise ValidationError(
+                    f"policy: found no observation {name!r} in the environment, needed it; it declares it."
+                )
         return self.agent({name: obs[name] for name in self.observations})
 
     @property
@@ -76,7 +78,7 @@ def load_callable(name: str) -> ForeignPolicy:
     recorded in the report.
 
     Raises:
-      NounError: no such module or name, nothing that can be called, or observations that no environment has.
+      ValidationError: no such module or name, nothing that can be called, or observations that no environment has.
     """
     module_name, _, attribute = name.partition(":")
     try:
@@ -84,20 +86,22 @@ def load_callable(name: str) -> ForeignPolicy:
     except ModuleNotFoundError as error:
         if error.name is None or not f"{module_name}.".startswith(f"{error.name}."):
             raise
-        raise NounError(f"--policy: found no module {module_name!r}, needed one on the PYTHONPATH.") from error
+        raise ValidationError(f"--policy: found no module {module_name!r}, needed one on the PYTHONPATH.") from error
     found = module
     for part in attribute.split("."):
         if not hasattr(found, part):
-            raise NounError(f"--policy: found no {attribute!r} in {module_name!r}, needed a function or class there.")
+            raise ValidationError(
+                f"--policy: found no {attribute!r} in {module_name!r}, needed a function or class there."
+            )
         found = getattr(found, part)
     found = found() if inspect.isclass(found) else found
     if not callable(found):
-        raise NounError(f"--policy: found {name!r} to be a {type(found).__name__}, needed something to call.")
+        raise ValidationError(f"--policy: found {name!r} to be a {type(found).__name__}, needed something to call.")
     wanted = getattr(found, "observations", SENSED)
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     for observation in wanted:
         if observation not in OBSERVATIONS:
-            raise NounError(
+            raise ValidationError(
                 f"--policy: found the observation {observation!r} in {name!r}, needed some of "
                 f"{', '.join(OBSERVATIONS)}."
             )

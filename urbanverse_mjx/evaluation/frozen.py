@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import NounError, SceneBank
+from ..datatypes import SceneBank, ValidationError
 from ..datatypes import validation as v
 from ..datatypes.hashing import content_hash
 from .rollouts import EpisodeSet
@@ -114,7 +114,7 @@ class Protocol:
         """Reads a file.
 
         Raises:
-          NounError: no protocol, or one whose content is not what its hash was taken of.
+          ValidationError: no protocol, or one whose content is not what its hash was taken of.
         """
         m = v.mapping(v.read_json(path, "protocol"), "protocol", ("schema", "hash", "name", "paper_scenes", "scenes"))
         v.choice(m["schema"], "protocol.schema", (SCHEMA,))
@@ -139,26 +139,28 @@ class Protocol:
           limit: at most so many scenes, the first ones.
 
         Raises:
-          NounError: unknown kind, a scene that is missing or is another one.
+          ValidationError: unknown kind, a scene that is missing or is another one.
         """
         v.choice(kind, "protocol", KINDS)
         scenes = [s for s in self.scenes if kind == "full" or s.id in self.paper_scenes][:limit]
         hashes = bank.meta.get("hashes", {})
         for scene in scenes:
             if scene.id not in bank.scene_ids:
-                raise NounError(
+                raise ValidationError(
                     f"benchmark {self.name!r}: found no scene {scene.id!r} in the bank, needed it; build the bank with "
                     "the command of this version."
                 )
             if hashes.get(scene.id) != scene.hash:
-                raise NounError(
+                raise ValidationError(
                     f"scene {scene.id!r}: found hash {str(hashes.get(scene.id))[:12]}, needed {scene.hash[:12]} as "
                     f"benchmark {self.name!r} was frozen; build the scenes of that version."
                 )
         count = [RUNS if kind == "paper" else len(s.episodes) for s in scenes]
         for scene, wanted in zip(scenes, count, strict=True):
             if len(scene.episodes) < wanted:
-                raise NounError(f"scene {scene.id!r}: found {len(scene.episodes)} frozen episodes, needed {wanted}.")
+                raise ValidationError(
+                    f"scene {scene.id!r}: found {len(scene.episodes)} frozen episodes, needed {wanted}."
+                )
         rows = [bank.scene_ids.index(s.id) for s in scenes]
         number = np.concatenate([np.arange(n) for n in count])
         which = np.repeat(np.array(rows, np.int32), count)
@@ -227,7 +229,7 @@ def freeze(
       half: m; only ways that stay within so much of the scene's beginning along its longer side: half a street.
 
     Raises:
-      NounError: fewer episodes than wanted, a bank without hashes, an unknown id in `extra`.
+      ValidationError: fewer episodes than wanted, a bank without hashes, an unknown id in `extra`.
     """
     v.integer(count, "episodes of a scene", RUNS)
     for scene in extra:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes.policy_file import METADATA_KEY, NEXT, PolicyRecord, memories
 from .foreign import OBSERVATIONS, PICTURE, ForeignPolicy
 
@@ -30,10 +30,10 @@ def load_onnx(path: pathlib.Path) -> ForeignPolicy:
     1) is asked n times.
 
     Raises:
-      NounError: no such file, none that onnxruntime loads, or inputs that no robot has.
+      ValidationError: no such file, none that onnxruntime loads, or inputs that no robot has.
     """
     if not path.is_file():
-        raise NounError(f"--policy: found no file {path}, needed an ONNX file.")
+        raise ValidationError(f"--policy: found no file {path}, needed an ONNX file.")
     session = _session(path)
     outputs = [o.name for o in session.get_outputs()]
     remembered = memories([i.name for i in session.get_inputs()], outputs)
@@ -57,7 +57,7 @@ def _session(path: pathlib.Path) -> Any:
         return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime's own classes of errors differ between versions
         reason = str(error).splitlines()[0]
-        raise NounError(
+        raise ValidationError(
             f"{path}: found a file that onnxruntime cannot load ({reason}), needed an ONNX file."
         ) from error
 
@@ -78,14 +78,14 @@ class _Input:
         observation = ALIASES.get(value.name, value.name)
         if observation not in (*OBSERVATIONS, "privileged_map"):
             known = ", ".join([*OBSERVATIONS, *ALIASES])
-            raise NounError(
+            raise ValidationError(
                 f"{path}: found the input {value.name!r}, needed one of {known}, or an output "
                 f"{NEXT + value.name!r} for an input that is memory."
             )
         shape, size, first = list(value.shape), None, False
         if observation == PICTURE:
             if len(shape) != 4:
-                raise NounError(f"{path}: found the input {value.name!r} of shape {shape}, needed 4 axes.")
+                raise ValidationError(f"{path}: found the input {value.name!r} of shape {shape}, needed 4 axes.")
             first = shape[1] in (3, 4) and shape[3] not in (3, 4)
             sides = shape[2:] if first else shape[1:3]
             size = (sides[0], sides[1]) if all(isinstance(n, int) for n in sides) else None
@@ -111,13 +111,15 @@ class _Memory:
     @staticmethod
     def of(value: Any, path: pathlib.Path) -> "_Memory":
         if not all(isinstance(n, int) for n in value.shape[1:]):
-            raise NounError(f"{path}: found the memory {value.name!r} of shape {value.shape}, needed fixed sizes.")
+            raise ValidationError(
+                f"{path}: found the memory {value.name!r} of shape {value.shape}, needed fixed sizes."
+            )
         return _Memory(value.name, tuple(value.shape[1:]), _dtype(value, path), value.shape[0] == 1)
 
 
 def _dtype(value: Any, path: pathlib.Path) -> Any:
     if value.type not in _DTYPES:
-        raise NounError(f"{path}: found the input {value.name!r} of {value.type}, needed one of {list(_DTYPES)}.")
+        raise ValidationError(f"{path}: found the input {value.name!r} of {value.type}, needed one of {list(_DTYPES)}.")
     return _DTYPES[value.type]
 
 

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..datatypes import RESULTS, AgentMotion, EpisodeResult, NounError
+from ..datatypes import RESULTS, AgentMotion, EpisodeResult, ValidationError
 from ..envs import NavEnv, NavState
 from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent
 from .people import counted, no_people, people_fields
@@ -48,14 +48,14 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
     """`count` episodes spread evenly over the env's scenes and over each scene's table, the same on every machine.
 
     Raises:
-      NounError: the tables hold fewer.
+      ValidationError: the tables hold fewer.
     """
     per_scene = -(-count // len(env.scenes))
     scenes, rows = [], []
     for scene in env.scenes:
         available = int(env.bank.num_episodes[scene])
         if available < per_scene:
-            raise NounError(f"episodes: found {available} in {env.bank.scene_ids[scene]}, needed {per_scene}.")
+            raise ValidationError(f"episodes: found {available} in {env.bank.scene_ids[scene]}, needed {per_scene}.")
         rows.append(np.linspace(0, available - 1, per_scene).round().astype(np.int32))
         scenes.append(np.full(per_scene, scene, np.int32))
     # Interleaved, so that a count that does not divide still takes from every scene alike.
@@ -153,7 +153,7 @@ class Rollout:
         """Every episode once by an agent that lives outside JAX and is asked for all of them at once, step by step.
 
         Raises:
-          NounError: it answers with something else than a finite (n, 2).
+          ValidationError: it answers with something else than a finite (n, 2).
         """
         nav, tally = self._start(episodes, 1)
         observe, places = jax.jit(jax.vmap(self.env.observe)), jax.jit(self._places)
@@ -164,7 +164,7 @@ class Rollout:
         for step in range(self.env.config.episode_length):
             action = np.asarray(agent(jax.tree.map(np.asarray, observe(nav))))
             if action.shape != (len(episodes), self.env.action_size) or not np.isfinite(action).all():
-                raise NounError(
+                raise ValidationError(
                     f"policy {name!r}: found actions of shape {action.shape}"
                     f"{'' if np.isfinite(action).all() else ' with NaN'}, needed finite ones of shape "
                     f"({len(episodes)}, {self.env.action_size})."

@@ -21,7 +21,16 @@ from ..assets.categories.priors import prior
 from ..assets.records.store import catalogue_hash, recorded_content
 from ..assets.selection.matching import Matcher
 from ..assets.selection.search import ObjectLibrary, library
-from ..datatypes import PAINT_KINDS, AssetRecord, GraphObject, HullSet, NounError, PlacedObject, SceneGraph, SceneLayout
+from ..datatypes import (
+    PAINT_KINDS,
+    AssetRecord,
+    GraphObject,
+    HullSet,
+    PlacedObject,
+    SceneGraph,
+    SceneLayout,
+    ValidationError,
+)
 from ..datatypes import validation as v
 from . import choice, clearing, kerbs, overlap, passage, shortlists, standing, surroundings, unseen
 from .shortlists import Candidate, LeftOut
@@ -78,7 +87,7 @@ def materialise_cousins(
       hulls_of: collision hulls of a record.
 
     Raises:
-      NounError: a seed, count or kerb out of range.
+      ValidationError: a seed, count or kerb out of range.
     """
     v.integer(count, "cousins", 1, MOST)
     return _materialise(graph, range(count), seed, kerb, objects, hulls_of)
@@ -98,7 +107,7 @@ def materialise_cousin(
       cousin: its number, from 0. The others: see `materialise_cousins`.
 
     Raises:
-      NounError: a cousin, seed or kerb out of range.
+      ValidationError: a cousin, seed or kerb out of range.
     """
     v.integer(cousin, "cousin", 0, MOST - 1)
     return _materialise(graph, (cousin,), seed, kerb, objects, hulls_of)[0]
@@ -108,7 +117,7 @@ def check_labels(graph: SceneGraph, objects: ObjectLibrary | None = None) -> Non
     """Whether an asset can stand for every object of a graph; `materialise_cousins` leaves the others out.
 
     Raises:
-      NounError: names the first object that has none, the reason, and the three nearest leaves.
+      ValidationError: names the first object that has none, the reason, and the three nearest leaves.
     """
     _, unknown = _leaves(graph.objects, _matcher(objects or library()))
     if unknown:
@@ -186,7 +195,7 @@ def index_of(layout: SceneLayout, objects: ObjectLibrary | None = None) -> Asset
     """The catalogue's records that a layout uses, as an index to compile it with.
 
     Raises:
-      NounError: the layout names an asset that the catalogue does not hold.
+      ValidationError: the layout names an asset that the catalogue does not hold.
     """
     uids = sorted({placed.asset_uid for placed in layout.objects})
     return AssetIndex((objects or library()).records(uids))
@@ -209,7 +218,7 @@ def _leaves(things: Sequence[GraphObject], matcher: Matcher) -> tuple[dict[str, 
     for label in dict.fromkeys(thing.label for thing in things):
         try:
             leaves[label] = shortlists.leaf_for(label, matcher)
-        except NounError as error:
+        except ValidationError as error:
             reasons[label] = str(error)
     return leaves, [LeftOut(t.id, t.label, reasons[t.label]) for t in things if t.label in reasons]
 

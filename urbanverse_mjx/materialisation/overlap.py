@@ -95,7 +95,7 @@ def prisms_of(placed: PlacedObject, hulls: HullSet) -> list[Prism]:
     """The shape of a placed asset; hulls that are flat from above are left out.
 
     Raises:
-      NounError: no hull has an area seen from above.
+      ValidationError: no hull has an area seen from above.
     """
     x, y, z = placed.position
     c, s = math.cos(placed.yaw), math.sin(placed.yaw)

@@ -12,7 +12,7 @@ from ..assets.categories.priors import prior
 from ..assets.categories.semantics import rank_leaves
 from ..assets.selection.matching import Match, Matcher
 from ..assets.selection.search import ObjectLibrary
-from ..datatypes import AssetRecord, GraphObject, NounError
+from ..datatypes import AssetRecord, GraphObject, ValidationError
 from . import choice
 from .choice import Vector
 
@@ -98,16 +98,16 @@ def leaf_for(label: str, matcher: Matcher) -> str:
     """The leaf that a label's assets come from.
 
     Raises:
-      NounError: the label means nothing, or the ground itself; the message says which.
+      ValidationError: the label means nothing, or the ground itself; the message says which.
     """
     try:
         nearest, score = rank_leaves(label, 1)[0]
     except UnknownLabelError as error:
-        raise NounError(f"no leaf of the ontology is called anything like {label!r}") from error
+        raise ValidationError(f"no leaf of the ontology is called anything like {label!r}") from error
     if nearest in GROUND_LEAVES:
-        raise NounError(f"{label!r} is ground, which regions hold")
+        raise ValidationError(f"{label!r} is ground, which regions hold")
     if score < LEAST_SCORE:
-        raise NounError(f"no leaf of the ontology is called anything like {label!r}, the nearest is {nearest!r}")
+        raise ValidationError(f"no leaf of the ontology is called anything like {label!r}, the nearest is {nearest!r}")
     return matcher.leaves(label)[0]
 
 

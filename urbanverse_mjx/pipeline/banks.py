@@ -30,7 +30,7 @@ def build_bank(
       cousins: digital cousins of each graph: the same places, other assets, materials and sky.
 
     Raises:
-      NounError: a graph that cannot be compiled; the message names it.
+      ValidationError: a graph that cannot be compiled; the message names it.
     """
     from rich.console import Console
     from rich.progress import Progress
@@ -55,15 +55,15 @@ def build_bank(
 def _compile_job(graph: pathlib.Path, cousin: int, out: pathlib.Path, seed: int) -> None:
     try:
         compile_graph(graph, out, seed, cousin)
-    except v.NounError as error:
-        raise v.NounError(f"{graph}: {error}") from error
+    except v.ValidationError as error:
+        raise v.ValidationError(f"{graph}: {error}") from error
 
 
 def shipped_scenes() -> tuple[list[pathlib.Path], list[str]]:
     """Graphs and splits of the shipped streets, train first.
 
     Raises:
-      NounError: `splits.json` names something else than lists of scenes.
+      ValidationError: `splits.json` names something else than lists of scenes.
     """
     root = settings.scene_root()
     table = v.mapping(v.read_json(root / "splits.json", "split table"), "splits.json", ("train", "test"))
@@ -77,7 +77,7 @@ def ensure_default_bank(quiet: bool = False) -> SceneBank:
     """The bank that environments load; the shipped streets' is built into the cache where it is missing or wrong.
 
     Raises:
-      NounError: `URBANVERSE_BANK` names a file that is no bank.
+      ValidationError: `URBANVERSE_BANK` names a file that is no bank.
     """
     chosen = settings.chosen_bank_path()
     if chosen is not None:
@@ -89,7 +89,7 @@ def chosen_bank(path: str | os.PathLike[str] | None, quiet: bool = False) -> Sce
     """The bank of a file, or `ensure_default_bank` where none is named.
 
     Raises:
-      NounError: no such file, or no bank.
+      ValidationError: no such file, or no bank.
     """
     return ensure_default_bank(quiet) if path is None else SceneBank.load(path)
 
@@ -123,7 +123,7 @@ def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank
             bank = SceneBank.load(path)
             if bank.key == key:
                 return bank
-        except v.NounError as error:
+        except v.ValidationError as error:
             reason = str(error)
         array_file.discard(path, reason)
     bank = build()
@@ -142,7 +142,7 @@ def join_banks(banks: Sequence[str | os.PathLike[str]], splits: Sequence[str] = 
       splits: NAME=PATTERN puts the scenes whose ids fit a shell pattern into a split of that name.
 
     Raises:
-      NounError: see `datatypes.bank_join.join`; or a pattern that fits no scene.
+      ValidationError: see `datatypes.bank_join.join`; or a pattern that fits no scene.
     """
     from ..datatypes.bank_join import join
     from ..scene import library
@@ -164,7 +164,7 @@ def _with_splits(bank: SceneBank, wanted: Sequence[str]) -> SceneBank:
         name, equals, pattern = text.partition("=")
         rows = [i for i, scene in enumerate(bank.scene_ids) if fnmatch.fnmatchcase(scene, pattern)]
         if not (name and equals and rows):
-            raise v.NounError(f"--split: found {text!r}, needed NAME=PATTERN that fits some scene of the banks.")
+            raise v.ValidationError(f"--split: found {text!r}, needed NAME=PATTERN that fits some scene of the banks.")
         for i in rows:
             splits[i] = name
     return dataclasses.replace(bank, meta={**bank.meta, "splits": splits})

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from .. import settings
-from ..datatypes import NounError, SceneBank
+from ..datatypes import SceneBank, ValidationError
 from ..datatypes import validation as v
 
 
@@ -66,8 +66,8 @@ def benchmark(
       quiet: draw no progress bars on standard error.
 
     Raises:
-      NounError: no such benchmark, policy or bank, a bank whose scenes are not those of the benchmark, or an override
-        of what the benchmark fixes.
+      ValidationError: no such benchmark, policy or bank, a bank whose scenes are not those of the benchmark, or an
+        override of what the benchmark fixes.
     """
     from ..evaluation.frozen import Protocol
 
@@ -87,14 +87,14 @@ def protocol_file(name: str) -> pathlib.Path:
     """The file of a benchmark by its name, or by its path.
 
     Raises:
-      NounError: there is none.
+      ValidationError: there is none.
     """
     if name.endswith(".json"):
         return pathlib.Path(name)
     folder = settings.protocol_root()
     known = sorted(p.stem for p in folder.glob("*.json"))
     if name not in known:
-        raise NounError(f"benchmark: found {name!r}, needed one of {', '.join(known)} or a file.")
+        raise ValidationError(f"benchmark: found {name!r}, needed one of {', '.join(known)} or a file.")
     return folder / f"{name}.json"
 
 
@@ -107,7 +107,7 @@ def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
         return ensure_default_bank(quiet)
     path = settings.cache_dir("library", name, "bank.npz")
     if not path.is_file():
-        raise NounError(
+        raise ValidationError(
             f"benchmark {name!r}: found no bank at {path}, needed its scenes; run `urbanverse scene library {name}` or "
             "say which file with --bank."
         )
@@ -163,7 +163,7 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
         return _prepare_foreign(options, runs, contact)
     if not path.is_dir():
         known = ", ".join((*BASELINES, "planner"))
-        raise NounError(
+        raise ValidationError(
             f"--policy: found {name!r}, needed one of {known}, a policy folder, module:callable or a .onnx file."
         )
     from ..training.policy import latest_policy, load_policy
@@ -246,7 +246,7 @@ def _config(
         task |= {"vision_config.height": size[0], "vision_config.width": size[1]}
     taken = sorted(set(task) & set(options.env_overrides))
     if taken:
-        raise NounError(
+        raise ValidationError(
             f"--playground-config-overrides: found {', '.join(taken)}, which the benchmark fixes, needed other keys; "
             "for another task take `urbanverse evaluate`."
         )

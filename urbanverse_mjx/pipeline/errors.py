@@ -7,7 +7,8 @@ _FILE_ERRORS = (FileNotFoundError, PermissionError, IsADirectoryError, NotADirec
 
 def refusal(error: Exception) -> str | None:
     """One sentence on one line about wrong input, a wrong path or a missing package; None for a bug, to be raised."""
-    # A NounError, or a ValueError raised by our own code, is about the input; one from a library is a bug to be seen.
+    # A ValidationError, or a ValueError raised by our own code, is about the input; one from a library is a bug to be
+    # seen.
     if isinstance(error, ValueError) and _is_ours(error):
         sentence = str(error)
     elif isinstance(error, _FILE_ERRORS) and error.filename is not None:

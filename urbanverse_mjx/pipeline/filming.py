@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +50,7 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
       recording: the folder; scene: its name; frames: how many; video: the file, where one was asked for.
 
     Raises:
-      NounError: no such scene, odd sizes for a video, or a folder in use.
+      ValidationError: no such scene, odd sizes for a video, or a folder in use.
     """
     from rich.console import Console
     from rich.progress import Progress
@@ -62,11 +62,11 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
     options = options or CaptureOptions()
     height, width = options.size
     if options.video and (height % 2 or width % 2):
-        raise NounError(f"--size: found {height}x{width}, needed even numbers for a video.")
+        raise ValidationError(f"--size: found {height}x{width}, needed even numbers for a video.")
     bank = ensure_default_bank(quiet) if options.bank is None else SceneBank.load(options.bank)
     name = options.scene or bank.scene_ids[0]
     if name not in bank.scene_ids:
-        raise NounError(f"--scene: found {name!r}, needed one of {', '.join(bank.scene_ids)}.")
+        raise ValidationError(f"--scene: found {name!r}, needed one of {', '.join(bank.scene_ids)}.")
     path = PathOptions(speed=options.speed, rate=options.rate, height=options.height, frames=options.frames)
     camera = TourOptions(width, height, fovy=float(np.radians(options.fov)), samples=options.samples)
     with Progress(console=Console(file=sys.stderr), disable=quiet) as progress:

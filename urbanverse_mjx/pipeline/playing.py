@@ -6,7 +6,7 @@ import pathlib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes import validation as v
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
       video: the file; results: an `EpisodeResult` of every episode that was driven, as JSON.
 
     Raises:
-      NounError: no such agent, policy or scene, or no episode to show.
+      ValidationError: no such agent, policy or scene, or no episode to show.
     """
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
@@ -79,7 +79,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     results, poses = Rollout(env, hold=hold).run({options.agent: agent}, episodes)
     shown = [i for i, r in enumerate(results) if r.success or not options.only_successes]
     if not shown:
-        raise NounError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
+        raise ValidationError(f"--only-successes: found none among {len(results)} episodes, needed one; drive more.")
     shown = random_draw(shown, options.shown, options.seed)
     style = {"size": options.size, "samples": options.samples, "quality": options.quality}
     write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, **style)
@@ -90,7 +90,7 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
     """The agent (None for the planner, which is made for an environment), the environment and its config.
 
     Raises:
-      NounError: no such agent or policy, or an environment whose robot has no goal to drive to.
+      ValidationError: no such agent or policy, or an environment whose robot has no goal to drive to.
     """
     from ..envs import registry
     from ..envs.navigation.draws import OFF
@@ -100,7 +100,7 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
         name = options.env_name or "CocoNav"
         config = registry.get_default_config(name, options.preset)
         if "goal_mode" not in config:
-            raise NounError(
+            raise ValidationError(
                 f"--env-name: found {name!r}, whose robot has no goal to drive to, needed a navigation environment "
                 "such as CocoNav or Go2Nav."
             )
@@ -108,9 +108,9 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
         config = registry.with_overrides(config, {"scenes": options.scenes, "vision": False})
         return BASELINES.get(options.agent), name, config
     if options.agent != "trained":
-        raise NounError(f"--agent: found {options.agent!r}, needed trained, planner, {', '.join(BASELINES)}.")
+        raise ValidationError(f"--agent: found {options.agent!r}, needed trained, planner, {', '.join(BASELINES)}.")
     if options.policy is None:
-        raise NounError("--policy: found nothing, needed a policy or run folder for --agent trained.")
+        raise ValidationError("--policy: found nothing, needed a policy or run folder for --agent trained.")
     from ml_collections import ConfigDict
 
     from ..training.policy import load_policy
@@ -126,7 +126,7 @@ def _steps_held(fps: float | None, control_period: float) -> int:
     """How many pictures one control step is.
 
     Raises:
-      NounError: no whole number.
+      ValidationError: no whole number.
     """
     if fps is None:
         return 1

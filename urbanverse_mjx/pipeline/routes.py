@@ -32,7 +32,7 @@ def plan_routes(
       the routes; one that could not be planned says why.
 
     Raises:
-      NounError: no such robot, a folder without a map, or annotations of another scene.
+      ValidationError: no such robot, a folder without a map, or annotations of another scene.
     """
     from ..scene.exchange import load_map, save_map
     from ..scene.exchange_routes import plan_all, save_annotations, save_planned

@@ -39,7 +39,7 @@ def compile_graph(
       half: 1 or 2 for that half of the street alone, cut across its middle; 0 for all of it.
 
     Raises:
-      NounError: whatever is wrong with the graph; then nothing is written.
+      ValidationError: whatever is wrong with the graph; then nothing is written.
     """
     from ..scene.compiler import check_out_dir
     from ..scene.ground import check_regions
@@ -75,7 +75,7 @@ def compile_layout(
       place: what the scene is after, for its metadata.
 
     Raises:
-      NounError: see `scene.compile_scene`.
+      ValidationError: see `scene.compile_scene`.
     """
     from ..scene.compiler import compile_scene
 

@@ -52,7 +52,7 @@ def train(
       of each part, and the run's folder.
 
     Raises:
-      NounError: unknown names or keys, or a request that differs from the record of the run that goes on.
+      ValidationError: unknown names or keys, or a request that differs from the record of the run that goes on.
     """
     from ..envs import NavEnv, registry
     from ..training.record import RunRequest, configs_of, resumed_configs
@@ -105,7 +105,7 @@ def bank_of(environment: str, quiet: bool = False) -> "SceneBank":
     missing or wrong.
 
     Raises:
-      NounError: no environment has this name, or its own loader refuses.
+      ValidationError: no environment has this name, or its own loader refuses.
     """
     from ..envs import registry
     from .banks import ensure_default_bank, ensure_terrain_bank

@@ -85,7 +85,7 @@ def make_coco(drive: Drive = "differential") -> RobotSpec:
     the front axle (rad).
 
     Raises:
-      NounError: no such drive.
+      ValidationError: no such drive.
     """
     v.choice(drive, "make_coco.drive", get_args(Drive))
     convert = _differential if drive == "differential" else _ackermann

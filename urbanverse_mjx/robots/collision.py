@@ -64,7 +64,7 @@ def replace_by_spheres(
       the feet, those replaced by their spheres; what was fitted.
 
     Raises:
-      NounError: a shape that has no inside, such as a plane or a height field.
+      ValidationError: a shape that has no inside, such as a plane or a height field.
     """
     solid = [g for g in spec.geoms if g.contype or g.conaffinity]
     others = [g for g in solid if g.type != mujoco.mjtGeom.mjGEOM_SPHERE]

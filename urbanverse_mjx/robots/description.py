@@ -39,7 +39,7 @@ def load(source: str | os.PathLike[str]) -> RobotSpec:
       source: its folder, its robot.json, or one of `SHIPPED`.
 
     Raises:
-      NounError: what is missing or wrong in the description or its MJCF.
+      ValidationError: what is missing or wrong in the description or its MJCF.
     """
     return load_with_fits(source)[0]
 
@@ -48,7 +48,7 @@ def load_with_fits(source: str | os.PathLike[str]) -> tuple[RobotSpec, tuple[Fit
     """`load`, and what was fitted with spheres: each collision shape of the MJCF that is no sphere.
 
     Raises:
-      NounError: as `load`.
+      ValidationError: as `load`.
     """
     path = _file_of(source)
     body = v.mapping(v.read_json(path, "robot"), str(path), _REQUIRED, _OPTIONAL)

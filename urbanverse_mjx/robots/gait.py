@@ -92,7 +92,7 @@ class Gait:
         """Reads a gait file.
 
         Raises:
-          NounError: no such file, a damaged one, or no gait in it.
+          ValidationError: no such file, a damaged one, or no gait in it.
         """
         if not os.path.isfile(path):
             raise v.fail(str(path), "no such file", "a gait", "export one with `urbanverse export-gait`")

@@ -37,7 +37,7 @@ def load_gait(path: str | pathlib.Path | None = None) -> Gait:
     """The gait of a file, or the one that comes with the package.
 
     Raises:
-      NounError: no such file, or no gait in it.
+      ValidationError: no such file, or no gait in it.
     """
     return Gait.load(path or pathlib.Path(__file__).parent / "go2_gait.npz")
 
@@ -55,7 +55,7 @@ def make_go2(menagerie: str | pathlib.Path | None = None) -> RobotSpec:
       menagerie: folder unitree_go2 of mujoco_menagerie, whose masses, limits and meshes take the place of ours.
 
     Raises:
-      NounError: no such model there.
+      ValidationError: no such model there.
     """
     return RobotSpec(
         name="go2",

@@ -14,7 +14,7 @@ import pathlib
 import mujoco
 import numpy as np
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from . import go2_body as body
 
 FILE = "go2.xml"
@@ -24,16 +24,20 @@ def make_menagerie_mjcf(folder: str | pathlib.Path) -> str:
     """MJCF text of the robot; it names the mesh files by absolute paths.
 
     Raises:
-      NounError: no go2.xml there, or one without the Go2's links and joints.
+      ValidationError: no go2.xml there, or one without the Go2's links and joints.
     """
     path = pathlib.Path(folder).absolute() / FILE
     if not path.is_file():
-        raise NounError(f"Menagerie: found no {FILE} in {folder}, needed the folder unitree_go2 of mujoco_menagerie.")
+        raise ValidationError(
+            f"Menagerie: found no {FILE} in {folder}, needed the folder unitree_go2 of mujoco_menagerie."
+        )
     try:
         theirs = mujoco.MjSpec.from_file(str(path))
         model = theirs.compile()
     except ValueError as error:
-        raise NounError(f"Menagerie: found {path}, which MuJoCo does not read ({error}), needed its Go2.") from error
+        raise ValidationError(
+            f"Menagerie: found {path}, which MuJoCo does not read ({error}), needed its Go2."
+        ) from error
     ours = mujoco.MjSpec.from_string(body.make_mjcf())
     _copy_assets(theirs, ours, path.parent)
     for link in list(ours.bodies)[1:]:
@@ -52,7 +56,7 @@ def make_menagerie_mjcf(folder: str | pathlib.Path) -> str:
         number = model.joint(actuator.target).id
         motors = np.flatnonzero(model.actuator_trnid[:, 0] == number)
         if len(motors) != 1:
-            raise NounError(f"Menagerie: found {len(motors)} motors of {actuator.target} in {path}, needed one.")
+            raise ValidationError(f"Menagerie: found {len(motors)} motors of {actuator.target} in {path}, needed one.")
         actuator.forcerange = model.actuator_ctrlrange[motors[0]]
         actuator.ctrlrange = model.jnt_range[number]
     return ours.to_xml()
@@ -60,7 +64,7 @@ def make_menagerie_mjcf(folder: str | pathlib.Path) -> str:
 
 def _check(model: mujoco.MjModel, kind: mujoco.mjtObj, name: str, path: pathlib.Path) -> None:
     if mujoco.mj_name2id(model, kind, name) < 0:
-        raise NounError(f"Menagerie: found no {name!r} in {path}, needed the links and joints of its Go2.")
+        raise ValidationError(f"Menagerie: found no {name!r} in {path}, needed the links and joints of its Go2.")
 
 
 def _copy_assets(theirs: mujoco.MjSpec, ours: mujoco.MjSpec, folder: pathlib.Path) -> None:

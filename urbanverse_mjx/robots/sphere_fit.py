@@ -61,7 +61,7 @@ def cover(points: np.ndarray, options: FitOptions | None = None) -> Cover:
     """Spheres that cover the convex hull of (n, 3) points in m, in its frame, whose axes should be those of the shape.
 
     Raises:
-      NounError: points that enclose no volume.
+      ValidationError: points that enclose no volume.
     """
     points = np.ascontiguousarray(points, np.float64)
     return _cover(points.tobytes(), options or FitOptions())

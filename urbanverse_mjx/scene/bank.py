@@ -74,7 +74,7 @@ def pack(
       hashes: recorded in the bank's meta.
 
     Raises:
-      NounError: no scene, an id twice, a missing sky, or skies of different sizes.
+      ValidationError: no scene, an id twice, a missing sky, or skies of different sizes.
     """
     if not scenes:
         raise v.fail("bank", "no scene", "at least one", "compile a scene first")
@@ -112,7 +112,7 @@ def with_agents(bank: SceneBank, looks: Sequence[AgentLook]) -> SceneBank:
     """The bank with the looks of moving people and vehicles in place of those it had.
 
     Raises:
-      NounError: no look.
+      ValidationError: no look.
     """
     if not looks:
         raise v.fail("bank agents", "no look", "at least one")

@@ -52,7 +52,7 @@ class CompiledScene:
         """Reads a folder that `compile_scene` wrote.
 
         Raises:
-          NounError: the folder is none.
+          ValidationError: the folder is none.
         """
         folder = pathlib.Path(folder)
         metadata = v.read_json(folder / "metadata.json", "compiled scene's metadata")
@@ -91,7 +91,7 @@ def compile_scene(
       place: the city and country that `metadata.json` tells: the `source` of the layout's graph.
 
     Raises:
-      NounError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
+      ValidationError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
     """
     out_dir = pathlib.Path(out_dir)
     check_out_dir(out_dir)
@@ -124,7 +124,7 @@ def check_out_dir(out_dir: pathlib.Path) -> None:
     """Refuses to write where something else than a compiled scene or nothing lies.
 
     Raises:
-      NounError: it names what lies there.
+      ValidationError: it names what lies there.
     """
     if out_dir.is_dir() and not ((out_dir / "metadata.json").is_file() and (out_dir / "geometry.npz").is_file()):
         if any(out_dir.iterdir()):
@@ -137,7 +137,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     """Everything that stands in the layout, as arrays; its episode table is empty.
 
     Raises:
-      NounError: overlapping ground regions or an unknown asset, material or sky.
+      ValidationError: overlapping ground regions or an unknown asset, material or sky.
     """
     ground.check_regions(layout.ground)
     objects = sorted(layout.objects, key=lambda o: (o.position[0], o.position[1], o.id))

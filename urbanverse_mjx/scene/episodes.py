@@ -89,7 +89,7 @@ def build_episodes(
     return _table(space, chosen, rules)
 
 
-class NoRoomError(v.NounError):
+class NoRoomError(v.ValidationError):
     """The walkable ground has too little room for a table."""
 
 

@@ -70,7 +70,7 @@ def load_map(folder: str | os.PathLike[str]) -> ExchangeMap:
     """Reads a map, ours or theirs.
 
     Raises:
-      NounError: a file is missing, damaged, or its layers do not fit the grid.
+      ValidationError: a file is missing, damaged, or its layers do not fit the grid.
     """
     folder = pathlib.Path(folder)
     path = folder / "map.json"

@@ -65,7 +65,7 @@ def load_annotations(path: str | os.PathLike[str]) -> tuple[str, list[Wanted]]:
     """The scene's id and its annotated routes.
 
     Raises:
-      NounError: not such a file, or one of a newer format.
+      ValidationError: not such a file, or one of a newer format.
     """
     body = _checked(path, "routes", ("format", "scene", "routes"), ("saved",))
     wanted = []
@@ -122,7 +122,7 @@ def load_planned(folder: str | os.PathLike[str]) -> PlannedRoutes:
     """Reads a scene's folder of planned routes, ours or theirs.
 
     Raises:
-      NounError: a file is missing, damaged or of a newer format.
+      ValidationError: a file is missing, damaged or of a newer format.
     """
     folder = pathlib.Path(folder)
     path = folder / "routes.json"
@@ -138,8 +138,8 @@ def load_planned(folder: str | os.PathLike[str]) -> PlannedRoutes:
     return PlannedRoutes(v.identifier(body["scene"], f"{path}: scene"), name, size, grid, routes)
 
 
-def _checked(path: Any, noun: str, required: Sequence[str], optional: Sequence[str]) -> Any:
-    body = v.mapping(v.read_json(path, noun), str(path), required, optional)
+def _checked(path: Any, kind: str, required: Sequence[str], optional: Sequence[str]) -> Any:
+    body = v.mapping(v.read_json(path, kind), str(path), required, optional)
     if v.integer(body["format"], f"{path}: format", 1) > FORMAT:
         raise v.fail(str(path), f"format {body['format']}", f"at most {FORMAT}", "export it in the older format")
     return body

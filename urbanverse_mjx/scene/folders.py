@@ -11,7 +11,7 @@ def scene_folders(places: Sequence[pathlib.Path]) -> list[pathlib.Path]:
     """Compiled scenes among folders and, one or more levels down, in them; each once, sorted by name.
 
     Raises:
-      NounError: there are none, or two have one name.
+      ValidationError: there are none, or two have one name.
     """
     found: dict[str, pathlib.Path] = {}
     for place in places:

@@ -164,9 +164,9 @@ class SceneGeometry:
         body |= _join("textures", textures.values())
         body["meshes.texture"] = np.array([number[m.texture.tobytes()] for m in self.meshes], np.int32)
         body["meshes.surface"] = np.array([[m.roughness, m.metallic] for m in self.meshes], np.float64).reshape(-1, 2)
-        for noun in ("map", "episodes"):
-            part = getattr(self, noun)
-            body |= {f"{noun}.{f.name}": np.asarray(getattr(part, f.name)) for f in dataclasses.fields(part)}
+        for group in ("map", "episodes"):
+            part = getattr(self, group)
+            body |= {f"{group}.{f.name}": np.asarray(getattr(part, f.name)) for f in dataclasses.fields(part)}
         body["meta"] = np.frombuffer(json.dumps(meta).encode("utf-8"), np.uint8)
         array_file.save(path, body)
 

@@ -57,7 +57,7 @@ def check_regions(regions: Sequence[Region]) -> None:
     """Refuses non-paint regions that overlap, and a scene without ground to stand on.
 
     Raises:
-      NounError: naming the two regions, or saying that there is no ground.
+      ValidationError: naming the two regions, or saying that there is no ground.
     """
     solid = [r for r in regions if r.kind not in PAINT_KINDS]
     if not solid:

@@ -20,7 +20,7 @@ def half_layouts(layout: SceneLayout) -> tuple[SceneLayout, SceneLayout]:
     Things belong to the half that their origin stands in; ground is cut. Ids end in `_Half_01` and `_Half_02`.
 
     Raises:
-      NounError: a half has no ground.
+      ValidationError: a half has no ground.
     """
     origin, along = _axis(layout)
     place = np.array([g for r in layout.ground for g in r.polygon])

@@ -43,7 +43,7 @@ def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
     """The convex hull of `points` (n, 3); the same points give the same part, which nobody may write to.
 
     Raises:
-      NounError: fewer than four points, all in one plane, or more than 32 corners.
+      ValidationError: fewer than four points, all in one plane, or more than 32 corners.
     """
     try:
         return _convex_part(np.ascontiguousarray(points, np.float32).tobytes())

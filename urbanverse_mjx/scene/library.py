@@ -61,7 +61,7 @@ def sets() -> dict[str, SceneSet]:
     """All sets, by name.
 
     Raises:
-      NounError: the table is damaged.
+      ValidationError: the table is damaged.
     """
     rows = v.read_json(settings.scene_root() / TABLE, "table of scene sets")
     if not isinstance(rows, dict):
@@ -83,7 +83,7 @@ def scene_set(name: str) -> SceneSet:
     """A set by name.
 
     Raises:
-      NounError: no set has this name.
+      ValidationError: no set has this name.
     """
     known = sets()
     return known[v.choice(name, "set of scenes", tuple(known))]
@@ -104,7 +104,7 @@ def bank_path(name: str) -> pathlib.Path:
     """The bank of a set; nothing is built.
 
     Raises:
-      NounError: no such set, or it was not built; the message says by what command it is.
+      ValidationError: no such set, or it was not built; the message says by what command it is.
     """
     path = folder(name) / BANK
     if not path.is_file():

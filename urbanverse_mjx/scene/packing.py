@@ -18,7 +18,7 @@ def pack_bank(folders: Sequence[str | os.PathLike[str]], splits: Sequence[str]) 
       folders: what `compile_scene` wrote. splits: of each, one of `SPLITS`.
 
     Raises:
-      NounError: a folder is no compiled scene, or an id comes twice.
+      ValidationError: a folder is no compiled scene, or an id comes twice.
     """
     if len(folders) != len(splits):
         raise v.fail("bank splits", f"{len(splits)} for {len(folders)} scenes", "one for each scene")

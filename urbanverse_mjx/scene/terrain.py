@@ -156,7 +156,7 @@ def terrain_regions(kind: str, level: int, seed: int = 0) -> list[GroundRegion]:
     """The ground of one scene.
 
     Raises:
-      NounError: no such kind or level.
+      ValidationError: no such kind or level.
     """
     v.choice(kind, "terrain kind", KINDS)
     v.integer(level, "terrain level", 0, LEVELS - 1)

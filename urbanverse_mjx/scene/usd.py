@@ -32,7 +32,7 @@ def export_usd(scene: SceneGeometry, sky: Sky, folder: str | os.PathLike[str]) -
     """Writes a folder with `scene.usdc`, its textures and the sky, whole or not at all; returns the stage's path.
 
     Raises:
-      NounError: usd-core is not installed.
+      ValidationError: usd-core is not installed.
     """
     folder = pathlib.Path(folder)
     with replacing_folder(folder) as work:

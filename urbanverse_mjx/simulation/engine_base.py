@@ -31,8 +31,8 @@ class EngineBase:
     """The part of an engine that does not depend on who computes the physics; for the arguments see the engines.
 
     Raises:
-      NounError: a control period that is no multiple of the time step, no slots, or a bank whose grids do not reach as
-        far as the robot can get in one control step.
+      ValidationError: a control period that is no multiple of the time step, no slots, or a bank whose grids do not
+        reach as far as the robot can get in one control step.
     """
 
     def __init__(

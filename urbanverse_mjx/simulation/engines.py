@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import jax
 
-from ..datatypes import AgentShapes, NounError, RobotSpec, SceneBank
+from ..datatypes import AgentShapes, RobotSpec, SceneBank, ValidationError
 from .slots.body_slots import Sizes
 
 if TYPE_CHECKING:
@@ -39,10 +39,10 @@ def make_engine(
       sizes: of the engine, such as num_prism_slots, num_contacts, iterations, line_steps; default its own.
 
     Raises:
-      NounError: unknown engine or steps that do not divide.
+      ValidationError: unknown engine or steps that do not divide.
     """
     if impl not in IMPLS:
-        raise NounError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
+        raise ValidationError(f"impl: found {impl!r}, needed one of {', '.join(IMPLS)}.")
     if physics_dt is not None and physics_dt != robot.physics_timestep:
         robot = with_timestep(robot, physics_dt)
     if choose_impl(impl) == "warp":

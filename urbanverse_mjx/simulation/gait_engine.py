@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..datatypes import AgentMotion, Contacts, NounError, RobotSpec, SimState, Simulator
+from ..datatypes import AgentMotion, Contacts, RobotSpec, SimState, Simulator, ValidationError
 from ..precision import full_precision
 from ..robots.gait import Gait, felt_gravity, sensor_frame
 from .physics_model import make_physics_model
@@ -43,19 +43,19 @@ class GaitEngine:
       control_dt: s, a multiple of the gait's.
 
     Raises:
-      NounError: steps that do not divide, or a gait for another number of joints.
+      ValidationError: steps that do not divide, or a gait for another number of joints.
     """
 
     def __init__(self, engine: Simulator, robot: RobotSpec, gait: Gait, control_dt: float) -> None:
         self.gait_steps = round(control_dt / gait.control_dt)
         if self.gait_steps < 1 or abs(self.gait_steps * gait.control_dt - control_dt) > 1e-9:
-            raise NounError(
+            raise ValidationError(
                 f"control_dt: found {control_dt:g} s, needed a multiple of the gait's control step "
                 f"{gait.control_dt:g} s."
             )
         physics = make_physics_model(robot)
         if len(gait.stand) != physics.model.nu:
-            raise NounError(
+            raise ValidationError(
                 f"gait: found one for {len(gait.stand)} joints, needed one for the {physics.model.nu} of "
                 f"{robot.name!r}; export one with `urbanverse export-gait`."
             )
@@ -85,10 +85,10 @@ class GaitEngine:
         """One control step with the command `ctrl` (3,) held; contacts are those of all its physics steps.
 
         Raises:
-          NounError: agents, which would stand still through the steps of a gait.
+          ValidationError: agents, which would stand still through the steps of a gait.
         """
         if agents is not None:
-            raise NounError("engine.step: found agents around a robot with a gait, needed none.")
+            raise ValidationError("engine.step: found agents around a robot with a gait, needed none.")
         command = jnp.asarray(ctrl, jnp.float32)
         memory: GaitMemory = state.carry
 

@@ -2,11 +2,11 @@
 
 from importlib import metadata
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes.validation import fail
 
 
-def missing(package: str, needed: str, purpose: str, error: ImportError) -> NounError:
+def missing(package: str, needed: str, purpose: str, error: ImportError) -> ValidationError:
     """The error for a private module or name of a package that cannot be imported.
 
     Args:

@@ -4,7 +4,7 @@ from typing import Any
 
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..envs import registry
 
 
@@ -12,7 +12,7 @@ def default_ppo_config(preset: str = "paper", environment: str = "CocoNav") -> C
     """A fresh, locked configuration, as `registry.register_environment` was given it.
 
     Raises:
-      NounError: unknown environment or preset.
+      ValidationError: unknown environment or preset.
     """
     return registry.get_ppo_config(environment, preset)
 
@@ -40,7 +40,7 @@ def brax_arguments(config: ConfigDict) -> dict[str, Any]:
     """Our hyper-parameters under the names of `ppo.train`, `batch_size` and `num_minibatches` among them.
 
     Raises:
-      NounError: the sizes do not divide.
+      ValidationError: the sizes do not divide.
     """
     batch_size, num_minibatches = batch_shape(config)
     return {
@@ -56,7 +56,7 @@ def brax_ppo_config(environment: str, preset: str | None = None) -> ConfigDict:
     name, with Brax's own networks on the observations `state` and `privileged_state`, which see no pixels.
 
     Raises:
-      NounError: unknown environment or preset.
+      ValidationError: unknown environment or preset.
     """
     env, own = registry.get_default_config(environment, preset), registry.get_ppo_config(environment, preset)
     sizes = {"policy_hidden_layer_sizes": (128, 128, 128), "value_hidden_layer_sizes": (256, 256, 256)}
@@ -77,15 +77,15 @@ def batch_shape(config: ConfigDict) -> tuple[int, int]:
     """(batch_size, num_minibatches) in Brax's sense: sequences a minibatch, minibatches a rollout.
 
     Raises:
-      NounError: the sizes do not divide.
+      ValidationError: the sizes do not divide.
     """
     if config.minibatch % config.unroll_length:
-        raise NounError(
+        raise ValidationError(
             f"ppo.minibatch: found {config.minibatch}, needed a multiple of unroll_length {config.unroll_length}."
         )
     sequences = config.minibatch // config.unroll_length
     if config.num_envs % sequences:
-        raise NounError(
+        raise ValidationError(
             f"ppo.num_envs: found {config.num_envs}, needed a multiple of minibatch / unroll_length = {sequences}."
         )
     return sequences, config.num_envs // sequences

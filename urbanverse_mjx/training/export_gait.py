@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..envs.joystick.legs import Legs
 from ..envs.robot import make_robot
 from ..robots.gait import Gait
@@ -20,13 +20,15 @@ def export_gait(source: pathlib.Path, meta: dict[str, Any] | None = None) -> Gai
       meta: further facts to keep, such as how long the training took.
 
     Raises:
-      NounError: no policy there, or one of another task.
+      ValidationError: no policy there, or one of another task.
     """
     folder = latest_policy(source)
     spec = PolicySpec.load(folder)
     config = ConfigDict(spec.env_config)
     if "history" not in spec.observations or "actor_hidden" not in spec.ppo_config["network"]:
-        raise NounError(f"export-gait: found a policy of {spec.environment} in {folder}, needed one of a walking task.")
+        raise ValidationError(
+            f"export-gait: found a policy of {spec.environment} in {folder}, needed one of a walking task."
+        )
     layers = load_params(folder)[1]["params"]["mean"]
     names = [*sorted((n for n in layers if n.startswith("hidden_")), key=lambda n: int(n.split("_")[1])), "out"]
     kernels, biases = (tuple(np.asarray(layers[n][part], np.float32) for n in names) for part in ("kernel", "bias"))

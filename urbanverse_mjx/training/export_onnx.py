@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..datatypes.policy_file import BATCH, METADATA_KEY, NEXT, PolicyRecord, TensorRecord
 from .networks import PIXELS
@@ -59,18 +59,18 @@ def export_onnx(source: pathlib.Path, out: pathlib.Path) -> PolicyRecord:
     """Writes the newest policy under `source` as the ONNX file `out`; returns what its metadata say.
 
     Raises:
-      NounError: no policy there, another ending than .onnx, or an answer that differs from JAX's by more than
+      ValidationError: no policy there, another ending than .onnx, or an answer that differs from JAX's by more than
         `TOLERANCE` over `OBSERVATIONS` random observations; nothing is written then.
     """
     if out.suffix != ".onnx":
-        raise NounError(f"export-onnx: found {out.name!r} to write, needed a name that ends in .onnx.")
+        raise ValidationError(f"export-onnx: found {out.name!r} to write, needed a name that ends in .onnx.")
     folder = latest_policy(source)
     spec = PolicySpec.load(folder)
     step = _step(spec, jax.tree.map(lambda x: np.asarray(x, np.float32), load_params(folder)[1]))
     model = _converted(step)
     difference = largest_difference(model.SerializeToString(), step)
     if difference > TOLERANCE:
-        raise NounError(
+        raise ValidationError(
             f"export-onnx: found answers that differ from JAX's by {difference:.2g}, needed at most {TOLERANCE:g}; "
             "report it with the policy's policy.json."
         )

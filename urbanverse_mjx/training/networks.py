@@ -15,7 +15,7 @@ from brax.training import distribution, networks, types
 from brax.training.agents.ppo import networks as ppo_networks
 from flax import linen as nn
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 
 PIXELS = "pixels/front"
 CONVOLUTIONS = ("auto", "matmul", "xla")
@@ -56,7 +56,7 @@ def conv_by_xla(x: jax.Array, kernel: jax.Array, bias: jax.Array, stride: int) -
 def convolution_of(name: str) -> Convolution:
     """ "matmul", "xla", or "auto": matmul on the CPU, XLA's own elsewhere."""
     if name not in CONVOLUTIONS:
-        raise NounError(f"ppo.network.convolution: found {name!r}, needed one of {CONVOLUTIONS}.")
+        raise ValidationError(f"ppo.network.convolution: found {name!r}, needed one of {CONVOLUTIONS}.")
     if name == "auto":
         name = "matmul" if jax.default_backend() == "cpu" else "xla"
     return conv_by_matmul if name == "matmul" else conv_by_xla

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs.staged import observed_size
 from . import policy_files
@@ -124,11 +124,11 @@ def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
     not to be trained further.
 
     Raises:
-      NounError: no policy there, or something is in `out` already.
+      ValidationError: no policy there, or something is in `out` already.
     """
     folder = latest_policy(source)
     if out.exists() and any(out.iterdir()):
-        raise NounError(f"export-policy: found files in {out}, needed a new or empty folder.")
+        raise ValidationError(f"export-policy: found files in {out}, needed a new or empty folder.")
     normaliser, actor, _ = load_params(folder)
     out.absolute().parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out.absolute().parent, prefix=".policy-") as work:
@@ -142,12 +142,12 @@ def load_params(folder: pathlib.Path) -> Any:
     """(normaliser, policy, value) parameters of a policy folder that `latest_policy` named.
 
     Raises:
-      NounError: no policy there, or one from before there were checksums that cannot be read.
+      ValidationError: no policy there, or one from before there were checksums that cannot be read.
     """
     from brax.training import checkpoint
 
     if not (folder / FILE).is_file():
-        raise NounError(f"policy: found no {FILE} in {folder}, needed a policy folder; see `urbanverse train`.")
+        raise ValidationError(f"policy: found no {FILE} in {folder}, needed a policy folder; see `urbanverse train`.")
     try:
         # Orbax takes no relative paths.
         return checkpoint.load(folder.absolute())
@@ -163,18 +163,18 @@ def latest_policy(folder: pathlib.Path) -> pathlib.Path:
     Damaged ones are passed over, each with a line on standard error; a damaged `folder` itself is refused.
 
     Raises:
-      NounError: there is none.
+      ValidationError: there is none.
     """
     if (folder / FILE).is_file():
         policy_files.check(folder / FILE)
         return folder
     found = sorted(folder.glob(f"**/{FILE}"), key=lambda p: p.parent.name, reverse=True)
     if not found:
-        raise NounError(f"policy: found none under {folder}, needed a folder with {FILE}; train one first.")
+        raise ValidationError(f"policy: found none under {folder}, needed a folder with {FILE}; train one first.")
     for path in found:
         try:
             policy_files.check(path)
-        except NounError as error:
+        except ValidationError as error:
             sys.stderr.write(f"{str(error).rstrip('.')}; passing over this policy, taking the one before it\n")
         else:
             return path.parent
@@ -241,7 +241,7 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
     without one.
 
     Raises:
-      NounError: no policy there, or networks of other shapes.
+      ValidationError: no policy there, or networks of other shapes.
     """
     path = latest_policy(folder)
     found = load_params(path)
@@ -249,7 +249,7 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
     needed = jax.eval_shape(lambda: initial_params(observations, env.action_size, ppo_config, 0))
     for part, mine, theirs in (("actor", needed[1], found[1]), ("critic", needed[2], found[2])):
         if (part == "actor" or theirs) and jax.tree.map(jnp.shape, mine) != jax.tree.map(jnp.shape, theirs):
-            raise NounError(
+            raise ValidationError(
                 f"--start-from: found {part} layers of other shapes in {path}, needed those that this preset makes; "
                 "take the preset, picture size and networks that the policy was trained with."
             )

@@ -33,7 +33,7 @@ def check(path: pathlib.Path) -> None:
       path: its `policy.json`.
 
     Raises:
-      NounError: a file is missing, cut off or changed.
+      ValidationError: a file is missing, cut off or changed.
     """
     body = v.read_json(path, "policy")
     if not isinstance(body, dict) or not set(SEAL) & set(body):

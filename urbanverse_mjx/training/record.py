@@ -10,7 +10,7 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import registry
 from .config import default_ppo_config
@@ -69,11 +69,13 @@ class RunRecord:
         """Reads the record of a run folder.
 
         Raises:
-          NounError: none there, or not one of a run.
+          ValidationError: none there, or not one of a run.
         """
         path = folder / FILE
         if not path.is_file():
-            raise NounError(f"run folder: found no {FILE} in {folder}, needed a folder that `urbanverse train` made.")
+            raise ValidationError(
+                f"run folder: found no {FILE} in {folder}, needed a folder that `urbanverse train` made."
+            )
         body = v.mapping(v.read_json(path, "run record"), "run record", ["environment", "env", "ppo"], ["segments"])
         ppo = dict(body["ppo"])
         first = {"from_steps": 0, "num_timesteps": ppo.get("num_timesteps")}
@@ -94,7 +96,7 @@ def configs_of(
     """Environment, its config and PPO's for a new run; `preset` and `environment` where the request names none.
 
     Raises:
-      NounError: an unknown name, or an override that does not fit.
+      ValidationError: an unknown name, or an override that does not fit.
     """
     preset, environment = request.preset or preset, request.environment or environment
     overrides = dict(request.env_overrides)
@@ -108,7 +110,7 @@ def resumed_configs(folder: pathlib.Path, request: RunRequest) -> tuple[str, Con
     """Environment and configs of the run in `folder`, with the requested `MAY_CHANGE`.
 
     Raises:
-      NounError: no run there, or a request that differs from what the run trains.
+      ValidationError: no run there, or a request that differs from what the run trains.
     """
     name, env, ppo = RunRecord.load(folder).configs()
     asked_env = registry.with_overrides(env, request.env_overrides)
@@ -132,7 +134,7 @@ def begin_segment(
     """The record with one more segment; nothing is written. A run that goes on has `from_steps` above 0.
 
     Raises:
-      NounError: a run that goes on would train something else than its record says.
+      ValidationError: a run that goes on would train something else than its record says.
     """
     earlier: tuple[dict[str, Any], ...] = ()
     if from_steps:
@@ -157,14 +159,14 @@ def check_scenes(trained: PolicySpec, env: Any) -> None:
     """Whether `env` has the very scenes of a checkpoint.
 
     Raises:
-      NounError: others, or the same ids with other layouts.
+      ValidationError: others, or the same ids with other layouts.
     """
     ids = [env.bank.scene_ids[i] for i in env.scenes]
     hashes = env.bank.meta.get("hashes", {})
     other = sorted(set(ids) ^ set(trained.scene_ids))
     other += [s for s in ids if s not in other and trained.bank_hashes.get(s) != hashes.get(s)]
     if other:
-        raise NounError(
+        raise ValidationError(
             f"--resume: found a bank whose scenes are not those of the run (first {other[0]!r} of {len(other)} that "
             "differ), needed the same; build that bank again, or begin a new run with --start-from."
         )
@@ -193,7 +195,7 @@ def _difference(name: str, had: Any, asked: Any) -> str:
 
 def _refuse(folder: pathlib.Path, differences: list[str]) -> None:
     if differences:
-        raise NounError(
+        raise ValidationError(
             f"--resume: found {'; '.join(differences)}, needed what {folder / FILE} says (only the number of steps and "
             "of checkpoints may change); leave these options out, or begin a new run with --start-from."
         )

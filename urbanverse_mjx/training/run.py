@@ -8,7 +8,7 @@ from typing import Any
 import jax
 from ml_collections import ConfigDict
 
-from ..datatypes import NounError
+from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs import wrap_for_training
 from .brax_compat import load_ppo
@@ -39,12 +39,14 @@ def _start_of(folder: pathlib.Path, resume: bool, env: Any) -> tuple[int, Any]:
     checkpoints = folder / "checkpoints"
     if not resume:
         if checkpoints.exists() and any(checkpoints.iterdir()):
-            raise NounError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
+            raise ValidationError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
         return 0, None
     path = latest_policy(checkpoints)
     params = load_params(path)
     if not params[2]:
-        raise NounError(f"--resume: found a policy without its critic in {path}, needed a checkpoint of a training.")
+        raise ValidationError(
+            f"--resume: found a policy without its critic in {path}, needed a checkpoint of a training."
+        )
     spec = PolicySpec.load(path)
     check_scenes(spec, env)
     return spec.steps, params
@@ -88,8 +90,8 @@ def train(
         none. Not with `resume`.
 
     Raises:
-      NounError: sizes that do not divide, a folder in use, nothing to resume, a resumed run that would train something
-        else, networks of other shapes to start from.
+      ValidationError: sizes that do not divide, a folder in use, nothing to resume, a resumed run that would train
+        something else, networks of other shapes to start from.
     """
     ppo = load_ppo()
     folder = folder.absolute()
@@ -97,13 +99,13 @@ def train(
     start, params = _start_of(folder, resume, env)
     if start_from is not None:
         if resume:
-            raise NounError("--start-from: found it beside --resume, needed one of them.")
+            raise ValidationError("--start-from: found it beside --resume, needed one of them.")
         params = load_compatible(start_from, env, ppo_config)
     total = int(ppo_config.num_timesteps)
     if start >= total:
-        raise NounError(f"ppo.num_timesteps: found {total}, but {start} are done already; ask for more.")
+        raise ValidationError(f"ppo.num_timesteps: found {total}, but {start} are done already; ask for more.")
     if ppo_config.num_envs % jax.device_count():
-        raise NounError(
+        raise ValidationError(
             f"ppo.num_envs: found {ppo_config.num_envs}, needed a multiple of the {jax.device_count()} devices."
         )
     record = begin_segment(folder, environment, env.config, ppo_config, start, start_from)
@@ -161,20 +163,20 @@ def join_processes(coordinator: str, num_processes: int | None, process_id: int 
       num_processes, process_id: how many there are, and which this is; needed unless "auto".
 
     Raises:
-      NounError: a coordinator without numbers, or a number outside its range.
+      ValidationError: a coordinator without numbers, or a number outside its range.
     """
     if coordinator == "auto":
         jax.distributed.initialize()
         return
     if num_processes is None or process_id is None:
-        raise NounError(
+        raise ValidationError(
             f"--coordinator: found {coordinator!r} without --num-processes and --process-id, needed all three, or "
             "'auto' on a cluster that JAX knows."
         )
     v.integer(num_processes, "--num-processes", 1)
     v.integer(process_id, "--process-id", 0, num_processes - 1)
     if ":" not in coordinator:
-        raise NounError(f"--coordinator: found {coordinator!r}, needed HOST:PORT of process 0.")
+        raise ValidationError(f"--coordinator: found {coordinator!r}, needed HOST:PORT of process 0.")
     # Processes on CPUs (tests, clusters without accelerators) need a library for their sums.
     jax.config.update("jax_cpu_collectives_implementation", "gloo")
     jax.distributed.initialize(coordinator, num_processes, process_id)

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from PIL import Image, ImageDraw
 
-from ..datatypes import GraphObject, NounError, Recording, SceneGraph
+from ..datatypes import GraphObject, Recording, SceneGraph, ValidationError
 from ..geometry.polygons import rectangle
 
 #: sRGB of the kinds of ground, as all maps have them.
@@ -68,11 +68,13 @@ def overlay(recording: Recording, frame: int, things: Sequence[GraphObject], rea
       reach: m, things farther than this are left out.
 
     Raises:
-      NounError: the frame has no pose.
+      ValidationError: the frame has no pose.
     """
     pose = recording.frames[frame].pose
     if pose is None:
-        raise NounError(f"frame {frame}: found no pose, needed one to draw boxes over it; choose a registered frame.")
+        raise ValidationError(
+            f"frame {frame}: found no pose, needed one to draw boxes over it; choose a registered frame."
+        )
     image = Image.fromarray(recording.rgb(frame))
     draw = ImageDraw.Draw(image)
     camera = recording.camera

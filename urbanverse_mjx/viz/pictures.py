@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..datatypes import NounError, RobotSpec, SceneBank
+from ..datatypes import RobotSpec, SceneBank, ValidationError
 from ..simulation.rendering.renderer import Renderer
 
 EYE_HEIGHT = 1.6
@@ -21,12 +21,14 @@ def look_at(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.ndarray:
     """(4,) wxyz rotation R_world_camera of a camera at `eye` that looks at `target` with `up` upwards (3,) each.
 
     Raises:
-      NounError: eye and target coincide, or the camera would look along `up`.
+      ValidationError: eye and target coincide, or the camera would look along `up`.
     """
     back = np.asarray(eye, np.float64) - np.asarray(target, np.float64)
     right = np.cross(np.asarray(up, np.float64), back)
     if np.linalg.norm(back) < 1e-9 or np.linalg.norm(right) < 1e-9 * np.linalg.norm(back):
-        raise NounError(f"camera: found eye {eye}, target {target}; needed two points not above one another; move one")
+        raise ValidationError(
+            f"camera: found eye {eye}, target {target}; needed two points not above one another; move one"
+        )
     back, right = back / np.linalg.norm(back), right / np.linalg.norm(right)
     return Rotation.from_matrix(np.column_stack([right, np.cross(back, right), back])).as_quat(scalar_first=True)
 
@@ -40,7 +42,7 @@ def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
         turn = Rotation.from_quat(bank.slot_quaternion[scene, slot], scalar_first=True)
         corners.append(turn.apply(vertices) + bank.slot_position[scene, slot])
     if not corners:
-        raise NounError(f"scene {scene}: found nothing to see; needed at least one slot; rebuild the bank")
+        raise ValidationError(f"scene {scene}: found nothing to see; needed at least one slot; rebuild the bank")
     points = np.concatenate(corners)
     return np.stack([points.min(0), points.max(0)])
 

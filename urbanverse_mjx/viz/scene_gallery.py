@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from .. import versions
-from ..datatypes import BenchmarkReport, NounError
+from ..datatypes import BenchmarkReport, ValidationError
 from ..datatypes import validation as v
 
 _PICTURES = "pictures"
@@ -93,7 +93,7 @@ def _known(record: pathlib.Path) -> dict[str, Any]:
     """What a card's pictures were drawn from and their names; nothing where the file is none."""
     try:
         body = v.read_json(record, "card") if record.is_file() else {}
-    except NounError:
+    except ValidationError:
         body = {}
     whole = isinstance(body, dict) and isinstance(body.get("files"), dict)
     return body if whole else {"files": {}}
@@ -103,7 +103,7 @@ def with_difficulty(cards: Sequence[Card], report: BenchmarkReport, agent: str =
     """The cards with the share of an agent's episodes that failed in each scene.
 
     Raises:
-      NounError: the report holds no episode of that agent.
+      ValidationError: the report holds no episode of that agent.
     """
     tries, wins = collections.Counter[str](), collections.Counter[str]()
     for episode in report.episodes:

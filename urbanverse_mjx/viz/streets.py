@@ -11,7 +11,7 @@ import sys
 import numpy as np
 from PIL import Image
 
-from ..datatypes import NounError, SceneBank
+from ..datatypes import SceneBank, ValidationError
 from ..datatypes.validation import write_atomically
 from ..settings import default_bank_path
 from .pictures import Studio
@@ -34,14 +34,14 @@ def jpeg(picture: np.ndarray) -> bytes:
     """The best JPEG of an (H, W, 3) uint8 picture that fits into `MAX_BYTES`.
 
     Raises:
-      NounError: even the coarsest is larger.
+      ValidationError: even the coarsest is larger.
     """
     for quality in (92, 88, 84, 80, 75, 70, 60):
         file = io.BytesIO()
         Image.fromarray(picture).save(file, "JPEG", quality=quality, optimize=True)
         if file.tell() <= MAX_BYTES:
             return file.getvalue()
-    raise NounError(f"picture: found {file.tell()} bytes at quality 60, needed {MAX_BYTES}; render it smaller.")
+    raise ValidationError(f"picture: found {file.tell()} bytes at quality 60, needed {MAX_BYTES}; render it smaller.")
 
 
 def street_pictures(bank: SceneBank, out: pathlib.Path, only: str | None = None) -> list[pathlib.Path]:

@@ -88,7 +88,7 @@ def write_video(
     """Writes (H, W, 3) uint8 frames as an H.264 mp4 that browsers play; quality: imageio's, 0 to 10.
 
     Raises:
-      NounError: no frames, or sizes that differ or are odd.
+      ValidationError: no frames, or sizes that differ or are odd.
     """
     shapes = {f.shape for f in frames}
     if len(shapes) != 1 or any(n % 2 for n in next(iter(shapes))[:2]):

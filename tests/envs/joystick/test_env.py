@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import JoystickEnv, Result, check_env, joystick_config, registry
 from urbanverse_mjx.envs.joystick import terms
 from urbanverse_mjx.envs.joystick.draws import draw_command, draw_push
@@ -174,11 +174,11 @@ def test_episodes_are_on_the_kinds_and_levels_chosen() -> None:
     assert float(jnp.mean(kind == 1)) == pytest.approx(2 / 3, abs=0.06)
     names = [small_bank().scene_ids[int(s)] for s in scene]
     assert set(names) == {"flat-1", "kerbs-0"}
-    with pytest.raises(NounError, match="needed terrains"):
+    with pytest.raises(ValidationError, match="needed terrains"):
         TerrainLevels(pack_regions([region_scene("flat-1", terrain_regions("flat", 1))]), joystick_config().terrain)
 
 
 def test_presets() -> None:
     assert registry.get_default_config("Go2Joystick").preset == "fast"
-    with pytest.raises(NounError, match="needed one of fast, cpu"):
+    with pytest.raises(ValidationError, match="needed one of fast, cpu"):
         registry.get_default_config("Go2Joystick", "paper")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.navigation.draws import OFF
 
@@ -54,5 +54,5 @@ def test_the_paper_has_it_and_the_laptop_has_not() -> None:
     ("name", "value"), [("friction_scale", (0.0, 1.0)), ("mass_scale", (1.2, 1.1)), ("appearance", 1.0)]
 )
 def test_bad_values_are_refused(small_bank: SceneBank, name: str, value: Any) -> None:
-    with pytest.raises(NounError, match=name):
+    with pytest.raises(ValidationError, match=name):
         unicycle_env(small_bank, {f"randomization.{name}": value})

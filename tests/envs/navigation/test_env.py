@@ -9,7 +9,7 @@ import pytest
 from ml_collections import ConfigDict
 
 from tests.support.unicycle import drive_to_goal, unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank, traversable
+from urbanverse_mjx.datatypes import SceneBank, ValidationError, traversable
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, joystick_config, registry, wrap_for_training
 from urbanverse_mjx.envs.checks import EnvCheckError
 from urbanverse_mjx.envs.navigation.make import make_wheeled_env
@@ -187,13 +187,13 @@ def test_overrides_and_errors(small_bank: SceneBank) -> None:
     config = registry.with_overrides(default_config(), {"reward_config.scales.hit": -50})
     assert config.reward_config.scales.hit == -50
     assert default_config().reward_config.scales.hit == -200, "defaults are fresh each time"
-    with pytest.raises(NounError, match="no_such_key"):
+    with pytest.raises(ValidationError, match="no_such_key"):
         registry.with_overrides(default_config(), {"no_such_key": 1})
-    with pytest.raises(NounError, match=r"CocoNav.*did you mean 'CocoNav'"):
+    with pytest.raises(ValidationError, match=r"CocoNav.*did you mean 'CocoNav'"):
         registry.load("CocoNva", bank=small_bank)
-    with pytest.raises(NounError, match="preset"):
+    with pytest.raises(ValidationError, match="preset"):
         default_config("faster")
-    with pytest.raises(NounError, match="names no scene"):
+    with pytest.raises(ValidationError, match="names no scene"):
         unicycle_env(small_bank, {"scenes": "validation"})
 
 
@@ -220,7 +220,7 @@ def test_register_from_outside(small_bank: SceneBank) -> None:
     _, env, ppo = configs_of(RunRequest(environment="TestOnlyNav"))
     assert (env.preset, ppo.num_envs) == ("cpu", 32)
     assert bank_of("TestOnlyNav") is small_bank
-    with pytest.raises(NounError, match="found another task"):
+    with pytest.raises(ValidationError, match="found another task"):
         registry.load_nav_env("Go2Joystick", joystick_config("cpu"), terrain_bank(0, 1))
-    with pytest.raises(NounError, match="registered already"):
+    with pytest.raises(ValidationError, match="registered already"):
         registry.register_environment("TestOnlyNav", make_wheeled_env, default_config)

@@ -9,7 +9,7 @@ import pytest
 from ml_collections import ConfigDict
 
 from tests.support.gaits import make_gait
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config, registry
 from urbanverse_mjx.robots import go2_body
 
@@ -66,16 +66,16 @@ def test_a_config_of_one_robot_becomes_that_of_the_other() -> None:
     assert task.reward_config.scales.hit == -9.0
     back = registry.same_task(task, "CocoNav")
     assert ConfigDict(back.to_dict()) == ConfigDict(changed.to_dict())
-    with pytest.raises(NounError, match="another task"):
+    with pytest.raises(ValidationError, match="another task"):
         registry.same_task(config, "Go2Joystick")
 
 
 def test_what_does_not_go_is_said(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
-    with pytest.raises(NounError, match="'joint' for a robot with a gait"):
+    with pytest.raises(ValidationError, match="'joint' for a robot with a gait"):
         registry.load("Go2Nav", config_overrides={**BLIND, "action_mode": "joint"}, bank=small_bank)
-    with pytest.raises(NounError, match="export-gait"):
+    with pytest.raises(ValidationError, match="export-gait"):
         registry.load("Go2Nav", config_overrides={**BLIND, "gait": str(tmp_path / "none.npz")}, bank=small_bank)
-    with pytest.raises(NounError, match="Menagerie: found no"):
+    with pytest.raises(ValidationError, match="Menagerie: found no"):
         registry.load("Go2Nav", config_overrides={**BLIND, "menagerie": str(tmp_path)}, bank=small_bank)
 
 

@@ -13,7 +13,7 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.crowds import Bodies
 from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
 from urbanverse_mjx.crowds.crowd import Crowd
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
 from urbanverse_mjx.envs.navigation.encounters import ENCOUNTERS, Encounters, route_pose
 from urbanverse_mjx.envs.navigation.living import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_kinds, slot_looks
@@ -164,7 +164,7 @@ def test_every_encounter_takes_place_where_there_is_room_and_nowhere_else() -> N
     few = Encounters(ConfigDict(dict.fromkeys(ENCOUNTERS, 1.0)), walkers=2)
     assert few.draw(keys[0], start, waypoints, lambda p: jnp.ones(p.shape)).mode.shape == (2,)  # type: ignore[union-attr]
     assert Encounters(ConfigDict({"talk": 0.0}), 9).draw(keys[0], start, waypoints, jnp.ones_like) is None
-    with pytest.raises(NounError, match="'dance'"):
+    with pytest.raises(ValidationError, match="'dance'"):
         Encounters(ConfigDict({"dance": 0.5}), 9)
 
 
@@ -173,12 +173,12 @@ def test_slots_are_sorted_and_looked_up(small_bank: SceneBank) -> None:
     kinds = slot_kinds(config)
     assert len(kinds) == 16
     assert kinds[-2:] == ("car", "car")
-    with pytest.raises(NounError, match="no look of a pedestrian"):
+    with pytest.raises(ValidationError, match="no look of a pedestrian"):
         slot_looks(kinds, small_bank)
     looks = {"kind": ["car", "pedestrian", "pedestrian"], "mesh": [0, 1, 2], "category": [0, 0, 0]}
     bank = dataclasses.replace(small_bank, meta={**small_bank.meta, "agents": looks})
     assert slot_looks(("pedestrian", "pedestrian", "pedestrian", "car"), bank) == (1, 2, 1, 0)
-    with pytest.raises(NounError, match="scenario"):
+    with pytest.raises(ValidationError, match="scenario"):
         unicycle_env(small_bank, {"scenario": "busy"})
 
 

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urbanverse_mjx.datatypes import Bodies, Contacts, NounError, SceneBank, SimState
+from urbanverse_mjx.datatypes import Bodies, Contacts, SceneBank, SimState, ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.navigation.movables import Movables, body_sizes
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
@@ -75,7 +75,7 @@ def test_sizes_belong_to_the_scenario_dynamic(small_bank: SceneBank) -> None:
     assert body_sizes(dynamic) == {"bodies": 8, "awake": 3, "hulls": 4}
     assert body_sizes(registry.with_overrides(dynamic, {"movable.bodies": 0})) is None
     assert body_sizes({"scenario": "dynamic"}) is None
-    with pytest.raises(NounError, match=r"config\.movable"):
+    with pytest.raises(ValidationError, match=r"config\.movable"):
         body_sizes(registry.with_overrides(dynamic, {"movable.awake": 9}))
     assert not (body_table(bank_for("clean", small_bank)).row >= 0).any()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.support.unicycle import unicycle_env
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import default_config, wrap_for_training
 from urbanverse_mjx.envs.navigation.schedule import EpisodeSchedule
 
@@ -89,5 +89,5 @@ def test_counts_outlive_episodes(small_bank: SceneBank) -> None:
     ],
 )
 def test_broken_schedules_are_refused(small_bank: SceneBank, values: dict[str, float], message: str) -> None:
-    with pytest.raises(NounError, match=message):
+    with pytest.raises(ValidationError, match=message):
         make(small_bank, **values)

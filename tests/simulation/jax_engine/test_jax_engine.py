@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.box_bank import box_bank
 from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
 
@@ -145,16 +145,16 @@ def test_every_hull_within_reach_has_a_slot(jax_engine: JaxEngine, small_bank: S
 
 def test_callers_mistakes_are_one_sentence(small_bank: SceneBank) -> None:
     robot = make_coco()
-    with pytest.raises(NounError, match="multiple of the physics step"):
+    with pytest.raises(ValidationError, match="multiple of the physics step"):
         JaxEngine(small_bank, robot, control_dt=0.125)
-    with pytest.raises(NounError, match="grid_reach"):
+    with pytest.raises(ValidationError, match="grid_reach"):
         JaxEngine(small_bank, robot, control_dt=0.5)
-    with pytest.raises(NounError, match="num_contacts"):
+    with pytest.raises(ValidationError, match="num_contacts"):
         JaxEngine(small_bank, robot, num_contacts=100_000)
     sphere = 'name="body_0" class="collision" type="sphere"'
     box = robot.mjcf.replace(sphere, sphere.replace("sphere", "box"))
     box = box.replace(f'size="{0.2}" pos', 'size="0.2 0.2 0.2" pos', 1)
-    with pytest.raises(NounError, match="another shape than a sphere"):
+    with pytest.raises(ValidationError, match="another shape than a sphere"):
         JaxEngine(small_bank, dataclasses.replace(robot, mjcf=box))
-    with pytest.raises(NounError, match="foot_geoms"):
+    with pytest.raises(ValidationError, match="foot_geoms"):
         JaxEngine(small_bank, dataclasses.replace(robot, foot_geoms=("paw",)))

@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.agent_looks import BOXES, with_box_agents
 from tests.support.box_bank import KERB, box_bank
-from urbanverse_mjx.datatypes import AgentMotion, NounError
+from urbanverse_mjx.datatypes import AgentMotion, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.rendering.renderer import AGENT_LABEL, Renderer
 
@@ -59,5 +59,5 @@ def test_nobody_is_seen_where_nobody_is(renderer: Renderer) -> None:
 
 
 def test_a_look_that_no_bank_has_is_refused() -> None:
-    with pytest.raises(NounError, match="agents"):
+    with pytest.raises(ValidationError, match="agents"):
         Renderer(box_bank(1, num_objects=1), None, 8, 8, agents=[3])

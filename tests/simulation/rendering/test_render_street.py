@@ -13,7 +13,7 @@ import warp as wp
 
 from benchmarks.lib.megakernel import SharedAssets, WorldBatch
 from tests.support.box_bank import box_bank
-from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.robots.coco import make_coco
 from urbanverse_mjx.simulation.rendering.model import build_render_model
 from urbanverse_mjx.simulation.rendering.pbr_private import eval_sh9, rotate_yaw
@@ -180,5 +180,5 @@ def test_primitives_are_closed_meshes_on_their_surfaces(name: str) -> None:
 
 
 def test_a_geom_without_a_surface_is_named() -> None:
-    with pytest.raises(NounError, match=r"mjGEOM_PLANE.*needed a mesh"):
+    with pytest.raises(ValidationError, match=r"mjGEOM_PLANE.*needed a mesh"):
         primitive_mesh(int(mujoco.mjtGeom.mjGEOM_PLANE), np.ones(3))

@@ -12,7 +12,7 @@ import pytest
 from tests.support import render_truth
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.assets.appearances.skies import build_sky
-from urbanverse_mjx.datatypes import NounError, RobotSpec, SceneBank
+from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.robots import load, make_coco
 from urbanverse_mjx.simulation.rendering.renderer import OUTPUTS, ROBOT_LABEL, SKY_LABEL, Renderer
 from urbanverse_mjx.simulation.rendering.settings import PBR_EXPOSURE
@@ -280,17 +280,17 @@ def test_pictures_look_as_committed(bank: SceneBank, robot: RobotSpec, places: c
 
 
 def test_errors_say_what_to_do(bank: SceneBank, robot: RobotSpec) -> None:
-    with pytest.raises(NounError, match=r"'colour'.*rgb, depth"):
+    with pytest.raises(ValidationError, match=r"'colour'.*rgb, depth"):
         Renderer(bank, robot, 8, 8, outputs=("colour",))
-    with pytest.raises(NounError, match=r"'rear'.*front_cam"):
+    with pytest.raises(ValidationError, match=r"'rear'.*front_cam"):
         Renderer(bank, robot, 8, 8, camera="rear")
-    with pytest.raises(NounError, match="at least one of each"):
+    with pytest.raises(ValidationError, match="at least one of each"):
         Renderer(bank, robot, 0, 8)
-    with pytest.raises(NounError, match=r"'shiny'.*pbr, matte"):
+    with pytest.raises(ValidationError, match=r"'shiny'.*pbr, matte"):
         Renderer(bank, robot, 8, 8, shading="shiny")
-    with pytest.raises(NounError, match="call `view`"):
+    with pytest.raises(ValidationError, match="call `view`"):
         Renderer(bank, None, 8, 8)(0, np.zeros((1, 3)), np.zeros((1, 4)))
-    with pytest.raises(NounError, match=r"jax\.vmap"):
+    with pytest.raises(ValidationError, match=r"jax\.vmap"):
         Renderer(bank, None, 8, 8).view(0, np.zeros((2, 3)), cases.DOWN, 1.0)
 
 
@@ -318,5 +318,5 @@ def test_looks_change_colours_and_nothing_else(
 
 
 def test_an_appearance_that_is_no_share_is_refused(bank: SceneBank) -> None:
-    with pytest.raises(NounError, match="appearance"):
+    with pytest.raises(ValidationError, match="appearance"):
         Renderer(bank, None, 9, 16, appearance=1.0)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.support.box_bank import KERB, box_bank, box_scenes
-from urbanverse_mjx.datatypes import AgentMotion, AgentShapes, NounError
+from urbanverse_mjx.datatypes import AgentMotion, AgentShapes, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
@@ -187,5 +187,5 @@ def test_without_agents_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPa
         monkeypatch.setattr(agent_slots, name, None)
     jaxpr = str(jax.make_jaxpr(engine.step)(state, np.zeros(engine.physics.model.nu, np.float32)))
     assert "jit" in jaxpr
-    with pytest.raises(NounError, match="2 of them"):
+    with pytest.raises(ValidationError, match="2 of them"):
         engine.step(state, np.zeros(engine.physics.model.nu), jax.tree.map(lambda x: x[0, 0], motions()))

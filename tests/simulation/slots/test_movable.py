@@ -12,7 +12,7 @@ import pytest
 from tests.support import pushing
 from tests.support.box_bank import box_bank
 from tests.support.pushing import Push, Thing
-from urbanverse_mjx.datatypes import NounError, SceneBank
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.mjcf import scene_mjcf
@@ -189,14 +189,14 @@ def test_more_bodies_in_reach_than_may_be_awake_are_told() -> None:
 
 def test_sizes_and_counts_are_checked() -> None:
     bank, robot = box_bank(1, num_objects=1), make_coco("differential")
-    with pytest.raises(NounError, match=r"movable\.awake"):
+    with pytest.raises(ValidationError, match=r"movable\.awake"):
         make_engine(bank, robot, impl="jax", movable=Sizes(2, 3, 4))
     engine = make_engine(bank, robot, impl="jax", control_dt=0.02, movable=Sizes(2, 1, 4))
-    with pytest.raises(NounError, match="3 of them"):
+    with pytest.raises(ValidationError, match="3 of them"):
         engine.init(0, np.zeros(11), np.zeros(10), np.full(3, -1))
     plain = make_engine(bank, robot, impl="jax", control_dt=0.02, movable=Sizes(0, 1, 4))
     assert plain.movable is None
-    with pytest.raises(NounError, match="2 of them"):
+    with pytest.raises(ValidationError, match="2 of them"):
         plain.init(0, np.zeros(11), np.zeros(10), np.full(2, -1))
 
 

@@ -13,7 +13,7 @@ import warp as wp
 
 from tests.support.box_bank import box_bank
 from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, starts
-from urbanverse_mjx.datatypes import NounError, SceneBank, SimState
+from urbanverse_mjx.datatypes import SceneBank, SimState, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation import engines
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
@@ -390,18 +390,18 @@ def test_engines_by_name(small_bank: SceneBank) -> None:
     assert made.num_substeps == 20
     assert made.physics.model.opt.timestep == 0.005
     assert isinstance(engines.make_engine(small_bank, robot, impl="jax"), JaxEngine)
-    with pytest.raises(NounError, match="impl: found 'cuda'"):
+    with pytest.raises(ValidationError, match="impl: found 'cuda'"):
         engines.make_engine(small_bank, robot, impl="cuda")
 
 
 def test_callers_mistakes_are_one_sentence(small_bank: SceneBank) -> None:
     robot = make_coco()
-    with pytest.raises(NounError, match="multiple of the physics step"):
+    with pytest.raises(ValidationError, match="multiple of the physics step"):
         WarpEngine(small_bank, robot, control_dt=0.125)
-    with pytest.raises(NounError, match="grid_reach"):
+    with pytest.raises(ValidationError, match="grid_reach"):
         WarpEngine(small_bank, robot, control_dt=0.5)
-    with pytest.raises(NounError, match="num_contacts"):
+    with pytest.raises(ValidationError, match="num_contacts"):
         WarpEngine(small_bank, robot, num_contacts=0)
     mocap = robot.mjcf.replace("<worldbody>", '<worldbody><body mocap="true"/>')
-    with pytest.raises(NounError, match="mocap bodies"):
+    with pytest.raises(ValidationError, match="mocap bodies"):
         WarpEngine(small_bank, dataclasses.replace(robot, mjcf=mocap))

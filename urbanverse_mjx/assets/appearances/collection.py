@@ -57,7 +57,7 @@ class Collection[R: Record]:
     """Records in a fixed order with filters, a text query, and thumbnails.
 
     Args:
-      noun: what one record is, for messages.
+      kind: what one record is, for messages.
       records: at least one.
       levels: fields that class the records, the wider first.
       filters: what may be asked for.
@@ -65,14 +65,14 @@ class Collection[R: Record]:
       pictures: where thumbnails come from.
 
     Raises:
-      NounError: a field of the records that neither a filter nor a meaning explains.
+      ValidationError: a field of the records that neither a filter nor a meaning explains.
     """
 
     def __init__(
-        self, noun: str, records: Sequence[R], levels: Sequence[str], filters: Sequence[Filter],
+        self, kind: str, records: Sequence[R], levels: Sequence[str], filters: Sequence[Filter],
         meanings: Mapping[str, str], pictures: Pictures,
     ) -> None:  # fmt: skip
-        self.noun = noun
+        self.kind = kind
         self._records = {record.uid: record for record in records}
         self._levels = tuple(levels)
         self._filters = {f.name: f for f in filters}
@@ -81,7 +81,7 @@ class Collection[R: Record]:
         known = {f.field for f in filters} | set(meanings)
         stray = [name for name in dataclasses.asdict(records[0]) if name not in known]  # pyright: ignore[reportArgumentType]
         if stray:
-            raise v.fail(f"field of a {noun}", repr(stray[0]), "a meaning", "add one beside the filters")
+            raise v.fail(f"field of a {kind}", repr(stray[0]), "a meaning", "add one beside the filters")
 
     def get_uids_all(self) -> list[str]:
         """Every uid, in the table's order."""
@@ -91,10 +91,10 @@ class Collection[R: Record]:
         """The names of a level, the widest being 1, in the table's order.
 
         Raises:
-          NounError: another level.
+          ValidationError: another level.
         """
         if level not in range(1, len(self._levels) + 1):
-            raise v.fail(f"level of a {self.noun}", v.show(level), f"1 to {len(self._levels)}")
+            raise v.fail(f"level of a {self.kind}", v.show(level), f"1 to {len(self._levels)}")
         return list(dict.fromkeys(getattr(record, self._levels[level - 1]) for record in self._records.values()))
 
     def filters(self) -> list[str]:
@@ -105,17 +105,17 @@ class Collection[R: Record]:
         """One record.
 
         Raises:
-          NounError: no such uid.
+          ValidationError: no such uid.
         """
         if uid not in self._records:
-            raise v.fail(self.noun, repr(uid), "a known uid", f"get_uids_all() lists all {len(self._records)}")
+            raise v.fail(self.kind, repr(uid), "a known uid", f"get_uids_all() lists all {len(self._records)}")
         return self._records[uid]
 
     def get_uids_conditioned(self, query: str | None = None, top_k: int = 100, **filters: object) -> list[str]:
         """Uids that meet every filter; with `query` the `top_k` that its words describe best, best first.
 
         Raises:
-          NounError: an unknown filter, an empty range, or a filter of the wrong form.
+          ValidationError: an unknown filter, an empty range, or a filter of the wrong form.
         """
         found = list(self._records.values())
         for name, wanted in filters.items():
@@ -161,7 +161,7 @@ class Collection[R: Record]:
         """What a field or a filter means and which values there are; all filters without a name.
 
         Raises:
-          NounError: no such field and no such filter.
+          ValidationError: no such field and no such filter.
         """
         if name in self._meanings:
             return f"{name}: {self._meanings[name]}"
@@ -180,7 +180,7 @@ class Collection[R: Record]:
 
     def _filter(self, name: str) -> Filter:
         if name not in self._filters:
-            raise v.fail(f"filter of a {self.noun}", repr(name), "one of " + ", ".join(self._filters))
+            raise v.fail(f"filter of a {self.kind}", repr(name), "one of " + ", ".join(self._filters))
         return self._filters[name]
 
     def _meets(self, record: R, name: str, wanted: object) -> bool:

@@ -272,7 +272,7 @@ def material_ids(kind: str) -> tuple[str, ...]:
     """Ids of the materials of a ground kind, in a fixed order.
 
     Raises:
-      NounError: `kind` has no materials.
+      ValidationError: `kind` has no materials.
     """
     v.choice(kind, "ground kind", dict.fromkeys(entry[0] for entry in _MATERIALS.values()))
     return tuple(i for i, entry in _MATERIALS.items() if entry[0] == kind)
@@ -297,7 +297,7 @@ def build_material(material_id: str) -> GroundMaterial:
       material_id: one of `material_ids`, or the uid ("road/...", "sidewalk/...") of one of the 288 of `grounds`.
 
     Raises:
-      NounError: no such material.
+      ValidationError: no such material.
     """
     if material_id.startswith(("road/", "sidewalk/")):
         return _from_maps(material_id)

@@ -16,7 +16,7 @@ from PIL import Image, UnidentifiedImageError
 from scipy import ndimage
 from skimage.color import rgb2hsv
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.settings import asset_root
 
@@ -83,7 +83,7 @@ def _sheet(name: str) -> dict[str, np.ndarray]:
     """uid -> thumbnail, from the stored sheet.
 
     Raises:
-      NounError: the sheet is missing, damaged, or does not fit the table.
+      ValidationError: the sheet is missing, damaged, or does not fit the table.
     """
     records, _, (height, width) = _SHEETS[name]
     path = asset_root() / name
@@ -112,7 +112,7 @@ class StoredSheet:
         """(n, h, w, 3) uint8.
 
         Raises:
-          NounError: the sheet is missing, damaged, or does not fit the table.
+          ValidationError: the sheet is missing, damaged, or does not fit the table.
         """
         return np.stack([_sheet(self.name)[uid] for uid in uids])
 
@@ -121,7 +121,7 @@ class StoredSheet:
         _sheet.cache_clear()
         try:
             _sheet(self.name)
-        except NounError as error:
+        except ValidationError as error:
             return [str(error)]
         return []
 
@@ -180,7 +180,7 @@ def library(name: str) -> Collection:
     """The collection "sky", "road" or "sidewalk".
 
     Raises:
-      NounError: another name.
+      ValidationError: another name.
     """
     collections = {"sky": sky, "road": road, "sidewalk": sidewalk}
     return collections[v.choice(name, "collection", collections)]
@@ -207,7 +207,7 @@ def rank_grounds(crops: np.ndarray | Sequence[np.ndarray], kind: str) -> list[tu
       (uid, mean squared error in [0, 1]).
 
     Raises:
-      NounError: no crop, a crop of another form, or another kind.
+      ValidationError: no crop, a crop of another form, or another kind.
     """
     uids, thumbnails = _flat_grounds(v.choice(kind, "kind of ground", ("road", "sidewalk")))
     flat = np.stack([_shrunk(c, (MATCH_SIZE, MATCH_SIZE)).ravel() for c in _checked(crops)]).astype(np.float32) / 255.0
@@ -233,7 +233,7 @@ def ground_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, 
     """`ground_descriptor` of the largest square of a picture (H, W, 3) uint8 that a mask (H, W) fills.
 
     Raises:
-      NounError: an empty mask.
+      ValidationError: an empty mask.
     """
     _checked(picture)
     padded = np.pad(np.asarray(mask, bool), 1)
@@ -265,7 +265,7 @@ def ground_errors(descriptor: Sequence[int] | np.ndarray, others: np.ndarray) ->
     """(n,) mean squared error in [0, 1] of a ground descriptor against (n, 64) others.
 
     Raises:
-      NounError: not 64 numbers.
+      ValidationError: not 64 numbers.
     """
     wanted = np.asarray(descriptor, np.float64)
     if wanted.shape != (64,):
@@ -277,7 +277,7 @@ def rank_ground_descriptors(descriptor: Sequence[int] | np.ndarray, kind: str) -
     """All materials of a kind by mean squared error against a `ground_descriptor`, best first: (uid, error in [0, 1]).
 
     Raises:
-      NounError: not 64 numbers, or a kind other than "road" and "sidewalk".
+      ValidationError: not 64 numbers, or a kind other than "road" and "sidewalk".
     """
     uids, table = _ground_descriptors(v.choice(kind, "kind of ground", ("road", "sidewalk")))
     errors = ground_errors(descriptor, table)
@@ -314,7 +314,7 @@ def sky_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...
     end the sky reaches down into haze and far land.
 
     Raises:
-      NounError: an empty mask.
+      ValidationError: an empty mask.
     """
     _checked(picture)
     mask = np.asarray(mask, bool)
@@ -352,7 +352,7 @@ def own_ground_descriptor(uid: str) -> tuple[int, ...]:
     """The descriptor that finds a material of the collection ("road/...", "sidewalk/...") first.
 
     Raises:
-      NounError: no such material.
+      ValidationError: no such material.
     """
     uids, table = _ground_descriptors(v.choice(uid.partition("/")[0], "kind of ground", ("road", "sidewalk")))
     return tuple(int(x) for x in table[list(uids).index(v.choice(uid, "ground material", uids))])
@@ -362,7 +362,7 @@ def own_sky_descriptor(uid: str) -> tuple[int, ...]:
     """The descriptor that finds a sky of the collection first: what a street camera sees of it.
 
     Raises:
-      NounError: no such sky.
+      ValidationError: no such sky.
     """
     uids, table = _sky_descriptors()
     return tuple(int(x) for x in table[uids.index(v.choice(uid, "sky", uids))])
@@ -375,7 +375,7 @@ def rank_skies(descriptor: Sequence[int]) -> list[tuple[str, float]]:
       descriptor: 64 numbers from `sky_descriptor`.
 
     Raises:
-      NounError: not 64 numbers.
+      ValidationError: not 64 numbers.
     """
     wanted = np.asarray(descriptor, np.float64)
     if wanted.shape != (64,) or not wanted.any():

@@ -358,7 +358,7 @@ def build_sky(sky_id: str) -> Sky:
       sky_id: one of `sky_ids`, or the uid of one of the 306 skies of `sky_maps`.
 
     Raises:
-      NounError: no such sky.
+      ValidationError: no such sky.
     """
     if sky_id in _map_uids():
         return _from_map(sky_id)

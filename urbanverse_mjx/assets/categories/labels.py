@@ -13,7 +13,7 @@ import io
 import pathlib
 from collections.abc import Iterator, Mapping, Sequence
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root
 
@@ -48,13 +48,13 @@ def mapped_labels() -> dict[tuple[str, str], Mapped]:
     """(vocabulary, label) -> mapping, all of the stored table.
 
     Raises:
-      NounError: a row is not valid or stands twice.
+      ValidationError: a row is not valid or stands twice.
     """
     table: dict[tuple[str, str], Mapped] = {}
     for where, row in read_rows(asset_root() / "labels.csv", COLUMNS):
         key = row["vocabulary"], row["label"]
         if row["vocabulary"] not in FILES or key in table:
-            raise NounError(f"{where}: found {key}, needed each label of a known vocabulary once.")
+            raise ValidationError(f"{where}: found {key}, needed each label of a known vocabulary once.")
         if row["leaf"]:
             ontology.category_of(row["leaf"])
         table[key] = Mapped(*key, row["leaf"] or None, row["how"])
@@ -65,10 +65,10 @@ def leaf_of_label(vocabulary: str, label: str) -> str | None:
     """The leaf of a vocabulary's label, None where it has none. OSM labels read "key=value".
 
     Raises:
-      NounError: no such vocabulary or label.
+      ValidationError: no such vocabulary or label.
     """
     if (vocabulary, label) not in mapped_labels():
-        raise NounError(
+        raise ValidationError(
             f"label: found {label!r} of {vocabulary!r}, needed a label of one of {', '.join(FILES)}; "
             "free text goes through `match_label`."
         )
@@ -79,7 +79,7 @@ def read_vocabularies(folder: pathlib.Path) -> dict[str, list[str]]:
     """vocabulary -> its labels in order, each once.
 
     Raises:
-      NounError: a file is missing.
+      ValidationError: a file is missing.
     """
     return {name: list(dict.fromkeys(_read(folder / file))) for name, file in FILES.items()}
 
@@ -96,13 +96,13 @@ def map_labels(vocabularies: Mapping[str, Sequence[str]]) -> list[Mapped]:
     """Every label mapped: by decision, else by a leaf's name, else by a synonym.
 
     Raises:
-      NounError: a label is covered by none of them, or a decision speaks of a label that does not exist.
+      ValidationError: a label is covered by none of them, or a decision speaks of a label that does not exist.
     """
     decisions = _decisions()
     known = {(name, label) for name, labels in vocabularies.items() for label in labels}
     stray = sorted(set(decisions) - known)
     if stray:
-        raise NounError(f"label_decisions.csv: found {stray[0]}, needed labels of the vocabularies.")
+        raise ValidationError(f"label_decisions.csv: found {stray[0]}, needed labels of the vocabularies.")
     rows, open_labels = [], []
     for name, labels in vocabularies.items():
         for label in labels:
@@ -118,7 +118,7 @@ def map_labels(vocabularies: Mapping[str, Sequence[str]]) -> list[Mapped]:
             how = NAME if ontology.normalised(text) == ontology.normalised(leaf) else SYNONYM
             rows.append(Mapped(name, label, leaf, how))
     if open_labels:
-        raise NounError(
+        raise ValidationError(
             f"labels: found {len(open_labels)} without a leaf, needed a synonym or a row in label_decisions.csv "
             f"for each: {'; '.join(open_labels[:5])}."
         )
@@ -136,7 +136,7 @@ def save_labels(rows: Sequence[Mapped], path: pathlib.Path) -> pathlib.Path:
 
 def _read(path: pathlib.Path) -> Iterator[str]:
     if not path.is_file():
-        raise NounError(f"{path}: found no such file, needed the list of labels of a vocabulary.")
+        raise ValidationError(f"{path}: found no such file, needed the list of labels of a vocabulary.")
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".csv":
         for row in csv.DictReader(io.StringIO(text)):
@@ -150,7 +150,7 @@ def _decisions() -> dict[tuple[str, str], str | None]:
     for where, row in read_rows(asset_root() / "label_decisions.csv", ("vocabulary", "label", "leaf")):
         key = row["vocabulary"], row["label"]
         if key in decisions:
-            raise NounError(f"{where}: found {key} twice, needed one decision.")
+            raise ValidationError(f"{where}: found {key} twice, needed one decision.")
         if row["leaf"]:
             ontology.category_of(row["leaf"])
         decisions[key] = row["leaf"] or None

@@ -9,7 +9,7 @@ import functools
 import pathlib
 from collections.abc import Iterator
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
 AIR = "air"
@@ -62,18 +62,18 @@ def read_rows(path: pathlib.Path, columns: tuple[str, ...]) -> Iterator[tuple[st
     """(place, row) for each row of a CSV file with exactly these columns.
 
     Raises:
-      NounError: the file is missing, or its columns are others, or a row has more or fewer cells.
+      ValidationError: the file is missing, or its columns are others, or a row has more or fewer cells.
     """
     if not path.is_file():
-        raise NounError(f"{path}: found no such file, needed a table of the asset index; restore it from git.")
+        raise ValidationError(f"{path}: found no such file, needed a table of the asset index; restore it from git.")
     with path.open(encoding="utf-8", newline="") as file:
         lines = csv.reader(file)
         head = tuple(next(lines, []))
         if head != columns:
-            raise NounError(f"{path.name}: found the columns {head}, needed {columns}.")
+            raise ValidationError(f"{path.name}: found the columns {head}, needed {columns}.")
         for number, cells in enumerate(lines, start=2):
             if len(cells) != len(columns):
-                raise NounError(f"{path.name}:{number}: found {len(cells)} cells, needed {len(columns)}.")
+                raise ValidationError(f"{path.name}:{number}: found {len(cells)} cells, needed {len(columns)}.")
             yield f"{path.name}:{number}", dict(zip(columns, cells, strict=True))
 
 
@@ -81,14 +81,14 @@ def number(text: str, where: str, low: float = 0.0, high: float = float("inf")) 
     """The number in a cell, `low <= x <= high`.
 
     Raises:
-      NounError: it is none, or out of range.
+      ValidationError: it is none, or out of range.
     """
     try:
         value = float(text)
     except ValueError as error:
-        raise NounError(f"{where}: found {text!r}, needed a number.") from error
+        raise ValidationError(f"{where}: found {text!r}, needed a number.") from error
     if not low <= value <= high:
-        raise NounError(f"{where}: found {value:g}, needed a number from {low:g} to {high:g}.")
+        raise ValidationError(f"{where}: found {value:g}, needed a number from {low:g} to {high:g}.")
     return value
 
 
@@ -104,7 +104,7 @@ def materials() -> dict[str, Material]:
     """name -> material, all of the table.
 
     Raises:
-      NounError: a row is not valid, or names a source that is not listed.
+      ValidationError: a row is not valid, or names a source that is not listed.
     """
     columns = ("material", *(f.name for f in dataclasses.fields(Material) if f.name != "name"))
     limits = {
@@ -117,15 +117,15 @@ def materials() -> dict[str, Material]:
     for where, row in read_rows(asset_root() / "materials.csv", columns):
         name = row.pop("material")
         if not name or name == AIR or name in table:
-            raise NounError(f"{where}: found {name!r}, needed a new material name (air has no row).")
+            raise ValidationError(f"{where}: found {name!r}, needed a new material name (air has no row).")
         values = {key: number(row[key], f"{where} {key}", *limits[key]) for key in limits}
         values |= {key: number(row[key], f"{where} {key}", 0.0, 1.0) for key in _SHARES}
         words = {key: text for key, text in row.items() if key not in values}
         if words["hardness"] not in HARDNESS or words["finish"] not in FINISHES:
-            raise NounError(f"{where}: found {words['hardness']!r}, {words['finish']!r}, needed official words.")
+            raise ValidationError(f"{where}: found {words['hardness']!r}, {words['finish']!r}, needed official words.")
         for key in ("density_source", "friction_source"):
             if words[key] not in sources():
-                raise NounError(f"{where}: found the source {words[key]!r}, needed a key of sources.csv.")
+                raise ValidationError(f"{where}: found the source {words[key]!r}, needed a key of sources.csv.")
         table[name] = Material(name=name, **values, **words)  # pyright: ignore[reportArgumentType]
     return table
 
@@ -137,8 +137,8 @@ def material(name: str) -> Material:
     """One material.
 
     Raises:
-      NounError: the table has none of this name.
+      ValidationError: the table has none of this name.
     """
     if name not in materials():
-        raise NounError(f"material: found {name!r}, needed one of {', '.join(sorted(materials()))}.")
+        raise ValidationError(f"material: found {name!r}, needed one of {', '.join(sorted(materials()))}.")
     return materials()[name]

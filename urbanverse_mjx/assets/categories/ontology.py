@@ -10,11 +10,11 @@ import itertools
 import json
 import re
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
 
-class UnknownLabelError(NounError):
+class UnknownLabelError(ValidationError):
     """A label that matches no leaf; `nearest` holds the three nearest leaves, best first."""
 
     def __init__(self, label: str, nearest: tuple[str, ...]) -> None:
@@ -77,7 +77,9 @@ def _names() -> dict[str, str]:
         for other in others:
             key = normalised(other)
             if names.setdefault(key, leaf) != leaf:
-                raise NounError(f"synonyms.json: found {other!r} under {names[key]!r} and {leaf!r}, needed it once.")
+                raise ValidationError(
+                    f"synonyms.json: found {other!r} under {names[key]!r} and {leaf!r}, needed it once."
+                )
     for leaf in categories():
         names[normalised(leaf)] = leaf
     return names

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 
 from .materials import AIR, material
 from .priors import Make, Prior, prior
@@ -105,7 +105,7 @@ def sample(row: Prior, draws: Floats, measured: Measured | None = None) -> Physi
     friction, 11-12 build (people) or mass (what grows with nothing); the rest is spare.
 
     Raises:
-      NounError: measured values of another number of records, or not above 0.
+      ValidationError: measured values of another number of records, or not above 0.
     """
     count = len(draws)
     if measured is None:
@@ -136,7 +136,7 @@ def sample_uids(leaf: str, uids: Sequence[str], measured: Measured | None = None
 
     Raises:
       UnknownLabelError: no such leaf.
-      NounError: measured values that do not fit.
+      ValidationError: measured values that do not fit.
     """
     return sample(prior(leaf), uniforms(uids), measured)
 
@@ -156,7 +156,7 @@ def sample_meshes(
 
     Raises:
       UnknownLabelError: no such leaf.
-      NounError: arrays that do not fit.
+      ValidationError: arrays that do not fit.
     """
     row, draws = prior(leaf), uniforms(uids)
     make = None
@@ -275,7 +275,7 @@ def _mass(
 def _check(measured: Measured, count: int) -> None:
     shapes = (measured.extent.shape, measured.volume.shape)
     if shapes != ((count, 3), (count,)):
-        raise NounError(f"measured geometry: found arrays of {shapes}, needed {((count, 3), (count,))}.")
+        raise ValidationError(f"measured geometry: found arrays of {shapes}, needed {((count, 3), (count,))}.")
     values = np.concatenate((measured.extent.ravel(), measured.volume))
     if not (np.isfinite(values).all() and (values > 0).all()):
-        raise NounError("measured geometry: found a size or volume that is not above 0, needed metres and m^3.")
+        raise ValidationError("measured geometry: found a size or volume that is not above 0, needed metres and m^3.")

@@ -15,7 +15,7 @@ import functools
 from collections.abc import Mapping
 from typing import Any
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
 from . import ontology
@@ -165,7 +165,7 @@ def _range(text: str, where: str) -> Range:
     parts = text.split()
     values = tuple(number(part, where, 1e-4, 1e10) for part in parts)
     if len(values) != 3 or not values[0] <= values[1] <= values[2]:
-        raise NounError(f"{where}: found {text!r}, needed three rising numbers: least, median, greatest.")
+        raise ValidationError(f"{where}: found {text!r}, needed three rising numbers: least, median, greatest.")
     return values
 
 
@@ -176,7 +176,7 @@ def _make(text: str, fill: str, where: str) -> Make:
         material(name)
         shares[name] = number(percent, f"{where} share of {name}", 0.1, 100.0) / 100.0
     if abs(sum(shares.values()) - 1.0) > 1e-9:
-        raise NounError(f"{where}: found shares that sum to {100 * sum(shares.values()):g}, needed 100.")
+        raise ValidationError(f"{where}: found shares that sum to {100 * sum(shares.values()):g}, needed 100.")
     return Make(shares, number(fill, f"{where} fill", 1e-7, 1.0))
 
 
@@ -187,24 +187,26 @@ def _words(text: str) -> tuple[str, ...]:
 def _prior(row: dict[str, str], where: str) -> Prior:
     leaf = row["leaf"]
     if ontology.category_of(leaf)[1] != row["middle"]:
-        raise NounError(f"{where}: found {row['middle']!r} above {leaf!r}, needed {ontology.category_of(leaf)[1]!r}.")
+        raise ValidationError(
+            f"{where}: found {row['middle']!r} above {leaf!r}, needed {ontology.category_of(leaf)[1]!r}."
+        )
     for key, options in _CHOICES.items():
         if row[key] not in options:
-            raise NounError(f"{where} {key}: found {row[key]!r}, needed one of {', '.join(options)}.")
+            raise ValidationError(f"{where} {key}: found {row[key]!r}, needed one of {', '.join(options)}.")
     for key in _FLAGS:
         if row[key] not in ("yes", "no"):
-            raise NounError(f"{where} {key}: found {row[key]!r}, needed yes or no.")
+            raise ValidationError(f"{where} {key}: found {row[key]!r}, needed yes or no.")
     mixes, fills = row["materials"].split(" / "), row["fill"].split(" / ")
     if len(mixes) != len(fills):
-        raise NounError(f"{where}: found {len(mixes)} makes and {len(fills)} fills, needed one fill for each.")
+        raise ValidationError(f"{where}: found {len(mixes)} makes and {len(fills)} fills, needed one fill for each.")
     sizes = {key: _range(row[key], f"{where} {key}") for key in ("length", "width", "height", "mass")}
     if sizes["length"][1] < sizes["width"][1]:
-        raise NounError(f"{where}: found a median width above the length, needed length >= width.")
+        raise ValidationError(f"{where}: found a median width above the length, needed length >= width.")
     if not row["note"]:
-        raise NounError(f"{where}: found no note, needed the reason of the row.")
+        raise ValidationError(f"{where}: found no note, needed the reason of the row.")
     key = row["note"].partition(":")[0]
     if row["basis"] == "published" and not (key in sources() and sources()[key].address):
-        raise NounError(f"{where}: found {key!r} as its source, needed the key of a page in sources.csv.")
+        raise ValidationError(f"{where}: found {key!r} as its source, needed the key of a page in sources.csv.")
     values: dict[str, Any] = {
         **sizes,
         **{key: row[key] for key in (*_CHOICES, "note")},
@@ -225,16 +227,16 @@ def priors() -> dict[str, Prior]:
     """leaf -> prior, all leaves of the ontology in its order.
 
     Raises:
-      NounError: a row is not valid, a leaf stands twice, or one has no row.
+      ValidationError: a row is not valid, a leaf stands twice, or one has no row.
     """
     table: dict[str, Prior] = {}
     for where, row in read_rows(asset_root() / "priors.csv", _COLUMNS):
         if row["leaf"] in table:
-            raise NounError(f"{where}: found {row['leaf']!r} twice, needed one row per leaf.")
+            raise ValidationError(f"{where}: found {row['leaf']!r} twice, needed one row per leaf.")
         table[row["leaf"]] = _prior(row, where)
     missing = [leaf for leaf in ontology.categories() if leaf not in table]
     if missing:
-        raise NounError(f"priors.csv: found no row for {', '.join(missing[:5])}, needed one for every leaf.")
+        raise ValidationError(f"priors.csv: found no row for {', '.join(missing[:5])}, needed one for every leaf.")
     return table
 
 

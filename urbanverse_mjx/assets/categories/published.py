@@ -10,7 +10,7 @@ import functools
 import statistics
 from collections.abc import Mapping, Sequence
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
 from . import ontology
@@ -54,13 +54,15 @@ def published() -> tuple[Published, ...]:
     """All rows that count.
 
     Raises:
-      NounError: a row without any figure, or whose source is no page; a leaf that does not exist.
+      ValidationError: a row without any figure, or whose source is no page; a leaf that does not exist.
     """
     rows = []
     for where, row in read_rows(asset_root() / "published.csv", ("leaf", "thing", *QUANTITIES, "source")):
         figures = _figures(row, where)
         if row["source"] not in sources() or not sources()[row["source"]].address:
-            raise NounError(f"{where}: found the source {row['source']!r}, needed the key of a page in sources.csv.")
+            raise ValidationError(
+                f"{where}: found the source {row['source']!r}, needed the key of a page in sources.csv."
+            )
         values = {quantity: figures.get(quantity) for quantity in QUANTITIES}
         rows.append(Published(row["leaf"], row["thing"], **values, source=row["source"]))
     return tuple(rows)
@@ -71,14 +73,14 @@ def set_aside() -> tuple[SetAside, ...]:
     """The figures that were looked up and do not count.
 
     Raises:
-      NounError: a row without any figure, address or reason; a leaf that does not exist.
+      ValidationError: a row without any figure, address or reason; a leaf that does not exist.
     """
     columns = ("leaf", "thing", *QUANTITIES, "title", "address", "reason")
     rows = []
     for where, row in read_rows(asset_root() / "published_set_aside.csv", columns):
         figures = _figures(row, where)
         if not row["address"].startswith("http") or not row["reason"]:
-            raise NounError(f"{where}: found no address or no reason, needed both.")
+            raise ValidationError(f"{where}: found no address or no reason, needed both.")
         rows.append(SetAside(row["leaf"], row["thing"], figures, row["title"], row["address"], row["reason"]))
     return tuple(rows)
 
@@ -88,7 +90,7 @@ def _figures(row: Mapping[str, str], where: str) -> dict[str, float]:
     ontology.category_of(row["leaf"])
     figures = {k: number(row[k], f"{where} {k}", 1e-6) for k in QUANTITIES if row[k]}
     if not figures:
-        raise NounError(f"{where}: found no figure, needed a length, width, height or mass.")
+        raise ValidationError(f"{where}: found no figure, needed a length, width, height or mass.")
     return figures
 
 

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, NounError
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, ValidationError
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root
 
@@ -101,8 +101,8 @@ def load_hulls(record: AssetRecord) -> HullSet:
     Never runs CoACD.
 
     Raises:
-      NounError: the store (the user's, for an imported asset) holds none for this mesh; the message names the command
-        that makes them.
+      ValidationError: the store (the user's, for an imported asset) holds none for this mesh; the message names the
+        command that makes them.
     """
     if record.recipe == FILE_RECIPE:
         return _file_hulls(record)
@@ -110,7 +110,7 @@ def load_hulls(record: AssetRecord) -> HullSet:
     key = mesh_key(mesh, hull_budget(mesh, get_recipe(record.recipe, record.leaf).hulls))
     found = _store().hulls.get(key)
     if found is None:
-        raise NounError(
+        raise ValidationError(
             f"asset {record.uid!r}: found no collision hulls for its mesh ({key}), needed them in {store_path().name}; "
             f"build the missing ones with `{BUILD_COMMAND}`."
         )
@@ -124,10 +124,12 @@ def _file_hulls(record: AssetRecord) -> HullSet:
     """The convex hulls of a record whose recipe is `file`, as they were made at its import.
 
     Raises:
-      NounError: the file of hulls is missing or holds none.
+      ValidationError: the file of hulls is missing or holds none.
     """
     path = mesh_file(record).with_name(HULLS)
     stored = list(HullStore.load(path).hulls.values())
     if len(stored) != 1:
-        raise NounError(f"asset {record.uid!r}: found {len(stored)} sets of hulls in {path}, needed one; {AGAIN}.")
+        raise ValidationError(
+            f"asset {record.uid!r}: found {len(stored)} sets of hulls in {path}, needed one; {AGAIN}."
+        )
     return HullSet(tuple(h.astype(np.float32) * np.float32(MILLIMETRE) for h in stored[0]))

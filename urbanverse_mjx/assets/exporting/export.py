@@ -9,7 +9,7 @@ import pathlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 from urbanverse_mjx.datatypes.validation import write_atomically, write_json
 
 from ..collision.hulls import load_hulls
@@ -51,7 +51,7 @@ def record_to_export(uid: str) -> AssetRecord:
     """A base shape, an imported asset, or any other record of the catalogue.
 
     Raises:
-      NounError: no such uid, or a catalogue that was not built (`make assets`).
+      ValidationError: no such uid, or a catalogue that was not built (`make assets`).
     """
     from ..selection.search import library
 
@@ -78,7 +78,7 @@ def export_mjcf(record: AssetRecord, path: Path) -> pathlib.Path:
     """Writes an asset as MJCF (`.xml`), with its visual mesh (`.obj`) and texture (`.png`) beside it.
 
     Raises:
-      NounError: the asset has no collision hulls.
+      ValidationError: the asset has no collision hulls.
     """
     path, mesh, hulls = pathlib.Path(path), build_mesh(record), load_hulls(record).hulls
     texture, visual = _beside(path, ".png"), _beside(path, ".obj")
@@ -91,7 +91,7 @@ def export_usd(record: AssetRecord, path: Path) -> pathlib.Path:
     """Writes an asset as USD (`.usda` as text, `.usdc` or `.usd` in binary), with its texture (`.png`) beside it.
 
     Raises:
-      NounError: the asset has no collision hulls, or usd-core is not installed.
+      ValidationError: the asset has no collision hulls, or usd-core is not installed.
     """
     path, mesh, hulls = pathlib.Path(path), build_mesh(record), load_hulls(record).hulls
     texture = _beside(path, ".png")
@@ -117,10 +117,10 @@ def export_asset(record: AssetRecord, folder: Path, form: str = "glb") -> pathli
     """Writes an asset into a folder of its own below `folder` (a lone file for GLB), with its annotation as JSON.
 
     Raises:
-      NounError: no such format, or the asset has no collision hulls and the format needs them.
+      ValidationError: no such format, or the asset has no collision hulls and the format needs them.
     """
     if form not in FORMATS:
-        raise NounError(f"export: found the format {form!r}, needed one of {', '.join(FORMATS)}.")
+        raise ValidationError(f"export: found the format {form!r}, needed one of {', '.join(FORMATS)}.")
     suffix, write = FORMATS[form]
     name = record.uid.replace("/", "--")
     place = pathlib.Path(folder) if form == "glb" else pathlib.Path(folder) / name

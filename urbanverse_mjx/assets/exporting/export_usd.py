@@ -27,7 +27,7 @@ def write_usd(
       texture_file: PNG, relative to the stage.
 
     Raises:
-      NounError: usd-core is not installed.
+      ValidationError: usd-core is not installed.
     """
     stage, root = usd_parts.new_stage(path, "/asset")
     from pxr import Kind, Usd, UsdGeom

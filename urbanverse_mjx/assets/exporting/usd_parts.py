@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, NounError
+from urbanverse_mjx.datatypes import AssetMesh, ValidationError
 
 from ..collision.rigid_body import RigidBody, convex_surface
 
@@ -19,10 +19,10 @@ def new_stage(path: pathlib.Path, root: str) -> tuple[Any, Any]:
     """A stage (`.usda` or `.usdc`) with its units, and its default prim, an Xform at `root`.
 
     Raises:
-      NounError: usd-core is not installed.
+      ValidationError: usd-core is not installed.
     """
     if importlib.util.find_spec("pxr") is None:
-        raise NounError("USD: found no module named pxr, needed usd-core; `pip install usd-core`.")
+        raise ValidationError("USD: found no module named pxr, needed usd-core; `pip install usd-core`.")
     from pxr import Usd, UsdGeom, UsdPhysics
 
     stage = Usd.Stage.CreateNew(str(path))

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 from urbanverse_mjx.datatypes import validation as v
 
 from ..categories import ontology
@@ -86,7 +86,7 @@ def checked(raw: Mapping[str, Any], where: str) -> tuple[dict[str, Any], list[st
         check = FIELDS.get(name)
         try:
             fields[name] = value if check is None else check(value, f"{where} {name}")
-        except NounError as error:
+        except ValidationError as error:
             complaints.append(str(error))
     return fields, complaints
 
@@ -102,7 +102,7 @@ def official_fields(mesh_path: pathlib.Path, folder: pathlib.Path, extras: Mappi
         inside(folder, path.parent, f"./{path.name}")
         try:
             raw = v.read_json(path, "annotation")
-        except NounError as error:
+        except ValidationError as error:
             raise RefusedFileError("bad annotation", str(error)) from error
         if not isinstance(raw, dict):
             raise RefusedFileError("bad annotation", f"has {path.name}, which is no JSON object")

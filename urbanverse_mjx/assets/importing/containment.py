@@ -11,7 +11,7 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.process_pool import end_with_parent
 
 from .screening import RefusedFileError
@@ -76,11 +76,11 @@ def check_workers() -> None:
     """Makes sure that processes start at all, before any file is blamed.
 
     Raises:
-      NounError: they do not, as under a script on standard input or one without a main guard.
+      ValidationError: they do not, as under a script on standard input or one without a main guard.
     """
     outcome = contained(os.getpid)
     if outcome.reason:
-        raise NounError(
+        raise ValidationError(
             f"worker process: found that none starts ({outcome.sentence}), needed one; call this from a script file "
             'under `if __name__ == "__main__":`, or use the command line.'
         )
@@ -111,7 +111,7 @@ def _child(there: Connection, bounds: Bounds, function: Callable[..., Any], args
         outcome = Outcome(function(*args))
     except RefusedFileError as error:
         outcome = Outcome(reason=error.reason, sentence=error.sentence)
-    except NounError as error:
+    except ValidationError as error:
         outcome = Outcome(reason=UNABLE, sentence=str(error))
     except MemoryError:
         outcome = Outcome(reason=MEMORY, sentence=f"needs more than {bounds.memory} bytes")

@@ -18,7 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from urbanverse_mjx import versions
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 from urbanverse_mjx.datatypes.validation import write_atomically, write_json
 from urbanverse_mjx.settings import VisionEndpoint, imported_assets
 
@@ -98,12 +98,12 @@ def import_folder(
       progress: called with (files done, files in all, entry) as each file ends.
 
     Raises:
-      NounError: no such folder, no mesh file in it, another import is running, or no process can be started.
+      ValidationError: no such folder, no mesh file in it, another import is running, or no process can be started.
     """
     folder, root = pathlib.Path(folder).absolute(), imported_assets()
     files = list(mesh_files(folder))
     if not files:
-        raise NounError(f"{folder}: found no file ending in {', '.join(SUFFIXES)}, needed at least one.")
+        raise ValidationError(f"{folder}: found no file ending in {', '.join(SUFFIXES)}, needed at least one.")
     check_workers()
     root.mkdir(parents=True, exist_ok=True)
     with _alone(root), (root / JOURNAL).open("a", encoding="utf-8") as journal:
@@ -122,7 +122,7 @@ def import_folder(
 def mesh_files(folder: pathlib.Path) -> Iterator[pathlib.Path]:
     """The mesh files below a folder, by name; links to folders are not followed."""
     if not folder.is_dir():
-        raise NounError(f"{folder}: found no such folder, needed one with mesh files.")
+        raise ValidationError(f"{folder}: found no such folder, needed one with mesh files.")
     for place, folders, names in os.walk(folder):
         folders.sort()
         yield from (pathlib.Path(place, n) for n in sorted(names) if pathlib.Path(n).suffix.lower() in SUFFIXES)
@@ -156,7 +156,7 @@ def _alone(root: pathlib.Path) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise NounError(
+            raise ValidationError(
                 f"{root}: found another import at work on it, needed it alone; wait for its end."
             ) from error
         yield

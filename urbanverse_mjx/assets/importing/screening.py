@@ -14,7 +14,7 @@ import urllib.parse
 from collections.abc import Iterator
 from typing import Any
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 SUFFIXES = (".glb", ".gltf", ".obj")
 # Bytes of one element by component type, and elements by kind (glTF 2.0, section 3.6.2).
@@ -39,7 +39,7 @@ class Limits:
 LIMITS = Limits()
 
 
-class RefusedFileError(NounError):
+class RefusedFileError(ValidationError):
     """A file that is not read; `reason` is one of a few fixed words, the message one sentence."""
 
     def __init__(self, reason: str, sentence: str) -> None:

@@ -8,7 +8,7 @@ import urllib.request
 from collections.abc import Sequence
 from typing import Any
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import VisionEndpoint
 
 from ..categories import ontology
@@ -33,7 +33,7 @@ asset_composition_type (single, group, scene).
 Categories: {leaves}"""
 
 
-class VisionError(NounError):
+class VisionError(ValidationError):
     """The endpoint gave no usable answer."""
 
 

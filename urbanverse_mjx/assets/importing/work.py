@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, NounError
+from urbanverse_mjx.datatypes import AssetMesh, ValidationError
 
 from ..categories.priors import prior
 from ..collision.decompose import closed_surface, connected_pieces, decompose, signed_volume
@@ -66,7 +66,7 @@ def make_asset(task: Task) -> Made:
 
     Raises:
       RefusedFileError: the file must not or cannot be read, has no licence, or a broken annotation.
-      NounError: CoACD is needed and not installed.
+      ValidationError: CoACD is needed and not installed.
     """
     source = read_source(task.path, task.folder)
     said = official_fields(task.path, task.folder, source.extras)
@@ -187,7 +187,7 @@ def draw(staging: pathlib.Path, mesh_name: str) -> None:
     """Draws a GLB's four views, `view_0.png` (the front) to `view_3.png`, counter-clockwise.
 
     Raises:
-      NounError: no off-screen OpenGL.
+      ValidationError: no off-screen OpenGL.
     """
     import mujoco
     from PIL import Image
@@ -197,7 +197,7 @@ def draw(staging: pathlib.Path, mesh_name: str) -> None:
 
         pictures = render_views(read_glb(staging / mesh_name), VIEW_SIZE)
     except (ImportError, RuntimeError, AttributeError, OSError, mujoco.FatalError) as error:
-        raise NounError(f"no pictures: {type(error).__name__}: {str(error)[:120]}; try MUJOCO_GL=egl.") from error
+        raise ValidationError(f"no pictures: {type(error).__name__}: {str(error)[:120]}; try MUJOCO_GL=egl.") from error
     for k, picture in enumerate(pictures):
         Image.fromarray(picture).save(staging / view_name(k))
 

@@ -12,7 +12,7 @@ import dataclasses
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AgentLook, NounError
+from urbanverse_mjx.datatypes import AgentLook, ValidationError
 
 from .recipe import all_recipes
 
@@ -33,13 +33,15 @@ def agent_looks() -> tuple[AgentLook, ...]:
     """All of them.
 
     Raises:
-      NounError: a recipe is gone.
+      ValidationError: a recipe is gone.
     """
     recipes = {recipe.leaf: recipe for recipe in all_recipes()}
     looks = []
     for kind, leaf, variants in _LOOKS:
         if leaf not in recipes:
-            raise NounError(f"agent {kind!r}: found no recipe for {leaf!r}, needed one; mend assets/meshes/agents.py.")
+            raise ValidationError(
+                f"agent {kind!r}: found no recipe for {leaf!r}, needed one; mend assets/meshes/agents.py."
+            )
         for variant in variants:
             mesh = recipes[leaf].build(variant).mesh
             if kind in _SIDES:

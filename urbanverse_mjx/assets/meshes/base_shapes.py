@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 from scipy import sparse
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, ValidationError
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root
 
@@ -218,7 +218,7 @@ def load_shapes(path: str | os.PathLike[str] | None = None) -> Mapping[str, Base
     """uid -> base shape, of the packaged table or another one.
 
     Raises:
-      NounError: no such file.
+      ValidationError: no such file.
     """
     return _load_cached(pathlib.Path(path or asset_root() / FILE))
 
@@ -226,7 +226,7 @@ def load_shapes(path: str | os.PathLike[str] | None = None) -> Mapping[str, Base
 @functools.lru_cache(maxsize=4)
 def _load_cached(path: pathlib.Path) -> Mapping[str, BaseShape]:
     if not path.is_file():
-        raise NounError(
+        raise ValidationError(
             f"{path}: found no such file, needed the measures of the base shapes; "
             "build them with `python -m urbanverse_mjx.assets index`."
         )
@@ -251,12 +251,12 @@ def shape_of(record: AssetRecord) -> BaseShape:
     """The measures of a record of the base index.
 
     Raises:
-      NounError: the table has none, or those of another mesh under that uid.
+      ValidationError: the table has none, or those of another mesh under that uid.
     """
     shape = load_shapes().get(record.uid)
     if shape is None or np.abs(shape.extent - record.extent_xyz).max() > 1e-3:
         found = "none" if shape is None else f"a box of {np.round(shape.extent, 3).tolist()} m"
-        raise NounError(
+        raise ValidationError(
             f"base shape {record.uid!r}: found {found} in {FILE}, needed the measures of the index's record; "
             "write both with `python -m urbanverse_mjx.assets index`."
         )

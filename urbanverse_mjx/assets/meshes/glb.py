@@ -13,7 +13,7 @@ from trimesh.exchange import gltf
 from trimesh.visual.material import PBRMaterial
 from trimesh.visual.texture import TextureVisuals
 
-from urbanverse_mjx.datatypes import AssetMesh, NounError
+from urbanverse_mjx.datatypes import AssetMesh, ValidationError
 
 # glTF's frame is y up with its front along +z (glTF 2.0, section 3.4): our (x front, y left, z up) becomes (left, up,
 # front).
@@ -50,21 +50,21 @@ def read_glb(source: bytes | str | os.PathLike[str]) -> AssetMesh:
     """Reads a GLB of one textured mesh, as `glb_bytes` writes it, back into the asset frame.
 
     Raises:
-      NounError: not exactly one mesh, or a mesh without a base colour texture.
+      ValidationError: not exactly one mesh, or a mesh without a base colour texture.
     """
     body = source if isinstance(source, bytes) else pathlib.Path(source).read_bytes()
     scene = trimesh.load_scene(io.BytesIO(body), file_type="glb", process=False)
     solids = [g for g in scene.dump() if isinstance(g, trimesh.Trimesh)]
     if len(solids) != 1:
-        raise NounError(f"GLB: found {len(solids)} meshes, needed one; join them in the tool that made the file.")
+        raise ValidationError(f"GLB: found {len(solids)} meshes, needed one; join them in the tool that made the file.")
     visual = solids[0].visual
     material = getattr(visual, "material", None)
     if not isinstance(visual, TextureVisuals) or not isinstance(material, PBRMaterial) or visual.uv is None:
-        raise NounError(
+        raise ValidationError(
             "GLB: found a mesh without texture coordinates, needed a textured one; bake its colours to a texture."
         )
     if material.baseColorTexture is None:
-        raise NounError(
+        raise ValidationError(
             "GLB: found a material without an image, needed a base colour texture; bake its colours to one."
         )
     texture = np.asarray(material.baseColorTexture.convert("RGB"))

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import AssetMesh, HullSet, NounError
+from urbanverse_mjx.datatypes import AssetMesh, HullSet, ValidationError
 
 from ..categories import ontology
 from ..categories.physical import SIZE_STEP, sample_uids, uniforms
@@ -111,11 +111,13 @@ def place(leaf: str, uids: Sequence[str], extents: Floats) -> Placed:
 
     Raises:
       UnknownLabelError: no such leaf.
-      NounError: no base shape.
+      ValidationError: no base shape.
     """
     extents = np.asarray(extents, dtype=np.float64)
     if len(extents) == 0:
-        raise NounError(f"instances of {leaf!r}: found no base shape, needed at least one; write a recipe for it.")
+        raise ValidationError(
+            f"instances of {leaf!r}: found no base shape, needed at least one; write a recipe for it."
+        )
     drawn = sample_uids(leaf, uids)
     wanted = np.stack([drawn.length, drawn.width, drawn.height], axis=1)
     # The base's longer ground side takes the length, whichever way its front looks.

@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 from ..categories import ontology
 from .mesh_builder import BuiltAsset
@@ -80,14 +80,14 @@ def recipe(
       hull.
 
     Raises:
-      NounError: no such leaf, or the recipe is already registered for it.
+      ValidationError: no such leaf, or the recipe is already registered for it.
     """
     ontology.category_of(leaf)
 
     def register(function: RecipeFunction) -> RecipeFunction:
         name = f"{function.__module__.rsplit('.', 1)[-1]}.{function.__name__}"
         if (name, leaf) in _REGISTER:
-            raise NounError(
+            raise ValidationError(
                 f"recipe {name!r}: found it registered twice for {leaf!r}, needed one; rename one function."
             )
         _REGISTER[name, leaf] = Recipe(name, leaf, variants, physics, function, hulls)
@@ -113,11 +113,11 @@ def get_recipe(name: str, leaf: str) -> Recipe:
     """The recipe that an index record names.
 
     Raises:
-      NounError: it does not exist in this version of the package.
+      ValidationError: it does not exist in this version of the package.
     """
     _load_all()
     if (name, leaf) not in _REGISTER:
-        raise NounError(
+        raise ValidationError(
             f"asset recipe: found {name!r} for {leaf!r} in the index, needed one of this package's recipes; "
             "rebuild the index with `python -m urbanverse_mjx.assets index`."
         )

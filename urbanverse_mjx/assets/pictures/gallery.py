@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from urbanverse_mjx.datatypes import AssetMesh, NounError
+from urbanverse_mjx.datatypes import AssetMesh, ValidationError
 from urbanverse_mjx.datatypes.validation import write_atomically
 
 from ...geometry import rotations
@@ -206,7 +206,7 @@ def middle_sheets(
       progress: wraps the list of categories, e.g. in a progress bar.
 
     Raises:
-      NounError: no such middle category.
+      ValidationError: no such middle category.
     """
     leaves: dict[str, list[str]] = {}
     tops: dict[str, str] = {}
@@ -216,7 +216,7 @@ def middle_sheets(
             leaves.setdefault(middle, []).append(leaf)
     stray = [name for name in middles or () if name not in tops]
     if stray:
-        raise NounError(f"middle category: found {stray[0]!r}, needed one of {', '.join(tops)}.")
+        raise ValidationError(f"middle category: found {stray[0]!r}, needed one of {', '.join(tops)}.")
     paths = []
     for middle in progress([name for name in middles or tops if name in leaves]):
         path = pathlib.Path(folder) / f"{tops[middle]}-{middle}.png".replace(" ", "_")

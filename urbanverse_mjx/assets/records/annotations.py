@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from urbanverse_mjx import __version__
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 
 from ..categories import ontology
@@ -27,11 +27,11 @@ def explain(field: str) -> str:
     """What a field means, its unit, and where its values come from.
 
     Raises:
-      NounError: no such field.
+      ValidationError: no such field.
     """
     key = "attribute_*" if field.startswith("attribute_") else field
     if key not in fields():
-        raise NounError(f"annotation: found {field!r}, needed one of {', '.join(fields())}.")
+        raise ValidationError(f"annotation: found {field!r}, needed one of {', '.join(fields())}.")
     row = fields()[key]
     unit = f" ({row['unit']})" if row["unit"] else ""
     return f"{field}{unit}: {row['meaning']}. From: {row['origin']}."

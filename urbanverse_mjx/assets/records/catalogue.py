@@ -19,7 +19,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 
 from ..categories import ontology
 from ..categories.materials import AIR, material, materials
@@ -104,12 +104,12 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
 
     Raises:
       UnknownLabelError: no such leaf.
-      NounError: a count below 1.
+      ValidationError: a count below 1.
     """
     row = prior(leaf)
     count = leaf_counts()[leaf] if count is None else count
     if count < 1:
-        raise NounError(f"records of {leaf!r}: found {count}, needed at least 1.")
+        raise ValidationError(f"records of {leaf!r}: found {count}, needed at least 1.")
     bases = index.by_leaf(leaf)
     uids = [leaf_uid(leaf, k) for k in range(min(len(bases), count), count)]
     if not bases:

@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError, content_hash
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, ValidationError, content_hash
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root, imported_assets
 
@@ -57,7 +57,7 @@ class AssetIndex:
         self.records: tuple[AssetRecord, ...] = tuple(sorted(records, key=lambda r: r.uid))
         self._by_uid = {r.uid: r for r in self.records}
         if len(self._by_uid) != len(self.records):
-            raise NounError("asset index: found a uid twice, needed every uid once; rename a recipe.")
+            raise ValidationError("asset index: found a uid twice, needed every uid once; rename a recipe.")
         self._by_leaf: dict[str, list[AssetRecord]] = {}
         for record in self.records:
             self._by_leaf.setdefault(record.leaf, []).append(record)
@@ -83,10 +83,10 @@ class AssetIndex:
         """The record of a uid.
 
         Raises:
-          NounError: the index holds none.
+          ValidationError: the index holds none.
         """
         if uid not in self._by_uid:
-            raise NounError(
+            raise ValidationError(
                 f"asset uid: found {uid!r}, needed one of the index's {len(self.records)} records; "
                 "the layout may have been made with another index: materialise its scene graph again."
             )
@@ -178,8 +178,8 @@ def build_mesh(record: AssetRecord) -> AssetMesh:
     and tinted.
 
     Raises:
-      NounError: this version of the package has no such recipe, or builds something else under its name; or the file is
-        missing or not the one that was imported.
+      ValidationError: this version of the package has no such recipe, or builds something else under its name; or the
+        file is missing or not the one that was imported.
     """
     if record.recipe == FILE_RECIPE:
         return file_mesh(record)
@@ -188,7 +188,7 @@ def build_mesh(record: AssetRecord) -> AssetMesh:
         inner = record.params[instances.KEY]
         mesh = instances.scaled_mesh(mesh, inner["scale"], inner["tint"], record.leaf)
     if np.abs(mesh.extent - np.asarray(record.extent_xyz)).max() > 1e-3:
-        raise NounError(
+        raise ValidationError(
             f"asset {record.uid!r}: found a mesh of {np.round(mesh.extent, 3)} m, needed {list(record.extent_xyz)} m "
             f"as indexed; rebuild the index with `{REBUILD}`."
         )
@@ -199,7 +199,7 @@ def base_mesh(record: AssetRecord) -> AssetMesh:
     """The mesh that a record's recipe builds, before an instance scales it.
 
     Raises:
-      NounError: this version of the package has no such recipe.
+      ValidationError: this version of the package has no such recipe.
     """
     return _build_cached(record.recipe, record.leaf, int(record.params["variant"]))
 
@@ -228,7 +228,7 @@ def load_index(path: str | os.PathLike[str] | None = None) -> AssetIndex:
     """Reads the packaged index, or another one.
 
     Raises:
-      NounError: no such file, or a record that is not valid.
+      ValidationError: no such file, or a record that is not valid.
     """
     return _load_cached(pathlib.Path(path or asset_root() / "index.parquet"))
 
@@ -247,7 +247,7 @@ def full_index() -> AssetIndex:
 @functools.lru_cache(maxsize=4)
 def _load_cached(path: pathlib.Path) -> AssetIndex:
     if not path.is_file():
-        raise NounError(f"{path}: found no such file, needed the asset index; build it with `{REBUILD}`.")
+        raise ValidationError(f"{path}: found no such file, needed the asset index; build it with `{REBUILD}`.")
     return AssetIndex(_read_index(path))
 
 

@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.progress import track
 
 from urbanverse_mjx import versions
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 from urbanverse_mjx.datatypes.array_file import discard
 from urbanverse_mjx.datatypes.validation import write_atomically
 from urbanverse_mjx.settings import asset_root, cache_dir
@@ -66,13 +66,13 @@ def load_store(path: str | os.PathLike[str] | None = None) -> pa.Table:
     """The table of all records; made first where the cache holds none, or a damaged one, which is renamed.
 
     Raises:
-      NounError: a path is given and there is no such file, or the file is not a catalogue.
+      ValidationError: a path is given and there is no such file, or the file is not a catalogue.
     """
     if path is not None:
         return _load_cached(pathlib.Path(path))
     try:
         return _load_cached(ensure_store())
-    except NounError as error:
+    except ValidationError as error:
         discard(store_path(), str(error))
     return _load_cached(ensure_store())
 
@@ -86,16 +86,16 @@ def ensure_store() -> pathlib.Path:
 @functools.lru_cache(maxsize=2)
 def _load_cached(path: pathlib.Path) -> pa.Table:
     if not path.is_file():
-        raise NounError(f"{path}: found no such file, needed the catalogue; build it with `{BUILD_COMMAND}`.")
+        raise ValidationError(f"{path}: found no such file, needed the catalogue; build it with `{BUILD_COMMAND}`.")
     try:
         table = pq.read_table(path, page_checksum_verification=True)
     except (pa.ArrowInvalid, OSError) as error:
-        raise NounError(
+        raise ValidationError(
             f"{path}: found a file that is not whole ({str(error).splitlines()[0][:80]}), needed the catalogue; "
             f"build it again with `{BUILD_COMMAND}`."
         ) from error
     if table.schema.remove_metadata() != SCHEMA:
-        raise NounError(f"{path}: found other columns, needed the catalogue's; build it with `{BUILD_COMMAND}`.")
+        raise ValidationError(f"{path}: found other columns, needed the catalogue's; build it with `{BUILD_COMMAND}`.")
     return table
 
 
@@ -127,10 +127,10 @@ def record_of(row: Mapping[str, Any]) -> AssetRecord:
     """The `AssetRecord` of a row of the table, to build, place and export.
 
     Raises:
-      NounError: the row has no mesh.
+      ValidationError: the row has no mesh.
     """
     if row["recipe"] is None:
-        raise NounError(
+        raise ValidationError(
             f"asset {row['uid']!r}: found no base shape of {row['category']!r}, needed a recipe for that leaf; "
             "choose another leaf, or one that stands in for it (`AssetIndex.by_label`)."
         )

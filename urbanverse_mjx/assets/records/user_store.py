@@ -10,7 +10,7 @@ import pathlib
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, ValidationError
 from urbanverse_mjx.settings import imported_assets
 
 from ..meshes.glb import read_glb
@@ -25,13 +25,13 @@ def mesh_file(record: AssetRecord) -> pathlib.Path:
     """The GLB of a record whose recipe is `file`.
 
     Raises:
-      NounError: the record names no path, or one that leads out of the store.
+      ValidationError: the record names no path, or one that leads out of the store.
     """
     root = imported_assets()
     name = record.params.get("path")
     path = (root / name).resolve() if isinstance(name, str) and name else root
     if path == root or not path.is_relative_to(root.resolve()):
-        raise NounError(f"asset {record.uid!r}: found the mesh path {name!r}, needed a file inside {root}.")
+        raise ValidationError(f"asset {record.uid!r}: found the mesh path {name!r}, needed a file inside {root}.")
     return path
 
 
@@ -39,7 +39,7 @@ def file_mesh(record: AssetRecord) -> AssetMesh:
     """The mesh of a record whose recipe is `file`.
 
     Raises:
-      NounError: the file is missing, is another one than was imported, or has another box than the record says.
+      ValidationError: the file is missing, is another one than was imported, or has another box than the record says.
     """
     return _read(mesh_file(record), str(record.params.get("sha256")), record.extent_xyz, record.uid)
 
@@ -47,13 +47,13 @@ def file_mesh(record: AssetRecord) -> AssetMesh:
 @functools.lru_cache(maxsize=256)
 def _read(path: pathlib.Path, sha256: str, extent: tuple[float, ...], uid: str) -> AssetMesh:
     if not path.is_file():
-        raise NounError(f"asset {uid!r}: found no file {path}, needed its mesh; {AGAIN}.")
+        raise ValidationError(f"asset {uid!r}: found no file {path}, needed its mesh; {AGAIN}.")
     body = path.read_bytes()
     if hashlib.sha256(body).hexdigest() != sha256:
-        raise NounError(f"asset {uid!r}: found {path.name} changed, needed it as it was imported; {AGAIN}.")
+        raise ValidationError(f"asset {uid!r}: found {path.name} changed, needed it as it was imported; {AGAIN}.")
     mesh = read_glb(body)
     if np.abs(mesh.extent - np.asarray(extent)).max() > 1e-3:
-        raise NounError(
+        raise ValidationError(
             f"asset {uid!r}: found a mesh of {np.round(mesh.extent, 3)} m, needed {list(extent)} m as indexed; {AGAIN}."
         )
     return mesh

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 from ..meshes.base_shapes import CELLS, GRID, BaseShape
 from ..meshes.tints import hsv, tinted
@@ -68,12 +68,12 @@ def of_picture(picture: NDArray, mask: NDArray | None = None) -> NDArray[np.uint
       mask: (H, W) true on the thing; None for all of the picture.
 
     Raises:
-      NounError: other shapes, or an empty mask.
+      ValidationError: other shapes, or an empty mask.
     """
     picture = np.asarray(picture)
     mask = np.ones(picture.shape[:2], bool) if mask is None else np.asarray(mask, bool)
     if picture.ndim != 3 or picture.shape[2] != 3 or mask.shape != picture.shape[:2] or not mask.any():
-        raise NounError(
+        raise ValidationError(
             f"crop: found a picture {picture.shape} and a mask {mask.shape} with {int(mask.sum())} pixels, "
             "needed (H, W, 3) and (H, W) with at least one."
         )
@@ -106,11 +106,13 @@ class Looks:
         """(n,) distance to a descriptor: Hellinger's of the colours, and the least over the views of the silhouette's.
 
         Raises:
-          NounError: not a descriptor of ours.
+          ValidationError: not a descriptor of ours.
         """
         wanted = np.asarray(query, dtype=np.float64)
         if wanted.shape != (SIZE,):
-            raise NounError(f"descriptor: found {wanted.shape} numbers, needed ({SIZE},) as `of_picture` makes them.")
+            raise ValidationError(
+                f"descriptor: found {wanted.shape} numbers, needed ({SIZE},) as `of_picture` makes them."
+            )
         wanted = wanted / 255.0
         colors = np.sqrt(np.maximum(1.0 - self.colors @ wanted[:COLORS], 0.0))
         layout = np.abs(self.layouts - wanted[COLORS : COLORS + LAYOUT]).mean(-1)

@@ -15,7 +15,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 
 @runtime_checkable
@@ -68,10 +68,10 @@ def library(name: str) -> Library:
     """The collection of that name; where a module serves several, its `library` takes the name.
 
     Raises:
-      NounError: no such collection.
+      ValidationError: no such collection.
     """
     if name not in MODULES:
-        raise NounError(f"library: found {name!r}, needed one of {', '.join(MODULES)}.")
+        raise ValidationError(f"library: found {name!r}, needed one of {', '.join(MODULES)}.")
     module = importlib.import_module(f"urbanverse_mjx.assets.{MODULES[name]}")
     several = list(MODULES.values()).count(MODULES[name]) > 1
     return module.library(name) if several else module.library()

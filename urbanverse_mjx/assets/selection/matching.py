@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import NounError
+from urbanverse_mjx.datatypes import ValidationError
 
 from ..categories.semantics import TextEmbedder, rank_leaves
 from ..meshes import instances
@@ -83,11 +83,11 @@ class Matcher:
 
         Raises:
           UnknownLabelError: the label means nothing.
-          NounError: a size not above 0, a descriptor that is not ours.
+          ValidationError: a size not above 0, a descriptor that is not ours.
         """
         box = np.asarray(size, dtype=np.float64)
         if box.shape != (3,) or not (np.isfinite(box).all() and (box > 0).all()):
-            raise NounError(f"size: found {list(size)}, needed three lengths above 0 m.")
+            raise ValidationError(f"size: found {list(size)}, needed three lengths above 0 m.")
         leaves = [self._leaf(leaf) for leaf in self.leaves(label, text)]
         extents = np.concatenate([leaf.extents for leaf in leaves])
         distortion, turned = distortions(box, extents, turn_gain)
@@ -132,7 +132,9 @@ class Matcher:
         if not found:
             found = [name for leaf, _ in ranked if (name := self._index.stand_in(leaf))][:1]
         if not found:
-            raise NounError(f"label {label!r}: found no leaf with shapes like it, needed one; write a recipe for it.")
+            raise ValidationError(
+                f"label {label!r}: found no leaf with shapes like it, needed one; write a recipe for it."
+            )
         return list(dict.fromkeys(found))
 
     def _leaf(self, name: str) -> "_Leaf":

@@ -38,7 +38,7 @@ class SentenceEmbedder:
         """Loads a sentence-transformers model by name or folder.
 
         Raises:
-          NounError: the package or the weights are not there.
+          ValidationError: the package or the weights are not there.
         """
         package = _module("sentence_transformers")
         return SentenceEmbedder(_loaded("sentence model", lambda: package.SentenceTransformer(model), model))
@@ -61,7 +61,7 @@ class PictureEmbedder:
         """Loads a DINOv2 model by name or folder, onto the GPU where there is one.
 
         Raises:
-          NounError: the packages or the weights are not there.
+          ValidationError: the packages or the weights are not there.
         """
         torch, package = _module("torch"), _module("transformers")
         network = _loaded("picture model", lambda: package.AutoModel.from_pretrained(model), model)

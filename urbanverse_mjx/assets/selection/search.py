@@ -19,7 +19,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from urbanverse_mjx.datatypes import AssetRecord, NounError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError
 
 from ..categories import ontology
 from ..categories.semantics import TextEmbedder, rank_leaves
@@ -78,11 +78,11 @@ class ObjectLibrary:
         """The names of a level of the tree: 1 (8 of them), 2 (59) or 3 (659), in the ontology's order.
 
         Raises:
-          NounError: another level.
+          ValidationError: another level.
         """
         digit = str(level).strip().lower().removeprefix("class_name_").removeprefix("l")
         if digit not in ("1", "2", "3"):
-            raise NounError(f"level: found {level!r}, needed 1, 2 or 3.")
+            raise ValidationError(f"level: found {level!r}, needed 1, 2 or 3.")
         return list(dict.fromkeys(levels[int(digit) - 1] for levels in ontology.categories().values()))
 
     def filters(self) -> list[str]:
@@ -109,7 +109,7 @@ class ObjectLibrary:
             synonyms included.
 
         Raises:
-          NounError: an unknown filter or value, a range that is empty, a query that means nothing.
+          ValidationError: an unknown filter or value, a range that is empty, a query that means nothing.
         """
         mask = self.mask(**conditions)
         if query is None:
@@ -123,16 +123,16 @@ class ObjectLibrary:
         """(n,) which records meet all conditions.
 
         Raises:
-          NounError: an unknown filter or value.
+          ValidationError: an unknown filter or value.
         """
         mask = np.ones(self.table.num_rows, bool)
         for name, value in conditions.items():
             if value is None:
                 continue
             if name in UNANSWERED:
-                raise NounError(f"filter {name!r}: found {value!r}, needed another filter: {UNANSWERED[name]}.")
+                raise ValidationError(f"filter {name!r}: found {value!r}, needed another filter: {UNANSWERED[name]}.")
             if name not in self._filters:
-                raise NounError(f"filter: found {name!r}, needed one of {', '.join(self.filters())}.")
+                raise ValidationError(f"filter: found {name!r}, needed one of {', '.join(self.filters())}.")
             mask &= self._filters[name](value)
         return mask
 
@@ -142,7 +142,7 @@ class ObjectLibrary:
         """uid -> official field -> value.
 
         Raises:
-          NounError: no such uid.
+          ValidationError: no such uid.
         """
         return {row["uid"]: annotations.annotation(row) for row in self._take(uids)}
 
@@ -150,7 +150,7 @@ class ObjectLibrary:
         """The record to build, place and export.
 
         Raises:
-          NounError: no such uid, or one without a mesh.
+          ValidationError: no such uid, or one without a mesh.
         """
         return self.records([uid])[0]
 
@@ -158,7 +158,7 @@ class ObjectLibrary:
         """The records of several uids, in their order.
 
         Raises:
-          NounError: no such uid, or one without a mesh.
+          ValidationError: no such uid, or one without a mesh.
         """
         return [record_of(row) for row in self._take(uids)]
 
@@ -166,7 +166,7 @@ class ObjectLibrary:
         """uid -> (H, W, 3) uint8 picture, drawn where the cache has none (needs an OpenGL that renders off screen).
 
         Raises:
-          NounError: no such uid, or one without a mesh.
+          ValidationError: no such uid, or one without a mesh.
         """
         from ..pictures.thumbnails import thumbnail
 
@@ -176,7 +176,7 @@ class ObjectLibrary:
         """What a field means, its unit, and where its values come from.
 
         Raises:
-          NounError: no such field.
+          ValidationError: no such field.
         """
         return annotations.explain(field)
 
@@ -194,16 +194,16 @@ class ObjectLibrary:
 
     def _in_range(self, column: str, name: str, bounds: Range) -> Mask:
         if not isinstance(bounds, Sequence) or len(bounds) != 2:
-            raise NounError(f"filter {name!r}: found {bounds!r}, needed (least, greatest).")
+            raise ValidationError(f"filter {name!r}: found {bounds!r}, needed (least, greatest).")
         low, high = (-np.inf if bounds[0] is None else bounds[0]), (np.inf if bounds[1] is None else bounds[1])
         if not low <= high:
-            raise NounError(f"filter {name!r}: found {bounds!r}, needed least <= greatest.")
+            raise ValidationError(f"filter {name!r}: found {bounds!r}, needed least <= greatest.")
         values = self.column(column)
         return (values >= low) & (values <= high)
 
     def _is(self, name: str, wanted: bool) -> Mask:
         if not isinstance(wanted, bool):
-            raise NounError(f"filter {name!r}: found {wanted!r}, needed True or False.")
+            raise ValidationError(f"filter {name!r}: found {wanted!r}, needed True or False.")
         return self.column(name) == wanted
 
     def _one_of(self, name: str, wanted: str | Sequence[str]) -> Mask:
@@ -234,7 +234,7 @@ class ObjectLibrary:
         stray = [word for word in words if word not in names]
         if stray or not words:
             found = repr(stray[0]) if stray else "an empty list"
-            raise NounError(f"filter {name!r}: found {found}, needed some of {', '.join(sorted(names))}.")
+            raise ValidationError(f"filter {name!r}: found {found}, needed some of {', '.join(sorted(names))}.")
         return words
 
     # Columns, decoded once --------------------------------------------------------------------------------------------
@@ -280,7 +280,7 @@ class ObjectLibrary:
     def _take(self, uids: Sequence[str]) -> list[dict[str, Any]]:
         stray = [uid for uid in uids if uid not in self._rows]
         if stray:
-            raise NounError(
+            raise ValidationError(
                 f"asset uid: found {stray[0]!r}, needed one of the catalogue's {len(self._rows)}; "
                 "`get_uids_all` lists them."
             )

@@ -18,7 +18,7 @@ def layouts(name: str) -> dict[str, CityProfile]:
     """Layout id (Continent_Country_City_walk_01) -> profile, of a set.
 
     Raises:
-      NounError: no set of blocks has this name.
+      ValidationError: no set of blocks has this name.
     """
     v.choice(name, "set of blocks", PROFILES)
     return {f"{profile.name}_01": profile for profile in PROFILES[name]}

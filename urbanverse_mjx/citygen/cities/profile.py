@@ -14,7 +14,7 @@ def mix(text: str) -> Mix:
     """ "cafe#1 3, bar 2" as (("cafe#1", 3.0), ("bar", 2.0)); a name without a number counts once.
 
     Raises:
-      NounError: an empty entry, or a share that is not above 0.
+      ValidationError: an empty entry, or a share that is not above 0.
     """
     found = []
     for entry in text.split(","):

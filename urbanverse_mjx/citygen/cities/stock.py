@@ -16,7 +16,7 @@ from ...assets.meshes.tints import is_free
 from ...assets.records.index import load_index
 from ...assets.selection import descriptors
 from ...assets.selection.search import library
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 from ...datatypes import validation as v
 from .profile import Mix
 
@@ -47,7 +47,7 @@ def _leaf(name: str) -> _Leaf:
     index, objects = load_index(), library()
     records = index.by_leaf(name)
     if not records:
-        raise NounError(
+        raise ValidationError(
             f"stock: found no shape of {name!r}, needed a leaf of the asset index; look for it with search."
         )
     shapes = [shape_of(r) for r in records]
@@ -86,7 +86,7 @@ def draw(name: str, rng: random.Random, near: tuple[float | None, float | None, 
       near: wanted (along, across, up) m, None where any will do: one of the five records nearest to it is drawn.
 
     Raises:
-      NounError: the leaf has no shape.
+      ValidationError: the leaf has no shape.
     """
     leaf, _, variant = name.partition("#")
     rows = _leaf(leaf)
@@ -107,7 +107,7 @@ def ground_look(kind: str, material: str) -> tuple[int, ...]:
     """Descriptor of a ground material by name.
 
     Raises:
-      NounError: no material of this kind has the name.
+      ValidationError: no material of this kind has the name.
     """
     if kind in ("road", "sidewalk"):
         return looks.own_ground_descriptor(f"{kind}/{material}")

@@ -2,7 +2,7 @@
 
 Ground is laid first (later pieces are cut out of earlier ones), then things are put down, by coordinates or along an
 `Edge` (a kerb, a wall, a path). Nothing here fills a street: every thing is one call or one row of a table. `problems`
-says what an eye would object to; `graph` makes the noun.
+says what an eye would object to; `graph` makes the scene graph.
 """
 
 import dataclasses
@@ -14,7 +14,7 @@ import shapely
 
 from ...assets.appearances import looks
 from ...assets.appearances.ground_materials import build_material
-from ...datatypes import GraphObject, GroundRegion, NounError, SceneGraph, Source
+from ...datatypes import GraphObject, GroundRegion, SceneGraph, Source, ValidationError
 from ...datatypes.ground import PAINT_KINDS
 from .. import catalogue
 from ..section import RAMP_HALF_WIDTH, RAMP_RUN
@@ -67,12 +67,12 @@ class Edge:
         """Degrees counter-clockwise from +x.
 
         Raises:
-          NounError: an unknown word.
+          ValidationError: an unknown word.
         """
         turns = {"street": -90.0 * self.side, "wall": 90.0 * self.side, "+": 0.0, "-": 180.0}
         if isinstance(facing, str):
             if facing not in turns:
-                raise NounError(f'facing: found {facing!r}, needed "street", "wall", "+", "-" or degrees.')
+                raise ValidationError(f'facing: found {facing!r}, needed "street", "wall", "+", "-" or degrees.')
             return self.degrees + turns[facing]
         return self.degrees + facing
 
@@ -159,7 +159,9 @@ class Canvas(Stage):
 
     def _lay(self, layer: Layer) -> None:
         if self.regions:
-            raise NounError(f"ground {layer.name!r}: found things on the ground already; lay all ground before them.")
+            raise ValidationError(
+                f"ground {layer.name!r}: found things on the ground already; lay all ground before them."
+            )
         self._layers.append(layer)
 
     def settle(self) -> None:
@@ -206,7 +208,7 @@ class Canvas(Stage):
         self.settle()
         if look is not None:
             if not 0 <= look < len(self.sizes[label]):
-                raise NounError(f"{label}: found look {look}, needed one of 0 to {len(self.sizes[label]) - 1}.")
+                raise ValidationError(f"{label}: found look {look}, needed one of 0 to {len(self.sizes[label]) - 1}.")
             size = self.sizes[label][look]
         return self.add(self.make(label, x, y, degrees, size, above))
 
@@ -255,7 +257,7 @@ class Canvas(Stage):
         self.settle()
         return faults.problems(self, self.tour, passage_width)
 
-    # The noun.
+    # The scene graph.
 
     def graph(self) -> SceneGraph:
         self.settle()
@@ -268,13 +270,13 @@ class Canvas(Stage):
         """The regions, those that a material was named for with its descriptor.
 
         Raises:
-          NounError: a material was named for ground that is not there.
+          ValidationError: a material was named for ground that is not there.
         """
         regions = list(self.regions)
         for where, material in self._worn:
             hit = [k for k, r in enumerate(self.regions) if _is_at(r, where)]
             if not hit:
-                raise NounError(f"wear: found no ground at {where!r}; needed a kind or a place of this scene.")
+                raise ValidationError(f"wear: found no ground at {where!r}; needed a kind or a place of this scene.")
             regions[hit[0]] = dataclasses.replace(regions[hit[0]], descriptor=_ground_descriptor(material))
         return tuple(regions)
 

@@ -27,7 +27,7 @@ def build(known: Builders, scene_id: str) -> SceneGraph:
     """The graph of one scene of a set.
 
     Raises:
-      NounError: the set has no scene of this id.
+      ValidationError: the set has no scene of this id.
     """
     v.choice(scene_id, "scene id", known)
     return known[scene_id]().graph()

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 import shapely
 import shapely.ops
 
-from ...datatypes import GroundRegion, NounError
+from ...datatypes import GroundRegion, ValidationError
 from ...datatypes.ground import height_at
 from ...geometry.polygons import MAX_OVERLAP
 
@@ -43,12 +43,12 @@ def plane_through(points: Sequence[tuple[float, float, float]]) -> Plane:
     """The top through three points (x, y, z), rounded so that seams stay level within a micrometre.
 
     Raises:
-      NounError: the points are in one line as seen from above.
+      ValidationError: the points are in one line as seen from above.
     """
     (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = points
     area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
     if abs(area) < 1e-9:
-        raise NounError(f"plane: found three points in one line, {points}; needed a triangle; move one of them.")
+        raise ValidationError(f"plane: found three points in one line, {points}; needed a triangle; move one of them.")
     a = ((z1 - z0) * (y2 - y0) - (z2 - z0) * (y1 - y0)) / area
     b = ((x1 - x0) * (z2 - z0) - (x2 - x0) * (z1 - z0)) / area
     c = z0 - a * x0 - b * y0
@@ -59,12 +59,12 @@ def outline(corners: Iterable[Corner]) -> shapely.Polygon:
     """A polygon on the raster.
 
     Raises:
-      NounError: a ring that crosses itself or has no area.
+      ValidationError: a ring that crosses itself or has no area.
     """
     ring = shapely.Polygon([(round(x, 3), round(y, 3)) for x, y in corners])
     if not ring.is_valid or ring.area < CRUMB:
         found = shapely.is_valid_reason(ring) if not ring.is_valid else "a ring without area"
-        raise NounError(f"outline: found {found}; needed a simple ring; put its corners in order.")
+        raise ValidationError(f"outline: found {found}; needed a simple ring; put its corners in order.")
     return ring
 
 
@@ -94,13 +94,13 @@ def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
     """What lies uppermost at a place.
 
     Raises:
-      NounError: nothing lies there.
+      ValidationError: nothing lies there.
     """
     point = shapely.Point(x, y)
     for layer in reversed(layers):
         if layer.outline.intersects(point):
             return layer
-    raise NounError(f"ground: found none at ({x:g}, {y:g}); needed some under it; lay it first.")
+    raise ValidationError(f"ground: found none at ({x:g}, {y:g}); needed some under it; lay it first.")
 
 
 def top_at(layers: Sequence[Layer], x: float, y: float) -> float:

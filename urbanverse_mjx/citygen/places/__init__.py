@@ -38,7 +38,7 @@ def site_of(index: int) -> Site:
     """Scene number `index` of `COUNT` with what it was made by: its lanes, its density.
 
     Raises:
-      NounError: no such number.
+      ValidationError: no such number.
     """
     v.integer(index, "place", 0, COUNT - 1)
     name = template_of(index)
@@ -49,7 +49,7 @@ def build(index: int) -> SceneGraph:
     """Place number `index` of `COUNT`, the same on every machine.
 
     Raises:
-      NounError: no such number.
+      ValidationError: no such number.
     """
     source = Source(f"procedural {template_of(index)}", "Apache-2.0", "none", "none")
     return dataclasses.replace(site_of(index).graph(), source=source)

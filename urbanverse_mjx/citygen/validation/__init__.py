@@ -16,6 +16,6 @@ def build(scene_id: str) -> SceneGraph:
     """The graph of one validation street, the same on every machine.
 
     Raises:
-      NounError: no scene has this id.
+      ValidationError: no scene has this id.
     """
     return discovery.build(BUILDERS, scene_id)

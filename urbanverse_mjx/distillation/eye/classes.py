@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 from ...datatypes.ground import GROUND_KINDS
 from ...datatypes.recording import SKY
 
@@ -76,7 +76,7 @@ def class_table(categories: Sequence[str]) -> np.ndarray:
     -1, is the sky.
 
     Raises:
-      NounError: a ground category of no known kind.
+      ValidationError: a ground category of no known kind.
     """
     table, number = [], {leaf: i for i, leaf in enumerate(leaves())}
     for category in categories:
@@ -86,7 +86,9 @@ def class_table(categories: Sequence[str]) -> np.ndarray:
         elif kind in GROUND_KINDS[1:]:
             table.append((GROUND_KINDS.index(kind), -1))
         else:
-            raise NounError(f"category: found {category!r}, needed ground of {GROUND_KINDS[1:]}; rebuild the bank.")
+            raise ValidationError(
+                f"category: found {category!r}, needed ground of {GROUND_KINDS[1:]}; rebuild the bank."
+            )
     return np.array([*table, (SKY_CLASS, -1)], np.int32)
 
 

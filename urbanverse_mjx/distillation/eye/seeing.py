@@ -35,7 +35,7 @@ class Eye:
         """The eye with the shipped weights, or others.
 
         Raises:
-          NounError: no weights there.
+          ValidationError: no weights there.
         """
         return Eye(*weights.load(path))
 

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ...datatypes import NounError, SceneBank
+from ...datatypes import SceneBank, ValidationError
 from ...datatypes.ground import GROUND_KINDS
 from ...simulation.rendering.renderer import Renderer
 from . import classes
@@ -172,7 +172,7 @@ def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.n
     """`Views.places` and `Views.weights`.
 
     Raises:
-      NounError: a scene without any of the kinds of ground.
+      ValidationError: a scene without any of the kinds of ground.
     """
     heights = _kind_heights(bank)
     places = np.zeros((bank.num_scenes, len(_STANDS), _PLACES, 3), np.float32)
@@ -186,7 +186,9 @@ def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.n
                 places[z, k, :, 2] = heights[z, GROUND_KINDS.index(kind)]
                 weights[z, k] = share
         if not weights[z].any():
-            raise NounError(f"scene {bank.scene_ids[z]!r}: found no ground to stand on; needed {', '.join(_STANDS)}.")
+            raise ValidationError(
+                f"scene {bank.scene_ids[z]!r}: found no ground to stand on; needed {', '.join(_STANDS)}."
+            )
     return places, weights
 
 

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from flax import traverse_util
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 from ...datatypes.validation import write_atomically
 from . import classes
 from .network import EyeNetwork
@@ -47,11 +47,11 @@ def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any
     """Variables of `EyeNetwork` as float32, and the record of their training.
 
     Raises:
-      NounError: no such file, or weights for other classes or another network.
+      ValidationError: no such file, or weights for other classes or another network.
     """
     path = pathlib.Path(path or shipped())
     if not path.is_file():
-        raise NounError(
+        raise ValidationError(
             f"{path}: found no weights of the eye, needed them; train them with "
             "`python -m urbanverse_mjx.distillation.train_eye`."
         )
@@ -60,9 +60,9 @@ def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any
             body = {name: file[name] for name in file.files}
         meta = json.loads(body.pop(_META).tobytes().decode("utf-8"))
     except (OSError, ValueError, KeyError) as error:
-        raise NounError(f"{path}: found an unreadable file ({error}), needed weights of the eye.") from error
+        raise ValidationError(f"{path}: found an unreadable file ({error}), needed weights of the eye.") from error
     if meta.get("schema") != SCHEMA or meta.get("classes") != _told_apart():
-        raise NounError(f"{path}: found weights for other classes, needed this version's; train them again.")
+        raise ValidationError(f"{path}: found weights for other classes, needed this version's; train them again.")
     return traverse_util.unflatten_dict(_unpacked(body), sep="/"), meta["record"]
 
 

@@ -99,7 +99,8 @@ def sample(
       blur: finds faces and plates and makes them unreadable before anything is written.
 
     Raises:
-      NounError: no video, no pictures, pictures of different sizes, fewer than two usable frames, or no write access.
+      ValidationError: no video, no pictures, pictures of different sizes, fewer than two usable frames, or no write
+        access.
     """
     options = options or SamplingOptions()
     source = pathlib.Path(source)
@@ -149,7 +150,7 @@ def load(folder: pathlib.Path) -> Frames:
     """Frames that `sample` wrote.
 
     Raises:
-      NounError: no record, or one of another version.
+      ValidationError: no record, or one of another version.
     """
     names = [f.name for f in dataclasses.fields(Frames) if f.name != "folder"]
     body = dict(v.mapping(v.read_json(folder / FILE, "frames"), FILE, ["schema", *names]))

@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 
 _CASCADES = (
     "haarcascade_frontalface_default.xml",
@@ -26,12 +26,12 @@ def detector() -> "HaarDetector":
     """The detector, for `blur_by_name`.
 
     Raises:
-      NounError: OpenCV came without the cascades.
+      ValidationError: OpenCV came without the cascades.
     """
     folder = pathlib.Path(cv2.__file__).parent / "data"
     missing = [name for name in _CASCADES if not (folder / name).is_file()]
     if missing:
-        raise NounError(
+        raise ValidationError(
             f"--blur haar: found OpenCV {cv2.__version__} without {missing[0]}, needed version 4, which brings it; "
             '`pip install "opencv-python-headless<5"`.'
         )

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from ...datatypes import GROUND_KINDS, NounError
+from ...datatypes import GROUND_KINDS, ValidationError
 from .pieces import Piece, cut, join
 from .structure import Structure
 
@@ -53,11 +53,11 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
       camera_height: m above the ground walked on.
 
     Raises:
-      NounError: too little ground among the points.
+      ValidationError: too little ground among the points.
     """
     ground = _vote(structure, codes)
     if (ground > 0).sum() < MIN_POINTS:
-        raise NounError(
+        raise ValidationError(
             f"metric scale: found {(ground > 0).sum()} points on the ground, needed {MIN_POINTS}; film with the ground "
             "in the lower half of the picture."
         )
@@ -119,7 +119,9 @@ def _scales(
     ]
     scales = [camera_height / float(np.nanmedian(h)) if np.isfinite(h).any() else np.nan for h in heights]
     if np.isnan(scales).all():
-        raise NounError("metric scale: found no ground near any camera, needed some; film with the ground in sight.")
+        raise ValidationError(
+            "metric scale: found no ground near any camera, needed some; film with the ground in sight."
+        )
     speed = float(np.nanmedian(np.array(scales) * steps))
     return [speed / max(float(u), 1e-12) if np.isnan(s) else s for s, u in zip(scales, steps, strict=True)]
 

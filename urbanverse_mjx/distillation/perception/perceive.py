@@ -56,7 +56,7 @@ def perceive(
       progress: called with (steps done, steps in all): three for a frame's pose, one to look at it, one to write it.
 
     Raises:
-      NounError: too few frames with a pose, too little ground, no write access.
+      ValidationError: too few frames with a pose, too little ground, no write access.
     """
     count = len(frames)
     say = progress or (lambda done, total: None)

@@ -8,7 +8,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 
 #: Short names of detectors.
 _SHORT = {"haar": f"{__package__}.haar:detector"}
@@ -37,13 +37,13 @@ class Blur:
         """A copy of a picture (H, W, 3) u8 with the boxes filled by their own mean colours, four cells to a side.
 
         Raises:
-          NounError: the detector answered something else than boxes.
+          ValidationError: the detector answered something else than boxes.
         """
         boxes = np.asarray(self.detector(rgb), np.float64)
         if boxes.size == 0:
             return rgb.copy()
         if boxes.ndim != 2 or boxes.shape[1] != 4 or not np.isfinite(boxes).all():
-            raise NounError(f"detector {self.name}: found boxes of shape {boxes.shape}, needed finite (k, 4).")
+            raise ValidationError(f"detector {self.name}: found boxes of shape {boxes.shape}, needed finite (k, 4).")
         out = rgb.copy()
         height, width = rgb.shape[:2]
         for left, top, right, bottom in boxes:
@@ -67,13 +67,13 @@ def blur_by_name(name: str) -> Blur:
     is the one of `haar`.
 
     Raises:
-      NounError: no such module or attribute.
+      ValidationError: no such module or attribute.
     """
     module, _, attribute = _SHORT.get(name, name).partition(":")
     try:
         make: Callable[[], FindsPrivate] = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError, ValueError) as error:
-        raise NounError(
+        raise ValidationError(
             f"detector: found {name!r} ({error}), needed 'module:function' of an installed package whose function "
             "returns a detector of faces and plates."
         ) from error

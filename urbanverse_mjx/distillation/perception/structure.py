@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 from ... import settings
-from ...datatypes import Camera, NounError
+from ...datatypes import Camera, ValidationError
 from .frames import Frames
 from .pieces import cut
 
@@ -131,7 +131,7 @@ def reconstruct(
       progress: called with (steps done, steps in all); a step is a frame extracted, matched or registered.
 
     Raises:
-      NounError: COLMAP finds no place for at least `MIN_FRAMES` frames.
+      ValidationError: COLMAP finds no place for at least `MIN_FRAMES` frames.
     """
     options = options or StructureOptions()
     most, best, best_score = 0, None, (np.inf, 0)
@@ -151,7 +151,7 @@ def reconstruct(
             if breaks <= 0 and (len(frames) >= _SHORT_CLIP or len(structure.registered) == len(frames)):
                 break
     if best is None:
-        raise NounError(
+        raise ValidationError(
             f"{frames.folder}: found poses for {most} of {len(frames)} frames, needed {MIN_FRAMES}; film while "
             "walking, in light that shows texture, or sample more frames a second."
         )
@@ -227,7 +227,7 @@ def _maps(
             progress(steps, steps)
             yield list(models.values())
     except (RuntimeError, ValueError) as error:
-        raise NounError(
+        raise ValidationError(
             f"{frames.folder}: found that COLMAP fails ({str(error).strip().splitlines()[-1]}), needed poses; "
             "try other frames."
         ) from error

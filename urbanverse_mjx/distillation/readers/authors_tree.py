@@ -49,7 +49,7 @@ def read_authors_tree(
       rate: frames per second. images: the frames' folder; default: `images` in the root.
 
     Raises:
-      NounError: a part is missing, parts of different number, or numbers that are no pose, depth or lens.
+      ValidationError: a part is missing, parts of different number, or numbers that are no pose, depth or lens.
     """
     root = pathlib.Path(root)
     pictures = _files(pathlib.Path(images) if images is not None else root / "images", _PICTURES)

@@ -50,7 +50,7 @@ def read_boxes(path: str | os.PathLike[str]) -> list[Kitti360Box]:
     """Reads a sequence's file; classes that the label pictures do not know are passed over.
 
     Raises:
-      NounError: no such file, no XML, or a node that is not as described above.
+      ValidationError: no such file, no XML, or a node that is not as described above.
     """
     path = pathlib.Path(path)
     try:

@@ -24,7 +24,7 @@ def scan_depth(path: pathlib.Path, T_camera_scan: np.ndarray, camera: Camera) ->
     """(H, W) f32 m: every pixel within `_SPREAD` of a point takes the nearest point's depth, 0 elsewhere.
 
     Raises:
-      NounError: no such scan, or one that is no list of four floats each.
+      ValidationError: no such scan, or one that is no list of four floats each.
     """
     try:
         raw = path.read_bytes()

@@ -7,7 +7,7 @@ from typing import Any
 
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 
 JOYSTICK_PRESETS = ("fast", "cpu")
 
@@ -125,9 +125,9 @@ def joystick_config(preset: str = "fast") -> ConfigDict:
     """A fresh configuration.
 
     Raises:
-      NounError: unknown preset.
+      ValidationError: unknown preset.
     """
     makers = {"fast": _fast, "cpu": _cpu}
     if preset not in makers:
-        raise NounError(f"preset: found {preset!r}, needed one of {', '.join(JOYSTICK_PRESETS)}.")
+        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(JOYSTICK_PRESETS)}.")
     return makers[preset]().lock()

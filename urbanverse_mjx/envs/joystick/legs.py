@@ -5,7 +5,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Array, Float
 
-from ...datatypes import NounError, RobotSpec, SimState
+from ...datatypes import RobotSpec, SimState, ValidationError
 from ...geometry import rotations
 
 
@@ -13,7 +13,7 @@ class Legs:
     """What the env asks of a robot's model: joints, servos and feet, all constant arrays.
 
     Raises:
-      NounError: servos that are no position servos, one for each joint in order.
+      ValidationError: servos that are no position servos, one for each joint in order.
     """
 
     def __init__(self, robot: RobotSpec, scale: tuple[float, ...]) -> None:
@@ -21,7 +21,7 @@ class Legs:
         joints = np.arange(1, model.njnt)
         kp = model.actuator_gainprm[:, 0]
         if model.nu != len(joints) or (model.actuator_trnid[:, 0] != joints).any() or not model.nkey:
-            raise NounError(
+            raise ValidationError(
                 f"robot {robot.name!r}: found {model.nu} actuators for {len(joints)} joints and {model.nkey} "
                 "keyframes, needed a position servo for each joint, in their order, and the standing pose as the first "
                 "keyframe."

@@ -3,7 +3,7 @@
 
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 from ..navigation.ppo import ppo_config
 
 
@@ -38,9 +38,9 @@ def joystick_ppo_config(preset: str = "fast") -> ConfigDict:
     """A fresh configuration.
 
     Raises:
-      NounError: unknown preset.
+      ValidationError: unknown preset.
     """
     makers = {"fast": _fast, "cpu": _cpu}
     if preset not in makers:
-        raise NounError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
+        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
     return makers[preset]().lock()

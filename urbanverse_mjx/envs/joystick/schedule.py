@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Key
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError, SceneBank
+from ...datatypes import SceneBank, ValidationError
 
 #: m; an episode that asked for a shorter way says nothing about the level.
 _SHORT = 2.0
@@ -19,7 +19,7 @@ class TerrainLevels:
       kinds: T names. scenes: (T, L) i32 rows of the bank.
 
     Raises:
-      NounError: scenes of other names, or kinds with different levels.
+      ValidationError: scenes of other names, or kinds with different levels.
     """
 
     def __init__(self, bank: SceneBank, config: ConfigDict) -> None:
@@ -66,7 +66,7 @@ def _terrain_table(bank: SceneBank, shares: ConfigDict) -> tuple[tuple[str, ...]
     """Kinds of terrain in a bank, (T, L) i32 its scenes by kind and level, (T,) shares of episodes.
 
     Raises:
-      NounError: scenes that are not named "<kind>-<level>", or none of a kind that is asked for.
+      ValidationError: scenes that are not named "<kind>-<level>", or none of a kind that is asked for.
     """
     rows: dict[str, dict[int, int]] = {}
     for scene, name in enumerate(bank.scene_ids):
@@ -75,7 +75,7 @@ def _terrain_table(bank: SceneBank, shares: ConfigDict) -> tuple[tuple[str, ...]
             rows.setdefault(kind, {})[int(level)] = scene
     numbers = {len(levels) for levels in rows.values()}
     if len(numbers) != 1 or any(sorted(levels) != list(range(len(levels))) for levels in rows.values()):
-        raise NounError(
+        raise ValidationError(
             f"bank: found scenes {', '.join(bank.scene_ids[:5])}, needed terrains '<kind>-<level>' of the kinds "
             f"{', '.join(shares)}, all with the same levels; build one with `urbanverse scene terrain`."
         )

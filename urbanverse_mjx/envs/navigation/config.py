@@ -8,7 +8,7 @@ from typing import Any
 
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 from .draws import OFF
 
 PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu")
@@ -172,7 +172,7 @@ def go2_nav_config(preset: str = "paper") -> ConfigDict:
     """COCO's task of a preset for the Go2: other legs under the same eyes.
 
     Raises:
-      NounError: unknown preset.
+      ValidationError: unknown preset.
     """
     config = ConfigDict(default_config(preset).to_dict())
     del config.drive
@@ -187,9 +187,9 @@ def default_config(preset: str = "paper") -> ConfigDict:
     """A fresh configuration.
 
     Raises:
-      NounError: unknown preset.
+      ValidationError: unknown preset.
     """
     makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu}
     if preset not in makers:
-        raise NounError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
+        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
     return makers[preset]().lock()

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Int, Key
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError, SimState
+from ...datatypes import SimState, ValidationError
 
 #: Values of `config.randomization` that change nothing.
 OFF = {"friction_scale": (1.0, 1.0), "mass_scale": (1.0, 1.0), "appearance": 0.0}
@@ -22,18 +22,20 @@ class Randomization:
       another factor.
 
     Raises:
-      NounError: a range that is no (least, greatest) above 0, or a share outside [0, 1).
+      ValidationError: a range that is no (least, greatest) above 0, or a share outside [0, 1).
     """
 
     def __init__(self, config: ConfigDict) -> None:
         for name in ("friction_scale", "mass_scale"):
             low, high = config[name]
             if not 0.0 < low <= high:
-                raise NounError(
+                raise ValidationError(
                     f"config.randomization.{name}: found {config[name]}, needed (least, greatest), both above 0."
                 )
         if not 0.0 <= config.appearance < 1.0:
-            raise NounError(f"config.randomization.appearance: found {config.appearance}, needed 0 (off) to below 1.")
+            raise ValidationError(
+                f"config.randomization.appearance: found {config.appearance}, needed 0 (off) to below 1."
+            )
         self._friction, self._mass = tuple(config.friction_scale), tuple(config.mass_scale)
         self.looks = config.appearance > 0.0
 

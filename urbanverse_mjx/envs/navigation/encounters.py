@@ -14,7 +14,7 @@ from ml_collections import ConfigDict
 
 from ...crowds import KINDS, behaviours
 from ...crowds.behaviours import ROAM, Script
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 
 #: m that one who starts somewhere keeps from things, and others' centres from each other.
 _ROOM, _APART = KINDS["pedestrian"].radius + 0.1, 0.75
@@ -96,13 +96,13 @@ class Encounters:
       walkers: slots of pedestrians; encounters that do not fit behind those before them are left out.
 
     Raises:
-      NounError: an unknown encounter or no probability.
+      ValidationError: an unknown encounter or no probability.
     """
 
     def __init__(self, config: ConfigDict, walkers: int) -> None:
         for name, chance in config.items():
             if name not in ENCOUNTERS or not 0.0 <= chance <= 1.0:
-                raise NounError(
+                raise ValidationError(
                     f"config.crowd.encounters: found {name!r}: {chance}, needed shares in [0, 1] of {list(ENCOUNTERS)}."
                 )
         self._drawn: list[tuple[str, float]] = []

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 from ml_collections import ConfigDict
 
 from ...crowds import open_ground
-from ...datatypes import NounError, Renderer, RobotSpec, SceneBank, Simulator, traversable
+from ...datatypes import Renderer, RobotSpec, SceneBank, Simulator, ValidationError, traversable
 from ...geometry import rotations
 from ...precision import full_precision
 from ..staged import StagedBase, typed_key
@@ -39,7 +39,7 @@ def _command_range(robot: RobotSpec, model: mujoco.MjModel) -> jax.Array:
     # Not the command of a turn: both wheels at the outer wheel's speed would drive faster than `max_speed`.
     ends = np.where(limited, model.actuator_ctrlrange, np.stack([-straight, straight], axis=1))
     for i in np.flatnonzero(ends[:, 0] >= ends[:, 1]):
-        raise NounError(
+        raise ValidationError(
             f"robot {robot.name!r}: actuator {model.actuator(i).name!r}: found no control range, needed one for "
             "action_mode 'joint'; give it a ctrlrange."
         )
@@ -78,9 +78,9 @@ class NavEnv(StagedBase[NavState]):
         self, config: ConfigDict, bank: SceneBank, robot: RobotSpec, engine: Simulator, renderer: Renderer | None
     ):
         if config.action_mode not in ACTION_MODES:
-            raise NounError(f"config.action_mode: found {config.action_mode!r}, needed one of {ACTION_MODES}.")
+            raise ValidationError(f"config.action_mode: found {config.action_mode!r}, needed one of {ACTION_MODES}.")
         if config.goal_mode not in ("final", "waypoint"):
-            raise NounError(f"config.goal_mode: found {config.goal_mode!r}, needed 'final' or 'waypoint'.")
+            raise ValidationError(f"config.goal_mode: found {config.goal_mode!r}, needed 'final' or 'waypoint'.")
         self._config = config
         self.bank = bank
         self.robot = robot

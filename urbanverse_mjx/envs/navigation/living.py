@@ -20,7 +20,7 @@ from ...crowds.crowd import Robot as RobotBody
 from ...crowds.free_space import CELL
 from ...crowds.motion import wrapped
 from ...crowds.spawning import Watcher
-from ...datatypes import AgentMotion, AgentShapes, NounError, RobotSpec, SceneBank
+from ...datatypes import AgentMotion, AgentShapes, RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
 from ...geometry.grids import cell_of
 from ..types import NavState, Result
@@ -55,14 +55,16 @@ def slot_kinds(config: ConfigDict) -> tuple[str, ...]:
     """The kind of every agent slot of `config.crowd.slots`, those who walk first.
 
     Raises:
-      NounError: an unknown kind, a negative number, or nobody.
+      ValidationError: an unknown kind, a negative number, or nobody.
     """
     for name, number in config.slots.items():
         if name not in KINDS or number < 0:
-            raise NounError(f"config.crowd.slots: found {name!r}: {number}, needed numbers from 0 on of {list(KINDS)}.")
+            raise ValidationError(
+                f"config.crowd.slots: found {name!r}: {number}, needed numbers from 0 on of {list(KINDS)}."
+            )
     names = [name for name in KINDS for _ in range(config.slots.get(name, 0))]
     if not names:
-        raise NounError("config.crowd.slots: found nobody, needed an agent; set scenario to 'static' for none.")
+        raise ValidationError("config.crowd.slots: found nobody, needed an agent; set scenario to 'static' for none.")
     return tuple(sorted(names, key=lambda name: KINDS[name].wheeled))
 
 
@@ -76,13 +78,13 @@ def slot_looks(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]:
     """Row of the bank's agents that each slot looks like, the looks of a kind in turn.
 
     Raises:
-      NounError: the bank carries no look of a kind.
+      ValidationError: the bank carries no look of a kind.
     """
     rows = []
     for i, kind in enumerate(kinds):
         known = [row for row, name in enumerate(bank.agents["kind"]) if name == kind]
         if not known:
-            raise NounError(
+            raise ValidationError(
                 f"bank.meta.agents: found no look of a {kind}, needed one for scenario 'dynamic'; "
                 "build the bank again with `urbanverse scene bank`."
             )
@@ -99,7 +101,7 @@ class LivingStreet:
       ctrl_dt: s, the control step. robot: whom people see.
 
     Raises:
-      NounError: see `slot_kinds`; a share outside [0, 1].
+      ValidationError: see `slot_kinds`; a share outside [0, 1].
     """
 
     def __init__(self, bank: SceneBank, scenes: np.ndarray, config: ConfigDict, ctrl_dt: float, robot: RobotSpec):
@@ -203,5 +205,5 @@ def _filled(table: ConfigDict, scene: str) -> float:
     known = [name for name in table if scene.startswith(name)]
     share = float(table[max(known, key=len)] if known else table["default"])
     if not 0.0 <= share <= 1.0:
-        raise NounError(f"config.crowd.filled: found {share} for {scene!r}, needed a share in [0, 1].")
+        raise ValidationError(f"config.crowd.filled: found {share} for {scene!r}, needed a share in [0, 1].")
     return share

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import mujoco
 from ml_collections import ConfigDict
 
-from ...datatypes import AgentShapes, NounError, Renderer, RobotSpec, SceneBank, Simulator
+from ...datatypes import AgentShapes, Renderer, RobotSpec, SceneBank, Simulator, ValidationError
 from ..robot import make_robot
 from .env import NavEnv
 from .living import slot_kinds, slot_looks, slot_shapes
@@ -22,7 +22,7 @@ def make_wheeled_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     """A `NavEnv` of a robot on wheels with the engine and the renderer its config asks for.
 
     Raises:
-      NounError: steps that do not divide or are too long for the robot, or a robot on legs.
+      ValidationError: steps that do not divide or are too long for the robot, or a robot on legs.
     """
     return _make(config, bank, wheeled_engine)
 
@@ -31,10 +31,12 @@ def make_walking_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
     """A `NavEnv` of a robot on legs, whose gait is told body velocities; else as `make_wheeled_env`.
 
     Raises:
-      NounError: as there; moving agents, or actions that are joint angles.
+      ValidationError: as there; moving agents, or actions that are joint angles.
     """
     if config.action_mode == "joint":
-        raise NounError("config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'.")
+        raise ValidationError(
+            "config.action_mode: found 'joint' for a robot with a gait, needed 'waypoint' or 'velocity'."
+        )
     return _make(config, bank, walking_engine)
 
 
@@ -48,14 +50,14 @@ def wheeled_engine(
     """The engine that a config asks for.
 
     Raises:
-      NounError: a robot that takes no wheel commands.
+      ValidationError: a robot that takes no wheel commands.
     """
     from ...simulation.engines import make_engine
     from ...simulation.slots.body_slots import Sizes
 
     told, motors = robot.command(jnp.zeros(2)).shape[0], mujoco.MjModel.from_xml_string(robot.mjcf).nu
     if told != motors:
-        raise NounError(
+        raise ValidationError(
             f"config.robot: found {robot.name!r}, which walks by a gait, needed a robot on wheels; take Go2Nav with "
             "robot and gait overridden."
         )
@@ -73,14 +75,14 @@ def walking_engine(
     """The engine that a config asks for, at the rate of the gait in it.
 
     Raises:
-      NounError: moving agents around a robot with a gait, which no engine knows yet.
+      ValidationError: moving agents around a robot with a gait, which no engine knows yet.
     """
     from ...robots.go2 import load_gait
     from ...simulation.engines import make_engine
     from ...simulation.gait_engine import GaitEngine
 
     if agents is not None or movable is not None:
-        raise NounError("config.scenario: found 'dynamic' for a robot with a gait, needed 'clean' or 'static'.")
+        raise ValidationError("config.scenario: found 'dynamic' for a robot with a gait, needed 'clean' or 'static'.")
     gait = load_gait(config.gait or None)
     engine = make_engine(bank, robot, control_dt=gait.control_dt, **_options(config))
     return GaitEngine(engine, robot, gait, config.ctrl_dt)
@@ -96,11 +98,11 @@ def _make(config: ConfigDict, bank: SceneBank, make_engine: EngineMaker) -> NavE
     kinds = slot_kinds(config.crowd) if scenario == "dynamic" else ()
     robot = make_robot(config)
     if abs(config.ctrl_dt / config.sim_dt - round(config.ctrl_dt / config.sim_dt)) > 1e-6:
-        raise NounError(
+        raise ValidationError(
             f"config.ctrl_dt: found {config.ctrl_dt} s with sim_dt {config.sim_dt} s, needed a whole number of steps."
         )
     if config.sim_dt > robot.physics_timestep + 1e-9:
-        raise NounError(
+        raise ValidationError(
             f"config.sim_dt: found {config.sim_dt:g} s, needed at most the {robot.physics_timestep:g} s that the MJCF "
             f"of {robot.name!r} asks for; override sim_dt."
         )

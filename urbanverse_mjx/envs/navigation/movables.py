@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError, SceneBank, SimState
+from ...datatypes import SceneBank, SimState, ValidationError
 
 #: The episode ended by touching something that can be pushed; such a hit counts as one of an object, too.
 MOVABLE_METRICS = ("hit_movable",)
@@ -22,13 +22,13 @@ def body_sizes(config: ConfigDict) -> dict[str, int] | None:
     (also for policies trained before there were any).
 
     Raises:
-      NounError: fewer things than none, or more awake than there are.
+      ValidationError: fewer things than none, or more awake than there are.
     """
     sizes = config.get("movable", None) if config.get("scenario", "static") == "dynamic" else None
     if sizes is None or sizes.bodies == 0:
         return None
     if not 0 < sizes.awake <= sizes.bodies or sizes.hulls < 1:
-        raise NounError(
+        raise ValidationError(
             f"config.movable: found {ConfigDict(sizes).to_dict()}, needed bodies >= awake > 0 and hulls > 0; "
             "set bodies to 0 for none."
         )

@@ -5,7 +5,7 @@
 
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 
 
 def _paper() -> ConfigDict:
@@ -85,9 +85,9 @@ def ppo_config(preset: str = "paper") -> ConfigDict:
     """A fresh configuration.
 
     Raises:
-      NounError: unknown preset.
+      ValidationError: unknown preset.
     """
     makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu}
     if preset not in makers:
-        raise NounError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
+        raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
     return makers[preset]().lock()

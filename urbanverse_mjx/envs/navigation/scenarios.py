@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Int32
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError, SceneBank
+from ...datatypes import SceneBank, ValidationError
 
 SCENARIOS = ("clean", "static", "dynamic")
 
@@ -19,11 +19,11 @@ def scenario_of(config: ConfigDict) -> str:
     """The scenario of an environment's config; "static" where it names none (policies trained before there were any).
 
     Raises:
-      NounError: an unknown one.
+      ValidationError: an unknown one.
     """
     name = config.get("scenario", "static")
     if name not in SCENARIOS:
-        raise NounError(f"config.scenario: found {name!r}, needed one of {', '.join(SCENARIOS)}.")
+        raise ValidationError(f"config.scenario: found {name!r}, needed one of {', '.join(SCENARIOS)}.")
     return name
 
 
@@ -52,7 +52,7 @@ def select_scenes(bank: SceneBank, which: str | Sequence[str]) -> Int32[np.ndarr
     unknown = [s for s in ids if s not in bank.scene_ids] or ([which] if not ids else [])
     if unknown:
         splits, known = ", ".join(sorted(set(bank.meta["splits"]))), ", ".join(bank.scene_ids[:20])
-        raise NounError(
+        raise ValidationError(
             f"config.scenes: found {unknown[0]!r}, which names no scene, needed 'all', a split ({splits}) or "
             f"ids of its {bank.num_scenes} scenes ({known})."
         )

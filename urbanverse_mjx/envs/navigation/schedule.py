@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Int, Key
 from ml_collections import ConfigDict
 
-from ...datatypes import NounError, SceneBank
+from ...datatypes import SceneBank, ValidationError
 
 
 class EpisodeSchedule:
@@ -25,7 +25,7 @@ class EpisodeSchedule:
       bank: the scenes; scenes: (n,) i32, the rows of the bank in use.
 
     Raises:
-      NounError: a negative value, no episodes between swaps, or a limit without a ramp.
+      ValidationError: a negative value, no episodes between swaps, or a limit without a ramp.
     """
 
     #: Routes of a scene that are never left out, however short the limit: one alone could be learnt by heart.
@@ -34,11 +34,13 @@ class EpisodeSchedule:
     def __init__(self, config: ConfigDict, bank: SceneBank, scenes: np.ndarray) -> None:
         for name in ("resident_scenes", "start_distance", "ramp_steps"):
             if config[name] < 0:
-                raise NounError(f"config.schedule.{name}: found {config[name]}, needed 0 (off) or more.")
+                raise ValidationError(f"config.schedule.{name}: found {config[name]}, needed 0 (off) or more.")
         if config.episodes_per_swap < 1:
-            raise NounError(f"config.schedule.episodes_per_swap: found {config.episodes_per_swap}, needed 1 or more.")
+            raise ValidationError(
+                f"config.schedule.episodes_per_swap: found {config.episodes_per_swap}, needed 1 or more."
+            )
         if (config.start_distance > 0) != (config.ramp_steps > 0):
-            raise NounError(
+            raise ValidationError(
                 f"config.schedule: found start_distance {config.start_distance} and ramp_steps {config.ramp_steps}, "
                 "needed both or neither."
             )

@@ -62,7 +62,7 @@ def read_list(path: pathlib.Path) -> list[pathlib.Path]:
     """The sources that a list names, each once.
 
     Raises:
-      NounError: no such file, or nothing in it.
+      ValidationError: no such file, or nothing in it.
     """
     if not path.is_file():
         raise v.fail(str(path), "no such file", "a text file with one source a line", "check the path")
@@ -95,7 +95,7 @@ def run_batch(
       counts: sources, done (earlier ones included), failed; the failed ones with their last words.
 
     Raises:
-      NounError: no list, an unknown executor, or no way to write.
+      ValidationError: no list, an unknown executor, or no way to write.
     """
     v.choice(executor, "--executor", tuple(EXECUTORS))
     v.integer(retries, "--retries", 0)

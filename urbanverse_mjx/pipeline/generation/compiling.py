@@ -31,7 +31,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     What would not stay for two seconds of C MuJoCo is fixed (`kept_fixed`); all else has been seen to stay.
 
     Raises:
-      NounError: the layout cannot be compiled.
+      ValidationError: the layout cannot be compiled.
     """
     import mujoco
 

@@ -29,7 +29,7 @@ def distil_to(recording: Recording, folder: pathlib.Path, report: Report) -> Sce
     """Distils a recording into a folder: `graph.json`, `evidence.json`, `crops/`.
 
     Raises:
-      NounError: see `distil`.
+      ValidationError: see `distil`.
     """
     found = distil(
         recording, LabelPriors(load_index()), describe=DESCRIBE, crop_folder=folder / "crops", progress=report

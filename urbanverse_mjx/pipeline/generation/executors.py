@@ -6,7 +6,7 @@ import pathlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from ...datatypes import NounError, optional
+from ...datatypes import ValidationError, optional
 from .stages import GenerationOptions
 
 
@@ -75,7 +75,7 @@ class RayExecutor:
     Workers need this package installed and see the same files. A job whose worker dies counts as failed with status 1.
 
     Raises:
-      NounError: Ray is not installed.
+      ValidationError: Ray is not installed.
     """
 
     def __init__(self, workers: int) -> None:
@@ -89,7 +89,7 @@ class RayExecutor:
                 cores = int(self._ray.cluster_resources().get("CPU", 1))
                 self.size = min(self._workers, cores) if cores else self._workers
             except ConnectionError as error:
-                raise NounError(
+                raise ValidationError(
                     f"--executor ray: found no cluster ({error}), needed one; check RAY_ADDRESS."
                 ) from error
         return self

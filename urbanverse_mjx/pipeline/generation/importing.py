@@ -16,7 +16,7 @@ def import_kitti360(root: pathlib.Path, folder: pathlib.Path, options: Kitti360O
     """A stretch of a KITTI-360 sequence, with its own labels.
 
     Raises:
-      NounError: see `read_kitti360`; or the folder is in use.
+      ValidationError: see `read_kitti360`; or the folder is in use.
     """
     _free(folder)
     return read_kitti360(root, folder, options, report)
@@ -26,7 +26,7 @@ def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, tour: TourOpti
     """A folder as UrbanVerse-Gen's authors document it; things and surfaces are seen anew.
 
     Raises:
-      NounError: see `read_authors_tree` and `make_sees`; or the folder is in use.
+      ValidationError: see `read_authors_tree` and `make_sees`; or the folder is in use.
     """
     _free(folder)
     source = Source(root.absolute().name, tour.licence, tour.city, tour.country)

@@ -16,7 +16,7 @@ def sample_to(source: pathlib.Path, folder: pathlib.Path, tour: TourOptions, rep
     """Writes the usable frames of a video or folder of pictures.
 
     Raises:
-      NounError: see `sample`.
+      ValidationError: see `sample`.
     """
     blur = None if tour.blur is None else blur_by_name(tour.blur)
     sample(source, folder, SamplingOptions(rate=tour.rate), blur, report)
@@ -28,7 +28,7 @@ def perceive_to(
     """Makes a recording of frames, poses from the pictures, things and surfaces by the model that the options name.
 
     Raises:
-      NounError: see `perceive` and `make_sees`.
+      ValidationError: see `perceive` and `make_sees`.
     """
     perception = Perception(make_sees(tour, frames), camera_height=tour.camera_height)
     source = Source(video.name, tour.licence, tour.city, tour.country)

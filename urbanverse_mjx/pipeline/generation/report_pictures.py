@@ -9,7 +9,7 @@ from PIL import Image
 
 from ...assets.appearances import looks
 from ...assets.selection.search import library
-from ...datatypes import NounError, Recording, SceneBank, SceneGraph
+from ...datatypes import Recording, SceneBank, SceneGraph, ValidationError
 from ...viz.pictures import Studio
 
 #: How many frames are shown, and from how many places of the tour the cousins are looked at.
@@ -58,7 +58,7 @@ def asset_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str
     """uid -> file; empty where no OpenGL renders off screen."""
     try:
         found = library().load_thumbnails(list(dict.fromkeys(uids)))
-    except (NounError, ImportError, OSError, AttributeError, mujoco.FatalError):
+    except (ValidationError, ImportError, OSError, AttributeError, mujoco.FatalError):
         # MuJoCo's own renderer without OpenGL, or with half of one, ends in any of these.
         return {}
     return {uid: save_jpeg(picture, folder / f"{uid.replace('/', '--')}.jpg") for uid, picture in found.items()}

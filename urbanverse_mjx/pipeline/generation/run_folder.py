@@ -54,7 +54,7 @@ class RunFolder:
         What a killed run left half made is swept out; of a run that fails before its first stage is done nothing stays.
 
         Raises:
-          NounError: no write access, a file or other things in the way, another process in it, or a record of
+          ValidationError: no write access, a file or other things in the way, another process in it, or a record of
             something else.
         """
         path = pathlib.Path(path)
@@ -135,8 +135,10 @@ def _read(path: pathlib.Path, source: str) -> dict[str, Any]:
     try:
         record = v.mapping(v.read_json(path, "run's record"), path.name, ("schema", "source", "stages"))
         v.choice(record["schema"], "schema", (SCHEMA,))
-    except v.NounError as error:
-        raise v.NounError(f"{path}: found no record of a run ({error}), needed one; choose another folder.") from error
+    except v.ValidationError as error:
+        raise v.ValidationError(
+            f"{path}: found no record of a run ({error}), needed one; choose another folder."
+        ) from error
     if record["source"] != source:
         raise v.fail(str(path.parent), f"a run of {record['source']}", f"one of {source}", "choose another folder")
     return dict(record)

@@ -4,7 +4,7 @@ import pathlib
 
 from ... import settings
 from ...assets.categories import ontology
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 from ...distillation.eye.seeing import Eye
 from ...distillation.perception import Sees
 from ...distillation.perception.foundation import FoundationSees
@@ -22,17 +22,17 @@ def make_sees(tour: TourOptions, frames: pathlib.Path | None = None) -> Sees:
         look for in some of them; else the ontology does.
 
     Raises:
-      NounError: no weights, a missing package, or no such perception.
+      ValidationError: no weights, a missing package, or no such perception.
     """
     if tour.perception == "eye":
         return Eye.load()
     if tour.perception != "foundation":
-        raise NounError(f"--perception: found {tour.perception!r}, needed one of {', '.join(PERCEPTIONS)}.")
+        raise ValidationError(f"--perception: found {tour.perception!r}, needed one of {', '.join(PERCEPTIONS)}.")
     labels = list(ontology.categories())
     endpoint = settings.vision_endpoint()
     if endpoint is not None and frames is not None:
         if tour.blur is None:
-            raise NounError(
+            raise ValidationError(
                 "URBANVERSE_VISION_URL: found an endpoint and no detector of faces and plates, needed --blur: frames "
                 "that are not blurred never leave this machine; name a detector or unset the address."
             )

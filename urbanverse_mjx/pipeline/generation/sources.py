@@ -24,7 +24,7 @@ def recognise(source: str | pathlib.Path) -> Input:
     """Says what a source is, and checks what can be checked before any work.
 
     Raises:
-      NounError: nothing is there, or it is none of the four; graphs and recordings are read and must be valid.
+      ValidationError: nothing is there, or it is none of the four; graphs and recordings are read and must be valid.
     """
     path = pathlib.Path(source).expanduser().absolute()
     if path.is_dir() and (path / RECORDING_FILE).is_file():
@@ -50,7 +50,7 @@ def _key(*files: pathlib.Path) -> str:
     """16 hexadecimal digits over the contents of files, in this order.
 
     Raises:
-      NounError: a file that is not there or cannot be read.
+      ValidationError: a file that is not there or cannot be read.
     """
     digest = hashlib.sha256()
     for path in files:

@@ -59,7 +59,7 @@ def generate(
       id, folder, number of objects in the graph and in each cousin, seconds by stage.
 
     Raises:
-      NounError: what is wrong with the source or the folder; nothing half-written stays.
+      ValidationError: what is wrong with the source or the folder; nothing half-written stays.
     """
     options = options or GenerationOptions()
     v.integer(options.cousins, "--cousins", 1, 64)

@@ -55,7 +55,7 @@ def layouts_of(scenes: library.SceneSet) -> list[str]:
     """Ids of a set's layouts.
 
     Raises:
-      NounError: the set has no graph.
+      ValidationError: the set has no graph.
     """
     found = list(_makers(scenes))
     if not found:
@@ -69,7 +69,7 @@ def graph_of(scenes: library.SceneSet, layout: str) -> SceneGraph:
     """The graph of a layout, from its file or its generator.
 
     Raises:
-      NounError: the set has no layout of this id, or its file is damaged.
+      ValidationError: the set has no layout of this id, or its file is damaged.
     """
     makers = _makers(scenes)
     return makers[v.choice(layout, f"layout of {scenes.name}", tuple(makers))]()
@@ -92,7 +92,7 @@ def build_layout(name: str, layout: str) -> list[dict[str, Any]]:
       the record of each scene.
 
     Raises:
-      NounError: a scene that cannot be compiled; those before it are kept.
+      ValidationError: a scene that cannot be compiled; those before it are kept.
     """
     from ...assets.records.store import inputs_key
 
@@ -121,7 +121,7 @@ def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
     record = v.read_json(path, "record of a scene")
     try:
         v.mapping(record, path.name, RECORD_FIELDS)
-    except v.NounError:
+    except v.ValidationError:
         return None
     return record if record["key"] == key else None
 
@@ -143,8 +143,8 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
             fix_fallers=True,
             place=graph.source,
         )
-    except v.NounError as error:
-        raise v.NounError(f"{cousin.layout.id}: {error}") from error
+    except v.ValidationError as error:
+        raise v.ValidationError(f"{cousin.layout.id}: {error}") from error
     settled = settle(compiled.geometry)
     both = zip(sorted(cousin.layout.objects, key=_id), sorted(compiled.layout.objects, key=_id), strict=True)
     record = {
@@ -214,7 +214,7 @@ def _built(name: str, layout: str) -> list[dict[str, Any]] | Failure:
     """As `build_layout`; a layout that cannot be built does not stop the others."""
     try:
         return build_layout(name, layout)
-    except v.NounError as error:
+    except v.ValidationError as error:
         return Failure(layout, str(error))
 
 

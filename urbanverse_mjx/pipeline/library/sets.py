@@ -52,7 +52,7 @@ def build_library(name: str, options: LibraryOptions | None = None, quiet: bool 
       quiet: draw no progress bar on standard error.
 
     Raises:
-      NounError: no such set, or no layout that `only` fits.
+      ValidationError: no such set, or no layout that `only` fits.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn

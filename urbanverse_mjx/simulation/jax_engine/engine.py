@@ -76,8 +76,8 @@ class JaxEngine(EngineBase):
       movable: how many things can be pushed, which `init` is then told of; None = none.
 
     Raises:
-      NounError: a control period that is no multiple of the time step, too many or no slots, or a bank whose grids
-        do not reach as far as the robot can get in one control step.
+      ValidationError: a control period that is no multiple of the time step, too many or no slots, or a bank whose
+        grids do not reach as far as the robot can get in one control step.
     """
 
     def __init__(

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from ...datatypes import NounError, RobotSpec, SceneBank
+from ...datatypes import RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
 from .settings import AGENT_LABEL, ROBOT_LABEL
 from .shapes import primitive_mesh
@@ -237,7 +237,9 @@ def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, looks: Sequence[int]) -> n
     boxes, known = [], len(bank.agents["mesh"])
     for look in looks:
         if not 0 <= look < known:
-            raise NounError(f"renderer agents: found look {look}; needed one of the bank's {known}; build it again")
+            raise ValidationError(
+                f"renderer agents: found look {look}; needed one of the bank's {known}; build it again"
+            )
         mesh = bank.agents["mesh"][look]
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
@@ -261,10 +263,11 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence
       looks: row of the bank's agents for each agent.
 
     Raises:
-      NounError: the bank shows nothing, the robot has a visual geom without a surface, or the bank has no such look.
+      ValidationError: the bank shows nothing, the robot has a visual geom without a surface, or the bank has no such
+        look.
     """
     if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
-        raise NounError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
+        raise ValidationError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
     spec = mujoco.MjSpec()
     spec.stat.extent = 1.0
     # `visual.map` has a field whose name is taken by nothing else: the far and near planes, in extents.

@@ -4,7 +4,7 @@ Its public calls draw worlds of its own. Streets share one tree and differ by ta
 functions of materials, blurred skies and tone, and its makers of the tables that these read.
 
 Raises:
-  NounError: the installed version lacks one of them.
+  ValidationError: the installed version lacks one of them.
 """
 
 from ..private_modules import missing

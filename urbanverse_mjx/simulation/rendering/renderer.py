@@ -15,7 +15,7 @@ import numpy as np
 import warp as wp
 
 from ... import settings as process
-from ...datatypes import AgentMotion, Bodies, NounError, RobotSpec, SceneBank
+from ...datatypes import AgentMotion, Bodies, RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
 from ...precision import full_precision
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
@@ -78,7 +78,7 @@ class Renderer:
       bodies: how many objects may stand elsewhere than in the bank, see `Bodies`.
 
     Raises:
-      NounError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
+      ValidationError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
     """
 
     def __init__(
@@ -101,16 +101,18 @@ class Renderer:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
             if name not in OUTPUTS:
-                raise NounError(f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; mend its spelling")
+                raise ValidationError(
+                    f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; mend its spelling"
+                )
         if shading not in SHADINGS:
-            raise NounError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; mend its spelling")
+            raise ValidationError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; mend its spelling")
         if not wanted or min(height, width, samples) < 1:
-            raise NounError(
+            raise ValidationError(
                 f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of "
                 "each; mend the numbers"
             )
         if not 0.0 <= appearance < 1.0:
-            raise NounError(f"appearance: found {appearance}; needed 0 to below 1; mend the number")
+            raise ValidationError(f"appearance: found {appearance}; needed 0 to below 1; mend the number")
         self.bank = bank
         self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies)
         self.threads = threads or process.num_threads()
@@ -126,7 +128,7 @@ class Renderer:
     def _find_camera(self, name: str) -> Any:
         if name not in self._model.cameras:
             known = ", ".join(self._model.cameras) or "none"
-            raise NounError(f"camera: found {name!r}; needed a camera of the robot ({known}); mend its spelling")
+            raise ValidationError(f"camera: found {name!r}; needed a camera of the robot ({known}); mend its spelling")
         return self._model.cameras[name]
 
     @full_precision
@@ -152,7 +154,9 @@ class Renderer:
           "normal" (H, W, 3) f32.
         """
         if self.camera is None:
-            raise NounError("renderer: found no robot; needed one to look through its camera; call `view` instead")
+            raise ValidationError(
+                "renderer: found no robot; needed one to look through its camera; call `view` instead"
+            )
         xpos, xquat = jnp.asarray(xpos, jnp.float32), jnp.asarray(xquat, jnp.float32)
         body = self.camera.body
         eye = xpos[body] + rotations.rotate(xquat[body], jnp.asarray(self.camera.position))
@@ -187,7 +191,9 @@ class Renderer:
         wanted = ((own, 3), (own, 4), (3,), (4,), ())
         for name, array, shape in zip(("xpos", "xquat", "position", "quaternion", "fovy"), arrays, wanted, strict=True):
             if array.shape != shape:
-                raise NounError(f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more")
+                raise ValidationError(
+                    f"{name}: found shape {array.shape}; needed {shape} for one env; use jax.vmap for more"
+                )
         if self._model.num_agents:
             arrays[:2] = [jnp.concatenate(x) for x in zip(arrays[:2], self._agent_bodies(agents), strict=True)]
         # Warp does not check indices; JAX's own gathers clamp them.

@@ -7,7 +7,7 @@ sm_90), although few pixels show a robot's own wheels.
 import mujoco
 import numpy as np
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 
 #: Straight pieces of a full circle: what is cut off at a radius of 0.15 m is 0.05 mm (MuJoCo's own pictures have 28).
 SLICES = 128
@@ -63,7 +63,7 @@ def primitive_mesh(kind: int, size: np.ndarray) -> tuple[np.ndarray, np.ndarray,
       kind: mujoco.mjtGeom; size: (3,) as in `MjModel.geom_size`.
 
     Raises:
-      NounError: a kind without a surface of its own, such as a plane.
+      ValidationError: a kind without a surface of its own, such as a plane.
     """
     name, size = mujoco.mjtGeom(kind), np.asarray(size, np.float64)
     half_turn = np.linspace(-np.pi / 2, np.pi / 2, SLICES // 2 + 1)
@@ -85,7 +85,7 @@ def primitive_mesh(kind: int, size: np.ndarray) -> tuple[np.ndarray, np.ndarray,
         profile = np.stack([outline[:2], outline[1:3], outline[2:]])
         normals = np.repeat([[[0.0, -1.0]], [[1.0, 0.0]], [[0.0, 1.0]]], 2, axis=1)
         return _revolve(profile, normals)
-    raise NounError(
+    raise ValidationError(
         f"robot's visual geom: found {name.name}; needed a mesh, box, sphere, ellipsoid, capsule or cylinder; "
         "move it to another group than 2, or replace it by a mesh"
     )

@@ -13,7 +13,7 @@ import dataclasses
 import numpy as np
 import warp as wp
 
-from ...datatypes import NounError
+from ...datatypes import ValidationError
 from .pbr_private import BUILD_OPTIONS
 
 #: A reference leads to a node (from `NODE` on), or to a leaf whose first item is the rest (from `LEAF` on), or nowhere.
@@ -122,5 +122,7 @@ def joined(first: np.ndarray, second: Trees) -> tuple[np.ndarray, np.ndarray]:
         nodes[:, row, 3] = as_floats(np.where(references < LEAF, references + shift, references))
     roots = np.where(second.roots < LEAF, second.roots + shift, second.roots)
     if shift + len(nodes) >= NODE:
-        raise NounError(f"search trees: found {shift + len(nodes):,} nodes; needed under {NODE:,}; use fewer scenes")
+        raise ValidationError(
+            f"search trees: found {shift + len(nodes):,} nodes; needed under {NODE:,}; use fewer scenes"
+        )
     return np.concatenate([first, nodes]), roots.astype(np.int32)

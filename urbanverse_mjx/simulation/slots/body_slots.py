@@ -77,7 +77,7 @@ def checked_sizes(sizes: Sizes | None) -> Sizes | None:
     """The sizes, None where there are no bodies.
 
     Raises:
-      NounError: less than one body awake or hull.
+      ValidationError: less than one body awake or hull.
     """
     if sizes is None or sizes.bodies == 0:
         return None

@@ -85,8 +85,8 @@ def build_robot_model(
       awake: free bodies beside it; table: the things that they may be.
 
     Raises:
-      NounError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry, or more
-        velocities than the solver takes.
+      ValidationError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry,
+        or more velocities than the solver takes.
     """
     spec = bare_robot(mujoco.MjSpec.from_string(physics.spec.mjcf))
     for geom in spec.geoms:

@@ -4,7 +4,7 @@ Our kernels write contacts into its arrays as its own collision kernels do: the 
 contact are not among its public names.
 
 Raises:
-  NounError: the installed version lacks one of them.
+  ValidationError: the installed version lacks one of them.
 """
 
 from ..private_modules import missing

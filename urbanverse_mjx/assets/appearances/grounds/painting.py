@@ -35,7 +35,7 @@ def paint_ground(uid: str) -> GroundMaps:
     """Paints a material; the same uid gives the same maps.
 
     Raises:
-      NounError: no such material.
+      ValidationError: no such material.
     """
     record, variant = find_ground(uid)
     board = drawing.Board(uid, record.tile_size_m)

@@ -79,7 +79,7 @@ def ground_records(kind: str | None = None) -> tuple[GroundRecord, ...]:
     """All materials, or those of "road" or "sidewalk", in a fixed order.
 
     Raises:
-      NounError: no such kind.
+      ValidationError: no such kind.
     """
     if kind is not None:
         v.choice(kind, "kind of ground", KINDS)
@@ -90,7 +90,7 @@ def find_ground(uid: str) -> tuple[GroundRecord, Variant]:
     """A record and the variant that paints it.
 
     Raises:
-      NounError: no such material.
+      ValidationError: no such material.
     """
     if uid not in _table():
         near = [known for known in _table() if known.split("-")[0] == str(uid).split("-")[0]] or list(_table())[:8]

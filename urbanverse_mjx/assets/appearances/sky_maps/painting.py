@@ -140,7 +140,7 @@ def paint_sky(uid: str, height: int = HEIGHT) -> SkyMap:
       height: rows, a multiple of 4.
 
     Raises:
-      NounError: no such sky.
+      ValidationError: no such sky.
     """
     record = find_sky(uid)
     rng = noise.generator(f"sky_maps/painting/{uid}")

@@ -153,7 +153,7 @@ def find_sky(uid: str) -> SkyRecord:
     """One sky.
 
     Raises:
-      NounError: no such sky.
+      ValidationError: no such sky.
     """
     if uid not in _table():
         moment = str(uid).split("-")[0]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ....datatypes import KIND_INDEX, NounError
+from ....datatypes import KIND_INDEX, ValidationError
 from ....datatypes.recording import SKY
 
 #: Words of a class's name -> surface; the first that a name holds counts.
@@ -32,7 +32,7 @@ def surface_codes(names: Mapping[int, str]) -> np.ndarray:
     """(most number + 1,) u8 code of every class: 0 for things, `SKY` for the sky.
 
     Raises:
-      NounError: none of the names is a road: the model was trained for something else.
+      ValidationError: none of the names is a road: the model was trained for something else.
     """
     codes = np.zeros(max(names) + 1, np.uint8)
     for number, name in names.items():
@@ -44,5 +44,7 @@ def surface_codes(names: Mapping[int, str]) -> np.ndarray:
             codes[number] = KIND_INDEX[kind] if kind is not None else 0
     if not (codes == KIND_INDEX["road"]).any():
         found = ", ".join(list(names.values())[:5])
-        raise NounError(f"Mask2Former: found the classes {found} ..., needed a model of streets with a class road.")
+        raise ValidationError(
+            f"Mask2Former: found the classes {found} ..., needed a model of streets with a class road."
+        )
     return codes

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 from typing import Any
 
-from ....datatypes import NounError, optional
+from ....datatypes import ValidationError, optional
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,7 +49,7 @@ def load(part: Part, models: pathlib.Path | None) -> Loaded:
       models: folder with a folder per part; a part that is not there, and None, mean the name on the hub.
 
     Raises:
-      NounError: torch or transformers is not installed, or there are no weights.
+      ValidationError: torch or transformers is not installed, or there are no weights.
     """
     torch, transformers = (
         optional.package(package, "--perception foundation", "foundation", "leave the option out for the small network")
@@ -60,7 +60,7 @@ def load(part: Part, models: pathlib.Path | None) -> Loaded:
     try:
         makers = [getattr(transformers, kind) for kind in (part.processor, part.model)]
     except AttributeError as error:
-        raise NounError(
+        raise ValidationError(
             f"transformers {transformers.__version__}: found no {part.model}, needed a newer version; "
             "`pip install -U transformers`."
         ) from error

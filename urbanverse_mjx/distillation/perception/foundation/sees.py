@@ -38,7 +38,7 @@ class FoundationSees:
         """Loads the models from folders `owlv2`, `sam2`, `mask2former` and `depth` below `models`, or from the hub.
 
         Raises:
-          NounError: a package or weights are missing.
+          ValidationError: a package or weights are missing.
         """
         detector, segmenter, ground, depth = (load(part, models) for part in (DETECTOR, SEGMENTER, GROUND, DEPTH))
         names = {int(k): str(name) for k, name in ground.model.config.id2label.items()}

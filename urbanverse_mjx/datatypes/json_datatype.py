@@ -1,4 +1,4 @@
-"""What nouns have alike whose file form is one JSON object."""
+"""What datatypes whose file form is one JSON object have in common."""
 
 import abc
 import os
@@ -8,14 +8,14 @@ from . import validation as v
 from .hashing import content_hash
 
 
-class JsonNoun(abc.ABC):
-    """A noun that is a JSON object in a file.
+class JsonDatatype(abc.ABC):
+    """A datatype that is a JSON object in a file.
 
     Attributes:
-      NOUN: its name, for sentences about files.
+      KIND: its name, for sentences about files.
     """
 
-    NOUN: ClassVar[str]
+    KIND: ClassVar[str]
 
     @abc.abstractmethod
     def to_json(self) -> dict[str, Any]: ...
@@ -37,6 +37,6 @@ class JsonNoun(abc.ABC):
         """Reads a file.
 
         Raises:
-          NounError: no such file, or what is in it is not one.
+          ValidationError: no such file, or what is in it is not one.
         """
-        return cls.from_json(v.read_json(path, cls.NOUN))
+        return cls.from_json(v.read_json(path, cls.KIND))
