@@ -1,4 +1,4 @@
-"""The asset index in figures: what it holds, whether it agrees with itself and with published things, how fast it is.
+"""The asset index in figures: what it holds, whether it agrees with itself and with published objects, how fast it is.
 
     python -m benchmarks.assets --json
 

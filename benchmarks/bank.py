@@ -1,4 +1,4 @@
-"""Makes a seeded benchmark bank: long streets, each with its own things at its own places, many hulls an object.
+"""Makes a seeded benchmark bank: long streets, each with its own objects at its own places, many hulls an object.
 
     python -m benchmarks.bank --layouts 16 --objects 200-300 --hulls 6-10 --seed 0 --out bank16.npz
 

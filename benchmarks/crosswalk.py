@@ -137,7 +137,7 @@ class Driver:
         front = p_xy + terms.to_world(jnp.array([[0.0, 0.0], *([d, 0.0] for d in _FRONT)]), yaw)
         here, *edge = crossing_at(self.table, self.scene, front[:, 0], front[:, 1]) == self.number
         taken = self.taken(nav.crowd)
-        # It leaves its route to go around things: what it has before it counts, not only how far it has come.
+        # It leaves its route to go around objects: what it has before it counts, not only how far it has come.
         comes = ~here & jnp.stack(edge).any()
         waits = taken & ((arc < self.first) | comes) & ~here
         aim = jnp.where(waits, jnp.minimum(arc + _AHEAD, line), arc + _AHEAD)

@@ -9,7 +9,7 @@ half-planes, the programs and the last word on a step take when run alone over t
 no bank and no scene.
 
 `--environment` measures, instead, env-steps/s of CocoNav with the crowd of its scenario `dynamic` and without, in turn
-in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl); with `--movable 8` also with so many things that
+in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl); with `--movable 8` also with so many objects that
 can be pushed beside the crowd, at most --awake of them at once (--push: hits end no episode). `--minutes 10000` lets
 crowds without robot live for so many agent-minutes, and tells how deep bodies overlap, how many stand inside an
 obstacle and how many are stuck.

@@ -78,7 +78,7 @@ _MORE = {
 def of_split(split: str, index: AssetIndex) -> AssetIndex:
     """The records of a split: the last variant of every leaf with three or more is the test's.
 
-    Leaves with fewer are in both, so that the test's streets hold the same kinds of things. In training every leaf
+    Leaves with fewer are in both, so that the test's streets hold the same kinds of objects. In training every leaf
     of the streets has `INSTANCES` of its variants besides.
     """
     kept: list[AssetRecord] = []
@@ -107,8 +107,8 @@ def _instances(leaf: str, bases: tuple[AssetRecord, ...]) -> list[AssetRecord]:
 
 def shown_leaves() -> frozenset[str]:
     """Everything that stands in some street of either split."""
-    things = (*HOUSES, *itertools.chain(*_leaves().values()))
-    return frozenset(things)
+    objects = (*HOUSES, *itertools.chain(*_leaves().values()))
+    return frozenset(objects)
 
 
 def _leaves() -> dict[str, tuple[str, ...]]:

@@ -6,12 +6,12 @@ films tours through the streets of banks (default: the six shipped ones), distil
 true one. Alignment: SE(3) on the trajectory, no scale. Matching: Hungarian on the distance of centres, 5 m gate,
 whatever the label. Columns, over matches: Cat, share of right labels; Dist, m between centres; Ori, degrees between
 headings modulo half a turn (depth and masks do not tell front from back; front_percent says how often the sign is
-right, too), of things whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
-average precision at a 3D IoU of 0.25), of things under 50 m^3; Ast, share of matches that get the very base shape back
-that was filmed (`lib.fidelity_tours.retrieved`), where looks are described. Recall and precision over things. A true
-thing counts as seen where it covers 0.15 % of some frame; finding one that was hardly seen is neither right nor wrong.
+right, too), of objects whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
+average precision at a 3D IoU of 0.25), of objects under 50 m^3; Ast, share of matches that get the very base shape back
+that was filmed (`lib.fidelity_tours.retrieved`), where looks are described. Recall and precision over objects. A true
+object counts as seen where it covers 0.15 % of some frame; finding one that was hardly seen is neither right nor wrong.
 
-Rows: perfect inputs; the protocol's errors (`lib.injection`), each thing from its view of median size alone and fused;
+Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from its view of median size alone and fused;
 with --rgb, from tours with pictures: perfect inputs with Ast, the small network on true poses and depth, and all from
 the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same tours:
 NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes as truth.
@@ -100,7 +100,7 @@ def judge(
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """One row: its name, how things are distilled, what makes a recording of a tour in an empty folder, and, where Ast
+    """One row: its name, how objects are distilled, what makes a recording of a tour in an empty folder, and, where Ast
     is measured, descriptors of looks."""
 
     row: str

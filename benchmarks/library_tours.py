@@ -36,7 +36,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--set", choices=sorted(cities.PROFILES), action="append", help="default: all")
     parser.add_argument("--only", default="", help="layouts with this in their id")
     parser.add_argument("--workers", type=int, default=settings.num_threads())
-    parser.add_argument("--length", type=float, default=LENGTH, help="m of street; shorter ones to try things out")
+    parser.add_argument("--length", type=float, default=LENGTH, help="m of street; shorter ones to try it out")
     parser.add_argument("--keep", action="store_true", help="keep the recordings in DIR/recordings")
     arguments = parser.parse_args(argv)
     jobs = [
@@ -81,7 +81,7 @@ def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: floa
         folder = out / "recordings" / layout if keep else pathlib.Path(work)
         made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder, length)
         truth = SceneGraph.load(folder / "truth.json").objects
-        seen = scores.seen_things(made.recording, truth)
+        seen = scores.seen_objects(made.recording, truth)
         _sheet(made.recording, out / "sheets" / f"{layout}.jpg")
     ids = {t.id for t in seen}
     turnable = {}

@@ -73,7 +73,7 @@ PUBLISHED: dict[str, tuple[Published, ...]] = {
 MEASURES = {
     "objects": "objects on 100 m of pavement, houses apart",
     "categories": "categories in a scene",
-    "spacing": "m to the nearest thing (median)",
+    "spacing": "m to the nearest object (median)",
     "trees": "trees on 100 m of pavement",
     "kerb_m": "height of kerbs, m (median)",
     "under_2_m": "share of pavement under 2 m wide",

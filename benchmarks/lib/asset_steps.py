@@ -1,4 +1,4 @@
-"""How good each step of matching is, on things it has not been given."""
+"""How good each step of matching is, on objects it has not been given."""
 
 import random
 import time

@@ -39,7 +39,7 @@ def _scenarios(arguments: argparse.Namespace) -> dict[str, dict[str, Any]]:
 
 
 def environment(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Env-steps/s with and without a crowd, and with things that can be pushed beside it, timed in turn."""
+    """Env-steps/s with and without a crowd, and with objects that can be pushed beside it, timed in turn."""
     runs, calls, figures = {}, {}, {}
     for scenario, overrides in _scenarios(arguments).items():
         case = cases.Case(
@@ -84,12 +84,12 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _bodies_under_way(run: measure.Run | None) -> dict[str, Any]:
-    """How many things of an env moved in the timed steps, on average, and how many were no longer in their places."""
+    """How many objects of an env moved in the timed steps, on average, and how many were no longer in their places."""
     if run is None:
         return {}
     bodies = run.sims.bodies
-    home = jnp.asarray(run.env.bank.slot_position)[run.sims.scene[..., None], jnp.maximum(bodies.thing, 0)]
-    there = bodies.thing >= 0
+    home = jnp.asarray(run.env.bank.slot_position)[run.sims.scene[..., None], jnp.maximum(bodies.object_index, 0)]
+    there = bodies.object_index >= 0
     moving = there & (jnp.linalg.norm(bodies.velocity, axis=-1) > body_slots.SLOW)
     moved = there & (jnp.linalg.norm(bodies.position - home, axis=-1) > 0.01)
     return {name: round(float(x.sum(-1).mean()), 3) for name, x in (("moving", moving), ("moved", moved))}

@@ -12,7 +12,7 @@ from urbanverse_mjx.materialisation.overlap import ground_box
 GATE = 5.0  # m
 SMALL = 50.0  # m^3: Scale and mAP25 leave buildings out
 IOU = 0.25
-#: Share of a picture that a thing must cover in some frame to count as seen (0.15 %: 11 x 11 pixels of 384 x 216).
+#: Share of a picture that an object must cover in some frame to count as seen (0.15 %: 11 x 11 pixels of 384 x 216).
 SEEN_SHARE = 0.0015
 #: A footprint whose least and greatest bounding rectangle differ by less than this has no heading.
 _ROUND = 1.12
@@ -26,7 +26,7 @@ class Scores:
 
     right: per match, whether the label is right. distance: m. heading: rad of matches that have a heading, modulo half
     a turn. front: whether the heading is within 90° of the true one, with its sign. volume: m^3 differences of small
-    matches. truths: how many things were seen; found: how many the graph holds.
+    matches. truths: how many objects were seen; found: how many the graph holds.
     detections: label -> rows of (score, true positive); positives: label -> how many there are.
     pairs: (id in the graph, true id) of the matches.
     """
@@ -44,8 +44,8 @@ class Scores:
     pairs: list[tuple[str, str]]
 
 
-def seen_things(recording: Recording, things: Iterable[GraphObject], share: float = SEEN_SHARE) -> list[GraphObject]:
-    """The true things that cover enough of some frame of a tour, by the tracks in it."""
+def seen_objects(recording: Recording, objects: Iterable[GraphObject], share: float = SEEN_SHARE) -> list[GraphObject]:
+    """The true objects that cover enough of some frame of a tour, by the tracks in it."""
     camera = recording.camera
     needed = share * camera.width * camera.height
     seen: set[str] = set()
@@ -55,7 +55,7 @@ def seen_things(recording: Recording, things: Iterable[GraphObject], share: floa
             continue
         counts = np.bincount(masks[masks >= 0], minlength=len(frame.detections))
         seen |= {d.track for d, n in zip(frame.detections, counts, strict=True) if d.track and n >= needed}
-    return [t for t in things if t.id in seen]
+    return [t for t in objects if t.id in seen]
 
 
 def alignment(poses: np.ndarray, true_poses: np.ndarray) -> np.ndarray:
@@ -74,14 +74,14 @@ def alignment(poses: np.ndarray, true_poses: np.ndarray) -> np.ndarray:
     return out
 
 
-def moved(things: Sequence[GraphObject], T: np.ndarray) -> list[GraphObject]:
+def moved(objects: Sequence[GraphObject], T: np.ndarray) -> list[GraphObject]:
     """Things under a rigid transform that hardly leans."""
     turn = float(np.arctan2(T[1, 0], T[0, 0]))
     return [
         dataclasses.replace(
             t, center=tuple((T[:3, :3] @ np.array(t.center) + T[:3, 3]).tolist()), yaw=_wrapped(t.yaw + turn)
         )
-        for t in things
+        for t in objects
     ]
 
 
@@ -95,10 +95,10 @@ def score(
     others: Sequence[GraphObject],
     turnable: Mapping[str, bool],
 ) -> Scores:
-    """Scores aligned things.
+    """Scores aligned objects.
 
     Args:
-      found: of the graph. truth: seen things. others: the true things that were hardly seen; finding them is neither
+      found: of the graph. truth: seen objects. others: the true objects that were hardly seen; finding them is neither
         right nor wrong.
       turnable: true id -> whether its heading means anything.
     """
@@ -130,11 +130,11 @@ def score(
     )
 
 
-def _is_one_of(thing: GraphObject, others: Sequence[GraphObject], truth: Sequence[GraphObject]) -> bool:
-    """Whether a thing is nearer to a hardly seen thing than to any seen one, and within half its size or 0.5 m."""
+def _is_one_of(obj: GraphObject, others: Sequence[GraphObject], truth: Sequence[GraphObject]) -> bool:
+    """Whether an object is nearer to a hardly seen object than to any seen one, and within half its size or 0.5 m."""
 
-    def nearest(things: Sequence[GraphObject]) -> tuple[float, float]:
-        away = [(float(np.linalg.norm(np.subtract(t.center, thing.center))), max(t.size)) for t in things]
+    def nearest(objects: Sequence[GraphObject]) -> tuple[float, float]:
+        away = [(float(np.linalg.norm(np.subtract(t.center, obj.center))), max(t.size)) for t in objects]
         return min(away, default=(np.inf, 0.0))
 
     away, size = nearest(others)
@@ -142,7 +142,7 @@ def _is_one_of(thing: GraphObject, others: Sequence[GraphObject], truth: Sequenc
 
 
 def is_turnable(corners: np.ndarray) -> bool:
-    """Whether a thing's footprint (n, 2) m in its own axes has a heading: neither round nor as long as wide."""
+    """Whether an object's footprint (n, 2) m in its own axes has a heading: neither round nor as long as wide."""
     sides = np.sort(np.ptp(corners, axis=0))
     angles = np.radians(np.arange(0, 90, 3))
     u = np.cos(angles)[:, None] * corners[:, 0] + np.sin(angles)[:, None] * corners[:, 1]
@@ -164,7 +164,7 @@ def iou(a: GraphObject, b: GraphObject) -> float:
 def _detections(
     found: Sequence[GraphObject], truth: Sequence[GraphObject]
 ) -> tuple[dict[str, np.ndarray], dict[str, int]]:
-    """Per label the small found things as (score, true positive), best score first, each truth found once."""
+    """Per label the small found objects as (score, true positive), best score first, each truth found once."""
     positives: dict[str, int] = {}
     for t in truth:
         if np.prod(t.size) < SMALL:
@@ -198,7 +198,7 @@ def average_precision(rows: np.ndarray, positives: int) -> float:
 
 
 def table_row(tours: Sequence[Scores]) -> dict[str, float | int | None]:
-    """The columns over all tours: means over matches, recall and precision over things, mAP25 over labels."""
+    """The columns over all tours: means over matches, recall and precision over objects, mAP25 over labels."""
 
     def joined(name: str) -> np.ndarray:
         return np.concatenate([getattr(t, name) for t in tours])

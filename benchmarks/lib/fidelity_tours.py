@@ -25,7 +25,7 @@ RGB_RATE = 2.0
 
 @dataclasses.dataclass(frozen=True)
 class Tour:
-    """A filmed street: its perfect recording, the true things seen and hardly seen, and which have a heading.
+    """A filmed street: its perfect recording, the true objects seen and hardly seen, and which have a heading.
 
     scene: its name.
     """
@@ -72,13 +72,13 @@ def imported(folder: pathlib.Path) -> Tour:
 
 
 def _with_truth(recording: Recording, truth: Any, turnable: dict[str, bool], scene: str) -> Tour:
-    seen = scores.seen_things(recording, truth)
+    seen = scores.seen_objects(recording, truth)
     ids = {t.id for t in seen}
     return Tour(recording, seen, [t for t in truth if t.id not in ids], turnable, scene)
 
 
 def from_pictures(filmed: Tour, folder: pathlib.Path) -> Recording:
-    """Everything from the pictures alone: COLMAP's poses and the small network's things, surfaces and depth."""
+    """Everything from the pictures alone: COLMAP's poses and the small network's objects, surfaces and depth."""
     (folder / "frames").mkdir(parents=True)
     names = []
     for k, frame in enumerate(filmed.recording.frames):
@@ -92,7 +92,7 @@ def from_pictures(filmed: Tour, folder: pathlib.Path) -> Recording:
 
 
 def seen_by_the_eye(filmed: Tour, folder: pathlib.Path) -> Recording:
-    """True poses and depth; things and surfaces by the small network."""
+    """True poses and depth; objects and surfaces by the small network."""
     eye, given = Eye.load(), filmed.recording
     writer = RecordingWriter(folder / "eye", given.id, given.source, given.camera, given.depth_unit_m, lossless=False)
     for k, frame in enumerate(given.frames):
@@ -105,7 +105,7 @@ def seen_by_the_eye(filmed: Tour, folder: pathlib.Path) -> Recording:
 def retrieved(filmed: Tour, graph: SceneGraph, pairs: list[tuple[str, str]]) -> np.ndarray | None:
     """(n,) bool over matches whose true asset is known: whether the first cousin stands on the same base shape.
 
-    The paper's Ast is the share of correctly retrieved objects; what is correct there was judged by eye. Here a thing
+    The paper's Ast is the share of correctly retrieved objects; what is correct there was judged by eye. Here an object
     counts where the asset chosen among the catalogue's 102,444 is of the very shape that was filmed, whatever its
     size and tint. None where the street is none of the shipped ones, whose assets are known.
     """

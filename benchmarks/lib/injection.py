@@ -116,14 +116,14 @@ def _resized(masks: np.ndarray, count: int, share: float, rng: np.random.Generat
 
 
 def _detected(
-    masks: np.ndarray, things: tuple[Detection, ...], names: list[str], errors: Errors, rng: np.random.Generator
+    masks: np.ndarray, objects: tuple[Detection, ...], names: list[str], errors: Errors, rng: np.random.Generator
 ) -> tuple[np.ndarray, list[Detection]]:
-    """Some things missed, some labels wrong, some things found that are not there; scores as detectors give them."""
+    """Some objects missed, some labels wrong, some objects found that are not there; scores as detectors give them."""
     found: list[Detection] = []
-    number = np.full(len(things) + 1, -1)
-    for i, thing in enumerate(things):
+    number = np.full(len(objects) + 1, -1)
+    for i, obj in enumerate(objects):
         if rng.random() < errors.recall:
-            label = names[rng.integers(len(names))] if rng.random() < errors.confusion else thing.label
+            label = names[rng.integers(len(names))] if rng.random() < errors.confusion else obj.label
             number[i] = len(found)
             found.append(Detection(label, float(rng.uniform(0.5, 1.0))))
     out = number[masks]

@@ -137,7 +137,8 @@ def parts(run: Run, whole: Callable[[], Any]) -> dict[str, Any]:
 
 
 def refit(run: Run) -> dict[str, Any]:
-    """What a frame costs before its pixels: a renderer of one pixel places things and refits the search trees alike."""
+    """What a frame costs before its pixels: a renderer of one pixel places objects and refits the search trees
+    alike."""
     from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
     env, view = run.env, run.env.config.vision_config

@@ -1,7 +1,7 @@
-"""Seeded streets for benchmarks: a cross-section with kerbs and ramps, house fronts, and things put down at random.
+"""Seeded streets for benchmarks: a cross-section with kerbs and ramps, house fronts, and objects put down at random.
 
 Scene frame as in `citygen.section`: the street runs along +x, its middle at y = 0. On each side a band along the kerb
-and one along the houses hold things close together; between them a lane stays open that people stand beside.
+and one along the houses hold objects close together; between them a lane stays open that people stand beside.
 """
 
 import dataclasses
@@ -27,7 +27,7 @@ VARIANTS = 2
 #: Bands of a pavement: m from the kerb, and m from the house fronts.
 KERB_BAND, WALL_BAND = (0.25, 1.35), (1.45, 0.05)
 LANE = 1.2  # m that stay free beside whatever stands between the bands: a robot of 0.35 m radius with room
-APART = 0.25  # m between two things
+APART = 0.25  # m between two objects
 MOUTH = 2.4  # m on each side of a crosswalk's middle that stay free along the kerb
 FLAT, UP = 0.0, section.KERB
 
@@ -109,7 +109,7 @@ WALKING = (
     "handcart",
 )
 VEHICLES = ("sedan", "hatchback car", "suv", "van", "minivan", "pickup truck", "taxi", "police car", "cyclist", "truck")
-#: Share of the things in each band, fronts apart.
+#: Share of the objects in each band, fronts apart.
 SHARES = {"kerb": 0.4, "wall": 0.33, "walk": 0.12, "road": 0.15}
 _LEAVES = {"kerb": KERBSIDE, "wall": WALLSIDE, "walk": WALKING, "road": VEHICLES}
 
@@ -118,7 +118,7 @@ _LEAVES = {"kerb": KERBSIDE, "wall": WALLSIDE, "walk": WALKING, "road": VEHICLES
 class Stock:
     """What a street is filled with.
 
-    houses: leaves of the fronts; leaves: of the things, by band; variants: records of a leaf that are used;
+    houses: leaves of the fronts; leaves: of the objects, by band; variants: records of a leaf that are used;
     skies: that may be drawn, none for all.
     """
 
@@ -137,13 +137,13 @@ class Ground:
     materials: Mapping[str, str]
 
 
-#: Placements tried per thing before the street counts as full.
+#: Placements tried per object before the street counts as full.
 _TRIES = 60
 
 
 @dataclasses.dataclass
 class _Street:
-    """A street being filled; boxes (n, 4) are x and y from and to of what each thing takes at walking height."""
+    """A street being filled; boxes (n, 4) are x and y from and to of what each object takes at walking height."""
 
     ground: section.StreetSection
     rng: np.random.Generator
@@ -206,7 +206,7 @@ def make_layout(
     stock: Stock | None = None,
     ground: Ground | None = None,
 ) -> SceneLayout:
-    """Layout `number` of a seed with between objects[0] and objects[1] things, house fronts included.
+    """Layout `number` of a seed with between objects[0] and objects[1] objects, house fronts included.
 
     Args:
       stock: what it is filled with; default: what the frozen benchmark banks hold.
@@ -244,7 +244,7 @@ def make_layout(
 
 
 def _share(count: int) -> dict[str, int]:
-    """How many of `count` things go into each band."""
+    """How many of `count` objects go into each band."""
     shares = {band: int(share * count) for band, share in SHARES.items()}
     shares["kerb"] += count - sum(shares.values())
     return shares
@@ -275,7 +275,7 @@ def _put_houses(street: _Street) -> None:
 
 
 def _put_somewhere(street: _Street, band: str) -> None:
-    """One thing at a random free place of a band, or of another one where that is full.
+    """One object at a random free place of a band, or of another one where that is full.
 
     Raises:
       ValidationError: none was found anywhere.
@@ -293,7 +293,7 @@ def _put_somewhere(street: _Street, band: str) -> None:
 
 
 def _try_place(street: _Street, band: str, side: int, record: AssetRecord) -> bool:
-    """Puts a thing at one random place, if it is free; `v` counts metres from the kerb, towards the houses."""
+    """Puts an object at one random place, if it is free; `v` counts metres from the kerb, towards the houses."""
     rng, ground = street.rng, street.ground
     yaw = _facing(band, side, rng)
     half_x, half_v, shift = _footprint(record, yaw)
@@ -322,7 +322,7 @@ def _lane(ground: section.StreetSection, side: int) -> tuple[float, float]:
 
 
 def _facing(band: str, side: int, rng: np.random.Generator) -> float:
-    """Yaw (rad) of a thing in a band: along the street or across it, not quite straight."""
+    """Yaw (rad) of an object in a band: along the street or across it, not quite straight."""
     if band == "wall":
         yaw = -side * math.pi / 2
     elif band == "road":
@@ -333,7 +333,7 @@ def _facing(band: str, side: int, rng: np.random.Generator) -> float:
 
 
 def _footprint(record: AssetRecord, yaw: float) -> tuple[float, float, tuple[float, float]]:
-    """Half sizes (m) along x and y of what a thing takes at walking height, and that place seen from its origin."""
+    """Half sizes (m) along x and y of what an object takes at walking height, and that place seen from its origin."""
     along, across, _ = record.extent_xyz
     stem = catalogue.STEMS.get(record.leaf)
     ahead = 0.0
@@ -345,7 +345,7 @@ def _footprint(record: AssetRecord, yaw: float) -> tuple[float, float, tuple[flo
 
 
 def _limits(band: str, width: float, half: float, rng: np.random.Generator) -> tuple[float, float]:
-    """From and to which distance from the kerb (m) a thing's middle may be; to < from where it is too big."""
+    """From and to which distance from the kerb (m) an object's middle may be; to < from where it is too big."""
     if band == "kerb":
         return KERB_BAND[0] + half, KERB_BAND[1] - half
     if band == "wall":

@@ -11,7 +11,7 @@ import jax
 
 @dataclasses.dataclass(frozen=True)
 class Sample:
-    """Wall times of one thing, repeated.
+    """Wall times of one object, repeated.
 
     Attributes:
       seconds: one entry a repeat, s.
@@ -29,7 +29,7 @@ class Sample:
         return (max(self.seconds) - min(self.seconds)) / self.median
 
     def rate(self, count: float) -> float:
-        """How many of `count` things happen in a second, by the median."""
+        """How many of `count` objects happen in a second, by the median."""
         return count / self.median
 
 

@@ -97,7 +97,7 @@ def test_variants_differ_in_shape_or_picture(leaf: str, built: dict[str, list[Bu
 
 
 @pytest.mark.parametrize("leaf", LEAVES)
-def test_round_and_lying_things_have_equal_sides(leaf: str, built: dict[str, list[BuiltAsset]]) -> None:
+def test_round_and_lying_objects_have_equal_sides(leaf: str, built: dict[str, list[BuiltAsset]]) -> None:
     section = prior(leaf).section
     for asset in built[leaf]:
         length, width, height = sizes(asset)
@@ -126,7 +126,7 @@ def test_a_variant_is_the_same_mesh_again(leaf: str, built: dict[str, list[Built
 
 
 @pytest.mark.parametrize("leaf", ["apple", "orange", "watermelon", "pumpkin", "egg", "potato", "wine", "suitcase"])
-def test_solid_things_enclose_what_their_form_says(leaf: str, built: dict[str, list[BuiltAsset]]) -> None:
+def test_solid_objects_enclose_what_their_form_says(leaf: str, built: dict[str, list[BuiltAsset]]) -> None:
     """The volume of the closed parts against the prior's form: a ball-like body fills about half of its box."""
     for asset in built[leaf][:1]:
         share = asset.volume / float(np.prod(asset.mesh.extent.astype(float)))

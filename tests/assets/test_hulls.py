@@ -114,7 +114,7 @@ def test_a_manhole_cover_is_never_touched() -> None:
         assert all(h[:, 2].max() < -0.01 for h in load_hulls(record).hulls)
 
 
-def test_small_convex_things_have_one_hull() -> None:
+def test_small_convex_objects_have_one_hull() -> None:
     for leaf in ("bollard", "guard stone", "rock", "street cabinet", "vending machine", "plant pot"):
         assert all(len(load_hulls(r).hulls) == 1 for r in INDEX.by_leaf(leaf) if "posts" in r.recipe), leaf
 

@@ -57,7 +57,7 @@ def test_an_annotated_height_sets_the_scale() -> None:
     assert "annotated size" in placed.scaled
 
 
-def test_a_stretched_thing_fits_at_no_scale() -> None:
+def test_a_stretched_object_fits_at_no_scale() -> None:
     row = prior("bench")
     extent = np.ptp(vertices_of("bench"), axis=0)
     assert misfit_of_proportions(extent, row) == 0.0

@@ -106,7 +106,7 @@ def test_no_shape_is_bent_further_than_its_kind_allows(leaf: str) -> None:
     extents = np.array([r.extent_xyz for r in INDEX.by_leaf(leaf)])
     placed = place(leaf, [leaf_uid(leaf, k) for k in range(200)], extents)
     rule = proportion(leaf)
-    # Boxes are rounded to 0.1 mm, which shows on thin things.
+    # Boxes are rounded to 0.1 mm, which shows on thin objects.
     loose = 1.0 + 2e-4 / placed.extent.min(1)
     assert (placed.scale.max(1) / placed.scale.min(1) <= rule.stretch * loose).all()
     across = extents[placed.base][:, 1] > extents[placed.base][:, 0]

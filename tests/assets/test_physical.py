@@ -62,7 +62,7 @@ def test_drawn_records_stay_in_their_rows(middle: str) -> None:
             assert span[0] - 1e-4 <= sizes.min() <= sizes.max() <= span[2] + 1e-4, leaf
         assert values.width.max() <= row.width[2] + 1e-4, leaf
         assert values.mass.max() <= row.mass[2] * (1 + 1e-6), leaf
-        # Small dense things may be too small to hold the least mass; then the matter fills them.
+        # Small dense objects may be too small to hold the least mass; then the matter fills them.
         full = values.solid >= values.volume * (1 - 1e-3)
         assert ((values.mass >= row.mass[0] - MASS_STEP) | full).all(), leaf
         at_bound = (values.mass <= row.mass[0] * 1.001) | (values.mass >= row.mass[2] * 0.999)
@@ -139,7 +139,7 @@ def test_makes_are_drawn_by_their_squared_rank() -> None:
     assert np.bincount(make) / 4000 == pytest.approx(np.array([16, 9, 4, 1]) / 30, abs=0.03)
 
 
-def test_larger_things_weigh_more() -> None:
+def test_larger_objects_weigh_more() -> None:
     """Over all leaves whose mass grows with the box: the largest tenth outweighs the smallest in each make."""
     for leaf, row in priors().items():
         if row.grows_with != "box":

@@ -1,4 +1,4 @@
-"""The table of priors: complete, valid, and true of the things it speaks of."""
+"""The table of priors: complete, valid, and true of the objects it speaks of."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from urbanverse_mjx.assets.categories.priors import FORMS, Prior, prior, priors
 from urbanverse_mjx.assets.categories.published import published
 from urbanverse_mjx.datatypes import ValidationError
 
-# What the median thing of a leaf may weigh (kg) and measure at its largest (m), by mid-level category. Written apart
+# What the median object of a leaf may weigh (kg) and measure at its largest (m), by mid-level category. Written apart
 # from the table, from what such things are, so that a slipped decimal point in a row falls out.
 BOUNDS = {
     "emergency amenity": (0.1, 120, 0.08, 1.2),
@@ -72,7 +72,7 @@ BOUNDS = {
     "public vehicle": (9000, 60_000, 6, 30),
     "watercraft vehicle": (20, 5e6, 3, 90),
 }
-# Single things everybody can weigh against experience (kg, of the median).
+# Single objects everybody can weigh against experience (kg, of the median).
 KNOWN = {
     "car": (1000, 2500),
     "sedan": (1200, 1700),
@@ -145,7 +145,7 @@ def test_medians_are_plausible_for_their_category(middle: str) -> None:
 
 
 @pytest.mark.parametrize(("leaf", "least", "most"), [(k, *v) for k, v in KNOWN.items()])
-def test_known_things_weigh_what_they_weigh(leaf: str, least: float, most: float) -> None:
+def test_known_objects_weigh_what_they_weigh(leaf: str, least: float, most: float) -> None:
     assert least <= prior(leaf).mass[1] <= most
 
 

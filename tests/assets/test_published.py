@@ -29,7 +29,7 @@ def medians(catalogue) -> dict[str, dict[str, float]]:
 
 
 def test_every_row_has_a_page() -> None:
-    assert len({(row.leaf, row.thing, row.source) for row in published()}) == len(published())
+    assert len({(row.leaf, row.item, row.source) for row in published()}) == len(published())
     assert all(sources()[row.source].address.startswith("http") for row in published())
 
 
@@ -37,8 +37,8 @@ def test_the_papers_categories_and_more_than_sixty_others_have_pages() -> None:
     leaves = {row.leaf for row in published()}
     assert set(PAPER) <= leaves
     assert len(leaves - set(PAPER)) >= 60
-    things = " ".join(row.thing for row in published())
-    assert all(name in things for names in PAPER.values() for name in names)
+    objects = " ".join(row.item for row in published())
+    assert all(name in objects for names in PAPER.values() for name in names)
 
 
 @pytest.mark.parametrize(
@@ -61,11 +61,11 @@ def test_the_papers_own_categories_stay_within_it_too(medians) -> None:
 
 
 def test_what_was_set_aside_says_why_and_counts_nowhere() -> None:
-    counted = {(row.leaf, row.thing): row for row in published()}
+    counted = {(row.leaf, row.item): row for row in published()}
     assert set_aside()
     for row in set_aside():
         assert len(row.reason) > 20
-        kept = counted.get((row.leaf, row.thing))
+        kept = counted.get((row.leaf, row.item))
         assert kept is None or all(getattr(kept, quantity) is None for quantity in row.figures)
 
 

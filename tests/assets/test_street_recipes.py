@@ -13,7 +13,7 @@ from urbanverse_mjx.assets.recipes.facade import Facade
 from urbanverse_mjx.assets.recipes.figure import STANDING, Figure, Look
 from urbanverse_mjx.assets.recipes.vehicle_body import Body
 
-#: Least and greatest (length along x, width along y, height) of real things, m.
+#: Least and greatest (length along x, width along y, height) of real objects, m.
 SIZES = {
     "sedan": ((4.2, 1.8, 1.35), (5.3, 2.3, 1.65)),
     "hatchback car": ((3.4, 1.7, 1.35), (4.5, 2.2, 1.7)),

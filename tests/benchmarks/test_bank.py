@@ -88,7 +88,7 @@ def test_ramps_lead_from_the_kerb_to_the_road(bench_bank: SceneBank) -> None:
     assert heights.max() == pytest.approx(0.15, abs=1e-3)
 
 
-def test_every_layout_differs_and_things_stand_apart(bench_bank: SceneBank) -> None:
+def test_every_layout_differs_and_objects_stand_apart(bench_bank: SceneBank) -> None:
     index = load_index()
     layouts = [streets.make_layout(3, i, index, OPTIONS.objects) for i in range(2)]
     assert layouts[0].content_hash() != layouts[1].content_hash()
@@ -230,7 +230,7 @@ def test_what_fits_no_street_is_one_sentence(
 
 
 def test_all_160_layouts_find_room_and_differ() -> None:
-    """The dearest ones: 300 things each; one in ten of them."""
+    """The dearest ones: 300 objects each; one in ten of them."""
     index = load_index()
     layouts = [streets.make_layout(0, i, index, (300, 300)) for i in range(3, 160, 10)]
     assert {len(layout.objects) for layout in layouts} == {300}

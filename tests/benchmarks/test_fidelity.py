@@ -12,26 +12,26 @@ from benchmarks.lib.injection import Errors, drifted
 from urbanverse_mjx.datatypes import GraphObject
 
 
-def thing(name: str, label: str, x: float, y: float, size: tuple[float, float, float], yaw: float = 0.0) -> GraphObject:
+def obj(name: str, label: str, x: float, y: float, size: tuple[float, float, float], yaw: float = 0.0) -> GraphObject:
     return GraphObject(name, label, (x, y, size[2] / 2), size, yaw)
 
 
 def test_scores_of_a_small_street() -> None:
     truth = [
-        thing("a", "car", 0, 0, (4, 2, 1.5)),
-        thing("b", "bench", 10, 0, (0.5, 2, 1), np.pi / 2),
-        thing("c", "house", 20, 0, (8, 8, 8)),
-        thing("d", "bin", 40, 0, (0.5, 0.5, 1)),
+        obj("a", "car", 0, 0, (4, 2, 1.5)),
+        obj("b", "bench", 10, 0, (0.5, 2, 1), np.pi / 2),
+        obj("c", "house", 20, 0, (8, 8, 8)),
+        obj("d", "bin", 40, 0, (0.5, 0.5, 1)),
     ]
     found = [
-        thing("x", "car", 0.3, 0.4, (4, 2, 1.5), np.pi + 0.1),
-        thing("y", "bin", 10, 0, (0.5, 2, 1), np.pi / 2),
-        thing("z", "house", 20, 3, (8, 8, 8)),
-        thing("w", "bin", 60, 0, (0.5, 0.5, 1)),
-        thing("v", "lamp", 80, 0, (0.2, 0.2, 5)),
+        obj("x", "car", 0.3, 0.4, (4, 2, 1.5), np.pi + 0.1),
+        obj("y", "bin", 10, 0, (0.5, 2, 1), np.pi / 2),
+        obj("z", "house", 20, 3, (8, 8, 8)),
+        obj("w", "bin", 60, 0, (0.5, 0.5, 1)),
+        obj("v", "lamp", 80, 0, (0.2, 0.2, 5)),
     ]
     turnable = {"a": True, "b": True, "c": False, "d": False}
-    row = scores.table_row([scores.score(found, truth, [thing("u", "lamp", 80, 0, (0.2, 0.2, 5))], turnable)])
+    row = scores.table_row([scores.score(found, truth, [obj("u", "lamp", 80, 0, (0.2, 0.2, 5))], turnable)])
     assert row["cat_percent"] == pytest.approx(66.7)
     assert row["dist_m"] == pytest.approx((0.5 + 0 + 3) / 3, abs=1e-3)
     assert row["ori_deg"] == pytest.approx(np.degrees(0.1) / 2, abs=0.01)
@@ -46,8 +46,8 @@ def test_scores_of_a_small_street() -> None:
 
 
 def test_scores_come_back_from_their_file(tmp_path: pathlib.Path) -> None:
-    truth = [thing("a", "car", 0, 0, (4, 2, 1.5)), thing("b", "bench", 10, 0, (0.5, 2, 1))]
-    found = [thing("x", "car", 0.3, 0.4, (4, 2, 1.5), 0.1), thing("y", "bin", 11, 0, (0.5, 2, 1))]
+    truth = [obj("a", "car", 0, 0, (4, 2, 1.5)), obj("b", "bench", 10, 0, (0.5, 2, 1))]
+    found = [obj("x", "car", 0.3, 0.4, (4, 2, 1.5), 0.1), obj("y", "bin", 11, 0, (0.5, 2, 1))]
     scored = scores.score(found, truth, [], {"a": True, "b": True})
     path = tmp_path / "new" / "street.json"
     assert fidelity_store.load(path) == {}
@@ -59,13 +59,13 @@ def test_scores_come_back_from_their_file(tmp_path: pathlib.Path) -> None:
 
 
 def test_iou_of_boxes() -> None:
-    a = thing("a", "x", 0, 0, (2, 2, 2))
+    a = obj("a", "x", 0, 0, (2, 2, 2))
     assert scores.iou(a, a) == pytest.approx(1.0)
-    assert scores.iou(a, thing("b", "x", 1, 0, (2, 2, 2))) == pytest.approx(1 / 3)
+    assert scores.iou(a, obj("b", "x", 1, 0, (2, 2, 2))) == pytest.approx(1 / 3)
     # A square turned by 45° inside and out: an octagon of area 8 (sqrt 2 - 1).
     octagon = 8 * (np.sqrt(2) - 1)
-    assert scores.iou(a, thing("b", "x", 0, 0, (2, 2, 2), np.pi / 4)) == pytest.approx(octagon / (8 - octagon))
-    assert scores.iou(a, thing("b", "x", 3, 0, (2, 2, 2))) == 0.0
+    assert scores.iou(a, obj("b", "x", 0, 0, (2, 2, 2), np.pi / 4)) == pytest.approx(octagon / (8 - octagon))
+    assert scores.iou(a, obj("b", "x", 3, 0, (2, 2, 2))) == 0.0
 
 
 def test_average_precision_by_hand() -> None:
@@ -85,7 +85,7 @@ def test_alignment_takes_a_rigid_motion_out_and_no_scale() -> None:
     longer[:, 0, 3] *= 2
     found = scores.alignment(longer, poses)
     assert np.linalg.det(found[:3, :3]) == pytest.approx(1.0)
-    (moved,) = scores.moved([thing("a", "x", 1, 0, (1, 1, 1))], T)
+    (moved,) = scores.moved([obj("a", "x", 1, 0, (1, 1, 1))], T)
     np.testing.assert_allclose(moved.center, (4, 6, 6.5))
     assert moved.yaw == pytest.approx(np.pi / 2)
 
@@ -99,7 +99,7 @@ def test_drift_has_the_size_that_the_protocol_says() -> None:
     assert np.degrees(np.arctan2(turned[-1, 1, 0], turned[-1, 0, 0])) == pytest.approx(3.0)
 
 
-def test_round_and_square_things_have_no_heading() -> None:
+def test_round_and_square_objects_have_no_heading() -> None:
     angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     circle = np.stack([np.cos(angle), np.sin(angle)], -1)
     assert not scores.is_turnable(circle)

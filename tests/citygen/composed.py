@@ -49,13 +49,13 @@ def stretched(graph: SceneGraph) -> list[str]:
     """Ids of the objects but house fronts, hedges and fences that no asset of their label fits within 20 %."""
     index = load_index()
     found = []
-    for thing in graph.objects:
-        records = index.by_label(thing.label)
-        assert records, thing.label
-        if records[0].category[0] == "building" or thing.label in ("shrub", "fence", "wall", "gate", "guard rail"):
+    for obj in graph.objects:
+        records = index.by_label(obj.label)
+        assert records, obj.label
+        if records[0].category[0] == "building" or obj.label in ("shrub", "fence", "wall", "gate", "guard rail"):
             continue
-        if min(distortion(thing.size, r) for r in records) >= 0.2:
-            found.append(thing.id)
+        if min(distortion(obj.size, r) for r in records) >= 0.2:
+            found.append(obj.id)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The canvas: ground cut as drawn, things where they were put, and every fault that it must name."""
+"""The canvas: ground cut as drawn, objects where they were put, and every fault that it must name."""
 
 import math
 
@@ -67,7 +67,7 @@ def test_stairs_climb_evenly():
     assert tops == pytest.approx([0.15, 0.3, 0.45])
 
 
-def test_things_stand_where_an_edge_says():
+def test_objects_stand_where_an_edge_says():
     canvas = street()
     left, right = edge((0, 4), (40, 4), 1), edge((0, -4), (40, -4), -1)
     canvas.along(left, [("bench", 10, 1.5, "street"), ("chair", 12, 3.0, 30.0)])

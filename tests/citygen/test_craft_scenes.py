@@ -68,7 +68,7 @@ def test_ground_compiles_and_no_place_has_more_prisms_than_an_engine_looks_at(gr
     assert most <= composed.PRISMS, f"{most} prisms near {place}"
 
 
-def test_every_thing_has_an_asset_of_its_size(graph):
+def test_every_object_has_an_asset_of_its_size(graph):
     """Nothing but house fronts, hedges and fences is stretched when assets are chosen."""
     assert composed.stretched(graph) == []
 
@@ -80,17 +80,17 @@ def test_scenes_differ_in_character():
 
 
 def test_fallen_scooters_lie_and_bollards_are_dense():
-    def things(prefix: str, label: str) -> list:
+    def graph_objects(prefix: str, label: str) -> list:
         found = next(s for s in IDS if s.startswith(prefix))
         return [o for o in build(found).objects if o.label == label]
 
-    scooters = things("06", "scooter")
+    scooters = graph_objects("06", "scooter")
     assert sum(o.size[2] < 0.6 and min(o.size[:2]) > 1.0 for o in scooters) >= 25
     index = load_index()
     lying = [r for r in index.by_label("scooter") if r.height < 0.6]
     assert lying
-    for thing in scooters:
-        best = min(index.by_label("scooter"), key=lambda r: composed.distortion(thing.size, r))
-        assert (best in lying) == (thing.size[2] < 0.6)
-    assert len(things("01", "bollard")) >= 60
-    assert len(things("01", "garbage bag")) >= 35
+    for obj in scooters:
+        best = min(index.by_label("scooter"), key=lambda r: composed.distortion(obj.size, r))
+        assert (best in lying) == (obj.size[2] < 0.6)
+    assert len(graph_objects("01", "bollard")) >= 60
+    assert len(graph_objects("01", "garbage bag")) >= 35

@@ -1,4 +1,4 @@
-"""The set `places`: ground, things, lanes and variety of each template, counted on the graphs."""
+"""The set `places`: ground, objects, lanes and variety of each template, counted on the graphs."""
 
 import collections
 import itertools
@@ -79,13 +79,13 @@ def _kerbs(graph: SceneGraph) -> list[shapely.Geometry]:
     return found
 
 
-def test_nothing_stands_in_another_thing(graph: SceneGraph) -> None:
+def test_nothing_stands_in_another_object(graph: SceneGraph) -> None:
     shapes = [passage.footprint(o) for o in graph.objects]
     for i, j in shapely.STRtree(shapes).query(shapes, predicate="intersects").T:
         assert i >= j or shapes[i].intersection(shapes[j]).area < 0.01, (graph.objects[i].id, graph.objects[j].id)
 
 
-def test_things_stand_on_the_ground(graph: SceneGraph) -> None:
+def test_objects_stand_on_the_ground(graph: SceneGraph) -> None:
     regions = [(r, shapely.Polygon(r.polygon)) for r in graph.ground if r.kind not in PAINT_KINDS]
     astride = 0
     for o in (o for o in graph.objects if not _is_front(o.label)):
@@ -112,13 +112,15 @@ def test_fronts_close_the_view_on_all_sides(site: Site) -> None:
 
 def test_hulls_near_any_point_leave_slots(site: Site) -> None:
     """Counted anew from the boxes, at points off the raster that the site itself counts on."""
-    things = [(passage.footprint(o), stock.hulls(o.label, o.size, _is_front(o.label))) for o in site.canvas.objects]
-    tree = shapely.STRtree([shape for shape, _ in things])
+    graph_objects = [
+        (passage.footprint(o), stock.hulls(o.label, o.size, _is_front(o.label))) for o in site.canvas.objects
+    ]
+    tree = shapely.STRtree([shape for shape, _ in graph_objects])
     worst = 0
     for lane in site.lanes:
         for s in np.arange(0.0, lane.length, 0.5):
             near = tree.query(lane.interpolate(s), predicate="dwithin", distance=0.95)
-            worst = max(worst, sum(things[k][1] for k in near))
+            worst = max(worst, sum(graph_objects[k][1] for k in near))
     assert 0 < worst <= SLOTS + 2
 
 

@@ -1,4 +1,4 @@
-"""Procedural scenes: each template's ground and things, counted on the graphs."""
+"""Procedural scenes: each template's ground and objects, counted on the graphs."""
 
 import itertools
 
@@ -53,7 +53,7 @@ def test_neighbours_meet_level_except_at_the_kerb(graph: SceneGraph) -> None:
     assert level_feet == 2 * sum(r.kind == "crosswalk" for r in graph.ground)
 
 
-def test_things_stand_on_the_ground_and_apart(graph: SceneGraph) -> None:
+def test_objects_stand_on_the_ground_and_apart(graph: SceneGraph) -> None:
     shapes = [(o, passage.footprint(o)) for o in graph.objects]
     tree = shapely.STRtree([s for _, s in shapes])
     for (o, shape), near in ((s, tree.query(s[1])) for s in shapes):
@@ -71,7 +71,7 @@ def test_things_stand_on_the_ground_and_apart(graph: SceneGraph) -> None:
 
 
 def test_a_robot_gets_from_end_to_end(graph: SceneGraph) -> None:
-    """Three quarters of where a robot's middle could be on the empty pavements hang together with the things there."""
+    """Three quarters of where a robot's middle could be on the empty pavements hang together with the objects there."""
     empty = passage.free_space(graph.ground, [o for o in graph.objects if o.size[1] > 5.0])
     full = passage.free_space(graph.ground, graph.objects)
     largest = max(shapely.get_parts(full), key=lambda part: part.area)

@@ -25,8 +25,8 @@ def solid(graph: SceneGraph):
     return [(r, shapely.Polygon(r.polygon)) for r in graph.ground if r.kind not in PAINT_KINDS]
 
 
-def is_house(thing) -> bool:
-    return catalogue.SIZES[thing.label][0][0] >= 5.4 and thing.size[2] >= 3.2
+def is_house(obj) -> bool:
+    return catalogue.SIZES[obj.label][0][0] >= 5.4 and obj.size[2] >= 3.2
 
 
 @pytest.mark.parametrize("scene_id", IDS)
@@ -108,28 +108,28 @@ def test_ramps_are_gentle_and_long_enough(graph):
         assert x1 - x0 >= 1.5
 
 
-def test_things_stand_on_the_ground(graph):
+def test_objects_stand_on_the_ground(graph):
     regions = solid(graph)
-    for thing in graph.objects:
-        spot = passage.footprint(thing).centroid
+    for obj in graph.objects:
+        spot = passage.footprint(obj).centroid
         under = [(r, s) for r, s in regions if s.intersects(spot)]
-        if is_house(thing):
+        if is_house(obj):
             # its front stands on the ground, its back needs none
-            under = [(r, s) for r, s in regions if s.intersection(passage.footprint(thing)).area > 1.0]
+            under = [(r, s) for r, s in regions if s.intersection(passage.footprint(obj)).area > 1.0]
         heights = [height_at(r.plane, spot.x, spot.y) for r, s in under]
-        assert heights, thing.id
-        foot = thing.center[2] - thing.size[2] / 2
-        assert min(abs(foot - h) for h in heights) < 1e-3, thing.id
+        assert heights, obj.id
+        foot = obj.center[2] - obj.size[2] / 2
+        assert min(abs(foot - h) for h in heights) < 1e-3, obj.id
 
 
-def test_nothing_stands_in_another_thing(graph):
-    solid_things = [(o, passage.footprint(o)) for o in graph.objects if passage.is_obstacle(o)]
-    for (a, fa), (b, fb) in itertools.combinations(solid_things, 2):
+def test_nothing_stands_in_another_object(graph):
+    solid_objects = [(o, passage.footprint(o)) for o in graph.objects if passage.is_obstacle(o)]
+    for (a, fa), (b, fb) in itertools.combinations(solid_objects, 2):
         assert fa.intersection(fb).area < 0.02, (a.id, b.id)
 
 
-def test_things_are_in_the_way_but_a_robot_gets_by(graph):
-    """A disc of 1.1 m passes each pavement from end to end, and at least five things stand in its middle half."""
+def test_objects_are_in_the_way_but_a_robot_gets_by(graph):
+    """A disc of 1.1 m passes each pavement from end to end, and at least five objects stand in its middle half."""
     street = BUILDERS[graph.id]()
     space = passage.free_space(graph.ground, graph.objects)
     for side in (1, -1):

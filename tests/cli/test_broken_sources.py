@@ -26,7 +26,7 @@ def _video(path: pathlib.Path, pictures: list[np.ndarray]) -> pathlib.Path:
 
 
 def _recording(folder: pathlib.Path) -> pathlib.Path:
-    """A recording of three frames with one thing on a sidewalk."""
+    """A recording of three frames with one object on a sidewalk."""
     camera = Camera(64, 36, 40.0, 40.0, 32.0, 18.0)
     writer = RecordingWriter(folder, "tour", Source("hand", "Apache-2.0", "none", "none"), camera)
     masks, surfaces = np.full((36, 64), -1), np.zeros((36, 64), np.uint8)

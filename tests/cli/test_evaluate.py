@@ -61,9 +61,9 @@ class MovableEngine(UnicycleEngine):
     def num_bodies(self) -> int:
         return self._number
 
-    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+    def init(self, scene: Any, qpos: Any, qvel: Any, objects: Any = None) -> SimState:
         zero = jnp.zeros((self._number, 3))
-        bodies = Bodies(things, zero, jnp.zeros((self._number, 4)), zero, zero, zero)
+        bodies = Bodies(objects, zero, jnp.zeros((self._number, 4)), zero, zero, zero)
         return super().init(scene, qpos, qvel)._replace(bodies=bodies)
 
     def step(self, state: SimState, ctrl: Any, agents: Any = None) -> SimState:

@@ -118,7 +118,7 @@ def test_what_is_no_graph_at_all(
     assert [p.name for p in tmp_path.iterdir()] == ["graph.json"]
 
 
-def test_folder_with_other_things_stays_as_it_is(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_folder_with_other_objects_stays_as_it_is(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "graph.json"
     path.write_text(json.dumps(_good()))
     out = tmp_path / "mine"

@@ -262,7 +262,7 @@ FIELDS = [
     ],
 )
 def test_datatypes_made_in_code_are_checked_too(datatype, field):
-    """`dataclasses.replace` goes through the constructor: no field of no datatype takes a thing of another kind."""
+    """`dataclasses.replace` goes through the constructor: no field of no datatype takes an object of another kind."""
     for wrong in (object(), b"bytes", {1, 2}, lambda: 1, 3 + 4j):
         with pytest.raises(ValidationError):
             dataclasses.replace(datatype, **{field: wrong})

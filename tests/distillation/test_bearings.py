@@ -1,4 +1,4 @@
-"""A tour that bends a little with every step is straightened by the directions in which its things are seen."""
+"""A tour that bends a little with every step is straightened by the directions in which its objects are seen."""
 
 import numpy as np
 import pytest
@@ -27,14 +27,14 @@ def walk(turn: float, drift: float = 0.0, noise: float = NOISE) -> tuple[Views, 
         R = Rotation.from_euler("z", angle).as_matrix()
         given[i, :3, 3] = given[i - 1, :3, 3] + (1 + drift) * R @ (true[i, :3, 3] - true[i - 1, :3, 3])
         given[i, :3, :3] = R @ LEVEL
-    frame, thing, points = [], [], []
+    frame, obj, points = [], [], []
     for f in range(len(true)):
         local = (posts - true[f, :3, 3]) @ true[f, :3, :3]
         for k in np.flatnonzero((local[:, 2] > 2) & (local[:, 2] < 25) & (np.abs(local[:, 0]) < 0.9 * local[:, 2])):
             # A post is a disc of 0.3 m that faces the camera, at a distance that is off.
             disc = local[k] + np.c_[rng.uniform(-0.15, 0.15, (POINTS, 2)), np.zeros(POINTS)]
             frame.append(f)
-            thing.append(k)
+            obj.append(k)
             points.append(disc * (1 + rng.normal(0, noise)))
     n = len(frame)
     views = Views(
@@ -48,7 +48,7 @@ def walk(turn: float, drift: float = 0.0, noise: float = NOISE) -> tuple[Views, 
         clipped=np.zeros((n, 4), bool),
         origin=np.zeros((n, 2), np.int32),
     )
-    return views, np.array(thing, np.int32), given, true
+    return views, np.array(obj, np.int32), given, true
 
 
 def apart(poses: np.ndarray, true: np.ndarray) -> np.ndarray:
@@ -58,26 +58,26 @@ def apart(poses: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("turn", [np.radians(0.03), np.radians(-0.05)])
 def test_a_bent_way_is_straightened(turn: float) -> None:
-    views, thing, given, true = walk(turn)
-    adjusted = bearings.adjust(views, thing, given, DepthScale(np.ones(len(given)), NOISE))
+    views, obj, given, true = walk(turn)
+    adjusted = bearings.adjust(views, obj, given, DepthScale(np.ones(len(given)), NOISE))
     assert adjusted is not None
     assert apart(given, true)[-1] > 2.0
     assert apart(adjusted, true)[-1] < 0.3 * apart(given, true)[-1]
 
 
 def test_a_way_too_long_shrinks_to_what_depth_says() -> None:
-    views, thing, given, _ = walk(np.radians(0.03), drift=0.02)
-    adjusted = bearings.adjust(views, thing, given, DepthScale(np.ones(len(given)), NOISE))
+    views, obj, given, _ = walk(np.radians(0.03), drift=0.02)
+    adjusted = bearings.adjust(views, obj, given, DepthScale(np.ones(len(given)), NOISE))
     assert adjusted is not None
     length = np.linalg.norm(np.diff(adjusted[:, :2, 3], axis=0), axis=1).sum()
     assert abs(length - 100.0) < 1.0  # 102 m were given
 
 
 def test_some_wrong_sightings_are_outvoted() -> None:
-    views, thing, given, true = walk(np.radians(0.04))
-    wrong = thing.copy()
+    views, obj, given, true = walk(np.radians(0.04))
+    wrong = obj.copy()
     rng = np.random.default_rng(6)
-    mixed = rng.random(len(thing)) < 0.05
+    mixed = rng.random(len(obj)) < 0.05
     wrong[mixed] = rng.integers(0, 60, int(mixed.sum()))
     adjusted = bearings.adjust(views, wrong, given, DepthScale(np.ones(len(given)), NOISE))
     assert adjusted is not None
@@ -85,38 +85,38 @@ def test_some_wrong_sightings_are_outvoted() -> None:
 
 
 def test_poses_that_are_right_stay() -> None:
-    views, thing, given, _ = walk(0.0)
-    assert bearings.adjust(views, thing, given, DepthScale(np.ones(len(given)), NOISE)) is None
+    views, obj, given, _ = walk(0.0)
+    assert bearings.adjust(views, obj, given, DepthScale(np.ones(len(given)), NOISE)) is None
 
 
 @pytest.mark.parametrize("noise", [0.06, 0.12])
 def test_directions_tell_how_far_depth_is_off(noise: float) -> None:
-    views, thing, given, _ = walk(0.0, noise=noise)
-    error = bearings.depth_error(views, thing, given, np.ones(len(given)))
+    views, obj, given, _ = walk(0.0, noise=noise)
+    error = bearings.depth_error(views, obj, given, np.ones(len(given)))
     assert 0.8 * noise < error / bearings._OWN < 1.3 * noise
 
 
 def test_right_depth_is_not_called_wrong() -> None:
-    views, thing, given, _ = walk(0.0, noise=0.001)
-    assert bearings.depth_error(views, thing, given, np.ones(len(given))) == 0.0
-    few = np.where(thing < 3, thing, np.arange(len(thing), dtype=np.int32) + 3)
+    views, obj, given, _ = walk(0.0, noise=0.001)
+    assert bearings.depth_error(views, obj, given, np.ones(len(given))) == 0.0
+    few = np.where(obj < 3, obj, np.arange(len(obj), dtype=np.int32) + 3)
     assert bearings.depth_error(views, few, given, np.ones(len(given))) == 0.0
 
 
-def test_few_things_say_nothing() -> None:
-    views, thing, given, _ = walk(np.radians(0.05))
-    few = np.where(thing < 5, thing, np.arange(len(thing), dtype=np.int32) + 5)
+def test_few_objects_say_nothing() -> None:
+    views, obj, given, _ = walk(np.radians(0.05))
+    few = np.where(obj < 5, obj, np.arange(len(obj), dtype=np.int32) + 5)
     assert bearings.adjust(views, few, given, DepthScale(np.ones(len(given)), NOISE)) is None
 
 
 def test_slopes_are_those_of_finite_differences() -> None:
-    views, thing, given, _ = walk(np.radians(0.03))
+    views, obj, given, _ = walk(np.radians(0.03))
     seen = bearings.sights(views, given, np.ones(len(given)))
-    problem = bearings._Problem(seen, np.unique(thing, return_inverse=True)[1], given, NOISE)
+    problem = bearings._Problem(seen, np.unique(obj, return_inverse=True)[1], given, NOISE)
     rng = np.random.default_rng(1)
-    things, correction = problem._start(), rng.normal(0, 0.05, (problem.at.shape[1], 4))
-    misfit, slope, bend = problem._linear(things, correction)
-    step, move = 1e-5 * rng.normal(size=things.shape), 1e-5 * rng.normal(size=correction.shape)
-    after = problem._linear(things + step, correction + move)[0]
+    objects, correction = problem._start(), rng.normal(0, 0.05, (problem.at.shape[1], 4))
+    misfit, slope, bend = problem._linear(objects, correction)
+    step, move = 1e-5 * rng.normal(size=objects.shape), 1e-5 * rng.normal(size=correction.shape)
+    after = problem._linear(objects + step, correction + move)[0]
     told = np.einsum("nri,ni->nr", slope, step[problem.which]) + np.einsum("nri,ni->nr", bend, problem.blend @ move)
     np.testing.assert_allclose(after - misfit, told, atol=1e-6)

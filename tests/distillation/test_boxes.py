@@ -1,4 +1,4 @@
-"""Which way things face: houses by the front that is seen, others by the known shape on which their points lie."""
+"""Which way objects face: houses by the front that is seen, others by the known shape on which their points lie."""
 
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ def test_a_part_of_a_front_is_no_side_wall(yaw: float) -> None:
 
 
 def test_a_front_like_none_that_is_known_has_a_depth_all_the_same() -> None:
-    """5 m of a front, where every known one has 13; other things stay as they were seen."""
+    """5 m of a front, where every known one has 13; other objects stay as they were seen."""
     rng = np.random.default_rng(0)
     front = np.stack([rng.uniform(-0.2, 0.0, 600), rng.uniform(0, 5, 600), rng.uniform(0, 8, 600)], -1)
     eyes = np.array([[9.0, -6.0, 1.5], [9.0, 2.5, 1.5], [9.0, 11.0, 1.5]])

@@ -13,8 +13,8 @@ from tests.support import drawn_street as street
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, LabelPrior, Recording, SceneGraph, ValidationError
 from urbanverse_mjx.distillation import Distillation, DistilOptions, distil, ground
 
-THINGS = street.street_things()
-SIZES = {label: [t.size for t in THINGS if t.label == label] for label in {t.label for t in THINGS}}
+OBJECTS = street.street_objects()
+SIZES = {label: [t.size for t in OBJECTS if t.label == label] for label in {t.label for t in OBJECTS}}
 
 
 def prior_of(label: str) -> LabelPrior:
@@ -24,7 +24,7 @@ def prior_of(label: str) -> LabelPrior:
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     poses = np.concatenate([street.walk(26), street.walk(26, y=-5.9, x0=40.0, back=True)])
-    return street.record(tmp_path_factory.mktemp("drawn"), THINGS, poses)
+    return street.record(tmp_path_factory.mktemp("drawn"), OBJECTS, poses)
 
 
 @pytest.fixture(scope="module")
@@ -40,27 +40,27 @@ def nearest(made: Distillation, true: GraphObject) -> GraphObject:
     return min(made.graph.objects, key=lambda o: float(np.linalg.norm(np.subtract(o.center, true.center))))
 
 
-def test_every_thing_is_found_once_where_it_stands(made: Distillation) -> None:
-    assert len(made.graph.objects) == len(THINGS)
-    found = {nearest(made, t).id for t in THINGS}
-    assert len(found) == len(THINGS)
-    for true in THINGS:
-        thing = nearest(made, true)
-        assert thing.label == true.label
+def test_every_object_is_found_once_where_it_stands(made: Distillation) -> None:
+    assert len(made.graph.objects) == len(OBJECTS)
+    found = {nearest(made, t).id for t in OBJECTS}
+    assert len(found) == len(OBJECTS)
+    for true in OBJECTS:
+        obj = nearest(made, true)
+        assert obj.label == true.label
         # A far end that a bench or a car hides in every frame costs a kiosk of 2.6 m some centimetres.
-        assert np.linalg.norm(np.subtract(thing.center, true.center)) < 0.15, true.id
-        assert scores.iou(thing, true) > 0.8, true.id
-        turned = (thing.yaw - true.yaw + np.pi / 2) % np.pi - np.pi / 2
+        assert np.linalg.norm(np.subtract(obj.center, true.center)) < 0.15, true.id
+        assert scores.iou(obj, true) > 0.8, true.id
+        turned = (obj.yaw - true.yaw + np.pi / 2) % np.pi - np.pi / 2
         assert abs(np.degrees(turned)) < 3.0, true.id
 
 
 def test_the_evidence_says_how_often_each_was_seen(made: Distillation, recording: Recording) -> None:
-    for thing, evidence in zip(made.graph.objects, made.evidence, strict=True):
-        true = min(THINGS, key=lambda t: float(np.linalg.norm(np.subtract(t.center, thing.center))))
+    for obj, evidence in zip(made.graph.objects, made.evidence, strict=True):
+        true = min(OBJECTS, key=lambda t: float(np.linalg.norm(np.subtract(t.center, obj.center))))
         frames = [i for i, f in enumerate(recording.frames) if true.id in {d.track for d in f.detections}]
         # Views of fewer than `min_pixels` pixels are not used.
         assert 0.4 * len(frames) <= evidence.views <= len(frames)
-        assert evidence.id == thing.id
+        assert evidence.id == obj.id
         assert evidence.first >= frames[0]
         assert evidence.last <= frames[-1]
 
@@ -76,7 +76,7 @@ def test_the_ground_tiles_and_the_kerb_is_found(made: Distillation) -> None:
         assert abs(region.plane[0] * x + region.plane[1] * y + region.plane[2] - height) < 0.02
     road = shapely.union_all([a for r, a in areas if r.kind == "road"])
     true_road = shapely.box(10, -street.HALF_ROAD, 40, street.HALF_ROAD)
-    for car in (t for t in THINGS if t.label == "sedan"):
+    for car in (t for t in OBJECTS if t.label == "sedan"):
         # What lies under a car beside the kerb nobody sees: it may be taken for pavement.
         true_road -= shapely.Point(car.center[:2]).buffer(2.5)
     assert road.intersection(true_road).area > 0.97 * true_road.area
@@ -112,7 +112,7 @@ def test_depth_that_breathes_is_brought_into_line(recording: Recording, tmp_path
     assert np.std(left / left.mean()) < 0.4 * np.std(ratio)
 
 
-def test_a_thing_on_the_wrong_ground_is_pulled_back_only_as_far_as_it_can_be_off(
+def test_a_object_on_the_wrong_ground_is_pulled_back_only_as_far_as_it_can_be_off(
     recording: Recording, tmp_path: pathlib.Path
 ) -> None:
     def on_road(label: str) -> LabelPrior:
@@ -142,11 +142,11 @@ def test_crops_and_descriptors_reach_the_graph(recording: Recording, tmp_path: p
     part = dataclasses.replace(recording, frames=recording.frames[:12])
     made = distil(part, prior_of, describe=Describe(mean_colour, mean_colour, mean_colour), crop_folder=tmp_path)
     assert made.graph.sky_descriptor is not None
-    colours = np.random.default_rng(0).integers(40, 255, (len(THINGS) + 1, 3))
-    for thing in made.graph.objects:
-        true = min(range(len(THINGS)), key=lambda i: np.linalg.norm(np.subtract(THINGS[i].center, thing.center)))
-        assert thing.descriptor == tuple(colours[true])
-        assert (tmp_path / f"objects/{thing.id}_0.png").is_file()
+    colours = np.random.default_rng(0).integers(40, 255, (len(OBJECTS) + 1, 3))
+    for obj in made.graph.objects:
+        true = min(range(len(OBJECTS)), key=lambda i: np.linalg.norm(np.subtract(OBJECTS[i].center, obj.center)))
+        assert obj.descriptor == tuple(colours[true])
+        assert (tmp_path / f"objects/{obj.id}_0.png").is_file()
     assert (tmp_path / "sky/sky_0.png").is_file()
     assert DistilOptions().min_score < 1.0
 

@@ -10,7 +10,7 @@ from urbanverse_mjx.distillation.lifting import POINTS, Views
 def two_passes(shift: float) -> tuple[Views, Placed, np.ndarray, np.ndarray, np.ndarray]:
     """Twenty posts seen on the way out and on the way back, where poses are off by up to `shift` m at the end.
 
-    Returns views, where they are, things (each pass its own), the drifted poses and the drift (m, 2).
+    Returns views, where they are, objects (each pass its own), the drifted poses and the drift (m, 2).
     """
     rng = np.random.default_rng(3)
     posts = np.c_[np.linspace(5, 70, 20), rng.uniform(-3, 3, 20), np.full(20, 0.5)]
@@ -19,14 +19,14 @@ def two_passes(shift: float) -> tuple[Views, Placed, np.ndarray, np.ndarray, np.
     poses = np.tile(np.eye(4), (len(x), 1, 1))
     drift = np.c_[np.linspace(0, shift, len(x)), np.linspace(0, 0.6 * shift, len(x))]
     poses[:, :2, 3] = np.c_[x, np.zeros(len(x))] + drift
-    frame, center, thing = [], [], []
+    frame, center, obj = [], [], []
     for i, post in enumerate(posts):
         for f in np.flatnonzero(np.abs(x - post[0]) < 6.0):
             frame.append(f)
             center.append(post + [*drift[f], 0.0] + rng.normal(0, 0.03, 3))
-            thing.append(i if f < 51 else 20 + i)
+            obj.append(i if f < 51 else 20 + i)
     order = np.argsort(frame, kind="stable")
-    frame, center, thing = (np.array(a)[order] for a in (frame, center, thing))
+    frame, center, obj = (np.array(a)[order] for a in (frame, center, obj))
     n = len(frame)
     views = Views(
         labels=("post",),
@@ -40,12 +40,12 @@ def two_passes(shift: float) -> tuple[Views, Placed, np.ndarray, np.ndarray, np.
         origin=np.zeros((n, 2), np.int32),
     )
     placed = Placed(center - 0.15, center + 0.15, poses[frame, :3, 3], np.full(n, 0.1))
-    return views, placed, thing.astype(np.int32), poses, drift
+    return views, placed, obj.astype(np.int32), poses, drift
 
 
 def test_a_loop_takes_most_of_the_drift_out() -> None:
-    views, placed, thing, poses, drift = two_passes(2.0)
-    closed = close_loops(views, placed, thing, poses, np.ones((1, 1)))
+    views, placed, obj, poses, drift = two_passes(2.0)
+    closed = close_loops(views, placed, obj, poses, np.ones((1, 1)))
     assert closed is not None
     true = poses[:, :2, 3] - drift
     before = np.linalg.norm(poses[:, :2, 3] - true, axis=1)
@@ -55,13 +55,13 @@ def test_a_loop_takes_most_of_the_drift_out() -> None:
 
 
 def test_poses_without_drift_stay() -> None:
-    views, placed, thing, poses, _ = two_passes(0.0)
-    assert close_loops(views, placed, thing, poses, np.ones((1, 1))) is None
+    views, placed, obj, poses, _ = two_passes(0.0)
+    assert close_loops(views, placed, obj, poses, np.ones((1, 1))) is None
 
 
 def test_a_tour_that_bends_all_the_time_is_straightened() -> None:
     """0.03° a metre to one side, as the fidelity benchmark has it, adds up to 4.2° and carries the way with it."""
-    views, placed, thing, poses, _ = two_passes(0.0)
+    views, placed, obj, poses, _ = two_passes(0.0)
     steps = np.diff(poses[:, :2, 3], axis=0)
     turn = np.r_[0.0, np.cumsum(np.radians(0.03) * np.linalg.norm(steps, axis=1))]
     c, s = np.cos(turn), np.sin(turn)
@@ -73,7 +73,7 @@ def test_a_tour_that_bends_all_the_time_is_straightened() -> None:
     flat = drifted[views.frame, :2, 3] + np.einsum("nij,nj->ni", bent[views.frame], arm)
     center = np.c_[flat, placed.center[:, 2]]
     seen = Placed(center - 0.15, center + 0.15, drifted[views.frame, :3, 3], placed.sigma)
-    closed = close_loops(views, seen, thing, drifted, np.ones((1, 1)))
+    closed = close_loops(views, seen, obj, drifted, np.ones((1, 1)))
     assert closed is not None
     before = np.linalg.norm(drifted[:, :2, 3] - poses[:, :2, 3], axis=1)
     after = np.linalg.norm(closed[:, :2, 3] - poses[:, :2, 3], axis=1)

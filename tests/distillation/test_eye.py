@@ -1,4 +1,4 @@
-"""The eye: what it shall answer, how its answers become things, its weights' file, and its score."""
+"""The eye: what it shall answer, how its answers become objects, its weights' file, and its score."""
 
 import dataclasses
 import pathlib
@@ -15,7 +15,7 @@ from urbanverse_mjx.datatypes.ground import GROUND_KINDS
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.eye import classes, score, seeing, weights
 from urbanverse_mjx.distillation.eye.augment import augment, jpeg, recolour
-from urbanverse_mjx.distillation.eye.decode import Decoded, Thing, decode
+from urbanverse_mjx.distillation.eye.decode import Decoded, FoundObject, decode
 from urbanverse_mjx.distillation.eye.network import LEAF_STRIDE, Seen
 from urbanverse_mjx.distillation.eye.targets import Truth, loss, truth
 from urbanverse_mjx.distillation.eye.views import _with_mixed_ground
@@ -76,24 +76,24 @@ def test_every_group_is_called_by_a_leaf_and_holds_leaves_of_the_ontology():
 
 
 def test_what_is_told_apart_is_what_the_streets_show_and_every_group_has_some():
-    shown = {leaf for leaf in eye_streets.shown_leaves() if classes.class_of_leaf(leaf) != classes.FIRST_THING}
+    shown = {leaf for leaf in eye_streets.shown_leaves() if classes.class_of_leaf(leaf) != classes.FIRST_OBJECT}
     assert set(classes.leaves()) == shown
-    assert set(classes.leaf_classes()) == set(range(classes.FIRST_THING + 1, len(NAMES)))
+    assert set(classes.leaf_classes()) == set(range(classes.FIRST_OBJECT + 1, len(NAMES)))
     assert (np.diff(classes.leaf_classes()) >= 0).all()
 
 
 def test_surfaces_keep_their_codes():
     codes = classes.surface_codes()
     assert codes[0] == SKY
-    assert [GROUND_KINDS[codes[k]] for k in range(1, classes.FIRST_THING)] == list(NAMES[1 : classes.FIRST_THING])
+    assert [GROUND_KINDS[codes[k]] for k in range(1, classes.FIRST_OBJECT)] == list(NAMES[1 : classes.FIRST_OBJECT])
     with pytest.raises(ValidationError, match="ground:lava"):
         classes.class_table(["ground:lava"])
 
 
-def test_a_right_answer_is_decoded_to_the_things_that_are_there(wanted: Truth):
+def test_a_right_answer_is_decoded_to_the_objects_that_are_there(wanted: Truth):
     seen = _answer(wanted)
-    assert sorted(t.kind for t in seen.things) == sorted([CAR, CAR, HOUSE, PERSON])
-    names = sorted(classes.leaves()[t.leaf] for t in seen.things)
+    assert sorted(t.kind for t in seen.objects) == sorted([CAR, CAR, HOUSE, PERSON])
+    names = sorted(classes.leaves()[t.leaf] for t in seen.objects)
     assert names == ["bakery", "jogger", "taxi", "taxi"]
     for number in (1, 2, 3, 4):
         there = wanted.owner == number
@@ -107,18 +107,18 @@ def test_a_right_answer_is_decoded_to_the_things_that_are_there(wanted: Truth):
 
 def test_what_is_too_unsure_leaves_its_pixels_to_nobody(wanted: Truth):
     seen = _answer(wanted)
-    doubtful = next(k for k, thing in enumerate(seen.things) if thing.kind == HOUSE)
-    things = tuple(dataclasses.replace(t, score=0.3 if k == doubtful else 0.7) for k, t in enumerate(seen.things))
-    kept = dataclasses.replace(seen, things=things).surer(0.5)
-    left = [k for k in range(len(things)) if k != doubtful]
-    assert kept.things == tuple(things[k] for k in left)
+    doubtful = next(k for k, obj in enumerate(seen.objects) if obj.kind == HOUSE)
+    objects = tuple(dataclasses.replace(t, score=0.3 if k == doubtful else 0.7) for k, t in enumerate(seen.objects))
+    kept = dataclasses.replace(seen, objects=objects).surer(0.5)
+    left = [k for k in range(len(objects)) if k != doubtful]
+    assert kept.objects == tuple(objects[k] for k in left)
     assert (kept.masks[seen.masks == doubtful] == -1).all()
     for number, k in enumerate(left):
         np.testing.assert_array_equal(kept.masks == number, seen.masks == k)
     np.testing.assert_array_equal(kept.kinds, seen.kinds)
 
 
-def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
+def test_the_score_counts_found_missed_and_invented_objects(wanted: Truth):
     seen = _answer(wanted)
     perfect, wrong = score.Score(), score.Score()
     depth = np.where(wanted.has_depth, 8.0, 0.0)
@@ -128,16 +128,16 @@ def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
     assert perfect.table()["surface_iou"]["road"] == 1.0
     assert perfect.table()["leaf"] == 1.0
     # One car is called a person, the other is lost.
-    cars = [k for k, t in enumerate(seen.things) if t.kind == CAR]
+    cars = [k for k, t in enumerate(seen.objects) if t.kind == CAR]
     other = classes.leaves().index("bar")
-    things = tuple(
-        Thing(PERSON, 1.0, t.leaf)
+    objects = tuple(
+        FoundObject(PERSON, 1.0, t.leaf)
         if k == cars[0]
         else dataclasses.replace(t, leaf=other if t.kind == HOUSE else t.leaf)
-        for k, t in enumerate(seen.things)
+        for k, t in enumerate(seen.objects)
     )
     masks = np.where(seen.masks == cars[1], -1, seen.masks)
-    wrong.add(Decoded(seen.kinds, masks, things, seen.depth), kinds, owner, depth, leaves)
+    wrong.add(Decoded(seen.kinds, masks, objects, seen.depth), kinds, owner, depth, leaves)
     rows = wrong.table()["things"]
     assert wrong.table()["leaf"] == 0.5
     assert rows["car"] == {"there": 2, "recall": 0.0, "precision": None}
@@ -145,12 +145,12 @@ def test_the_score_counts_found_missed_and_invented_things(wanted: Truth):
     assert "| car | 2 | 0.00 | - |" in score.as_markdown(wrong.table())
 
 
-def test_a_right_answer_costs_less_than_any_other_and_small_things_count_more(wanted: Truth):
+def test_a_right_answer_costs_less_than_any_other_and_small_objects_count_more(wanted: Truth):
     right, truths = (jax.tree.map(lambda x: jnp.asarray(x)[None], x) for x in (_right(wanted), wanted))
     cost = jax.jit(lambda s: loss(s, truths, jnp.ones(1))[1])
 
     def without(number: int) -> dict[str, float]:
-        """Parts of the loss where one thing is taken for sky and for another leaf."""
+        """Parts of the loss where one object is taken for sky and for another leaf."""
         there = jnp.asarray(wanted.owner == number)[None]
         sky = 8.0 * (jnp.arange(len(NAMES)) == classes.SKY_CLASS)
         flat = right.leaves * ~there[:, ::LEAF_STRIDE, ::LEAF_STRIDE, None]
@@ -167,13 +167,13 @@ def test_a_right_answer_costs_less_than_any_other_and_small_things_count_more(wa
     assert (person["classes"] - base["classes"]) / areas[0] > 2 * (house["classes"] - base["classes"]) / areas[1]
 
 
-def test_a_thing_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(wanted: Truth):
+def test_a_object_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(wanted: Truth):
     right = _right(wanted)
     striped = right.classes.copy()
     striped[(wanted.owner == 4) & (np.arange(len(striped)) % 4 < 2)[:, None]] = 8.0 * np.eye(len(NAMES))[ROAD]
 
     def wrong(seen: Seen) -> float:
-        (score,) = (t.score for t in decode(seen, 200.0).things if t.kind == PERSON)
+        (score,) = (t.score for t in decode(seen, 200.0).objects if t.kind == PERSON)
         return 1.0 - score
 
     sure = wrong(right)
@@ -183,7 +183,7 @@ def test_a_thing_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(w
     assert wrong(right._replace(classes=striped)) > 3.0 * sure
 
 
-def test_small_things_side_by_side_keep_their_own_peaks():
+def test_small_objects_side_by_side_keep_their_own_peaks():
     category = np.full((64, 128), -1, np.int32)
     slot = category.copy()
     for number, column in enumerate((20, 32)):
@@ -194,7 +194,7 @@ def test_small_things_side_by_side_keep_their_own_peaks():
     middle = np.asarray(made.centre)[17]
     assert (np.diff(np.sign(np.diff(middle))) < 0).sum() == 2
     seen = _answer(jax.tree.map(np.asarray, made))
-    assert len(seen.things) == 2
+    assert len(seen.objects) == 2
 
 
 def test_recolouring_gives_every_region_one_other_colour():

@@ -1,9 +1,9 @@
-"""How far the eye's things are to be trusted."""
+"""How far the eye's objects are to be trusted."""
 
 import numpy as np
 
 from urbanverse_mjx.distillation import fit_trust
-from urbanverse_mjx.distillation.eye.decode import Decoded, Thing
+from urbanverse_mjx.distillation.eye.decode import Decoded, FoundObject
 
 CAR, PERSON = 7, 9
 
@@ -23,7 +23,7 @@ def test_evidence_that_settles_everything_keeps_coefficients_finite():
     assert found[1] > 1.0
 
 
-def test_a_thing_is_right_by_half_of_its_mask_and_its_class():
+def test_a_object_is_right_by_half_of_its_mask_and_its_class():
     owner, kinds = np.full((20, 30), -1), np.zeros((20, 30), int)
     owner[:10, :10], owner[:10, 15:25], owner[12:18, :10] = 0, 1, 2
     kinds[owner >= 0] = CAR
@@ -32,6 +32,11 @@ def test_a_thing_is_right_by_half_of_its_mask_and_its_class():
     masks[:10, 15:18] = 1  # a third of one
     masks[12:18, :10] = 2  # all of one, called a person
     masks[12:18, 20:25] = 3  # nothing there
-    things = (Thing(CAR, 1.0, 0), Thing(CAR, 1.0, 0), Thing(PERSON, 1.0, 0), Thing(CAR, 1.0, 0))
-    seen = Decoded(kinds, masks, things, np.ones(kinds.shape))
+    objects = (
+        FoundObject(CAR, 1.0, 0),
+        FoundObject(CAR, 1.0, 0),
+        FoundObject(PERSON, 1.0, 0),
+        FoundObject(CAR, 1.0, 0),
+    )
+    seen = Decoded(kinds, masks, objects, np.ones(kinds.shape))
     np.testing.assert_array_equal(fit_trust.right(seen, kinds, owner), [True, False, False, False])

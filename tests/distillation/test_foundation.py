@@ -36,13 +36,13 @@ def test_owls_boxes_are_in_the_square_that_the_picture_was_padded_to() -> None:
     np.testing.assert_allclose(found.score, [0.9])
 
 
-def test_one_thing_found_by_two_words_is_one() -> None:
+def test_one_object_found_by_two_words_is_one() -> None:
     box = np.array([[0, 0, 10, 10], [0, 0, 10, 9], [5, 0, 15, 10]], float)
     found = boxes.suppressed(boxes.Boxes(box, np.array([0, 1, 2]), np.array([0.5, 0.9, 0.3])))
     assert found.label.tolist() == [1, 2]  # 0.9 overlaps, a third does not
 
 
-def test_small_things_lie_on_large_ones_and_specks_vanish() -> None:
+def test_small_objects_lie_on_large_ones_and_specks_vanish() -> None:
     masks = np.zeros((3, H, W), bool)
     masks[0, 10:20, 10:20] = masks[1, 5:35, 5:60] = True
     masks[2, 0, 0] = True
@@ -165,8 +165,8 @@ def test_four_answers_become_one_sight(monkeypatch: pytest.MonkeyPatch) -> None:
     sees, detector = foundation(monkeypatch)
     sight = sees(np.zeros((H, W, 3), np.uint8), 60.0)
     assert len(detector.asked) == 70
-    (thing,) = sight.detections
-    assert (thing.label, thing.score) == ("word 65", pytest.approx(0.7))
+    (obj,) = sight.detections
+    assert (obj.label, obj.score) == ("word 65", pytest.approx(0.7))
     assert (sight.masks[10:40, 5:35] == 0).all()
     assert (sight.masks == 0).sum() == 30 * 30
     assert (sight.surfaces[:10] == SKY).all()

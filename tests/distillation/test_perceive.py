@@ -208,7 +208,7 @@ def test_frames_without_texture_give_no_poses(tmp_path: pathlib.Path):
         reconstruct(sample(tmp_path, tmp_path / "frames"))
 
 
-def test_a_thing_stands_where_its_foot_meets_the_ground():
+def test_a_object_stands_where_its_foot_meets_the_ground():
     """No points at all: a board 6 m away, guessed at 9 m, is pulled to its foot."""
     pose = _pose(0.0, 0.0, 0.0)
     rows, columns = np.mgrid[:180, :320]

@@ -166,11 +166,11 @@ def test_kitti360_becomes_a_recording(tmp_path: pathlib.Path):
         np.testing.assert_allclose(depth[below], np.where(level < 40, level, 0), atol=0.01)
         assert (depth[surfaces == SKY] == 0).all()
         assert abs(int(recording.rgb(row)[0, 0, 0]) - 50 - frame) <= 2
-    (thing,) = json.loads((tmp_path / "out" / "boxes.json").read_text())
-    np.testing.assert_allclose(thing["center"], car_center() - ORIGIN - T_IMU_CAMERA[:3, 3], atol=1e-5)
-    np.testing.assert_allclose(thing["size"], CAR_SIZE, atol=1e-5)
-    assert thing["yaw"] == pytest.approx(CAR_YAW)
-    assert (thing["id"], thing["label"]) == ("car_3", "car")
+    (obj,) = json.loads((tmp_path / "out" / "boxes.json").read_text())
+    np.testing.assert_allclose(obj["center"], car_center() - ORIGIN - T_IMU_CAMERA[:3, 3], atol=1e-5)
+    np.testing.assert_allclose(obj["size"], CAR_SIZE, atol=1e-5)
+    assert obj["yaw"] == pytest.approx(CAR_YAW)
+    assert (obj["id"], obj["label"]) == ("car_3", "car")
 
 
 def test_kitti360s_laser_gives_depth(tmp_path: pathlib.Path):

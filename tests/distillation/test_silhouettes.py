@@ -1,4 +1,4 @@
-"""Headings told by how wide a thing looks from where."""
+"""Headings told by how wide an object looks from where."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def test_a_size_between_the_known_ones_and_rims_half_a_degree_off_do_not_matter(
     assert np.mean(errors) < 10.0
 
 
-def test_a_round_thing_has_no_clear_heading() -> None:
+def test_a_round_object_has_no_clear_heading() -> None:
     angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     post = np.c_[0.2 * np.cos(angle), 0.2 * np.sin(angle), np.linspace(0, 1, 40)]
     prior = LabelPrior(extents=np.array([[0.4, 0.4, 1.0]]), shapes=(post,))

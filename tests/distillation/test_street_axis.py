@@ -1,11 +1,11 @@
-"""Small things, whose depth is blurred, stand along or across the large things around them."""
+"""Small objects, whose depth is blurred, stand along or across the large objects around them."""
 
 import dataclasses
 
 import numpy as np
 
 from urbanverse_mjx.distillation.boxes import Box
-from urbanverse_mjx.distillation.things import Street, shows_street
+from urbanverse_mjx.distillation.objects import Street, shows_street
 
 
 def house(x: float, y: float, degrees: float, size: tuple[float, float] = (9.0, 5.0)) -> Box:

@@ -75,7 +75,7 @@ def test_costs_whose_price_depends_on_the_direction_agree_with_a_search(seed: in
     assert np.isfinite(found).sum() > 20
 
 
-def test_a_metre_costs_more_near_things() -> None:
+def test_a_metre_costs_more_near_objects() -> None:
     distance = np.array([0.3, 0.4, 0.7, 1.0, 5.0])
     np.testing.assert_allclose(extra_near(distance, 0.4), [1.5, 1.5, 0.75, 0.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(extra_near(distance, 0.4, 1.0, 0.5), [1.0, 1.0, 0.4, 0.0, 0.0], atol=1e-12)

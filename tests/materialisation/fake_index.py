@@ -1,4 +1,5 @@
-"""A small index of boxes: three sizes of every thing in the street catalogue, so that the room is tested on its own."""
+"""A small index of boxes: three sizes of every object in the street catalogue, so that the room is tested on its
+own."""
 
 import functools
 import itertools
@@ -61,7 +62,7 @@ def round_prism(x: float, y: float, low: float, high: float) -> np.ndarray:
 
 
 def box_hulls(asset: AssetRecord) -> HullSet:
-    """The asset's box as one hull; slender things are a stem and what hangs above 2.2 m."""
+    """The asset's box as one hull; slender objects are a stem and what hangs above 2.2 m."""
     x, y, z = asset.extent_xyz
     stem = STEMS.get(asset.leaf)
     if stem is None:

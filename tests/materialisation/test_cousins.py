@@ -30,7 +30,7 @@ SIZES = {
 }
 
 
-def thing(name: str, label: str, x: float, y: float, z: float = 0.15, yaw: float = 0.0, **more) -> GraphObject:
+def obj(name: str, label: str, x: float, y: float, z: float = 0.15, yaw: float = 0.0, **more) -> GraphObject:
     size = more.pop("size", SIZES.get(label, (1.0, 1.0, 1.0)))
     return GraphObject(name, label, (x, y, z + size[2] / 2), size, yaw, **more)
 
@@ -40,23 +40,23 @@ def street(*objects: GraphObject, **more) -> SceneGraph:
     return SceneGraph("little", SOURCE, objects, ground, **more)
 
 
-THINGS = (
-    thing("bench", "bench", 0, 5, yaw=-math.pi / 2),
-    thing("car", "sedan", 5, -4, 0.0),
-    *(thing(f"post_{k}", "bollard", 2.0 * k - 20, 0.5) for k in range(4)),
-    *(thing(f"man_{k}", "pedestrian adult", 2.0 * k - 20, 4.0) for k in range(4)),
+OBJECTS = (
+    obj("bench", "bench", 0, 5, yaw=-math.pi / 2),
+    obj("car", "sedan", 5, -4, 0.0),
+    *(obj(f"post_{k}", "bollard", 2.0 * k - 20, 0.5) for k in range(4)),
+    *(obj(f"man_{k}", "pedestrian adult", 2.0 * k - 20, 4.0) for k in range(4)),
 )
 
 
 @pytest.fixture(scope="module")
 def cousins():
-    return materialise_cousins(street(*THINGS), 5, seed=3, objects=few_objects())
+    return materialise_cousins(street(*OBJECTS), 5, seed=3, objects=few_objects())
 
 
 def test_the_same_inputs_give_the_same_layouts_and_another_seed_others(cousins):
-    again = materialise_cousins(street(*THINGS), 5, seed=3, objects=few_objects())
+    again = materialise_cousins(street(*OBJECTS), 5, seed=3, objects=few_objects())
     assert [c.layout.to_json() for c in again] == [c.layout.to_json() for c in cousins]
-    other = materialise_cousins(street(*THINGS), 5, seed=4, objects=few_objects())
+    other = materialise_cousins(street(*OBJECTS), 5, seed=4, objects=few_objects())
     assert other[0].layout.to_json()["objects"] != cousins[0].layout.to_json()["objects"]
     for cousin in cousins:
         assert SceneLayout.from_json(cousin.layout.to_json()) == cousin.layout
@@ -66,16 +66,16 @@ def test_a_cousin_is_the_same_alone_and_among_any_number(cousins):
     """With what was seen known and not: the draw among near matches must not depend on how many cousins there are."""
     picture = np.random.default_rng(1).integers(0, 255, (60, 90, 3)).astype(np.uint8)
     look = tuple(map(int, descriptors.of_picture(picture)))
-    seen = [dataclasses.replace(node, descriptor=look) for node in THINGS[:2]]
+    seen = [dataclasses.replace(node, descriptor=look) for node in OBJECTS[:2]]
     walk = dataclasses.replace(WALK, descriptor=looks.own_ground_descriptor("sidewalk/flags_buff"))
     graph = street(
-        *seen, *THINGS[2:], ground=(ROAD, walk), sky_descriptor=looks.own_sky_descriptor("autumn_noon-overcast")
+        *seen, *OBJECTS[2:], ground=(ROAD, walk), sky_descriptor=looks.own_sky_descriptor("autumn_noon-overcast")
     )
     described = materialise_cousins(graph, 7, seed=3, objects=few_objects())
     for k in (0, 3, 6):
         assert materialise_cousin(graph, k, 3, objects=few_objects()).layout == described[k].layout
     for k in (1, 4):
-        assert materialise_cousin(street(*THINGS), k, 3, objects=few_objects()).layout == cousins[k].layout
+        assert materialise_cousin(street(*OBJECTS), k, 3, objects=few_objects()).layout == cousins[k].layout
     assert materialise_cousins(graph, 2, seed=3, objects=few_objects())[1].layout == described[1].layout
 
 
@@ -90,7 +90,7 @@ def test_mass_grows_with_the_volume_factor_and_friction_comes_from_the_record(co
             assert category_of(placed.category) == asset.category
 
 
-def test_feet_near_the_ground_are_put_onto_it_and_hanging_things_stay():
+def test_feet_near_the_ground_are_put_onto_it_and_hanging_objects_stay():
     ramp = GroundRegion("ramp", "sidewalk", ((0, 0), (2, 0), (2, 1.5), (0, 1.5)), (0.0, 0.1, 0.0))
     sunk = GraphObject("sunk", "bollard", (1.0, 1.0, 0.3), (0.2, 0.2, 0.95), 0.0)
     hung = GraphObject("hung", "directional sign", (1.0, 0.5, 4.0), (0.15, 1.0, 2.6), 0.0)
@@ -100,21 +100,21 @@ def test_feet_near_the_ground_are_put_onto_it_and_hanging_things_stay():
 
 
 def test_a_label_without_an_asset_is_named_with_the_object_and_the_nearest_leaves():
-    check_labels(street(*THINGS), few_objects())
+    check_labels(street(*OBJECTS), few_objects())
     with pytest.raises(ValidationError) as caught:
-        check_labels(street(*THINGS, thing("o7", "zqxv", 0, 0)), few_objects())
+        check_labels(street(*OBJECTS, obj("o7", "zqxv", 0, 0)), few_objects())
     message = str(caught.value)
     assert "object 'o7'.label: found 'zqxv'" in message
     assert "--skip-unknown" in message
     assert message.count("'") >= 10, "three leaves are named"
     with pytest.raises(ValidationError, match=r"'walk_2'\.label: found 'sidewalk' \('sidewalk' is ground"):
-        check_labels(street(thing("walk_2", "sidewalk", 0, 0)), few_objects())
+        check_labels(street(obj("walk_2", "sidewalk", 0, 0)), few_objects())
 
 
 def test_cousins_keep_places_headings_and_affordances_and_differ_in_looks_and_physics(cousins):
     names = [c.layout.id for c in cousins]
     assert names == ["little", "little_cousin1", "little_cousin2", "little_cousin3", "little_cousin4"]
-    for k, node in enumerate(THINGS):
+    for k, node in enumerate(OBJECTS):
         placed = [c.layout.objects[k] for c in cousins]
         records = [c.chosen[node.id].record for c in cousins]
         assert [p.id for p in placed] == [node.id] * 5
@@ -148,10 +148,10 @@ def test_a_layout_is_compiled_from_its_own_records(cousins):
 
 def test_every_node_is_placed_or_named_with_a_reason():
     nodes = (
-        *THINGS,
-        thing("what", "zqxv", 10, 5),
-        thing("ground", "sidewalk", 12, 5, size=(4.0, 4.0, 0.1)),
-        thing("again", "sedan", 5.3, -4.1, 0.0, score=0.4),
+        *OBJECTS,
+        obj("what", "zqxv", 10, 5),
+        obj("ground", "sidewalk", 12, 5, size=(4.0, 4.0, 0.1)),
+        obj("again", "sedan", 5.3, -4.1, 0.0, score=0.4),
     )
     for cousin in materialise_cousins(street(*nodes), 2, objects=few_objects()):
         gone = {entry.id: entry.reason for entry in cousin.left_out}
@@ -163,7 +163,7 @@ def test_every_node_is_placed_or_named_with_a_reason():
 
 
 def test_nothing_shares_a_place_and_moves_are_small(cousins):
-    near = [thing(f"man_{k}", "pedestrian adult", 0.25 * k, 4.0) for k in range(3)]
+    near = [obj(f"man_{k}", "pedestrian adult", 0.25 * k, 4.0) for k in range(3)]
     for cousin in materialise_cousins(street(*near), 3, objects=few_objects()):
         bodies = [
             overlap.Body(p, cousin.chosen[p.id].record, overlap.prisms_of(p, load_hulls(cousin.chosen[p.id].record)))
@@ -177,7 +177,7 @@ def test_the_nearest_cousin_is_what_was_seen(cousins):
     """A node with a record's box and descriptor gets that record, or one that looks as much like it."""
     record = cousins[2].chosen["car"].record
     look = tuple(int(x) for x in _own_descriptor(record))
-    node = thing("car", "sedan", 5, -4, 0.0, size=record.extent_xyz, descriptor=look)
+    node = obj("car", "sedan", 5, -4, 0.0, size=record.extent_xyz, descriptor=look)
     best, *others = materialise_cousins(street(node), 5, seed=9, objects=few_objects())
     distances = [c.chosen["car"].match.look or 0.0 for c in (best, *others)]
     assert distances[0] == min(distances)
@@ -191,8 +191,8 @@ def _own_descriptor(record) -> np.ndarray:
 
 
 def test_a_quarter_turn_is_taken_only_where_the_box_lies_across():
-    wide = thing("across", "bench", 0, 5, size=(1.8, 0.65, 0.85))
-    almost = thing("square", "bollard", 5, 5, size=(0.2, 0.22, 0.95))
+    wide = obj("across", "bench", 0, 5, size=(1.8, 0.65, 0.85))
+    almost = obj("square", "bollard", 5, 5, size=(0.2, 0.22, 0.95))
     path = ((0.0, 2.0, 1.6, 0.0), (5.0, 2.0, 1.6, 0.0))
     for cousin in materialise_cousins(street(wide, almost, camera_path=path), 3, objects=few_objects()):
         bench, post = cousin.layout.objects
@@ -230,7 +230,7 @@ def test_crops_and_stored_descriptors_give_the_same():
     picture = rng.integers(0, 255, (60, 90, 3)).astype(np.uint8)
     mask = np.zeros((60, 90), bool)
     mask[10:50, 20:80] = True
-    node = dataclasses.replace(THINGS[0], descriptor=tuple(map(int, descriptors.of_picture(picture, mask))))
+    node = dataclasses.replace(OBJECTS[0], descriptor=tuple(map(int, descriptors.of_picture(picture, mask))))
     walk = dataclasses.replace(WALK, descriptor=looks.ground_crop_descriptor(picture, mask))
     graph = street(node, ground=(ROAD, walk), sky_descriptor=looks.sky_crop_descriptor(picture, mask))
     stored = SceneGraph.from_json(graph.to_json())

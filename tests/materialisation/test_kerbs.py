@@ -1,4 +1,4 @@
-"""Kerbs where a graph shows none, and only there; and what a thing stands on."""
+"""Kerbs where a graph shows none, and only there; and what an object stands on."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""No two things in one place, and the moves that see to it."""
+"""No two objects in one place, and the moves that see to it."""
 
 import dataclasses
 import math
@@ -61,7 +61,7 @@ def shared_area(a, b) -> float:
     return pa.intersection(pb).area if min(ha, hb) - max(la, lb) > 0.011 else 0.0
 
 
-def test_the_light_movable_thing_gives_way_and_the_house_never():
+def test_the_light_movable_object_gives_way_and_the_house_never():
     done, placed = run(
         at("house", "bakery", 0, 5.0, math.pi / 2),
         at("cone", "traffic cone", 3.9, 4.0),
@@ -89,7 +89,7 @@ def test_what_half_a_metre_cannot_part_is_reported_and_left():
     assert placed["two"].position[:2] == (2.0, 5.0)
 
 
-def test_things_at_different_heights_may_share_a_plan():
+def test_objects_at_different_heights_may_share_a_plan():
     done, _ = run(
         at("car", "sedan", 0, -3, foot=0.0),
         at("sign", "directional sign", 0, -3, foot=2.0),
@@ -98,7 +98,7 @@ def test_things_at_different_heights_may_share_a_plan():
     assert not done.unresolved
 
 
-def test_no_move_takes_a_thing_over_the_kerb():
+def test_no_move_takes_a_object_over_the_kerb():
     done, placed = run(at("booth", "telephone booth", 0.0, 1.0), at("bag", "garbage bag", 0.0, 0.42))
     assert placed["bag"].position[1] > 0.0
     assert not done.unresolved

@@ -11,7 +11,7 @@ from urbanverse_mjx.datatypes import GraphObject, HullSet, PlacedObject
 from urbanverse_mjx.materialisation import materialise_cousins, overlap, passage
 
 from .catalogue_part import few_objects
-from .test_cousins import street, thing
+from .test_cousins import obj, street
 
 RECORD = load_index().by_label("bench")[0]
 
@@ -45,7 +45,7 @@ def test_what_blocks_the_way(block: overlap.Body, stands_in_the_way: bool) -> No
     assert (passage.in_the_way([block], STRIP) == [0]) is stands_in_the_way
 
 
-def test_a_moved_thing_counts_where_it_is_and_no_tour_blocks_nothing() -> None:
+def test_a_moved_object_counts_where_it_is_and_no_tour_blocks_nothing() -> None:
     block = body(5, 0, 0, 1)
     assert passage.in_the_way([dataclasses.replace(block, offset=(0.0, 2.0))], STRIP) == []
     assert passage.in_the_way([block], passage.walked(np.zeros((0, 4)))) == []
@@ -54,8 +54,8 @@ def test_a_moved_thing_counts_where_it_is_and_no_tour_blocks_nothing() -> None:
 
 def test_cousins_leave_out_what_the_camera_went_through() -> None:
     graph = street(
-        thing("here", "bench", 0, 5),
-        thing("beside", "bench", 0, 7.3),
+        obj("here", "bench", 0, 5),
+        obj("beside", "bench", 0, 7.3),
         camera_path=((-9.0, 5.0, 1.6, 0.0), (-5.0, 5.0, 1.6, 0.0), (-1.0, 5.0, 1.6, 0.0), (3.0, 5.0, 1.6, 0.0)),
     )
     filmed = dataclasses.replace(graph, source=dataclasses.replace(graph.source, video="tour.mp4"))

@@ -37,15 +37,15 @@ def test_everything_found_an_asset_and_a_place_of_its_own(street):
     assert done.unresolved == ()
     assert len(done.layout.objects) == len(graph.objects)
     moved = dict(done.moved)
-    for thing, placed in zip(graph.objects, done.layout.objects, strict=True):
-        shift = math.dist(thing.center[:2], placed.position[:2])
+    for obj, placed in zip(graph.objects, done.layout.objects, strict=True):
+        shift = math.dist(obj.center[:2], placed.position[:2])
         assert shift <= 0.5 + 1e-3
-        assert (shift > 1e-3) == (thing.id in moved)
+        assert (shift > 1e-3) == (obj.id in moved)
     assert len(moved) <= 0.1 * len(graph.objects)
 
 
 def test_no_two_hulls_share_a_place(street):
-    """An independent count over all pairs of hulls of different things, level by level."""
+    """An independent count over all pairs of hulls of different objects, level by level."""
     _, done = street
     index, shapes = index_of(done.layout), []
     for number, placed in enumerate(done.layout.objects):
@@ -63,15 +63,15 @@ def test_assets_are_as_large_as_the_graph_says(street):
     """The longer side, the shorter side and the height are within a third, for nine in ten within a tenth."""
     graph, done = street
     index, errors = index_of(done.layout), []
-    for thing, placed in zip(graph.objects, done.layout.objects, strict=True):
+    for obj, placed in zip(graph.objects, done.layout.objects, strict=True):
         extent = np.array(index.get(placed.asset_uid).extent_xyz) * placed.scale
-        errors.append(np.abs(np.log(extent / thing.size)).max())
+        errors.append(np.abs(np.log(extent / obj.size)).max())
     assert max(errors) < math.log(4 / 3)
     assert np.quantile(errors, 0.9) < 0.1
 
 
 def test_assets_differ_as_they_do_in_a_street(street):
-    """Nearly half as many assets as objects (things of one series look alike), and nobody who is everywhere."""
+    """Nearly half as many assets as objects (objects of one series look alike), and nobody who is everywhere."""
     _, done = street
     counts = collections.Counter(placed.asset_uid for placed in done.layout.objects)
     assert len(counts) >= 0.45 * len(done.layout.objects)
@@ -79,7 +79,7 @@ def test_assets_differ_as_they_do_in_a_street(street):
     assert max(people, default=0) <= 3
 
 
-def test_a_robot_gets_by_the_real_things_on_both_pavements(street):
+def test_a_robot_gets_by_the_real_objects_on_both_pavements(street):
     """Hulls below a robot's height, as they collide: a disc of 1.1 m still passes from end to end."""
     graph, done = street
     index = index_of(done.layout)

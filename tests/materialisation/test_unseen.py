@@ -1,4 +1,4 @@
-"""Ground that things hid is given back; what stands in a kerb leaves it."""
+"""Ground that objects hid is given back; what stands in a kerb leaves it."""
 
 import math
 
@@ -55,9 +55,9 @@ def test_ground_grows_under_what_stands_half_beside_it():
     assert outline(done).symmetric_difference(shapely.box(-10, -3, 10, 3).union(grown)).area < 1e-6
 
 
-@pytest.mark.parametrize("thing", [box("c", "car", 11.0, 1.5, foot=3.0), box("h", "house", 13.0, 0.0, (5, 5, 9))])
-def test_nothing_grows_under_what_flies_or_is_a_house(thing):
-    assert outline(filled(thing)).equals_exact(outline(filled()), 1e-9)
+@pytest.mark.parametrize("obj", [box("c", "car", 11.0, 1.5, foot=3.0), box("h", "house", 13.0, 0.0, (5, 5, 9))])
+def test_nothing_grows_under_what_flies_or_is_a_house(obj):
+    assert outline(filled(obj)).equals_exact(outline(filled()), 1e-9)
 
 
 def body(y: float, foot: float, wide: float = 0.6) -> overlap.Body:

@@ -33,7 +33,7 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[SceneLayout]:
 @pytest.fixture
 def graph() -> SceneGraph:
     """Four bollards and four people on the pavements of a street."""
-    things = tuple(
+    graph_objects = tuple(
         GraphObject(f"{label}_{x:.0f}", label, (x, 6.0, 0.15 + size[2] / 2), size, 0.0)
         for label, size, places in (
             ("bollard", (0.2, 0.2, 0.9), (10.0, 20.0, 40.0, 50.0)),
@@ -41,7 +41,7 @@ def graph() -> SceneGraph:
         )
         for x in places
     )
-    return SceneGraph("street", Source("hand", "Apache-2.0", "none", "none"), things, tuple(street_regions()))
+    return SceneGraph("street", Source("hand", "Apache-2.0", "none", "none"), graph_objects, tuple(street_regions()))
 
 
 def test_the_same_graph_seed_and_cousin_give_the_same_street_by_every_route(

@@ -20,8 +20,8 @@ def test_a_street_of_ten_lines_compiles(tmp_path: pathlib.Path, monkeypatch: pyt
     graph = SceneGraph.load(tmp_path / "my_street.json")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "my_street" / "scene.xml"))
     names = {model.body(i).name for i in range(model.nbody)} | {model.geom(i).name for i in range(model.ngeom)}
-    for thing in graph.objects:
-        assert any(thing.id in name for name in names), thing.id
+    for obj in graph.objects:
+        assert any(obj.id in name for name in names), obj.id
 
 
 @pytest.mark.parametrize(("heading", "name"), [("## Scene graph", "graph"), ("## Scene layout", "layout")])

@@ -104,7 +104,7 @@ def test_scenes_of_different_size_share_a_bank() -> None:
     assert np.abs(x[0][used[0]] - x[1][used[0]]).max() < 25
 
 
-def test_equal_things_are_stored_once() -> None:
+def test_equal_objects_are_stored_once() -> None:
     scene = box_scenes(1, 0, 12)[0]
     twin = dataclasses.replace(scene, scene_id="twin")
     one, two = pack([scene], ["train"], box_skies()), pack([scene, twin], ["train", "test"], box_skies())

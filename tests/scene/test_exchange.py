@@ -296,7 +296,7 @@ def test_damaged_maps_are_refused(fault: str, tmp_path: pathlib.Path) -> None:
         load_map(folder)
 
 
-def test_tops_are_the_highest_thing() -> None:
+def test_tops_are_the_highest_object() -> None:
     m = maps.ground_map(street_regions())
     high = maps.tops(m, [WALL, WALL], np.eye(3)[None].repeat(2, 0), np.array([(15.0, 5.5, 0.15), (15.0, 5.5, 2.0)]))
     i, j = np.floor((np.array([15.0, 5.5]) - m.origin) / 0.05).astype(int)

@@ -58,7 +58,7 @@ def test_clearance_is_the_height_of_the_lower_side(z: float, height: float, expe
     assert touched == 0 if expected > 9 else 1.0 <= touched <= 1.2**2
 
 
-def test_buried_things_do_not_block() -> None:
+def test_buried_objects_do_not_block() -> None:
     assert (_blocked(_yard(), (6.0, 3.0, -2.0), (1.0, 1.0, 1.9)).clearance == np.float32(9.99)).all()
 
 

@@ -83,7 +83,7 @@ def test_fallers_are_fixed_until_all_stay():
     assert rest_moves(geometry, seconds=0.01) == pytest.approx([])
 
 
-def test_only_fixed_things_near_by_count():
+def test_only_fixed_objects_near_by_count():
     """Half a metre apart in the box street: the neighbour stays in the trial, the one after next does not."""
     scene = dataclasses.replace(scene_of(CUBE, CUBE, CUBE), object_movable=np.array([True, False, False]))
     position = scene.object_position.copy()

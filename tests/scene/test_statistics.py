@@ -11,10 +11,11 @@ from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.statistics import house_mask, pavement_widths, scene_statistics
 
 
-def _street(*things: tuple[float, float, tuple[float, float, float]]) -> SceneGeometry:
+def _street(*graph_objects: tuple[float, float, tuple[float, float, float]]) -> SceneGeometry:
     """Boxes of (x, y, size) on the left pavement (y 4 to 8), or wherever."""
     objects = [
-        GraphObject(f"o{i}", "bollard", (x, y, 0.15 + size[2] / 2), size, 0.0) for i, (x, y, size) in enumerate(things)
+        GraphObject(f"o{i}", "bollard", (x, y, 0.15 + size[2] / 2), size, 0.0)
+        for i, (x, y, size) in enumerate(graph_objects)
     ]
     source = Source("hand", "Apache-2.0", "none", "none")
     graph = SceneGraph("toy", source, tuple(objects), tuple(street_regions()))
@@ -56,7 +57,7 @@ def test_blockage_is_the_share_of_the_way() -> None:
     assert told["narrower_than"]["robot"] <= told["narrower_than"]["ada"] <= told["narrower_than"]["prowag"]
 
 
-def test_spacing_is_to_the_nearest_other_thing() -> None:
+def test_spacing_is_to_the_nearest_other_object() -> None:
     told = scene_statistics(_street(*((x, 6.0, (0.2, 0.2, 1.0)) for x in (40.0, 42.0, 44.0, 50.0))))
     assert told["spacing_m"] == {"p10": 2.0, "p50": 2.0, "p90": pytest.approx(4.8)}
     assert scene_statistics(_street())["spacing_m"] == {}

@@ -22,12 +22,12 @@ SOURCE = Source("synthetic", "CC0-1.0", "none", "none")
 
 
 def box(name: str, label: str, x: float, y: float, size: tuple[float, float, float], yaw: float = 0.0) -> GraphObject:
-    """A thing that stands on the ground of the street at (x, y)."""
+    """An object that stands on the ground of the street at (x, y)."""
     floor = KERB if abs(y) > HALF_ROAD else 0.0
     return GraphObject(name, label, (x, y, floor + size[2] / 2), size, yaw)
 
 
-def street_things() -> list[GraphObject]:
+def street_objects() -> list[GraphObject]:
     """Cars, bins, benches and kiosks on both sides, seen from both ends; two benches close together."""
     return [
         box("car_0", "sedan", 14.0, 3.0, (4.4, 1.8, 1.5), np.pi),
@@ -55,23 +55,23 @@ def walk(count: int, y: float = 5.9, x0: float = 4.0, step: float = 1.4, back: b
     return poses
 
 
-def _hit_box(thing: GraphObject, eye: np.ndarray, rays: np.ndarray) -> np.ndarray:
+def _hit_box(obj: GraphObject, eye: np.ndarray, rays: np.ndarray) -> np.ndarray:
     """(n,) ray parameter of the first hit, inf where there is none: the slab method in the box's own axes."""
-    c, s = np.cos(thing.yaw), np.sin(thing.yaw)
+    c, s = np.cos(obj.yaw), np.sin(obj.yaw)
     turn = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    start, way = turn @ (eye - thing.center), rays @ turn.T
-    half = np.array(thing.size) / 2
+    start, way = turn @ (eye - obj.center), rays @ turn.T
+    half = np.array(obj.size) / 2
     with np.errstate(divide="ignore", invalid="ignore"):
         a, b = (-half - start) / way, (half - start) / way
     near, far = np.minimum(a, b).max(1), np.maximum(a, b).min(1)
     return np.where((near <= far) & (near > 0.05), near, np.inf)
 
 
-def draw(things: Sequence[GraphObject], pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Depth (H, W) m (0 = sky), thing (H, W) or -1, and surface codes (H, W)."""
+def draw(objects: Sequence[GraphObject], pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Depth (H, W) m (0 = sky), object (H, W) or -1, and surface codes (H, W)."""
     rays = CAMERA.rays().reshape(-1, 3)
     world, eye = rays @ pose[:3, :3].T, pose[:3, 3]
-    depth, thing = np.full(len(rays), np.inf), np.full(len(rays), -1)
+    depth, obj = np.full(len(rays), np.inf), np.full(len(rays), -1)
     surface = np.full(len(rays), SKY, np.uint8)
     for height, kind, inside in (
         (0.0, "road", lambda y: np.abs(y) <= HALF_ROAD),
@@ -82,23 +82,23 @@ def draw(things: Sequence[GraphObject], pose: np.ndarray) -> tuple[np.ndarray, n
         place = eye + t[:, None] * np.where(np.isfinite(t), 1, 0)[:, None] * world
         good = (t > 0.05) & inside(place[:, 1]) & (place[:, 0] > 0) & (place[:, 0] < LENGTH) & (t < depth)
         depth[good], surface[good] = t[good], KIND_INDEX[kind]
-    for i, solid in enumerate(things):
+    for i, solid in enumerate(objects):
         t = _hit_box(solid, eye, world)
         nearer = t < depth
-        depth[nearer], thing[nearer], surface[nearer] = t[nearer], i, 0
+        depth[nearer], obj[nearer], surface[nearer] = t[nearer], i, 0
     shape = CAMERA.height, CAMERA.width
-    return np.where(np.isfinite(depth), depth, 0.0).reshape(shape), thing.reshape(shape), surface.reshape(shape)
+    return np.where(np.isfinite(depth), depth, 0.0).reshape(shape), obj.reshape(shape), surface.reshape(shape)
 
 
-def record(folder: pathlib.Path, things: Sequence[GraphObject], poses: np.ndarray, name: str = "drawn") -> Recording:
+def record(folder: pathlib.Path, objects: Sequence[GraphObject], poses: np.ndarray, name: str = "drawn") -> Recording:
     """The street along a camera path, one frame a second, true ids as tracks."""
     writer = RecordingWriter(folder, name, SOURCE, CAMERA)
-    colours = np.random.default_rng(0).integers(40, 255, (len(things) + 1, 3)).astype(np.uint8)
+    colours = np.random.default_rng(0).integers(40, 255, (len(objects) + 1, 3)).astype(np.uint8)
     for i, pose in enumerate(poses):
-        depth, thing, surface = draw(things, pose)
-        seen = np.unique(thing[thing >= 0])
-        number = np.full(len(things) + 1, -1)
+        depth, obj, surface = draw(objects, pose)
+        seen = np.unique(obj[obj >= 0])
+        number = np.full(len(objects) + 1, -1)
         number[seen] = np.arange(len(seen))
-        found = [Detection(things[k].label, 1.0, things[k].id) for k in seen]
-        writer.add(float(i), colours[thing], depth, number[thing], surface, pose, found)
+        found = [Detection(objects[k].label, 1.0, objects[k].id) for k in seen]
+        writer.add(float(i), colours[obj], depth, number[obj], surface, pose, found)
     return writer.close()

@@ -1,4 +1,4 @@
-"""Streets with a few movable things in them, and drives into those in C MuJoCo and in an engine."""
+"""Streets with a few movable objects in them, and drives into those in C MuJoCo and in an engine."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -23,8 +23,8 @@ CONTROL_DT = 0.2
 START = np.array([20.0, 6.0, KERB])
 
 
-class Thing(NamedTuple):
-    """A movable thing: hulls (n, 3) each, place relative to `START` (m), yaw (rad), mass (kg), friction."""
+class MovableObject(NamedTuple):
+    """A movable object: hulls (n, 3) each, place relative to `START` (m), yaw (rad), mass (kg), friction."""
 
     hulls: Sequence[np.ndarray]
     place: tuple[float, float, float]
@@ -34,14 +34,14 @@ class Thing(NamedTuple):
 
 
 class Push(NamedTuple):
-    """What came of a drive of T control steps with M things: robot (T, 7); places (T, M, 3), quaternions (T, M, 4) of
-    the things' frames, hit (T,) bool, thing (T,) i32, the thing that was hit, -1 = none."""
+    """What came of a drive of T control steps with M objects: robot (T, 7); places (T, M, 3), quaternions (T, M, 4) of
+    the objects' frames, hit (T,) bool, object (T,) i32, the object that was hit, -1 = none."""
 
     robot: np.ndarray
     places: np.ndarray
     quaternions: np.ndarray
     hit: np.ndarray
-    thing: np.ndarray
+    obj: np.ndarray
 
 
 def box(length: float, width: float, height: float) -> np.ndarray:
@@ -51,7 +51,7 @@ def box(length: float, width: float, height: float) -> np.ndarray:
 
 
 def hulls_of(bank: SceneBank, category: str) -> tuple[list[np.ndarray], float, float]:
-    """Hulls, mass and friction of the first movable thing of a category in a bank."""
+    """Hulls, mass and friction of the first movable object of a category in a bank."""
     wanted = bank.meta["categories"].index(category)
     z, slot = np.argwhere((bank.slot_category == wanted) & (bank.slot_movable > 0))[0]
     rows = np.flatnonzero(bank.inst_object[z] == slot)
@@ -59,28 +59,28 @@ def hulls_of(bank: SceneBank, category: str) -> tuple[list[np.ndarray], float, f
     return found, float(bank.slot_mass[z, slot]), float(bank.inst_friction[z, rows[0]])
 
 
-def thing_scene(things: Sequence[Thing]) -> SceneGeometry:
-    """A box street that holds these things and nothing else."""
+def object_scene(objects: Sequence[MovableObject]) -> SceneGeometry:
+    """A box street that holds these objects and nothing else."""
     base = box_scene(0, 0, 1)
     first = len(base.hulls) - len(base.prism_hull)
-    hulls = [np.asarray(h, np.float32) for t in things for h in t.hulls]
-    count = len(things)
-    order = np.argsort([t.place[0] for t in things], kind="stable")
+    hulls = [np.asarray(h, np.float32) for t in objects for h in t.hulls]
+    count = len(objects)
+    order = np.argsort([t.place[0] for t in objects], kind="stable")
     assert (order == np.arange(count)).all(), "things in the order of x"
-    yaw = np.array([t.yaw for t in things])
+    yaw = np.array([t.yaw for t in objects])
     return dataclasses.replace(
         base,
         object_ids=tuple(f"thing_{i}" for i in range(count)),
         object_categories=("box",) * count,
-        object_position=START + np.array([t.place for t in things]),
+        object_position=START + np.array([t.place for t in objects]),
         object_quaternion=rotations.from_yaw(yaw),
         object_mesh=np.zeros(count, np.int32),
-        object_mass=np.array([t.mass for t in things]),
-        object_friction=np.array([t.friction for t in things]),
+        object_mass=np.array([t.mass for t in objects]),
+        object_friction=np.array([t.friction for t in objects]),
         object_movable=np.ones(count, bool),
         hulls=(*hulls, *base.hulls[first:]),
         inst_hull=np.arange(len(hulls), dtype=np.int32),
-        inst_object=np.repeat(np.arange(count), [len(t.hulls) for t in things]).astype(np.int32),
+        inst_object=np.repeat(np.arange(count), [len(t.hulls) for t in objects]).astype(np.int32),
         prism_hull=base.prism_hull - first + len(hulls),
     )
 
@@ -91,12 +91,12 @@ def first_qpos(robot: RobotSpec, size: int) -> np.ndarray:
     return qpos
 
 
-def thing_bank(scene: SceneGeometry) -> SceneBank:
+def object_bank(scene: SceneGeometry) -> SceneBank:
     return pack([scene], ["train"], box_skies())
 
 
 def push_truth(scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray, aside: float = 0.0) -> Push:
-    """The drive in C MuJoCo, things on free joints; commands (T, 2) m/s, rad/s; it starts `aside` m to the left."""
+    """The drive in C MuJoCo, objects on free joints; commands (T, 2) m/s, rad/s; it starts `aside` m to the left."""
     text, _ = scene_mjcf(scene, visuals=False, free=True)
     model = truth.truth_model(mujoco.MjSpec.from_string(text), robot)
     data = mujoco.MjData(model)
@@ -117,8 +117,8 @@ def push_truth(scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray, asi
                 if contact.dist < 0 and any(n.startswith("robot/") for n in pair):
                     hit |= {n.split("/")[0] for n in pair if n.startswith("thing_")}
         mujoco.mj_kinematics(model, data)
-        thing = int(sorted(hit)[0].split("_")[1]) if hit else -1
-        rows.append((data.qpos[root : root + 7].copy(), data.xpos[bodies], data.xquat[bodies], bool(hit), thing))
+        obj = int(sorted(hit)[0].split("_")[1]) if hit else -1
+        rows.append((data.qpos[root : root + 7].copy(), data.xpos[bodies], data.xquat[bodies], bool(hit), obj))
     return Push(*(np.array(c) for c in zip(*rows, strict=True)))
 
 
@@ -128,15 +128,15 @@ def _root_joint(robot: RobotSpec) -> str:
 
 
 def push_engine(
-    scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray, impl: str, sizes: Any, things: Any = None
+    scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray, impl: str, sizes: Any, objects: Any = None
 ) -> tuple[Push, Any]:
-    """The same in an engine, and its last state; things: the objects that are bodies, default the first ones."""
-    bank = thing_bank(scene)
+    """The same in an engine, and its last state; objects: the objects that are bodies, default the first ones."""
+    bank = object_bank(scene)
     engine = make_engine(bank, robot, impl=impl, control_dt=CONTROL_DT, movable=sizes)
     slots = [bank.meta["object_ids"][0].index(name) for name in scene.object_ids]
-    if things is None:
-        things = (slots + [-1] * sizes.bodies)[: sizes.bodies]
-    state = engine.init(0, first_qpos(robot, engine.physics.model.nq), np.zeros(engine.physics.model.nv), things)
+    if objects is None:
+        objects = (slots + [-1] * sizes.bodies)[: sizes.bodies]
+    state = engine.init(0, first_qpos(robot, engine.physics.model.nq), np.zeros(engine.physics.model.nv), objects)
     step = jax.jit(engine.step)
     rows: list[Any] = []
     for command in commands:

@@ -51,7 +51,7 @@ class UnicycleEngine:
             contacts = contacts._replace(hit_agent=jnp.int32(agent))
         return SimState(scene, qpos, qvel, xpos, xquat, contacts, jnp.int32(0), (), jnp.float32(1.0), jnp.float32(1.0))
 
-    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+    def init(self, scene: Any, qpos: Any, qvel: Any, objects: Any = None) -> SimState:
         return self._state(scene, qpos, qvel, jnp.bool_(False))
 
     def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 from ..datatypes import SceneBank, ValidationError
 from .street import CELL, StreetGrid, street_grid
 
-#: m: nobody walks nearer to a thing than half a shoulder's width and a hand.
+#: m: nobody walks nearer to an object than half a shoulder's width and a hand.
 _BODY = 0.35
-#: m: ways nearer than this to things cost more.
+#: m: ways nearer than this to objects cost more.
 _COMFORT = 1.0
 _SMOOTH = 1.5  # m, window over which corners are rounded
 _AHEAD = 0.5  # m, the point of the way that the walker goes for
@@ -146,7 +146,7 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
         wide = order[street.clearance[tuple(cells[order].T)] > _BODY]
         low, high = wide[np.argmin(along[wide])], wide[np.argmax(along[wide])]
         stops += [high, low] if backwards else [low, high]
-    # Walking in comfort is worth a detour of some steps; 20 keeps it off the rims of things without closing gaps.
+    # Walking in comfort is worth a detour of some steps; 20 keeps it off the rims of objects without closing gaps.
     near = np.clip(_COMFORT - street.clearance, 0.0, None) / _COMFORT
     cost = np.where(street.clearance > _BODY, 1.0 + 20.0 * near**2, np.inf)
     ways = []

@@ -1,4 +1,4 @@
-"""A bank's scene as a grid from above: what kind of ground, how high, and how far from the next solid thing."""
+"""A bank's scene as a grid from above: what kind of ground, how high, and how far from the next solid object."""
 
 import dataclasses
 
@@ -23,7 +23,7 @@ class StreetGrid:
 
     kind (X, Y) u8: `ground.GROUND_KINDS`, 0 = no ground.
     height (X, Y) f32: m, top of the ground, NaN where there is none.
-    clearance (X, Y) f32: m to the nearest solid thing or end of the ground that a walker may be on, 0 inside.
+    clearance (X, Y) f32: m to the nearest solid object or end of the ground that a walker may be on, 0 inside.
     """
 
     origin: np.ndarray

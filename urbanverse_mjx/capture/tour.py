@@ -32,7 +32,7 @@ class TourOptions:
       samples: rays per pixel and side of the RGB picture; depth and masks take the middle of each pixel.
       shadows: whether the sun casts shadows.
       rgb: False leaves the pictures black: enough where geometry alone is asked for.
-      min_pixels: things that cover fewer pixels of a frame are not in its masks.
+      min_pixels: objects that cover fewer pixels of a frame are not in its masks.
     """
 
     width: int = 640
@@ -66,7 +66,7 @@ def tour(
       progress: called with (frames done, frames in all).
 
     Returns:
-      the recording: RGB, planar depth, masks with true labels and the things' ids as tracks, ground kinds, poses.
+      the recording: RGB, planar depth, masks with true labels and the objects' ids as tracks, ground kinds, poses.
 
     Raises:
       ValidationError: a scene that the bank does not hold, or a folder that cannot be written.
@@ -78,8 +78,8 @@ def tour(
     camera = Camera.from_fov(options.width, options.height, options.fovy)
     writer = RecordingWriter(folder, bank.scene_ids[scene], SOURCE, camera)
     labels = _Labels(bank, scene)
-    for i, (rgb, depth, thing, category) in enumerate(_render(bank, scene, way, options)):
-        masks, found = labels.masks(thing, options.min_pixels)
+    for i, (rgb, depth, obj, category) in enumerate(_render(bank, scene, way, options)):
+        masks, found = labels.masks(obj, options.min_pixels)
         surfaces = labels.surface[category]
         writer.add(float(way.time_s[i]), rgb, depth, masks, surfaces, way.T_world_camera[i], found)
         if progress is not None:
@@ -99,7 +99,7 @@ class _Labels:
             if name.startswith(GROUND_PREFIX):
                 self.surface[row] = KIND_INDEX[name.removeprefix(GROUND_PREFIX)]
         self.surface[SKY_LABEL] = SKY
-        self._things = {
+        self._objects = {
             int(slot): Detection(categories[bank.slot_category[scene, slot]], 1.0, object_id(bank, scene, slot))
             for slot in object_slots(bank, scene)
         }
@@ -109,9 +109,9 @@ class _Labels:
         seen, inverse, counts = np.unique(slots, return_inverse=True, return_counts=True)
         number, found = np.full(len(seen), -1), []
         for k, slot in enumerate(seen.tolist()):
-            if slot in self._things and counts[k] >= min_pixels:
+            if slot in self._objects and counts[k] >= min_pixels:
                 number[k] = len(found)
-                found.append(self._things[slot])
+                found.append(self._objects[slot])
         return number[inverse].reshape(slots.shape), found
 
 

@@ -12,33 +12,33 @@ SOURCE = Source("synthetic", "Apache-2.0", "none", "none")
 
 
 def object_slots(bank: SceneBank, scene: int) -> np.ndarray:
-    """(n,) visual slots of a scene that hold a thing, not ground."""
+    """(n,) visual slots of a scene that hold an object, not ground."""
     ground = np.array([name.startswith(GROUND_PREFIX) for name in bank.meta["categories"]])
     return np.flatnonzero((bank.slot_mesh[scene] >= 0) & ~ground[bank.slot_category[scene]])
 
 
 def object_id(bank: SceneBank, scene: int, slot: int) -> str:
-    """The id of the thing in a slot."""
+    """The id of the object in a slot."""
     return bank.meta["object_ids"][scene][slot] or f"slot_{slot}"
 
 
 def true_objects(bank: SceneBank, scene: int) -> tuple[GraphObject, ...]:
-    """Every thing with its label and the box around its mesh, turned with the asset's +x.
+    """Every object with its label and the box around its mesh, turned with the asset's +x.
 
     Raises:
-      ValidationError: a thing that does not stand upright.
+      ValidationError: an object that does not stand upright.
     """
-    things = []
+    objects = []
     for slot in object_slots(bank, scene):
         mesh = bank.slot_mesh[scene, slot]
         corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1]].astype(np.float64)
         w, x, y, z = bank.slot_quaternion[scene, slot].astype(np.float64)
         if abs(x) + abs(y) > 1e-4:
-            raise ValidationError(f"slot {slot}: found a leaning thing, needed one that turns about z alone.")
+            raise ValidationError(f"slot {slot}: found a leaning object, needed one that turns about z alone.")
         yaw = 2.0 * float(np.arctan2(z, w))
         low, high = corners.min(0), corners.max(0)
         middle = rotations.about_z(yaw) @ ((low + high) / 2) + bank.slot_position[scene, slot]
-        things.append(
+        objects.append(
             GraphObject(
                 id=object_id(bank, scene, slot),
                 label=bank.meta["categories"][bank.slot_category[scene, slot]],
@@ -47,7 +47,7 @@ def true_objects(bank: SceneBank, scene: int) -> tuple[GraphObject, ...]:
                 yaw=float(np.remainder(yaw + np.pi, 2 * np.pi) - np.pi),
             )
         )
-    return tuple(things)
+    return tuple(objects)
 
 
 def _regions(bank: SceneBank, scene: int) -> tuple[GroundRegion, ...]:

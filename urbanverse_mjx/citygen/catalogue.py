@@ -1,9 +1,9 @@
-"""How large things on a street are, and how much of the pavement they take.
+"""How large objects on a street are, and how much of the pavement they take.
 
 Sizes are (along the heading, across, up) in metres, the convention of `GraphObject.size`. They are everyday
 values: cars from the makers' data sheets of common models (with mirrors), street furniture from city design
 manuals (NACTO Urban Street Design Guide: benches, racks, shelters), people about 1.7 m, longer when they stride.
-Where a thing comes in several sizes, the first of it that a street gets takes the first size, and so on round.
+Where an object comes in several sizes, the first of it that a street gets takes the first size, and so on round.
 """
 
 import dataclasses
@@ -134,7 +134,7 @@ HEDGE: Size = (0.75, 2.28, 1.18)
 
 @dataclasses.dataclass(frozen=True)
 class Stem:
-    """Where a slender thing stands.
+    """Where a slender object stands.
 
     Attributes:
       side: m, of the square that it takes at walking height; the rest of its box hangs above heads.
@@ -159,5 +159,5 @@ STEMS: dict[str, Stem] = {
     "directional sign": Stem(0.3),
 }
 
-#: Things one walks or rolls over.
+#: Objects one walks or rolls over.
 FLAT: frozenset[str] = frozenset({"manhole cover", "grass patch"})

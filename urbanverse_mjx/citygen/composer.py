@@ -1,4 +1,4 @@
-"""`StreetComposer`: places things on a street by pavement side, distance from the kerb and facing."""
+"""`StreetComposer`: places objects on a street by pavement side, distance from the kerb and facing."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -40,7 +40,7 @@ class StreetComposer(Stage):
         facing: str | float = "street",
         size: catalogue.Size | None = None,
     ) -> GraphObject:
-        """Adds one thing `from_kerb` metres behind the kerb of a side (negative: on the road)."""
+        """Adds one object `from_kerb` metres behind the kerb of a side (negative: on the road)."""
         return self.add(self.make(label, x, self.y_at(side, from_kerb), self._degrees(facing, side), size))
 
     def put_all(self, placements: Iterable[Placement]) -> None:
@@ -57,7 +57,7 @@ class StreetComposer(Stage):
         jitter: float = 0.0,
         size: catalogue.Size | None = None,
     ) -> None:
-        """The same thing at several x; `jitter` (degrees) turns each a little."""
+        """The same object at several x; `jitter` (degrees) turns each a little."""
         for x in xs:
             turn = self.uniform(-jitter, jitter) if jitter else 0.0
             self.put(label, x, side, from_kerb, self._degrees(facing, side) + turn, size)
@@ -106,24 +106,24 @@ class StreetComposer(Stage):
     def scatter(
         self, labels: Sequence[str], count: int, side: int, x: tuple[float, float], from_kerb: tuple[float, float]
     ) -> int:
-        """Drops things at seeded places where they touch nothing and leave a passage; returns how many found one."""
+        """Drops objects at seeded places where they touch nothing and leave a passage; returns how many found one."""
         placed = 0
         for _ in range(40 * count):
             if placed == count:
                 break
             label = labels[int(self.uniform(0, len(labels)))]
             y = self.y_at(side, self.uniform(*from_kerb))
-            thing = self.make(label, self.uniform(*x), y, self.uniform(-180.0, 180.0))
-            if self._fits(thing, side):
-                self.add(thing)
+            obj = self.make(label, self.uniform(*x), y, self.uniform(-180.0, 180.0))
+            if self._fits(obj, side):
+                self.add(obj)
                 placed += 1
         return placed
 
-    def _fits(self, thing: GraphObject, side: int) -> bool:
-        shape = passage.footprint(thing).buffer(0.08)
+    def _fits(self, obj: GraphObject, side: int) -> bool:
+        shape = passage.footprint(obj).buffer(0.08)
         if any(passage.footprint(o).intersects(shape) for o in self.objects if passage.is_obstacle(o)):
             return False
-        return self.passage_length(side, [*self.objects, thing]) >= self.section.length - 2 * passage.PASSAGE
+        return self.passage_length(side, [*self.objects, obj]) >= self.section.length - 2 * passage.PASSAGE
 
     def passage_length(self, side: int, objects: Sequence[GraphObject] | None = None) -> float:
         """Metres of a side's pavement that a robot can pass in one go."""

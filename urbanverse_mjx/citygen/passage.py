@@ -14,16 +14,16 @@ from . import catalogue
 PASSAGE = 1.1
 
 
-def footprint(thing: GraphObject) -> shapely.Polygon:
-    """The oriented rectangle (m, scene frame) that a thing takes at walking height."""
-    stem = catalogue.STEMS.get(thing.label)
-    along, across = (stem.side, stem.side) if stem else thing.size[:2]
-    ahead = stem.offset * thing.size[0] / 2 if stem else 0.0
-    return rectangle(along, across, thing.yaw, *thing.center[:2], ahead)
+def footprint(obj: GraphObject) -> shapely.Polygon:
+    """The oriented rectangle (m, scene frame) that an object takes at walking height."""
+    stem = catalogue.STEMS.get(obj.label)
+    along, across = (stem.side, stem.side) if stem else obj.size[:2]
+    ahead = stem.offset * obj.size[0] / 2 if stem else 0.0
+    return rectangle(along, across, obj.yaw, *obj.center[:2], ahead)
 
 
-def is_obstacle(thing: GraphObject) -> bool:
-    return thing.label not in catalogue.FLAT
+def is_obstacle(obj: GraphObject) -> bool:
+    return obj.label not in catalogue.FLAT
 
 
 def walkable(ground: Iterable[GroundRegion]) -> BaseGeometry:
@@ -35,7 +35,7 @@ def walkable(ground: Iterable[GroundRegion]) -> BaseGeometry:
 def free_space(
     ground: Iterable[GroundRegion], objects: Iterable[GraphObject], passage: float = PASSAGE
 ) -> BaseGeometry:
-    """Where the middle of a disc of diameter `passage` may be: on walkable ground, clear of kerbs and things."""
+    """Where the middle of a disc of diameter `passage` may be: on walkable ground, clear of kerbs and objects."""
     reach = passage / 2
     taken = [footprint(o).buffer(reach, quad_segs=4) for o in objects if is_obstacle(o)]
     return walkable(ground).buffer(-reach, join_style="mitre").difference(shapely.union_all(taken))

@@ -1,4 +1,4 @@
-"""Groups of things that belong together on a pavement."""
+"""Groups of objects that belong together on a pavement."""
 
 from collections.abc import Sequence
 

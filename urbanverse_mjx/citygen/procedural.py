@@ -1,7 +1,7 @@
 """Procedural scenes, the baseline that cousins of real layouts are compared with (issue 6, item 4).
 
 In the manner of URBAN-SIM's generator (facts/reference_systems.md a.2, e.2): five hard-coded street templates with
-random sizes, filled zone by zone from fixed lists of things, each drawn alone and put at a random free place. Nothing
+random sizes, filled zone by zone from fixed lists of objects, each drawn alone and put at a random free place. Nothing
 is copied from a city; what makes streets look lived in (groups, rows, blocked pavements) is missing on purpose.
 """
 
@@ -67,11 +67,11 @@ HOUSES = (
     "bank",
     "supermarket",
 )
-#: Things per 10 m of one pavement, from and to; of the plaza per 100 m².
+#: Objects per 10 m of one pavement, from and to; of the plaza per 100 m².
 DENSITY = {"kerb": (1.0, 2.0), "clear": (0.3, 0.9), "front": (0.4, 1.0), "road": (0.2, 0.8), "plaza": (1.0, 2.0)}
 #: m from the kerb that the kerb's zone begins and ends, and m of the zone before the houses.
 KERB_ZONE, FRONT_ZONE = (0.25, 1.35), 1.0
-#: m between any two things; m on either side of a crosswalk's middle that stay free.
+#: m between any two objects; m on either side of a crosswalk's middle that stay free.
 APART, MOUTH = 0.3, 3.0
 EYE = 1.6
 _TRIES = 30
@@ -170,11 +170,11 @@ class _Scene:
         return label, self.rng.choice(catalogue.SIZES[label])
 
     def _house(self, label: str, x: float, y: float, facing: tuple[float, float], size: catalogue.Size) -> None:
-        thing = self._make(label, x, y, math.atan2(facing[1], facing[0]), size)
-        shape = passage.footprint(thing)
+        obj = self._make(label, x, y, math.atan2(facing[1], facing[0]), size)
+        shape = passage.footprint(obj)
         if not shape.intersects(self._built) and not any(shape.intersects(t) for t in self._fronts):
             self._fronts.append(shape)
-            self._add(thing)
+            self._add(obj)
 
     def _put_in_zone(self, zone: str, arm: Arm, side: int) -> None:
         label = self.rng.choice(ZONES[zone])
@@ -202,7 +202,7 @@ class _Scene:
         return self.rng.uniform(-math.pi, math.pi) if zone == "clear" else out + math.pi * self.rng.randint(0, 1)
 
     def _offset(self, zone: str, trial: GraphObject, out: tuple[float, float]) -> float | None:
-        """m from the kerb to a thing's middle that keeps it in its zone; None where it does not fit."""
+        """m from the kerb to an object's middle that keeps it in its zone; None where it does not fit."""
         reach = max(abs(x * out[0] + y * out[1]) for x, y in passage.footprint(trial).exterior.coords)
         width = self.plan.pavement
         bounds = {
@@ -220,16 +220,16 @@ class _Scene:
             return low if self.rng.random() < 0.5 else high
         return self.rng.uniform(low, high)
 
-    def _try(self, thing: GraphObject, zone: str) -> bool:
-        shape = passage.footprint(thing)
+    def _try(self, obj: GraphObject, zone: str) -> bool:
+        shape = passage.footprint(obj)
         if not (self.ground.road if zone == "road" else self._middle).contains(shape):
             return False
-        # A robot must pass between two things on one pavement, unless they stand in line along its edges.
+        # A robot must pass between two objects on one pavement, unless they stand in line along its edges.
         reach = passage.PASSAGE if zone == "clear" else APART
         if shape.buffer(reach).intersects(self._close_by(shape, reach)):
             return False
         self._taken.append(shape)
-        self._add(thing)
+        self._add(obj)
         return True
 
     def _close_by(self, shape: BaseGeometry, reach: float) -> BaseGeometry:
@@ -254,7 +254,7 @@ class _Scene:
         return self.rng.choice(catalogue.SIZES[label])
 
     def _make(self, label: str, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> GraphObject:
-        """A thing whose stem, or else its middle, stands at (x, y)."""
+        """An object whose stem, or else its middle, stands at (x, y)."""
         ground = 0.0 if self.ground.road.contains(shapely.Point(x, y)) else KERB
         stem = catalogue.STEMS.get(label)
         if stem:
@@ -264,6 +264,6 @@ class _Scene:
         centre = (round(x, 3), round(y, 3), round(ground + size[2] / 2, 4))
         return GraphObject(name, label, centre, size, round(math.remainder(yaw, math.tau), 3))
 
-    def _add(self, thing: GraphObject) -> None:
-        self._counts[thing.label] = self._counts.get(thing.label, 0) + 1
-        self.objects.append(thing)
+    def _add(self, obj: GraphObject) -> None:
+        self._counts[obj.label] = self._counts.get(obj.label, 0) + 1
+        self.objects.append(obj)

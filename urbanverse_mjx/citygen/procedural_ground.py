@@ -26,7 +26,7 @@ class Arm:
 
     Attributes:
       points: (x, y) m along the centre line.
-      free: m from and to along it where things may stand: not in a junction.
+      free: m from and to along it where objects may stand: not in a junction.
       crosswalks: m along it; only where the arm runs along an axis.
       closed: whether a house closes the view at its (start, end).
     """

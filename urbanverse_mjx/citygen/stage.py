@@ -1,4 +1,4 @@
-"""`Stage`: the ground, the things on it, and how a thing is set down; what streets by rule and by hand share."""
+"""`Stage`: the ground, the objects on it, and how an object is set down; what streets by rule and by hand share."""
 
 import math
 import random
@@ -67,7 +67,7 @@ class Stage:
         return self._counts.get(label, 0)
 
     def next_size(self, label: str) -> catalogue.Size:
-        """The size that the next thing of a label gets."""
+        """The size that the next object of a label gets."""
         sizes = self.sizes[label]
         return sizes[self._number(label) % len(sizes)]
 
@@ -91,10 +91,10 @@ class Stage:
         center = (round(x, 3), round(y, 3), round(z, 4))
         return GraphObject(name, label, center, (along, across, up), passage.heading(degrees))
 
-    def add(self, thing: GraphObject) -> GraphObject:
-        self._counts[thing.label] = self._number(thing.label) + 1
-        self.objects.append(thing)
-        return thing
+    def add(self, obj: GraphObject) -> GraphObject:
+        self._counts[obj.label] = self._number(obj.label) + 1
+        self.objects.append(obj)
+        return obj
 
     def frontages(self, labels: Sequence[str], length: float) -> list[catalogue.Size]:
         """Depth, frontage and height (m) of each house, the frontages stretched to fill a length together."""

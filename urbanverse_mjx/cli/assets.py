@@ -29,7 +29,7 @@ def find(label: Annotated[str, tyro.conf.Positional]) -> None:
     """Show which leaf a label of a scene graph is matched to, and the base shapes it may become.
 
     Args:
-      label: what a detector or a person calls the thing, e.g. "trash can".
+      label: what a detector or a person calls the object, e.g. "trash can".
     """
     from ..assets import load_index, match_label
 

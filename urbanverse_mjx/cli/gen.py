@@ -70,7 +70,7 @@ class ImportArgs:
     rate: float = 1.0
     """urbanverse: frames per second."""
     perception: Literal["eye", "foundation"] = "eye"
-    """urbanverse: who finds things and surfaces, see `urbanverse gen`."""
+    """urbanverse: who finds objects and surfaces, see `urbanverse gen`."""
     models: pathlib.Path | None = None
     """urbanverse: folder of the foundation models' weights."""
     quiet: bool = False

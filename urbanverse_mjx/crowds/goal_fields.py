@@ -4,7 +4,7 @@ In:   `FreeSpace` of each scene.
 Out:  `Ways`, directions to the goals and places to appear at, as a table on the device.
 When: the table once per scene, on the host; `heading_at` every crowd step, inside jit.
 
-Ways are cheapest paths on a grid of 16 directions: near things they cost more, and on the road they cost more on the
+Ways are cheapest paths on a grid of 16 directions: near objects they cost more, and on the road they cost more on the
 wrong side of it, which makes the price of an edge depend on its direction.
 """
 

@@ -1,4 +1,4 @@
-"""`LabelPrior`: what is known about things of one label before one of them is seen."""
+"""`LabelPrior`: what is known about objects of one label before one of them is seen."""
 
 import dataclasses
 
@@ -10,10 +10,10 @@ from .ground import GROUND_KINDS
 
 @dataclasses.dataclass(frozen=True)
 class LabelPrior:
-    """Sizes and places of the things that share a label.
+    """Sizes and places of the objects that share a label.
 
     Attributes:
-      extents: (n, 3) m, sizes of known things (along the heading, across, up); n may be 0.
+      extents: (n, 3) m, sizes of known objects (along the heading, across, up); n may be 0.
       on_ground: whether it stands, lies or is parked on the ground, instead of hanging or flying.
       stands_on: kinds of ground on which it is usually found; empty = any.
       fixed: whether it cannot move by itself or be driven away.

@@ -64,7 +64,7 @@ class Camera:
 
 @dataclasses.dataclass(frozen=True)
 class Detection:
-    """One thing found in one frame: free-text label, score in [0, 1], and the id of its track or None."""
+    """One object found in one frame: free-text label, score in [0, 1], and the id of its track or None."""
 
     label: str
     score: float = 1.0

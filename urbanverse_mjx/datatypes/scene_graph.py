@@ -33,7 +33,7 @@ def _with_descriptor(body: dict[str, Any], descriptor: tuple[int, ...] | None) -
 
 @dataclasses.dataclass(frozen=True)
 class GraphObject:
-    """One thing in the scene.
+    """One object in the scene.
 
     Attributes:
       id: unique in the graph.

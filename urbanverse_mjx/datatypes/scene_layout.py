@@ -103,7 +103,7 @@ class SceneLayout(JsonDatatype):
       id: scene id; cousins of one graph differ in their suffix.
       graph_id, graph_hash: the graph it was made from.
       seed, cousin: what chose among equally good assets.
-      objects, ground: placed things.
+      objects, ground: placed objects.
       sky: id of a sky; sky_yaw: rad, its rotation about z.
       hashes: further inputs, name to hash (asset index, materialiser).
     """

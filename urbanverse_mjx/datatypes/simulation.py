@@ -63,16 +63,16 @@ class AgentMotion(NamedTuple):
 
 
 class Bodies(NamedTuple):
-    """M things of a scene that can be pushed, wherever they are by now.
+    """M objects of a scene that can be pushed, wherever they are by now.
 
     Attributes:
-      thing: (M,) i32, object (visual slot) that the body is, -1 = none.
+      object_index: (M,) i32, object (visual slot) that the body is, -1 = none.
       position: (M, 3) m, quaternion: (M, 4) wxyz: T_world_object, the frame of the bank's slots.
       velocity: (M, 3) m/s of the centre of mass; spin: (M, 3) rad/s; world frame.
       warm: (M, 6) the acceleration of velocity and spin that the solver found last.
     """
 
-    thing: Int[Array, " M"]
+    object_index: Int[Array, " M"]
     position: Float[Array, "M 3"]
     quaternion: Float[Array, "M 4"]
     velocity: Float[Array, "M 3"]
@@ -130,11 +130,11 @@ class Simulator(Protocol):
         scene: Int[Array, ""],
         qpos: Float[Array, " nq"],
         qvel: Float[Array, " nv"],
-        things: Int[Array, " M"] | None = None,
+        objects: Int[Array, " M"] | None = None,
     ) -> SimState:
         """State at rest in the given scene with kinematics computed and no contact recorded.
 
-        things: (M,) i32, objects that shall be bodies, -1 = none; None where the engine has no body slots.
+        objects: (M,) i32, objects that shall be bodies, -1 = none; None where the engine has no body slots.
         """
         ...
 

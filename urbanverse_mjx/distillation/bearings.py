@@ -1,10 +1,10 @@
-"""Poses and things adjusted together: directions in which things are seen from frame to frame tell how a tour bends.
+"""Poses and objects adjusted together: directions in which objects are seen from frame to frame tell how a tour bends.
 
-Odometry that turns a little too far with every step leads the lines of sight to one thing past each other. So poses
-(shifts and turns at knots, `knots`) and the places of things are found together that bring every view's direction and
+Odometry that turns a little too far with every step leads the lines of sight to one object past each other. So poses
+(shifts and turns at knots, `knots`) and the places of objects are found together that bring every view's direction and
 distance nearest to what was seen: a bundle adjustment (Triggs et al., "Bundle Adjustment - A Modern Synthesis", 2000)
-whose points are whole things. What faces the camera is nearer than a thing's middle; by how much is unknown for each
-thing and found with it, or distances would shrink the way. Outliers (views of another thing, half hidden ones) are
+whose points are whole objects. What faces the camera is nearer than an object's middle; by how much is unknown for each
+object and found with it, or distances would shrink the way. Outliers (views of another thing, half hidden ones) are
 outvoted as in `drift`.
 """
 
@@ -17,19 +17,19 @@ from .depth_scale import DepthScale
 from .fusion import PLACE, world_points
 from .lifting import Views
 
-#: m; the middle of larger things moves with the side that is seen.
+#: m; the middle of larger objects moves with the side that is seen.
 _LARGEST = 2.5
-_MIN_VIEWS, _MIN_THINGS = 8, 8
-#: Of its width that a view's middle may be beside the thing's; rad that a direction is off.
+_MIN_VIEWS, _MIN_OBJECTS = 8, 8
+#: Of its width that a view's middle may be beside the object's; rad that a direction is off.
 _ASIDE, _DIRECTION = 0.15, np.radians(0.3)
-#: Of its width, by how much a view is nearer than the thing's middle, give or take as much.
+#: Of its width, by how much a view is nearer than the object's middle, give or take as much.
 _BEHIND = 0.3
 #: Standard errors from which on a view speaks less, from round to round.
 _GATES = (6.0, 6.0, 4.0, 3.0, 3.0, 3.0)
 _STEPS = 2  # of each round
 #: Poses stay unless the median squared misfit of directions falls below this share of what it was.
 _GAIN = 0.7
-#: Depth that says next to nothing, and the fewest views of a thing whose directions then tell where it is.
+#: Depth that says next to nothing, and the fewest views of an object whose directions then tell where it is.
 _LOOSE, _FEW_VIEWS = 0.3, 4
 #: Places that directions tell to this share of the distance, and how many views of such things it takes to judge depth.
 _SETTLED, _MIN_SETTLED = 0.03, 30
@@ -40,7 +40,7 @@ _SIGHT, _OWN = 0.02, 0.45
 
 @dataclasses.dataclass(frozen=True)
 class Sights:
-    """What views say of where things are, seen from above: frame (n,), eye (n, 2) m, direction (n,) rad in the world,
+    """What views say of where objects are, seen from above: frame (n,), eye (n, 2) m, direction (n,) rad in the world,
     half (n,) rad, half the width of what is seen; reach (n,) m from the eye to its middle."""
 
     frame: np.ndarray
@@ -75,14 +75,14 @@ def sights(views: Views, poses: np.ndarray, scale: np.ndarray) -> Sights:
     return Sights(views.frame, poses[views.frame, :2, 3], direction, half, np.maximum(reach, 0.5))
 
 
-def adjust(views: Views, thing: np.ndarray, poses: np.ndarray, depth: DepthScale) -> np.ndarray | None:
+def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: DepthScale) -> np.ndarray | None:
     """(m, 4, 4) adjusted poses, or None where the views agree with these as well.
 
     Args:
-      views: of the tour. thing: (n,) what each view shows.
+      views: of the tour. object: (n,) what each view shows.
       poses: (m, 4, 4) T_world_camera. depth: each frame's scale, and the noise that remains.
     """
-    problem = _whole_things(views, thing, poses, depth, _MIN_VIEWS)
+    problem = _whole_objects(views, object_of_view, poses, depth, _MIN_VIEWS)
     if problem is None:
         return None
     still, moved = problem.solve(free=False), problem.solve(free=True)
@@ -91,56 +91,56 @@ def adjust(views: Views, thing: np.ndarray, poses: np.ndarray, depth: DepthScale
     return knots.corrected(poses, problem.at @ moved.correction)
 
 
-def depth_error(views: Views, thing: np.ndarray, poses: np.ndarray, scale: np.ndarray) -> float:
-    """The relative error of the depth of things, 0 where too few are seen from several places to tell.
+def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, scale: np.ndarray) -> float:
+    """The relative error of the depth of objects, 0 where too few are seen from several places to tell.
 
-    What the ground says of it (`depth_scale`) holds for things where both are measured alike, not where a network
-    guesses one and geometry gives the other. So things are placed by their directions alone, and distances compared.
+    What the ground says of it (`depth_scale`) holds for objects where both are measured alike, not where a network
+    guesses one and geometry gives the other. So objects are placed by their directions alone, and distances compared.
     """
-    problem = _whole_things(views, thing, poses, DepthScale(scale, _LOOSE), _FEW_VIEWS)
+    problem = _whole_objects(views, object_of_view, poses, DepthScale(scale, _LOOSE), _FEW_VIEWS)
     if problem is None:
         return 0.0
     solved, seen, which = problem.solve(free=False), problem.seen, problem.which
-    away = solved.things[which, :2] - seen.eye
+    away = solved.objects[which, :2] - seen.eye
     far = np.linalg.norm(away, axis=1)
     unit = away / far[:, None]
     spread = np.sqrt(np.einsum("ni,nij,nj->n", unit, np.linalg.inv(solved.information)[which, :2, :2], unit))
     settled = spread < _SETTLED * far
     if settled.sum() < _MIN_SETTLED:
         return 0.0
-    ratio = np.maximum(far - solved.things[which, 2], 0.1) / seen.reach
+    ratio = np.maximum(far - solved.objects[which, 2], 0.1) / seen.reach
     error = 1.4826 * float(np.median(np.abs(np.log(ratio[settled]))))
     return _OWN * error if error > _SIGHT else 0.0
 
 
-def _whole_things(
-    views: Views, thing: np.ndarray, poses: np.ndarray, depth: DepthScale, least: int
+def _whole_objects(
+    views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: DepthScale, least: int
 ) -> "_Problem | None":
-    """What is seen whole of small things, each in `least` views or more; None where these are too few."""
+    """What is seen whole of small objects, each in `least` views or more; None where these are too few."""
     seen = sights(views, poses, depth.scale)
     whole = ~views.clipped[:, :2].any(1) & (seen.width < _LARGEST)
-    counts = np.bincount(thing[whole], minlength=int(thing.max(initial=-1)) + 1)
-    rows = np.flatnonzero(whole & (counts[thing] >= least))
-    _, which = np.unique(thing[rows], return_inverse=True)
-    if not len(rows) or which.max() + 1 < _MIN_THINGS:
+    counts = np.bincount(object_of_view[whole], minlength=int(object_of_view.max(initial=-1)) + 1)
+    rows = np.flatnonzero(whole & (counts[object_of_view] >= least))
+    _, which = np.unique(object_of_view[rows], return_inverse=True)
+    if not len(rows) or which.max() + 1 < _MIN_OBJECTS:
         return None
     return _Problem(seen.of(rows), which, poses, depth.noise)
 
 
 @dataclasses.dataclass(frozen=True)
 class _Solution:
-    """correction (k, 4) m and rad at the knots; misfit: median squared one of directions, in standard errors; things
+    """correction (k, 4) m and rad at the knots; misfit: median squared one of directions, in standard errors; objects
     (t, 3) and their information (t, 3, 3), see `_Problem`."""
 
     correction: np.ndarray
     misfit: float
-    things: np.ndarray
+    objects: np.ndarray
     information: np.ndarray
 
 
 class _Problem:
-    """Unknown are the correction at the knots and, for every thing, its place (x, y) and how much of it is behind what
-    is seen (m). Gauss-Newton with Geman-McClure weights; things are eliminated (Schur's complement)."""
+    """Unknown are the correction at the knots and, for every object, its place (x, y) and how much of it is behind what
+    is seen (m). Gauss-Newton with Geman-McClure weights; objects are eliminated (Schur's complement)."""
 
     def __init__(self, seen: Sights, which: np.ndarray, poses: np.ndarray, noise: float) -> None:
         self.seen, self.which, self.poses = seen, which, poses
@@ -156,25 +156,25 @@ class _Problem:
 
     def solve(self, free: bool) -> _Solution:
         """With poses as they are, or `free`."""
-        things, correction = self._start(), np.zeros((self.at.shape[1], 4))
-        misfit, H = np.zeros((len(self.which), 2)), np.zeros((len(things), 3, 3))
+        objects, correction = self._start(), np.zeros((self.at.shape[1], 4))
+        misfit, H = np.zeros((len(self.which), 2)), np.zeros((len(objects), 3, 3))
         for gate in np.repeat(_GATES, _STEPS):
-            misfit, slope, bend = self._linear(things, correction)
+            misfit, slope, bend = self._linear(objects, correction)
             trust = 1.0 / (1.0 + (misfit / gate) ** 2) ** 2
             H = self._summed(np.einsum("nri,nr,nrj->nij", slope, trust, slope))
             H += np.diag([1e-6, 1e-6, 0.0])
             H[:, 2, 2] += self.held
             g = -self._summed(np.einsum("nri,nr->ni", slope, trust * misfit))
-            g[:, 2] += self.held * (self.behind - things[:, 2])
+            g[:, 2] += self.held * (self.behind - objects[:, 2])
             if free:
                 step = self._knots(misfit, slope, bend, trust, H, g, correction)
                 correction = correction + step
                 g -= self._summed(np.einsum("nri,nr,nrj,nj->ni", slope, trust, bend, self.blend @ step, optimize=True))
-            things = things + np.linalg.solve(H, g[..., None])[..., 0]
-        return _Solution(correction, float(np.median(misfit[:, 0] ** 2)), things, H)
+            objects = objects + np.linalg.solve(H, g[..., None])[..., 0]
+        return _Solution(correction, float(np.median(misfit[:, 0] ** 2)), objects, H)
 
     def _start(self) -> np.ndarray:
-        """(t, 3) things where their views put them, near ones first."""
+        """(t, 3) objects where their views put them, near ones first."""
         seen = self.seen
         place = seen.eye + seen.reach[:, None] * np.stack([np.cos(seen.direction), np.sin(seen.direction)], -1)
         weight = 1.0 / seen.reach**2
@@ -182,16 +182,16 @@ class _Problem:
         middle = [np.bincount(self.which, weight * place[:, k]) / total for k in range(2)]
         return np.stack([*middle, self.behind], -1)
 
-    def _linear(self, things: np.ndarray, correction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(n, 2) misfits of direction and distance in standard errors, and their slopes: (n, 2, 3) over the thing,
+    def _linear(self, objects: np.ndarray, correction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(n, 2) misfits of direction and distance in standard errors, and their slopes: (n, 2, 3) over the object,
         (n, 2, 4) over the correction of the view's pose."""
         change = self.blend @ correction
-        away = things[self.which, :2] - self.seen.eye - change[:, :2]
+        away = objects[self.which, :2] - self.seen.eye - change[:, :2]
         far = np.maximum(np.linalg.norm(away, axis=1), 0.3)
         unit = away / far[:, None]
         side = np.stack([-unit[:, 1], unit[:, 0]], -1)
         turn = _wrapped(np.arctan2(away[:, 1], away[:, 0]) - self.seen.direction - change[:, 3])
-        misfit = np.stack([turn / self.across, (far - things[self.which, 2] - self.seen.reach) / self.along], -1)
+        misfit = np.stack([turn / self.across, (far - objects[self.which, 2] - self.seen.reach) / self.along], -1)
         slope, bend = np.zeros((len(far), 2, 3)), np.zeros((len(far), 2, 4))
         slope[:, 0, :2] = side / (far * self.across)[:, None]
         slope[:, 1, :2] = unit / self.along[:, None]
@@ -201,7 +201,7 @@ class _Problem:
         return misfit, slope, bend
 
     def _summed(self, values: np.ndarray) -> np.ndarray:
-        """(t, ...) sums of (n, ...) over the views of each thing."""
+        """(t, ...) sums of (n, ...) over the views of each object."""
         flat = values.reshape(len(values), -1)
         return np.stack([np.bincount(self.which, column) for column in flat.T], -1).reshape(-1, *values.shape[1:])
 

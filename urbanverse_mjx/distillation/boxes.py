@@ -1,4 +1,4 @@
-"""The box of a thing from all its views: where lines of sight meet, which way its sides run, how far they reach."""
+"""The box of an object from all its views: where lines of sight meet, which way its sides run, how far they reach."""
 
 import dataclasses
 
@@ -14,23 +14,23 @@ MAX_VIEWS = 24
 _COARSE, _FINE = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
 #: Extents farther apart than this factor settle which of two sides is the heading.
 _CLEAR = 1.12
-#: Depth blurred by more than this share of a thing's footprint hides its shape.
+#: Depth blurred by more than this share of an object's footprint hides its shape.
 _BLURRED = 0.04
-#: m; longer things still show their sides then.
+#: m; longer objects still show their sides then.
 _SIDES = 3.0
 #: A heading that is none of the sides' has at most this much of their misfit from the known shapes.
 _MUCH = 0.9
-#: Things farther than this (sum of log ratios) from every known size of their label are left as they were seen.
+#: Objects farther than this (sum of log ratios) from every known size of their label are left as they were seen.
 _UNLIKE = 0.5
 #: What a house lacks (log) of its known depth, width and height counts so much.
 _HOPE = (0.25, 1.0, 0.25)
 #: By how much a roof is higher than the edge that one sees of it from below.
 _ROOF = 1.12
 _LACKING = 0.75
-#: By how much a thing may be longer than every known one of its label.
+#: By how much an object may be longer than every known one of its label.
 _LONGEST = 1.3
 _MIN_SIDE = 0.01  # m
-#: How much better (misfit of the rims) a heading askew to all around must fit: 85 of 100 things stand within 6° of it.
+#: How much better (misfit of the rims) a heading askew to all around must fit: 85 of 100 objects stand within 6° of it.
 ASKEW = 4.0
 _BINS = 128
 #: Points that a direction is taken from.
@@ -62,7 +62,7 @@ def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> fl
 
 
 def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: float) -> tuple[np.ndarray, float]:
-    """Views of one thing, each shifted along its lines of sight to where all views together put the thing.
+    """Views of one object, each shifted along its lines of sight to where all views together put the object.
 
     A view's depth is off by a common factor (`noise`), its direction hardly: so a centre seen from several places is
     where the lines of sight meet. Information of a view: 1 / sigma^2 along the line, 1 / across^2 across it.
@@ -79,7 +79,7 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     offset = middle - eyes
     reach = np.linalg.norm(offset, axis=1)
     line = offset / reach[:, None]
-    # Different sides are seen from different places: the middles of views differ by a share of the thing's size.
+    # Different sides are seen from different places: the middles of views differ by a share of the object's size.
     across = 0.03 + 0.15 * np.linalg.norm(high - low, axis=1)
     along = np.hypot(sigma, across)
     project = line[:, :, None] * line[:, None, :]
@@ -155,7 +155,7 @@ def fit(
       top: m, height of its top where some view was not cut off there; None hides the top.
       sigma: m, standard error of the centre.
       seen: its views that the picture's sides did not cut off, from above; None for none.
-      axis: rad, along or across which things around stand; None where that is not known.
+      axis: rad, along or across which objects around stand; None where that is not known.
     """
     nearest = float(np.linalg.norm(eyes - points.mean(0), axis=1).min())
     blur = noise * nearest
@@ -195,7 +195,7 @@ def _seen_along(
 
 
 def _footprint(points: np.ndarray, prior: LabelPrior) -> float:
-    """m: the longer side of what a thing stands on; blurred points reach farther than any known thing."""
+    """m: the longer side of what an object stands on; blurred points reach farther than any known object."""
     known = float(prior.extents[:, :2].max()) if len(prior.extents) else np.inf
     return min(known, float(np.ptp(points[:, :2], axis=0).max()))
 
@@ -245,7 +245,7 @@ def _turned(yaw: float, low: np.ndarray, high: np.ndarray, eyes: np.ndarray, qua
 
 
 def _heading(size: np.ndarray, middle: np.ndarray, eyes: np.ndarray, prior: LabelPrior) -> int:
-    """Quarter turns from the box's first axis to the thing's heading.
+    """Quarter turns from the box's first axis to the object's heading.
 
     Known sizes say which axis it is; where both fit, and for the end of the axis, the side that was looked at: fronts
     of houses, signs and benches are what one walks past.

@@ -1,4 +1,4 @@
-"""Pictures that the graph's looks come from: of things, of ground and of the sky, and their descriptors."""
+"""Pictures that the graph's looks come from: of objects, of ground and of the sky, and their descriptors."""
 
 import dataclasses
 import itertools
@@ -17,7 +17,7 @@ from .lifting import Views
 Descriptor = Callable[[np.ndarray, np.ndarray], Sequence[int]]
 #: Frames whose sky and ground are kept, evenly over the tour.
 KEPT_FRAMES = 8
-#: Views of a thing that are kept, the largest first.
+#: Views of an object that are kept, the largest first.
 KEPT_VIEWS = 2
 _MIN_PATCH = 400  # pixels of ground or sky that are worth keeping
 _MARGIN = 4
@@ -25,9 +25,9 @@ _MARGIN = 4
 
 @dataclasses.dataclass(frozen=True)
 class Looks:
-    """Descriptors: of things by their number, of ground by its kind, of the sky."""
+    """Descriptors: of objects by their number, of ground by its kind, of the sky."""
 
-    things: dict[int, tuple[int, ...]]
+    objects: dict[int, tuple[int, ...]]
     ground: dict[str, tuple[int, ...]]
     sky: tuple[int, ...] | None
 
@@ -35,7 +35,7 @@ class Looks:
 def collect(
     recording: Recording,
     views: Views,
-    thing: np.ndarray,
+    object_of_view: np.ndarray,
     names: dict[int, str],
     describers: dict[str, Descriptor],
     folder: pathlib.Path | None,
@@ -43,35 +43,35 @@ def collect(
     """Cuts the crops out, writes them (RGBA PNG, the mask as alpha) and describes them.
 
     Args:
-      thing: (n,) which thing each view shows. names: of the things that are kept.
+      object: (n,) which object each view shows. names: of the objects that are kept.
       describers: for any of "object", "ground", "sky".
       folder: gets objects/, ground/ and sky/; None writes nothing.
     """
-    best = _best_views(views, thing, names)
+    best = _best_views(views, object_of_view, names)
     wanted = sorted({int(views.origin[v, 0]) for rows in best.values() for v in rows})
     by_frame: dict[int, list[tuple[int, int, int]]] = {f: [] for f in wanted}
     for t, rows in best.items():
         for k, view in enumerate(rows):
             by_frame[int(views.origin[view, 0])].append((t, k, int(views.origin[view, 1])))
-    things: dict[int, tuple[int, ...]] = {}
+    objects: dict[int, tuple[int, ...]] = {}
     for frame in wanted:
         picture, masks = recording.rgb(frame), recording.masks(frame)
         for t, k, detection in by_frame[frame]:
             cut, mask = _cut(picture, masks == detection)
             _write(folder, f"objects/{names[t]}_{k}.png", cut, mask)
             if k == 0 and "object" in describers:
-                things[t] = _bytes(describers["object"](cut, mask))
+                objects[t] = _bytes(describers["object"](cut, mask))
     ground, sky = _scenery(recording, describers, folder)
-    return Looks(things, ground, sky)
+    return Looks(objects, ground, sky)
 
 
-def _best_views(views: Views, thing: np.ndarray, names: dict[int, str]) -> dict[int, np.ndarray]:
-    """Per thing the `KEPT_VIEWS` with the most pixels; whole ones before those cut by the picture's rim."""
+def _best_views(views: Views, object_of_view: np.ndarray, names: dict[int, str]) -> dict[int, np.ndarray]:
+    """Per object the `KEPT_VIEWS` with the most pixels; whole ones before those cut by the picture's rim."""
     rank = np.where(views.clipped.any(1), views.pixels // 4, views.pixels)
-    order = np.lexsort((-rank, thing))
-    bounds = np.r_[0, np.flatnonzero(np.diff(thing[order])) + 1, len(order)]
+    order = np.lexsort((-rank, object_of_view))
+    bounds = np.r_[0, np.flatnonzero(np.diff(object_of_view[order])) + 1, len(order)]
     spans = [order[a:b][:KEPT_VIEWS] for a, b in itertools.pairwise(bounds) if b > a]
-    return {int(thing[rows[0]]): rows for rows in spans if int(thing[rows[0]]) in names}
+    return {int(object_of_view[rows[0]]): rows for rows in spans if int(object_of_view[rows[0]]) in names}
 
 
 def _scenery(

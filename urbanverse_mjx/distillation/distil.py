@@ -13,8 +13,8 @@ from . import bearings, crops, fusion, ground, placement
 from .depth_scale import DepthScale, depth_scale
 from .drift import close_loops
 from .lifting import Views, lift
+from .objects import Fused, FusedObject, objects_of, without_fragments
 from .options import DistilOptions
-from .things import Fused, Thing, things_of, without_fragments
 
 #: Two labels without a word in common are still this alike: detectors mistake a van for a truck.
 _STRANGERS = 0.35
@@ -35,7 +35,7 @@ class Describe:
 
 @dataclasses.dataclass(frozen=True)
 class Evidence:
-    """On what a thing rests.
+    """On what an object rests.
 
     Attributes:
       id: of the graph's object.
@@ -69,7 +69,7 @@ class Distillation:
       kerbs: steps found between kinds of ground.
       depth: each registered frame's depth scale, and the noise that remains.
       poses: (m, 4, 4) T_world_camera of the registered frames after loops were closed.
-      views: how many views were fused; left_out: how many things had too little confidence.
+      views: how many views were fused; left_out: how many objects had too little confidence.
     """
 
     graph: SceneGraph
@@ -122,14 +122,14 @@ def distil(
     if not options.depth_scale:
         depth = DepthScale(np.ones(len(poses)), depth.noise)
     alike = np.array([[similarity(a, b) for b in views.labels] for a in views.labels]).reshape([len(views.labels)] * 2)
-    placed, thing = _associated(views, poses, depth, alike)
+    placed, object_of_view = _associated(views, poses, depth, alike)
     if options.depth_scale and not options.single_view:
-        error = bearings.depth_error(views, thing, poses, depth.scale)
+        error = bearings.depth_error(views, object_of_view, poses, depth.scale)
         if error > depth.noise:
             depth = dataclasses.replace(depth, noise=error)
-            placed, thing = _associated(views, poses, depth, alike)
+            placed, object_of_view = _associated(views, poses, depth, alike)
     if options.close_loops and not options.single_view:
-        poses, placed, thing = _mended(views, placed, thing, poses, depth, alike)
+        poses, placed, object_of_view = _mended(views, placed, object_of_view, poses, depth, alike)
     ground_grid = ground.ground_map(seen, poses, depth.scale, depth.noise)
     regions = () if ground_grid is None else ground.regions(ground_grid)
     if ground_grid is None or not regions:
@@ -138,13 +138,15 @@ def distil(
         )
     from_above = bearings.sights(views, poses, depth.scale)
     single = options.single_view
-    fused = Fused(recording.camera, views, thing, alike, lifted.coarse, placed, from_above, poses, depth, single)
-    things = without_fragments(things_of(fused, prior_of), fused)
-    kept = [t for t in things if t.score >= options.min_score]
+    fused = Fused(
+        recording.camera, views, object_of_view, alike, lifted.coarse, placed, from_above, poses, depth, single
+    )
+    objects = without_fragments(objects_of(fused, prior_of), fused)
+    kept = [t for t in objects if t.score >= options.min_score]
     pulled, floor = placement.settle([t.box for t in kept], [t.prior for t in kept], regions)
     if not options.place:
         pulled = np.zeros_like(pulled)
-    left_out = len(things) - len(kept)
+    left_out = len(objects) - len(kept)
     return _graph(
         recording, fused, kept, pulled, floor, regions, ground.kerbs(ground_grid), describe, crop_folder, left_out
     )
@@ -153,36 +155,41 @@ def distil(
 def _associated(
     views: Views, poses: np.ndarray, depth: DepthScale, alike: np.ndarray
 ) -> tuple[fusion.Placed, np.ndarray]:
-    """Where the views are in the world, and (n,) which thing each shows."""
+    """Where the views are in the world, and (n,) which object each shows."""
     placed = fusion.place(views, poses, depth.scale, depth.noise)
     return placed, fusion.associate(views, placed, alike)
 
 
 def _mended(
-    views: Views, placed: fusion.Placed, thing: np.ndarray, poses: np.ndarray, depth: DepthScale, alike: np.ndarray
+    views: Views,
+    placed: fusion.Placed,
+    object_of_view: np.ndarray,
+    poses: np.ndarray,
+    depth: DepthScale,
+    alike: np.ndarray,
 ) -> tuple[np.ndarray, fusion.Placed, np.ndarray]:
-    """(m, 4, 4) poses after loops were closed, and then adjusted to what every thing's views say, with what follows of
+    """(m, 4, 4) poses after loops were closed, and then adjusted to what every object's views say, with what follows of
     them; what was given where neither is of use."""
-    closed = close_loops(views, placed, thing, poses, alike)
+    closed = close_loops(views, placed, object_of_view, poses, alike)
     if closed is not None:
         poses = closed
-        placed, thing = _associated(views, poses, depth, alike)
-    adjusted = bearings.adjust(views, thing, poses, depth)
+        placed, object_of_view = _associated(views, poses, depth, alike)
+    adjusted = bearings.adjust(views, object_of_view, poses, depth)
     if adjusted is not None:
         poses = adjusted
-        placed, thing = _associated(views, poses, depth, alike)
-    return poses, placed, thing
+        placed, object_of_view = _associated(views, poses, depth, alike)
+    return poses, placed, object_of_view
 
 
 def _reach(prior: LabelPrior) -> float:
-    """m: how far things of a label reach to both sides of their middle, a quarter more than any that is known."""
+    """m: how far objects of a label reach to both sides of their middle, a quarter more than any that is known."""
     return 1.25 * float(np.linalg.norm(prior.extents[:, :2], axis=1).max()) if len(prior.extents) else np.inf
 
 
 def _graph(
     recording: Recording,
     fused: Fused,
-    kept: list[Thing],
+    kept: list[FusedObject],
     pulled: np.ndarray,
     floor: np.ndarray,
     regions: tuple,
@@ -191,30 +198,30 @@ def _graph(
     crop_folder: pathlib.Path | None,
     left_out: int,
 ) -> Distillation:
-    """The graph of the things that are kept, each moved by `pulled` (n, 2) m, above `floor` (n,) m."""
+    """The graph of the objects that are kept, each moved by `pulled` (n, 2) m, above `floor` (n,) m."""
     names = _names(kept)
     describers = describe.given() if describe else {}
     looks = crops.Looks({}, {}, None)
     if describers or crop_folder is not None:
         by_number = {t.number: n for t, n in zip(kept, names, strict=True)}
-        looks = crops.collect(recording, fused.views, fused.thing, by_number, describers, crop_folder)
+        looks = crops.collect(recording, fused.views, fused.object_of_view, by_number, describers, crop_folder)
     objects, evidence = [], []
-    for i, (thing, name) in enumerate(zip(kept, names, strict=True)):
-        box = dataclasses.replace(thing.box, center=thing.box.center + [*pulled[i], 0.0])
-        center, size = placement.stand(box, floor[i], thing.prior)
+    for i, (obj, name) in enumerate(zip(kept, names, strict=True)):
+        box = dataclasses.replace(obj.box, center=obj.box.center + [*pulled[i], 0.0])
+        center, size = placement.stand(box, floor[i], obj.prior)
         objects.append(
             GraphObject(
                 id=name,
-                label=thing.label,
+                label=obj.label,
                 center=_rounded(center),
                 size=_rounded(np.maximum(size, 0.001)),
                 yaw=round(box.yaw, 4),
-                score=round(thing.score, 4),
-                descriptor=looks.things.get(thing.number),
+                score=round(obj.score, 4),
+                descriptor=looks.objects.get(obj.number),
             )
         )
-        numbers = fused.views.origin[thing.rows, 0]
-        tracks = np.unique(fused.views.track[thing.rows])
+        numbers = fused.views.origin[obj.rows, 0]
+        tracks = np.unique(fused.views.track[obj.rows])
         evidence.append(
             Evidence(
                 id=name,
@@ -239,12 +246,12 @@ def _graph(
     return Distillation(graph, tuple(evidence), kerbs, fused.depth, fused.poses, views, left_out)
 
 
-def _names(kept: list[Thing]) -> list[str]:
-    """Ids that say the label and count in the order in which things were first seen."""
+def _names(kept: list[FusedObject]) -> list[str]:
+    """Ids that say the label and count in the order in which objects were first seen."""
     counts: dict[str, int] = {}
     names = []
-    for thing in kept:
-        slug = re.sub(r"[^a-z0-9]+", "_", thing.label.lower()).strip("_") or "thing"
+    for obj in kept:
+        slug = re.sub(r"[^a-z0-9]+", "_", obj.label.lower()).strip("_") or "thing"
         names.append(f"{slug}_{counts.setdefault(slug, 0):03d}")
         counts[slug] += 1
     return names

@@ -1,6 +1,6 @@
-"""Loop-consistent poses: where a tour comes by again, things seen both times pull the two passes together.
+"""Loop-consistent poses: where a tour comes by again, objects seen both times pull the two passes together.
 
-Drift is slow, so the correction is a shift and a turn about z at knots along the tour, linear in between. Every thing
+Drift is slow, so the correction is a shift and a turn about z at knots along the tour, linear in between. Every object
 seen in two passes says that both sightings are one place; between knots the odometry says that the turn hardly changes,
 changes evenly, and carries the way with it: a tour that bends by a degree is off by more the farther it goes. Wrong
 pairs are outvoted: their weight falls with the square of their misfit (Geman and McClure), whose scale
@@ -17,11 +17,11 @@ from . import knots
 from .fusion import Placed
 from .lifting import Views
 
-#: Frames without a view after which seeing a thing is a new pass.
+#: Frames without a view after which seeing an object is a new pass.
 _GAP = 15
-#: m; from round to round, how far apart two sightings of one thing may be.
+#: m; from round to round, how far apart two sightings of one object may be.
 _GATES = (8.0, 6.0, 4.0, 3.0)
-#: m; larger things show another middle from another side.
+#: m; larger objects show another middle from another side.
 _LARGEST = 2.5
 _SIGHTING = 0.3  # m, error of a sighting
 _ALIKE = 0.9
@@ -31,7 +31,7 @@ _MIN_PAIRS, _OPEN, _AGREED = 8, 0.4, 1.5
 
 @dataclasses.dataclass(frozen=True)
 class _Sightings:
-    """One row per thing and pass: center (s, 3) m, frame (s,) its middle, label (s,), sigma (s,) m."""
+    """One row per object and pass: center (s, 3) m, frame (s,) its middle, label (s,), sigma (s,) m."""
 
     center: np.ndarray
     frame: np.ndarray
@@ -39,16 +39,16 @@ class _Sightings:
 
 
 def close_loops(
-    views: Views, placed: Placed, thing: np.ndarray, poses: np.ndarray, alike: np.ndarray
+    views: Views, placed: Placed, object_of_view: np.ndarray, poses: np.ndarray, alike: np.ndarray
 ) -> np.ndarray | None:
     """(m, 4, 4) corrected poses, or None where no loop was found or none was open.
 
     Args:
-      views, placed: of the tour. thing: (n,) what each view shows, as far as it was found without loops.
+      views, placed: of the tour. object: (n,) what each view shows, as far as it was found without loops.
       poses: (m, 4, 4) T_world_camera.
       alike: (L, L) similarity of labels.
     """
-    seen = _sightings(views, placed, thing)
+    seen = _sightings(views, placed, object_of_view)
     at = knots.weights(len(poses))
     correction = np.zeros((at.shape[1], 4))
     pairs = np.zeros((0, 2), np.int64)
@@ -69,13 +69,13 @@ def close_loops(
     return knots.corrected(poses, at @ correction)
 
 
-def _sightings(views: Views, placed: Placed, thing: np.ndarray) -> _Sightings:
+def _sightings(views: Views, placed: Placed, object_of_view: np.ndarray) -> _Sightings:
     size = (placed.high - placed.low)[:, :2].max(1)
     usable = np.flatnonzero((size < _LARGEST) & ~views.clipped.any(1))
-    order = usable[np.lexsort((views.frame[usable], thing[usable]))]
+    order = usable[np.lexsort((views.frame[usable], object_of_view[usable]))]
     if not len(order):
         return _Sightings(np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
-    same = (np.diff(thing[order]) == 0) & (np.diff(views.frame[order]) <= _GAP)
+    same = (np.diff(object_of_view[order]) == 0) & (np.diff(views.frame[order]) <= _GAP)
     group = np.r_[0, np.cumsum(~same)]
     weight = 1.0 / placed.sigma[order] ** 2
     total = np.bincount(group, weight)

@@ -1,10 +1,10 @@
-"""Fits how far the eye's things are to be trusted: `eye.decode.TRUST`, which belongs to one set of weights.
+"""Fits how far the eye's objects are to be trusted: `eye.decode.TRUST`, which belongs to one set of weights.
 
     python -m benchmarks.eye_streets --split test --first 20 --layouts 16 --out eye_held.npz
     python -m urbanverse_mjx.distillation.fit_trust --streets eye_held.npz
 
-Every thing that the weights see in rendered frames is right or wrong (half of its mask, and its class); a logistic
-regression tells the chance from the thing's evidence. Streets should be none that a table is made on. Prints one JSON
+Every object that the weights see in rendered frames is right or wrong (half of its mask, and its class); a logistic
+regression tells the chance from the object's evidence. Streets should be none that a table is made on. Prints one JSON
 line.
 """
 
@@ -28,20 +28,20 @@ _RIDGE = 1e-4
 
 
 def right(seen: Decoded, kinds: np.ndarray, owner: np.ndarray) -> np.ndarray:
-    """(n,) bool: which things of a frame share half of their mask and theirs with a true thing of their class.
+    """(n,) bool: which objects of a frame share half of their mask and theirs with a true object of their class.
 
     Args:
-      kinds: (h, w) true classes. owner: (h, w) which thing a pixel belongs to, -1 = none.
+      kinds: (h, w) true classes. owner: (h, w) which object a pixel belongs to, -1 = none.
     """
-    out = np.zeros(len(seen.things), bool)
-    for number, thing in enumerate(seen.things):
+    out = np.zeros(len(seen.objects), bool)
+    for number, obj in enumerate(seen.objects):
         mask = seen.masks == number
         owners = owner[mask]
         owners = owners[owners >= 0]
         if len(owners):
             true = owner == np.bincount(owners).argmax()
             shared = (true & mask).sum() / (true | mask).sum()
-            out[number] = shared > score.MIN_IOU and kinds[true][0] == thing.kind
+            out[number] = shared > score.MIN_IOU and kinds[true][0] == obj.kind
     return out
 
 
@@ -69,11 +69,11 @@ def main(argv: list[str] | None = None) -> int:
         views = Views.of(SceneBank.load(arguments.streets), *network.SIZE, looks=0.0)
         frames = look(weights.network(jnp.float32), variables, views, arguments.frames, arguments.batch, arguments.seed)
         parts = [
-            ([t.evidence for t in f.seen.things], right(f.seen, f.kinds, f.owner)) for f in frames if f.seen.things
+            ([t.evidence for t in f.seen.objects], right(f.seen, f.kinds, f.owner)) for f in frames if f.seen.objects
         ]
         if not parts:
             raise ValidationError(
-                f"{arguments.streets}: found nothing in {arguments.frames} frames, needed things; add frames."
+                f"{arguments.streets}: found nothing in {arguments.frames} frames, needed objects; add frames."
             )
     except ValidationError as error:
         sys.stderr.write(f"error: {error}\n")

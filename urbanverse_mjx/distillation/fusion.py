@@ -1,4 +1,4 @@
-"""Which views show the same thing: frame by frame against a map of what was seen before, then a pass over the map.
+"""Which views show the same object: frame by frame against a map of what was seen before, then a pass over the map.
 
 The cost of a frame depends on what is near it, not on how many frames came before.
 """
@@ -14,14 +14,14 @@ from .lifting import Views
 
 #: m, error of a view's place that does not grow with the range: pixels at the rim, the side that happens to be seen.
 PLACE = 0.03
-#: A view joins a thing whose score with it is at least this: half a box overlaps under one label, or
+#: A view joins an object whose score with it is at least this: half a box overlaps under one label, or
 #: places two standard errors apart.
 _ACCEPT = 0.22
-#: Two things of the map are one from this score on, if they were hardly ever seen side by side.
+#: Two objects of the map are one from this score on, if they were hardly ever seen side by side.
 _MERGE = 0.4
 #: Squared distance (in standard errors, three dimensions) from which on places say nothing: 1 in 400.
 _FAR = 14.0
-#: What a thing's information keeps when a view is added: poses drift, and errors of depth stay for some frames.
+#: What an object's information keeps when a view is added: poses drift, and errors of depth stay for some frames.
 _MEMORY = 0.85
 _TOGETHER = 0.15
 #: m; nothing farther apart than this is compared.
@@ -48,8 +48,8 @@ class Placed:
 
     @functools.cached_property
     def gain(self) -> np.ndarray:
-        """(n, 3, 3) 1/m^2: 1 / sigma^2 along the line of sight, and across it what a view's middle says of the thing's:
-        different sides are seen from different places."""
+        """(n, 3, 3) 1/m^2: 1 / sigma^2 along the line of sight, and across it what a view's middle says of the
+        object's: different sides are seen from different places."""
         line = self.center - self.eye
         line /= np.maximum(np.linalg.norm(line, axis=1), 1e-6)[:, None]
         along = line[:, :, None] * line[:, None, :]
@@ -59,7 +59,7 @@ class Placed:
 
 
 def across_error(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """(n,) m: how far the middle of what a view shows is off the thing's middle, beside the error of its depth."""
+    """(n,) m: how far the middle of what a view shows is off the object's middle, beside the error of its depth."""
     return PLACE + 0.15 * np.linalg.norm(high - low, axis=-1)
 
 
@@ -96,13 +96,13 @@ class _Map:
         self.information, self.weighted = np.zeros((capacity, 3, 3)), np.zeros((capacity, 3))
 
     def near(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """(k,) things whose box comes within `_REACH` of the boxes of a frame."""
+        """(k,) objects whose box comes within `_REACH` of the boxes of a frame."""
         a, b = low.min(0) - _REACH, high.max(0) + _REACH
         n = self.size
         return np.flatnonzero(((self.low[:n] < b) & (self.high[:n] > a)).all(1))
 
     def add(self, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray) -> np.ndarray:
-        """New things from views; returns their numbers."""
+        """New objects from views; returns their numbers."""
         numbers = np.arange(self.size, self.size + len(rows))
         self.low[numbers], self.high[numbers], self.sigma[numbers] = (
             placed.low[rows],
@@ -114,34 +114,34 @@ class _Map:
         self.size += len(rows)
         return numbers
 
-    def _inform(self, things: np.ndarray, placed: Placed, rows: np.ndarray) -> None:
+    def _inform(self, objects: np.ndarray, placed: Placed, rows: np.ndarray) -> None:
         gained = placed.gain[rows]
-        self.information[things] = _MEMORY * self.information[things] + gained
+        self.information[objects] = _MEMORY * self.information[objects] + gained
         moved = np.einsum("kij,kj->ki", gained, placed.center[rows])
-        self.weighted[things] = _MEMORY * self.weighted[things] + moved
+        self.weighted[objects] = _MEMORY * self.weighted[objects] + moved
 
-    def places(self, things: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def places(self, objects: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(k, 3) m centres and (k, 3, 3) m^2 covariances."""
-        covariance = np.linalg.inv(self.information[things])
-        return np.einsum("kij,kj->ki", covariance, self.weighted[things]), covariance
+        covariance = np.linalg.inv(self.information[objects])
+        return np.einsum("kij,kj->ki", covariance, self.weighted[objects]), covariance
 
     def update(
-        self, things: np.ndarray, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray
+        self, objects: np.ndarray, placed: Placed, rows: np.ndarray, labels: np.ndarray, scores: np.ndarray
     ) -> None:
-        """A much better view replaces a thing's box, a similar one widens it, a worse one only votes."""
-        self.votes[things, labels] += scores
-        self._inform(things, placed, rows)
-        ratio = placed.sigma[rows] / self.sigma[things]
+        """A much better view replaces an object's box, a similar one widens it, a worse one only votes."""
+        self.votes[objects, labels] += scores
+        self._inform(objects, placed, rows)
+        ratio = placed.sigma[rows] / self.sigma[objects]
         # Where depth is sharp every view adds what it sees; a nearer one may show a part alone.
-        better = (ratio < 0.6) & (self.sigma[things] > _BLURRED)
+        better = (ratio < 0.6) & (self.sigma[objects] > _BLURRED)
         similar = ~better & ((ratio < 1.7) | (placed.sigma[rows] <= _BLURRED))
         shrink = np.minimum(placed.sigma[rows, None], 0.25 * (placed.high - placed.low)[rows])
         low, high = placed.low[rows] + shrink, placed.high[rows] - shrink
-        t, r = things[similar], np.flatnonzero(similar)
+        t, r = objects[similar], np.flatnonzero(similar)
         self.low[t], self.high[t] = np.minimum(self.low[t], low[r]), np.maximum(self.high[t], high[r])
-        t, r = things[better], rows[better]
+        t, r = objects[better], rows[better]
         self.low[t], self.high[t] = placed.low[r], placed.high[r]
-        self.sigma[things] = np.minimum(self.sigma[things], placed.sigma[rows])
+        self.sigma[objects] = np.minimum(self.sigma[objects], placed.sigma[rows])
 
 
 def _overlap(
@@ -173,13 +173,13 @@ def _agreement(
 
 
 def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarray:
-    """(n,) i32: the thing each view shows.
+    """(n,) i32: the object each view shows.
 
     Args:
       views, placed: what was seen; frames in order.
       similarity: (L, L) in [0, 1], how far two labels mean the same.
     """
-    thing = np.full(len(views), -1, np.int32)
+    object_of_view = np.full(len(views), -1, np.int32)
     known = _Map(len(views), len(views.labels))
     covariances = np.linalg.inv(placed.gain)
     bounds = np.flatnonzero(np.diff(views.frame)) + 1
@@ -203,18 +203,18 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
             good = score[a, b] >= _ACCEPT
             a, b = a[good], near[b[good]]
             matched[a] = True
-            thing[rows[a]] = b
+            object_of_view[rows[a]] = b
             known.update(b, placed, rows[a], views.label[rows[a]], views.score[rows[a]])
         fresh = rows[~matched]
-        thing[fresh] = known.add(placed, fresh, views.label[fresh], views.score[fresh])
-    return _merged(thing, views, known, similarity)
+        object_of_view[fresh] = known.add(placed, fresh, views.label[fresh], views.score[fresh])
+    return _merged(object_of_view, views, known, similarity)
 
 
-def _merged(thing: np.ndarray, views: Views, known: _Map, similarity: np.ndarray) -> np.ndarray:
+def _merged(object_of_view: np.ndarray, views: Views, known: _Map, similarity: np.ndarray) -> np.ndarray:
     """Things of the map that are one, joined, best first; numbers close up."""
     n = known.size
     if n < 2:
-        return thing
+        return object_of_view
     low, high = known.low[:n], known.high[:n]
     tree = scipy.spatial.cKDTree((low + high)[:, :2] / 2)
     pairs = tree.query_pairs(_REACH, output_type="ndarray")
@@ -226,7 +226,7 @@ def _merged(thing: np.ndarray, views: Views, known: _Map, similarity: np.ndarray
     agree = _agreement(middle, covariance, middle, covariance, (a, b))
     score = np.einsum("pl,pl->p", share[a] @ similarity, share[b]) * 0.5 * (overlap + agree)
     frames: list[set[int]] = [set() for _ in range(n)]
-    for t, f in zip(thing.tolist(), views.frame.tolist(), strict=True):
+    for t, f in zip(object_of_view.tolist(), views.frame.tolist(), strict=True):
         frames[t].add(f)
     parent = np.arange(n)
 
@@ -244,4 +244,4 @@ def _merged(thing: np.ndarray, views: Views, known: _Map, similarity: np.ndarray
             parent[max(i, j)] = min(i, j)
             frames[min(i, j)] |= frames[max(i, j)]
     roots = np.array([root(i) for i in range(n)])
-    return np.unique(roots[thing], return_inverse=True)[1].astype(np.int32)
+    return np.unique(roots[object_of_view], return_inverse=True)[1].astype(np.int32)

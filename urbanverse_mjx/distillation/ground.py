@@ -20,7 +20,7 @@ type Ring = tuple[tuple[float, float], ...]  # m
 CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
 #: m^2 that two regions may share at most: half of what the compiler refuses.
 _SHARED = MAX_OVERLAP / 2
-#: m that ground is carried on under things that hide it.
+#: m that ground is carried on under objects that hide it.
 _FILL = 2.5
 #: m; regions of less area are votes gone astray.
 _MIN_AREA = 3.0
@@ -95,7 +95,7 @@ def ground_map(ground: GroundPoints, poses: np.ndarray, scale: np.ndarray, noise
 
 
 def _filled(seen: GroundMap) -> GroundMap:
-    """Holes, the ground under things and stray votes take the kind and height of the nearest ground seen."""
+    """Holes, the ground under objects and stray votes take the kind and height of the nearest ground seen."""
     kind = _majority(np.where(np.isfinite(seen.height), seen.kind, 0))
     # A cell whose neighbours outvoted it has the height of the wrong kind.
     known = (kind > 0) & (kind == seen.kind) & _large(kind)
@@ -284,6 +284,6 @@ def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:
 
 
 def allowed_area(seen: Sequence[GroundRegion], kinds: tuple[str, ...]) -> BaseGeometry:
-    """Where things that stand on these kinds can be."""
+    """Where objects that stand on these kinds can be."""
     wanted = {KIND_INDEX[k] for k in kinds}
     return shapely.union_all([shapely.Polygon(r.polygon) for r in seen if KIND_INDEX[r.kind] in wanted])

@@ -1,4 +1,4 @@
-"""Masks and depth become point sets in the camera's frame, the same number for every view of a thing.
+"""Masks and depth become point sets in the camera's frame, the same number for every view of an object.
 
 A *view* is one detection in one frame. Its points stay in the camera's frame, so that a better pose or depth scale
 found later moves them without reading the pictures again.
@@ -77,7 +77,7 @@ def lift(
     Args:
       min_pixels: views of fewer are left out.
       max_range: m, farther points are left out.
-      depth_of: label -> m, how far such a thing can reach to both sides of its middle.
+      depth_of: label -> m, how far such an object can reach to both sides of its middle.
       progress: called with (frames done, frames in all).
     """
     rays = recording.camera.rays().astype(np.float32)
@@ -96,13 +96,13 @@ def lift(
             depth = np.where(depth <= max_range, depth, 0.0)
             masks, surfaces = recording.masks(int(number)), recording.surfaces(int(number))
             if masks is not None:
-                things = recording.frames[number].detections
-                reach = np.array([depth_of(d.label) for d in things])
+                objects = recording.frames[number].detections
+                reach = np.array([depth_of(d.label) for d in objects])
                 found = _views(masks, depth, rays, min_pixels, reach)
                 index = found[0]
-                label = [labels.setdefault(things[i].label, len(labels)) for i in index]
-                track = [-1 if (t := things[i].track) is None else tracks.setdefault(t, len(tracks)) for i in index]
-                columns = [np.full(len(index), row), label, [things[i].score for i in index], track, *found[1:]]
+                label = [labels.setdefault(objects[i].label, len(labels)) for i in index]
+                track = [-1 if (t := objects[i].track) is None else tracks.setdefault(t, len(tracks)) for i in index]
+                columns = [np.full(len(index), row), label, [objects[i].score for i in index], track, *found[1:]]
                 columns.append(np.stack([np.full(len(index), number), index], -1))
                 parts.append(tuple(np.asarray(c) for c in columns))
             if surfaces is not None:
@@ -155,7 +155,7 @@ def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndar
     """(p,) bool: pixels whose depth belongs to the main body of their view.
 
     Sorted by depth, a view falls apart where the next pixel is 0.5 m or 4 % of the range farther; groups of less than
-    `_MINOR` of the pixels are what shows through or beside the thing.
+    `_MINOR` of the pixels are what shows through or beside the object.
     """
     order = np.lexsort((z, which))
     w, s = which[order], z[order]
@@ -165,7 +165,7 @@ def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndar
     totals = np.bincount(which)
     keep = np.zeros(len(z), bool)
     keep[order] = sizes[group] >= _MINOR * totals[w]
-    # What is farther from the middle pixel's depth than such a thing can reach is something else.
+    # What is farther from the middle pixel's depth than such an object can reach is something else.
     middle = np.zeros(len(totals))
     ends = np.cumsum(totals)
     some = totals > 0

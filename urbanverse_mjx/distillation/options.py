@@ -10,11 +10,11 @@ class DistilOptions:
     Attributes:
       min_pixels: smaller views are not used; 24 is a bollard of 5 x 5 pixels.
       max_range: m, what is farther is not used.
-      min_score: things of less confidence are left out.
+      min_score: objects of less confidence are left out.
       depth_scale: whether depth is made consistent over frames from the ground.
       close_loops: whether poses are made consistent where the tour comes by again.
-      single_view: take each thing from one view alone, that of median size (to measure what fusion is worth).
-      place: whether things are pulled to where their kind can stand.
+      single_view: take each object from one view alone, that of median size (to measure what fusion is worth).
+      place: whether objects are pulled to where their kind can stand.
     """
 
     min_pixels: int = 24

@@ -1,4 +1,4 @@
-"""Placement priors: a thing found where its kind cannot be is pulled back, as far as its place is uncertain."""
+"""Placement priors: an object found where its kind cannot be is pulled back, as far as its place is uncertain."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from ..datatypes import GroundRegion, LabelPrior, ground
 from .boxes import Box
 from .ground import allowed_area
 
-#: A thing moves at most so many standard errors of its depth and `_ALWAYS` m for outlines drawn from cells, and never
+#: An object moves at most so many standard errors of its depth and `_ALWAYS` m for outlines drawn from cells, and never
 #: farther than `_FARTHEST` m.
 _SIGMAS, _ALWAYS = 3.0, 0.1
 _FARTHEST = 2.0
@@ -22,10 +22,10 @@ _SNAP = 0.35
 def settle(
     boxes: Sequence[Box], priors: Sequence[LabelPrior], regions: tuple[GroundRegion, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where things go.
+    """Where objects go.
 
     Args:
-      boxes, priors: n things.
+      boxes, priors: n objects.
       regions: the ground.
 
     Returns:

@@ -1,4 +1,5 @@
-"""Which way a thing faces, told by the shapes that are known of its label: a heading under which its points lie on one.
+"""Which way an object faces, told by the shapes that are known of its label: a heading under which its points lie on
+one.
 
 The sides of a box do not tell a walker's front from his side, nor a blob's length from its width; what is known of the
 label does. Points are laid on every known shape under every heading, the shape shifted to fit (iterative closest points
@@ -13,13 +14,13 @@ import scipy.spatial
 from ..datatypes import LabelPrior
 from ..geometry import rotations
 
-#: Points of a thing that are laid on a shape.
+#: Points of an object that are laid on a shape.
 _POINTS = 120
 _ROUGH, _FINE = np.radians(np.arange(0.0, 360.0, 20.0)), np.radians(np.arange(-15.0, 15.1, 5.0))
 _SHIFTS = 3
-#: Known sizes differ from a thing's by up to this factor.
+#: Known sizes differ from an object's by up to this factor.
 _SCALES = (0.75, 1.33)
-#: Share of a thing's height beyond which a distance counts no more.
+#: Share of an object's height beyond which a distance counts no more.
 _CUT = 0.15
 
 
@@ -65,7 +66,7 @@ def lay(points: np.ndarray, prior: LabelPrior, also: np.ndarray) -> Laid:
 
 def _misfit(points: np.ndarray, tree: scipy.spatial.cKDTree, yaw: float, height: float) -> float:
     local = points @ rotations.about_z(-yaw).T
-    # What is seen of a thing has its middle elsewhere than the thing.
+    # What is seen of an object has its middle elsewhere than the object.
     local[:, :2] += (tree.maxes + tree.mins)[:2] / 2 - (local.max(0) + local.min(0))[:2] / 2
     distance = np.zeros(len(local))
     for _ in range(_SHIFTS):

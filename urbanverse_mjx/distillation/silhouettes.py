@@ -1,8 +1,8 @@
-"""Which way a thing faces, told by how wide it looks from here and there.
+"""Which way an object faces, told by how wide it looks from here and there.
 
-A direction to a thing's rim does not care how blurred its depth is. The two directions to the rims of one view are
-tangents of the thing's footprint: for the outward normal n of a tangent through the eye e, c . n + h(n) = e . n, with c
-its place and h the support function of its outline (Prince and Willsky, "Reconstructing Convex Sets from Support Line
+A direction to an object's rim does not care how blurred its depth is. The two directions to the rims of one view are
+tangents of the object's footprint: for the outward normal n of a tangent through the eye e, c . n + h(n) = e . n, with
+c its place and h the support function of its outline (Prince and Willsky, "Reconstructing Convex Sets from Support Line
 Measurements", 1990). The outlines of a label's known shapes, turned and scaled, are laid between the tangents of
 all views; place and scale follow by least squares, linear for every heading.
 """
@@ -19,7 +19,7 @@ _NORMALS = 180  # directions in which an outline's support is kept
 _MIN_VIEWS = 2
 #: m and rad that a rim is off; share of the width by which a mask is too wide or too narrow.
 _RIM, _DIRECTION, _SHARE = 0.03, np.radians(0.25), 0.08
-#: Known sizes differ from a thing's by this share (1 sigma).
+#: Known sizes differ from an object's by this share (1 sigma).
 _SCALE = 0.15
 _ROUNDS = 4
 #: Half the misfit that tells one heading from most others; 16° mean error from here on, 39° below (four tours).
@@ -58,10 +58,10 @@ def supports(prior: LabelPrior) -> np.ndarray:
 
 
 def face(seen: Sights, prior: LabelPrior) -> Fit | None:
-    """How well every heading fits what was seen of a thing; None where views are too few.
+    """How well every heading fits what was seen of an object; None where views are too few.
 
     Args:
-      seen: of the thing, views whose sides the picture did not cut off.
+      seen: of the object, views whose sides the picture did not cut off.
       prior: of its label.
     """
     if len(seen.frame) < _MIN_VIEWS or not len(prior.extents):

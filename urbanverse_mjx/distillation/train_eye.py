@@ -135,7 +135,7 @@ def _frame(seen: Any, wanted: Truth, i: int) -> Frame:
 def evaluate(
     model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int, cut: float = 0.0
 ) -> dict[str, Any]:
-    """The table of `score.Score` over the frames of `look`; of the things found, those of score `cut` or more."""
+    """The table of `score.Score` over the frames of `look`; of the objects found, those of score `cut` or more."""
     result = score.Score()
     for frame in look(model, variables, views, frames, batch, seed):
         result.add(*frame._replace(seen=frame.seen.surer(cut)))
@@ -264,7 +264,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
     parser.add_argument("--test-frames", type=int, default=512)
     parser.add_argument("--test-batch", type=int, default=32)
-    cut = f"score only things this likely right; `Eye` takes {seeing.MIN_SCORE}"
+    cut = f"score only objects this likely right; `Eye` takes {seeing.MIN_SCORE}"
     parser.add_argument("--cut", type=float, default=0.0, help=cut)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args(argv)

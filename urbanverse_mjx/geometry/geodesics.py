@@ -25,12 +25,12 @@ STEPS: Mapping[Step, Sequence[Step]] = {
 
 
 def extra_near(distance: Any, clearance: float, most: float = 1.5, reach: float = 0.6) -> Any:
-    """What a metre costs more near things: `most` at `clearance` (m) from them, nothing `reach` m farther on.
+    """What a metre costs more near objects: `most` at `clearance` (m) from them, nothing `reach` m farther on.
 
     The defaults are what people's ways and the planner's are priced by.
 
     Args:
-      distance: (...) m to the nearest thing.
+      distance: (...) m to the nearest object.
     """
     return most * np.clip(1.0 - (distance - clearance) / reach, 0.0, 1.0)
 

@@ -1,4 +1,4 @@
-"""No two things in one place: nothing twice, then small moves; what finds no room is left out and named."""
+"""No two objects in one place: nothing twice, then small moves; what finds no room is left out and named."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from ..datatypes import GraphObject, PlacedObject
 from . import overlap
 from .shortlists import LeftOut
 
-#: Share of the smaller one's ground that two things of one label share when they are the same thing found twice.
+#: Share of the smaller one's ground that two objects of one label share when they are the same thing found twice.
 SAME_PLACE = 0.5
 
 
@@ -19,7 +19,7 @@ class Cleared:
     """What stands where, and what was done for it; see `cousins.Cousin`.
 
     Attributes:
-      no_room: (id of a thing that was left out for want of room, id of the one in its way).
+      no_room: (id of an object that was left out for want of room, id of the one in its way).
     """
 
     placed: tuple[PlacedObject, ...]
@@ -30,15 +30,17 @@ class Cleared:
 
     @property
     def crowded(self) -> tuple[str, ...]:
-        """Ids of the things that found no room, and of those in their way."""
+        """Ids of the objects that found no room, and of those in their way."""
         return tuple(dict.fromkeys(name for pair in (*self.unresolved, *self.no_room) for name in pair))
 
 
-def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapping[str, GraphObject]) -> Cleared:
+def clear(
+    bodies: Sequence[overlap.Body], support: overlap.Support, graph_objects: Mapping[str, GraphObject]
+) -> Cleared:
     """Ends penetrations.
 
-    Things are moved by at most `overlap.LIMIT`. Of a pair that stays, the movable one is left out: it would be thrown
-    off as soon as physics runs; two fixed things may share a little. What is sunk in a pavement and found no place
+    Objects are moved by at most `overlap.LIMIT`. Of a pair that stays, the movable one is left out: it would be thrown
+    off as soon as physics runs; two fixed objects may share a little. What is sunk in a pavement and found no place
     beside it is put on it.
     """
     found = list(bodies)
@@ -49,7 +51,9 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
         movable = [k for k in (i, j) if found[k].record.movable and k not in gone]
         if i in gone or j in gone or not movable:
             continue
-        k = min(movable, key=lambda m: (things[found[m].placed.id].score, found[m].placed.mass, found[m].placed.id))
+        k = min(
+            movable, key=lambda m: (graph_objects[found[m].placed.id].score, found[m].placed.mass, found[m].placed.id)
+        )
         other = found[j if k == i else i].placed
         reason = f"there is no free place within {overlap.LIMIT:g} m of {other.id!r} ({other.category})"
         gone[k] = LeftOut(found[k].placed.id, found[k].placed.label, reason)
@@ -64,12 +68,12 @@ def clear(bodies: Sequence[overlap.Body], support: overlap.Support, things: Mapp
     )
 
 
-def found_twice(things: Sequence[GraphObject]) -> list[LeftOut]:
-    """The less certain ones of things of one label whose boxes share most of the smaller one's ground."""
-    boxes = np.array([overlap.ground_box(thing) for thing in things], dtype=object)
+def found_twice(graph_objects: Sequence[GraphObject]) -> list[LeftOut]:
+    """The less certain ones of objects of one label whose boxes share most of the smaller one's ground."""
+    boxes = np.array([overlap.ground_box(obj) for obj in graph_objects], dtype=object)
     doubles: dict[int, LeftOut] = {}
     for i, j in sorted((int(i), int(j)) for i, j in shapely.STRtree(boxes).query(boxes, "intersects").T if i < j):
-        a, b = things[i], things[j]
+        a, b = graph_objects[i], graph_objects[j]
         apart = abs(a.center[2] - b.center[2]) >= (a.size[2] + b.size[2]) / 2
         if a.label != b.label or apart or i in doubles or j in doubles:
             continue
@@ -77,5 +81,5 @@ def found_twice(things: Sequence[GraphObject]) -> list[LeftOut]:
         if shared > SAME_PLACE:
             k, kept = (i, b) if (a.score, b.id) < (b.score, a.id) else (j, a)
             reason = f"it shares {100 * shared:.0f} % of its ground with {kept.id!r}, which is the same thing"
-            doubles[k] = LeftOut(things[k].id, things[k].label, reason)
+            doubles[k] = LeftOut(graph_objects[k].id, graph_objects[k].label, reason)
     return list(doubles.values())

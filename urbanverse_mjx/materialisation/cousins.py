@@ -51,8 +51,8 @@ class Cousin:
     Attributes:
       layout: what stands where.
       left_out: nodes that stand nowhere, and why.
-      moved: (object id, m) of things moved to end a penetration.
-      unresolved: pairs of ids of fixed things that still penetrate.
+      moved: (object id, m) of objects moved to end a penetration.
+      unresolved: pairs of ids of fixed objects that still penetrate.
       chosen: object id -> the asset and how well it fits.
       raised: ids of ground regions that got a kerb.
       materials: the pieces of ground with all cousins' materials. sky: this cousin's.
@@ -149,35 +149,35 @@ def _materialise(
     if kerb:
         flat, raised = kerbs.raise_sidewalks(graph, kerb)
     leaves, nowhere = _leaves(flat.objects, _matcher(objects))
-    nowhere += clearing.found_twice([thing for thing in flat.objects if thing.label in leaves])
+    nowhere += clearing.found_twice([obj for obj in flat.objects if obj.label in leaves])
     gone = {entry.id for entry in nowhere}
     if not COMPOSED.match(graph.source.video):
         flat = unseen.fill(flat, leaves)
     strip = _way_of(flat)
-    known = [_cut_back(thing, leaves, strip) for thing in flat.objects if thing.id not in gone]
+    known = [_cut_back(obj, leaves, strip) for obj in flat.objects if obj.id not in gone]
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
     for series in shortlists.in_series(known, leaves):
         found = shortlists.shortlist(series, _matcher(objects), objects)
         one_each = shortlists.one_each(found, count, seed, f"{graph.id}/{series.key}")
-        drawn |= {thing.id: one_each for thing in series.things}
-        others |= {thing.id: found for thing in series.things}
+        drawn |= {obj.id: one_each for obj in series.graph_objects}
+        others |= {obj.id: found for obj in series.graph_objects}
     carrying = [r for r in flat.ground if r.kind not in PAINT_KINDS]
     support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
     pieces = tuple(surroundings.grounds(flat, count, seed))
     skies = surroundings.skies(flat, count, seed)
     hashes = {"assets": _catalogue_hash(objects), "materialiser": VERSION}
-    things = {thing.id: thing for thing in known}
-    floors = [_floor_of(thing, support) for thing in known]
+    graph_objects = {obj.id: obj for obj in known}
+    floors = [_floor_of(obj, support) for obj in known]
     cousins = []
     for k in numbers:
-        chosen = {thing.id: drawn[thing.id][k] for thing in known}
+        chosen = {obj.id: drawn[obj.id][k] for obj in known}
         bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
-        cleared = clearing.clear(bodies, support, things)
+        cleared = clearing.clear(bodies, support, graph_objects)
         if cleared.crowded:
-            chosen |= _slimmer(cleared.crowded, bodies, others, things, flat, hulls_of)
+            chosen |= _slimmer(cleared.crowded, bodies, others, graph_objects, flat, hulls_of)
             bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
-            cleared = clearing.clear(bodies, support, things)
+            cleared = clearing.clear(bodies, support, graph_objects)
         layout = SceneLayout(
             **surroundings.identity(graph, k, seed),
             objects=cleared.placed,
@@ -211,37 +211,37 @@ def _catalogue_hash(objects: ObjectLibrary) -> str:
     return recorded_content(objects.table) or catalogue_hash(objects.table)
 
 
-def _leaves(things: Sequence[GraphObject], matcher: Matcher) -> tuple[dict[str, str], list[LeftOut]]:
-    """label -> leaf, and the things whose label has none."""
+def _leaves(graph_objects: Sequence[GraphObject], matcher: Matcher) -> tuple[dict[str, str], list[LeftOut]]:
+    """label -> leaf, and the objects whose label has none."""
     leaves: dict[str, str] = {}
     reasons: dict[str, str] = {}
-    for label in dict.fromkeys(thing.label for thing in things):
+    for label in dict.fromkeys(obj.label for obj in graph_objects):
         try:
             leaves[label] = shortlists.leaf_for(label, matcher)
         except ValidationError as error:
             reasons[label] = str(error)
-    return leaves, [LeftOut(t.id, t.label, reasons[t.label]) for t in things if t.label in reasons]
+    return leaves, [LeftOut(t.id, t.label, reasons[t.label]) for t in graph_objects if t.label in reasons]
 
 
 def _stand(
-    things: Sequence[GraphObject],
+    graph_objects: Sequence[GraphObject],
     chosen: dict[str, Candidate],
     support: overlap.Support,
     graph: SceneGraph,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> list[overlap.Body]:
-    """Every thing's asset in its place: what stands on the ground first, then what stands on that."""
+    """Every object's asset in its place: what stands on the ground first, then what stands on that."""
     way = _way(graph)
     bodies: dict[str, overlap.Body] = {}
     tops: list[standing.Top] = []
-    for thing in sorted(things, key=lambda t: (t.center[2] - t.size[2] / 2, t.id)):
-        candidate = chosen[thing.id]
-        place = standing.footing(thing, candidate.match.leaf, support, tops)
-        placed = _placed(thing, candidate, place, way)
-        bodies[thing.id] = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
+    for obj in sorted(graph_objects, key=lambda t: (t.center[2] - t.size[2] / 2, t.id)):
+        candidate = chosen[obj.id]
+        place = standing.footing(obj, candidate.match.leaf, support, tops)
+        placed = _placed(obj, candidate, place, way)
+        bodies[obj.id] = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
         if prior(candidate.match.leaf).support_surface:
-            tops.append(_top(bodies[thing.id]))
-    return [bodies[thing.id] for thing in things]
+            tops.append(_top(bodies[obj.id]))
+    return [bodies[obj.id] for obj in graph_objects]
 
 
 def _way_of(graph: SceneGraph) -> BaseGeometry:
@@ -250,14 +250,14 @@ def _way_of(graph: SceneGraph) -> BaseGeometry:
     return passage.walked(np.array(filmed).reshape(-1, 4))
 
 
-def _cut_back(thing: GraphObject, leaves: Mapping[str, str], strip: BaseGeometry) -> GraphObject:
-    return passage.cut_back(thing, strip) if category_of(leaves[thing.label])[0] == "building" else thing
+def _cut_back(obj: GraphObject, leaves: Mapping[str, str], strip: BaseGeometry) -> GraphObject:
+    return passage.cut_back(obj, strip) if category_of(leaves[obj.label])[0] == "building" else obj
 
 
-def _floor_of(thing: GraphObject, support: overlap.Support) -> float:
-    """m, of the ground that a thing stands on, or hangs over."""
-    bottom = thing.center[2] - thing.size[2] / 2
-    return max(support.under(thing) or support.near(thing, standing.REACH), default=bottom)
+def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
+    """m, of the ground that an object stands on, or hangs over."""
+    bottom = obj.center[2] - obj.size[2] / 2
+    return max(support.under(obj) or support.near(obj, standing.REACH), default=bottom)
 
 
 def _out_of_the_way(
@@ -274,19 +274,19 @@ def _slimmer(
     crowded: Sequence[str],
     bodies: Sequence[overlap.Body],
     others: Mapping[str, Sequence[Candidate]],
-    things: Mapping[str, GraphObject],
+    graph_objects: Mapping[str, GraphObject],
     graph: SceneGraph,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> dict[str, Candidate]:
-    """For things that found no room, or stood in another's way, an asset of theirs that touches nothing, where there is
-    one: a crown that begins higher, a shorter car."""
+    """For objects that found no room, or stood in another's way, an asset of theirs that touches nothing, where there
+    is one: a crown that begins higher, a shorter car."""
     now = {body.placed.id: body for body in bodies}
     found: dict[str, Candidate] = {}
     for name in crowded:
         standing_now = now[name]
         for candidate in others[name]:
-            place = standing.Footing(standing_now.placed.position[2], things[name].size[2])
-            placed = _placed(things[name], candidate, place, _way(graph))
+            place = standing.Footing(standing_now.placed.position[2], graph_objects[name].size[2])
+            placed = _placed(graph_objects[name], candidate, place, _way(graph))
             body = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
             if all(overlap.penetration(body, other) == 0.0 for other in now.values() if other is not standing_now):
                 found[name], now[name] = candidate, body
@@ -304,20 +304,20 @@ def _top(body: overlap.Body) -> standing.Top:
     return standing.Top(body.placed.id, outline, max(p.high for p in body.prisms))
 
 
-def _placed(thing: GraphObject, candidate: Candidate, place: standing.Footing, way: np.ndarray) -> PlacedObject:
+def _placed(obj: GraphObject, candidate: Candidate, place: standing.Footing, way: np.ndarray) -> PlacedObject:
     record = candidate.record
     height = place.height
     scale = choice.scale_to((*candidate.box[:2], height), record)
-    yaw = thing.yaw
+    yaw = obj.yaw
     if candidate.match.yaw:
         # Which of the two quarter turns shows the front is not in the box: the camera saw more of fronts than of backs.
-        yaw += _turn_to(way, thing)
+        yaw += _turn_to(way, obj)
     return PlacedObject(
-        id=thing.id,
-        label=thing.label,
+        id=obj.id,
+        label=obj.label,
         category=record.leaf,
         asset_uid=record.uid,
-        position=(thing.center[0], thing.center[1], round(place.z, 4)),
+        position=(obj.center[0], obj.center[1], round(place.z, 4)),
         yaw=round(math.remainder(yaw, math.tau), 4),
         scale=scale,
         mass=round(max(record.mass * math.prod(scale), 1e-3), 3),
@@ -326,11 +326,11 @@ def _placed(thing: GraphObject, candidate: Candidate, place: standing.Footing, w
     )
 
 
-def _turn_to(way: np.ndarray, thing: GraphObject) -> float:
+def _turn_to(way: np.ndarray, obj: GraphObject) -> float:
     """pi / 2 or -pi / 2, whichever turns the front towards the nearest point of the tour (n, 2)."""
     if not len(way):
         return math.pi / 2
-    away = way - thing.center[:2]
+    away = way - obj.center[:2]
     x, y = away[(away**2).sum(1).argmin()]
-    left = -math.sin(thing.yaw) * x + math.cos(thing.yaw) * y
+    left = -math.sin(obj.yaw) * x + math.cos(obj.yaw) * y
     return math.copysign(math.pi / 2, left)

@@ -24,7 +24,7 @@ def raise_sidewalks(graph: SceneGraph, kerb: float = KERB) -> tuple[SceneGraph, 
 
     Pieces of sidewalk and ground that touch each other are judged together: one step of `SEEN` or more against the road
     anywhere says that the graph knows its kerbs, dropped ones included. Otherwise they rise until the median step is
-    `kerb`, and the things that stand on them with them. A graph without road stays as it is.
+    `kerb`, and the objects that stand on them with them. A graph without road stays as it is.
     """
     walked = [r for r in graph.ground if r.kind in WALKED]
     driven = [r for r in graph.ground if r.kind in DRIVEN]
@@ -65,8 +65,8 @@ def _lifted(region: GroundRegion, by: float) -> GroundRegion:
     return dataclasses.replace(region, plane=(a, b, c + by)) if by else region
 
 
-def _with_ground(thing: GraphObject, raised: Sequence[tuple[shapely.Polygon, float]]) -> GraphObject:
-    """The thing, raised with the ground under its middle."""
-    x, y, z = thing.center
+def _with_ground(obj: GraphObject, raised: Sequence[tuple[shapely.Polygon, float]]) -> GraphObject:
+    """The object, raised with the ground under its middle."""
+    x, y, z = obj.center
     by = next((lift for polygon, lift in raised if polygon.covers(shapely.Point(x, y))), 0.0)
-    return dataclasses.replace(thing, center=(x, y, z + by)) if by else thing
+    return dataclasses.replace(obj, center=(x, y, z + by)) if by else obj

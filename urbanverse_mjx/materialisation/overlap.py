@@ -1,7 +1,7 @@
-"""Penetrations between placed things, and small moves that end them.
+"""Penetrations between placed objects, and small moves that end them.
 
-A thing is the prisms over its collision hulls seen from above, each over its own range of heights: a lamp may hang
-over a car and a chair may stand under a sunshade, but no two things share a place.
+An object is the prisms over its collision hulls seen from above, each over its own range of heights: a lamp may hang
+over a car and a chair may stand under a sunshade, but no two objects share a place.
 """
 
 import dataclasses
@@ -16,11 +16,11 @@ from ..datatypes import AssetRecord, GraphObject, HullSet, PlacedObject
 from ..datatypes import validation as v
 from ..geometry.polygons import rectangle
 
-#: m that two things may share: collision hulls overstate curved shapes by about this much.
+#: m that two objects may share: collision hulls overstate curved shapes by about this much.
 TOUCH = 0.01
-LIMIT = 0.5  # m, the farthest a thing is moved from where the graph has it
+LIMIT = 0.5  # m, the farthest an object is moved from where the graph has it
 STEP = 0.05  # m
-#: m: steps up to this are kerbs; m of a step, and m² of a thing's outline over it, below which it stands beside it.
+#: m: steps up to this are kerbs; m of a step, and m² of an object's outline over it, below which it stands beside it.
 HIGHEST_KERB, KERB_TOUCH, SHARED_KERB = 0.35, 0.02, 1e-3
 DIRECTIONS = 16
 #: Never moved: what is rooted in the ground. Trees and poles stand where the street's rhythm wants them.
@@ -47,7 +47,7 @@ class Prism:
 
 @dataclasses.dataclass
 class Body:
-    """A placed thing while penetrations are being resolved.
+    """A placed object while penetrations are being resolved.
 
     Attributes:
       placed: where the graph has it.
@@ -85,7 +85,7 @@ class Body:
 
 
 def moved(body: Body, lift: float = 0.0) -> PlacedObject:
-    """The thing where it has been moved to, and `lift` m higher."""
+    """The object where it has been moved to, and `lift` m higher."""
     x, y, z = body.placed.position
     dx, dy = body.offset
     return dataclasses.replace(body.placed, position=(round(x + dx, 4), round(y + dy, 4), round(z + lift, 4)))
@@ -129,7 +129,7 @@ def _depth(a: Prism, b: Prism, shift: np.ndarray) -> float:
 
 
 def penetration(a: Body, b: Body, offset: tuple[float, float] | None = None) -> float:
-    """Deepest penetration (m, horizontal) between two things; `offset` tries another one for `a`."""
+    """Deepest penetration (m, horizontal) between two objects; `offset` tries another one for `a`."""
     shift = np.subtract(a.offset if offset is None else offset, b.offset)
     move = np.array([shift[0], shift[1], 0.0])
     low, high = a.box[:3] + move, a.box[3:] + move
@@ -144,20 +144,20 @@ def penetration(a: Body, b: Body, offset: tuple[float, float] | None = None) -> 
 
 
 def penetrating_pairs(bodies: Sequence[Body]) -> list[tuple[int, int]]:
-    """Pairs (i < j) of things that share a place."""
+    """Pairs (i < j) of objects that share a place."""
     boxes = np.array([shapely.box(*b.bounds) for b in bodies], dtype=object)
     left, right = shapely.STRtree(boxes).query(boxes, predicate="intersects")
     near = sorted({(int(i), int(j)) for i, j in zip(left, right, strict=True) if i < j})
     return [(i, j) for i, j in near if penetration(bodies[i], bodies[j]) > 0.0]
 
 
-def ground_box(thing: GraphObject) -> shapely.Polygon:
+def ground_box(obj: GraphObject) -> shapely.Polygon:
     """A graph's box from above."""
-    return rectangle(*thing.size[:2], thing.yaw, *thing.center[:2])
+    return rectangle(*obj.size[:2], obj.yaw, *obj.center[:2])
 
 
 class Support:
-    """The ground that a thing stands on, so that no move takes it over a kerb or onto another surface."""
+    """The ground that an object stands on, so that no move takes it over a kerb or onto another surface."""
 
     def __init__(self, regions: Sequence[tuple[shapely.Polygon, str, tuple[float, float, float]]]) -> None:
         self._regions = regions
@@ -172,22 +172,22 @@ class Support:
             surfaces.append((a * x + b * y + c, kind))
         return sorted(surfaces)
 
-    def under(self, thing: GraphObject) -> list[float]:
+    def under(self, obj: GraphObject) -> list[float]:
         """Height (m) of every region under a box, each at its place nearest to the box's middle.
 
         A lamp stands on the pavement while the middle of its box is over the road, so the middle alone will not do.
         """
-        box = ground_box(thing)
-        middle, heights = shapely.Point(thing.center[:2]), []
+        box = ground_box(obj)
+        middle, heights = shapely.Point(obj.center[:2]), []
         for k in sorted(int(k) for k in self._tree.query(box, predicate="intersects")):
             ring, _, (a, b, c) = self._regions[k]
             near = shapely.ops.nearest_points(ring.intersection(box), middle)[0]
             heights.append(a * near.x + b * near.y + c)
         return heights
 
-    def near(self, thing: GraphObject, reach: float) -> list[float]:
-        """Height (m) of the region nearest to a thing's middle, at its nearest place; empty beyond `reach` m."""
-        middle = shapely.Point(thing.center[:2])
+    def near(self, obj: GraphObject, reach: float) -> list[float]:
+        """Height (m) of the region nearest to an object's middle, at its nearest place; empty beyond `reach` m."""
+        middle = shapely.Point(obj.center[:2])
         found = self._tree.query_nearest(middle, max_distance=reach, all_matches=False)
         if not len(found):
             return []
@@ -196,7 +196,7 @@ class Support:
         return [a * place.x + b * place.y + c]
 
     def in_kerb(self, body: Body, offset: tuple[float, float]) -> bool:
-        """Whether a thing that stands on the ground reaches into higher ground beside it: a wheel in the kerb."""
+        """Whether an object that stands on the ground reaches into higher ground beside it: a wheel in the kerb."""
         foot = body.placed.position[2]
         for prism in body.prisms:
             if prism.low > foot + HIGHEST_KERB:
@@ -212,7 +212,7 @@ class Support:
         return False
 
     def step_up(self, body: Body) -> float:
-        """m that a thing must rise to stand on the pavement which its origin is over and which it is sunk in."""
+        """m that an object must rise to stand on the pavement which its origin is over and which it is sunk in."""
         if not self.in_kerb(body, body.offset):
             return 0.0
         x, y, z = body.placed.position
@@ -220,7 +220,7 @@ class Support:
         return max((h for h in heights if 0.0 < h <= HIGHEST_KERB), default=0.0)
 
     def carries(self, body: Body, offset: tuple[float, float]) -> bool:
-        """Whether the ground under a thing's origin, after a move, is as high as the thing stands."""
+        """Whether the ground under an object's origin, after a move, is as high as the object stands."""
         x, y, z = body.placed.position
         return any(abs(h - z) < 0.01 for h, _ in self.at(x + offset[0], y + offset[1]))
 
@@ -233,14 +233,14 @@ class Support:
 
 
 def _within_reach(body: Body, bounds: tuple[float, float, float, float]) -> bool:
-    """Whether a thing could come to touch a rectangle (x, y from and to) by any allowed move."""
+    """Whether an object could come to touch a rectangle (x, y from and to) by any allowed move."""
     x0, y0, x1, y1 = body.box[[0, 1, 3, 4]]
     bx0, by0, bx1, by1 = bounds
     return bool(bx0 < x1 + LIMIT and x0 - LIMIT < bx1 and by0 < y1 + LIMIT and y0 - LIMIT < by1)
 
 
 def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bool) -> tuple[float, float] | None:
-    """The least offset from the graph's place at which the thing touches nothing, or None within `LIMIT`."""
+    """The least offset from the graph's place at which the object touches nothing, or None within `LIMIT`."""
     stuck = kerbs and support.in_kerb(body, body.offset)
     others = [o for o in bodies if o is not body and _within_reach(body, o.bounds)]
     for ring in range(1, round(LIMIT / STEP) + 1):
@@ -255,15 +255,15 @@ def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bo
 
 
 def resolve(bodies: Sequence[Body], support: Support, kerbs: bool = False) -> list[tuple[int, int]]:
-    """Moves things (changing their `offset`) until none penetrate; returns the pairs that stay.
+    """Moves objects (changing their `offset`) until none penetrate; returns the pairs that stay.
 
-    With `kerbs` things also leave higher ground that they reach into; one that cannot stays where it is.
+    With `kerbs` objects also leave higher ground that they reach into; one that cannot stays where it is.
 
-    Of a pair the movable and lighter thing gives way first, rooted things never. A move is taken only to a place
-    where the thing touches nothing at all, so every move lowers the number of penetrations.
+    Of a pair the movable and lighter object gives way first, rooted objects never. A move is taken only to a place
+    where the object touches nothing at all, so every move lowers the number of penetrations.
     """
     pairs, stuck = penetrating_pairs(bodies), set[int]()
-    # A thing in a kerb is its own other one.
+    # An object in a kerb is its own other one.
     pairs += [(i, i) for i, body in enumerate(bodies) if kerbs and support.in_kerb(body, body.offset)]
     while True:
         candidates = {i for pair in pairs for i in pair if not bodies[i].rooted and i not in stuck}

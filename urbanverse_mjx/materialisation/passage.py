@@ -12,7 +12,7 @@ from . import overlap
 
 #: m to both sides of the camera's way that were free: a person's shoulders, a delivery robot's half width and a hand.
 HALF_WIDTH = 0.45
-#: m over the ground between which things are in a walker's way: over a low kerb, under branches and awnings.
+#: m over the ground between which objects are in a walker's way: over a low kerb, under branches and awnings.
 _LOW, _HIGH = 0.25, 1.3
 #: m; two places of the tour farther apart (a cut, a lost stretch) are not joined.
 _LONGEST_STEP = 5.0
@@ -29,7 +29,7 @@ def walked(way: np.ndarray) -> BaseGeometry:
 
 
 def blocks(body: overlap.Body, strip: BaseGeometry, ground: float) -> bool:
-    """Whether some part of a thing at a walker's height reaches into the strip over ground of that height (m)."""
+    """Whether some part of an object at a walker's height reaches into the strip over ground of that height (m)."""
     if strip.is_empty or not strip.intersects(shapely.box(*body.bounds)):
         return False
     shift = np.array(body.offset)
@@ -38,7 +38,7 @@ def blocks(body: overlap.Body, strip: BaseGeometry, ground: float) -> bool:
 
 
 def in_the_way(bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float] | None = None) -> list[int]:
-    """Numbers of the things that stand where the camera went.
+    """Numbers of the objects that stand where the camera went.
 
     Args:
       floors: m, height of the ground below each; None: each stands on the ground that its foot is on, nothing hangs.

@@ -1,4 +1,4 @@
-"""Which assets may stand for a thing: three steps of the paper (`assets.selection.matching`), then k that differ.
+"""Which assets may stand for an object: three steps of the paper (`assets.selection.matching`), then k that differ.
 
 Semantics, box and look give a ranking; of it the ones that could do what the best one can are kept, and k are drawn for
 k cousins, other base shapes first.
@@ -25,7 +25,7 @@ DEPTH = 40
 #: What stands alone in its looks; all else comes in series (lamps, bollards, chairs of one cafe) and looks alike where
 #: boxes and descriptors do.
 SINGLES = frozenset({"street user", "vehicle", "building"})
-#: Sides (a factor) and descriptors (mean difference of a number) within which things are of one series.
+#: Sides (a factor) and descriptors (mean difference of a number) within which objects are of one series.
 ALIKE_SIDE, ALIKE_LOOK = 1.15, 12.0
 #: Leaves of the ontology that are the ground itself: regions hold it, no asset stands for it.
 GROUND_LEAVES = frozenset({"road", "sidewalk"})
@@ -35,7 +35,8 @@ LEAST_SCORE = 0.35
 
 @dataclasses.dataclass(frozen=True)
 class Candidate:
-    """An asset for a thing: the match, its record, and the box (along the heading, across, up) in the asset's axes."""
+    """An asset for an object: the match, its record, and the box (along the heading, across, up) in the asset's
+    axes."""
 
     match: Match
     record: AssetRecord
@@ -47,14 +48,14 @@ class Series:
     """Things that share their looks.
 
     Attributes:
-      things: at least one, the first gives the label, the box and the descriptor that are matched.
+      objects: at least one, the first gives the label, the box and the descriptor that are matched.
     """
 
-    things: tuple[GraphObject, ...]
+    graph_objects: tuple[GraphObject, ...]
 
     @property
     def key(self) -> str:
-        return self.things[0].id
+        return self.graph_objects[0].id
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +67,7 @@ class LeftOut:
     reason: str
 
 
-def in_series(things: Sequence[GraphObject], leaf_of: dict[str, str]) -> list[Series]:
+def in_series(graph_objects: Sequence[GraphObject], leaf_of: dict[str, str]) -> list[Series]:
     """Things grouped by label, box and look; singles alone. Each joins the first group that it fits, by id.
 
     Args:
@@ -74,15 +75,15 @@ def in_series(things: Sequence[GraphObject], leaf_of: dict[str, str]) -> list[Se
     """
     groups: list[list[GraphObject]] = []
     by_label: dict[str, list[list[GraphObject]]] = {}
-    for thing in sorted(things, key=lambda t: t.id):
-        known = by_label.setdefault(thing.label, [])
-        single = category_of(leaf_of[thing.label])[0] in SINGLES
-        group = None if single else next((g for g in known if _alike(g[0], thing)), None)
+    for obj in sorted(graph_objects, key=lambda t: t.id):
+        known = by_label.setdefault(obj.label, [])
+        single = category_of(leaf_of[obj.label])[0] in SINGLES
+        group = None if single else next((g for g in known if _alike(g[0], obj)), None)
         if group is None:
             group = []
             known.append(group)
             groups.append(group)
-        group.append(thing)
+        group.append(obj)
     return [Series(tuple(group)) for group in groups]
 
 
@@ -113,13 +114,13 @@ def leaf_for(label: str, matcher: Matcher) -> str:
 
 def shortlist(series: Series, matcher: Matcher, objects: ObjectLibrary) -> list[Candidate]:
     """Assets for a series that fit its label and box and afford the same, best first, at least one."""
-    thing = series.things[0]
+    obj = series.graph_objects[0]
     matches = matcher.match(
-        thing.label, thing.size, thing.descriptor, count=DEPTH, slack=SLACK, turn_gain=TURN_GAIN
+        obj.label, obj.size, obj.descriptor, count=DEPTH, slack=SLACK, turn_gain=TURN_GAIN
     )  # fmt: skip
     records = objects.records([m.uid for m in matches])
     wanted = affordances(records[0])
-    along, across, up = thing.size
+    along, across, up = obj.size
     return [
         Candidate(m, r, (across, along, up) if m.yaw else (along, across, up))
         for m, r in zip(matches, records, strict=True)

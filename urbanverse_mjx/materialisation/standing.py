@@ -1,4 +1,4 @@
-"""What a thing stands on: the ground, another thing, or nothing, because it hangs."""
+"""What an object stands on: the ground, another thing, or nothing, because it hangs."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -22,12 +22,12 @@ HIDDEN = 1.1
 
 @dataclasses.dataclass(frozen=True)
 class Footing:
-    """Where a thing's asset is put.
+    """Where an object's asset is put.
 
     Attributes:
       z: m, height of the asset's origin.
       height: m, of the box that the asset fills: more than the graph's where a lower part was hidden.
-      on: id of the thing that carries it, or None.
+      on: id of the object that carries it, or None.
     """
 
     z: float
@@ -37,27 +37,27 @@ class Footing:
 
 @dataclasses.dataclass(frozen=True)
 class Top:
-    """An even top that things may stand on: id of its owner, outline from above, height (m)."""
+    """An even top that objects may stand on: id of its owner, outline from above, height (m)."""
 
     id: str
     outline: BaseGeometry
     z: float
 
 
-def footing(thing: GraphObject, leaf: str, support: overlap.Support, tops: Sequence[Top] = ()) -> Footing:
-    """Puts a thing on what carries it.
+def footing(obj: GraphObject, leaf: str, support: overlap.Support, tops: Sequence[Top] = ()) -> Footing:
+    """Puts an object on what carries it.
 
     On the ground where its foot is within `SNAP` of it. Else on another thing's top that is as near; else, where it
     cannot hang or where its leaf grows tall enough to reach down, on the ground with its upper end where it was seen;
     else where it is: signs and awnings hang on walls.
     """
-    middle, size = thing.center, thing.size
+    middle, size = obj.center, obj.size
     foot, head = middle[2] - size[2] / 2, middle[2] + size[2] / 2
-    below = min(support.under(thing) or support.near(thing, REACH), key=lambda z: abs(z - foot), default=None)
+    below = min(support.under(obj) or support.near(obj, REACH), key=lambda z: abs(z - foot), default=None)
     if below is not None and abs(below - foot) <= SNAP:
         return Footing(below, size[2])
     here = shapely.Point(middle[:2])
-    carrying = [t for t in tops if t.id != thing.id and abs(t.z - foot) <= SNAP and t.outline.covers(here)]
+    carrying = [t for t in tops if t.id != obj.id and abs(t.z - foot) <= SNAP and t.outline.covers(here)]
     if carrying:
         top = min(carrying, key=lambda t: abs(t.z - foot))
         return Footing(top.z, size[2], top.id)

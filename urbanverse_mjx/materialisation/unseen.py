@@ -1,6 +1,6 @@
-"""Ground that the camera never saw, because things stood in front of it: parked cars leave holes in a road.
+"""Ground that the camera never saw, because objects stood in front of it: parked cars leave holes in a road.
 
-Who is let go over such a hole falls for ever. Holes, and what is missing under things that stand, are given to the
+Who is let go over such a hole falls for ever. Holes, and what is missing under objects that stand, are given to the
 ground beside them.
 """
 
@@ -17,29 +17,29 @@ from . import overlap
 
 #: m²: larger holes are courtyards or what nobody looked at. Share of a hole that houses may cover, else it is theirs.
 LARGEST, HOUSES = 400.0, 0.2
-#: m around a thing that has ground under it; m that its foot may be off the ground beside it; m to that ground.
+#: m around an object that has ground under it; m that its foot may be off the ground beside it; m to that ground.
 MARGIN, FOOT, REACH = 0.3, 0.5, 3.0
 #: m² below which a missing piece is the rounding of an outline; m that two pieces of ground may gape.
 SLIVER, GAPE = 0.02, 0.02
 #: m: corners of outlines lie on whole millimetres, as graphs keep them.
 GRID = 1e-3
-#: Kinds that grow under things only where nothing else borders on the hole.
+#: Kinds that grow under objects only where nothing else borders on the hole.
 LAST = frozenset({"crosswalk"})
 
 
 def fill(graph: SceneGraph, leaves: Mapping[str, str]) -> SceneGraph:
-    """The graph with ground where things hid it.
+    """The graph with ground where objects hid it.
 
     Args:
-      leaves: label -> leaf; things of other labels are not looked at.
+      leaves: label -> leaf; objects of other labels are not looked at.
     """
     carrying = [r for r in graph.ground if r.kind not in PAINT_KINDS]
     shapes = {r.id: shapely.Polygon(r.polygon) for r in carrying}
     ground = shapely.union_all(list(shapes.values()), grid_size=GRID)
     closed = ground.buffer(GAPE, join_style="mitre").buffer(-GAPE, join_style="mitre")
-    things = [thing for thing in graph.objects if thing.label in leaves]
-    houses = shapely.union_all([overlap.ground_box(t) for t in things if _is_house(leaves[t.label])])
-    missing = shapely.union_all([*_holes(closed, houses), *_under(things, leaves, closed, houses, carrying)])
+    graph_objects = [obj for obj in graph.objects if obj.label in leaves]
+    houses = shapely.union_all([overlap.ground_box(t) for t in graph_objects if _is_house(leaves[t.label])])
+    missing = shapely.union_all([*_holes(closed, houses), *_under(graph_objects, leaves, closed, houses, carrying)])
     for part in shapely.get_parts(shapely.difference(missing, ground, grid_size=GRID)):
         if part.area > SLIVER and isinstance(part, shapely.Polygon):
             _give(part, carrying, shapes)
@@ -62,22 +62,22 @@ def _holes(ground: BaseGeometry, houses: BaseGeometry) -> list[shapely.Polygon]:
 
 
 def _under(
-    things: Sequence[GraphObject],
+    graph_objects: Sequence[GraphObject],
     leaves: Mapping[str, str],
     ground: BaseGeometry,
     houses: BaseGeometry,
     carrying: Sequence[GroundRegion],
 ) -> list[BaseGeometry]:
-    """What is missing under things that stand at the height of the ground beside them."""
+    """What is missing under objects that stand at the height of the ground beside them."""
     support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
     found = []
-    for thing in things:
-        leaf = leaves[thing.label]
-        box = overlap.ground_box(thing)
+    for obj in graph_objects:
+        leaf = leaves[obj.label]
+        box = overlap.ground_box(obj)
         if _is_house(leaf) or prior(leaf).rest == "hangs" or ground.covers(box):
             continue
-        foot = thing.center[2] - thing.size[2] / 2
-        beside = support.under(thing) or support.near(thing, REACH)
+        foot = obj.center[2] - obj.size[2] / 2
+        beside = support.under(obj) or support.near(obj, REACH)
         if any(abs(z - foot) <= FOOT for z in beside):
             found.append(box.buffer(MARGIN, join_style="mitre").difference(houses))
     return found

@@ -33,7 +33,7 @@ class BenchmarkOptions:
     dynamic: bool = False
     """With people and vehicles that move."""
     scenes: int | None = None
-    """Only so many scenes, to try things out."""
+    """Only so many scenes, to try it out."""
     env_overrides: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     """Flat dotted keys of the environment's config, such as the robot; the page and the record name them."""
     at_once: int = 128

@@ -128,10 +128,10 @@ def _read_mjcf(
         )
     for light in list(spec.lights):
         spec.delete(light)
-    for things, folder in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
-        for thing in things:
-            if thing.file:
-                thing.file = str((path.parent / folder / thing.file).absolute())
+    for objects, folder in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
+        for obj in objects:
+            if obj.file:
+                obj.file = str((path.parent / folder / obj.file).absolute())
     spec.meshdir = spec.texturedir = ""
     feet, fits = replace_by_spheres(spec, model, feet, options, where)
     for geom in spec.geoms:

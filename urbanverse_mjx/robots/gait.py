@@ -5,7 +5,7 @@ Out:  joint angles for position servos.
 When: 50 times a second, inside jit (xp = jax.numpy) or on the host (xp = numpy).
 
 The walking task, whoever judges a gait, and the navigation task on top of it all use the functions of this file, so an
-observation cannot mean two things.
+observation cannot mean two objects.
 """
 
 import dataclasses

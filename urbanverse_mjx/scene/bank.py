@@ -47,7 +47,7 @@ def _fingerprint(*arrays: np.ndarray) -> bytes:
 
 
 def _spread(count: int, slots: int) -> np.ndarray:
-    """Slots of `count` things in spatial order, so that equal slots lie at like places in every scene."""
+    """Slots of `count` objects in spatial order, so that equal slots lie at like places in every scene."""
     return np.arange(count) * slots // max(count, 1)
 
 

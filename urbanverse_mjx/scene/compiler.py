@@ -184,7 +184,7 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
 
 
 def _with_fallers_fixed(geometry: SceneGeometry, layout: SceneLayout) -> tuple[SceneGeometry, SceneLayout]:
-    """Until all that is movable stays at rest: fixing one thing may take away what another one leaned on."""
+    """Until all that is movable stays at rest: fixing one object may take away what another one leaned on."""
     while moves := rest_moves(geometry):
         names = {m.id for m in moves}
         falls = np.array([name in names for name in geometry.object_ids])

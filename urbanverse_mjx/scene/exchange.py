@@ -29,7 +29,7 @@ class ExchangeMap:
 
     Attributes:
       scene: id. map: ground height, kind and clearance.
-      top: (X, Y) float32 m, height of the highest thing in a cell, NaN where there is nothing.
+      top: (X, Y) float32 m, height of the highest object in a cell, NaN where there is nothing.
       info: further fields of `map.json`: how the map was made.
     """
 

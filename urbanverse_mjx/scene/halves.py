@@ -17,7 +17,7 @@ _SMALLEST = 0.05
 def half_layouts(layout: SceneLayout) -> tuple[SceneLayout, SceneLayout]:
     """A layout cut in two across its longer direction where half of the ground lies on either side.
 
-    Things belong to the half that their origin stands in; ground is cut. Ids end in `_Half_01` and `_Half_02`.
+    Objects belong to the half that their origin stands in; ground is cut. Ids end in `_Half_01` and `_Half_02`.
 
     Raises:
       ValidationError: a half has no ground.

@@ -1,4 +1,4 @@
-"""The 5 cm map of a scene: ground height, kind, free height, and how high things reach."""
+"""The 5 cm map of a scene: ground height, kind, free height, and how high objects reach."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -58,7 +58,7 @@ def with_clearance(
 
 
 def tops(scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """(X, Y) float32 m: height of the highest thing in each cell, ground included, NaN where there is nothing.
+    """(X, Y) float32 m: height of the highest object in each cell, ground included, NaN where there is nothing.
 
     Of a hull the height of its highest corner counts, as of its lowest in `with_clearance`.
     """

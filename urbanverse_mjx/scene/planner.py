@@ -18,7 +18,7 @@ from .geometry import SceneMap
 
 #: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm (issue 2, item 6).
 POOL = 4
-#: Cost per metre by kind; near things up to 1.0 more within 0.5 m (facts/reference_systems.md b.2).
+#: Cost per metre by kind; near objects up to 1.0 more within 0.5 m (facts/reference_systems.md b.2).
 KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
 NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
 #: A step (m) between neighbouring cells from which on it counts as a kerb (same source).

@@ -10,17 +10,17 @@ from .geometry import SceneGeometry
 from .mjcf import scene_mjcf
 
 SECONDS = 2.0
-#: s, half the scenes' own step: light things on many hulls stay calm.
+#: s, half the scenes' own step: light objects on many hulls stay calm.
 TIMESTEP = 0.005
-#: m and rad from which a thing has moved: hulls may overlap by 1 cm and settle by as much; a tipping thing turns.
+#: m and rad from which an object has moved: hulls may overlap by 1 cm and settle by as much; a tipping object turns.
 SHIFT, TILT = 0.05, np.radians(10.0)
-#: m around what is movable within which fixed things count: who has come farther has moved anyway.
+#: m around what is movable within which fixed objects count: who has come farther has moved anyway.
 REACH = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
 class RestMove:
-    """A thing that does not stay: its id, how far its centre of mass went (m), and how far it turned (rad)."""
+    """An object that does not stay: its id, how far its centre of mass went (m), and how far it turned (rad)."""
 
     id: str
     shift: float
@@ -30,11 +30,11 @@ class RestMove:
 def rest_moves(
     scene: SceneGeometry, seconds: float = SECONDS, shift: float = SHIFT, tilt: float = TILT
 ) -> list[RestMove]:
-    """The movable things that leave their place within `seconds` at rest, the farthest first; empty when all stay.
+    """The movable objects that leave their place within `seconds` at rest, the farthest first; empty when all stay.
 
     Everything movable hangs on a free joint and starts where the scene has it; nothing pushes it but gravity and
     contact. A state that is no longer finite counts as moved without end. `shift` (m) and `tilt` (rad): from
-    which a thing has moved.
+    which an object has moved.
     """
     scene = _around_movable(scene)
     if not scene.object_movable.any():
@@ -60,7 +60,7 @@ def rest_moves(
 
 
 def _around_movable(scene: SceneGeometry) -> SceneGeometry:
-    """The scene with what is movable and the fixed things within `REACH` of that, by their upright boxes."""
+    """The scene with what is movable and the fixed objects within `REACH` of that, by their upright boxes."""
     turns = rotations.matrix(scene.object_quaternion)
     low, high = np.full((2, len(scene.object_ids), 3), [[[np.inf]], [[-np.inf]]])
     for hull, o in zip(scene.inst_hull, scene.inst_object, strict=True):

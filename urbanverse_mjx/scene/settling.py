@@ -15,17 +15,17 @@ from ..geometry.grids import cell_of
 from .geometry import SceneGeometry
 from .rest import RestMove, rest_moves
 
-#: m over the ground from which a thing's lowest point hangs.
+#: m over the ground from which an object's lowest point hangs.
 HANGS = 0.3
-#: How things rest (`assets.categories.priors`) that are not let go.
+#: How objects rest (`assets.categories.priors`) that are not let go.
 HELD = frozenset({"fixed", "alive", "hangs"})
-#: m and rad below which a thing counts as still (issue 6).
+#: m and rad below which an object counts as still (issue 6).
 SHIFT, TILT = 0.05, np.radians(5.0)
 
 
 @dataclasses.dataclass(frozen=True)
 class Settling:
-    """How many things were let go, ids of those that hang, and what moved, the farthest first."""
+    """How many objects were let go, ids of those that hang, and what moved, the farthest first."""
 
     standing: int
     hanging: tuple[str, ...]
@@ -33,12 +33,12 @@ class Settling:
 
     @property
     def still_percent(self) -> float:
-        """Share of the standing things that stay."""
+        """Share of the standing objects that stay."""
         return 100.0 * (1.0 - len(self.moved) / max(self.standing, 1))
 
 
 def settle(scene: SceneGeometry) -> Settling:
-    """Lets go of everything that is not held; some seconds for 300 things."""
+    """Lets go of everything that is not held; some seconds for 300 objects."""
     hangs = hanging(scene)
     held = [prior(leaf).rest in HELD or category_of(leaf)[0] == "building" for leaf in scene.object_categories]
     loose = ~hangs & ~np.array(held, bool)
@@ -49,12 +49,12 @@ def settle(scene: SceneGeometry) -> Settling:
 
 
 def hanging(scene: SceneGeometry) -> np.ndarray:
-    """(n,) bool: things whose lowest point is over the ground below, and over the tops of what else stands there."""
+    """(n,) bool: objects whose lowest point is over the ground below, and over the tops of what else stands there."""
     rotation = rotations.matrix(scene.object_quaternion)
     low = np.full(len(scene.object_ids), np.inf)
-    for hull, thing in zip(scene.inst_hull, scene.inst_object, strict=True):
-        corners = scene.hulls[hull] @ rotation[thing].T + scene.object_position[thing]
-        low[thing] = min(low[thing], float(corners[:, 2].min()))
+    for hull, obj in zip(scene.inst_hull, scene.inst_object, strict=True):
+        corners = scene.hulls[hull] @ rotation[obj].T + scene.object_position[obj]
+        low[obj] = min(low[obj], float(corners[:, 2].min()))
     ground = scene.map.height
     cells = cell_of(scene.object_position[:, :2], scene.map.origin, scene.map.resolution)
     inside = ((cells >= 0) & (cells < ground.shape)).all(1)

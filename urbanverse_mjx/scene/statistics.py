@@ -1,4 +1,5 @@
-"""What a compiled scene is like in numbers: things, ground, kerbs, and how much of the pavements is left to walk on."""
+"""What a compiled scene is like in numbers: objects, ground, kerbs, and how much of the pavements is left to walk
+on."""
 
 import collections
 import dataclasses
@@ -18,7 +19,7 @@ from .geometry import SceneGeometry, SceneMap
 from .maps import tops
 from .planner import KERB
 
-#: Things at least this long and wide (m) and this high (m) that neither grow nor drive are houses.
+#: Objects at least this long and wide (m) and this high (m) that neither grow nor drive are houses.
 HOUSE_SIDE, HOUSE_HEIGHT = 4.0, 3.0
 _NO_HOUSES = ("nature", "vehicle", "street user")
 #: Widths (m) below which a pavement is counted as narrow: a delivery robot (twice 0.35 m), the 36 inches of the U.S.
@@ -26,7 +27,7 @@ _NO_HOUSES = ("nature", "vehicle", "street user")
 NARROW = {"robot": 0.70, "ada": 0.915, "prowag": 1.22}
 #: Widths (m) between kerb and house that national surveys tell the shares of.
 WIDTHS = (2.0, 3.0)
-#: Things nearer than this height (m) to the ground narrow a pavement: a delivery robot's height.
+#: Objects nearer than this height (m) to the ground narrow a pavement: a delivery robot's height.
 HEAD = 1.0
 #: Narrower strips (m) are no pavement (what is left before steps and in corners), and neither are gaps between houses
 #: up to this wide (m).
@@ -44,7 +45,7 @@ class PavementWidths:
     """Cross-sections of all pavements of a scene, every half metre along their middle lines.
 
     Attributes:
-      full: (n,) m between kerb and house. clear: (n,) m, the widest gap that the things standing there leave.
+      full: (n,) m between kerb and house. clear: (n,) m, the widest gap that the objects standing there leave.
     """
 
     full: np.ndarray
@@ -109,7 +110,7 @@ def kerbs(scene_map: SceneMap) -> dict[str, float]:
 
 
 def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -> PavementWidths:
-    """Widths of the pavements, houses taken as their rim, and of what is left between the things on them."""
+    """Widths of the pavements, houses taken as their rim, and of what is left between the objects on them."""
     m = geometry.map
     houses = house_mask(geometry) if houses is None else houses
     of_house = np.flatnonzero(houses[geometry.inst_object])

@@ -24,7 +24,7 @@ INTENSITY = 1000.0
 #: Angle of the sun's disc, degrees.
 SUN_ANGLE = 0.53
 GRAVITY = 9.81  # m/s^2
-#: Restitution of ground and things: stone to plastic (`assets.exporting.export_usd.UNKNOWN_BOUNCINESS`).
+#: Restitution of ground and objects: stone to plastic (`assets.exporting.export_usd.UNKNOWN_BOUNCINESS`).
 RESTITUTION = 0.3
 
 

@@ -110,10 +110,10 @@ class EngineBase:
         return (self.num_slots + self.num_prism_slots) * self.num_spheres
 
     @full_precision
-    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+    def init(self, scene: Any, qpos: Any, qvel: Any, objects: Any = None) -> SimState:
         """State in the scene (() i32) with kinematics computed and no contact recorded; qpos (nq,), qvel (nv,).
 
-        things: (M,) i32, objects that shall be bodies, -1 = none; where there are slots and none is named, none is.
+        objects: (M,) i32, objects that shall be bodies, -1 = none; where there are slots and none is named, none is.
         """
         scene = jnp.asarray(scene, jnp.int32)
         qpos, qvel = jnp.asarray(qpos, jnp.float32), jnp.asarray(qvel, jnp.float32)
@@ -124,15 +124,15 @@ class EngineBase:
         contacts = Contacts(no, none, no, jnp.zeros(()), jnp.zeros(()), feet, nobody)
         zero, one = jnp.zeros((), jnp.int32), jnp.ones(())
         warm = jnp.zeros_like(qvel)
-        bodies = self._first_bodies(scene, things)
+        bodies = self._first_bodies(scene, objects)
         return SimState(scene, data.qpos, qvel, data.xpos, data.xquat, contacts, zero, warm, one, one, bodies)
 
-    def _first_bodies(self, scene: Any, things: Any) -> Bodies | None:
+    def _first_bodies(self, scene: Any, objects: Any) -> Bodies | None:
         wanted = self.num_bodies
-        given = wanted if things is None else len(things)
+        given = wanted if objects is None else len(objects)
         if given != wanted:
             raise v.fail("engine.init: things", f"{given} of them", f"as many as the engine has body slots ({wanted})")
         if self.movable is None:
             return None
-        things = jnp.full(wanted, -1, jnp.int32) if things is None else jnp.asarray(things, jnp.int32)
-        return body_slots.begin(self.body_constants, scene, things)
+        objects = jnp.full(wanted, -1, jnp.int32) if objects is None else jnp.asarray(objects, jnp.int32)
+        return body_slots.begin(self.body_constants, scene, objects)

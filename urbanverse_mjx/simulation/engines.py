@@ -35,7 +35,7 @@ def make_engine(
       control_dt: s, one control step; physics_dt: s, one physics step, default the robot's.
       num_slots: object hulls streamed per control step.
       agents: shapes of moving agents; None = none.
-      movable: how many things can be pushed; None = none.
+      movable: how many objects can be pushed; None = none.
       sizes: of the engine, such as num_prism_slots, num_contacts, iterations, line_steps; default its own.
 
     Raises:

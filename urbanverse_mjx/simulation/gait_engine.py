@@ -73,9 +73,9 @@ class GaitEngine:
         return self.engine.num_bodies
 
     @full_precision
-    def init(self, scene: Any, qpos: Any, qvel: Any, things: Any = None) -> SimState:
+    def init(self, scene: Any, qpos: Any, qvel: Any, objects: Any = None) -> SimState:
         """The engine's state at rest, of a gait that has stood there for a while."""
-        sim = self.engine.init(scene, qpos, qvel, things)
+        sim = self.engine.init(scene, qpos, qvel, objects)
         still = jnp.zeros(len(self.gait.stand))
         frame = self._feel(sim, jnp.zeros(3), still)
         return sim._replace(carry=GaitMemory(sim.carry, still, jnp.tile(frame, (self.gait.history, 1))))

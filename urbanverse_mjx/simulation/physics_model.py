@@ -96,9 +96,9 @@ def bare_robot(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     for geom in list(spec.geoms):
         if geom.contype == 0 and geom.conaffinity == 0:
             spec.delete(geom)
-    for things in (spec.meshes, spec.cameras, spec.lights, spec.sites, spec.textures, spec.materials):
-        for thing in list(things):
-            spec.delete(thing)
+    for objects in (spec.meshes, spec.cameras, spec.lights, spec.sites, spec.textures, spec.materials):
+        for obj in list(objects):
+            spec.delete(obj)
     return spec
 
 

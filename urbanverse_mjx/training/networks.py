@@ -63,7 +63,7 @@ def convolution_of(name: str) -> Convolution:
 
 
 class Encoder(nn.Module):
-    """Conv layers with ReLU, flattened (never pooled: where a thing stands matters).
+    """Conv layers with ReLU, flattened (never pooled: where an object stands matters).
 
     Attributes:
       layers: (depth, kernel, stride) of each layer; kernel is a multiple of stride.

@@ -23,11 +23,11 @@ _EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4)
 _NEAR = 0.2  # m before the camera where edges are cut off
 
 
-def corners(thing: GraphObject) -> np.ndarray:
+def corners(obj: GraphObject) -> np.ndarray:
     """(8, 3) m: the box's corners, the foot first; corners 0 and 1 are the front's."""
-    flat = shapely.get_coordinates(rectangle(*thing.size[:2], thing.yaw, *thing.center[:2]))[:4]
-    half = thing.size[2] / 2
-    return np.concatenate([np.c_[flat, np.full(4, thing.center[2] + dz)] for dz in (-half, half)])
+    flat = shapely.get_coordinates(rectangle(*obj.size[:2], obj.yaw, *obj.center[:2]))[:4]
+    half = obj.size[2] / 2
+    return np.concatenate([np.c_[flat, np.full(4, obj.center[2] + dz)] for dz in (-half, half)])
 
 
 def plan(graph: SceneGraph, truth: Sequence[GraphObject] = (), width: int = 1600, margin: float = 3.0) -> np.ndarray:
@@ -50,22 +50,22 @@ def plan(graph: SceneGraph, truth: Sequence[GraphObject] = (), width: int = 1600
     draw = ImageDraw.Draw(image)
     for region in graph.ground:
         draw.polygon(to_pixels(np.array(region.polygon)), fill=GROUND_COLOURS[region.kind], outline=(120, 120, 120))
-    for things, colour in ((truth, TRUE), (graph.objects, FOUND)):
-        for thing in things:
-            box = corners(thing)[:4, :2]
+    for objects, colour in ((truth, TRUE), (graph.objects, FOUND)):
+        for obj in objects:
+            box = corners(obj)[:4, :2]
             draw.line(to_pixels(np.concatenate([box, box[:1]])), fill=colour, width=2)
             front = (box[0] + box[1]) / 2
-            draw.line(to_pixels(np.stack([np.array(thing.center[:2]), front])), fill=colour, width=1)
+            draw.line(to_pixels(np.stack([np.array(obj.center[:2]), front])), fill=colour, width=1)
     if len(graph.camera_path) > 1:
         draw.line(to_pixels(np.array(graph.camera_path)[:, :2]), fill=PATH, width=2)
     return np.asarray(image)
 
 
-def overlay(recording: Recording, frame: int, things: Sequence[GraphObject], reach: float = 40.0) -> np.ndarray:
+def overlay(recording: Recording, frame: int, objects: Sequence[GraphObject], reach: float = 40.0) -> np.ndarray:
     """(H, W, 3) u8: a frame with boxes over it, fronts in blue.
 
     Args:
-      reach: m, things farther than this are left out.
+      reach: m, objects farther than this are left out.
 
     Raises:
       ValidationError: the frame has no pose.
@@ -78,10 +78,10 @@ def overlay(recording: Recording, frame: int, things: Sequence[GraphObject], rea
     image = Image.fromarray(recording.rgb(frame))
     draw = ImageDraw.Draw(image)
     camera = recording.camera
-    for thing in things:
-        if np.linalg.norm(np.subtract(thing.center, pose[:3, 3])) > reach:
+    for obj in objects:
+        if np.linalg.norm(np.subtract(obj.center, pose[:3, 3])) > reach:
             continue
-        local = (corners(thing) - pose[:3, 3]) @ pose[:3, :3]
+        local = (corners(obj) - pose[:3, 3]) @ pose[:3, :3]
         for i, j in _EDGES:
             a, b = local[i], local[j]
             if max(a[2], b[2]) < _NEAR:

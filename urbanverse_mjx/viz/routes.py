@@ -10,10 +10,10 @@ from ..geometry.grids import cell_of
 from ..geometry.raster import outline
 from .graphs import GROUND_COLOURS
 
-#: Share of white in the ground's colours, so that ways and things stand out, and sRGB of what stands and of how an
+#: Share of white in the ground's colours, so that ways and objects stand out, and sRGB of what stands and of how an
 #: episode ended.
 _PALE = 0.55
-THING, OVERHEAD = (92, 88, 92), (180, 190, 172)
+OBJECT, OVERHEAD = (92, 88, 92), (180, 190, 172)
 ENDS = {
     "goal": (24, 140, 60),
     "hit": (206, 32, 38),
@@ -96,8 +96,8 @@ def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, 
     found = []
     for corners in bank.standing_hulls(scene):
         ring = outline(corners[:, :2])
-        found.append((ring, OVERHEAD if corners[:, 2].min() > ground + _LOW else THING))
-    return sorted(found, key=lambda entry: entry[1] == THING)
+        found.append((ring, OVERHEAD if corners[:, 2].min() > ground + _LOW else OBJECT))
+    return sorted(found, key=lambda entry: entry[1] == OBJECT)
 
 
 def _with_legend(picture: Image.Image, ends: Sequence[str]) -> Image.Image:

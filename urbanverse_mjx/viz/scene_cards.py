@@ -25,7 +25,7 @@ SAMPLES = 2
 _HEAD = 1.0
 _OBSTACLE, _SHADE = (70, 62, 60), 0.82
 _ROUTES = ((214, 66, 40), (40, 96, 190), (32, 140, 90), (150, 60, 160), (230, 150, 20), (20, 150, 170))
-#: Where a person looks from: at least this far (m) from anything, at things this near and far (m) and this far (rad)
+#: Where a person looks from: at least this far (m) from anything, at objects this near and far (m) and this far (rad)
 #: to the side.
 _ROOM, _SEEN, _CONE = 1.2, (3.0, 25.0), np.radians(35.0)
 
@@ -52,7 +52,7 @@ def draw_card(folder: pathlib.Path, out: pathlib.Path) -> dict[str, str]:
 
 
 def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
-    """Two places on the longest route, one in either half, that see most: many things near by and ahead."""
+    """Two places on the longest route, one in either half, that see most: many objects near by and ahead."""
     routes = load_planned(scene.folder).planned
     if not routes:
         return []

@@ -125,7 +125,7 @@ def write_page(cards: Sequence[Card], out: pathlib.Path, title: str) -> pathlib.
     page = f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title>
 <style>{_STYLE}</style><body><h1>{html.escape(title)}</h1>
 <p class="small">{len(cards)} scenes, {objects} objects of {len(kinds)} categories. Each card: from above, twice at eye
-level on its longest route, and the map with the routes of the delivery robot (things in the way dark). Widths are of
+level on its longest route, and the map with the routes of the delivery robot (objects in the way dark). Widths are of
 cross-sections every half metre of pavement; blocked are those that leave less than 0.70 m.</p>
 <div class="bar"><input id="find" type="search" placeholder="city, category, id" size="30">
 <label>sort by <select id="order">{options}</select></label><span id="count" class="small"></span></div>

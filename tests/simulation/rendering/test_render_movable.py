@@ -42,7 +42,7 @@ def homes(bank: SceneBank) -> tuple[np.ndarray, Bodies]:
     return slots, Bodies(jnp.asarray(slots), place, turn, zero, zero, jnp.zeros((3, 6)))
 
 
-def test_a_thing_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
+def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     slots, home = homes(bank)
     view = looking()
     moving = Renderer(bank, None, 54, 96, OUTPUTS, bodies=3, **LIGHT)
@@ -66,7 +66,7 @@ def test_a_thing_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
         np.testing.assert_array_equal(found[name], truth[name], err_msg=name)
     np.testing.assert_allclose(found["depth"], truth["depth"], atol=1e-3)
     np.testing.assert_allclose(found["normal"], truth["normal"], atol=1e-3)
-    # Tints belong to the number of a thing, and the other bank's tree numbers things another way.
+    # Tints belong to the number of an object, and the other bank's tree numbers objects another way.
     seen = np.isin(np.asarray(truth["object"]), slots[:2])
     assert seen.sum() > 20
     ground = np.asarray(bank.meta["categories"])[np.asarray(truth["category"])[~seen]]
@@ -74,7 +74,7 @@ def test_a_thing_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
 
 
 def test_each_world_has_its_own(bank: SceneBank) -> None:
-    """Two streets in one batch, in one of which a thing was lifted out of the picture."""
+    """Two streets in one batch, in one of which an object was lifted out of the picture."""
     slots, home = homes(bank)
     moving = Renderer(bank, None, 54, 96, ("object",), bodies=3)
     lifted = home._replace(position=home.position.at[0, 2].add(30.0))

@@ -56,7 +56,7 @@ def test_every_item_stands_in_one_leaf_of_its_own_tree(leaf_size: int) -> None:
     group = rng.integers(0, 9, 500)
     group[group == 5] = 4  # nothing stands in tree 5
     group[group == 7] = 6
-    group[0] = 7  # one thing alone in tree 7
+    group[0] = 7  # one object alone in tree 7
     lower = rng.uniform(-50, 50, (500, 3))
     upper = lower + rng.uniform(0, 4, (500, 3))
     lower[100:120], upper[100:120] = lower[100], upper[100]  # many in one place
@@ -131,7 +131,7 @@ def _draw_both(bank: SceneBank, robot: RobotSpec, places: cases.Places, settings
 
 @pytest.mark.parametrize("sky", [True, False])
 def test_pbr_pictures_are_those_of_mujoco_warp_pbr(bank: SceneBank, robot: RobotSpec, sky: bool) -> None:
-    """Polished, metallic and matte things under sun and sky: an edge may fall on either side, colours agree."""
+    """Polished, metallic and matte objects under sun and sky: an edge may fall on either side, colours agree."""
     rng = np.random.default_rng(2)
     number = len(bank.material_rgba)
     shiny = dataclasses.replace(

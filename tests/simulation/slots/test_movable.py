@@ -11,7 +11,7 @@ import pytest
 
 from tests.support import pushing
 from tests.support.box_bank import box_bank
-from tests.support.pushing import Push, Thing
+from tests.support.pushing import MovableObject, Push
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.geometry import SceneGeometry
@@ -35,13 +35,13 @@ def scooter() -> list[np.ndarray]:
 
 
 #: What is pushed, and the speed (m/s) at which the robot drives for 4.4 s.
-CASES: dict[str, tuple[tuple[Thing, ...], float]] = {
-    "a box of 10 kg": ((Thing([pushing.box(0.5, 0.5, 0.4)], (1.2, 0.02, 0.0), 0.1, 10.0, 0.5),), 1.0),
-    "a scooter": ((Thing(scooter(), (1.3, 0.0, 0.0), np.pi / 2, 20.0, 0.6),), 0.8),
+CASES: dict[str, tuple[tuple[MovableObject, ...], float]] = {
+    "a box of 10 kg": ((MovableObject([pushing.box(0.5, 0.5, 0.4)], (1.2, 0.02, 0.0), 0.1, 10.0, 0.5),), 1.0),
+    "a scooter": ((MovableObject(scooter(), (1.3, 0.0, 0.0), np.pi / 2, 20.0, 0.6),), 0.8),
     "one box into another": (
         (
-            Thing([pushing.box(0.5, 0.4, 0.5)], (1.2, 0.0, 0.0), 0.0, 10.0, 0.5),
-            Thing([pushing.box(0.4, 0.5, 0.6)], (2.1, 0.05, 0.0), 0.3, 12.0, 0.5),
+            MovableObject([pushing.box(0.5, 0.4, 0.5)], (1.2, 0.0, 0.0), 0.0, 10.0, 0.5),
+            MovableObject([pushing.box(0.4, 0.5, 0.6)], (2.1, 0.05, 0.0), 0.3, 12.0, 0.5),
         ),
         1.0,
     ),
@@ -51,7 +51,7 @@ NUM_STEPS = 22
 
 @functools.cache
 def scene_of(name: str) -> SceneGeometry:
-    return pushing.thing_scene(CASES[name][0])
+    return pushing.object_scene(CASES[name][0])
 
 
 def commands(name: str) -> np.ndarray:
@@ -74,7 +74,7 @@ ASIDES = (0.0, *(side * k * 1e-4 for k in range(1, 11) for side in (1.0, -1.0)))
 
 @functools.cache
 def runs_of_c_mujoco(name: str) -> np.ndarray:
-    """(21, T, 3) m: the first thing's places in C MuJoCo, a run for each of `ASIDES`."""
+    """(21, T, 3) m: the first object's places in C MuJoCo, a run for each of `ASIDES`."""
     robot = make_coco("differential")
     return np.array([pushing.push_truth(scene_of(name), robot, commands(name), a).places[:, 0] for a in ASIDES])
 
@@ -99,7 +99,7 @@ def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
     assert abs(ours[two] - way[two]) < 0.1 * way[two]
     apart = np.linalg.norm(runs_of_c_mujoco("a box of 10 kg") - found.places[:, 0], axis=-1)[:, : two + 1].max(1)
     assert apart.min() < 0.2, apart
-    assert (found.thing[onset:] == 0).all()
+    assert (found.obj[onset:] == 0).all()
     assert pushing.tilt(found.quaternions[: two + 1]).max() < np.radians(15.0)
     assert int(state.slot_overflow) == 0
 
@@ -148,17 +148,17 @@ def test_both_engines_do_the_same() -> None:
 
 
 def one_box(place: float) -> SceneGeometry:
-    return pushing.thing_scene([Thing([pushing.box(0.5, 0.5, 0.5)], (place, 0.0, 0.0))])
+    return pushing.object_scene([MovableObject([pushing.box(0.5, 0.5, 0.5)], (place, 0.0, 0.0))])
 
 
 def test_what_sleeps_stays_to_the_bit_and_what_left_its_place_is_gone_from_there() -> None:
     """A body 5 m away is not touched by the physics; where a body once stood the robot drives on."""
     robot = make_coco("differential")
-    bank = pushing.thing_bank(one_box(1.2))
+    bank = pushing.object_bank(one_box(1.2))
     engine = make_engine(bank, robot, impl="warp", control_dt=pushing.CONTROL_DT, movable=SIZES)
-    things = np.array([bank.meta["object_ids"][0].index("thing_0"), -1, -1])
+    objects = np.array([bank.meta["object_ids"][0].index("thing_0"), -1, -1])
     qpos = pushing.first_qpos(robot, engine.physics.model.nq)
-    state = engine.init(0, qpos, np.zeros(engine.physics.model.nv), things)
+    state = engine.init(0, qpos, np.zeros(engine.physics.model.nv), objects)
     assert state.bodies is not None
     np.testing.assert_allclose(state.bodies.position[0], pushing.START + [1.2, 0.0, 0.0], atol=1e-5)
     away = state._replace(bodies=state.bodies._replace(position=state.bodies.position.at[0, 0].add(5.0)))
@@ -167,7 +167,7 @@ def test_what_sleeps_stays_to_the_bit_and_what_left_its_place_is_gone_from_there
         away = step(away, ctrl)
         assert not bool(away.contacts.hit)
     assert float(away.qpos[0]) > pushing.START[0] + 1.2
-    for name in ("thing", "quaternion", "velocity", "spin", "warm"):
+    for name in ("object_index", "quaternion", "velocity", "spin", "warm"):
         np.testing.assert_array_equal(getattr(away.bodies, name), getattr(state.bodies, name), err_msg=name)
     assert away.bodies is not None
     assert float(away.bodies.position[0, 0] - state.bodies.position[0, 0]) == 5.0
@@ -176,14 +176,14 @@ def test_what_sleeps_stays_to_the_bit_and_what_left_its_place_is_gone_from_there
     for _ in range(8):
         still = step(still, ctrl)
     assert bool(still.contacts.hit)
-    assert int(still.contacts.hit_object) == things[0]
+    assert int(still.contacts.hit_object) == objects[0]
     assert float(still.qpos[0]) < pushing.START[0] + 1.0
 
 
 def test_more_bodies_in_reach_than_may_be_awake_are_told() -> None:
-    boxes = [Thing([pushing.box(0.2, 0.2, 0.3)], (0.8 + 0.01 * i, 0.5 * (i - 1), 0.0)) for i in range(3)]
+    boxes = [MovableObject([pushing.box(0.2, 0.2, 0.3)], (0.8 + 0.01 * i, 0.5 * (i - 1), 0.0)) for i in range(3)]
     robot = make_coco("differential")
-    _, state = pushing.push_engine(pushing.thing_scene(boxes), robot, np.zeros((1, 2)), "warp", SIZES)
+    _, state = pushing.push_engine(pushing.object_scene(boxes), robot, np.zeros((1, 2)), "warp", SIZES)
     assert int(state.slot_overflow) == 1
 
 
@@ -210,8 +210,8 @@ def test_without_bodies_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPa
         assert state.bodies is None
         programs.append(str(jax.make_jaxpr(engine.step)(state, np.zeros(engine.physics.model.nu, np.float32))))
         for module in (body_contact, body_dynamics):
-            for name, thing in vars(module).items():
-                if callable(thing) and getattr(thing, "__module__", "") == module.__name__:
+            for name, obj in vars(module).items():
+                if callable(obj) and getattr(obj, "__module__", "") == module.__name__:
                     monkeypatch.setattr(module, name, None)
         for name in ("wake", "put_back", "reach", "begin"):
             monkeypatch.setattr(body_slots, name, None)
@@ -220,10 +220,13 @@ def test_without_bodies_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPa
 
 def test_table_has_the_moments_that_c_mujoco_compiles(small_bank: SceneBank) -> None:
     """Mass, centre, principal moments and axes of a scooter and of boxes, against MJCF with free joints."""
-    things = [Thing(scooter(), (0.0, 0.0, 0.0), 0.7, 20.0), Thing([pushing.box(0.3, 0.2, 0.5)], (3.0, 0.0, 0.0))]
-    scene = pushing.thing_scene(things)
+    objects = [
+        MovableObject(scooter(), (0.0, 0.0, 0.0), 0.7, 20.0),
+        MovableObject([pushing.box(0.3, 0.2, 0.5)], (3.0, 0.0, 0.0)),
+    ]
+    scene = pushing.object_scene(objects)
     model = mujoco.MjModel.from_xml_string(scene_mjcf(scene, visuals=False, free=True)[0])
-    bank = pushing.thing_bank(scene)
+    bank = pushing.object_bank(scene)
     table = body_table.body_table(bank)
     for i, name in enumerate(scene.object_ids):
         row = table.row[0, bank.meta["object_ids"][0].index(name)]
@@ -238,18 +241,18 @@ def test_table_has_the_moments_that_c_mujoco_compiles(small_bank: SceneBank) -> 
         whole = theirs @ np.diag(model.body_inertia[body]) @ theirs.T
         np.testing.assert_allclose(axes @ np.diag(moments) @ axes.T, whole, atol=1e-4)
         assert np.linalg.det(axes) == pytest.approx(1.0)
-        assert table.friction[row] == pytest.approx(things[i].friction)
+        assert table.friction[row] == pytest.approx(objects[i].friction)
         # All of its points are on its surface: in none of its hulls, and none far outside.
         for t in table.hull[shape][table.hull[shape] >= 0]:
             planes = bank.hull_planes[t, : bank.hull_num_triangles[t]]
             height = (table.points[shape] + table.centre[shape]) @ planes[:, :3].T - planes[:, 3]
             assert height.max(1).min() > -0.011
-        corners = np.concatenate(things[i].hulls)
+        corners = np.concatenate(objects[i].hulls)
         low, high = corners.min(0) - 1e-5, corners.max(0) + 1e-5
         points = table.points[shape] + table.centre[shape]
         assert ((points >= low) & (points <= high)).all()
         lowest = points[points[:, 2] < 1e-4]
-        foot = things[i].hulls[0]
+        foot = objects[i].hulls[0]
         for corner in foot[foot[:, 2] < 1e-4]:
             assert np.linalg.norm(lowest - corner, axis=1).min() < 1e-5, "corners that it stands on are points"
     assert (body_table.body_table(small_bank).row >= 0).sum() <= small_bank.slot_movable.sum()

@@ -45,7 +45,7 @@ class Pictures(Protocol):
         ...
 
     def problems(self) -> list[str]:
-        """One sentence per thing that is missing or damaged."""
+        """One sentence per file that is missing or damaged."""
         ...
 
     def repair(self) -> None:
@@ -148,7 +148,7 @@ class Collection[R: Record]:
         return dict(zip(wanted, self._pictures.load(wanted), strict=True))
 
     def check_integrity(self) -> list[str]:
-        """One sentence per thing that is missing or damaged; empty where all is well."""
+        """One sentence per file that is missing or damaged; empty where all is well."""
         return self._pictures.problems()
 
     def repair(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""What things are made of: densities, friction on pavement, stiffness and optics, one reviewed row per material.
+"""What objects are made of: densities, friction on pavement, stiffness and optics, one reviewed row per material.
 
 The rows are data (`assets_index/materials.csv`); each names its sources by the keys of `assets_index/sources.csv`.
 """
@@ -24,7 +24,7 @@ class Material:
 
     Attributes:
       name: as in `materials` of a record.
-      density: kg/m^3 of the solid or liquid; loose and woven things with the air between their grains or yarns.
+      density: kg/m^3 of the solid or liquid; loose and woven objects with the air between their grains or yarns.
       friction: static friction coefficient on dry concrete pavement.
       youngs_modulus: MPa.
       bounciness, roughness, reflectivity: 0 to 1 (restitution, micro roughness, share of light reflected).

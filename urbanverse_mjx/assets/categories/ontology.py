@@ -110,7 +110,7 @@ def match_label(label: str) -> str:
     return leaf
 
 
-# Words after which a phrase only tells more of the thing before them: "a bench in front of a shop" is a bench.
+# Words after which a phrase only tells more of the object before them: "a bench in front of a shop" is a bench.
 _AFTERWARDS = re.compile(r"\b(?:with|on|in|at|near|by|under|behind|beside|next to|along|from|for|full of)\b")
 # "a row of parked cars" is cars; "a cup of coffee" stays a cup.
 _GROUPS = r"row|line|group|pile|heap|stack|bunch|pair|set|couple|number|piece|part|kind|type|lot"

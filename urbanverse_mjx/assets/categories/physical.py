@@ -4,7 +4,7 @@ They are drawn from the leaf's prior, seeded by the record's uid alone, with + -
 machine rounds alike. Where a recipe has measured its mesh, its box and volume take the place of the drawn ones and all
 else follows from them:
 
-    solid = length * width * height * fill                  (m^3; fill from the prior, thinner walls for larger things)
+    solid = length * width * height * fill                  (m^3; fill from the prior, thinner walls for larger objects)
     mass = solid * density of the materials                 (kg)
     air = 1 - solid / volume inside the outer surface       (the rest of `materials_composition`)
     required_force = coefficient * mass * g                 (N; friction of what touches the ground, or rolling)
@@ -33,7 +33,7 @@ ROLLING = 0.05
 # Share of the deviation from the median that length, width and height have in common (a large table is large in all
 # three); our judgement.
 COMMON = 0.6
-# Spread of the fill: least for solid things, most for hollow ones, whose walls differ.
+# Spread of the fill: least for solid objects, most for hollow ones, whose walls differ.
 SOLID_SPREAD, HOLLOW_SPREAD = 0.02, 0.12
 # Relative, to either side: body mass at one height, from the 5th to the 95th percentile of adults' body mass index.
 BUILD_SPREAD = 0.28
@@ -237,8 +237,8 @@ def _makes(row: Prior, draw: Floats) -> NDArray[np.int64]:
 def _growth(row: Prior, dense: Floats, sizes: tuple[Floats, Floats, Floats], draws: Floats) -> Floats:
     """Mass over the make's median mass.
 
-    By the box, a solid thing's mass grows with its volume, a hollow one's with the power 3/4 of it: between a skin of
-    one thickness (2/3) and a thing scaled as a whole (1).
+    By the box, a solid object's mass grows with its volume, a hollow one's with the power 3/4 of it: between a skin of
+    one thickness (2/3) and an object scaled as a whole (1).
     """
     x, y, z = (size / span[1] for size, span in zip(sizes, (row.length, row.width, row.height), strict=True))
     free = draws[:, 11] + draws[:, 12] - 1.0

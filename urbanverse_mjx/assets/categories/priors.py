@@ -139,7 +139,7 @@ class Prior:
         return self.length[1] * self.width[1] * self.height[1]
 
     def median_mass(self, make: int = 0) -> float:
-        """kg of the median-sized thing in one of its makes."""
+        """kg of the median-sized object in one of its makes."""
         return self.box_volume * self.makes[make].fill * self.makes[make].density
 
 

@@ -24,12 +24,12 @@ class Published:
     """One thing of a leaf as a page describes it: m and kg, None where the page is silent.
 
     Attributes:
-      leaf: exact leaf name; thing: what the page speaks of.
+      leaf: exact leaf name; item: what the page speaks of.
       source: key of sources.csv, one that has an address.
     """
 
     leaf: str
-    thing: str
+    item: str
     length: float | None
     width: float | None
     height: float | None
@@ -42,7 +42,7 @@ class SetAside:
     """Figures of a page that do not count (m and kg by quantity), where it is and why."""
 
     leaf: str
-    thing: str
+    item: str
     figures: Mapping[str, float]
     title: str
     address: str

@@ -88,7 +88,7 @@ def _store() -> HullStore:
 def hull_budget(mesh: AssetMesh, cap: int | None) -> int:
     """Most hulls for a mesh: the recipe's own cap, else by its largest side.
 
-    Small things stay cheap because the simulator streams only the 16 hulls nearest to a robot.
+    Small objects stay cheap because the simulator streams only the 16 hulls nearest to a robot.
     """
     if cap is not None:
         return cap

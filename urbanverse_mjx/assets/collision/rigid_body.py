@@ -61,7 +61,7 @@ def rigid_body(record: AssetRecord, mesh: AssetMesh, hulls: Sequence[np.ndarray]
 def even_body(mass: float, mesh: AssetMesh, hulls: Sequence[np.ndarray]) -> RigidBody:
     """A mass (kg) spread evenly over hulls (where they overlap, over both).
 
-    The hull of a thing that lies flush in the ground is sunk on purpose; such a thing counts as its mesh's box.
+    The hull of an object that lies flush in the ground is sunk on purpose; such an object counts as its mesh's box.
     """
     if mesh.extent[2] <= FLUSH_HEIGHT:
         box = np.array([mesh.vertices.min(0), mesh.vertices.max(0)])

@@ -1,7 +1,7 @@
 """The nine forms of corruption that the UrbanVerse paper counts in web-crawled assets, each measured and named.
 
 The paper had people look; these are rules over the mesh, the leaf that it is said to be, and the names in the file. A
-thing that is thin, scattered or rough by nature (a poster, a flock, a hedge) is judged by its leaf's prior.
+object that is thin, scattered or rough by nature (a poster, a flock, a hedge) is judged by its leaf's prior.
 """
 
 import dataclasses
@@ -97,7 +97,7 @@ def _several(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findin
     if single and large.sum() > 1 and not alike:
         yield Finding(
             SEVERAL,
-            f"{int(large.sum())} things that stand apart, of {_percent(volumes[large] / volumes.max())} of the largest",
+            f"{int(large.sum())} objects apart, of {_percent(volumes[large] / volumes.max())} of the largest",
         )
         return
     leaves = {leaf for name in source.names if (leaf := _exact_leaf(name))}
@@ -129,7 +129,7 @@ def _paper(shape: Shape, source: Source, row: Prior | None) -> Iterator[Finding]
 
 
 def _flatness(row: Prior | None) -> float:
-    """Least over middle side of the flattest thing of the leaf."""
+    """Least over middle side of the flattest object of the leaf."""
     if row is None:
         return 1.0
     sides = [np.sort([row.length[k], row.width[k], row.height[k]]) for k in range(3)]

@@ -23,7 +23,7 @@ _ASK = """The four pictures show one 3-D object from its sides; picture 0 is the
 pictures 1, 2 and 3 are seen from 90, 180 and 270 degrees counter-clockwise. Its file is called {name}. The
 pictures have no scale. Answer with one JSON object and these fields only:
 category (exactly one name of the list below), description (one sentence), description_view_0, description_view_1,
-description_view_2, description_view_3 (a few words each), height, length, width (metres of the real thing; length is
+description_view_2, description_view_3 (a few words each), height, length, width (metres of the real object; length is
 the longer ground side), materials (names, most first), materials_composition (shares that sum to 1), mass (kg),
 frontView (0 to 3: the picture that shows its front), quality (0 to 10), movable, receptacle, walkable, enterable,
 support_surface (true or false), required_force (N to move it), friction_coefficient, bounciness, surface_roughness,

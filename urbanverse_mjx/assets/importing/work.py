@@ -136,7 +136,7 @@ def _asset_mesh(
 
 
 def _volume(mesh: AssetMesh) -> float:
-    """m^3 inside the outer surface: of each closed piece, at most its box; thin things count 2 % of the box."""
+    """m^3 inside the outer surface: of each closed piece, at most its box; thin objects count 2 % of the box."""
     total = 0.0
     for vertices, faces in connected_pieces(mesh):
         total += min(signed_volume(*closed_surface(vertices, faces)), float(np.prod(np.ptp(vertices, axis=0))))

@@ -25,14 +25,14 @@ from .instances import palette_cells, pixels
 from .mesh_builder import BuiltAsset
 
 FILE = "shapes.parquet"
-#: Views from which a thing is looked at: yaw in degrees that it is turned by, as `gallery.render_row` does.
+#: Views from which an object is looked at: yaw in degrees that it is turned by, as `gallery.render_row` does.
 YAWS = (-32.0, 0.0, 90.0, 180.0)
 ELEVATION = 14.0  # degrees, of the camera over the horizon; the same picture as a thumbnail's
 GRID, CELLS = 24, 4  # pixels of a silhouette's side; cells of its layout's side
 SAMPLES = 6000  # points on the surface, ten for each pixel of the silhouette
 MOST_COLORS = 12  # kept of what is seen; the rest is little
 JOIN = 1e-5  # m within which split vertices are one
-LEAST_SHARE = 0.02  # of the box that a thing of open sheets takes up, as in the base index
+LEAST_SHARE = 0.02  # of the box that an object of open sheets takes up, as in the base index
 # How `gallery.scene_of` lights a surface: ambient, head light, and the sun with its direction.
 _AMBIENT, _HEAD, _SUN, _TO_SUN = 0.42, 0.25, 0.6, np.array([0.5, -0.45, 1.0]) / np.sqrt(0.25 + 0.2025 + 1.0)
 _REAL, _REALS = pa.float64(), pa.list_(pa.float32())

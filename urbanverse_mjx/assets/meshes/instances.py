@@ -4,7 +4,7 @@ A leaf's sizes are drawn from its prior; the base shape that fits best takes the
 
     scale = box / box of the base,  volume = volume of the base * product of the scale.
 
-No axis is stretched by more than the leaf's `stretch` relative to another; where a thing would look wrong at once
+No axis is stretched by more than the leaf's `stretch` relative to another; where an object would look wrong at once
 (people, signs, wheels) the axes concerned share one scale. Only + - * / and square roots are used.
 """
 
@@ -26,8 +26,8 @@ from .tints import is_free, is_paint, tinted
 
 Floats = NDArray[np.float64]
 LONG, SHORT, UP = range(3)
-#: Most that one axis may be stretched relative to another. Freely shaped things stay themselves over a third; food and
-#: tools have a known outline; rolling things are as wide as their lane.
+#: Most that one axis may be stretched relative to another. Freely shaped objects stay themselves over a third; food and
+#: tools have a known outline; rolling objects are as wide as their lane.
 STRETCH, STRETCH_KNOWN, STRETCH_ROLLING = 1.35, 1.15, 1.12
 _KNOWN_MIDDLES = frozenset(
     {

@@ -30,7 +30,7 @@ class Physics:
       density: kg per m^3 of the mesh's enclosed volume, air inside counted (a hollow steel box is 200-500).
       mass_range: kg, (least, greatest) that the product of volume and density is clipped to.
       friction: sliding friction coefficient of its surface.
-      movable: whether one person could shift it (bolted-down things are not, however light).
+      movable: whether one person could shift it (bolted-down objects are not, however light).
       reason: where these values come from, or why they are plausible.
     """
 

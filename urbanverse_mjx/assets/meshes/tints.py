@@ -91,7 +91,7 @@ BASIC: dict[str, tuple[int, int, int]] = {
 
 
 def is_free(leaf: str) -> bool:
-    """Whether the paint of a leaf's things is a matter of taste.
+    """Whether the paint of a leaf's objects is a matter of taste.
 
     Raises:
       UnknownLabelError: no such leaf.

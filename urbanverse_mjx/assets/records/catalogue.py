@@ -265,7 +265,7 @@ def _table(row: Prior, uids: Sequence[str], values: Physical, shown: Sequence[Sh
 
 
 def _clearance(row: Prior, values: Physical) -> Any:
-    """m to keep: grows with the thing, most round what moves by itself, none from what one may pass through."""
+    """m to keep: grows with the object, most round what moves by itself, none from what one may pass through."""
     if row.traversability == "pass through":
         return np.zeros(len(values.length))
     least = CLEARANCE_ALIVE if row.rest == "alive" else CLEARANCE_LEAST

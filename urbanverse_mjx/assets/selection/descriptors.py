@@ -1,4 +1,4 @@
-"""How a thing looks, in 61 numbers of 8 bits: 44 for colours, 16 for the silhouette, 1 for its aspect.
+"""How an object looks, in 61 numbers of 8 bits: 44 for colours, 16 for the silhouette, 1 for its aspect.
 
 Computed from a picture and its mask, or straight from a record's parameters (the colours that one sees of its base
 shape, after the tint, under the light of our thumbnails), so that matching needs no rendering. They fit the
@@ -65,7 +65,7 @@ def of_picture(picture: NDArray, mask: NDArray | None = None) -> NDArray[np.uint
 
     Args:
       picture: (H, W, 3) uint8.
-      mask: (H, W) true on the thing; None for all of the picture.
+      mask: (H, W) true on the object; None for all of the picture.
 
     Raises:
       ValidationError: other shapes, or an empty mask.

@@ -10,7 +10,7 @@ from ..records.store import build_store, forget, inputs_key, load_store, recorde
 
 
 def problems() -> list[str]:
-    """One sentence per thing that is missing or damaged; empty where all is well."""
+    """One sentence per file that is missing or damaged; empty where all is well."""
     found = _of_catalogue()
     for record in load_index().records:
         try:

@@ -17,7 +17,7 @@ _ANYWHERE = ("person", "animal", "robot")
 #: Two-wheelers and the like are left on the pavement as often as on the road.
 _LIGHT = ("bicycle", "scooter", "motorcycle", "cyclist", "moped", "e-scooter", "handcart", "stroller", "wheelchair")
 _BESIDE = ("sidewalk", "ground")
-#: Things that people and road works set up on carriageways, too.
+#: Objects that people and road works set up on carriageways, too.
 _BOTH = ("access control barrier", "obstacle barrier", "street trash", "terrain")
 _SURFACE = 1500  # points on a known shape
 

@@ -51,7 +51,7 @@ class Library(Protocol):
         ...
 
     def check_integrity(self) -> list[str]:
-        """One sentence per thing that is missing or damaged; empty where all is well."""
+        """One sentence per file that is missing or damaged; empty where all is well."""
         ...
 
     def repair(self) -> list[str]:

@@ -181,7 +181,7 @@ class ObjectLibrary:
         return annotations.explain(field)
 
     def check_integrity(self) -> list[str]:
-        """One sentence per thing that is missing or damaged."""
+        """One sentence per file that is missing or damaged."""
         return integrity.problems()
 
     def repair(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""`Filler`: puts things onto a block where nothing stands, and keeps a lane free for whoever walks."""
+"""`Filler`: puts objects onto a block where nothing stands, and keeps a lane free for whoever walks."""
 
 import math
 import random
@@ -16,7 +16,7 @@ from .line import Point
 
 #: What stands along a narrow pavement rather than across it.
 TWO_WHEELED = frozenset({"bicycle", "motorcycle", "scooter"})
-#: m between two things.
+#: m between two objects.
 APART = 0.06
 #: m along the street between the points of a lane, and from bend to bend of it.
 STEP, WANDER = 2.0, 11.0
@@ -119,7 +119,7 @@ class Filler:
         free: bool = False,
         lane: bool = False,
     ) -> bool:
-        """Adds a thing if nothing is in its way.
+        """Adds an object if nothing is in its way.
 
         Args:
           foot: m above the ground where it hangs; None: it stands. free: nothing is asked. lane: it may stand in the
@@ -136,15 +136,15 @@ class Filler:
         number = self._counts.get(item.label, 0)
         name = f"{item.label.replace(' ', '_')}_{number:02d}"
         center = (round(x, 3), round(y, 3), round(z, 4))
-        thing = GraphObject(name, item.label, center, item.size, yaw, 1.0, item.descriptor)
-        shape = passage.footprint(thing)
+        obj = GraphObject(name, item.label, center, item.size, yaw, 1.0, item.descriptor)
+        shape = passage.footprint(obj)
         if not free and not self._fits(shape, lane):
             return False
-        if foot is None and passage.is_obstacle(thing):
+        if foot is None and passage.is_obstacle(obj):
             self._shapes.append(shape)
             self._bounds.append(shape.bounds)
         self._counts[item.label] = number + 1
-        self.objects.append(thing)
+        self.objects.append(obj)
         return True
 
     def _fits(self, shape: BaseGeometry, lane: bool) -> bool:
@@ -167,7 +167,7 @@ class Filler:
         tries: int = 25,
         span: tuple[float, float] | None = None,
     ) -> bool:
-        """One thing of a mix at a free place of a band: "kerb", "wall" or "any"."""
+        """One object of a mix at a free place of a band: "kerb", "wall" or "any"."""
         width, verge = self.plan.width(side), self.plan.verge(side)
         a, b = span or (1.0, self.line.length - 1.0)
         for _ in range(tries):

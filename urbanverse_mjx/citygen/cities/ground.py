@@ -32,7 +32,7 @@ class SideStreet:
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """Where things are along a block: the line, the profile, crosswalks' middles and side streets."""
+    """Where objects are along a block: the line, the profile, crosswalks' middles and side streets."""
 
     line: StreetLine
     profile: CityProfile

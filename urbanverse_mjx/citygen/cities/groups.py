@@ -159,7 +159,7 @@ def seats(filler: Filler, side: int, s: float) -> None:
 
 
 def row(filler: Filler, name: str, side: int, s: float) -> None:
-    """Eight of a thing along the kerb, evenly."""
+    """Eight of an object along the kerb, evenly."""
     size = stock.draw(name, filler.rng).size
     step = max(1.5, 1.15 * max(size[:2]) if name.partition("#")[0] in ("fence", "guard rail") else 1.7)
     item = stock.draw(name, filler.rng)
@@ -168,7 +168,7 @@ def row(filler: Filler, name: str, side: int, s: float) -> None:
 
 
 def cluster(filler: Filler, name: str, side: int, s: float) -> None:
-    """Three to seven of a thing side by side, at the kerb or at the fronts, each turned a little."""
+    """Three to seven of an object side by side, at the kerb or at the fronts, each turned a little."""
     at_wall = filler.chance(0.4)
     deep, wide = stock.draw(name, filler.rng).size[:2]
     lean = filler.uniform(-25, 25)
@@ -182,7 +182,7 @@ def cluster(filler: Filler, name: str, side: int, s: float) -> None:
 
 
 def spread(filler: Filler, name: str, side: int, s: float) -> None:
-    """One of a thing every twenty to thirty metres along the kerb of both sides, as lamps and masts stand."""
+    """One of an object every twenty to thirty metres along the kerb of both sides, as lamps and masts stand."""
     item = stock.draw(name, filler.rng)
     step = filler.uniform(20.0, 28.0)
     for which in filler.sides():
@@ -209,7 +209,7 @@ GROUPS: dict[str, tuple[Group, float]] = {
     "delivery": (delivery, 8.0),
     "seats": (seats, 5.5),
 }
-_OF_A_THING = {"row": (row, 13.0), "cluster": (cluster, 4.0), "spread": (spread, 5.0)}
+_OF_AN_OBJECT = {"row": (row, 13.0), "cluster": (cluster, 4.0), "spread": (spread, 5.0)}
 
 
 def place(filler: Filler, name: str, count: int) -> None:
@@ -221,5 +221,5 @@ def place(filler: Filler, name: str, count: int) -> None:
             build, length = GROUPS[name]
             build(filler, side, filler.stretch(side, length))
         else:
-            build_of, length = _OF_A_THING[first]
+            build_of, length = _OF_AN_OBJECT[first]
             build_of(filler, leaf, side, filler.stretch(side, length))

@@ -31,7 +31,7 @@ def mix(text: str) -> Mix:
 class CityProfile:
     """A street of a city.
 
-    Lengths are m, densities things per 100 m of one pavement (of the whole road for traffic).
+    Lengths are m, densities objects per 100 m of one pavement (of the whole road for traffic).
 
     Attributes:
       continent, country, city, way: of the scene's id; the tour walks or drives.

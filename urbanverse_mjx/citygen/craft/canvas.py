@@ -1,7 +1,7 @@
 """`Canvas`: a scene composed by hand, object by object, on ground of any outline.
 
-Ground is laid first (later pieces are cut out of earlier ones), then things are put down, by coordinates or along an
-`Edge` (a kerb, a wall, a path). Nothing here fills a street: every thing is one call or one row of a table. `problems`
+Ground is laid first (later pieces are cut out of earlier ones), then objects are put down, by coordinates or along an
+`Edge` (a kerb, a wall, a path). Nothing here fills a street: every object is one call or one row of a table. `problems`
 says what an eye would object to; `graph` makes the scene graph.
 """
 
@@ -19,7 +19,7 @@ from ...datatypes.ground import PAINT_KINDS
 from .. import catalogue
 from ..section import RAMP_HALF_WIDTH, RAMP_RUN
 from ..stage import JOINT, Stage
-from . import faults, ground_layers, things
+from . import faults, ground_layers, object_sizes
 from .ground_layers import Corner, Layer
 
 EYE = 1.6  # m, height of the camera path over the ground
@@ -34,7 +34,7 @@ Leaning = tuple[str, float, str | float] | tuple[str, float, str | float, int]
 
 @dataclasses.dataclass(frozen=True)
 class Edge:
-    """A straight line to place things along.
+    """A straight line to place objects along.
 
     Attributes:
       start: (x, y) m, where s = 0.
@@ -90,12 +90,12 @@ def edges(points: Sequence[Corner], offset: float, side: int) -> list[Edge]:
 
 
 class Canvas(Stage):
-    """Collects the ground and the things of one scene."""
+    """Collects the ground and the objects of one scene."""
 
     source = Source(video="hand", licence="Apache-2.0", city="none", country="none")
 
     def __init__(self, scene_id: str, seed: int = 0) -> None:
-        super().__init__(scene_id, seed, things.SIZES)
+        super().__init__(scene_id, seed, object_sizes.SIZES)
         self._layers: list[Layer] = []
         self._paint: list[Layer] = []
         self._cuts: list[ground_layers.Cut] = []
@@ -104,7 +104,7 @@ class Canvas(Stage):
         #: (x, y) m, the walk through the scene: a robot must get from its first to its last point.
         self.tour: list[Corner] = []
 
-    # Ground: all of it before the first thing.
+    # Ground: all of it before the first object.
 
     def ground(self, name: str, kind: str, corners: Iterable[Corner], z: float = 0.0) -> None:
         """Lays a level piece of ground; what lies there already is cut away."""
@@ -160,12 +160,12 @@ class Canvas(Stage):
     def _lay(self, layer: Layer) -> None:
         if self.regions:
             raise ValidationError(
-                f"ground {layer.name!r}: found things on the ground already; lay all ground before them."
+                f"ground {layer.name!r}: found objects on the ground already; lay all ground before them."
             )
         self._layers.append(layer)
 
     def settle(self) -> None:
-        """Turns what was laid into regions; the first thing put down does it too."""
+        """Turns what was laid into regions; the first object put down does it too."""
         if not self.regions:
             self.lay(ground_layers.tiles(self._layers, self._cuts))
             self.lay(
@@ -185,7 +185,7 @@ class Canvas(Stage):
         """Names the sky, a uid of `assets.appearances.sky_maps`."""
         self._sky = uid
 
-    # Things.
+    # Objects.
 
     def put(
         self,
@@ -197,7 +197,7 @@ class Canvas(Stage):
         size: catalogue.Size | None = None,
         above: float = 0.0,
     ) -> GraphObject:
-        """Sets one thing down.
+        """Sets one object down.
 
         Args:
           x, y: m, where its stem or else its middle stands.
@@ -213,12 +213,12 @@ class Canvas(Stage):
         return self.add(self.make(label, x, y, degrees, size, above))
 
     def along(self, line: Edge, placements: Iterable[Placement]) -> None:
-        """Puts down a table of things along an edge."""
+        """Puts down a table of objects along an edge."""
         for label, s, d, facing, *look in placements:
             self.put(label, *line.at(s, d), line.facing(facing), look[0] if look else None)
 
     def against(self, line: Edge, placements: Iterable[Leaning], gap: float = 0.06) -> None:
-        """Puts down a table of things whose nearer sides are `gap` metres from an edge: at a wall, along a kerb."""
+        """Puts down a table of objects whose nearer sides are `gap` metres from an edge: at a wall, along a kerb."""
         for label, s, facing, *look in placements:
             degrees = line.facing(facing)
             along, across, _ = self.sizes[label][look[0]] if look else self.next_size(label)
@@ -235,7 +235,7 @@ class Canvas(Stage):
         facing: str | float = "street",
         look: int | None = None,
     ) -> None:
-        """The same thing at several places along an edge: bollards, lamps, posts."""
+        """The same object at several places along an edge: bollards, lamps, posts."""
         for s in at:
             self.put(label, *line.at(s, d), line.facing(facing), look)
 

@@ -1,4 +1,4 @@
-"""What an eye would object to in a composed scene: things off the ground or in one another, gaps, a blocked way."""
+"""What an eye would object to in a composed scene: objects off the ground or in one another, gaps, a blocked way."""
 
 from collections.abc import Sequence
 
@@ -14,51 +14,51 @@ from . import ground_layers
 
 #: Free width (m) that a tour must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
 PASSAGE = 1.2
-#: m over the ground up to which a thing's foot counts as meant to stand on it.
+#: m over the ground up to which an object's foot counts as meant to stand on it.
 NEAR = 0.3
-#: m², more than this two things may not share seen from above.
+#: m², more than this two objects may not share seen from above.
 TOUCH = 0.02
-#: m between the highest and the lowest ground under a thing from which it stands over a kerb.
+#: m between the highest and the lowest ground under an object from which it stands over a kerb.
 ASTRIDE = 0.035
 #: m from a point of the tour within which there must be a free place.
 REACH = 1.0
 
 
 def problems(stage: Stage, tour: Sequence[tuple[float, float]], width: float = PASSAGE) -> list[str]:
-    """Sentences on things off the ground, in one another or half over a kerb, on gaps, and on a blocked tour."""
+    """Sentences on objects off the ground, in one another or half over a kerb, on gaps, and on a blocked tour."""
     found = ground_layers.seams([r for r in stage.regions if r.kind not in PAINT_KINDS])
     standing = [o for o in stage.objects if passage.is_obstacle(o) and foot(stage, o) < NEAR]
-    for thing in standing:
-        if abs(foot(stage, thing)) > 2e-3:
-            found.append(f"{thing.id} stands {foot(stage, thing):.2f} m off the ground")
-        if not _carried(stage, thing):
-            found.append(f"{thing.id} stands beside the ground")
-        elif _astride(stage, thing):
-            found.append(f"{thing.id} stands half over a kerb")
+    for obj in standing:
+        if abs(foot(stage, obj)) > 2e-3:
+            found.append(f"{obj.id} stands {foot(stage, obj):.2f} m off the ground")
+        if not _carried(stage, obj):
+            found.append(f"{obj.id} stands beside the ground")
+        elif _astride(stage, obj):
+            found.append(f"{obj.id} stands half over a kerb")
     return found + _touching(standing) + _blocked(stage, standing, tour, width)
 
 
-def foot(stage: Stage, thing: GraphObject) -> float:
-    """m, how far a thing's box begins above the ground."""
-    spot = passage.footprint(thing).centroid
-    return thing.center[2] - thing.size[2] / 2 - stage.ground_height(spot.x, spot.y)
+def foot(stage: Stage, obj: GraphObject) -> float:
+    """m, how far an object's box begins above the ground."""
+    spot = passage.footprint(obj).centroid
+    return obj.center[2] - obj.size[2] / 2 - stage.ground_height(spot.x, spot.y)
 
 
-def is_house(stage: Stage, thing: GraphObject) -> bool:
-    """Whether a thing is as large as a house, whose back needs no ground."""
-    return stage.sizes[thing.label][0][0] >= 5.0 and thing.size[2] >= 3.2 and thing.size[1] >= 4.0
+def is_house(stage: Stage, obj: GraphObject) -> bool:
+    """Whether an object is as large as a house, whose back needs no ground."""
+    return stage.sizes[obj.label][0][0] >= 5.0 and obj.size[2] >= 3.2 and obj.size[1] >= 4.0
 
 
-def _carried(stage: Stage, thing: GraphObject) -> bool:
-    shape = passage.footprint(thing)
-    spot = shape if is_house(stage, thing) else shape.centroid
+def _carried(stage: Stage, obj: GraphObject) -> bool:
+    shape = passage.footprint(obj)
+    spot = shape if is_house(stage, obj) else shape.centroid
     return stage.on_ground(spot)
 
 
-def _astride(stage: Stage, thing: GraphObject) -> bool:
-    if is_house(stage, thing):
+def _astride(stage: Stage, obj: GraphObject) -> bool:
+    if is_house(stage, obj):
         return False
-    corners = shapely.get_coordinates(passage.footprint(thing).exterior)[:-1]
+    corners = shapely.get_coordinates(passage.footprint(obj).exterior)[:-1]
     heights = [stage.ground_height(x, y) for x, y in corners]
     return max(heights) - min(heights) > ASTRIDE
 

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 import shapely
 
 from .. import catalogue
-from . import things
+from . import object_sizes
 from .canvas import Canvas, Edge
 from .ground_layers import Corner
 
-#: What things of the last six scenes come in: the streets' few plain sizes first, so that a table without a look is a
+#: What objects of the last six scenes come in: the streets' few plain sizes first, so that a table without a look is a
 #: small one, and the looks that only hands use behind them.
 SIZES: dict[str, tuple[catalogue.Size, ...]] = (
-    things.SIZES
+    object_sizes.SIZES
     | catalogue.SIZES
     | {
-        "scooter": things.SIZES["scooter"],
+        "scooter": object_sizes.SIZES["scooter"],
         "bench": (*catalogue.SIZES["bench"], (0.48, 1.52, 0.45), (0.5, 1.98, 0.44)),
         "fence": (*catalogue.SIZES["fence"], (0.13, 2.51, 1.8), (0.6, 2.36, 1.96)),
     }

@@ -1,14 +1,14 @@
 """A bar street at the end of a long evening: shared scooters lie where their riders got off.
 
 They lie across the pavements in twos and threes, between terraces, queues, bottles and bags; a fallen one is a box as
-broad as it is long and half a metre high (see `things`), low enough to be overlooked and heavy enough to stop a robot.
+broad as it is long and half a metre high (see `objects`), low enough to be overlooked and heavy enough to stop a robot.
 """
 
 from .canvas import Canvas, Edge, edge, edges
 from .ground_layers import Corner, strip
 from .groups import laid_table
-from .things import SCOOTER_FALLEN as FALLEN
-from .things import SCOOTER_STANDING as UPRIGHT
+from .object_sizes import SCOOTER_FALLEN as FALLEN
+from .object_sizes import SCOOTER_STANDING as UPRIGHT
 
 ID = "06_bar_street_dual_sidewalks_obstructed_fallen_scooters"
 

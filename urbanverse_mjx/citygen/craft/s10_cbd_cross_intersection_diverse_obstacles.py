@@ -1,4 +1,4 @@
-"""Where two business streets cross: four corners, and on each another kind of thing in the way.
+"""Where two business streets cross: four corners, and on each another kind of object in the way.
 
 Arms of 40 m, pavements of 4.5 and 5 m, kerbs of 15 cm and of 5 cm on the tower's side. A bus queue, hotel luggage, a
 sale's boxes and a burst main line the long street; market stalls, terraces, a heap of hire scooters and planters the

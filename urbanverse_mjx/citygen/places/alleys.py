@@ -101,11 +101,11 @@ def precinct(scene_id: str, rng: random.Random) -> Site:
     near = min((shapely.LineString(p).interpolate(shapely.LineString(p).project(shapely.Point(start))) for p in sides),
                key=lambda p: math.dist((p.x, p.y), end))  # fmt: skip
     site.lane([(near.x, near.y), groups.at(*end, degrees, -1.0, 0.0)], reach=max(0.0, narrow / 2 - 0.7))
-    _precinct_things(site, outline, zone, line, wide)
+    _precinct_objects(site, outline, zone, line, wide)
     return site
 
 
-def _precinct_things(
+def _precinct_objects(
     site: Site, outline: shapely.Polygon, zone: BaseGeometry, line: shapely.LineString, wide: float
 ) -> None:
     rng = site.rng

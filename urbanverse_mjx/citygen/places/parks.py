@@ -17,7 +17,8 @@ BAY, DEEP = 5.2, 12.4
 
 
 def park(scene_id: str, rng: random.Random) -> Site:
-    """Lawns with a ring path and paths across, straight, diagonal and curved; hedges, fences with gaps, play things."""
+    """Lawns with a ring path and paths across, straight, diagonal and curved; hedges, fences with gaps, play
+    equipment."""
     site = Site(scene_id, rng)
     long, wide = rng.uniform(48.0, 72.0), rng.uniform(36.0, 54.0)
     outline = shapely.box(0.0, 0.0, round(long, 1), round(wide, 1))
@@ -46,11 +47,11 @@ def park(scene_id: str, rng: random.Random) -> Site:
     site.canvas.wear(middle, "sidewalk/" + rng.choice(("hoggin-leaves", "asphalt_fine", "resin_bound", "flags_mixed")))
     for points, width in paths:
         site.lane(points, reach=max(0.0, width / 2 - 0.65))
-    _park_things(site, outline, paths, plaza)
+    _park_objects(site, outline, paths, plaza)
     return site
 
 
-def _park_things(
+def _park_objects(
     site: Site, outline: shapely.Polygon, paths: list[tuple[list[Corner], float]], plaza: shapely.Polygon
 ) -> None:
     rng, zone = site.rng, inside(outline, 0.1)

@@ -48,7 +48,7 @@ class Street:
         return side * (self.half + d)
 
     def walk(self, side: int) -> shapely.Polygon:
-        """Where things may stand on a pavement."""
+        """Where objects may stand on a pavement."""
         a, b = self.y(side, 0.08), self.y(side, self.width(side) - 0.03)
         return shapely.box(-END + 0.05, min(a, b), self.length + END - 0.05, max(a, b))
 

@@ -23,7 +23,7 @@ LANE = 1.25
 APRON = 2.4
 #: Hulls within `REACH` (m) of a point of the raster (`CELL`, m) at most: of 16 slots, the raster may miss some.
 MOST_HULLS, REACH, CELL = 14, 0.95, 0.3
-#: m between two things; from what height on a thing meets crowns and arms that hang over others.
+#: m between two objects; from what height on an object meets crowns and arms that hang over others.
 GAP, TALL = 0.06, 1.9
 _BLOCK = 4.0  # m, side of the squares in which neighbours are looked up
 
@@ -95,7 +95,7 @@ class Site:
       rng: every choice comes from it.
 
     Attributes:
-      canvas: the ground and the things.
+      canvas: the ground and the objects.
       density: of what is strewn, 0.3 (sparse) to 1 (crowded).
       lanes: (n, 2) m, middle lines of the lanes that stay free, in pieces.
     """
@@ -196,7 +196,7 @@ class Site:
         self._kept = self._kept.union(shape)
         shapely.prepare(self._kept)
 
-    # Things.
+    # Objects.
 
     def put(
         self,
@@ -209,7 +209,7 @@ class Site:
         gap: float = GAP,
         above: float = 0.0,
     ) -> bool:
-        """Sets a thing down unless it would leave its zone, stand in a lane or touch another; whether it did."""
+        """Sets an object down unless it would leave its zone, stand in a lane or touch another; whether it did."""
         size = size or self.size_of(label)
         stem = catalogue.STEMS.get(label)
         reach = stem.offset * size[0] / 2 if stem else 0.0
@@ -233,7 +233,7 @@ class Site:
     def _take(
         self, label: str, foot: shapely.Polygon, whole: shapely.Polygon, size: catalogue.Size, house: bool = False
     ) -> bool:
-        """Books a thing; False where a robot beside it would have more hulls in reach than slots."""
+        """Books an object; False where a robot beside it would have more hulls in reach than slots."""
         near = foot.buffer(REACH, quad_segs=2)
         x0, y0, x1, y1 = near.bounds
         low = np.maximum(np.floor((np.array([x0, y0]) - self._origin) / CELL).astype(int), 0)
@@ -252,7 +252,8 @@ class Site:
         return True
 
     def scatter(self, zone: BaseGeometry, mix: str, per_100: float, tries: int = 8) -> int:
-        """Strews things of a mix over a zone in any pose, `per_100` to 100 m² where it is crowded; returns how many."""
+        """Strews objects of a mix over a zone in any pose, `per_100` to 100 m² where it is crowded; returns how
+        many."""
         if zone.is_empty:
             return 0
         shapely.prepare(zone)
@@ -310,7 +311,7 @@ class Site:
         turn: float = 0.0,
         skip: float = 0.0,
     ) -> None:
-        """The same thing from one point to another, `apart` metres between middles, some left out by a share `skip`."""
+        """The same object from one point to another, `apart` metres between middles, a share `skip` left out."""
         length = math.dist(a, b)
         degrees = math.degrees(math.atan2(b[1] - a[1], b[0] - a[0])) + 90.0 + turn
         size = self.size_of(label)

@@ -58,7 +58,7 @@ def courtyard(scene_id: str, rng: random.Random) -> Site:
     if deck is None:
         label = rng.choice(("fountain", "sculpture", "obelisk", "tree", "water well", "christmas tree", "stage"))
         site.put(label, long / 2 + rng.uniform(-3, 3), wide / 2 + rng.uniform(-3, 3), rng.uniform(-180, 180), zone)
-    _court_things(site, outline, zone, long, wide)
+    _court_objects(site, outline, zone, long, wide)
     return site
 
 
@@ -82,7 +82,7 @@ def _deck(site: Site, long: float, wide: float) -> tuple[float, float, float, fl
     return x0 - run, y0, x1 + run, y1
 
 
-def _court_things(site: Site, outline: shapely.Polygon, zone: BaseGeometry, long: float, wide: float) -> None:
+def _court_objects(site: Site, outline: shapely.Polygon, zone: BaseGeometry, long: float, wide: float) -> None:
     rng = site.rng
     for _ in range(rng.randint(1, 4)):  # rows of planters and benches, along either axis or askew
         x, y, degrees = rng.uniform(4, long - 4), rng.uniform(4, wide - 4), rng.choice((0, 90, rng.uniform(-180, 180)))

@@ -1,9 +1,9 @@
 """What stands in places: labels by where they are met, their sizes, and how many collision hulls they have."""
 
 from .. import catalogue
-from ..craft import things
+from ..craft import object_sizes
 
-SIZES = things.SIZES
+SIZES = object_sizes.SIZES
 
 #: What each kind of spot may hold; every draw is uniform over the list.
 MIXES: dict[str, tuple[str, ...]] = {
@@ -130,7 +130,7 @@ HULLS: dict[str, int] = {
     "bulldozer": 12, "motorcycle parking": 12, "truck": 5, "trailer": 12, "concrete tetrapod": 3, "gate": 12,
     "traffic light": 6, "caution sign": 5, "directional sign": 5, "traffic sign": 4, "tree": 5, "utility pole": 4,
 }  # fmt: skip
-#: Of a thing longer than `LONG` (m) a robot is near a part of its hulls, of a house near its front's alone.
+#: Of an object longer than `LONG` (m) a robot is near a part of its hulls, of a house near its front's alone.
 LONG, PART, FRONT = 3.9, 6, 2
 
 #: Growths of trees that fit between houses.
@@ -145,7 +145,7 @@ SIDEWALKS: tuple[str, ...] = (
 
 
 def hulls(label: str, size: catalogue.Size, house: bool = False) -> int:
-    """About how many collision hulls of a thing a robot beside it may have to be tested against."""
+    """About how many collision hulls of an object a robot beside it may have to be tested against."""
     if house:
         return FRONT
     return PART if max(size[:2]) > LONG else HULLS.get(label, FEW)

@@ -8,7 +8,7 @@ from ..section import StreetSection
 SECTION = StreetSection(length=76.0, carriageway=9.0, left=4.8, right=3.8, crosswalks=(22.0, 58.0), end="junction")
 BIKE_LANE = 1.9  # m, between the left kerb and the traffic (NACTO: 1.5 m at least, plus a buffer)
 
-THINGS = (
+OBJECTS = (
     ("bus", 38.0, RIGHT, -1.5, "+x"),
     ("bus shelter", 40.0, RIGHT, 2.7, "street"),
     ("directional sign", 44.5, RIGHT, 0.6, "+x"),
@@ -113,7 +113,7 @@ def build() -> StreetComposer:
     street.row("potted plant", (19.0, 25.4, 56.4, 61.4), LEFT, 4.35)
     street.row("plant pot", (7.4, 21.0, 59.0), RIGHT, 3.35)
     parked(street, (("hatchback car", 5.6), ("sedan", 11.6), ("van", 65.4), ("taxi", 71.6)), RIGHT)
-    street.put_all(THINGS)
+    street.put_all(OBJECTS)
     street.scatter(("pedestrian adult", "scooter", "parcels", "pedestrian adult"), 5, LEFT, (2.0, 74.0), (1.6, 3.8))
     street.scatter(("pedestrian adult", "bicycle", "garbage bag", "plant pot"), 4, RIGHT, (2.0, 74.0), (0.9, 2.8))
     edge = street.y_at(LEFT, -BIKE_LANE)

@@ -6,7 +6,7 @@ from ..section import StreetSection
 
 SECTION = StreetSection(length=72.0, carriageway=7.4, left=5.0, right=4.2, crosswalks=(14.0, 46.0), start="junction")
 
-THINGS = (
+OBJECTS = (
     ("advertising board", 6.8, LEFT, 3.4, "+x"),
     ("advertising board", 21.0, LEFT, 2.3, "-x"),
     ("advertising board", 41.5, LEFT, 3.4, "+x"),
@@ -91,7 +91,7 @@ def build() -> StreetComposer:
     street.row("potted plant", (12.6, 20.2, 34.6, 46.4), LEFT, 4.6)
     street.row("potted plant", (13.6, 18.4, 45.8, 56.8), RIGHT, 3.85)
     parked(street, (("sedan", 22.5), ("taxi", 28.5), ("suv", 34.4), ("van", 56.5), ("hatchback car", 62.6)), RIGHT)
-    street.put_all(THINGS)
+    street.put_all(OBJECTS)
     street.scatter(("pedestrian adult", "plant pot", "scooter", "pedestrian adult"), 5, LEFT, (2.0, 70.0), (1.2, 3.2))
     street.scatter(
         ("pedestrian adult", "bicycle", "storage box", "pedestrian adult"), 4, RIGHT, (2.0, 70.0), (1.0, 2.8)

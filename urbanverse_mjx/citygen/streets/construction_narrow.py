@@ -6,7 +6,7 @@ from ..section import StreetSection
 
 SECTION = StreetSection(length=64.0, carriageway=7.0, left=3.6, right=3.0, crosswalks=(12.0, 50.0), end="junction")
 
-THINGS = (
+OBJECTS = (
     ("road work detour ahead sign", 9.2, RIGHT, 0.65, "-x"),
     ("road work detour ahead sign", 17.0, LEFT, -1.0, "-x"),
     ("road work detour ahead sign", 58.5, LEFT, 1.0, "+x"),
@@ -96,7 +96,7 @@ def build() -> StreetComposer:
     street.trees((6.4, 58.9), RIGHT, 0.6, "slim")
     parked(street, (("hatchback car", 6.0), ("sedan", 56.8)), RIGHT)
     parked(street, (("hatchback car", 4.8), ("sedan", 58.6)), LEFT)
-    street.put_all(THINGS)
+    street.put_all(OBJECTS)
     street.scatter(("traffic cone", "garbage bag", "storage box"), 5, LEFT, (2.0, 62.0), (0.4, 3.2))
     street.scatter(("traffic cone", "guard stone", "parcels"), 5, RIGHT, (2.0, 62.0), (0.4, 2.6))
     lane_paint(street, 0.0)

@@ -16,7 +16,7 @@ SECTION = StreetSection(
     yards=True,
 )
 
-THINGS = (
+OBJECTS = (
     ("fountain", 36.0, LEFT, 9.2, "street"),
     ("sculpture", 9.5, LEFT, 8.0, "street"),
     ("sculpture", 64.0, LEFT, 10.5, "street"),
@@ -119,7 +119,7 @@ def build() -> StreetComposer:
     street.row("potted plant", (11.0, 27.8, 57.0), RIGHT, 3.4)
     parked(street, (("hatchback car", 6.0), ("suv", 12.0), ("sedan", 25.0), ("minivan", 31.4), ("sedan", 44.0)), RIGHT)
     parked(street, (("van", 61.0), ("hatchback car", 66.6)), RIGHT)
-    street.put_all(THINGS)
+    street.put_all(OBJECTS)
     street.scatter(("pedestrian adult", "scooter", "bicycle", "plant pot"), 5, LEFT, (2.0, 70.0), (0.6, 2.8))
     street.scatter(("pedestrian adult", "garbage bag", "plant pot", "storage box"), 5, RIGHT, (2.0, 70.0), (0.6, 2.8))
     street.scatter(("rock", "shrub", "grass patch", "flower"), 10, LEFT, (2.0, 70.0), (5.0, 14.0))

@@ -8,7 +8,7 @@ SECTION = StreetSection(
     length=70.0, carriageway=8.4, left=3.2, right=3.4, crosswalks=(16.0, 52.0), end="junction", yards=True
 )
 
-THINGS = (
+OBJECTS = (
     ("fire hydrant", 21.0, RIGHT, 0.5, "street"),
     ("street cabinet", 34.5, RIGHT, 3.1, "street"),
     ("postbox", 12.0, RIGHT, 0.55, "wall"),
@@ -74,7 +74,7 @@ def build() -> StreetComposer:
     rubbish(street, 36.0, LEFT, 1.0, bags=2)
     rubbish(street, 46.0, LEFT, 2.5, bags=3)
     rubbish(street, 61.5, LEFT, 0.9, bags=2)
-    street.put_all(THINGS)
+    street.put_all(OBJECTS)
     street.scatter(("garbage bag", "storage box", "trash bin"), 7, RIGHT, (2.0, 68.0), (0.5, 3.0))
     street.scatter(("garbage bag", "parcels", "trash bin"), 6, LEFT, (2.0, 68.0), (0.5, 2.8))
     bay_lines(street, (1.5, 7.5, 13.0, 19.6, 25.6, 32.2, 39.2, 44.4, 49.8, 55.4, 61.8, 68.8), RIGHT)

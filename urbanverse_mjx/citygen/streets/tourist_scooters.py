@@ -26,7 +26,7 @@ SCOOTERS = (
     (65.0, RIGHT, 2.2, 85.0),
 )
 
-THINGS = (
+OBJECTS = (
     ("hatchback car", 31.0, RIGHT, 0.98, "+x"),
     ("van", 60.6, RIGHT, 1.05, "+x"),
     ("sedan", 13.6, LEFT, 0.95, "-x"),
@@ -106,7 +106,7 @@ def build() -> StreetComposer:
     rubbish(street, 68.5, RIGHT, 3.9, bags=3)
     for x, side, from_kerb, facing in SCOOTERS:
         street.put("scooter", x, side, from_kerb, facing)
-    street.put_all(THINGS)
+    street.put_all(OBJECTS)
     street.scatter(("scooter", "garbage bag", "pedestrian adult", "chair"), 5, LEFT, (2.0, 66.0), (0.5, 3.0))
     street.scatter(("scooter", "bicycle", "pedestrian adult", "chair"), 5, RIGHT, (2.0, 66.0), (0.5, 3.5))
     lane_paint(street, 0.0)

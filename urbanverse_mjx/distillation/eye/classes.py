@@ -1,7 +1,7 @@
 """What the eye tells apart: the sky, the kinds of ground, and groups of the ontology's leaves (`classes.json`).
 
 A group is called by the leaf that stands for it, so that the asset search knows its name. Within a group the eye says
-which of the leaves it was shown a thing looks most like (`shown.json`): sizes are known by leaf.
+which of the leaves it was shown an object looks most like (`shown.json`): sizes are known by leaf.
 """
 
 import functools
@@ -18,15 +18,15 @@ from ...datatypes.recording import SKY
 
 SKY_CLASS = 0
 #: Classes 1 to 5 are `GROUND_KINDS` of the same number.
-FIRST_THING = len(GROUND_KINDS)
-#: Things of no group: seen, told apart from the ground, and not reported.
+FIRST_OBJECT = len(GROUND_KINDS)
+#: Objects of no group: seen, told apart from the ground, and not reported.
 OTHER = "other"
 _GROUND_PREFIX = "ground:"
 
 
 @functools.cache
 def groups() -> dict[str, tuple[str, ...]]:
-    """Name of each group of things -> its leaves."""
+    """Name of each group of objects -> its leaves."""
     return _read("classes.json")
 
 
@@ -65,10 +65,10 @@ HOUSE = names().index("house")
 
 def class_of_leaf(leaf: str) -> int:
     """Number of the class of a leaf; `OTHER` for a leaf of no group."""
-    for number, leaves in enumerate(groups().values(), FIRST_THING + 1):
+    for number, leaves in enumerate(groups().values(), FIRST_OBJECT + 1):
         if leaf in leaves:
             return number
-    return FIRST_THING
+    return FIRST_OBJECT
 
 
 def class_table(categories: Sequence[str]) -> np.ndarray:
@@ -96,5 +96,5 @@ def surface_codes() -> np.ndarray:
     """(classes,) u8: what a `Recording`'s surface picture says of each class."""
     codes = np.zeros(len(names()), np.uint8)
     codes[SKY_CLASS] = SKY
-    codes[1:FIRST_THING] = np.arange(1, FIRST_THING)
+    codes[1:FIRST_OBJECT] = np.arange(1, FIRST_OBJECT)
     return codes

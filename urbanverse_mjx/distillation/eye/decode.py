@@ -1,4 +1,4 @@
-"""The network's outputs as things: every peak of the centre map is one, and takes the pixels that point to it."""
+"""The network's outputs as objects: every peak of the centre map is one, and takes the pixels that point to it."""
 
 import dataclasses
 
@@ -12,19 +12,19 @@ from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, Seen
 
 #: Peaks below this are noise; Panoptic-DeepLab keeps those above 0.1 within 7 pixels.
 MIN_PEAK, PEAK_WINDOW = 0.1, 7
-MAX_THINGS = 200
-#: Output pixels: fewer say nothing about a thing.
+MAX_OBJECTS = 200
+#: Output pixels: fewer say nothing about an object.
 MIN_PIXELS = 12
 #: Output pixels from where a pixel points to the peak that may still take it.
 MAX_MISS = 12.0
-#: Log odds that a thing is right (half of its mask and its class): these times its evidence. `fit_trust`'s regression
-#: over the 1,376 things that the shipped weights saw in 96 frames of streets kept for it.
+#: Log odds that an object is right (half of its mask and its class): these times its evidence. `fit_trust`'s regression
+#: over the 1,376 objects that the shipped weights saw in 96 frames of streets kept for it.
 TRUST = (-2.78, 1.23, 2.64, -4.05, 1.4)
 
 
 @dataclasses.dataclass(frozen=True)
-class Thing:
-    """One thing in one picture: number of its class, chance in [0, 1] that it is right, which of `classes.leaves()` it
+class FoundObject:
+    """One object in one picture: number of its class, chance in [0, 1] that it is right, which of `classes.leaves()` it
     looks like, and on what the chance rests (see `_evidence`)."""
 
     kind: int
@@ -37,21 +37,21 @@ class Thing:
 class Decoded:
     """What one picture shows, at the outputs' size.
 
-    kinds: (h, w) i32 class of every pixel; masks: (h, w) i32 index into `things`, -1 = none;
+    kinds: (h, w) i32 class of every pixel; masks: (h, w) i32 index into `objects`, -1 = none;
     depth: (h, w) f32 m along the camera's axis, the sky included.
     """
 
     kinds: np.ndarray
     masks: np.ndarray
-    things: tuple[Thing, ...]
+    objects: tuple[FoundObject, ...]
     depth: np.ndarray
 
     def surer(self, cut: float) -> "Decoded":
-        """Without the things whose score is below `cut`."""
-        kept = [k for k, thing in enumerate(self.things) if thing.score >= cut]
-        number = np.full(len(self.things) + 1, -1, np.int32)
+        """Without the objects whose score is below `cut`."""
+        kept = [k for k, obj in enumerate(self.objects) if obj.score >= cut]
+        number = np.full(len(self.objects) + 1, -1, np.int32)
         number[kept] = np.arange(len(kept))
-        return dataclasses.replace(self, masks=number[self.masks], things=tuple(self.things[k] for k in kept))
+        return dataclasses.replace(self, masks=number[self.masks], objects=tuple(self.objects[k] for k in kept))
 
 
 def decode(seen: Seen, focal: float) -> Decoded:
@@ -64,9 +64,9 @@ def decode(seen: Seen, focal: float) -> Decoded:
     p = np.exp(seen.classes - seen.classes.max(-1, keepdims=True))
     p /= p.sum(-1, keepdims=True)
     kinds = p.argmax(-1).astype(np.int32)
-    masks, things = _group(kinds, p, seen, _peaks(np.asarray(seen.centre)))
+    masks, objects = _group(kinds, p, seen, _peaks(np.asarray(seen.centre)))
     depth = DEPTH_UNIT * np.exp(np.clip(seen.log_depth, -6.0, 6.0)) * (focal / CANONICAL_FOCAL)
-    return Decoded(kinds, masks, things, depth.astype(np.float32))
+    return Decoded(kinds, masks, objects, depth.astype(np.float32))
 
 
 def _peaks(centre: np.ndarray) -> np.ndarray:
@@ -74,13 +74,15 @@ def _peaks(centre: np.ndarray) -> np.ndarray:
     top = (centre == ndimage.maximum_filter(centre, PEAK_WINDOW)) & (centre > MIN_PEAK)
     where = np.argwhere(top)
     order = np.argsort(-centre[top], kind="stable")
-    return where[order[:MAX_THINGS]]
+    return where[order[:MAX_OBJECTS]]
 
 
-def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> tuple[np.ndarray, tuple[Thing, ...]]:
-    """Masks and things. A house and what stands before it never share a thing, though they may share a centre."""
+def _group(
+    kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray
+) -> tuple[np.ndarray, tuple[FoundObject, ...]]:
+    """Masks and objects. A house and what stands before it never share an object, though they may share a centre."""
     masks = np.full(kinds.shape, -1, np.int32)
-    rows, columns = np.nonzero(kinds >= classes.FIRST_THING)
+    rows, columns = np.nonzero(kinds >= classes.FIRST_OBJECT)
     if not len(peaks) or not len(rows):
         return masks, ()
     aim = np.column_stack([rows, columns]) + seen.offset[rows, columns] * OFFSET_UNIT
@@ -89,29 +91,29 @@ def _group(kinds: np.ndarray, p: np.ndarray, seen: Seen, peaks: np.ndarray) -> t
     found = kinds[rows, columns]
     group = np.where(miss <= MAX_MISS, 2 * owner + (found == classes.HOUSE), -1)
     order = np.argsort(group, kind="stable")
-    things: list[Thing] = []
+    objects: list[FoundObject] = []
     for part in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
         if group[part[0]] < 0 or len(part) < MIN_PIXELS:
             continue
         votes = p[rows[part], columns[part]].mean(0)
         is_house = found[part[0]] == classes.HOUSE
-        votes[: classes.FIRST_THING] = 0.0
+        votes[: classes.FIRST_OBJECT] = 0.0
         kind = classes.HOUSE if is_house else int(votes.argmax())
-        if kind == classes.FIRST_THING:
+        if kind == classes.FIRST_OBJECT:
             continue
-        masks[rows[part], columns[part]] = len(things)
+        masks[rows[part], columns[part]] = len(objects)
         looks = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
         leaf = int(np.where(classes.leaf_classes() == kind, looks, -np.inf).argmax())
         evidence = _evidence(votes[kind], float(heights[owner[part[0]]]), rows[part], columns[part], miss[part].mean())
-        things.append(Thing(kind, float(expit(np.dot(TRUST, evidence))), leaf, evidence))
-    return masks, tuple(things)
+        objects.append(FoundObject(kind, float(expit(np.dot(TRUST, evidence))), leaf, evidence))
+    return masks, tuple(objects)
 
 
 def _evidence(vote: float, height: float, rows: np.ndarray, columns: np.ndarray, miss: float) -> tuple[float, ...]:
-    """1 and what speaks for a thing: log odds of its class; its peak's height; `miss`, by how many output pixels its
+    """1 and what speaks for an object: log odds of its class; its peak's height; `miss`, by how many output pixels its
     pixels point past the peak, over the side of a square with as many; and what share of them is in one piece.
 
-    What is left over between two things points nowhere and lies in pieces.
+    What is left over between two objects points nowhere and lies in pieces.
     """
     inside = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), bool)
     inside[rows - rows.min(), columns - columns.min()] = True

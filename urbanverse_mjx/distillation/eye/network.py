@@ -1,9 +1,9 @@
 """The eye's network: an encoder of residual blocks, a pyramid back up to half size, and small heads.
 
 The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
-every pixel of a thing the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al., ICCV
-2023): depth times `CANONICAL_FOCAL` over the picture's own focal length, which makes it a matter of the picture alone.
-Added are also the leaves within each class, at a quarter of the size: a thing's pixels settle them together.
+every pixel of an object the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al.,
+ICCV 2023): depth times `CANONICAL_FOCAL` over the picture's own focal length, which makes it a matter of the picture
+alone. Added are also the leaves within each class, at a quarter of the size: an object's pixels settle them together.
 """
 
 from collections.abc import Sequence

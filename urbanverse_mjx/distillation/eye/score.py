@@ -1,4 +1,4 @@
-"""How well the eye sees: recall and precision of things by class, overlap of surfaces, error of depth."""
+"""How well the eye sees: recall and precision of objects by class, overlap of surfaces, error of depth."""
 
 import dataclasses
 from typing import Any
@@ -10,14 +10,14 @@ from .decode import Decoded
 
 #: Intersection over union from which a mask counts as found (the threshold of panoptic quality, Kirillov et al. 2019).
 MIN_IOU = 0.5
-#: Things smaller than this, in output pixels, are neither asked for nor held against the eye.
+#: Objects smaller than this, in output pixels, are neither asked for nor held against the eye.
 MIN_PIXELS = 25
 
 
 @dataclasses.dataclass
 class Score:
-    """Counts over frames. Arrays are by class: found, missed and invented things, and surfaces' pixels; and how many
-    of the found things of a class with leaves have the right leaf, of how many."""
+    """Counts over frames. Arrays are by class: found, missed and invented objects, and surfaces' pixels; and how many
+    of the found objects of a class with leaves have the right leaf, of how many."""
 
     found: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
     missed: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(len(classes.names()), np.int64))
@@ -32,57 +32,57 @@ class Score:
         """One frame.
 
         Args:
-          kinds: (h, w) true classes; owner: (h, w) which thing a pixel belongs to, -1 = none; depth: (h, w) true m,
+          kinds: (h, w) true classes; owner: (h, w) which object a pixel belongs to, -1 = none; depth: (h, w) true m,
             0 where unknown; leaves: (h, w) true leaf's number, -1 = none.
         """
-        for kind in range(classes.FIRST_THING):
+        for kind in range(classes.FIRST_OBJECT):
             a, b = seen.kinds == kind, kinds == kind
             self.both[kind] += (a & b).sum()
             self.either[kind] += (a | b).sum()
-        self._add_things(seen, kinds, owner, leaves)
+        self._add_objects(seen, kinds, owner, leaves)
         known = depth > 0
         if known.any():
             self.depth_errors.append(float(np.median(np.abs(seen.depth[known] - depth[known]) / depth[known])))
 
-    def _add_things(self, seen: Decoded, kinds: np.ndarray, owner: np.ndarray, leaves: np.ndarray) -> None:
+    def _add_objects(self, seen: Decoded, kinds: np.ndarray, owner: np.ndarray, leaves: np.ndarray) -> None:
         true, inverse, sizes = np.unique(owner, return_inverse=True, return_counts=True)
         inverse = inverse.reshape(owner.shape)
         kind_of = np.zeros(len(true), np.int64)
         leaf_of = kind_of.copy()
         kind_of[inverse], leaf_of[inverse] = kinds, leaves
-        counts = np.zeros((len(true), len(seen.things)), np.int64)
+        counts = np.zeros((len(true), len(seen.objects)), np.int64)
         inside = seen.masks >= 0
         np.add.at(counts, (inverse[inside], seen.masks[inside]), 1)
-        areas = np.bincount(seen.masks[inside], minlength=len(seen.things))
+        areas = np.bincount(seen.masks[inside], minlength=len(seen.objects))
         iou = counts / np.maximum(sizes[:, None] + areas[None] - counts, 1)
-        asked = (true >= 0) & (sizes >= MIN_PIXELS) & (kind_of > classes.FIRST_THING)
-        predicted = np.array([t.kind for t in seen.things], np.int64)
+        asked = (true >= 0) & (sizes >= MIN_PIXELS) & (kind_of > classes.FIRST_OBJECT)
+        predicted = np.array([t.kind for t in seen.objects], np.int64)
         hit = (iou > MIN_IOU) & (kind_of[:, None] == predicted[None])
         for row in np.flatnonzero(asked):
             (self.found if hit[row].any() else self.missed)[kind_of[row]] += 1
             if hit[row].any() and leaf_of[row] >= 0:
                 self.with_leaf += 1
-                self.right_leaves += seen.things[int(hit[row].argmax())].leaf == leaf_of[row]
+                self.right_leaves += seen.objects[int(hit[row].argmax())].leaf == leaf_of[row]
         # What mostly lies on something too small or of no group is not held against it.
         excused = (counts[(true >= 0) & ~asked].sum(0) > 0.5 * areas) | (areas < MIN_PIXELS)
         for column in np.flatnonzero(~hit[asked].any(0) & ~excused):
             self.invented[predicted[column]] += 1
 
     def table(self) -> dict[str, Any]:
-        """Recall, precision and number by class of things, share of right leaves among the found things, overlap by
+        """Recall, precision and number by class of objects, share of right leaves among the found objects, overlap by
         surface, median relative depth error."""
         rows = {}
-        for kind in range(classes.FIRST_THING + 1, len(classes.names())):
+        for kind in range(classes.FIRST_OBJECT + 1, len(classes.names())):
             rows[classes.names()[kind]] = _row(self.found[kind], self.missed[kind], self.invented[kind])
         surfaces = {
             name: round(float(self.both[k] / self.either[k]), 3)
-            for k, name in enumerate(classes.names()[: classes.FIRST_THING])
+            for k, name in enumerate(classes.names()[: classes.FIRST_OBJECT])
             if self.either[k]
         }
         depth = round(float(np.median(self.depth_errors)), 4) if self.depth_errors else None
-        all_things = _row(self.found.sum(), self.missed.sum(), self.invented.sum())
+        all_objects = _row(self.found.sum(), self.missed.sum(), self.invented.sum())
         leaf = round(self.right_leaves / self.with_leaf, 3) if self.with_leaf else None
-        return {"things": rows, "all": all_things, "leaf": leaf, "surface_iou": surfaces, "depth_error": depth}
+        return {"things": rows, "all": all_objects, "leaf": leaf, "surface_iou": surfaces, "depth_error": depth}
 
 
 def _row(found: int, missed: int, invented: int) -> dict[str, Any]:
@@ -104,7 +104,7 @@ def as_markdown(table: dict[str, Any]) -> str:
         [
             *lines,
             "",
-            f"Right leaf, of the found things: {_show(table['leaf'])}.",
+            f"Right leaf, of the found objects: {_show(table['leaf'])}.",
             f"Surfaces, IoU: {surfaces}.",
             f"Depth, median error: {_show(table['depth_error'])}.",
         ]

@@ -15,7 +15,7 @@ from . import classes, weights
 from .decode import Decoded, decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
-#: Things less likely right than this are not reported: fused over frames, false ones stand where nothing is.
+#: Objects less likely right than this are not reported: fused over frames, false ones stand where nothing is.
 MIN_SCORE = 0.5
 
 
@@ -70,6 +70,6 @@ def _full_size(seen: Decoded, height: int, width: int) -> Sight:
     rows = np.minimum(((np.arange(height) + 0.5) * seen.kinds.shape[0] / height).astype(int), seen.kinds.shape[0] - 1)
     columns = np.minimum(((np.arange(width) + 0.5) * seen.kinds.shape[1] / width).astype(int), seen.kinds.shape[1] - 1)
     at = np.ix_(rows, columns)
-    found = tuple(Detection(classes.leaves()[thing.leaf], thing.score) for thing in seen.things)
-    # Between things depth jumps: it is repeated, not blended.
+    found = tuple(Detection(classes.leaves()[obj.leaf], obj.score) for obj in seen.objects)
+    # Between objects depth jumps: it is repeated, not blended.
     return Sight(classes.surface_codes()[seen.kinds[at]], seen.masks[at], found, seen.depth[at])

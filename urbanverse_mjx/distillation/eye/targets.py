@@ -8,27 +8,27 @@ import jax.numpy as jnp
 from . import classes
 from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, OUTPUT_STRIDE, Seen
 
-#: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab; of things
+#: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab; of objects
 #: with fewer output pixels than `_SMALL` half of that again, or two that stand close together would share a peak.
 SIGMA, SIGMA_SMALL = 4.0, 2.0
 _SMALL = 200.0
 #: Instances with fewer output pixels have no centre: nobody could say what they are.
 MIN_PIXELS = 12
 NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
-#: A thing's pixel counts `_SIDE` over the side of a square with as many output pixels times what the ground's counts,
+#: An object's pixel counts `_SIDE` over the side of a square with as many output pixels times what the ground's counts,
 #: within these bounds: otherwise what is near or a house rules the loss, and poles and what is far are lost in it.
 _SIDE, _LIGHTEST, _HEAVIEST = 60.0, 1.0, 8.0
-#: What a miss near the narrow bump of a small thing counts more: the bump has a quarter of the wide one's area.
+#: What a miss near the narrow bump of a small object counts more: the bump has a quarter of the wide one's area.
 _NARROW = 3.0
 #: Weights of the parts of the loss: Panoptic-DeepLab's are 1, 200 and 0.01 a pixel of the full picture (0.32 a unit of
-#: ours). Our streets hold some thirty things a picture, so that 200 would leave the classes little of the slope;
-#: the way is doubled because half of our things touch another; depth and the leaves are ours.
+#: ours). Our streets hold some thirty objects a picture, so that 200 would leave the classes little of the slope;
+#: the way is doubled because half of our objects touch another; depth and the leaves are ours.
 _CENTRE, _OFFSET, _DEPTH, _LEAF = 50.0, 0.64, 0.5, 0.3
 
 
 class Truth(NamedTuple):
     """At output size h x w: class (h, w) i32; leaf (h, w) i32, its number in `classes.leaves()`, -1 = none; weight
-    (h, w), what a pixel counts; owner (h, w) i32, the thing's slot, -1 = no thing; centre (h, w) and what a pixel
+    (h, w), what a pixel counts; owner (h, w) i32, the object's slot, -1 = no object; centre (h, w) and what a pixel
     counts for it; offset (h, w, 2) and the pixels it counts at; log_depth (h, w) and the pixels it counts at."""
 
     classes: jax.Array
@@ -55,8 +55,8 @@ def truth(
     # Of each output pixel's four the one below and right: its first ray is the one nearest to their middle.
     category, slot, depth = (x[1::OUTPUT_STRIDE, 1::OUTPUT_STRIDE] for x in (category, slot, depth))
     kind, leaf = table[category, 0], table[category, 1]
-    thing = kind >= classes.FIRST_THING
-    owner = jnp.where(thing, slot, slots)
+    obj = kind >= classes.FIRST_OBJECT
+    owner = jnp.where(obj, slot, slots)
     h, w = kind.shape
     rows, columns = jnp.mgrid[:h, :w].astype(jnp.float32)
     count = jax.ops.segment_sum(jnp.ones(h * w), owner.ravel(), slots + 1)
@@ -74,12 +74,12 @@ def truth(
     return Truth(
         classes=kind,
         leaf=leaf,
-        weight=jnp.where(thing, heavier, 1.0),
-        owner=jnp.where(thing, slot, -1),
+        weight=jnp.where(obj, heavier, 1.0),
+        owner=jnp.where(obj, slot, -1),
         centre=jnp.maximum(narrow, _bumps(middle, big & ~small, h, w, SIGMA)),
         centre_weight=1.0 + _NARROW * jnp.sqrt(narrow),
         offset=way / OFFSET_UNIT,
-        has_centre=thing & big[owner],
+        has_centre=obj & big[owner],
         log_depth=jnp.log(canonical / DEPTH_UNIT),
         has_depth=valid & (kind != classes.SKY_CLASS),
     )

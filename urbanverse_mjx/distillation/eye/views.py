@@ -22,7 +22,7 @@ _PLACES = 1024  # per scene and kind of ground, drawn from the map's cells
 HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a hand held up
 FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens held upright to an action camera
 _AHEAD = 0.65  # share of the views along the street
-#: Share of the pictures whose things keep their colours: where everything is dyed anew, neighbouring houses always
+#: Share of the pictures whose objects keep their colours: where everything is dyed anew, neighbouring houses always
 #: differ, and an eye that saw nothing else takes two alike for one.
 _PLAIN = 0.35
 #: A frame whose near fifth lies closer than this shows the inside of something, m.
@@ -59,7 +59,7 @@ class Views:
           looks: by what share colours and light may differ, see `Renderer`.
           mixed: share of the roads, pavements and grounds that are laid with some other kind's material, so that
             paving alone does not say what is driven on.
-          samples: rays per pixel and side, as `capture` films: with one, thin things are broken into dots.
+          samples: rays per pixel and side, as `capture` films: with one, thin objects are broken into dots.
         """
         bank = _with_mixed_ground(bank, mixed, np.random.default_rng([seed, 1]))
         renderer = Renderer(
@@ -79,7 +79,7 @@ class Views:
     def __call__(self, keys: jax.Array, look: bool = True) -> tuple[jax.Array, Truth, jax.Array]:
         """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
 
-        With `look`, every thing takes on colours of its own in all but `_PLAIN` of the pictures.
+        With `look`, every object takes on colours of its own in all but `_PLAIN` of the pictures.
         """
         scene, eye, turn, fovy, number = jax.vmap(self._pose)(keys)
         dyed = look & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _PLAIN))(keys)
@@ -99,9 +99,9 @@ class Views:
         pictures = seen["rgb"]
         if look:
             kind = self.table[seen["category"], 0]
-            region = jnp.where(kind < classes.FIRST_THING, slots + kind, seen["object"])
+            region = jnp.where(kind < classes.FIRST_OBJECT, slots + kind, seen["object"])
             dyes = jax.vmap(lambda key: jax.random.fold_in(key, 1))(keys)
-            anew = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_THING))(dyes, pictures, region)
+            anew = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_OBJECT))(dyes, pictures, region)
             pictures = jnp.where(dyed[:, None, None, None], anew, pictures)
         return pictures, wanted, (near > _BLOCKED).astype(jnp.float32)
 

@@ -1,4 +1,4 @@
-"""A video becomes a `Recording`: frames, screening, poses, metric scale, depth, things and surfaces."""
+"""A video becomes a `Recording`: frames, screening, poses, metric scale, depth, objects and surfaces."""
 
 from .frames import Frames, SamplingOptions, sample
 from .perceive import Perception, perceive

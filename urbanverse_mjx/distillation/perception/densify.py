@@ -1,7 +1,7 @@
 """Depth for every pixel: what one picture lets guess, held to the reconstruction and to the ground.
 
 * Ground is where the ray meets the level on which its kind lies near the camera.
-* A thing keeps the shape that the picture lets guess; its distance is the weighted mean (of logarithms) of what the
+* An object keeps the shape that the picture lets guess; its distance is the weighted mean (of logarithms) of what the
   points inside its mask say, of where its foot meets the ground, and of the guess itself.
 * All else takes the guess, scaled as a whole. The sky has no depth.
 """
@@ -23,7 +23,7 @@ _LEVEL_REACH = 15.0
 _MIN_LEVEL = 8  # points
 #: Relative errors (1 sigma) of a single point's depth, of the foot's, and of the guess after scaling.
 _POINT, _FOOT, _GUESS = 0.1, 0.06, 0.15
-#: Errors that points of one mask share (they sit on one side of the thing): more points do not help beyond.
+#: Errors that points of one mask share (they sit on one side of the object): more points do not help beyond.
 _POINT_FLOOR = 0.03
 #: Share of a mask's height within which its lowest pixels stand on the ground; above are the gaps between wheels.
 _FOOT_SHARE = 0.15
@@ -65,7 +65,7 @@ def dense_depth(row: int, sight: Sight, structure: Structure, metric: Metric, gr
     inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
     columns, rows = pixel[inside].T
     points = (structure.depth()[mine] * metric.scale[row])[inside]
-    # Without a guess a thing is a board that faces the camera, and what is no thing stays unknown.
+    # Without a guess an object is a board that faces the camera, and what is no object stays unknown.
     guess = np.ones_like(flat) if sight.depth is None else sight.depth.astype(np.float64)
     ratio = np.log(np.maximum(points, 1e-3) / np.maximum(guess[rows, columns], 1e-3))
     overall = _overall(ratio, flat, guess)
@@ -115,7 +115,7 @@ def _boxes(masks: np.ndarray, count: int) -> list[tuple[slice, slice] | None]:
 
 
 def _foot(mask: np.ndarray, box: tuple[slice, slice], flat: np.ndarray, guess: np.ndarray) -> float | None:
-    """Logarithm of the factor that puts a thing's foot on the ground under it; None where no foot is in sight."""
+    """Logarithm of the factor that puts an object's foot on the ground under it; None where no foot is in sight."""
     columns = np.flatnonzero(mask.any(0))
     low = mask.shape[0] - 1 - mask[::-1, columns].argmax(0)
     stands = low >= (1.0 - _FOOT_SHARE) * (mask.shape[0] - 1)

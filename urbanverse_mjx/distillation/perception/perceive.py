@@ -25,7 +25,7 @@ class Perception:
     """What perceives.
 
     Attributes:
-      sees: finds things, surfaces and, where it can, depth.
+      sees: finds objects, surfaces and, where it can, depth.
       poses: finds poses and points; None for COLMAP.
       camera_height: m above the ground that is walked on, the one length that a video does not show. 1.5 is a hand
         held before the chest.

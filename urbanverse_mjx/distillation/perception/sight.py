@@ -14,7 +14,7 @@ class Sight:
 
     Attributes:
       surfaces: (H, W) u8, see `Frame.surfaces`.
-      masks: (H, W) i32 row of `detections`, -1 = none. detections: things with their labels and scores.
+      masks: (H, W) i32 row of `detections`, -1 = none. detections: objects with their labels and scores.
       depth: (H, W) f32 m along the camera's axis as one picture lets guess it; None where the model guesses none.
     """
 
@@ -25,7 +25,7 @@ class Sight:
 
 
 class Sees(Protocol):
-    """Finds things, surfaces and, where it can, depth in a picture."""
+    """Finds objects, surfaces and, where it can, depth in a picture."""
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> Sight:
         """(H, W, 3) u8 picture of a pinhole with focal length `focal` (pixels)."""

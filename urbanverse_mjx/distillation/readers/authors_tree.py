@@ -7,7 +7,7 @@
     segmentations_2d/ *.jpg, scene_pcd.glb, config_params.json, distilled_scene_graph.pkl.gz
 
 Read are frames, depth, confidence, poses and intrinsics. The masks are painted pictures with JPEG's smear, and the
-graph is a pickle, which runs whatever its writer wanted: neither is opened; things are found anew by a `Sees`. The
+graph is a pickle, which runs whatever its writer wanted: neither is opened; objects are found anew by a `Sees`. The
 documents name no world axes, so the world is turned until the cameras' mean "up" is z, and put down so that the first
 camera is at zero. Where pictures and depth differ in size, pictures are scaled to the depth, whose lens camera.yaml is.
 """
@@ -45,7 +45,7 @@ def read_authors_tree(
 
     Args:
       root: the folder above. folder: of the recording.
-      sees: finds things and surfaces in the frames.
+      sees: finds objects and surfaces in the frames.
       rate: frames per second. images: the frames' folder; default: `images` in the root.
 
     Raises:

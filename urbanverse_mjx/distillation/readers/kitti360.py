@@ -23,7 +23,7 @@ from ...datatypes import validation as v
 from ...datatypes.recording import SKY
 from .kitti360_boxes import Kitti360Box, read_boxes
 from .kitti360_depth import boxes_depth, scan_depth
-from .kitti360_labels import BY_ID, INSTANCES, thing_id
+from .kitti360_labels import BY_ID, INSTANCES, object_id
 
 #: Hz, of the cameras (the data set's documentation).
 RATE = 10.0
@@ -61,7 +61,7 @@ def read_kitti360(
     options: Kitti360Options,
     progress: Callable[[int, int], None] | None = None,
 ) -> Recording:
-    """Writes a recording of a stretch of a sequence, and beside it `boxes.json`: the static things near it.
+    """Writes a recording of a stretch of a sequence, and beside it `boxes.json`: the static objects near it.
 
     Raises:
       ValidationError: a file is missing or not in KITTI-360's format; nothing is called a recording before all is read.
@@ -90,7 +90,7 @@ def read_kitti360(
         T[:3, 3] -= origin
         semantic = _picture(labels / "semantic" / f"{frame:010d}.png", camera, np.uint8)
         instance = _picture(labels / "instance" / f"{frame:010d}.png", camera, np.int32)
-        masks, detections = _things(instance)
+        masks, detections = _objects(instance)
         surfaces = _surfaces(semantic)
         if scanned:
             depth = scan_depth(scans / f"{frame:010d}.bin", T_camera_scan, camera)
@@ -102,12 +102,12 @@ def read_kitti360(
             progress(number + 1, len(frames))
     recording = writer.close()
     near = _near(boxes, origin, recording.poses()[:, :3, 3])
-    v.write_json(recording.folder / TRUTH, [thing.to_json() for thing in near])
+    v.write_json(recording.folder / TRUTH, [obj.to_json() for obj in near])
     return recording
 
 
 def _near(boxes: Sequence[Kitti360Box], origin: np.ndarray, way: np.ndarray) -> tuple:
-    """Static things with a label of ours within 60 m of the way."""
+    """Static objects with a label of ours within 60 m of the way."""
     kept = {}
     for box in boxes:
         if box.timestamp < 0 and box.kind.label is not None and box.instance > 0:
@@ -210,7 +210,7 @@ def _surfaces(semantic: np.ndarray) -> np.ndarray:
     return codes[semantic]
 
 
-def _things(instance: np.ndarray) -> tuple[np.ndarray, list[Detection]]:
+def _objects(instance: np.ndarray) -> tuple[np.ndarray, list[Detection]]:
     """(H, W) row of the detections, -1 = none; and one detection per instance of a class with a label of ours."""
     numbers, where = np.unique(instance, return_inverse=True)
     rows = np.full(len(numbers), -1)
@@ -219,5 +219,5 @@ def _things(instance: np.ndarray) -> tuple[np.ndarray, list[Detection]]:
         kind = BY_ID.get(number // INSTANCES)
         if kind is not None and kind.label is not None and number % INSTANCES:
             rows[k] = len(detections)
-            detections.append(Detection(kind.label, 1.0, thing_id(kind, number % INSTANCES)))
+            detections.append(Detection(kind.label, 1.0, object_id(kind, number % INSTANCES)))
     return rows[where.reshape(instance.shape)], detections

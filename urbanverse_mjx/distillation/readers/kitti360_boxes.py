@@ -14,12 +14,12 @@ import numpy as np
 from ...datatypes import GraphObject
 from ...datatypes import validation as v
 from ...geometry import rotations
-from .kitti360_labels import BY_BOX_ID, Kitti360Class, thing_id
+from .kitti360_labels import BY_BOX_ID, Kitti360Class, object_id
 
 
 @dataclasses.dataclass(frozen=True)
 class Kitti360Box:
-    """One annotated thing, at one time if it moves.
+    """One annotated object, at one time if it moves.
 
     Attributes:
       kind: its class; instance: its number within the class; timestamp: the frame it is meant for, -1 = all.
@@ -35,7 +35,7 @@ class Kitti360Box:
     @property
     def id(self) -> str:
         """The name that its pixels have in the instance pictures, too."""
-        return thing_id(self.kind, self.instance)
+        return object_id(self.kind, self.instance)
 
     def upright(self, origin: np.ndarray) -> GraphObject:
         """The upright box around it with its heading, `origin` (3,) m taken off."""

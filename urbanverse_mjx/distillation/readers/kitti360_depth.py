@@ -55,7 +55,7 @@ def boxes_depth(
     T_world_camera: np.ndarray,
     camera: Camera,
 ) -> np.ndarray:
-    """(H, W) f32 m: a thing's pixels where their rays enter its box, the ground's where they meet the road's level.
+    """(H, W) f32 m: an object's pixels where their rays enter its box, the ground's where they meet the road's level.
 
     Args:
       masks, detections, surfaces: of the frame; tracks are the boxes' ids.

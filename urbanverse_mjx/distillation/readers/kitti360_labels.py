@@ -12,7 +12,7 @@ class Kitti360Class:
 
     Attributes:
       name, id: as label pictures have them; box_id: its number in the 3D boxes' files, -1 = has none.
-      label: our leaf for its instances; None where it has none that stand for a thing.
+      label: our leaf for its instances; None where it has none that stand for an object.
       surface: code of a recording's surface pictures; 0 where it is no ground and no sky.
     """
 
@@ -69,6 +69,6 @@ BY_BOX_ID = {c.box_id: c for c in CLASSES if c.box_id >= 0}
 INSTANCES = 1000
 
 
-def thing_id(kind: Kitti360Class, instance: int) -> str:
+def object_id(kind: Kitti360Class, instance: int) -> str:
     """One name for an instance in pictures and boxes."""
     return f"{kind.name.replace(' ', '_')}_{instance}"

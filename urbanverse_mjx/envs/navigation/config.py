@@ -44,7 +44,7 @@ def _paper() -> ConfigDict:
             # clean, static or dynamic, UrbanSim's scenario types (see scenarios.py); `crowd` is for dynamic alone.
             "scenario": "static",
             "crowd": _crowd(),
-            # Things that can be pushed, for dynamic alone: how many an env has, how many move at once (with three of
+            # Objects that can be pushed, for dynamic alone: how many an env has, how many move at once (with three of
             # them COCO stays within the 32 velocities that MuJoCo Warp solves fastest), and the most hulls of each.
             "movable": {"bodies": 8, "awake": 3, "hulls": 4},
             "action_mode": "waypoint",

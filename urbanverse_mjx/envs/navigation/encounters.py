@@ -16,7 +16,7 @@ from ...crowds import KINDS, behaviours
 from ...crowds.behaviours import ROAM, Script
 from ...datatypes import ValidationError
 
-#: m that one who starts somewhere keeps from things, and others' centres from each other.
+#: m that one who starts somewhere keeps from objects, and others' centres from each other.
 _ROOM, _APART = KINDS["pedestrian"].radius + 0.1, 0.75
 #: m from the robot's start within which nobody is put.
 _START = 2.2

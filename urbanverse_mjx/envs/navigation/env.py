@@ -149,8 +149,8 @@ class NavEnv(StagedBase[NavState]):
         place = jnp.stack([start[0], start[1], start[2] + self.robot.spawn_height])
         pose = jnp.concatenate([place, rotations.from_yaw(start[3])])
         key = typed_key(key)
-        things = None if self.movables is None else self.movables.near(scene, start[:3], waypoints)
-        sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), things)
+        objects = None if self.movables is None else self.movables.near(scene, start[:3], waypoints)
+        sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), objects)
         crowd = None
         if self.living is not None:
             crowd = self.living.begin(key, scene, start, waypoints, self._surroundings.distances)

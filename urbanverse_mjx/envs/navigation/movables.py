@@ -1,4 +1,4 @@
-"""Which things of a street can be pushed in an episode: those nearest to its route.
+"""Which objects of a street can be pushed in an episode: those nearest to its route.
 
 In:   an engine with body slots, the scene, the route.
 Out:  objects for `engine.init`, metrics.
@@ -22,7 +22,7 @@ def body_sizes(config: ConfigDict) -> dict[str, int] | None:
     (also for policies trained before there were any).
 
     Raises:
-      ValidationError: fewer things than none, or more awake than there are.
+      ValidationError: fewer objects than none, or more awake than there are.
     """
     sizes = config.get("movable", None) if config.get("scenario", "static") == "dynamic" else None
     if sizes is None or sizes.bodies == 0:
@@ -36,7 +36,7 @@ def body_sizes(config: ConfigDict) -> dict[str, int] | None:
 
 
 class Movables:
-    """The things of every scene that can be pushed.
+    """The objects of every scene that can be pushed.
 
     Args:
       bank: the scenes. row: (Z, N) i32, -1 for what cannot be pushed. number: M, how many an env has.
@@ -45,11 +45,11 @@ class Movables:
     def __init__(self, bank: SceneBank, row: Int[np.ndarray, "Z N"], number: int) -> None:
         found = [np.flatnonzero(r >= 0) for r in row]
         width = max([number, *(len(f) for f in found)])
-        things = np.full((len(row), width), -1, np.int32)
-        for line, slots in zip(things, found, strict=True):
+        objects = np.full((len(row), width), -1, np.int32)
+        for line, slots in zip(objects, found, strict=True):
             line[: len(slots)] = slots
-        place = np.take_along_axis(bank.slot_position[..., :2], np.maximum(things, 0)[..., None], axis=1)
-        self._things, self._place, self._number = jnp.asarray(things), jnp.asarray(place, jnp.float32), number
+        place = np.take_along_axis(bank.slot_position[..., :2], np.maximum(objects, 0)[..., None], axis=1)
+        self._objects, self._place, self._number = jnp.asarray(objects), jnp.asarray(place, jnp.float32), number
 
     def near(self, scene: Int[Array, ""], start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Int[Array, " M"]:
         """(M,) i32, objects nearest to the route start (3,), waypoints (W, 3) m; -1 where a scene has fewer."""
@@ -58,12 +58,12 @@ class Movables:
         away = self._place[scene][:, None] - begin
         share = (away * span).sum(-1) / jnp.maximum((span * span).sum(-1), 1e-9)
         distance = jnp.linalg.norm(away - jnp.clip(share, 0.0, 1.0)[..., None] * span, axis=-1).min(-1)
-        _, pick = jax.lax.top_k(-jnp.where(self._things[scene] >= 0, distance, jnp.inf), self._number)
-        return self._things[scene][pick]
+        _, pick = jax.lax.top_k(-jnp.where(self._objects[scene] >= 0, distance, jnp.inf), self._number)
+        return self._objects[scene][pick]
 
     def metrics(self, sim: SimState, ended: Bool[Array, ""]) -> dict[str, Float[Array, ""]]:
         """`MOVABLE_METRICS`; ended: () bool, with a touch of an object."""
         hit = sim.contacts.hit_object
         assert sim.bodies is not None
-        mine = (hit >= 0) & (hit == sim.bodies.thing).any()
+        mine = (hit >= 0) & (hit == sim.bodies.object_index).any()
         return {MOVABLE_METRICS[0]: (ended & mine).astype(jnp.float32)}

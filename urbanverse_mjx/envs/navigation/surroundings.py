@@ -1,4 +1,4 @@
-"""How far it is to the next thing and to the edge of the walkable ground, anywhere in a scene.
+"""How far it is to the next object and to the edge of the walkable ground, anywhere in a scene.
 
 Critics and rewards may know it; a policy may not. Distances are looked up in a grid made once per bank.
 """

@@ -17,12 +17,12 @@ from ...distillation import Describe, distil
 Report = Callable[[int, int], None]
 
 
-def _look_of_thing(picture: np.ndarray, mask: np.ndarray) -> list[int]:
+def _look_of_object(picture: np.ndarray, mask: np.ndarray) -> list[int]:
     return descriptors.of_picture(picture, mask).tolist()
 
 
 #: What the materialisation compares: the index's own descriptors.
-DESCRIBE = Describe(_look_of_thing, looks.ground_crop_descriptor, looks.sky_crop_descriptor)
+DESCRIBE = Describe(_look_of_object, looks.ground_crop_descriptor, looks.sky_crop_descriptor)
 
 
 def distil_to(recording: Recording, folder: pathlib.Path, report: Report) -> SceneGraph:

@@ -23,7 +23,7 @@ def import_kitti360(root: pathlib.Path, folder: pathlib.Path, options: Kitti360O
 
 
 def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, tour: TourOptions, report: Report) -> Recording:
-    """A folder as UrbanVerse-Gen's authors document it; things and surfaces are seen anew.
+    """A folder as UrbanVerse-Gen's authors document it; objects and surfaces are seen anew.
 
     Raises:
       ValidationError: see `read_authors_tree` and `make_sees`; or the folder is in use.

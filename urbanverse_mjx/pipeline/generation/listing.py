@@ -12,7 +12,7 @@ from ...settings import VisionEndpoint
 
 #: Frames that are shown, evenly over the tour.
 FRAMES = 8
-_ASK = """These frames are from one walk or drive through a street. Name every kind of thing that stands, is parked or
+_ASK = """These frames are from one walk or drive through a street. Name every kind of object that stands, is parked or
 moves in it. Answer with one JSON object with the single field "categories": a list of names, taken from this list
 where one fits. Categories: {leaves}"""
 

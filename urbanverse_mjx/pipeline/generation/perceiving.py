@@ -25,7 +25,7 @@ def sample_to(source: pathlib.Path, folder: pathlib.Path, tour: TourOptions, rep
 def perceive_to(
     frames: pathlib.Path, folder: pathlib.Path, video: pathlib.Path, tour: TourOptions, report: Report
 ) -> Recording:
-    """Makes a recording of frames, poses from the pictures, things and surfaces by the model that the options name.
+    """Makes a recording of frames, poses from the pictures, objects and surfaces by the model that the options name.
 
     Raises:
       ValidationError: see `perceive` and `make_sees`.

@@ -16,7 +16,7 @@ def record_of(graph: SceneGraph, cousins: Sequence[Cousin]) -> dict[str, Any]:
         "raised": list(first.raised),
         "ground": [dataclasses.asdict(piece) for piece in first.materials],
         "skies": [dataclasses.asdict(c.sky) for c in cousins],
-        "matches": {thing.id: [_match(c, thing.id) for c in cousins] for thing in graph.objects},
+        "matches": {obj.id: [_match(c, obj.id) for c in cousins] for obj in graph.objects},
         "cousins": [
             {
                 "id": c.layout.id,

@@ -162,7 +162,7 @@ def _look(look: Mapping[str, Any], files: Mapping[str, str]) -> str:
 
 
 def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path, with_pictures: bool) -> str:
-    # One thing of each kind of match: series share theirs.
+    # One object of each kind of match: series share theirs.
     shown = {}
     for name, found in record["matches"].items():
         if all(found):
@@ -184,7 +184,7 @@ def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path,
             text = f"{html.escape(match['uid'])}<br>distortion {match['distortion']:.2f}{look}"
             cells.append(f"{image}<span class='small'>{text}</span>")
         rows.append(cells)
-    columns = ("thing", *(f"cousin {k}" for k in range(len(record["cousins"]))))
+    columns = ("object", *(f"cousin {k}" for k in range(len(record["cousins"]))))
     note = f"{len(rows)} of {len(shown)} different matches; all of them in <code>materialisation.json</code>."
     return f"<h2>Matches</h2><p class='small'>{note}</p><div class='scroll'>{_table(columns, rows)}</div>"
 

@@ -71,14 +71,14 @@ def svg(graph: SceneGraph, colours: dict[str, str], picture: str | None = None) 
     if graph.camera_path:
         way = " ".join(f"{p[0]:.2f},{-p[1]:.2f}" for p in graph.camera_path)
         lines.append(f'<polyline points="{way}" fill="none" stroke="#d0342c" stroke-width="0.15"/>')
-    for thing in graph.objects:
-        along, across, _ = thing.size
-        x, y, _ = thing.center
-        title = html.escape(f"{thing.id}: {thing.label}, {along:.2f} x {across:.2f} x {thing.size[2]:.2f} m")
-        colour = colours.get(thing.label, "#888888")
+    for obj in graph.objects:
+        along, across, _ = obj.size
+        x, y, _ = obj.center
+        title = html.escape(f"{obj.id}: {obj.label}, {along:.2f} x {across:.2f} x {obj.size[2]:.2f} m")
+        colour = colours.get(obj.label, "#888888")
         style = f'fill="{colour}" fill-opacity="0.55" stroke="{colour}" stroke-width="0.08"'
         lines.append(
-            f'<g transform="translate({x:.3f} {-y:.3f}) rotate({-math.degrees(thing.yaw):.2f})">'
+            f'<g transform="translate({x:.3f} {-y:.3f}) rotate({-math.degrees(obj.yaw):.2f})">'
             f'<rect x="{-along / 2:.3f}" y="{-across / 2:.3f}" width="{along:.3f}" height="{across:.3f}" {style}>'
             f'<title>{title}</title></rect><line x1="0" y1="0" x2="{along / 2:.3f}" y2="0" {style}/></g>'
         )

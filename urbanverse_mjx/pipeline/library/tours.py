@@ -30,7 +30,7 @@ SIZE = (320, 180)
 #: s between frames; rad that the camera looks to both sides in turn, and frames of one turn to and fro.
 PERIOD, SWAY, SWAY_FRAMES = 1.7, np.radians(38.0), 7
 PITCH = np.radians(5.0)
-#: m that a walker keeps from things, and how far the way is moved for it.
+#: m that a walker keeps from objects, and how far the way is moved for it.
 _BODY, _REACH = 0.3, 3.0
 
 
@@ -76,7 +76,7 @@ def _one_episode(truth: SceneGraph) -> EpisodeTable:
 
 
 def _way(truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
-    """The block's tour, moved off things that came to stand in it, the camera looking to both sides in turn."""
+    """The block's tour, moved off objects that came to stand in it, the camera looking to both sides in turn."""
     path = np.array(truth.camera_path)
     if profile.way == "walk":
         path[:, :2] = _cleared(path[:, :2], street_grid(bank, 0))

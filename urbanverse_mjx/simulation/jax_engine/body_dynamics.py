@@ -85,7 +85,7 @@ def hull_slots(awake: Awake, own: Matter) -> static_slots.Slots:
 
     return static_slots.Slots(
         hull=jnp.maximum(own.hull, 0).reshape(-1),
-        owner=each(awake.thing),
+        owner=each(awake.object_index),
         valid=(own.hull >= 0).reshape(-1),
         position=each(position),
         rotation=each(turn),

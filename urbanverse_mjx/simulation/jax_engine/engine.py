@@ -73,7 +73,7 @@ class JaxEngine(EngineBase):
       num_contacts: pairs of a sphere and a hull that may touch at once.
       iterations, line_steps: of the constraint solver.
       agents: shapes of moving agents, which `step` is then told of; None = none.
-      movable: how many things can be pushed, which `init` is then told of; None = none.
+      movable: how many objects can be pushed, which `init` is then told of; None = none.
 
     Raises:
       ValidationError: a control period that is no multiple of the time step, too many or no slots, or a bank whose
@@ -119,7 +119,7 @@ class JaxEngine(EngineBase):
         """`step`, and what happened on the way."""
         self.check_agents(agents)
         centre = state.xpos[self.physics.root]
-        taken = None if state.bodies is None else state.bodies.thing
+        taken = None if state.bodies is None else state.bodies.object_index
         nearby, overflow = self.find_slots(state.scene, centre, taken)
         ctrl = jnp.asarray(ctrl, jnp.float32)
         # Tens of metres from the origin float32 knows places to a few micrometres, too coarse for lever arms and for
@@ -196,13 +196,13 @@ class JaxEngine(EngineBase):
     def _scenery(self, state: SimState, awake: body_slots.Awake, origin: Any) -> body_dynamics.Scenery:
         """What stands near each of the bodies, about the origin (3,)."""
         assert state.bodies is not None
-        tables, scene, things = self.tables, state.scene, state.bodies.thing
+        tables, scene, objects = self.tables, state.scene, state.bodies.object_index
 
         def near(place: Any, reach: Any) -> Any:
             cell = static_slots.grid_cell(tables.grid_origin[scene], tables.grid_cell, self._grid_shape, place)
             where = cell, scene, place, reach
             prisms, _ = static_slots.nearest(tables.prisms, *where, body_slots.PRISMS)
-            hulls, _ = static_slots.nearest(tables.objects, *where, body_slots.HULLS, things)
+            hulls, _ = static_slots.nearest(tables.objects, *where, body_slots.HULLS, objects)
             return prisms, hulls
 
         reach = body_slots.reach(self.body_constants, awake, self.control_dt)

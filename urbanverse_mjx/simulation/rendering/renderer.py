@@ -210,11 +210,11 @@ class Renderer:
         if bodies is None:
             still = jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (number, 1))
             return jnp.full(number, -1, jnp.int32), jnp.zeros((number, 3)), still
-        slot = jnp.clip(bodies.thing, 0, self.bank.slot_mesh.shape[1] - 1)
+        slot = jnp.clip(bodies.object_index, 0, self.bank.slot_mesh.shape[1] - 1)
         place, turn = (home[scene, slot] for home in self._homes)
         gone = jnp.max(jnp.abs(bodies.position - place), axis=-1) > _MOVED
         gone |= jnp.abs(jnp.sum(bodies.quaternion * turn, axis=-1)) < 1.0 - _TURNED
-        return jnp.where(gone & (bodies.thing >= 0), bodies.thing, -1), bodies.position, bodies.quaternion
+        return jnp.where(gone & (bodies.object_index >= 0), bodies.object_index, -1), bodies.position, bodies.quaternion
 
     def _agent_bodies(self, agents: AgentMotion | None) -> tuple[jax.Array, jax.Array]:
         """Places (A, 3) and quaternions (A, 4); who is not there is far below the ground."""

@@ -24,7 +24,7 @@ class Settings:
     """What is drawn and how.
 
     outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
-    which looks differ; bodies: things of a scene that may have moved; see `Renderer`.
+    which looks differ; bodies: objects of a scene that may have moved; see `Renderer`.
     """
 
     height: int

@@ -78,7 +78,7 @@ class Streets:
         self.num_parts = len(geoms) + settings.bodies
         self.street, self._tables = Street(), []
         self.street.num_parts, self.street.num_bodies = self.num_parts, settings.bodies
-        self._add_things(bank, model, self._add_meshes(model), geoms)
+        self._add_objects(bank, model, self._add_meshes(model), geoms)
         self._add_parts(model, geoms)
         self._add_light(bank)
         self.draw = street_draw.build_draw_kernel(settings, FAR, bank.sky_radiance.shape[2])
@@ -105,7 +105,7 @@ class Streets:
         self.street.faces = self._keep(_face_rows(model, corners, mesh)[trees.order])
         return trees
 
-    def _add_things(self, bank: SceneBank, model: RenderModel, meshes: Trees, geoms: np.ndarray) -> None:
+    def _add_objects(self, bank: SceneBank, model: RenderModel, meshes: Trees, geoms: np.ndarray) -> None:
         """Objects of all scenes in the order of the leaves of their trees, then the robot's parts."""
         mjm = model.model
         lower, upper = slot_boxes(bank)
@@ -124,9 +124,9 @@ class Streets:
         role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
         material = np.concatenate([bank.mesh_material[mesh], mjm.geom_matid[geoms]])
         colour = np.concatenate([mjm.mat_rgba[material[: len(mesh)], :3], effective_geom_rgba(mjm)[geoms, :3]])
-        mesh_of_thing = np.concatenate([mesh, mjm.geom_dataid[geoms]])
+        mesh_of_object = np.concatenate([mesh, mjm.geom_dataid[geoms]])
         # What has no UV has no texture.
-        textured = (material >= 0) & (mjm.mesh_texcoordadr[mesh_of_thing] >= 0)
+        textured = (material >= 0) & (mjm.mesh_texcoordadr[mesh_of_object] >= 0)
         texture = np.where(textured, mjm.mat_texid[material, role], -1)
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
         metallic, roughness, _ = resolve_geom_materials(mjm)
@@ -136,14 +136,14 @@ class Streets:
             np.concatenate([bank.material_roughness[material[: len(mesh)]], roughness[geoms]]),
             np.concatenate([bank.material_metallic[material[: len(mesh)]], metallic[geoms]]),
         )
-        thing_roots = as_floats(meshes.roots[mesh_of_thing])
-        things = np.concatenate([poses, _rows(colour, thing_roots)[:, None], looks[:, None]], axis=1)
+        object_roots = as_floats(meshes.roots[mesh_of_object])
+        rows = np.concatenate([poses, _rows(colour, object_roots)[:, None], looks[:, None]], axis=1)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
-        self.street.things, self.street.num_objects = self._keep(things), len(mesh)
+        self.street.object_rows, self.street.num_objects = self._keep(rows), len(mesh)
         self.street.balls = self._keep(_mesh_balls(bank)[mesh])
-        thing_of_slot = np.full(bank.slot_mesh.shape, -1, np.int32)
-        thing_of_slot[scene, number] = np.arange(len(mesh))
-        self.thing_of_slot = wp.array(thing_of_slot, dtype=int)
+        object_of_slot = np.full(bank.slot_mesh.shape, -1, np.int32)
+        object_of_slot[scene, number] = np.arange(len(mesh))
+        self.object_of_slot = wp.array(object_of_slot, dtype=int)
         label = np.stack([number, bank.slot_category[scene, number]], -1)
         self.labels = wp.array(np.concatenate([label, model.labels]), dtype=wp.vec2i)
         self.textures = wp.array(textures, dtype=wp.Texture2D)
@@ -245,7 +245,7 @@ class StreetBatch:
         aspect = settings.width / settings.height
         robot = [s.street, s.shapes, s.bodies, xpos, xquat]
         views = [*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed]
-        elsewhere = [scene, *(moved or [self._unmoved]), s.thing_of_slot, self._moved]
+        elsewhere = [scene, *(moved or [self._unmoved]), s.object_of_slot, self._moved]
         wp.launch(place, dim=self.num_worlds, inputs=[*views, *elsewhere])
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, looks]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]

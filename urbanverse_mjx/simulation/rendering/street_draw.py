@@ -91,17 +91,17 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
             hit = nearest_hit(street, views, root, world, origin, direction, wp.static(far) * length)
             seen = Surface()
             radiance = wp.vec3(0.0)
-            thing = hit.thing
+            obj = hit.object_row
             if wp.static(moved):
-                if thing >= 0:
-                    thing = k.thing_of(street, views, world, hit.thing)
-            if hit.thing >= 0:
+                if obj >= 0:
+                    obj = k.object_of(street, views, world, hit.object_row)
+            if hit.object_row >= 0:
                 if wp.static(want_rgb or want_normal):
                     seen = surface(street, views, world, textures, hit, direction, spread)
                 if wp.static(want_rgb):
                     if wp.static(appearance > 0.0):
-                        if thing < street.num_objects:
-                            tint = k.factors(looks[world], thing, wp.static(appearance))
+                        if obj < street.num_objects:
+                            tint = k.factors(looks[world], obj, wp.static(appearance))
                             seen.colour = wp.min(wp.cw_mul(seen.colour, tint), wp.vec3(1.0))
                     point = origin + direction * hit.distance
                     radiance = shade(street, views, skies, root, world, scene, point, direction, seen)
@@ -109,11 +109,11 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
                 radiance = background(street, skies, scene, direction, spread)
             if s == 0:
                 if wp.static(want_depth):
-                    depth_out[world, py, px] = wp.where(hit.thing >= 0, hit.distance / length, 0.0)
+                    depth_out[world, py, px] = wp.where(hit.object_row >= 0, hit.distance / length, 0.0)
                 if wp.static(want_labels):
                     label = wp.vec2i(-1, -1)
-                    if hit.thing >= 0:
-                        label = labels[thing]
+                    if hit.object_row >= 0:
+                        label = labels[obj]
                     if wp.static(want_object):
                         object[world, py, px] = label[0]
                     if wp.static(want_category):

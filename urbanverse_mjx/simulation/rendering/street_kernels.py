@@ -17,9 +17,10 @@ from .street_native import BUILD_OPTIONS, Hit, as_hit, load, make_walks
 
 wp.set_module_options({"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
 
-#: Rows of a thing (an object or a part of the robot): three of T_thing_world, colour and the root of its tree, then
+#: Rows of an object (one of the street or a part of the robot): three of T_object_world, colour and the root of its
+# tree, then
 #: texture, texels along its longer side, roughness and metalness.
-THING = 5
+OBJECT = 5
 #: Rows of a part of the robot: centre and radius of the ball around it in its frame; reflectance and emission.
 PART = 2
 #: Rows of a face: normal and a scalar each of three corners, then the UV of the second and third corner.
@@ -33,14 +34,15 @@ OFFSET = 1.0e-4
 
 
 @wp.func
-def factors(look: int, thing: int, share: float) -> wp.vec3:
-    """How much brighter each channel of a thing (-1: of the light) is in a look than as described; look 0: not at all.
+def factors(look: int, obj: int, share: float) -> wp.vec3:
+    """How much brighter each channel of an object (-1: of the light) is in a look than as described; look 0: not at
+    all.
 
     The three share a factor within 1 +- share, and have their own within 1 +- share / 2.
     """
     if look == 0:
         return wp.vec3(1.0)
-    state = wp.rand_init(look, thing + 1)
+    state = wp.rand_init(look, obj + 1)
     whole = 1.0 + share * (2.0 * wp.randf(state) - 1.0)
     red = 1.0 + share * (wp.randf(state) - 0.5)
     green = 1.0 + share * (wp.randf(state) - 0.5)
@@ -50,14 +52,14 @@ def factors(look: int, thing: int, share: float) -> wp.vec3:
 
 @wp.struct
 class Street:
-    """Where the tables of rows stand that all worlds share; num_objects: things before the first part of the robot;
-    balls: around each of them in its frame; num_bodies: the last parts, which are things of the street that moved.
+    """Where the tables of rows stand that all worlds share; num_objects: objects before the first part of the robot;
+    balls: around each of them in its frame; num_bodies: the last parts, which are objects of the street that moved.
     """
 
     nodes: wp.uint64
     triangles: wp.uint64
     faces: wp.uint64
-    things: wp.uint64
+    object_rows: wp.uint64
     lights: wp.uint64
     parts: wp.uint64
     balls: wp.uint64
@@ -71,7 +73,7 @@ class Views:
     """Where the tables stand that are filled anew for each frame, one world after the other.
 
     cameras: 4 rows a world; poses: 3 rows of T_part_world a part; balls: P + 1, around the parts and around all of
-    them; seen: P + 1, how many parts are in view, and which; moved: the thing that each body is, -1 = none.
+    them; seen: P + 1, how many parts are in view, and which; moved: the object that each body is, -1 = none.
     """
 
     cameras: wp.uint64
@@ -94,7 +96,7 @@ def number_at(table: wp.uint64, index: int) -> int:
 
 
 def make_rays(moved: bool) -> tuple[Any, Any]:
-    """`nearest_hit` and `is_hidden`; moved: things of the street may stand elsewhere."""
+    """`nearest_hit` and `is_hidden`; moved: objects of the street may stand elsewhere."""
     nearest, any_hit = make_walks(moved)
 
     @wp.func
@@ -106,7 +108,7 @@ def make_rays(moved: bool) -> tuple[Any, Any]:
         found = nearest(
             street.nodes,
             street.triangles,
-            street.things,
+            street.object_rows,
             views.poses + wp.uint64(48 * world * street.num_parts),
             views.balls + wp.uint64(16 * first),
             views.seen + wp.uint64(4 * first),
@@ -127,7 +129,7 @@ def make_rays(moved: bool) -> tuple[Any, Any]:
         return any_hit(
             street.nodes,
             street.triangles,
-            street.things,
+            street.object_rows,
             views.poses + wp.uint64(48 * world * street.num_parts),
             views.balls + wp.uint64(16 * world * (street.num_parts + 1)),
             views.moved + wp.uint64(4 * world * street.num_bodies),
@@ -144,11 +146,11 @@ def make_rays(moved: bool) -> tuple[Any, Any]:
 
 
 @wp.func
-def thing_of(street: Street, views: Views, world: int, thing: int) -> int:
-    """The thing that a ray met, where a part may be a thing of the street that stands elsewhere."""
-    body = thing - street.num_objects - street.num_parts + street.num_bodies
+def object_of(street: Street, views: Views, world: int, obj: int) -> int:
+    """The object that a ray met, where a part may be an object of the street that stands elsewhere."""
+    body = obj - street.num_objects - street.num_parts + street.num_bodies
     if body < 0:
-        return thing
+        return obj
     return number_at(views.moved, world * street.num_bodies + body)
 
 
@@ -175,13 +177,13 @@ def place(
     seen: wp.array[int],
     scene: wp.array[int],
     slot: wp.array2d[int],
-    thing_of_slot: wp.array2d[int],
+    object_of_slot: wp.array2d[int],
     moved: wp.array[int],
 ):
     """Fills the tables of `Views`; dim worlds.
 
     shapes: (3 P,) rows of T_body_part; `hidden`: height of a robot whose state blew up; slot (worlds, bodies): objects
-    that stand elsewhere, -1 = none, whose things are thing_of_slot (Z, N).
+    that stand elsewhere, -1 = none, whose objects are object_of_slot (Z, N).
     """
     w = wp.tid()
     origin = eye[w]
@@ -218,12 +220,12 @@ def place(
         k = i - number + street.num_bodies
         absent = int(0)  # noqa: RUF046, UP018
         if k >= 0:
-            thing = int(-1)  # noqa: RUF046, UP018
+            obj = int(-1)  # noqa: RUF046, UP018
             if slot[w, k] >= 0:
-                thing = thing_of_slot[scene[w], slot[w, k]]
-            moved[w * street.num_bodies + k] = thing
-            if thing >= 0:
-                ball = load(street.balls, thing)
+                obj = object_of_slot[scene[w], slot[w, k]]
+            moved[w * street.num_bodies + k] = obj
+            if obj >= 0:
+                ball = load(street.balls, obj)
             else:
                 # Nobody sees it, and it makes the ball around all parts no larger.
                 absent = 1

@@ -94,12 +94,12 @@ CUDA_CALLABLE inline bool enters(const Ray& r, const Row& lower, const Row& uppe
     return lesser(lesser(larger(x1, x2), larger(y1, y2)), lesser(larger(z1, z2), limit)) >= at;
 }
 
-struct Found { float distance, u, v; int thing, face; };
+struct Found { float distance, u, v; int object, face; };
 
 // Nearest of a leaf's triangles, from either side: leaves of trees and paint have two faces in one place. They grow by
 // a millionth, so that no ray passes between two of them.
 template <bool ANY>
-CUDA_CALLABLE inline void meet(wp::uint64 triangles, const Ray& r, int face, int thing, Found& found)
+CUDA_CALLABLE inline void meet(wp::uint64 triangles, const Ray& r, int face, int object, Found& found)
 {
     const Row* row = from(triangles, 3 * face);
     for (bool last = false; !last; ++face, row += 3) {
@@ -114,7 +114,7 @@ CUDA_CALLABLE inline void meet(wp::uint64 triangles, const Ray& r, int face, int
         const float v = (r.dx * bx + r.dy * by + r.dz * bz) * scale;
         const float t = (f.x * bx + f.y * by + f.z * bz) * scale;
         if (lesser(lesser(u, v), 1.0f - u - v) >= -1.0e-6f && t > 0.0f && t < found.distance) {
-            found.distance = t, found.u = u, found.v = v, found.thing = thing, found.face = face;
+            found.distance = t, found.u = u, found.v = v, found.object = object, found.face = face;
             if (ANY) return;
         }
     }
@@ -130,23 +130,23 @@ CUDA_CALLABLE inline bool misses(const Row& ball, const Line& w)
 
 // Tables (see street_kernels.py), and the parts of the robot to be looked at: the first `total` of a list, or all.
 struct Tables {
-    wp::uint64 nodes, triangles, things, poses, balls;
+    wp::uint64 nodes, triangles, object_rows, poses, balls;
     const int* list;
     int objects, total;
-    // Things of the street that stand elsewhere in this world: those of the parts from `first` on, -1 = none.
+    // Objects of the street that stand elsewhere in this world: those of the parts from `first` on, -1 = none.
     const int* moved;
     int first, number;
 };
 
-CUDA_CALLABLE inline bool has_moved(const Tables& t, int thing)
+CUDA_CALLABLE inline bool has_moved(const Tables& t, int object)
 {
     for (int i = 0; i < t.number; ++i)
-        if (t.moved[i] == thing) return true;
+        if (t.moved[i] == object) return true;
     return false;
 }
 
 // The nearest triangle (ANY: some triangle) of the street below `root`, then of the listed parts of the robot.
-// MOVED: some things of the street may stand elsewhere.
+// MOVED: some objects of the street may stand elsewhere.
 template <bool ANY, bool MOVED>
 CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Found& found)
 {
@@ -154,8 +154,8 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
     struct alignas(8) Aside { int reference; float at; } stack[64];
     Ray ray;
     ray.set(world);
-    // The thing that is being looked into, and how much of the stack lies below it.
-    int thing = -1, floor = 0, count = 0, listed = 0, current = root;
+    // The object that is being looked into, and how much of the stack lies below it.
+    int object = -1, floor = 0, count = 0, listed = 0, current = root;
     while (true) {
         while (current < LEAF) {
             const Row* row = from(t.nodes, 4 * (current - NODE));
@@ -171,24 +171,24 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
             }
             current = first || second ? bits(to_first ? a.w : e.w) : EMPTY;
         }
-        if (MOVED && current < EMPTY && thing < 0 && has_moved(t, current - LEAF)) current = EMPTY;
+        if (MOVED && current < EMPTY && object < 0 && has_moved(t, current - LEAF)) current = EMPTY;
         if (current < EMPTY) {
-            if (thing < 0) {
-                thing = current - LEAF;
+            if (object < 0) {
+                object = current - LEAF;
                 floor = count;
-                const Row* row = from(t.things, 5 * thing);
+                const Row* row = from(t.object_rows, 5 * object);
                 current = bits(load(row + 3).w);
                 ray.set(world, row);
                 continue;
             }
-            meet<ANY>(t.triangles, ray, current - LEAF, thing, found);
-            if (ANY && found.thing >= 0) return;
+            meet<ANY>(t.triangles, ray, current - LEAF, object, found);
+            if (ANY && found.object >= 0) return;
             current = EMPTY;
         }
         // Nothing below: back to the nearest box that was left aside.
         while (current == EMPTY && count > 0) {
-            if (thing >= 0 && count == floor) {
-                thing = -1;
+            if (object >= 0 && count == floor) {
+                object = -1;
                 ray.set(world);
             }
             --count;
@@ -200,9 +200,9 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
             if (misses(load(from(t.balls, part)), world)) continue;
             const int like = MOVED && part >= t.first ? t.moved[part - t.first] : t.objects + part;
             if (MOVED && like < 0) continue;
-            thing = t.objects + part;
+            object = t.objects + part;
             floor = 0;
-            current = bits(load(from(t.things, 5 * like + 3)).w);
+            current = bits(load(from(t.object_rows, 5 * like + 3)).w);
             ray.set(world, from(t.poses, 3 * part));
         }
         if (current == EMPTY) return;
@@ -215,7 +215,7 @@ CUDA_CALLABLE inline void walk(const Tables& t, int root, const Line& world, Fou
 #: What a kernel must be built with that calls functions of `make_walks`.
 BUILD_OPTIONS = wp.ModuleBuildOptions(extra_cuda_preamble=_NUMBERS + _WALK, extra_cpu_preamble=_NUMBERS + _WALK)
 
-#: thing, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).
+#: object, face (row numbers, -1 = none), and the bits of distance, u and v (of a triangle's second and third corner).
 Found = wp.types.vector(length=5, dtype=wp.int32)
 
 
@@ -229,10 +229,10 @@ def load(table: wp.uint64, row: int) -> wp.vec4:
 
 @wp.struct
 class Hit:
-    """Nearest surface; thing: row number, -1 = none; face: row number; u, v: of its second and third corner."""
+    """Nearest surface; object_row: row number, -1 = none; face: row number; u, v: of its second and third corner."""
 
     distance: float
-    thing: int
+    object_row: int
     face: int
     u: float
     v: float
@@ -241,7 +241,7 @@ class Hit:
 @wp.func
 def as_hit(found: Found) -> Hit:
     hit = Hit()
-    hit.thing = found[0]
+    hit.object_row = found[0]
     hit.face = found[1]
     hit.distance = wp.cast(found[2], wp.float32)
     hit.u = wp.cast(found[3], wp.float32)
@@ -257,10 +257,11 @@ _NEAREST = """
     const int* list = reinterpret_cast<const int*>(seen);
     urbanverse::Found found = { limit, 0.0f, 0.0f, -1, -1 };
     urbanverse::walk<false, MOVED>(
-        { nodes, triangles, things, poses, balls, list + 1, objects, list[0], gone, first, number }, root, line, found
+        { nodes, triangles, object_rows, poses, balls, list + 1, objects, list[0], gone, first, number }, root, line,
+        found
     );
     wp::vec_t<5, wp::int32> out;
-    out[0] = found.thing, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
+    out[0] = found.object, out[1] = found.face, out[2] = urbanverse::bits(found.distance);
     out[3] = urbanverse::bits(found.u), out[4] = urbanverse::bits(found.v);
     return out;
 """
@@ -269,17 +270,17 @@ _ANY_HIT = """
     const urbanverse::Row around = urbanverse::load(urbanverse::from(balls, parts));
     const int total = parts == 0 || urbanverse::misses(around, line) ? 0 : parts;
     urbanverse::walk<true, MOVED>(
-        { nodes, triangles, things, poses, balls, nullptr, objects, total, gone, first, number }, root, line, found
+        { nodes, triangles, object_rows, poses, balls, nullptr, objects, total, gone, first, number }, root, line, found
     );
-    return found.thing >= 0;
+    return found.object >= 0;
 """
 
 
 def make_walks(moved: bool) -> tuple[Any, Any]:
-    """`nearest` and `any_hit` for streets in which things stand where the bank has them, or (moved) may not.
+    """`nearest` and `any_hit` for streets in which objects stand where the bank has them, or (moved) may not.
 
-    Such things are the `number` parts from `first` on; moved (of this world): which thing each is. Where there are none
-    the compilers drop all that is told of them.
+    Such objects are the `number` parts from `first` on; moved (of this world): which object each is. Where there are
+    none the compilers drop all that is told of them.
     """
 
     of_moved = str(moved).lower()
@@ -289,7 +290,7 @@ def make_walks(moved: bool) -> tuple[Any, Any]:
     def nearest(
         nodes: wp.uint64,
         triangles: wp.uint64,
-        things: wp.uint64,
+        object_rows: wp.uint64,
         poses: wp.uint64,
         balls: wp.uint64,
         seen: wp.uint64,
@@ -308,7 +309,7 @@ def make_walks(moved: bool) -> tuple[Any, Any]:
     def any_hit(
         nodes: wp.uint64,
         triangles: wp.uint64,
-        things: wp.uint64,
+        object_rows: wp.uint64,
         poses: wp.uint64,
         balls: wp.uint64,
         moved: wp.uint64,

@@ -23,7 +23,7 @@ from .pbr_private import (
     tonemap_pbr_neutral,
 )
 from .settings import PBR_EXPOSURE, PLAIN_SKY, Settings
-from .street_kernels import FACE, LIGHT, PART, THING, Street, Views
+from .street_kernels import FACE, LIGHT, OBJECT, PART, Street, Views
 from .street_native import Hit
 
 #: Colour of the flat sky in linear light.
@@ -80,7 +80,7 @@ def scalars(street: Street, scene: int, first: int) -> wp.vec3:
 def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
     """surface(street, views, world, textures, hit, direction, spread): what is seen there.
 
-    spread: angle between neighbouring rays; moved: things of the street may stand elsewhere.
+    spread: angle between neighbouring rays; moved: objects of the street may stand elsewhere.
     """
 
     @wp.func
@@ -94,11 +94,11 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
         spread: float,
     ) -> Surface:
         out = Surface()
-        row = hit.thing * THING
-        x = k.load(street.things, row)
-        y = k.load(street.things, row + 1)
-        z = k.load(street.things, row + 2)
-        part = hit.thing - street.num_objects
+        row = hit.object_row * OBJECT
+        x = k.load(street.object_rows, row)
+        y = k.load(street.object_rows, row + 1)
+        z = k.load(street.object_rows, row + 2)
+        part = hit.object_row - street.num_objects
         if part >= 0:
             row = 3 * (world * street.num_parts + part)
             x = k.load(views.poses, row)
@@ -113,11 +113,11 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
         facing = wp.dot(normal, direction)
         out.normal = wp.where(facing > 0.0, -normal, normal)
         if wp.static(want_colour):
-            thing = hit.thing
+            obj = hit.object_row
             if wp.static(moved):
-                thing = k.thing_of(street, views, world, hit.thing)
-            out.colour = k.xyz(k.load(street.things, thing * THING + 3))
-            look = k.load(street.things, thing * THING + 4)
+                obj = k.object_of(street, views, world, hit.object_row)
+            out.colour = k.xyz(k.load(street.object_rows, obj * OBJECT + 3))
+            look = k.load(street.object_rows, obj * OBJECT + 4)
             if look[0] >= 0.0:
                 e = k.load(street.faces, hit.face * FACE + 3)
                 uv = wp.vec2(b[3], c[3]) * w + wp.vec2(e[0], e[1]) * hit.u + wp.vec2(e[2], e[3]) * hit.v

@@ -1,10 +1,10 @@
-"""Body slots: which of an env's movable things move in a control step, and their states in the physics' own terms.
+"""Body slots: which of an env's movable objects move in a control step, and their states in the physics' own terms.
 
 In:   `SimState.bodies`, the robot's place.
 Out:  `Awake` bodies for the physics; `Bodies` again.
 When: once per control step, per env, inside jit; the same for both engines.
 
-A thing sleeps, that is stands still like all that is static, until the robot or something that moves comes near it.
+An object sleeps, that is stands still like all that is static, until the robot or something that moves comes near it.
 """
 
 from typing import Any, NamedTuple
@@ -30,8 +30,8 @@ _NEAR = 0.1
 
 class Sizes(NamedTuple):
     """Attributes:
-    bodies: M, things of an env that can be pushed. awake: W, how many of them can move at once. hulls: H, most hulls a
-    thing may have to be one.
+    bodies: M, objects of an env that can be pushed. awake: W, how many of them can move at once. hulls: H, most hulls a
+    object may have to be one.
     """
 
     bodies: int
@@ -60,12 +60,12 @@ class Awake(NamedTuple):
     """W bodies that move, in the terms of the physics.
 
     Attributes:
-      row: (W,) i32 of the body table, -1 = empty. thing: (W,) i32, object, -1 = none.
+      row: (W,) i32 of the body table, -1 = empty. object_index: (W,) i32, object, -1 = none.
       place: (W, 3) m, of the centre of mass. quaternion: (W, 4): T_world_object. velocity, spin, warm: see `Bodies`.
     """
 
     row: Any
-    thing: Any
+    object_index: Any
     place: Any
     quaternion: Any
     velocity: Any
@@ -88,7 +88,7 @@ def checked_sizes(sizes: Sizes | None) -> Sizes | None:
 
 
 def constants(bank: SceneBank, sizes: Sizes) -> tuple[BodyTable, BodyConstants]:
-    """The bank's movable things on the host and on the device; one row of zeros where there is none."""
+    """The bank's movable objects on the host and on the device; one row of zeros where there is none."""
     table = body_table(bank, sizes.hulls)
     columns = {}
     for name, array in table._asdict().items():
@@ -97,26 +97,26 @@ def constants(bank: SceneBank, sizes: Sizes) -> tuple[BodyTable, BodyConstants]:
     return table, BodyConstants(**columns)
 
 
-def begin(table: BodyConstants, scene: Any, things: Any) -> Bodies:
+def begin(table: BodyConstants, scene: Any, objects: Any) -> Bodies:
     """Things (M,) i32 of a scene at rest where the bank has them; what cannot be a body becomes -1."""
-    known = table.row[scene, jnp.maximum(things, 0)]
-    there = (things >= 0) & (known >= 0)
-    row, zero = jnp.maximum(known, 0), jnp.zeros((things.shape[0], 3))
+    known = table.row[scene, jnp.maximum(objects, 0)]
+    there = (objects >= 0) & (known >= 0)
+    row, zero = jnp.maximum(known, 0), jnp.zeros((objects.shape[0], 3))
     quaternion = rotations.unit(table.home_quaternion[row])
     one = jnp.array([1.0, 0.0, 0.0, 0.0])
     return Bodies(
-        jnp.where(there, things, -1).astype(jnp.int32),
+        jnp.where(there, objects, -1).astype(jnp.int32),
         jnp.where(there[:, None], table.home[row], 0.0),
         jnp.where(there[:, None], quaternion, one),
         zero,
         zero,
-        jnp.zeros((things.shape[0], 6)),
+        jnp.zeros((objects.shape[0], 6)),
     )
 
 
 def rows(table: BodyConstants, scene: Any, bodies: Bodies) -> Any:
     """(M,) i32 rows of the body table, -1 = none."""
-    return jnp.where(bodies.thing >= 0, table.row[scene, jnp.maximum(bodies.thing, 0)], -1)
+    return jnp.where(bodies.object_index >= 0, table.row[scene, jnp.maximum(bodies.object_index, 0)], -1)
 
 
 def centres(table: BodyConstants, row: Any, position: Any, quaternion: Any) -> Any:
@@ -150,7 +150,7 @@ def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: fl
     chosen = jnp.isfinite(negative)
     awake = Awake(
         jnp.where(chosen, row[slot], -1),
-        jnp.where(chosen, bodies.thing[slot], -1),
+        jnp.where(chosen, bodies.object_index[slot], -1),
         *(x[slot] for x in (place, bodies.quaternion, bodies.velocity, bodies.spin, bodies.warm)),
     )
     return slot, awake, jnp.maximum(wanted.sum() - number, 0).astype(jnp.int32)
@@ -174,4 +174,4 @@ def put_back(table: BodyConstants, bodies: Bodies, slot: Any, awake: Awake) -> B
     moving |= jnp.linalg.norm(bodies.spin, axis=-1) > SLOW_SPIN
     old = [*bodies[1:3], *(jnp.where(moving[:, None], x, 0.0) for x in bodies[3:])]
     done = [o.at[slot].set(jnp.where(kept[:, None], n, o[slot])) for o, n in zip(old, new, strict=True)]
-    return Bodies(bodies.thing, *done)
+    return Bodies(bodies.object_index, *done)

@@ -1,4 +1,4 @@
-"""What the movable things of a bank are to the physics: masses, hulls, and points of their surfaces.
+"""What the movable objects of a bank are to the physics: masses, hulls, and points of their surfaces.
 
 In:   `SceneBank`.
 Out:  `BodyTable`, numpy.
@@ -32,7 +32,7 @@ _GRAIN = 0.04
 
 
 class BodyTable(NamedTuple):
-    """B movable things in all scenes, of S shapes; H hulls and P points a shape, in the frame of the object.
+    """B movable objects in all scenes, of S shapes; H hulls and P points a shape, in the frame of the object.
 
     Attributes:
       row: (Z, N) i32, which of the B an object (visual slot) is; -1 = it stands still for ever.
@@ -136,11 +136,11 @@ def _shape(bank: SceneBank, hulls: tuple[int, ...]) -> tuple[Any, ...]:
 
 
 def stands(bank: SceneBank, hulls: tuple[int, ...]) -> bool:
-    """Whether a thing of these hulls stays upright on flat ground: C MuJoCo lets it go there."""
+    """Whether an object of these hulls stays upright on flat ground: C MuJoCo lets it go there."""
     spec = mujoco.MjSpec()
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10.0, 10.0, 1.0])
     corners = [bank.hull_vertices[t, : bank.hull_num_vertices[t]] for t in hulls]
-    body = spec.worldbody.add_body(name="thing", pos=[0.0, 0.0, -float(min(c[:, 2].min() for c in corners))])
+    body = spec.worldbody.add_body(name="object", pos=[0.0, 0.0, -float(min(c[:, 2].min() for c in corners))])
     body.add_freejoint()
     for t, own in zip(hulls, corners, strict=True):
         spec.add_mesh(name=str(t), uservert=own.ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX)
@@ -153,13 +153,13 @@ def stands(bank: SceneBank, hulls: tuple[int, ...]) -> bool:
 
 
 def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
-    """The things that may become bodies: movable, with weight, of at most `num_hulls` hulls, that stand by themselves,
+    """The objects that may become bodies: movable, with weight, of at most `num_hulls` hulls, that stand by themselves,
     and not much larger around than the bank's grids reach (`grid_reach`), so that what is near them is listed."""
     reach = float(bank.meta["grid_reach"]) + _LEAN
     row = np.full(bank.slot_mesh.shape, -1, np.int32)
     shapes: dict[tuple[int, ...], int] = {}
     found: list[tuple[np.ndarray, ...]] = []
-    things: list[tuple[int, float, float, np.ndarray, np.ndarray]] = []
+    objects: list[tuple[int, float, float, np.ndarray, np.ndarray]] = []
     for z in range(bank.num_scenes):
         order = np.argsort(bank.inst_object[z], kind="stable")
         owner = bank.inst_object[z, order]
@@ -174,12 +174,12 @@ def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
                 found.append(_shape(bank, key))
             if found[shapes[key]][3] > reach or not found[shapes[key]][5]:
                 continue
-            row[z, slot] = len(things)
+            row[z, slot] = len(objects)
             place = bank.slot_position[z, slot], bank.slot_quaternion[z, slot]
-            things.append(
+            objects.append(
                 (shapes[key], float(bank.slot_mass[z, slot]), float(bank.inst_friction[z, rows].max()), *place)
             )
-    columns = [np.array(c) for c in zip(*things, strict=True)] if things else [np.zeros((0, *s)) for s in _EMPTY]
+    columns = [np.array(c) for c in zip(*objects, strict=True)] if objects else [np.zeros((0, *s)) for s in _EMPTY]
     moments = [np.array(c) for c in zip(*found, strict=True)] if found else [np.zeros((0, *s)) for s in _EMPTY_SHAPE]
     hull = np.full((len(shapes), num_hulls), -1, np.int32)
     for key, s in shapes.items():

@@ -151,9 +151,9 @@ class WorldBatch:
     def control_step(self, inputs: Sequence[wp.array], outputs: Sequence[wp.array], substeps: int) -> None:
         """Reads states, finds slots, runs the physics and writes the new states; see `WarpEngine._run`."""
         scene, centre, qpos, qvel, warm, ctrl, friction, mass, *others = inputs
-        agents, (taken, row, thing, body) = others, (self.nothing, None, None, None)
+        agents, (taken, row, object_index, body) = others, (self.nothing, None, None, None)
         if self.bodies is not None:
-            *agents, taken, row, thing, body = others
+            *agents, taken, row, object_index, body = others
         shared, tables, data, n = self.shared, self.shared.tables, self.data, self.number
         launch = functools.partial(wp.launch, device=self.shared.device)
         where = [tables, scene, centre, self.num_objects]
@@ -168,7 +168,7 @@ class WorldBatch:
             launch(warp_agents.begin_agents, dim=self.agents.present.shape, inputs=moving)
         if self.bodies is not None:
             own = [shared.body_table, self.slots, self.masses, self.bodies]
-            moves = [row, thing, body, self.origin, *own, *state[:3]]
+            moves = [row, object_index, body, self.origin, *own, *state[:3]]
             launch(warp_bodies.begin_bodies, dim=self.bodies.row.shape, inputs=moves)
             step = substeps * shared.robot.model.opt.timestep
             near = [tables, scene, body, taken, step, self.origin, shared.body_table, self.bodies]

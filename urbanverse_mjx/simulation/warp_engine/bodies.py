@@ -1,6 +1,6 @@
 """Movable bodies in Warp: the rules of `body_contact`, written where MuJoCo Warp's solver looks for contacts.
 
-MuJoCo Warp moves them as free bodies behind the robot, whose frames are their principal axes; which things they are is
+MuJoCo Warp moves them as free bodies behind the robot, whose frames are their principal axes; which objects they are is
 data of each world.
 """
 
@@ -58,7 +58,7 @@ def matrix(q: wp.vec4) -> wp.mat33:
 @wp.kernel
 def begin_bodies(
     row_in: wp.array2d[int],
-    thing: wp.array2d[int],
+    object_index: wp.array2d[int],
     state: wp.array3d[float],
     origin: wp.array[wp.vec3],
     table: BodyTable,
@@ -69,7 +69,7 @@ def begin_bodies(
     qvel: wp.array2d[float],
     warm: wp.array2d[float],
 ):
-    """Reads which things are awake and how they move; dim (n, W)."""
+    """Reads which objects are awake and how they move; dim (n, W)."""
     w, b = wp.tid()
     row = row_in[w, b]
     bodies.row[w, b] = row
@@ -117,7 +117,7 @@ def begin_bodies(
         slots.hull[w, first + h] = -1
         if row >= 0:
             slots.hull[w, first + h] = table.hull[shape, h]
-            slots.owner[w, first + h] = thing[w, b]
+            slots.owner[w, first + h] = object_index[w, b]
             slots.friction[w, first + h] = table.friction[row]
 
 
@@ -162,7 +162,7 @@ def find_near(
 
 @wp.kernel
 def place_bodies(table: BodyTable, xpos: wp.array2d[wp.vec3], xquat: wp.array2d[wp.quat], slots: Slots, bodies: Bodies):
-    """Where the things and their hulls are after a physics step; dim (n, W)."""
+    """Where the objects and their hulls are after a physics step; dim (n, W)."""
     w, b = wp.tid()
     row = bodies.row[w, b]
     if row < 0:

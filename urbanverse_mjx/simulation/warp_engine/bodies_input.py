@@ -18,7 +18,7 @@ _NONE = -(1 << 30)
 def inputs(bodies: Bodies, awake: Awake) -> tuple[jax.Array, ...]:
     """Objects that are bodies (M,); rows and objects (W,) and states (W, `STATE`) of those awake."""
     state = jnp.concatenate([awake.place, awake.quaternion, awake.velocity, awake.spin, awake.warm], axis=-1)
-    return jnp.where(bodies.thing >= 0, bodies.thing, _NONE), awake.row, awake.thing, state
+    return jnp.where(bodies.object_index >= 0, bodies.object_index, _NONE), awake.row, awake.object_index, state
 
 
 def nobody() -> tuple[jax.Array, ...]:
@@ -31,4 +31,4 @@ def read(awake: Awake, state: Any) -> Awake:
     """The bodies with the states (W, `STATE`) that came back."""
     ends = (0, 3, 7, 10, 13, STATE)
     parts = (state[:, a:b] for a, b in itertools.pairwise(ends))
-    return Awake(awake.row, awake.thing, *parts)
+    return Awake(awake.row, awake.object_index, *parts)

@@ -50,7 +50,7 @@ _AGENTS = {
 _BODIES = {
     "taken": wp.array2d[wp.int32],
     "row": wp.array2d[wp.int32],
-    "thing": wp.array2d[wp.int32],
+    "object_index": wp.array2d[wp.int32],
     "body": wp.array3d[wp.float32],
 }
 _AFTER = {
@@ -89,7 +89,7 @@ class WarpEngine(EngineBase):
       iterations, line_steps: of the constraint solver.
       graphs: whether physics steps are captured once and replayed; off for looking into them.
       agents: shapes of moving agents, which `step` is then told of; None = none.
-      movable: how many things can be pushed, which `init` is then told of; None = none.
+      movable: how many objects can be pushed, which `init` is then told of; None = none.
 
     Raises:
       ValidationError: a control period that is no multiple of the time step, too many or no slots, or a bank whose

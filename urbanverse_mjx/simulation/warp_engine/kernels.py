@@ -281,23 +281,23 @@ def note(foot_of: wp.array[int], slots: Slots, row_force: wp.array2d[float], pla
         places.type[k] = 0
         if places.slot[k] < 0:
             continue  # a body against something else than the robot
-        thing = slots.owner[w, places.slot[k]]
+        owner = slots.owner[w, places.slot[k]]
         foot = foot_of[places.geom[k][0]]
         force = float(0.0)
         for i in range(wp.max(2 * (places.dim[k] - 1), 1)):
             force += row_force[w, places.address[k, i]]
         if foot >= 0:
             touch.foot[w, foot] += force
-        if thing != _GROUND or foot < 0:
+        if owner != _GROUND or foot < 0:
             touched = 1
-            if thing == _GROUND:
+            if owner == _GROUND:
                 touch.ground[w] = 1
-            if thing <= _FIRST_AGENT and (force > touch.agent_force[w] or touch.agent[w] < 0):
-                touch.agent[w] = _FIRST_AGENT - thing
+            if owner <= _FIRST_AGENT and (force > touch.agent_force[w] or touch.agent[w] < 0):
+                touch.agent[w] = _FIRST_AGENT - owner
                 touch.agent_force[w] = force
             if force > strength:
                 strength = force
-                strongest = thing
+                strongest = owner
     places.count[w] = 0
     if touched == 1:
         if strength > touch.force[w] or touch.count[w] == 0:

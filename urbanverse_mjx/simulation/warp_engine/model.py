@@ -36,7 +36,7 @@ class RobotModel:
       physics: what is known of the spheres, whose numbers in `model` are sphere_geom (S,).
       ground: number of the world's geom.
       root: address in qpos of the robot's place.
-      bodies: the free bodies that movable things take turns in, behind the robot's own; None where there are none.
+      bodies: the free bodies that movable objects take turns in, behind the robot's own; None where there are none.
       objects, prisms: the bank's instances, numpy.
     """
 
@@ -82,7 +82,7 @@ def build_robot_model(
     """Compiles the robot for MuJoCo Warp.
 
     Args:
-      awake: free bodies beside it; table: the things that they may be.
+      awake: free bodies beside it; table: the objects that they may be.
 
     Raises:
       ValidationError: it has activations, equalities, tendons or mocap bodies, whose state the engine does not carry,

@@ -61,7 +61,7 @@ class Air:
         return _look_up(self.through, np.array([0.0]), np.array([sine]))[0] * SUNLIGHT
 
     def extinction(self) -> np.ndarray:
-        """(3,) 1/m at the ground: how fast far things drown in haze."""
+        """(3,) 1/m at the ground: how fast far objects drown in haze."""
         return RAYLEIGH + self.haze / MIE_ALBEDO
 
 

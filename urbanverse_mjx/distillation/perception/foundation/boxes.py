@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclasses.dataclass(frozen=True)
 class Boxes:
-    """k things found: box (k, 4) left, top, right, bottom in pixels; label (k,) row of the queries; score (k,)."""
+    """k objects found: box (k, 4) left, top, right, bottom in pixels; label (k,) row of the queries; score (k,)."""
 
     box: np.ndarray
     label: np.ndarray
@@ -44,7 +44,7 @@ def joined(parts: Sequence[Boxes], starts: Sequence[int]) -> Boxes:
 
 def suppressed(found: Boxes, most: float = 0.6) -> Boxes:
     """The surest of boxes that overlap by more than `most` (of their joint area), whatever their labels: words that
-    mean nearly the same find one thing twice."""
+    mean nearly the same find one object twice."""
     order = np.argsort(-found.score, kind="stable")
     kept: list[int] = []
     for i in order:
@@ -62,7 +62,7 @@ def _area(box: np.ndarray) -> np.ndarray:
 
 
 def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple[np.ndarray, np.ndarray]:
-    """One picture of masks: small things lie on top of large ones, as what stands in front of a wall does.
+    """One picture of masks: small objects lie on top of large ones, as what stands in front of a wall does.
 
     Args:
       masks: (k, H, W) bool. score: (k,).

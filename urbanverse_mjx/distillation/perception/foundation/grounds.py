@@ -29,7 +29,7 @@ _WORDS = (
 
 
 def surface_codes(names: Mapping[int, str]) -> np.ndarray:
-    """(most number + 1,) u8 code of every class: 0 for things, `SKY` for the sky.
+    """(most number + 1,) u8 code of every class: 0 for objects, `SKY` for the sky.
 
     Raises:
       ValidationError: none of the names is a road: the model was trained for something else.

@@ -49,10 +49,10 @@ class FoundationSees:
         picture = Image.fromarray(rgb)
         found = boxes.suppressed(self._detect(picture))
         masks, kept = boxes.paint(self._masks(picture, found), found.score)
-        things = tuple(Detection(self.labels[found.label[k]], float(found.score[k])) for k in kept)
+        objects = tuple(Detection(self.labels[found.label[k]], float(found.score[k])) for k in kept)
         surfaces = self.codes[self._classes(picture)]
-        # What a thing's mask covers is the thing, whatever the ground's model says.
-        return Sight(np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, things, self._depth(picture))
+        # What an object's mask covers is the object, whatever the ground's model says.
+        return Sight(np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, objects, self._depth(picture))
 
     def _detect(self, picture: Image.Image) -> boxes.Boxes:
         starts = range(0, len(self.labels), QUERIES)

@@ -1,4 +1,4 @@
-"""From views to things: what each is called, how sure it is, and the box around it."""
+"""From views to objects: what each is called, how sure it is, and the box around it."""
 
 import dataclasses
 from collections.abc import Callable
@@ -10,42 +10,43 @@ from . import bearings, boxes, fusion
 from .depth_scale import DepthScale
 from .lifting import COARSE, Views
 
-#: How much less likely a thing is for every frame that should show it and does not: detectors miss a quarter to a half
+#: How much less likely an object is for every frame that should show it and does not: detectors miss a quarter to a
+# half
 #: of what they could find, and leaves and railings hide more than one ray tells.
 _MISSED = 0.7
-#: A thing is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
-#: spread that partly hidden things have.
+#: An object is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
+#: spread that partly hidden objects have.
 _ODD_SIZE, _SIZE_SPREAD = 1.5, 0.5
-#: Labels from this similarity on may mean one thing.
+#: Labels from this similarity on may mean one object.
 _KIN = 0.5
 #: Labels from this similarity on are one; a box is a fragment of another if more than this share of it is inside.
 _ALIKE, _INSIDE = 0.9, 0.7
-#: m; larger things that are so many times as long as wide show which way a street runs.
+#: m; larger objects that are so many times as long as wide show which way a street runs.
 _LARGE, _LONG = 4.0, 1.25
 #: m; how far around, at least so much weight of them, and how well they must agree (1 = fully).
 _AROUND, _NEAR, _AGREED = 15.0, 0.3, 0.5
-#: Depth of less noise shows by itself how things stand.
+#: Depth of less noise shows by itself how objects stand.
 _SHARP = 0.01
-#: Views of one thing are taken from this many directions, so many of each at most.
+#: Views of one object are taken from this many directions, so many of each at most.
 _SECTORS, _PER_SECTOR = 8, 4
 
 
 @dataclasses.dataclass(frozen=True)
 class Fused:
-    """All views, and which of them show one thing.
+    """All views, and which of them show one object.
 
     Attributes:
       camera: of every frame.
-      views: the views; thing (n,) i32, what each shows; alike (L, L), similarity of their labels.
+      views: the views; object_of_view (n,) i32, what each shows; alike (L, L), similarity of their labels.
       coarse: (m, H / COARSE, W / COARSE) m, depth of the frames.
       placed, seen: where the views are in the world, and from above.
       poses: (m, 4, 4) T_world_camera; depth: each frame's scale and the noise that remains.
-      single_view: take each thing from one view alone.
+      single_view: take each object from one view alone.
     """
 
     camera: Camera
     views: Views
-    thing: np.ndarray
+    object_of_view: np.ndarray
     alike: np.ndarray
     coarse: np.ndarray
     placed: fusion.Placed
@@ -56,8 +57,9 @@ class Fused:
 
 
 @dataclasses.dataclass(frozen=True)
-class Thing:
-    """One thing: its number in `Fused.thing`, label, confidence, box, what is known of the label, rows of its views."""
+class FusedObject:
+    """An object: its number in `object_of_view`, label, confidence, box, what is known of the label, rows of its
+    views."""
 
     number: int
     label: str
@@ -67,51 +69,51 @@ class Thing:
     rows: np.ndarray
 
 
-def _groups(thing: np.ndarray) -> list[np.ndarray]:
-    """Views of each thing, in the order of its first view."""
-    order = np.argsort(thing, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(thing[order])) + 1) if len(order) else []
+def _groups(object_of_view: np.ndarray) -> list[np.ndarray]:
+    """Views of each object, in the order of its first view."""
+    order = np.argsort(object_of_view, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(object_of_view[order])) + 1) if len(order) else []
     return sorted(groups, key=lambda rows: int(rows[0]))
 
 
-def things_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Thing]:
-    """The things of all views in the order in which they were first seen.
+def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[FusedObject]:
+    """The objects of all views in the order in which they were first seen.
 
     Large ones come first: they show which way the street runs, and what stands around mostly stands along or across.
     """
-    groups = _groups(fused.thing)
+    groups = _groups(fused.object_of_view)
     label = [_label(fused, rows) for rows in groups]
     known = [prior_of(fused.views.labels[k]).extents for k in label]
     large = [not len(e) or e[:, :2].max() > _LARGE for e in known]
-    things = [
-        _thing(fused, rows, k, prior_of) if big else None for rows, k, big in zip(groups, label, large, strict=True)
+    objects = [
+        _object(fused, rows, k, prior_of) if big else None for rows, k, big in zip(groups, label, large, strict=True)
     ]
     sharp = fused.single_view or fused.depth.noise < _SHARP
-    street = Street.of([t.box for t in things if t is not None and not sharp and shows_street(t.box)])
+    street = Street.of([t.box for t in objects if t is not None and not sharp and shows_street(t.box)])
     return [
-        _thing(fused, rows, k, prior_of, street) if t is None else t
-        for rows, k, t in zip(groups, label, things, strict=True)
+        _object(fused, rows, k, prior_of, street) if t is None else t
+        for rows, k, t in zip(groups, label, objects, strict=True)
     ]
 
 
 def shows_street(box: boxes.Box) -> bool:
-    """Whether a thing is large and what was seen of it has a long side, as the fronts of houses."""
+    """Whether an object is large and what was seen of it has a long side, as the fronts of houses."""
     longer, shorter = box.seen[:2].max(), box.seen[:2].min()
     return bool(longer > max(_LARGE, _LONG * shorter))
 
 
 @dataclasses.dataclass(frozen=True)
 class Street:
-    """Which way things run: center (n, 2) m of large ones, turn (n,) their headings as exp(4 i yaw)."""
+    """Which way objects run: center (n, 2) m of large ones, turn (n,) their headings as exp(4 i yaw)."""
 
     center: np.ndarray
     turn: np.ndarray
 
     @classmethod
-    def of(cls, things: list[boxes.Box]) -> "Street":
-        """From the boxes of things that show it."""
-        center = np.array([t.center[:2] for t in things]).reshape(-1, 2)
-        return cls(center, np.exp(4j * np.array([t.yaw for t in things])))
+    def of(cls, objects: list[boxes.Box]) -> "Street":
+        """From the boxes of objects that show it."""
+        center = np.array([t.center[:2] for t in objects]).reshape(-1, 2)
+        return cls(center, np.exp(4j * np.array([t.yaw for t in objects])))
 
     def axis(self, place: np.ndarray) -> float | None:
         """rad modulo a quarter turn, along or across which what is near (2,) m stands; None where nothing large is near
@@ -122,15 +124,15 @@ class Street:
 
 
 def _label(fused: Fused, rows: np.ndarray) -> int:
-    """What the views of a thing say that it is, near ones first."""
+    """What the views of an object say that it is, near ones first."""
     views = fused.views
     return int(np.bincount(views.label[rows], views.score[rows] / fused.placed.sigma[rows], len(views.labels)).argmax())
 
 
-def _thing(
+def _object(
     fused: Fused, rows: np.ndarray, label: int, prior_of: Callable[[str], LabelPrior], street: Street | None = None
-) -> Thing:
-    """One thing from its views; street: how things around it stand, where its own depth does not show that."""
+) -> FusedObject:
+    """One object from its views; street: how objects around it stand, where its own depth does not show that."""
     views, placed = fused.views, fused.placed
     # Views that called it something else may show something else.
     own = rows[fused.alike[views.label[rows], label] >= _KIN]
@@ -149,26 +151,26 @@ def _thing(
     axis = None if street is None else street.axis(np.median(placed.center[own, :2], axis=0))
     box = boxes.fit(points.reshape(-1, 3), placed.eye[own], prior, noise, top, sigma, fused.seen.of(whole), axis)
     name = views.labels[label]
-    return Thing(int(fused.thing[rows[0]]), name, _confidence(fused, rows, box, prior), box, prior, rows)
+    return FusedObject(int(fused.object_of_view[rows[0]]), name, _confidence(fused, rows, box, prior), box, prior, rows)
 
 
-def without_fragments(things: list[Thing], fused: Fused) -> list[Thing]:
-    """Things without the fragments that turn out to lie in the box of a thing of their label seen more often: the top
+def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObject]:
+    """Things without the fragments that turn out to lie in the box of an object of their label seen more often: the top
     of a house over a roof, the end of a car behind another."""
-    if len(things) < 2:
-        return things
+    if len(objects) < 2:
+        return objects
     views, placed, alike = fused.views, fused.placed, fused.alike
     row = {label: i for i, label in enumerate(views.labels)}
-    centers = np.array([t.box.center for t in things])
+    centers = np.array([t.box.center for t in objects])
     # What was seen of each, without what was completed.
-    spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in things]
-    frames = [set(views.frame[t.rows].tolist()) for t in things]
-    kept = set(range(len(things)))
-    for i in sorted(kept, key=lambda k: len(things[k].rows)):
-        small = things[i]
+    spans = [(np.median(placed.low[t.rows], axis=0), np.median(placed.high[t.rows], axis=0)) for t in objects]
+    frames = [set(views.frame[t.rows].tolist()) for t in objects]
+    kept = set(range(len(objects)))
+    for i in sorted(kept, key=lambda k: len(objects[k].rows)):
+        small = objects[i]
         near = np.linalg.norm(centers[:, :2] - centers[i, :2], axis=1)
         for j in np.argsort(near):
-            large = things[j]
+            large = objects[j]
             if near[j] > 0.6 * np.linalg.norm(large.box.size[:2]) + 1.0 and near[j] > 15.0:
                 break
             rarer = 2 * len(small.rows) <= len(large.rows)
@@ -178,7 +180,7 @@ def without_fragments(things: list[Thing], fused: Fused) -> list[Thing]:
             if inside > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
                 kept.discard(i)
                 break
-    return [things[i] for i in sorted(kept)]
+    return [objects[i] for i in sorted(kept)]
 
 
 def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.ndarray:
@@ -198,9 +200,9 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
 
 
 def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
-    """m: the height of a thing's top, from its best views that the picture's upper rim did not cut; None without any.
+    """m: the height of an object's top, from its best views that the picture's upper rim did not cut; None without any.
 
-    Other things may hide the top in some of them, depth may raise it in others: the 80th percentile is between.
+    Other objects may hide the top in some of them, depth may raise it in others: the 80th percentile is between.
     """
     whole = rows[~views.clipped[rows, 2]]
     if not len(whole):
@@ -210,7 +212,7 @@ def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
 
 
 def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrior) -> float:
-    """Probability that a thing is there: every view speaks for it by the odds of its score, every frame that should
+    """Probability that an object is there: every view speaks for it by the odds of its score, every frame that should
     have shown it and did not speaks against it by the odds of `_MISSED`.
 
     A frame should have shown it if its middle is in the picture, no farther than in its farthest view, and nothing

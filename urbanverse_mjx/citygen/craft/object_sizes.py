@@ -1,7 +1,7 @@
-"""How large the things of hand-made scenes are, and in which looks they come.
+"""How large the objects of hand-made scenes are, and in which looks they come.
 
 (along the heading, across, up) in metres; several rows are several looks of a label: a bag that stands, one that has
-spread. They are the boxes of the base assets, so that nothing is stretched where a graph is materialised; a thing
+spread. They are the boxes of the base assets, so that nothing is stretched where a graph is materialised; an object
 comes in the next size each time unless `look` names one.
 """
 
@@ -157,7 +157,7 @@ SIZES: dict[str, tuple[Size, ...]] = {
     "solar energy infrastructure": ((0.7, 1.76, 1.2), (1.9, 8.8, 2.2), (0.6, 1.2, 3.2)),
     "stone block": ((0.42, 0.62, 0.36), (0.5, 0.95, 0.45), (0.4, 0.42, 0.44)),
     "fire alarm box": ((0.07, 0.12, 0.14), (0.07, 0.1, 0.14), (0.2, 0.3, 0.4)),
-    # small things put out or left lying
+    # small objects put out or left lying
     "armchair": ((0.82, 0.8, 0.88), (0.86, 0.78, 1.08), (0.84, 0.7, 0.92)),
     "couch": ((0.94, 2.04, 0.83), (0.88, 1.55, 0.8), (1.02, 2.35, 0.78)),
     "cushion": ((0.46, 0.44, 0.14), (0.42, 0.42, 0.12), (0.32, 0.56, 0.15)),
