@@ -41,7 +41,7 @@ import numpy as np
 
 from benchmarks.lib import fidelity_scaling, fidelity_store, tables
 from benchmarks.lib import fidelity_scores as scores
-from benchmarks.lib.fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_eye
+from benchmarks.lib.fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_model
 from benchmarks.lib.injection import inject
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.index import load_index
@@ -136,7 +136,7 @@ class Street:
         if self.rgb:
             return [
                 dataclasses.replace(perfect, row="perfect inputs, with pictures", describe=DESCRIBE),
-                Plan("the small network, true poses and depth", DistilOptions(), seen_by_the_eye),
+                Plan("the small network, true poses and depth", DistilOptions(), seen_by_the_model),
                 Plan("RGB alone", DistilOptions(), from_pictures),
             ]
         return [

@@ -89,17 +89,17 @@ CODE: Mapping[str, Code] = {
     "perception": Code(
         2,
         (
-            *("distillation.perception", "distillation.eye", "assets.importing.vision"),
-            *_below("pipeline.generation", "listing", "perceiving", "seeing", "tours"),
+            *("distillation.perception", "distillation.perception_model", "assets.importing.vision"),
+            *_below("pipeline.generation", "listing", "perceiving", "predictors", "tours"),
         ),
         ("imports",),
-        _below("distillation.eye", "augment", "score", "targets", "views"),
+        _below("distillation.perception_model", "augment", "score", "targets", "views"),
     ),
     "distillation": Code(
         1,
         ("distillation", "pipeline.generation.distilling", "assets.selection.label_priors"),
         ("appearances",),
-        _below("distillation", "eye", "fit_trust", "perception", "readers", "train_eye"),
+        _below("distillation", "perception_model", "fit_trust", "perception", "readers", "train_perception"),
     ),
     "report": Code(
         1,

@@ -13,9 +13,9 @@ from urbanverse_mjx.capture import PathOptions, TourOptions, tour
 from urbanverse_mjx.capture.truth import object_id, object_slots
 from urbanverse_mjx.datatypes import AssetRecord, GraphObject, Recording, RecordingWriter, SceneBank, SceneGraph
 from urbanverse_mjx.datatypes import validation as v
-from urbanverse_mjx.distillation.eye.seeing import Eye
 from urbanverse_mjx.distillation.perception import Perception, perceive
 from urbanverse_mjx.distillation.perception.frames import Frames
+from urbanverse_mjx.distillation.perception_model.inference import PerceptionModel
 from urbanverse_mjx.materialisation import materialise_cousin, materialise_cousins
 from urbanverse_mjx.settings import scene_root
 
@@ -88,17 +88,25 @@ def from_pictures(filmed: Tour, folder: pathlib.Path) -> Recording:
     times = tuple(f.time_s for f in filmed.recording.frames)
     frames = Frames(folder / "frames", tuple(names), times, camera.width, camera.height)
     source = filmed.recording.source
-    return perceive(frames, folder / "recording", Perception(Eye.load()), source, filmed.recording.id)
+    return perceive(frames, folder / "recording", Perception(PerceptionModel.load()), source, filmed.recording.id)
 
 
-def seen_by_the_eye(filmed: Tour, folder: pathlib.Path) -> Recording:
+def seen_by_the_model(filmed: Tour, folder: pathlib.Path) -> Recording:
     """True poses and depth; objects and surfaces by the small network."""
-    eye, given = Eye.load(), filmed.recording
+    model, given = PerceptionModel.load(), filmed.recording
     writer = RecordingWriter(folder / "eye", given.id, given.source, given.camera, given.depth_unit_m, lossless=False)
     for k, frame in enumerate(given.frames):
         rgb = given.rgb(k)
-        sight = eye(rgb, given.camera.fx)
-        writer.add(frame.time_s, rgb, given.depth(k), sight.masks, sight.surfaces, frame.pose, sight.detections)
+        observation = model(rgb, given.camera.fx)
+        writer.add(
+            frame.time_s,
+            rgb,
+            given.depth(k),
+            observation.masks,
+            observation.surfaces,
+            frame.pose,
+            observation.detections,
+        )
     return writer.close()
 
 

@@ -111,7 +111,7 @@ def test_few_objects_say_nothing() -> None:
 
 def test_slopes_are_those_of_finite_differences() -> None:
     views, obj, given, _ = walk(np.radians(0.03))
-    seen = bearings.sights(views, given, np.ones(len(given)))
+    seen = bearings.measure(views, given, np.ones(len(given)))
     problem = bearings._Problem(seen, np.unique(obj, return_inverse=True)[1], given, NOISE)
     rng = np.random.default_rng(1)
     objects, correction = problem._start(), rng.normal(0, 0.05, (problem.at.shape[1], 4))

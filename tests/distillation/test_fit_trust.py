@@ -1,9 +1,9 @@
-"""How far the eye's objects are to be trusted."""
+"""How far the perception model's objects are to be trusted."""
 
 import numpy as np
 
 from urbanverse_mjx.distillation import fit_trust
-from urbanverse_mjx.distillation.eye.decode import Decoded, FoundObject
+from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject
 
 CAR, PERSON = 7, 9
 

@@ -1,4 +1,4 @@
-"""Foundation models behind `Sees`: what is made of their answers, on answers made up here; no model is run."""
+"""Foundation models behind `Predictor`: what is made of their answers, on answers made up here; no model is run."""
 
 import contextlib
 import pathlib
@@ -13,10 +13,10 @@ from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.importing.vision import VisionError
 from urbanverse_mjx.datatypes import KIND_INDEX, ValidationError
 from urbanverse_mjx.datatypes.recording import SKY
-from urbanverse_mjx.distillation.perception.foundation import FoundationSees, boxes, grounds, loading
+from urbanverse_mjx.distillation.perception.foundation import FoundationPredictor, boxes, grounds, loading
 from urbanverse_mjx.distillation.perception.foundation.loading import Loaded
 from urbanverse_mjx.pipeline.generation import listing
-from urbanverse_mjx.pipeline.generation.seeing import make_sees
+from urbanverse_mjx.pipeline.generation.predictors import make_predictor
 from urbanverse_mjx.pipeline.generation.tours import TourOptions
 
 H, W = 40, 80
@@ -144,13 +144,13 @@ class Depth:
         return Inputs()
 
 
-def foundation(monkeypatch: pytest.MonkeyPatch, words: int = 70) -> tuple[FoundationSees, Detector]:
+def foundation(monkeypatch: pytest.MonkeyPatch, words: int = 70) -> tuple[FoundationPredictor, Detector]:
     torch: Any = types.SimpleNamespace(inference_mode=contextlib.nullcontext)
     monkeypatch.setitem(sys.modules, "torch", torch)
     detector = Detector()
     masks = types.SimpleNamespace(pred_masks=Tensor(np.zeros(1)))
     depth = types.SimpleNamespace(predicted_depth=Tensor(np.full((1, 5, 9), 7.5)))
-    sees = FoundationSees(
+    predictor = FoundationPredictor(
         labels=tuple(f"word {k}" for k in range(words)),
         detector=Loaded(detector.answer, detector, "cpu"),
         segmenter=Loaded(lambda original_sizes, marker, multimask_output: masks, Segmenter(), "cpu"),
@@ -158,36 +158,36 @@ def foundation(monkeypatch: pytest.MonkeyPatch, words: int = 70) -> tuple[Founda
         depth=Loaded(lambda: depth, Depth(), "cpu"),
         codes=grounds.surface_codes({0: "road", 1: "sky"}),
     )
-    return sees, detector
+    return predictor, detector
 
 
-def test_four_answers_become_one_sight(monkeypatch: pytest.MonkeyPatch) -> None:
-    sees, detector = foundation(monkeypatch)
-    sight = sees(np.zeros((H, W, 3), np.uint8), 60.0)
+def test_four_answers_become_one_observation(monkeypatch: pytest.MonkeyPatch) -> None:
+    predictor, detector = foundation(monkeypatch)
+    observation = predictor(np.zeros((H, W, 3), np.uint8), 60.0)
     assert len(detector.asked) == 70
-    (obj,) = sight.detections
+    (obj,) = observation.detections
     assert (obj.label, obj.score) == ("word 65", pytest.approx(0.7))
-    assert (sight.masks[10:40, 5:35] == 0).all()
-    assert (sight.masks == 0).sum() == 30 * 30
-    assert (sight.surfaces[:10] == SKY).all()
-    assert sight.surfaces[20, 60] == KIND_INDEX["road"]
-    assert sight.surfaces[20, 20] == 0
-    assert sight.depth is not None
-    np.testing.assert_allclose(sight.depth, 7.5)
-    assert sight.depth.shape == (H, W)
+    assert (observation.masks[10:40, 5:35] == 0).all()
+    assert (observation.masks == 0).sum() == 30 * 30
+    assert (observation.surfaces[:10] == SKY).all()
+    assert observation.surfaces[20, 60] == KIND_INDEX["road"]
+    assert observation.surfaces[20, 20] == 0
+    assert observation.depth is not None
+    np.testing.assert_allclose(observation.depth, 7.5)
+    assert observation.depth.shape == (H, W)
 
 
 def test_nothing_found_asks_for_no_masks(monkeypatch: pytest.MonkeyPatch) -> None:
-    sees, _ = foundation(monkeypatch, words=3)
-    sight = sees(np.zeros((H, W, 3), np.uint8), 60.0)
-    assert sight.detections == ()
-    assert (sight.masks == -1).all()
+    predictor, _ = foundation(monkeypatch, words=3)
+    observation = predictor(np.zeros((H, W, 3), np.uint8), 60.0)
+    assert observation.detections == ()
+    assert (observation.masks == -1).all()
 
 
 def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(ValidationError, match=r"found no package 'torch'.*foundation"):
-        make_sees(TourOptions(perception="foundation"))
+        make_predictor(TourOptions(perception="foundation"))
     asked = []
 
     class NoWeights:
@@ -208,7 +208,7 @@ def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.Monke
     with pytest.raises(ValidationError, match="needed a newer version"):
         loading.load(loading.SEGMENTER, None)
     with pytest.raises(ValidationError, match="one of eye, foundation"):
-        make_sees(TourOptions(perception="magic"))
+        make_predictor(TourOptions(perception="magic"))
 
 
 def chat(text: str) -> dict:
@@ -244,4 +244,4 @@ def test_unblurred_frames_are_never_sent(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.setenv("URBANVERSE_VISION_MODEL", "m")
     monkeypatch.setattr(listing, "post", lambda *_: pytest.fail("sent"))
     with pytest.raises(ValidationError, match="needed --blur"):
-        make_sees(TourOptions(perception="foundation"), tmp_path)
+        make_predictor(TourOptions(perception="foundation"), tmp_path)

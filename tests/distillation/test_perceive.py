@@ -12,9 +12,9 @@ from scipy import ndimage
 from urbanverse_mjx.datatypes import GROUND_KINDS, Camera, Detection, Recording, Source, ValidationError
 from urbanverse_mjx.datatypes.recording import SKY
 from urbanverse_mjx.distillation.perception import (
+    FrameObservation,
     Frames,
     Perception,
-    Sight,
     StructureOptions,
     perceive,
     reconstruct,
@@ -52,7 +52,7 @@ def _pose(along: float, yaw: float, pitch: float = -0.1) -> np.ndarray:
     return pose
 
 
-def _look(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.ndarray, Sight, np.ndarray]:
+def _look(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.ndarray, FrameObservation, np.ndarray]:
     """Picture (H, W, 3) u8, what it shows, and true depth (H, W) m (0 = sky)."""
     rays = CAMERA.rays() @ pose[:3, :3].T
     _, y0, z0 = pose[:3, 3]
@@ -70,7 +70,7 @@ def _look(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.n
     surfaces = np.where(sky, SKY, np.where(which == 0, SIDEWALK, 0)).astype(np.uint8)
     masks = np.where(sky | (which == 0), -1, which - 1).astype(np.int32)
     walls = (Detection("house", 0.9), Detection("house", 0.8))
-    return rgb, Sight(surfaces, masks, walls), np.where(sky, 0.0, depth)
+    return rgb, FrameObservation(surfaces, masks, walls), np.where(sky, 0.0, depth)
 
 
 POSES = np.array([_pose(0.4 * k, 0.7 + 0.15 * np.sin(k / 1.5)) for k in range(9)])
@@ -90,16 +90,18 @@ def structure(frames: Frames) -> Structure:
 
 
 class _Oracle:
-    """Sees what is there; `guess` distorts the depth that it guesses, None guesses none."""
+    """Predictor what is there; `guess` distorts the depth that it guesses, None guesses none."""
 
     def __init__(self, guess: float | None = None) -> None:
         self.calls, self.guess = 0, guess
 
-    def __call__(self, rgb: np.ndarray, focal: float) -> Sight:
-        _, sight, depth = _look(POSES[self.calls])
+    def __call__(self, rgb: np.ndarray, focal: float) -> FrameObservation:
+        _, observation, depth = _look(POSES[self.calls])
         self.calls += 1
         return (
-            sight if self.guess is None else dataclasses.replace(sight, depth=(depth * self.guess).astype(np.float32))
+            observation
+            if self.guess is None
+            else dataclasses.replace(observation, depth=(depth * self.guess).astype(np.float32))
         )
 
 
@@ -152,15 +154,15 @@ def test_depth_is_held_to_points_and_ground(
 ):
     recording = _perceive(frames, structure, tmp_path, guess)
     for k in (0, 4, 8):
-        _, sight, true = _look(POSES[k])
+        _, observation, true = _look(POSES[k])
         found = recording.depth(k)
         assert found is not None
         known = (true > 0) & (true < 25.0)
         error = np.abs(found - true) / np.maximum(true, 1e-9)
-        assert np.median(error[known & (sight.surfaces == SIDEWALK)]) < 0.05
-        assert (found[sight.surfaces == SKY] == 0).all()
+        assert np.median(error[known & (observation.surfaces == SIDEWALK)]) < 0.05
+        assert (found[observation.surfaces == SKY] == 0).all()
         if guess is not None:
-            assert np.median(error[known & (sight.masks >= 0)]) < 0.08
+            assert np.median(error[known & (observation.masks >= 0)]) < 0.08
 
 
 def test_the_recording_and_its_record_are_whole(frames: Frames, structure: Structure, tmp_path: pathlib.Path):
@@ -217,7 +219,7 @@ def test_a_object_stands_where_its_foot_meets_the_ground():
     surfaces = np.where(rows > CAMERA.cy, SIDEWALK, SKY).astype(np.uint8)
     surfaces[board] = 0
     guess = np.full(board.shape, 9.0, np.float32)
-    sight = Sight(surfaces, np.where(board, 0, -1).astype(np.int32), (Detection("bench"),), guess)
+    observation = FrameObservation(surfaces, np.where(board, 0, -1).astype(np.int32), (Detection("bench"),), guess)
     none = np.zeros(0, np.int32)
     structure = Structure(
         CAMERA,
@@ -233,7 +235,7 @@ def test_a_object_stands_where_its_foot_meets_the_ground():
     )
     ground = np.array([[x, y, 0.0] for x in range(1, 9) for y in (-1, 1)], float)
     metric = dataclasses.replace(_flat(pose), points=ground, ground=np.full(len(ground), SIDEWALK, np.uint8))
-    depth = dense_depth(0, sight, structure, metric, levels(metric))
+    depth = dense_depth(0, observation, structure, metric, levels(metric))
     assert np.median(depth[board]) == pytest.approx(6.0, rel=0.1)
     assert depth[175, 10] == pytest.approx(HEIGHT * CAMERA.fy / (175.5 - CAMERA.cy), rel=1e-3)
 

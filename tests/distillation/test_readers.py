@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import KIND_INDEX, Detection, Recording, Source, ValidationError
 from urbanverse_mjx.datatypes.recording import SKY
-from urbanverse_mjx.distillation.perception import Sight
+from urbanverse_mjx.distillation.perception import FrameObservation
 from urbanverse_mjx.distillation.readers import Kitti360Options, read_authors_tree, read_kitti360
 from urbanverse_mjx.distillation.readers.kitti360_labels import CLASSES
 
@@ -213,13 +213,13 @@ def test_broken_kitti360_is_one_sentence(tmp_path: pathlib.Path, file: str, cont
 
 
 class OneCar:
-    """Sees a car in the middle of every picture and road below."""
+    """Predictor a car in the middle of every picture and road below."""
 
-    def __call__(self, rgb: np.ndarray, focal: float, /) -> Sight:
+    def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
         assert focal == 30.0
         surfaces, masks = np.zeros(rgb.shape[:2], np.uint8), np.full(rgb.shape[:2], -1, np.int32)
         surfaces[20:], masks[8:16, 10:20] = KIND_INDEX["road"], 0
-        return Sight(surfaces, masks, (Detection("car", 0.9),))
+        return FrameObservation(surfaces, masks, (Detection("car", 0.9),))
 
 
 def write_authors(root: pathlib.Path, frames: int = 3) -> np.ndarray:

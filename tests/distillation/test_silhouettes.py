@@ -5,22 +5,22 @@ import pytest
 
 from urbanverse_mjx.datatypes import LabelPrior
 from urbanverse_mjx.distillation import silhouettes
-from urbanverse_mjx.distillation.bearings import Sights
+from urbanverse_mjx.distillation.bearings import Bearings
 
 SCOOTER = LabelPrior(extents=np.array([[1.2, 0.5, 1.2], [1.0, 0.45, 1.1]]))
 
 
-def passing(yaw: float, size: tuple[float, float], rim: float = 0.0, side: float = 4.0) -> Sights:
+def passing(yaw: float, size: tuple[float, float], rim: float = 0.0, side: float = 4.0) -> Bearings:
     """A box at (1, 2) as somebody sees it who walks past it along x at `side` m; directions are off by `rim` rad."""
     rng = np.random.default_rng(2)
     c, s = np.cos(yaw), np.sin(yaw)
     corners = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * np.array(size) / 2 @ np.array([[c, s], [-s, c]]) + [1, 2]
-    eye = np.c_[np.linspace(-7, 8, 14), np.full(14, 2 - side)]
-    away = corners - eye[:, None]
+    viewpoint = np.c_[np.linspace(-7, 8, 14), np.full(14, 2 - side)]
+    away = corners - viewpoint[:, None]
     angle = np.arctan2(away[..., 1], away[..., 0]) + rng.normal(0, rim, (14, 4))
     low, high = angle.min(1), angle.max(1)
-    reach = np.linalg.norm(np.array([1, 2]) - eye, axis=1) * (1 + rng.normal(0, 0.1, 14))
-    return Sights(np.arange(14), eye, (low + high) / 2, (high - low) / 2, reach)
+    reach = np.linalg.norm(np.array([1, 2]) - viewpoint, axis=1) * (1 + rng.normal(0, 0.1, 14))
+    return Bearings(np.arange(14), viewpoint, (low + high) / 2, (high - low) / 2, reach)
 
 
 def off(a: float, b: float) -> float:
@@ -62,11 +62,13 @@ def test_an_outline_with_a_front_tells_it() -> None:
     for yaw in np.radians([20.0, 200.0]):
         c, s = np.cos(yaw), np.sin(yaw)
         corners = wedge[:3, :2] @ np.array([[c, s], [-s, c]]) + [1, 2]
-        eye = np.c_[np.linspace(-7, 8, 14), np.full(14, -2.0)]
-        away = corners - eye[:, None]
+        viewpoint = np.c_[np.linspace(-7, 8, 14), np.full(14, -2.0)]
+        away = corners - viewpoint[:, None]
         angle = np.arctan2(away[..., 1], away[..., 0])
         low, high = angle.min(1), angle.max(1)
-        seen = Sights(np.arange(14), eye, (low + high) / 2, (high - low) / 2, np.linalg.norm([1, 2] - eye, axis=1))
+        seen = Bearings(
+            np.arange(14), viewpoint, (low + high) / 2, (high - low) / 2, np.linalg.norm([1, 2] - viewpoint, axis=1)
+        )
         fit = silhouettes.face(seen, prior)
         assert fit is not None
         assert np.cos(fit.best - yaw) > 0.98

@@ -98,7 +98,7 @@ def test_objects_at_different_heights_may_share_a_plan():
     assert not done.unresolved
 
 
-def test_no_move_takes_a_object_over_the_kerb():
+def test_no_move_takes_an_object_over_the_kerb():
     done, placed = run(at("booth", "telephone booth", 0.0, 1.0), at("bag", "garbage bag", 0.0, 0.42))
     assert placed["bag"].position[1] > 0.0
     assert not done.unresolved

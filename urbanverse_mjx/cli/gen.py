@@ -39,7 +39,7 @@ class GenArgs:
     """Detector of faces and number plates, which are blurred before a frame is stored: "haar", or "module:function" of
     your own; none: frames stay here."""
     perception: Literal["eye", "foundation"] = "eye"
-    """Who looks at the frames: the small network that comes along, or OWLv2, SAM 2, Mask2Former and a depth model."""
+    """Perception model: "eye", the built-in network, or "foundation": OWLv2, SAM 2, Mask2Former and a depth model."""
     models: pathlib.Path | None = None
     """Folder of the foundation models' weights (owlv2, sam2, mask2former, depth); default: from the hub."""
     licence: str = "unknown"
@@ -70,7 +70,7 @@ class ImportArgs:
     rate: float = 1.0
     """urbanverse: frames per second."""
     perception: Literal["eye", "foundation"] = "eye"
-    """urbanverse: who finds objects and surfaces, see `urbanverse gen`."""
+    """urbanverse: perception model, see `urbanverse gen`."""
     models: pathlib.Path | None = None
     """urbanverse: folder of the foundation models' weights."""
     quiet: bool = False

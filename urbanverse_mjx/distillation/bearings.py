@@ -39,18 +39,18 @@ _SIGHT, _OWN = 0.02, 0.45
 
 
 @dataclasses.dataclass(frozen=True)
-class Sights:
-    """What views say of where objects are, seen from above: frame (n,), eye (n, 2) m, direction (n,) rad in the world,
-    half (n,) rad, half the width of what is seen; reach (n,) m from the eye to its middle."""
+class Bearings:
+    """What views say of where objects are, seen from above: frame (n,), viewpoint (n, 2) m, direction (n,) rad in the
+    world, half (n,) rad, half the width of what is seen; reach (n,) m from the viewpoint to its middle."""
 
     frame: np.ndarray
-    eye: np.ndarray
+    viewpoint: np.ndarray
     direction: np.ndarray
     half: np.ndarray
     reach: np.ndarray
 
-    def of(self, rows: np.ndarray) -> "Sights":
-        return Sights(*(getattr(self, f.name)[rows] for f in dataclasses.fields(self)))
+    def of(self, rows: np.ndarray) -> "Bearings":
+        return Bearings(*(getattr(self, f.name)[rows] for f in dataclasses.fields(self)))
 
     @property
     def width(self) -> np.ndarray:
@@ -58,7 +58,7 @@ class Sights:
         return 2.0 * self.half * self.reach
 
 
-def sights(views: Views, poses: np.ndarray, scale: np.ndarray) -> Sights:
+def measure(views: Views, poses: np.ndarray, scale: np.ndarray) -> Bearings:
     """The views from above; depth comes into `reach` alone."""
     n = len(views)
     direction, half, reach = np.zeros(n), np.zeros(n), np.zeros(n)
@@ -72,7 +72,7 @@ def sights(views: Views, poses: np.ndarray, scale: np.ndarray) -> Sights:
         low, high = turn[:, 1], turn[:, -2]
         direction[rows], half[rows] = base + (low + high) / 2, (high - low) / 2
         reach[rows] = np.median(np.linalg.norm(away, axis=-1), axis=1)
-    return Sights(views.frame, poses[views.frame, :2, 3], direction, half, np.maximum(reach, 0.5))
+    return Bearings(views.frame, poses[views.frame, :2, 3], direction, half, np.maximum(reach, 0.5))
 
 
 def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: DepthScale) -> np.ndarray | None:
@@ -101,7 +101,7 @@ def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, sca
     if problem is None:
         return 0.0
     solved, seen, which = problem.solve(free=False), problem.seen, problem.which
-    away = solved.objects[which, :2] - seen.eye
+    away = solved.objects[which, :2] - seen.viewpoint
     far = np.linalg.norm(away, axis=1)
     unit = away / far[:, None]
     spread = np.sqrt(np.einsum("ni,nij,nj->n", unit, np.linalg.inv(solved.information)[which, :2, :2], unit))
@@ -117,7 +117,7 @@ def _whole_objects(
     views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: DepthScale, least: int
 ) -> "_Problem | None":
     """What is seen whole of small objects, each in `least` views or more; None where these are too few."""
-    seen = sights(views, poses, depth.scale)
+    seen = measure(views, poses, depth.scale)
     whole = ~views.clipped[:, :2].any(1) & (seen.width < _LARGEST)
     counts = np.bincount(object_of_view[whole], minlength=int(object_of_view.max(initial=-1)) + 1)
     rows = np.flatnonzero(whole & (counts[object_of_view] >= least))
@@ -142,7 +142,7 @@ class _Problem:
     """Unknown are the correction at the knots and, for every object, its place (x, y) and how much of it is behind what
     is seen (m). Gauss-Newton with Geman-McClure weights; objects are eliminated (Schur's complement)."""
 
-    def __init__(self, seen: Sights, which: np.ndarray, poses: np.ndarray, noise: float) -> None:
+    def __init__(self, seen: Bearings, which: np.ndarray, poses: np.ndarray, noise: float) -> None:
         self.seen, self.which, self.poses = seen, which, poses
         self.at = knots.weights(len(poses))
         self.blend = self.at[seen.frame]
@@ -176,7 +176,7 @@ class _Problem:
     def _start(self) -> np.ndarray:
         """(t, 3) objects where their views put them, near ones first."""
         seen = self.seen
-        place = seen.eye + seen.reach[:, None] * np.stack([np.cos(seen.direction), np.sin(seen.direction)], -1)
+        place = seen.viewpoint + seen.reach[:, None] * np.stack([np.cos(seen.direction), np.sin(seen.direction)], -1)
         weight = 1.0 / seen.reach**2
         total = np.bincount(self.which, weight)
         middle = [np.bincount(self.which, weight * place[:, k]) / total for k in range(2)]
@@ -186,7 +186,7 @@ class _Problem:
         """(n, 2) misfits of direction and distance in standard errors, and their slopes: (n, 2, 3) over the object,
         (n, 2, 4) over the correction of the view's pose."""
         change = self.blend @ correction
-        away = objects[self.which, :2] - self.seen.eye - change[:, :2]
+        away = objects[self.which, :2] - self.seen.viewpoint - change[:, :2]
         far = np.maximum(np.linalg.norm(away, axis=1), 0.3)
         unit = away / far[:, None]
         side = np.stack([-unit[:, 1], unit[:, 0]], -1)

@@ -7,7 +7,7 @@ import numpy as np
 from ..datatypes import LabelPrior
 from ..geometry import rotations
 from . import shapes, silhouettes
-from .bearings import Sights
+from .bearings import Bearings
 
 #: Views used for one box, the nearest first; more add nothing but time.
 MAX_VIEWS = 24
@@ -61,14 +61,14 @@ def share_inside(low: np.ndarray, high: np.ndarray, box: Box, blur: float) -> fl
     return float((np.abs(local) <= box.size / 2 + 0.2 + blur + box.blur).all(1).mean())
 
 
-def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: float) -> tuple[np.ndarray, float]:
+def consensus(points: np.ndarray, viewpoints: np.ndarray, sigma: np.ndarray, noise: float) -> tuple[np.ndarray, float]:
     """Views of one object, each shifted along its lines of sight to where all views together put the object.
 
     A view's depth is off by a common factor (`noise`), its direction hardly: so a centre seen from several places is
     where the lines of sight meet. Information of a view: 1 / sigma^2 along the line, 1 / across^2 across it.
 
     Args:
-      points: (v, P, 3) m, world. eyes: (v, 3) m. sigma: (v,) m along the line of sight.
+      points: (v, P, 3) m, world. viewpoints: (v, 3) m. sigma: (v,) m along the line of sight.
       noise: relative error of depth.
 
     Returns:
@@ -76,7 +76,7 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     """
     low, high = np.quantile(points, 0.05, axis=1), np.quantile(points, 0.95, axis=1)
     middle = (low + high) / 2
-    offset = middle - eyes
+    offset = middle - viewpoints
     reach = np.linalg.norm(offset, axis=1)
     line = offset / reach[:, None]
     # Different sides are seen from different places: the middles of views differ by a share of the object's size.
@@ -97,11 +97,11 @@ def consensus(points: np.ndarray, eyes: np.ndarray, sigma: np.ndarray, noise: fl
     total = (weight[:, None, None] * information).sum(0)
     error = float(np.sqrt(np.trace(np.linalg.inv(total)) / 3))
     # How far along its line each view should have been; at most three sigma of its noise.
-    factor = np.einsum("vi,vi->v", center - eyes, line) / reach
+    factor = np.einsum("vi,vi->v", center - viewpoints, line) / reach
     trust = (noise * reach) ** 2 / ((noise * reach) ** 2 + across**2)
     factor = 1.0 + trust * np.clip(factor - 1.0, -3 * noise, 3 * noise)
     kept = np.asarray(distance < 4.0)
-    return ((points - eyes[:, None]) * factor[:, None, None] + eyes[:, None])[
+    return ((points - viewpoints[:, None]) * factor[:, None, None] + viewpoints[:, None])[
         kept if kept.any() else slice(None)
     ], error
 
@@ -139,25 +139,25 @@ def direction(flat: np.ndarray, blur: float) -> float:
 
 def fit(
     points: np.ndarray,
-    eyes: np.ndarray,
+    viewpoints: np.ndarray,
     prior: LabelPrior,
     noise: float,
     top: float | None,
     sigma: float,
-    seen: Sights | None = None,
+    seen: Bearings | None = None,
     axis: float | None = None,
 ) -> Box:
     """The box around corrected points.
 
     Args:
-      points: (p, 3) m. eyes: (v, 3) m, from where it was seen. prior: of its label.
+      points: (p, 3) m. viewpoints: (v, 3) m, from where it was seen. prior: of its label.
       noise: relative error of depth.
       top: m, height of its top where some view was not cut off there; None hides the top.
       sigma: m, standard error of the centre.
       seen: its views that the picture's sides did not cut off, from above; None for none.
       axis: rad, along or across which objects around stand; None where that is not known.
     """
-    nearest = float(np.linalg.norm(eyes - points.mean(0), axis=1).min())
+    nearest = float(np.linalg.norm(viewpoints - points.mean(0), axis=1).min())
     blur = noise * nearest
     footprint = _footprint(points, prior)
     blurred = footprint < _SIDES and blur > _BLURRED * footprint
@@ -165,14 +165,14 @@ def fit(
         yaw = axis
     else:
         yaw = direction(points[:: max(1, len(points) // _FLAT_POINTS), :2], 0.5 * blur)
-    low, high, seen_from = _seen_along(yaw, points, eyes, noise, top)
+    low, high, seen_from = _seen_along(yaw, points, viewpoints, noise, top)
     quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
     sides = yaw + np.arange(quarter, quarter + 4) * np.pi / 2
     outlined = silhouettes.face(seen, prior) if blurred and seen is not None else None
     told = _facing(points, sides, prior, blur) if outlined is None else _outlined(outlined, sides, axis)
     if told is not None:
         yaw, quarter = told, 0
-        low, high, seen_from = _seen_along(yaw, points, eyes, noise, top)
+        low, high, seen_from = _seen_along(yaw, points, viewpoints, noise, top)
     yaw, low, high, seen_from = _turned(yaw, low, high, seen_from, quarter)
     low, high = _bounded(low, high, prior)
     shown = high - low
@@ -183,15 +183,16 @@ def fit(
 
 
 def _seen_along(
-    yaw: float, points: np.ndarray, eyes: np.ndarray, noise: float, top: float | None
+    yaw: float, points: np.ndarray, viewpoints: np.ndarray, noise: float, top: float | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(3,) and (3,) m: where points begin and end along a heading, across it and up; (v, 3) m: the eyes in its axes."""
+    """(3,) and (3,) m: where points begin and end along a heading, across it and up; (v, 3) m: the viewpoints in its
+    axes."""
     turn = rotations.about_z(-yaw)
     local = points @ turn.T
     trim = min(0.002 + 0.4 * noise, 0.03)
     low, high = np.quantile(local, (trim, 1 - trim), axis=0)
     high[2] = max(high[2], low[2] if top is None else top)
-    return low, np.maximum(high, low + _MIN_SIDE), eyes @ turn.T
+    return low, np.maximum(high, low + _MIN_SIDE), viewpoints @ turn.T
 
 
 def _footprint(points: np.ndarray, prior: LabelPrior) -> float:
@@ -234,23 +235,23 @@ def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> fl
     return best + np.pi
 
 
-def _turned(yaw: float, low: np.ndarray, high: np.ndarray, eyes: np.ndarray, quarter: int) -> tuple:
+def _turned(yaw: float, low: np.ndarray, high: np.ndarray, viewpoints: np.ndarray, quarter: int) -> tuple:
     """The same box with its axes turned by quarters."""
     for _ in range(quarter):
         # The new x is the old y, the new y the old -x.
         low, high = np.array([low[1], -high[0], low[2]]), np.array([high[1], -low[0], high[2]])
-        eyes = np.stack([eyes[:, 1], -eyes[:, 0], eyes[:, 2]], -1)
+        viewpoints = np.stack([viewpoints[:, 1], -viewpoints[:, 0], viewpoints[:, 2]], -1)
         yaw += np.pi / 2
-    return yaw, low, high, eyes
+    return yaw, low, high, viewpoints
 
 
-def _heading(size: np.ndarray, middle: np.ndarray, eyes: np.ndarray, prior: LabelPrior) -> int:
+def _heading(size: np.ndarray, middle: np.ndarray, viewpoints: np.ndarray, prior: LabelPrior) -> int:
     """Quarter turns from the box's first axis to the object's heading.
 
     Known sizes say which axis it is; where both fit, and for the end of the axis, the side that was looked at: fronts
     of houses, signs and benches are what one walks past.
     """
-    towards = (eyes - middle)[:, :2]
+    towards = (viewpoints - middle)[:, :2]
     near = 1.0 / np.maximum(np.linalg.norm(towards, axis=1), 1.0) ** 2
     towards = (towards * near[:, None]).sum(0)
     facing = [towards[0], towards[1], -towards[0], -towards[1]]
@@ -284,7 +285,7 @@ def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.n
 
 
 def _complete(
-    low: np.ndarray, high: np.ndarray, eyes: np.ndarray, prior: LabelPrior, topless: bool
+    low: np.ndarray, high: np.ndarray, viewpoints: np.ndarray, prior: LabelPrior, topless: bool
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
     """Ends that no view could show, moved out to the nearest known size of the label.
 
@@ -294,13 +295,13 @@ def _complete(
     longer than what was seen of it, not shorter.
     """
     size = high - low
-    offset = eyes[:, :2] - ((low + high) / 2)[:2]
+    offset = viewpoints[:, :2] - ((low + high) / 2)[:2]
     away = np.linalg.norm(offset, axis=1)
     towards = (offset / np.maximum(away, 1.0)[:, None] ** 3).sum(0)
     front = int(np.argmax(np.abs(towards)))
-    hidden = np.array([False, False, topless or eyes[:, 2].max() < high[2]])
+    hidden = np.array([False, False, topless or viewpoints[:, 2].max() < high[2]])
     for axis in (0, 1):
-        beyond = low[axis] - eyes[:, axis] if towards[axis] > 0 else eyes[:, axis] - high[axis]
+        beyond = low[axis] - viewpoints[:, axis] if towards[axis] > 0 else viewpoints[:, axis] - high[axis]
         hidden[axis] = not (beyond > _GRAZING * away).any()
     if not (len(prior.extents) and hidden.any()):
         return low, high, (False, False, False)

@@ -136,7 +136,7 @@ def distil(
         raise ValidationError(
             f"recording {recording.id!r}: found no ground, needed surfaces with depth in some registered frame."
         )
-    from_above = bearings.sights(views, poses, depth.scale)
+    from_above = bearings.measure(views, poses, depth.scale)
     single = options.single_view
     fused = Fused(
         recording.camera, views, object_of_view, alike, lifted.coarse, placed, from_above, poses, depth, single

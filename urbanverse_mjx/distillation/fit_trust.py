@@ -1,7 +1,8 @@
-"""Fits how far the eye's objects are to be trusted: `eye.decode.TRUST`, which belongs to one set of weights.
+"""Fits how far the perception model's objects are to be trusted: `perception_model.decode.TRUST`, which belongs to one
+set of weights.
 
-    python -m benchmarks.eye_streets --split test --first 20 --layouts 16 --out eye_held.npz
-    python -m urbanverse_mjx.distillation.fit_trust --streets eye_held.npz
+    python -m benchmarks.perception_streets --split test --first 20 --layouts 16 --out perception_held.npz
+    python -m urbanverse_mjx.distillation.fit_trust --streets perception_held.npz
 
 Every object that the weights see in rendered frames is right or wrong (half of its mask, and its class); a logistic
 regression tells the chance from the object's evidence. Streets should be none that a table is made on. Prints one JSON
@@ -18,10 +19,10 @@ import numpy as np
 import scipy.optimize
 
 from ..datatypes import SceneBank, ValidationError
-from .eye import network, score, weights
-from .eye.decode import Decoded
-from .eye.views import Views
-from .train_eye import look
+from .perception_model import network, score, weights
+from .perception_model.decode import Decoded
+from .perception_model.views import Views
+from .train_perception import look
 
 #: Weight of the squared coefficients, so that evidence which settles everything keeps them finite.
 _RIDGE = 1e-4

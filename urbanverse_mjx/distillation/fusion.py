@@ -34,11 +34,11 @@ _BLURRED = 0.25
 
 @dataclasses.dataclass(frozen=True)
 class Placed:
-    """Views in the world: low, high (n, 3) m, their boxes; eye (n, 3) m; sigma (n,) m along the line of sight."""
+    """Views in the world: low, high (n, 3) m, their boxes; viewpoint (n, 3) m; sigma (n,) m along the line of sight."""
 
     low: np.ndarray
     high: np.ndarray
-    eye: np.ndarray
+    viewpoint: np.ndarray
     sigma: np.ndarray
 
     @property
@@ -50,7 +50,7 @@ class Placed:
     def gain(self) -> np.ndarray:
         """(n, 3, 3) 1/m^2: 1 / sigma^2 along the line of sight, and across it what a view's middle says of the
         object's: different sides are seen from different places."""
-        line = self.center - self.eye
+        line = self.center - self.viewpoint
         line /= np.maximum(np.linalg.norm(line, axis=1), 1e-6)[:, None]
         along = line[:, :, None] * line[:, None, :]
         across = across_error(self.low, self.high)

@@ -50,7 +50,7 @@ class Fused:
     alike: np.ndarray
     coarse: np.ndarray
     placed: fusion.Placed
-    seen: bearings.Sights
+    seen: bearings.Bearings
     poses: np.ndarray
     depth: DepthScale
     single_view: bool
@@ -143,13 +143,13 @@ def _object(
         chosen = _chosen(own, placed, views.clipped)
     prior = prior_of(views.labels[label])
     points = fusion.world_points(views, fused.poses, fused.depth.scale, chosen)
-    eyes = placed.eye[chosen]
+    viewpoints = placed.viewpoint[chosen]
     noise = fused.depth.noise
-    points, sigma = boxes.consensus(points, eyes, placed.sigma[chosen], noise)
+    points, sigma = boxes.consensus(points, viewpoints, placed.sigma[chosen], noise)
     top = _top(own if len(chosen) > 1 else chosen, views, placed)
     whole = own[~views.clipped[own, :2].any(1)]
     axis = None if street is None else street.axis(np.median(placed.center[own, :2], axis=0))
-    box = boxes.fit(points.reshape(-1, 3), placed.eye[own], prior, noise, top, sigma, fused.seen.of(whole), axis)
+    box = boxes.fit(points.reshape(-1, 3), placed.viewpoint[own], prior, noise, top, sigma, fused.seen.of(whole), axis)
     name = views.labels[label]
     return FusedObject(int(fused.object_of_view[rows[0]]), name, _confidence(fused, rows, box, prior), box, prior, rows)
 
@@ -190,7 +190,7 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
     # A view cut off by the picture's rim is worth one from three times as far.
     cost = placed.sigma[rows] * np.where(clipped[rows].any(1), 3.0, 1.0)
     middle = np.median(placed.center[rows], axis=0)
-    side = placed.eye[rows] - middle
+    side = placed.viewpoint[rows] - middle
     sector = np.floor((np.arctan2(side[:, 1], side[:, 0]) / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
     order = np.lexsort((cost, sector))
     ends = np.r_[0, np.flatnonzero(np.diff(sector[order])) + 1]
@@ -221,7 +221,7 @@ def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrio
     camera, frames = fused.camera, np.unique(fused.views.frame[rows])
     offset = box.center - fused.poses[:, :3, 3]
     local = np.einsum("mji,mj->mi", fused.poses[:, :3, :3], offset)
-    farthest = np.linalg.norm(box.center - fused.placed.eye[rows], axis=1).max()
+    farthest = np.linalg.norm(box.center - fused.placed.viewpoint[rows], axis=1).max()
     z = np.maximum(local[:, 2], 0.5)
     u, w = (camera.fx * local[:, 0] / z + camera.cx), (camera.fy * local[:, 1] / z + camera.cy)
     inside = (local[:, 2] > 0.5) & (np.linalg.norm(offset, axis=1) <= farthest)

@@ -1,9 +1,9 @@
 """Which way an object faces, told by how wide it looks from here and there.
 
 A direction to an object's rim does not care how blurred its depth is. The two directions to the rims of one view are
-tangents of the object's footprint: for the outward normal n of a tangent through the eye e, c . n + h(n) = e . n, with
-c its place and h the support function of its outline (Prince and Willsky, "Reconstructing Convex Sets from Support Line
-Measurements", 1990). The outlines of a label's known shapes, turned and scaled, are laid between the tangents of
+tangents of the object's footprint: for the outward normal n of a tangent through the viewpoint e, c . n + h(n) = e . n,
+with c its place and h the support function of its outline (Prince and Willsky, "Reconstructing Convex Sets from Support
+Line Measurements", 1990). The outlines of a label's known shapes, turned and scaled, are laid between the tangents of
 all views; place and scale follow by least squares, linear for every heading.
 """
 
@@ -12,7 +12,7 @@ import dataclasses
 import numpy as np
 
 from ..datatypes import LabelPrior
-from .bearings import Sights
+from .bearings import Bearings
 
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 6.0))
 _NORMALS = 180  # directions in which an outline's support is kept
@@ -57,7 +57,7 @@ def supports(prior: LabelPrior) -> np.ndarray:
     return (prior.extents[:, :2] / 2) @ np.abs(normal)
 
 
-def face(seen: Sights, prior: LabelPrior) -> Fit | None:
+def face(seen: Bearings, prior: LabelPrior) -> Fit | None:
     """How well every heading fits what was seen of an object; None where views are too few.
 
     Args:
@@ -69,7 +69,7 @@ def face(seen: Sights, prior: LabelPrior) -> Fit | None:
     rim = np.stack([seen.direction - seen.half, seen.direction + seen.half], -1)
     outward = rim + np.array([-np.pi / 2, np.pi / 2])  # (n, 2) rad
     normal = np.stack([np.cos(outward), np.sin(outward)], -1)
-    right = np.einsum("nri,ni->nr", normal, seen.eye)
+    right = np.einsum("nri,ni->nr", normal, seen.viewpoint)
     error = np.repeat(np.sqrt(_RIM**2 + (_DIRECTION * seen.reach) ** 2 + (_SHARE * seen.width) ** 2), 2)
     outline = supports(prior)
     step = 2 * np.pi / _NORMALS

@@ -36,7 +36,8 @@ _CHASE_SMOOTH = 1.8  # s
 def _chase_cameras(
     xpos: np.ndarray, xquat: np.ndarray, frames_per_second: float, height: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Eye (T, 3) and quaternion (T, 4) of a camera behind the root body, its heading smoothed over two seconds.
+    """Position (T, 3) and quaternion (T, 4) of a camera behind the root body, its heading smoothed over two
+    seconds.
 
     Args:
       height: m, of the robot.

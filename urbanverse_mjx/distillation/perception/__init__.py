@@ -1,19 +1,19 @@
 """A video becomes a `Recording`: frames, screening, poses, metric scale, depth, objects and surfaces."""
 
 from .frames import Frames, SamplingOptions, sample
+from .observation import FrameObservation, Predictor
 from .perceive import Perception, perceive
 from .privacy import Blur, blur_by_name
-from .sight import Sees, Sight
 from .structure import StructureOptions, reconstruct
 from .trajectory import TrajectoryError, trajectory_error
 
 __all__ = [
     "Blur",
+    "FrameObservation",
     "Frames",
     "Perception",
+    "Predictor",
     "SamplingOptions",
-    "Sees",
-    "Sight",
     "StructureOptions",
     "TrajectoryError",
     "blur_by_name",

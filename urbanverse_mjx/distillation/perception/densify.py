@@ -13,7 +13,7 @@ import numpy as np
 from ...datatypes import GROUND_KINDS, Camera
 from ...datatypes.recording import SKY
 from .metric import Metric
-from .sight import Sight
+from .observation import FrameObservation
 from .structure import Structure
 
 #: m: farther ground is seen too flat for its level to say how far it is.
@@ -53,29 +53,31 @@ def levels(metric: Metric) -> Levels:
     return Levels(z)
 
 
-def dense_depth(row: int, sight: Sight, structure: Structure, metric: Metric, ground: Levels) -> np.ndarray:
+def dense_depth(
+    row: int, observation: FrameObservation, structure: Structure, metric: Metric, ground: Levels
+) -> np.ndarray:
     """(H, W) f32 m along the axis of a registered frame's camera; 0 where nothing is known.
 
     Args:
-      row: of the registered frames. sight: what the straightened frame shows.
+      row: of the registered frames. observation: what the straightened frame shows.
     """
-    flat = _ground_depth(structure.camera, metric.poses[row], sight.surfaces, ground.z[row])
+    flat = _ground_depth(structure.camera, metric.poses[row], observation.surfaces, ground.z[row])
     mine = structure.frame == row
     pixel = np.floor(structure.pixel[mine]).astype(int)
     inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
     columns, rows = pixel[inside].T
     points = (structure.depth()[mine] * metric.scale[row])[inside]
     # Without a guess an object is a board that faces the camera, and what is no object stays unknown.
-    guess = np.ones_like(flat) if sight.depth is None else sight.depth.astype(np.float64)
+    guess = np.ones_like(flat) if observation.depth is None else observation.depth.astype(np.float64)
     ratio = np.log(np.maximum(points, 1e-3) / np.maximum(guess[rows, columns], 1e-3))
     overall = _overall(ratio, flat, guess)
-    out = guess * np.exp(overall) if sight.depth is not None else np.zeros_like(flat)
-    owner = sight.masks[rows, columns]
-    for k, box in enumerate(_boxes(sight.masks, len(sight.detections))):
+    out = guess * np.exp(overall) if observation.depth is not None else np.zeros_like(flat)
+    owner = observation.masks[rows, columns]
+    for k, box in enumerate(_boxes(observation.masks, len(observation.detections))):
         if box is None:
             continue
-        mask = sight.masks[box] == k
-        estimates = [(overall, _GUESS)] if sight.depth is not None else []
+        mask = observation.masks[box] == k
+        estimates = [(overall, _GUESS)] if observation.depth is not None else []
         own = ratio[owner == k]
         if len(own) >= _MIN_POINTS:
             estimates.append((float(np.median(own)), float(np.hypot(_POINT / np.sqrt(len(own)), _POINT_FLOOR))))
@@ -86,7 +88,7 @@ def dense_depth(row: int, sight: Sight, structure: Structure, metric: Metric, gr
             value, sigma = np.array(estimates).T
             out[box][mask] = guess[box][mask] * np.exp(np.average(value, weights=sigma**-2.0))
     out = np.where(flat > 0, flat, out)
-    return np.where(sight.surfaces == SKY, 0.0, out).astype(np.float32)
+    return np.where(observation.surfaces == SKY, 0.0, out).astype(np.float32)
 
 
 def _ground_depth(camera: Camera, pose: np.ndarray, surfaces: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from ...datatypes import validation as v
 from . import densify
 from .frames import Frames
 from .metric import Metric, to_metric
-from .sight import Sees, Sight
+from .observation import FrameObservation, Predictor
 from .structure import Structure, StructureOptions, reconstruct
 
 FILE = "perception.json"
@@ -25,13 +25,13 @@ class Perception:
     """What perceives.
 
     Attributes:
-      sees: finds objects, surfaces and, where it can, depth.
+      predictor: finds objects, surfaces and, where it can, depth.
       poses: finds poses and points; None for COLMAP.
       camera_height: m above the ground that is walked on, the one length that a video does not show. 1.5 is a hand
         held before the chest.
     """
 
-    sees: Sees
+    predictor: Predictor
     poses: FindsStructure | None = None
     camera_height: float = 1.5
 
@@ -62,13 +62,13 @@ def perceive(
     say = progress or (lambda done, total: None)
     find = perception.poses or (lambda frames, progress: reconstruct(frames, StructureOptions(), progress))
     structure = find(frames, lambda done, total: say(round(done / max(total, 1) * 3 * count), 5 * count))
-    sights: list[Sight] = []
+    observations: list[FrameObservation] = []
     for k, number in enumerate(structure.registered):
         rgb = structure.straighten(frames.rgb(int(number)))
-        sights.append(perception.sees(rgb, structure.camera.fx))
+        observations.append(perception.predictor(rgb, structure.camera.fx))
         say(3 * count + k + 1, 5 * count)
-    metric = to_metric(structure, _codes(structure, sights), perception.camera_height)
-    structure, sights = structure.only(metric.kept), [sights[k] for k in metric.kept]
+    metric = to_metric(structure, _codes(structure, observations), perception.camera_height)
+    structure, observations = structure.only(metric.kept), [observations[k] for k in metric.kept]
     writer = RecordingWriter(folder, identifier(name), source, structure.camera)
     ground = densify.levels(metric)
     row_of = {int(number): row for row, number in enumerate(structure.registered)}
@@ -77,29 +77,37 @@ def perceive(
         if row is None:
             writer.add(frames.time_s[number], rgb)
         else:
-            sight = sights[row]
-            depth = densify.dense_depth(row, sight, structure, metric, ground)
+            observation = observations[row]
+            depth = densify.dense_depth(row, observation, structure, metric, ground)
             writer.add(
-                frames.time_s[number], rgb, depth, sight.masks, sight.surfaces, metric.poses[row], sight.detections
+                frames.time_s[number],
+                rgb,
+                depth,
+                observation.masks,
+                observation.surfaces,
+                metric.poses[row],
+                observation.detections,
             )
         say(4 * count + number + 1, 5 * count)
     recording = writer.close()
-    v.write_json(folder / FILE, _record(frames, structure, metric, sights))
+    v.write_json(folder / FILE, _record(frames, structure, metric, observations))
     return recording
 
 
-def _codes(structure: Structure, sights: list[Sight]) -> np.ndarray:
+def _codes(structure: Structure, observations: list[FrameObservation]) -> np.ndarray:
     """(o,) u8 surface code of the pixel of every observation; 0 outside the straightened frame."""
     pixel = np.floor(structure.pixel).astype(int)
     inside = (pixel >= 0).all(1) & (pixel < [structure.camera.width, structure.camera.height]).all(1)
     out = np.zeros(len(pixel), np.uint8)
-    for row, sight in enumerate(sights):
+    for row, observation in enumerate(observations):
         mine = np.flatnonzero(inside & (structure.frame == row))
-        out[mine] = sight.surfaces[pixel[mine, 1], pixel[mine, 0]]
+        out[mine] = observation.surfaces[pixel[mine, 1], pixel[mine, 0]]
     return out
 
 
-def _record(frames: Frames, structure: Structure, metric: Metric, sights: list[Sight]) -> dict[str, Any]:
+def _record(
+    frames: Frames, structure: Structure, metric: Metric, observations: list[FrameObservation]
+) -> dict[str, Any]:
     way = np.linalg.norm(np.diff(metric.poses[:, :3, 3], axis=0), axis=1).sum()
     return {
         "schema": "urbanverse.perception/1",
@@ -112,7 +120,7 @@ def _record(frames: Frames, structure: Structure, metric: Metric, sights: list[S
         "reprojection_error_pixels": round(structure.error, 3),
         "pieces": metric.pieces,
         "way_m": round(float(way), 2),
-        "detections": sum(len(s.detections) for s in sights),
+        "detections": sum(len(s.detections) for s in observations),
     }
 
 

@@ -7,9 +7,10 @@
     segmentations_2d/ *.jpg, scene_pcd.glb, config_params.json, distilled_scene_graph.pkl.gz
 
 Read are frames, depth, confidence, poses and intrinsics. The masks are painted pictures with JPEG's smear, and the
-graph is a pickle, which runs whatever its writer wanted: neither is opened; objects are found anew by a `Sees`. The
-documents name no world axes, so the world is turned until the cameras' mean "up" is z, and put down so that the first
-camera is at zero. Where pictures and depth differ in size, pictures are scaled to the depth, whose lens camera.yaml is.
+graph is a pickle, which runs whatever its writer wanted: neither is opened; objects are found anew by a `Predictor`.
+The documents name no world axes, so the world is turned until the cameras' mean "up" is z, and put down so that the
+first camera is at zero. Where pictures and depth differ in size, pictures are scaled to the depth, whose lens
+camera.yaml is.
 """
 
 import os
@@ -23,8 +24,8 @@ from scipy.spatial.transform import Rotation
 
 from ...datatypes import Camera, Recording, RecordingWriter, Source
 from ...datatypes import validation as v
+from ..perception.observation import Predictor
 from ..perception.perceive import identifier
-from ..perception.sight import Sees
 
 _PICTURES = (".png", ".jpg", ".jpeg")
 _MATRICES = ("K", "intrinsics", "camera_matrix")
@@ -35,7 +36,7 @@ _DOUBTED = 0.15
 def read_authors_tree(
     root: str | os.PathLike[str],
     folder: str | os.PathLike[str],
-    sees: Sees,
+    predictor: Predictor,
     source: Source,
     rate: float = 1.0,
     images: str | os.PathLike[str] | None = None,
@@ -45,7 +46,7 @@ def read_authors_tree(
 
     Args:
       root: the folder above. folder: of the recording.
-      sees: finds objects and surfaces in the frames.
+      predictor: finds objects and surfaces in the frames.
       rate: frames per second. images: the frames' folder; default: `images` in the root.
 
     Raises:
@@ -76,8 +77,8 @@ def read_authors_tree(
                 raise v.fail(str(trusted[k]), f"shape {surety.shape}", f"the depth's {depth.shape}", "write it again")
             depth = np.where(surety >= np.quantile(surety, _DOUBTED), depth, 0.0)
         rgb = _rgb(picture, camera)
-        sight = sees(rgb, camera.fx)
-        writer.add(k / rate, rgb, depth, sight.masks, sight.surfaces, poses[k], sight.detections)
+        observation = predictor(rgb, camera.fx)
+        writer.add(k / rate, rgb, depth, observation.masks, observation.surfaces, poses[k], observation.detections)
         if progress is not None:
             progress(k + 1, len(pictures))
     return writer.close()

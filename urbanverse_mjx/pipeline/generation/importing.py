@@ -6,7 +6,7 @@ from collections.abc import Callable
 from ...datatypes import Recording, Source
 from ...datatypes import validation as v
 from ...distillation.readers import Kitti360Options, read_authors_tree, read_kitti360
-from .seeing import make_sees
+from .predictors import make_predictor
 from .tours import TourOptions
 
 Report = Callable[[int, int], None]
@@ -26,11 +26,11 @@ def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, tour: TourOpti
     """A folder as UrbanVerse-Gen's authors document it; objects and surfaces are seen anew.
 
     Raises:
-      ValidationError: see `read_authors_tree` and `make_sees`; or the folder is in use.
+      ValidationError: see `read_authors_tree` and `make_predictor`; or the folder is in use.
     """
     _free(folder)
     source = Source(root.absolute().name, tour.licence, tour.city, tour.country)
-    return read_authors_tree(root, folder, make_sees(tour), source, tour.rate, progress=report)
+    return read_authors_tree(root, folder, make_predictor(tour), source, tour.rate, progress=report)
 
 
 def _free(folder: pathlib.Path) -> None:

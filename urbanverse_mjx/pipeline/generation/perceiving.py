@@ -6,7 +6,7 @@ from collections.abc import Callable
 from ...datatypes import Recording, Source
 from ...distillation.perception import Perception, SamplingOptions, blur_by_name, perceive, sample
 from ...distillation.perception.frames import load as load_frames
-from .seeing import make_sees
+from .predictors import make_predictor
 from .tours import TourOptions
 
 Report = Callable[[int, int], None]
@@ -28,8 +28,8 @@ def perceive_to(
     """Makes a recording of frames, poses from the pictures, objects and surfaces by the model that the options name.
 
     Raises:
-      ValidationError: see `perceive` and `make_sees`.
+      ValidationError: see `perceive` and `make_predictor`.
     """
-    perception = Perception(make_sees(tour, frames), camera_height=tour.camera_height)
+    perception = Perception(make_predictor(tour, frames), camera_height=tour.camera_height)
     source = Source(video.name, tour.licence, tour.city, tour.country)
     return perceive(load_frames(frames), folder, perception, source, video.stem, report)

@@ -10,7 +10,7 @@ class TourOptions:
     Attributes:
       rate: frames taken per second.
       camera_height: m above the ground that is walked on: it gives the metric scale.
-      perception: who looks at the frames: "eye", the small network, or "foundation" models. models: folder of these.
+      perception: model that finds objects: "eye", the built-in one, or "foundation"; models: folder of the latter.
       blur: detector of faces and plates that are made unreadable before a frame is stored; None looks for none.
       licence, city, country: of the video, for the records.
     """

@@ -1,5 +1,5 @@
-"""Foundation models behind `Sees`, for who has the weights: OWLv2, SAM 2, Mask2Former, metric depth."""
+"""Foundation models behind `Predictor`, for who has the weights: OWLv2, SAM 2, Mask2Former, metric depth."""
 
-from .sees import FoundationSees
+from .predictor import FoundationPredictor
 
-__all__ = ["FoundationSees"]
+__all__ = ["FoundationPredictor"]

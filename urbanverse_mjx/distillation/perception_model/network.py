@@ -1,4 +1,4 @@
-"""The eye's network: an encoder of residual blocks, a pyramid back up to half size, and small heads.
+"""The perception model's network: an encoder of residual blocks, a pyramid back up to half size, and small heads.
 
 The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
 every pixel of an object the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al.,
@@ -88,7 +88,7 @@ def _double(x: jax.Array) -> jax.Array:
     return jax.image.resize(x, (n, 2 * h, 2 * w, c), "bilinear")
 
 
-class EyeNetwork(nn.Module):
+class PerceptionNetwork(nn.Module):
     """Pictures to `Seen`.
 
     Attributes:

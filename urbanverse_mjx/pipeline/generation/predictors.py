@@ -5,16 +5,16 @@ import pathlib
 from ... import settings
 from ...assets.categories import ontology
 from ...datatypes import ValidationError
-from ...distillation.eye.seeing import Eye
-from ...distillation.perception import Sees
-from ...distillation.perception.foundation import FoundationSees
+from ...distillation.perception import Predictor
+from ...distillation.perception.foundation import FoundationPredictor
+from ...distillation.perception_model.inference import PerceptionModel
 from .listing import list_categories
 from .tours import TourOptions
 
 PERCEPTIONS = ("eye", "foundation")
 
 
-def make_sees(tour: TourOptions, frames: pathlib.Path | None = None) -> Sees:
+def make_predictor(tour: TourOptions, frames: pathlib.Path | None = None) -> Predictor:
     """The model that the options name.
 
     Args:
@@ -25,7 +25,7 @@ def make_sees(tour: TourOptions, frames: pathlib.Path | None = None) -> Sees:
       ValidationError: no weights, a missing package, or no such perception.
     """
     if tour.perception == "eye":
-        return Eye.load()
+        return PerceptionModel.load()
     if tour.perception != "foundation":
         raise ValidationError(f"--perception: found {tour.perception!r}, needed one of {', '.join(PERCEPTIONS)}.")
     labels = list(ontology.categories())
@@ -38,4 +38,4 @@ def make_sees(tour: TourOptions, frames: pathlib.Path | None = None) -> Sees:
             )
         pictures = sorted(p for p in frames.iterdir() if p.suffix == ".png")
         labels = list_categories(endpoint, pictures)
-    return FoundationSees.load(labels, None if tour.models is None else pathlib.Path(tour.models))
+    return FoundationPredictor.load(labels, None if tour.models is None else pathlib.Path(tour.models))

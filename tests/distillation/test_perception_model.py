@@ -1,4 +1,4 @@
-"""The eye: what it shall answer, how its answers become objects, its weights' file, and its score."""
+"""The perception model: what it shall answer, how its answers become objects, its weights' file, and its score."""
 
 import dataclasses
 import pathlib
@@ -8,17 +8,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from benchmarks import eye_streets
+from benchmarks import perception_streets
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.ground import GROUND_KINDS
 from urbanverse_mjx.datatypes.recording import SKY
-from urbanverse_mjx.distillation.eye import classes, score, seeing, weights
-from urbanverse_mjx.distillation.eye.augment import augment, jpeg, recolour
-from urbanverse_mjx.distillation.eye.decode import Decoded, FoundObject, decode
-from urbanverse_mjx.distillation.eye.network import LEAF_STRIDE, Seen
-from urbanverse_mjx.distillation.eye.targets import Truth, loss, truth
-from urbanverse_mjx.distillation.eye.views import _with_mixed_ground
+from urbanverse_mjx.distillation.perception_model import classes, inference, score, weights
+from urbanverse_mjx.distillation.perception_model.augment import augment, jpeg, recolour
+from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject, decode
+from urbanverse_mjx.distillation.perception_model.network import LEAF_STRIDE, Seen
+from urbanverse_mjx.distillation.perception_model.targets import Truth, loss, truth
+from urbanverse_mjx.distillation.perception_model.views import _with_mixed_ground
 
 NAMES = classes.names()
 CAR, HOUSE, PERSON = (NAMES.index(n) for n in ("car", "house", "pedestrian adult"))
@@ -76,7 +76,7 @@ def test_every_group_is_called_by_a_leaf_and_holds_leaves_of_the_ontology():
 
 
 def test_what_is_told_apart_is_what_the_streets_show_and_every_group_has_some():
-    shown = {leaf for leaf in eye_streets.shown_leaves() if classes.class_of_leaf(leaf) != classes.FIRST_OBJECT}
+    shown = {leaf for leaf in perception_streets.shown_leaves() if classes.class_of_leaf(leaf) != classes.FIRST_OBJECT}
     assert set(classes.leaves()) == shown
     assert set(classes.leaf_classes()) == set(range(classes.FIRST_OBJECT + 1, len(NAMES)))
     assert (np.diff(classes.leaf_classes()) >= 0).all()
@@ -267,7 +267,7 @@ def test_the_shipped_weights_are_small_and_belong_to_this_network(variables):
 
 
 def test_missing_and_foreign_weights_are_named(tmp_path: pathlib.Path, variables, monkeypatch: pytest.MonkeyPatch):
-    with pytest.raises(ValidationError, match="found no weights of the eye"):
+    with pytest.raises(ValidationError, match="found no weights of the perception model"):
         weights.load(tmp_path / "none.npz")
     (tmp_path / "text.npz").write_text("no weights")
     with pytest.raises(ValidationError, match="unreadable"):
@@ -279,12 +279,12 @@ def test_missing_and_foreign_weights_are_named(tmp_path: pathlib.Path, variables
 
 
 @pytest.mark.parametrize("size", [(45, 80), (80, 45), (33, 31)])
-def test_the_eye_looks_at_pictures_of_any_size(variables, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]):
-    monkeypatch.setattr(seeing, "SIZE", (32, 64))
+def test_the_model_takes_images_of_any_size(variables, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]):
+    monkeypatch.setattr(inference, "SIZE", (32, 64))
     picture = np.random.default_rng(0).integers(0, 255, (*size, 3), dtype=np.uint8)
-    sight = seeing.Eye(variables, {})(picture, 60.0)
-    assert sight.surfaces.shape == sight.masks.shape == size
-    assert sight.depth is not None
-    assert sight.depth.shape == size
-    assert set(np.unique(sight.surfaces)) <= {0, *range(1, len(GROUND_KINDS)), SKY}
-    assert sight.masks.max() == len(sight.detections) - 1 or not sight.detections
+    observation = inference.PerceptionModel(variables, {})(picture, 60.0)
+    assert observation.surfaces.shape == observation.masks.shape == size
+    assert observation.depth is not None
+    assert observation.depth.shape == size
+    assert set(np.unique(observation.surfaces)) <= {0, *range(1, len(GROUND_KINDS)), SKY}
+    assert observation.masks.max() == len(observation.detections) - 1 or not observation.detections

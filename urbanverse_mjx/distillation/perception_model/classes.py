@@ -1,7 +1,7 @@
 """What the eye tells apart: the sky, the kinds of ground, and groups of the ontology's leaves (`classes.json`).
 
-A group is called by the leaf that stands for it, so that the asset search knows its name. Within a group the eye says
-which of the leaves it was shown an object looks most like (`shown.json`): sizes are known by leaf.
+A group is called by the leaf that stands for it, so that the asset search knows its name. Within a group the perception
+model says which of the leaves it was shown an object looks most like (`shown.json`): sizes are known by leaf.
 """
 
 import functools

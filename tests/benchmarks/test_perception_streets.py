@@ -1,8 +1,8 @@
-"""The streets that the eye learns on: what the splits share, and that processes change nothing."""
+"""The streets that the perception model learns on: what the splits share, and that processes change nothing."""
 
 import pytest
 
-from benchmarks import eye_streets
+from benchmarks import perception_streets
 from urbanverse_mjx.assets import AssetIndex, load_index
 from urbanverse_mjx.assets.meshes.instances import KEY
 from urbanverse_mjx.assets.records.index import build_mesh
@@ -10,7 +10,7 @@ from urbanverse_mjx.assets.records.index import build_mesh
 
 @pytest.fixture(scope="module")
 def splits() -> dict[str, AssetIndex]:
-    return {split: eye_streets.of_split(split, load_index()) for split in eye_streets.SPLITS}
+    return {split: perception_streets.of_split(split, load_index()) for split in perception_streets.SPLITS}
 
 
 def _shapes(index: AssetIndex, leaf: str) -> set[str]:
@@ -19,7 +19,7 @@ def _shapes(index: AssetIndex, leaf: str) -> set[str]:
 
 def test_the_splits_share_no_shape_of_a_leaf_with_three(splits: dict[str, AssetIndex]):
     index = load_index()
-    for leaf in eye_streets.shown_leaves():
+    for leaf in perception_streets.shown_leaves():
         train, test = (_shapes(splits[s], leaf) for s in ("train", "test"))
         assert train | test == {r.uid for r in index.by_leaf(leaf)}
         if len(index.by_leaf(leaf)) >= 3:
@@ -29,14 +29,15 @@ def test_the_splits_share_no_shape_of_a_leaf_with_three(splits: dict[str, AssetI
 def test_training_instances_are_built_in_the_size_that_their_record_tells(splits: dict[str, AssetIndex]):
     for leaf in ("bench", "sedan"):
         made = [r for r in splits["train"].by_leaf(leaf) if KEY in r.params]
-        assert len(made) == eye_streets.INSTANCES
-        assert len({r.extent_xyz for r in made}) > eye_streets.INSTANCES // 2
+        assert len(made) == perception_streets.INSTANCES
+        assert len({r.extent_xyz for r in made}) > perception_streets.INSTANCES // 2
         build_mesh(made[0])
     assert not any(KEY in r.params for r in splits["test"].records)
 
 
 def test_processes_make_the_same_streets():
     alone, together = (
-        [(name, content) for _, name, content in eye_streets._made("test", range(2), processes)] for processes in (1, 2)
+        [(name, content) for _, name, content in perception_streets._made("test", range(2), processes)]
+        for processes in (1, 2)
     )
     assert alone == together

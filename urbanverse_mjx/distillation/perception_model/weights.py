@@ -1,4 +1,5 @@
-"""The eye's weights: one file, kernels as 8-bit numbers with a scale per output channel, with the classes they are for.
+"""The perception model's weights: one file, kernels as 8-bit numbers with a scale per output channel, with the classes
+they are for.
 
 A kernel k is stored as q = round(k / s), s = max |k| over its output channel / 127 (symmetric quantisation per channel,
 Krishnamoorthi 2018, "Quantizing deep convolutional networks for efficient inference"); all else has 16 bits. Arithmetic
@@ -17,7 +18,7 @@ from flax import traverse_util
 from ...datatypes import ValidationError
 from ...datatypes.validation import write_atomically
 from . import classes
-from .network import EyeNetwork
+from .network import PerceptionNetwork
 
 SCHEMA = "urbanverse.eye/3"
 _META = "meta"
@@ -44,7 +45,7 @@ def save(path: str | os.PathLike[str], variables: Any, record: dict[str, Any]) -
 
 
 def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any]]:
-    """Variables of `EyeNetwork` as float32, and the record of their training.
+    """Variables of `PerceptionNetwork` as float32, and the record of their training.
 
     Raises:
       ValidationError: no such file, or weights for other classes or another network.
@@ -52,15 +53,17 @@ def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any
     path = pathlib.Path(path or shipped())
     if not path.is_file():
         raise ValidationError(
-            f"{path}: found no weights of the eye, needed them; train them with "
-            "`python -m urbanverse_mjx.distillation.train_eye`."
+            f"{path}: found no weights of the perception model, needed them; train them with "
+            "`python -m urbanverse_mjx.distillation.train_perception`."
         )
     try:
         with np.load(path, allow_pickle=False) as file:
             body = {name: file[name] for name in file.files}
         meta = json.loads(body.pop(_META).tobytes().decode("utf-8"))
     except (OSError, ValueError, KeyError) as error:
-        raise ValidationError(f"{path}: found an unreadable file ({error}), needed weights of the eye.") from error
+        raise ValidationError(
+            f"{path}: found an unreadable file ({error}), needed weights of the perception model."
+        ) from error
     if meta.get("schema") != SCHEMA or meta.get("classes") != _told_apart():
         raise ValidationError(f"{path}: found weights for other classes, needed this version's; train them again.")
     return traverse_util.unflatten_dict(_unpacked(body), sep="/"), meta["record"]
@@ -70,9 +73,9 @@ def _told_apart() -> list[str]:
     return [*classes.names(), *classes.leaves()]
 
 
-def network(dtype: Any = np.float32) -> EyeNetwork:
+def network(dtype: Any = np.float32) -> PerceptionNetwork:
     """The network that the weights belong to."""
-    return EyeNetwork(len(classes.names()), len(classes.leaves()), dtype=dtype)
+    return PerceptionNetwork(len(classes.names()), len(classes.leaves()), dtype=dtype)
 
 
 def _packed(name: str, x: np.ndarray) -> dict[str, np.ndarray]:

@@ -9,7 +9,7 @@ from ...datatypes import Detection
 
 
 @dataclasses.dataclass(frozen=True)
-class Sight:
+class FrameObservation:
     """One frame of H x W pixels.
 
     Attributes:
@@ -24,9 +24,9 @@ class Sight:
     depth: np.ndarray | None = None
 
 
-class Sees(Protocol):
+class Predictor(Protocol):
     """Finds objects, surfaces and, where it can, depth in a picture."""
 
-    def __call__(self, rgb: np.ndarray, focal: float, /) -> Sight:
+    def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
         """(H, W, 3) u8 picture of a pinhole with focal length `focal` (pixels)."""
         ...

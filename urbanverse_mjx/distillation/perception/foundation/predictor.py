@@ -1,4 +1,4 @@
-"""`FoundationSees`: OWLv2 finds boxes, SAM 2 their masks, Mask2Former the ground, a metric model the depth."""
+"""`FoundationPredictor`: OWLv2 finds boxes, SAM 2 their masks, Mask2Former the ground, a metric model the depth."""
 
 import dataclasses
 import importlib
@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from ....datatypes import Detection
-from ..sight import Sight
+from ..observation import FrameObservation
 from . import boxes, grounds
 from .loading import DEPTH, DETECTOR, GROUND, SEGMENTER, Loaded, load
 
@@ -19,8 +19,8 @@ QUERIES, LEAST_SCORE = 64, 0.2
 
 
 @dataclasses.dataclass(frozen=True)
-class FoundationSees:
-    """`Sees` by four models. Make it with `load`.
+class FoundationPredictor:
+    """`Predictor` by four models. Make it with `load`.
 
     Attributes:
       labels: what is looked for; detector, segmenter, ground, depth: the models; codes: surfaces of ground's classes.
@@ -34,7 +34,7 @@ class FoundationSees:
     codes: np.ndarray
 
     @staticmethod
-    def load(labels: Sequence[str], models: pathlib.Path | None = None) -> "FoundationSees":
+    def load(labels: Sequence[str], models: pathlib.Path | None = None) -> "FoundationPredictor":
         """Loads the models from folders `owlv2`, `sam2`, `mask2former` and `depth` below `models`, or from the hub.
 
         Raises:
@@ -42,17 +42,19 @@ class FoundationSees:
         """
         detector, segmenter, ground, depth = (load(part, models) for part in (DETECTOR, SEGMENTER, GROUND, DEPTH))
         names = {int(k): str(name) for k, name in ground.model.config.id2label.items()}
-        return FoundationSees(tuple(labels), detector, segmenter, ground, depth, grounds.surface_codes(names))
+        return FoundationPredictor(tuple(labels), detector, segmenter, ground, depth, grounds.surface_codes(names))
 
-    def __call__(self, rgb: np.ndarray, focal: float, /) -> Sight:
-        """See `Sees`; the metric model knows no lens, so its depth is corrected by the scale that poses give."""
+    def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
+        """See `Predictor`; the metric model knows no lens, so its depth is corrected by the scale that poses give."""
         picture = Image.fromarray(rgb)
         found = boxes.suppressed(self._detect(picture))
         masks, kept = boxes.paint(self._masks(picture, found), found.score)
         objects = tuple(Detection(self.labels[found.label[k]], float(found.score[k])) for k in kept)
         surfaces = self.codes[self._classes(picture)]
         # What an object's mask covers is the object, whatever the ground's model says.
-        return Sight(np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, objects, self._depth(picture))
+        return FrameObservation(
+            np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, objects, self._depth(picture)
+        )
 
     def _detect(self, picture: Image.Image) -> boxes.Boxes:
         starts = range(0, len(self.labels), QUERIES)

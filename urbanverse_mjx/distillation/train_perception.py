@@ -1,8 +1,9 @@
-"""Trains the eye on rendered streets and scores it on streets it never saw.
+"""Trains the perception model on rendered streets and scores it on streets it never saw.
 
-    python -m benchmarks.eye_streets --split train --layouts 256 --processes 16 --out eye_train.npz
-    python -m benchmarks.eye_streets --split test --layouts 20 --out eye_test.npz
-    python -m urbanverse_mjx.distillation.train_eye --train eye_train.npz --test eye_test.npz --minutes 16 --out eye.npz
+    python -m benchmarks.perception_streets --split train --layouts 256 --processes 16 --out perception_train.npz
+    python -m benchmarks.perception_streets --split test --layouts 20 --out perception_test.npz
+    python -m urbanverse_mjx.distillation.train_perception --train perception_train.npz --test perception_test.npz \\
+        --minutes 16 --out perception.npz
 
 Frames are rendered while it trains, each from a random place with a random lens, look and camera fault; none is seen
 twice. The rate of learning follows the clock, so that any machine's run ends with it at zero. Prints one JSON line a
@@ -27,11 +28,11 @@ import optax
 
 from ..datatypes import SceneBank, ValidationError
 from ..datatypes.validation import write_atomically
-from .eye import network, score, seeing, weights
-from .eye.augment import augment
-from .eye.decode import Decoded, decode
-from .eye.targets import Truth, loss
-from .eye.views import Views
+from .perception_model import inference, network, score, weights
+from .perception_model.augment import augment
+from .perception_model.decode import Decoded, decode
+from .perception_model.targets import Truth, loss
+from .perception_model.views import Views
 
 #: Share of the run in which the rate rises; then it falls along a cosine.
 _WARM_UP = 0.04
@@ -247,7 +248,7 @@ def _say(row: dict[str, Any]) -> None:
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
     height, width = network.SIZE
-    parser = argparse.ArgumentParser(prog="python -m urbanverse_mjx.distillation.train_eye", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m urbanverse_mjx.distillation.train_perception", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--train", type=pathlib.Path, required=True, help="bank of streets to learn on")
     parser.add_argument("--test", type=pathlib.Path, required=True, help="bank of streets to score on")
@@ -264,7 +265,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
     parser.add_argument("--test-frames", type=int, default=512)
     parser.add_argument("--test-batch", type=int, default=32)
-    cut = f"score only objects this likely right; `Eye` takes {seeing.MIN_SCORE}"
+    cut = f"score only objects this likely right; `PerceptionModel` takes {inference.MIN_SCORE}"
     parser.add_argument("--cut", type=float, default=0.0, help=cut)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args(argv)

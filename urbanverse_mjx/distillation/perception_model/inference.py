@@ -1,4 +1,4 @@
-"""The eye looks at pictures of any size."""
+"""Inference of the perception model on pictures of any size."""
 
 import dataclasses
 import functools
@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from ...datatypes import Detection
-from ..perception.sight import Sight
+from ..perception.observation import FrameObservation
 from . import classes, weights
 from .decode import Decoded, decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
@@ -20,8 +20,8 @@ MIN_SCORE = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
-class Eye:
-    """`Sees` by the small network. Make it with `Eye.load`.
+class PerceptionModel:
+    """`Predictor` by the small network. Make it with `PerceptionModel.load`.
 
     Attributes:
       variables: of the network. record: how they were trained.
@@ -31,16 +31,16 @@ class Eye:
     record: dict[str, Any]
 
     @staticmethod
-    def load(path: str | os.PathLike[str] | None = None) -> "Eye":
-        """The eye with the shipped weights, or others.
+    def load(path: str | os.PathLike[str] | None = None) -> "PerceptionModel":
+        """The perception model with the shipped weights, or others.
 
         Raises:
           ValidationError: no weights there.
         """
-        return Eye(*weights.load(path))
+        return PerceptionModel(*weights.load(path))
 
-    def __call__(self, rgb: np.ndarray, focal: float) -> Sight:
-        """See `Sees`. The picture is scaled so that its longer side is as long as in training."""
+    def __call__(self, rgb: np.ndarray, focal: float) -> FrameObservation:
+        """See `Predictor`. The picture is scaled so that its longer side is as long as in training."""
         height, width = rgb.shape[:2]
         factor = max(SIZE) / max(height, width)
         small = round(height * factor), round(width * factor)
@@ -66,10 +66,10 @@ def _apply(variables: Any, pictures: jax.Array) -> Seen:
     return _network().apply(variables, pictures, train=False)
 
 
-def _full_size(seen: Decoded, height: int, width: int) -> Sight:
+def _full_size(seen: Decoded, height: int, width: int) -> FrameObservation:
     rows = np.minimum(((np.arange(height) + 0.5) * seen.kinds.shape[0] / height).astype(int), seen.kinds.shape[0] - 1)
     columns = np.minimum(((np.arange(width) + 0.5) * seen.kinds.shape[1] / width).astype(int), seen.kinds.shape[1] - 1)
     at = np.ix_(rows, columns)
     found = tuple(Detection(classes.leaves()[obj.leaf], obj.score) for obj in seen.objects)
     # Between objects depth jumps: it is repeated, not blended.
-    return Sight(classes.surface_codes()[seen.kinds[at]], seen.masks[at], found, seen.depth[at])
+    return FrameObservation(classes.surface_codes()[seen.kinds[at]], seen.masks[at], found, seen.depth[at])

@@ -1,6 +1,6 @@
 """Random views into the streets of a bank: where a camera stands and looks, and what it sees there.
 
-This module and the training command alone of all in this room know the renderer: they make what the eye learns from.
+Of this package this module and the training command alone import the renderer: they make what the eye learns from.
 """
 
 import dataclasses
@@ -23,7 +23,7 @@ HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a ha
 FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens held upright to an action camera
 _AHEAD = 0.65  # share of the views along the street
 #: Share of the pictures whose objects keep their colours: where everything is dyed anew, neighbouring houses always
-#: differ, and an eye that saw nothing else takes two alike for one.
+#: differ, and a model that saw nothing else takes two alike for one.
 _PLAIN = 0.35
 #: A frame whose near fifth lies closer than this shows the inside of something, m.
 _BLOCKED = 0.35
@@ -81,14 +81,14 @@ class Views:
 
         With `look`, every object takes on colours of its own in all but `_PLAIN` of the pictures.
         """
-        scene, eye, turn, fovy, number = jax.vmap(self._pose)(keys)
+        scene, viewpoint, turn, fovy, number = jax.vmap(self._pose)(keys)
         dyed = look & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _PLAIN))(keys)
         number = jnp.where(dyed, number, 0)
 
-        def draw(scene, eye, turn, fovy, number):
-            return self.renderer.view(scene, eye, turn, fovy, None, None, number)
+        def draw(scene, viewpoint, turn, fovy, number):
+            return self.renderer.view(scene, viewpoint, turn, fovy, None, None, number)
 
-        seen = jax.vmap(draw)(scene, eye, turn, fovy, number)
+        seen = jax.vmap(draw)(scene, viewpoint, turn, fovy, number)
         focal = self.renderer.settings.height / (2.0 * jnp.tan(fovy / 2.0))
         slots = self.renderer.bank.slot_mesh.shape[1]
         wanted = jax.vmap(lambda c, o, d, f: truth(c, o, d, f, self.table, slots))(
@@ -111,7 +111,9 @@ class Views:
         scene = jax.random.randint(keys[0], (), 0, len(self.places))
         kind = jax.random.categorical(keys[1], jnp.log(self.weights[scene]))
         place = self.places[scene, kind, jax.random.randint(keys[2], (), 0, _PLACES)]
-        eye = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1])
+        viewpoint = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(
+            keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1]
+        )
         # Most look along the street (which runs along x) or a little to a side, as walkers do; the rest anywhere.
         along, anywhere, noise, straight = jax.random.split(keys[4], 4)
         ahead = jnp.pi * jax.random.bernoulli(along) + 0.4 * jax.random.normal(noise)
@@ -124,7 +126,7 @@ class Views:
         low, high = np.radians(FIELDS_OF_VIEW)
         fovy = jax.random.uniform(keys[6], (), minval=low, maxval=high)
         number = jax.random.randint(keys[7], (), 1, 2**30)
-        return scene, eye, camera_quaternion(yaw, pitch, roll), fovy, number
+        return scene, viewpoint, camera_quaternion(yaw, pitch, roll), fovy, number
 
 
 def camera_quaternion(yaw: jax.Array, pitch: jax.Array, roll: jax.Array) -> jax.Array:

@@ -1,7 +1,7 @@
 """Makes the streets that the small network learns on and is scored on: pictures only, nothing to collide with.
 
-    python -m benchmarks.eye_streets --split train --layouts 256 --processes 16 --out eye_train.npz
-    python -m benchmarks.eye_streets --split test --layouts 20 --out eye_test.npz
+    python -m benchmarks.perception_streets --split train --layouts 256 --processes 16 --out perception_train.npz
+    python -m benchmarks.perception_streets --split test --layouts 20 --out perception_test.npz
 
 The two splits share no layout, no asset (the last variant of every leaf that has three or more is the test's), no sky
 and, where a kind of ground has four materials or more, no material of it. The training streets show their variants
@@ -223,7 +223,7 @@ def _say(begin: float, done: int, total: int) -> None:
 
 
 def main(argv: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.eye_streets", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.perception_streets", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--split", choices=SPLITS, required=True)
     parser.add_argument("--layouts", type=int, required=True, help="streets")

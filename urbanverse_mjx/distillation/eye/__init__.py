@@ -1,4 +1,0 @@
-"""The eye: a small network of ours that finds street objects, surfaces and depth in one picture.
-
-It was trained in this repository on rendered streets alone (`python -m urbanverse_mjx.distillation.train_eye`).
-"""
