@@ -2,24 +2,25 @@
 
     python -m benchmarks.fidelity --banks bank16.npz --scenes 10 --frames 180 --markdown fidelity.md --json
 
-films tours through the streets of banks (default: the six shipped ones), distils each and scores the graph against the
-true one. Alignment: SE(3) on the trajectory, no scale. Matching: Hungarian on the distance of centres, 5 m gate,
+films captures through the streets of banks (default: the six shipped ones), distils each and scores the graph against
+the true one. Alignment: SE(3) on the trajectory, no scale. Matching: Hungarian on the distance of centres, 5 m gate,
 whatever the label. Columns, over matches: Cat, share of right labels; Dist, m between centres; Ori, degrees between
 headings modulo half a turn (depth and masks do not tell front from back; front_percent says how often the sign is
 right, too), of objects whose footprint has a heading; Scale, m^3 between volumes, and mAP25 (mean over labels of the
 average precision at a 3D IoU of 0.25), of objects under 50 m^3; Ast, share of matches that get the very base shape back
-that was filmed (`lib.fidelity_tours.retrieved`), where looks are described. Recall and precision over objects. A true
-object counts as seen where it covers 0.15 % of some frame; finding one that was hardly seen is neither right nor wrong.
+that was filmed (`lib.fidelity_captures.retrieved`), where looks are described. Recall and precision over objects. A
+true object counts as seen where it covers 0.15 % of some frame; finding one that was hardly seen is neither right nor
+wrong.
 
 Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from its view of median size alone and fused;
-with --rgb, from tours with pictures: perfect inputs with Ast, the small network on true poses and depth, and all from
-the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same tours:
-NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes as truth.
-Tracks are never used. One process films and scores one street, with pictures or without; a row that fails on a street
-is named and missing there. --results keeps what was scored, and a second call goes on with the rest: empty it when the
-code changes.
-`--scaling` times instead how long the first 10, 40, 80, 180 and 720 frames of one tour take, or those named, from the
-recording to five compiled cousins (`lib.fidelity_scaling`).
+with --rgb, from captures with pictures: perfect inputs with Ast, the small network on true poses and depth, and all
+from the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same
+captures: NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes
+as truth. Tracks are never used. One process films and scores one street, with pictures or without; a row that fails on
+a street is named and missing there. --results keeps what was scored, and a second call goes on with the rest: empty it
+when the code changes.
+`--scaling` times instead how long the first 10, 40, 80, 180 and 720 frames of one capture take, or those named, from
+the recording to five compiled cousins (`lib.fidelity_scaling`).
 """
 
 import argparse
@@ -41,7 +42,7 @@ import numpy as np
 
 from benchmarks.lib import fidelity_scaling, fidelity_store, tables
 from benchmarks.lib import fidelity_scores as scores
-from benchmarks.lib.fidelity_tours import Tour, film, from_pictures, imported, retrieved, seen_by_the_model
+from benchmarks.lib.fidelity_captures import Capture, film, from_pictures, imported, retrieved, seen_by_the_model
 from benchmarks.lib.injection import inject
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.index import load_index
@@ -72,9 +73,9 @@ def without_tracks(recording: Recording) -> Recording:
 
 
 def judge(
-    given: Recording, filmed: Tour, priors: LabelPriors, options: DistilOptions, describe: Describe | None = None
+    given: Recording, filmed: Capture, priors: LabelPriors, options: DistilOptions, describe: Describe | None = None
 ) -> tuple[scores.Scores, dict[str, float]]:
-    """Distils a recording of a tour and scores it; figures of the trajectory beside, and Ast where looks are
+    """Distils a recording of a capture and scores it; figures of the trajectory beside, and Ast where looks are
     described."""
     begin = time.process_time()
     made = distil(without_tracks(given), priors, describe=describe, options=options)
@@ -84,7 +85,7 @@ def judge(
     kept = [(a, b) for a, b in pairs if b is not None]
     if len(kept) < 2:
         raise ValidationError(
-            f"recording {given.id!r}: found {len(kept)} registered frames of the tour, needed at least 2."
+            f"recording {given.id!r}: found {len(kept)} registered frames of the capture, needed at least 2."
         )
     found, true = (np.array(p) for p in zip(*kept, strict=True))
     T = scores.alignment(found, true)
@@ -100,12 +101,12 @@ def judge(
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """One row: its name, how objects are distilled, what makes a recording of a tour in an empty folder, and, where Ast
-    is measured, descriptors of looks."""
+    """One row: its name, how objects are distilled, what makes a recording of a capture in an empty folder, and, where
+    Ast is measured, descriptors of looks."""
 
     row: str
     options: DistilOptions
-    recording_of: Callable[[Tour, pathlib.Path], Recording]
+    recording_of: Callable[[Capture, pathlib.Path], Recording]
     describe: Describe | None = None
 
 
@@ -113,14 +114,15 @@ class Plan:
 class Street:
     """One street's work, whole in one process: bank file and row, or an imported recording; which rows it has.
 
-    tours: folder of the films. frames, size: of the tour. rgb: whether it is filmed with pictures, for the rows that
-    look at them. others: folders of recordings of the same tours. seed: of the errors. results: folder of scores.
+    captures: folder of the films. frames, size: of the capture. rgb: whether it is filmed with pictures, for the rows
+    that look at them. others: folders of recordings of the same captures. seed: of the errors. results: folder of
+    scores.
     """
 
     bank: pathlib.Path | None
     scene: int
     recording: pathlib.Path | None
-    tours: pathlib.Path
+    captures: pathlib.Path
     frames: int
     size: tuple[int, int]
     rgb: bool
@@ -164,7 +166,9 @@ def street_rows(street: Street) -> Work:
         filmed = imported(street.recording)
     else:
         assert street.bank is not None
-        filmed = film(SceneBank.load(street.bank), street.scene, street.tours, street.frames, street.size, street.rgb)
+        filmed = film(
+            SceneBank.load(street.bank), street.scene, street.captures, street.frames, street.size, street.rgb
+        )
     kind = "rgb" if street.rgb else "depth"
     file = street.results / f"{filmed.scene}-{kind}-{street.frames}-{street.seed}.json"
     rows, failed = fidelity_store.load(file), {}
@@ -192,11 +196,11 @@ def table_of(streets: Sequence[dict[str, fidelity_store.Row]]) -> list[dict[str,
     return table
 
 
-def _given(folder: pathlib.Path, filmed: Tour, _: pathlib.Path) -> Recording:
+def _given(folder: pathlib.Path, filmed: Capture, _: pathlib.Path) -> Recording:
     return Recording.load(folder / filmed.recording.id)
 
 
-def _noisy(seed: int) -> Callable[[Tour, pathlib.Path], Recording]:
+def _noisy(seed: int) -> Callable[[Capture, pathlib.Path], Recording]:
     return lambda t, work: inject(t.recording, work, seed + sum(map(ord, t.recording.id)))
 
 
@@ -206,13 +210,15 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--banks", type=pathlib.Path, nargs="*", default=[], help="banks; default: the shipped streets")
     parser.add_argument("--shipped", action="store_true", help="the shipped streets beside --banks")
     parser.add_argument("--scenes", type=int, default=10, help="at most so many streets of each bank")
-    parser.add_argument("--frames", type=int, default=180, help="of each tour, one a second")
+    parser.add_argument("--frames", type=int, default=180, help="of each capture, one a second")
     parser.add_argument("--size", type=int, nargs=2, default=(384, 216), metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--rgb", type=int, default=0, help="so many streets of each bank are filmed with pictures, too")
-    parser.add_argument("--rgb-frames", type=int, default=120, help="of these tours, two a second")
+    parser.add_argument("--rgb-frames", type=int, default=120, help="of these captures, two a second")
     parser.add_argument("--rgb-size", type=int, nargs=2, default=(480, 270), metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--kitti360", type=pathlib.Path, nargs="*", default=[], help="recordings that were imported")
-    parser.add_argument("--tours", type=pathlib.Path, help="keeps the filmed tours, and reads those that are there")
+    parser.add_argument(
+        "--captures", "--tours", type=pathlib.Path, help="keeps the captures, and reads those that are there"
+    )
     parser.add_argument("--recordings", type=pathlib.Path, nargs="*", default=[], help="more rows, see above")
     parser.add_argument("--seed", type=int, default=0, help="of the injected errors")
     parser.add_argument("--results", type=pathlib.Path, help="keeps the scores, and goes on with those that are there")
@@ -224,14 +230,14 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def streets_of(arguments: argparse.Namespace, tours: pathlib.Path) -> list[Street]:
+def streets_of(arguments: argparse.Namespace, captures: pathlib.Path) -> list[Street]:
     """The work that the arguments ask for."""
     paths = list(arguments.banks)
     if arguments.shipped or not (paths or arguments.kitti360):
         ensure_default_bank(quiet=True)
         paths.insert(0, settings.default_bank_path())
-    common = {"tours": tours, "others": tuple(arguments.recordings), "seed": arguments.seed}
-    common["results"] = arguments.results or tours / "results"
+    common = {"captures": captures, "others": tuple(arguments.recordings), "seed": arguments.seed}
+    common["results"] = arguments.results or captures / "results"
     seen = {"frames": arguments.rgb_frames, "size": tuple(arguments.rgb_size), "rgb": True}
     felt = {"frames": arguments.frames, "size": tuple(arguments.size), "rgb": False}
     work = [Street(None, 0, path, **felt, **common) for path in arguments.kitti360]
@@ -244,8 +250,8 @@ def streets_of(arguments: argparse.Namespace, tours: pathlib.Path) -> list[Stree
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
-        with tempfile.TemporaryDirectory(prefix="urbanverse-tours-") as work:
-            folder = arguments.tours or pathlib.Path(work)
+        with tempfile.TemporaryDirectory(prefix="urbanverse-capture-") as work:
+            folder = arguments.captures or pathlib.Path(work)
             streets = streets_of(arguments, folder)
             result = (
                 _timed(streets[0], folder, arguments.scaling)

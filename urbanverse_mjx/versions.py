@@ -90,7 +90,7 @@ CODE: Mapping[str, Code] = {
         2,
         (
             *("distillation.perception", "distillation.perception_model", "assets.importing.vision"),
-            *_below("pipeline.generation", "listing", "perceiving", "predictors", "tours"),
+            *_below("pipeline.generation", "listing", "perceiving", "predictors", "video_options"),
         ),
         ("imports",),
         _below("distillation.perception_model", "augment", "score", "targets", "views"),

@@ -1,4 +1,4 @@
-"""The paper's columns: a graph against the true graph of the same tour."""
+"""The paper's columns: a graph against the true graph of the same capture."""
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,7 +22,7 @@ _SQUARE = 1.15
 
 @dataclasses.dataclass(frozen=True)
 class Scores:
-    """What one tour scored; the raw numbers, so that tours can be pooled.
+    """What one capture scored; the raw numbers, so that captures can be pooled.
 
     right: per match, whether the label is right. distance: m. heading: rad of matches that have a heading, modulo half
     a turn. front: whether the heading is within 90° of the true one, with its sign. volume: m^3 differences of small
@@ -45,7 +45,7 @@ class Scores:
 
 
 def seen_objects(recording: Recording, objects: Iterable[GraphObject], share: float = SEEN_SHARE) -> list[GraphObject]:
-    """The true objects that cover enough of some frame of a tour, by the tracks in it."""
+    """The true objects that cover enough of some frame of a capture, by the tracks in it."""
     camera = recording.camera
     needed = share * camera.width * camera.height
     seen: set[str] = set()
@@ -197,23 +197,23 @@ def average_precision(rows: np.ndarray, positives: int) -> float:
     return float((np.diff(np.r_[0.0, recall]) * envelope).sum())
 
 
-def table_row(tours: Sequence[Scores]) -> dict[str, float | int | None]:
-    """The columns over all tours: means over matches, recall and precision over objects, mAP25 over labels."""
+def table_row(captures: Sequence[Scores]) -> dict[str, float | int | None]:
+    """The columns over all captures: means over matches, recall and precision over objects, mAP25 over labels."""
 
     def joined(name: str) -> np.ndarray:
-        return np.concatenate([getattr(t, name) for t in tours])
+        return np.concatenate([getattr(t, name) for t in captures])
 
     def mean(values: np.ndarray, factor: float = 1.0, digits: int = 3) -> float | None:
         return round(factor * float(values.mean()), digits) if len(values) else None
 
-    labels = sorted({k for t in tours for k in t.positives})
+    labels = sorted({k for t in captures for k in t.positives})
     aps = []
     for label in labels:
-        rows = [t.detections[label] for t in tours if label in t.detections]
-        positives = sum(t.positives.get(label, 0) for t in tours)
+        rows = [t.detections[label] for t in captures if label in t.detections]
+        positives = sum(t.positives.get(label, 0) for t in captures)
         aps.append(average_precision(np.concatenate(rows) if rows else np.zeros((0, 2)), positives))
     distance, small = joined("distance"), joined("small")
-    truths, found = sum(t.truths for t in tours), sum(t.found for t in tours)
+    truths, found = sum(t.truths for t in captures), sum(t.found for t in captures)
     return {
         "cat_percent": mean(joined("right"), 100.0, 1),
         "dist_m": mean(distance),

@@ -23,7 +23,7 @@ class Errors:
       turn: rad per m.
       frame_depth: sigma of each frame's depth factor; pixel_depth: sigma of the field over the picture, whose
         features are about a tenth of the picture wide.
-      recall, precision: of detections per frame. confusion: share of labels that are another label of the tour.
+      recall, precision: of detections per frame. confusion: share of labels that are another label of the capture.
       mask: by what share of its size (square root of its area) a mask grows or shrinks.
     """
 

@@ -1,4 +1,5 @@
-"""Blocks after cities: the table of profiles, the ground, what stays free, and the committed graphs of their tours."""
+"""Blocks after cities: the table of profiles, the ground, what stays free, and the committed graphs of their
+captures."""
 
 import dataclasses
 import itertools

@@ -19,7 +19,7 @@ def street(kerb: float = 0.12) -> Canvas:
     canvas.ground("crossing", "crosswalk", rectangle(18, -4, 22, 4))
     canvas.ramp("left", (20, 4), 90)
     canvas.ramp("right", (20, -4), -90)
-    canvas.tour = [(1, 8), (20, 8), (20, -8), (39, -8)]
+    canvas.trajectory = [(1, 8), (20, 8), (20, -8), (39, -8)]
     return canvas
 
 

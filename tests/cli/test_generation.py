@@ -201,7 +201,7 @@ def test_a_killed_run_goes_on_where_it_stopped(tmp_path: pathlib.Path, monkeypat
 
 def sources_of(tmp_path: pathlib.Path, *names: str) -> pathlib.Path:
     path = tmp_path / "list.txt"
-    path.write_text("# tours\n" + "\n".join(names) + "\n\n")
+    path.write_text("# captures\n" + "\n".join(names) + "\n\n")
     return path
 
 

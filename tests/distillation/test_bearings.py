@@ -1,4 +1,4 @@
-"""A tour that bends a little with every step is straightened by the directions in which its objects are seen."""
+"""A trajectory that bends a little with every step is straightened by the directions in which its objects are seen."""
 
 import numpy as np
 import pytest

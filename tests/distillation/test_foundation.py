@@ -17,7 +17,7 @@ from urbanverse_mjx.distillation.perception.foundation import FoundationPredicto
 from urbanverse_mjx.distillation.perception.foundation.loading import Loaded
 from urbanverse_mjx.pipeline.generation import listing
 from urbanverse_mjx.pipeline.generation.predictors import make_predictor
-from urbanverse_mjx.pipeline.generation.tours import TourOptions
+from urbanverse_mjx.pipeline.generation.video_options import VideoOptions
 
 H, W = 40, 80
 
@@ -187,7 +187,7 @@ def test_nothing_found_asks_for_no_masks(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(ValidationError, match=r"found no package 'torch'.*foundation"):
-        make_predictor(TourOptions(perception="foundation"))
+        make_predictor(VideoOptions(perception="foundation"))
     asked = []
 
     class NoWeights:
@@ -208,7 +208,7 @@ def test_missing_packages_and_weights_are_one_sentence(monkeypatch: pytest.Monke
     with pytest.raises(ValidationError, match="needed a newer version"):
         loading.load(loading.SEGMENTER, None)
     with pytest.raises(ValidationError, match="one of eye, foundation"):
-        make_predictor(TourOptions(perception="magic"))
+        make_predictor(VideoOptions(perception="magic"))
 
 
 def chat(text: str) -> dict:
@@ -244,4 +244,4 @@ def test_unblurred_frames_are_never_sent(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.setenv("URBANVERSE_VISION_MODEL", "m")
     monkeypatch.setattr(listing, "post", lambda *_: pytest.fail("sent"))
     with pytest.raises(ValidationError, match="needed --blur"):
-        make_predictor(TourOptions(perception="foundation"), tmp_path)
+        make_predictor(VideoOptions(perception="foundation"), tmp_path)

@@ -196,7 +196,7 @@ def test_a_quarter_turn_is_taken_only_where_the_box_lies_across():
     path = ((0.0, 2.0, 1.6, 0.0), (5.0, 2.0, 1.6, 0.0))
     for cousin in materialise_cousins(street(wide, almost, camera_path=path), 3, objects=few_objects()):
         bench, post = cousin.layout.objects
-        assert bench.yaw == pytest.approx(-math.pi / 2, abs=1e-3)  # its front towards the tour
+        assert bench.yaw == pytest.approx(-math.pi / 2, abs=1e-3)  # its front towards the trajectory
         assert post.yaw == pytest.approx(0.0)
 
 

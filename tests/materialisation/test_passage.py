@@ -37,7 +37,7 @@ STRIP = passage.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5, 0
         (body(5, 1.0, 0, 1), True),
         (body(5, 0, 2.2, 5), False),  # a crown
         (body(5, 0, 0, 0.2), False),  # a manhole's rim
-        (body(25, 0, 0, 1), False),  # the tour jumped: nobody knows who stands there
+        (body(25, 0, 0, 1), False),  # the trajectory jumped: nobody knows who stands there
         (body(42, 0, 0, 1), True),
     ],
 )

@@ -133,7 +133,7 @@ class StreetComposer(Stage):
     def paint(self, regions: Iterable[GroundRegion]) -> None:
         self.lay(regions)
 
-    def _tour(self) -> tuple[tuple[float, float, float, float], ...]:
+    def _trajectory(self) -> tuple[tuple[float, float, float, float], ...]:
         """A walk at eye level (1.6 m) along the middle of the right pavement, one point every 5 m."""
         y = -(self.section.half + self.section.right / 2)
         z = 0.15 + 1.6
@@ -141,4 +141,6 @@ class StreetComposer(Stage):
         return tuple((5.0 * i, round(y, 3), round(z, 3), 0.0) for i in range(steps + 1))
 
     def graph(self) -> SceneGraph:
-        return SceneGraph(self.scene_id, self.source, tuple(self.objects), tuple(self.regions), None, self._tour())
+        return SceneGraph(
+            self.scene_id, self.source, tuple(self.objects), tuple(self.regions), None, self._trajectory()
+        )

@@ -96,11 +96,11 @@ def build(index: int) -> SceneGraph:
     scene = _Scene(plan, lay(plan.arms, half, pavement, plan.plaza), rng)
     scene.fill()
     source = Source(f"procedural {name}", "Apache-2.0", "none", "none")
-    path = _tour(plan.arms[0], half + pavement / 2)
+    path = _trajectory(plan.arms[0], half + pavement / 2)
     return SceneGraph(f"procedural_{name}_{index:03d}", source, tuple(scene.objects), scene.ground.regions, None, path)
 
 
-def _tour(arm: Arm, offset: float) -> tuple[tuple[float, float, float, float], ...]:
+def _trajectory(arm: Arm, offset: float) -> tuple[tuple[float, float, float, float], ...]:
     """A walk at eye level along the right pavement of an arm, a point every 5 m."""
     path = []
     for k in range(int((arm.free[1] - arm.free[0]) // 5) + 1):

@@ -1,4 +1,4 @@
-"""`urbanverse gen`: digital cousins of a tour; `urbanverse gen batch`: of many."""
+"""`urbanverse gen`: digital cousins of a video; `urbanverse gen batch`: of many."""
 
 import dataclasses
 import json
@@ -13,7 +13,7 @@ from .. import pipeline
 
 @dataclasses.dataclass(frozen=True)
 class GenArgs:
-    """Make compiled digital cousins of a tour; goes on where an earlier run stopped; prints one JSON line."""
+    """Make compiled digital cousins of a video; goes on where an earlier run stopped; prints one JSON line."""
 
     source: Annotated[pathlib.Path, tyro.conf.Positional]
     """A video, a folder of frames, the folder of a recording (posed frames with depth and masks), or graph.json."""
@@ -121,7 +121,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _gen(args: GenArgs) -> int:
-    tour = pipeline.TourOptions(
+    video = pipeline.VideoOptions(
         args.rate,
         args.camera_height,
         args.blur,
@@ -132,7 +132,7 @@ def _gen(args: GenArgs) -> int:
         None if args.models is None else str(args.models),
     )
     options = pipeline.GenerationOptions(
-        args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, tour
+        args.cousins, args.seed, args.kerb, args.usd, args.pictures, args.workers, video
     )
     print(json.dumps(pipeline.generate(args.source, args.out, options, args.quiet)))
     return 0
@@ -149,17 +149,17 @@ def _import(args: ImportArgs) -> int:
             recording = pipeline.import_kitti360(args.source, args.out, options, report)
         else:
             models = None if args.models is None else str(args.models)
-            tour = pipeline.TourOptions(rate=args.rate, perception=args.perception, models=models)
-            recording = pipeline.import_authors_tree(args.source, args.out, tour, report)
+            video = pipeline.VideoOptions(rate=args.rate, perception=args.perception, models=models)
+            recording = pipeline.import_authors_tree(args.source, args.out, video, report)
     print(json.dumps({"recording": str(args.out), "id": recording.id, "frames": len(recording)}))
     return 0
 
 
 def _batch(args: BatchArgs) -> int:
     # A source's own cousins are compiled one after another: the sources share the cores.
-    tour = pipeline.TourOptions(args.rate, args.camera_height, args.blur)
+    video = pipeline.VideoOptions(args.rate, args.camera_height, args.blur)
     options = pipeline.GenerationOptions(
-        args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, tour=tour
+        args.cousins, args.seed, usd=args.usd, pictures=args.pictures, workers=1, video=video
     )
     done = pipeline.run_batch(args.sources, args.out, options, args.executor, args.workers, args.retries, args.quiet)
     print(json.dumps(done))

@@ -24,7 +24,7 @@ COMMANDS = {
     "export-policy": ("export_policy", "write a trained policy without its critic, to be driven alone"),
     "export-onnx": ("export_onnx", "write a trained policy as an ONNX file, with how it is driven in its metadata"),
     "export-gait": ("export_gait", "write a trained gait as one small file"),
-    "gen": ("gen", "digital cousins of a tour: scene graph, assets, compiled scenes, report"),
+    "gen": ("gen", "digital cousins of a video: scene graph, assets, compiled scenes, report"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
     "capture": ("capture", "film a street into a recording with its truth, and as a video"),
     "assets": ("assets", "show, search, match, import and export assets"),

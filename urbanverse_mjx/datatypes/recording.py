@@ -137,7 +137,7 @@ class Frame:
 
 @dataclasses.dataclass(frozen=True)
 class Recording:
-    """A tour through a street, frame by frame. The pictures stay on disk and are read one at a time.
+    """A capture through a street, frame by frame. The pictures stay on disk and are read one at a time.
 
     Attributes:
       id: letters, digits, "_" and "-".

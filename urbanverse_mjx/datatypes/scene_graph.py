@@ -155,7 +155,7 @@ class SceneGraph(JsonDatatype):
       objects: at most 5,000.
       ground: at least one region, at most 1,000.
       sky_descriptor: look of the sky or None (any sky).
-      camera_path: (n, 4) of x, y, z (m), yaw (rad): the way the tour went; may be empty.
+      camera_path: (n, 4) of x, y, z (m), yaw (rad): the way the trajectory went; may be empty.
     """
 
     KIND: ClassVar[str] = "scene graph"

@@ -1,4 +1,5 @@
-"""Poses and objects adjusted together: directions in which objects are seen from frame to frame tell how a tour bends.
+"""Poses and objects adjusted together: directions in which objects are seen from frame to frame tell how a trajectory
+bends.
 
 Odometry that turns a little too far with every step leads the lines of sight to one object past each other. So poses
 (shifts and turns at knots, `knots`) and the places of objects are found together that bring every view's direction and
@@ -79,7 +80,7 @@ def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: D
     """(m, 4, 4) adjusted poses, or None where the views agree with these as well.
 
     Args:
-      views: of the tour. object: (n,) what each view shows.
+      views: of the trajectory. object: (n,) what each view shows.
       poses: (m, 4, 4) T_world_camera. depth: each frame's scale, and the noise that remains.
     """
     problem = _whole_objects(views, object_of_view, poses, depth, _MIN_VIEWS)

@@ -111,8 +111,8 @@ def direction(flat: np.ndarray, blur: float) -> float:
 
     Upright faces are lines from above: projected along them their points fall on one spot. So the best direction has
     the least log area of the rectangle, less what share of pairs of points fall into one bin of its two projections.
-    (Weights and bins were chosen on one tour: 3.0° mean error, 0.4° for buildings; the least rectangle alone has 6.9°
-    and 6.8°, the closeness criterion of Zhang et al. 2017 5.5° and 4.9°.)
+    (Weights and bins were chosen on one capture: 3.0° mean error, 0.4° for buildings; the least rectangle alone has
+    6.9° and 6.8°, the closeness criterion of Zhang et al. 2017 5.5° and 4.9°.)
 
     Args:
       blur: m, how far a face's points scatter.

@@ -15,7 +15,7 @@ from .lifting import Views
 
 #: A descriptor of a picture (H, W, 3) u8 and its mask (H, W) bool: at most 64 numbers of 8 bits.
 Descriptor = Callable[[np.ndarray, np.ndarray], Sequence[int]]
-#: Frames whose sky and ground are kept, evenly over the tour.
+#: Frames whose sky and ground are kept, evenly over the trajectory.
 KEPT_FRAMES = 8
 #: Views of an object that are kept, the largest first.
 KEPT_VIEWS = 2

@@ -1,9 +1,9 @@
-"""Loop-consistent poses: where a tour comes by again, objects seen both times pull the two passes together.
+"""Loop-consistent poses: where a trajectory comes by again, objects seen both times pull the two passes together.
 
-Drift is slow, so the correction is a shift and a turn about z at knots along the tour, linear in between. Every object
-seen in two passes says that both sightings are one place; between knots the odometry says that the turn hardly changes,
-changes evenly, and carries the way with it: a tour that bends by a degree is off by more the farther it goes. Wrong
-pairs are outvoted: their weight falls with the square of their misfit (Geman and McClure), whose scale
+Drift is slow, so the correction is a shift and a turn about z at knots along the trajectory, linear in between. Every
+object seen in two passes says that both sightings are one place; between knots the odometry says that the turn hardly
+changes, changes evenly, and carries the way with it: a trajectory that bends by a degree is off by more the farther it
+goes. Wrong pairs are outvoted: their weight falls with the square of their misfit (Geman and McClure), whose scale
 shrinks from round to round (graduated non-convexity: Yang et al., "Graduated Non-Convexity for Robust Spatial
 Perception", 2020).
 """
@@ -44,7 +44,7 @@ def close_loops(
     """(m, 4, 4) corrected poses, or None where no loop was found or none was open.
 
     Args:
-      views, placed: of the tour. object: (n,) what each view shows, as far as it was found without loops.
+      views, placed: of the trajectory. object: (n,) what each view shows, as far as it was found without loops.
       poses: (m, 4, 4) T_world_camera.
       alike: (L, L) similarity of labels.
     """

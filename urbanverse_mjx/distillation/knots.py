@@ -1,4 +1,4 @@
-"""A slow correction of poses: a shift and a turn about z at knots along the tour, linear in between."""
+"""A slow correction of poses: a shift and a turn about z at knots along the trajectory, linear in between."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

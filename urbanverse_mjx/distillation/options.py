@@ -12,7 +12,7 @@ class DistilOptions:
       max_range: m, what is farther is not used.
       min_score: objects of less confidence are left out.
       depth_scale: whether depth is made consistent over frames from the ground.
-      close_loops: whether poses are made consistent where the tour comes by again.
+      close_loops: whether poses are made consistent where the trajectory comes by again.
       single_view: take each object from one view alone, that of median size (to measure what fusion is worth).
       place: whether objects are pulled to where their kind can stand.
     """

@@ -22,7 +22,7 @@ _RIM, _DIRECTION, _SHARE = 0.03, np.radians(0.25), 0.08
 #: Known sizes differ from an object's by this share (1 sigma).
 _SCALE = 0.15
 _ROUNDS = 4
-#: Half the misfit that tells one heading from most others; 16° mean error from here on, 39° below (four tours).
+#: Half the misfit that tells one heading from most others; 16° mean error from here on, 39° below (four captures).
 CLEAR = 4.0
 
 

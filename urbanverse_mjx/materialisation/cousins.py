@@ -37,9 +37,9 @@ from .shortlists import Candidate, LeftOut
 
 #: Stands in the hashes of layouts.
 VERSION = f"cousins {versions.CODE['cousins'].version}"
-#: Cousins of a graph at most: what the authors released of one tour.
+#: Cousins of a graph at most: what the authors released of one video.
 MOST = 64
-#: How `Source.video` begins in graphs that were composed, not filmed: the tour in them is a plan. Tours filmed through
+#: How `Source.video` begins in graphs that were composed, not filmed: the trajectory in them is a plan. Captures of
 #: blocks of our own say "synthetic tour of ...".
 COMPOSED = re.compile(r"hand$|synthetic$|procedural\b")
 
@@ -245,7 +245,8 @@ def _stand(
 
 
 def _way_of(graph: SceneGraph) -> BaseGeometry:
-    """Where the camera went. What was composed is meant to stand where it is: nobody went the tour of such a graph."""
+    """Where the camera went. What was composed is meant to stand where it is: nobody walked the trajectory of such a
+    graph."""
     filmed = () if COMPOSED.match(graph.source.video) else graph.camera_path
     return passage.walked(np.array(filmed).reshape(-1, 4))
 
@@ -295,7 +296,7 @@ def _slimmer(
 
 
 def _way(graph: SceneGraph) -> np.ndarray:
-    """(n, 2) m, the tour from above."""
+    """(n, 2) m, the trajectory from above."""
     return np.array([p[:2] for p in graph.camera_path]).reshape(-1, 2)
 
 
@@ -327,7 +328,7 @@ def _placed(obj: GraphObject, candidate: Candidate, place: standing.Footing, way
 
 
 def _turn_to(way: np.ndarray, obj: GraphObject) -> float:
-    """pi / 2 or -pi / 2, whichever turns the front towards the nearest point of the tour (n, 2)."""
+    """pi / 2 or -pi / 2, whichever turns the front towards the nearest point of the trajectory (n, 2)."""
     if not len(way):
         return math.pi / 2
     away = way - obj.center[:2]

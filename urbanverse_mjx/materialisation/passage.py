@@ -14,14 +14,14 @@ from . import overlap
 HALF_WIDTH = 0.45
 #: m over the ground between which objects are in a walker's way: over a low kerb, under branches and awnings.
 _LOW, _HIGH = 0.25, 1.3
-#: m; two places of the tour farther apart (a cut, a lost stretch) are not joined.
+#: m; two places of the trajectory farther apart (a cut, a lost stretch) are not joined.
 _LONGEST_STEP = 5.0
 #: A building keeps at least this share of its ground when it is cut back from the way; else it is left as it is.
 _KEPT = 0.5
 
 
 def walked(way: np.ndarray) -> BaseGeometry:
-    """The strip that a tour (n, 2 or more) m passed over; empty without one."""
+    """The strip that a trajectory (n, 2 or more) m passed over; empty without one."""
     steps = np.linalg.norm(np.diff(way[:, :2], axis=0), axis=1)
     parts = np.split(way[:, :2], np.flatnonzero(steps > _LONGEST_STEP) + 1)
     lines = [shapely.LineString(p) if len(p) > 1 else shapely.Point(p[0]) for p in parts if len(p)]

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .generation.batch import run_batch
     from .generation.importing import import_authors_tree, import_kitti360
     from .generation.stages import GenerationOptions, generate
-    from .generation.tours import TourOptions
+    from .generation.video_options import VideoOptions
     from .library.sets import LibraryBuild, LibraryOptions, build_library
     from .playing import PlayOptions, play
     from .routes import plan_routes
@@ -46,7 +46,7 @@ _HOMES = {
     "LibraryBuild": "library.sets",
     "LibraryOptions": "library.sets",
     "PlayOptions": "playing",
-    "TourOptions": "generation.tours",
+    "VideoOptions": "generation.video_options",
     "TrainOptions": "training_run",
     "benchmark": "benchmarking",
     "build_bank": "banks",
@@ -81,8 +81,8 @@ __all__ = [
     "LibraryBuild",
     "LibraryOptions",
     "PlayOptions",
-    "TourOptions",
     "TrainOptions",
+    "VideoOptions",
     "benchmark",
     "build_bank",
     "build_library",

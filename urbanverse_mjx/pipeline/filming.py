@@ -55,7 +55,7 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
     from rich.console import Console
     from rich.progress import Progress
 
-    from ..capture import PathOptions, TourOptions, tour
+    from ..capture import FilmOptions, PathOptions, film_scene
     from ..datatypes import SceneBank
     from .banks import ensure_default_bank
 
@@ -68,10 +68,10 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
     if name not in bank.scene_ids:
         raise ValidationError(f"--scene: found {name!r}, needed one of {', '.join(bank.scene_ids)}.")
     path = PathOptions(speed=options.speed, rate=options.rate, height=options.height, frames=options.frames)
-    camera = TourOptions(width, height, fovy=float(np.radians(options.fov)), samples=options.samples)
+    camera = FilmOptions(width, height, fovy=float(np.radians(options.fov)), samples=options.samples)
     with Progress(console=Console(file=sys.stderr), disable=quiet) as progress:
         task = progress.add_task(f"filming {name}")
-        recording = tour(
+        recording = film_scene(
             bank,
             bank.scene_ids.index(name),
             pathlib.Path(out),

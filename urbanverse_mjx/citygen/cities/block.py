@@ -17,7 +17,7 @@ from .profile import CityProfile
 LENGTH = 200.0
 #: Seeds the block; recorded in its source.
 VERSION = str(versions.CODE["blocks"].version)
-#: m of a tour's camera above the ground, and along the way between its points.
+#: m of a trajectory's camera above the ground, and along the way between its points.
 EYE, STRIDE = 1.55, 2.4
 #: m from bends, crosswalks and ends where no crosswalk or side street begins.
 _CLEAR = 4.5
@@ -27,7 +27,7 @@ _SMALL = frozenset({"motorcycle", "scooter", "bicycle"})
 def block(profile: CityProfile, seed: int, name: str | None = None, length: float = LENGTH) -> SceneGraph:
     """The graph of a block: everything that stands there, with descriptors of its looks; the same for the same seed.
 
-    Its camera path is the tour: along both pavements, or along both lanes of the road where the profile drives.
+    Its camera path is the trajectory: along both pavements, or along both lanes of the road where the profile drives.
     """
     rng = random.Random(f"{profile.name}/{seed}/{VERSION}")
     plan = plan_of(profile, rng, length)
@@ -45,7 +45,7 @@ def block(profile: CityProfile, seed: int, name: str | None = None, length: floa
     regions = [_dressed(r, profile, rng_of(profile, seed, "ground")) for r in [*ground(plan), *_paint(plan)]]
     sky = looks.own_sky_descriptor(stock.pick(profile.skies, rng_of(profile, seed, "sky")))
     source = Source(f"synthetic block after {profile.city}", "Apache-2.0", profile.city, profile.country)
-    return SceneGraph(name or profile.name, source, tuple(filler.objects), tuple(regions), sky, _tour(filler))
+    return SceneGraph(name or profile.name, source, tuple(filler.objects), tuple(regions), sky, _trajectory(filler))
 
 
 def rng_of(profile: CityProfile, seed: int, what: str) -> random.Random:
@@ -234,7 +234,7 @@ def _dressed(region: GroundRegion, profile: CityProfile, rng: random.Random) -> 
     return GroundRegion(region.id, region.kind, region.polygon, region.plane, look)
 
 
-def _tour(filler: Filler) -> tuple[tuple[float, float, float, float], ...]:
+def _trajectory(filler: Filler) -> tuple[tuple[float, float, float, float], ...]:
     """x, y, z (m), yaw (rad) every 2 m: there along one side, back along the other."""
     plan, length = filler.plan, filler.line.length
     ways: list[tuple[float, int, float]] = []

@@ -34,7 +34,7 @@ class CityProfile:
     Lengths are m, densities objects per 100 m of one pavement (of the whole road for traffic).
 
     Attributes:
-      continent, country, city, way: of the scene's id; the tour walks or drives.
+      continent, country, city, way: of the scene's id; the trajectory walks or drives.
       drives: side of the road that one drives on.
       road: width between the kerbs. left, right: widths of the pavements; below 1 m nobody walks there.
       kerb: height. verge: green strip between kerb and pavement. yard: front gardens between pavement and houses.

@@ -102,7 +102,7 @@ class Canvas(Stage):
         self._worn: list[tuple[str | Corner, str]] = []
         self._sky: str | None = None
         #: (x, y) m, the walk through the scene: a robot must get from its first to its last point.
-        self.tour: list[Corner] = []
+        self.trajectory: list[Corner] = []
 
     # Ground: all of it before the first object.
 
@@ -255,7 +255,7 @@ class Canvas(Stage):
     def problems(self, passage_width: float = faults.PASSAGE) -> list[str]:
         """What an eye would object to, a sentence each; see `faults`."""
         self.settle()
-        return faults.problems(self, self.tour, passage_width)
+        return faults.problems(self, self.trajectory, passage_width)
 
     # The scene graph.
 
@@ -281,9 +281,9 @@ class Canvas(Stage):
         return tuple(regions)
 
     def _camera_path(self) -> list[tuple[float, float, float, float]]:
-        """The tour at eye level, a point every 5 m, looking the way it goes."""
+        """The trajectory at eye level, a point every 5 m, looking the way it goes."""
         path = []
-        for a, b in itertools.pairwise(self.tour):
+        for a, b in itertools.pairwise(self.trajectory):
             steps = max(1, round(math.dist(a, b) / 5.0))
             yaw = round(math.atan2(b[1] - a[1], b[0] - a[0]), 3)
             for i in range(steps):

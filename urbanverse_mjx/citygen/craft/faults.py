@@ -12,7 +12,7 @@ from .. import passage
 from ..stage import Stage
 from . import ground_layers
 
-#: Free width (m) that a tour must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
+#: Free width (m) that a trajectory must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
 PASSAGE = 1.2
 #: m over the ground up to which an object's foot counts as meant to stand on it.
 NEAR = 0.3
@@ -20,12 +20,12 @@ NEAR = 0.3
 TOUCH = 0.02
 #: m between the highest and the lowest ground under an object from which it stands over a kerb.
 ASTRIDE = 0.035
-#: m from a point of the tour within which there must be a free place.
+#: m from a point of the trajectory within which there must be a free place.
 REACH = 1.0
 
 
-def problems(stage: Stage, tour: Sequence[tuple[float, float]], width: float = PASSAGE) -> list[str]:
-    """Sentences on objects off the ground, in one another or half over a kerb, on gaps, and on a blocked tour."""
+def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: float = PASSAGE) -> list[str]:
+    """Sentences on objects off the ground, in one another or half over a kerb, on gaps, and on a blocked trajectory."""
     found = ground_layers.seams([r for r in stage.regions if r.kind not in PAINT_KINDS])
     standing = [o for o in stage.objects if passage.is_obstacle(o) and foot(stage, o) < NEAR]
     for obj in standing:
@@ -35,7 +35,7 @@ def problems(stage: Stage, tour: Sequence[tuple[float, float]], width: float = P
             found.append(f"{obj.id} stands beside the ground")
         elif _astride(stage, obj):
             found.append(f"{obj.id} stands half over a kerb")
-    return found + _touching(standing) + _blocked(stage, standing, tour, width)
+    return found + _touching(standing) + _blocked(stage, standing, trajectory, width)
 
 
 def foot(stage: Stage, obj: GraphObject) -> float:
@@ -75,22 +75,22 @@ def _touching(standing: Sequence[GraphObject]) -> list[str]:
 
 
 def _blocked(
-    stage: Stage, standing: Sequence[GraphObject], tour: Sequence[tuple[float, float]], width: float
+    stage: Stage, standing: Sequence[GraphObject], trajectory: Sequence[tuple[float, float]], width: float
 ) -> list[str]:
     space = passage.free_space(stage.regions, standing, width)
     pieces = [p for p in shapely.get_parts(space) if isinstance(p, shapely.Polygon)]
     homes = []
-    for x, y in tour:
+    for x, y in trajectory:
         point = shapely.Point(x, y)
         near = max(
             (k for k, p in enumerate(pieces) if p.distance(point) <= REACH), key=lambda k: pieces[k].area, default=-1
         )
         if near < 0:
-            return [f"the tour's point ({x:g}, {y:g}) is more than {REACH:g} m from any free place"]
+            return [f"the trajectory's point ({x:g}, {y:g}) is more than {REACH:g} m from any free place"]
         homes.append(near)
     found = []
     for i in (i for i in range(len(homes) - 1) if homes[i] != homes[i + 1]):
         near, far = shapely.ops.nearest_points(pieces[homes[i]], pieces[homes[i + 1]])
         where = f"where ({near.x:.1f}, {near.y:.1f}) and ({far.x:.1f}, {far.y:.1f}) do not meet"
-        found.append(f"the tour is blocked from {tour[i]} to {tour[i + 1]}, {where}")
+        found.append(f"the trajectory is blocked from {trajectory[i]} to {trajectory[i + 1]}, {where}")
     return found

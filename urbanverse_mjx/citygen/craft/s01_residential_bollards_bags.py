@@ -216,8 +216,8 @@ def build() -> Canvas:
     street.wear("road", "road/asphalt_old-cracked")
     street.wear((10.0, 4.0), "sidewalk/brick_red_running")
     street.wear("ground", "grass")
-    street.tour = [(3.0, 4.0), (20.0, 4.4), (20.0, -3.9), (42.0, -3.6), (50.6, -3.6), (72.0, 2.2), (93.0, 6.4)]
-    street.tour += [(92.0, 15.6), (83.4, 14.4), (62.0, 7.2), (41.0, 4.6), (24.0, 4.4)]
+    street.trajectory = [(3.0, 4.0), (20.0, 4.4), (20.0, -3.9), (42.0, -3.6), (50.6, -3.6), (72.0, 2.2), (93.0, 6.4)]
+    street.trajectory += [(92.0, 15.6), (83.4, 14.4), (62.0, 7.2), (41.0, 4.6), (24.0, 4.4)]
     return street
 
 

@@ -224,8 +224,8 @@ def build() -> Canvas:
     lane.wear("road", "road/setts_granite-worn")
     lane.wear((10.0, 4.0), "sidewalk/sandstone-worn")
     lane.sky("summer_noon-few_cumulus")
-    lane.tour = [(-2.0, 3.0), (15.0, 3.5), (28.0, 3.9), (28.0, -3.6), (24.0, -4.6), (28.0, -3.6), (28.0, 3.9)]
-    lane.tour += [(47.0, 3.7), left_far.at(16.0, 1.4), left_far.at(38.0, 1.4)]
+    lane.trajectory = [(-2.0, 3.0), (15.0, 3.5), (28.0, 3.9), (28.0, -3.6), (24.0, -4.6), (28.0, -3.6), (28.0, 3.9)]
+    lane.trajectory += [(47.0, 3.7), left_far.at(16.0, 1.4), left_far.at(38.0, 1.4)]
     return lane
 
 

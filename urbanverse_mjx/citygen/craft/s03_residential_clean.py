@@ -232,9 +232,14 @@ def build() -> Canvas:
     street.wear((5.0, -6.2), "sidewalk/concrete_pale")
     street.wear("ground", "grass")
     street.sky("summer_afternoon-few_cumulus")
-    street.tour = [left[0].at(2.0, 2.6), left[0].at(17.0, 2.6), right[0].at(17.0, 2.6), right[0].at(32.0, 2.6)]
-    street.tour += [right[1].at(32.0, 2.6), right[2].at(30.0, 2.6), right[1].at(20.0, 2.6), right[0].at(17.0, 2.6)]
-    street.tour += [left[0].at(17.0, 2.6), left[1].at(2.0, 2.6), left[1].at(30.0, 2.6), left[2].at(30.0, 2.6)]
+    street.trajectory = [left[0].at(2.0, 2.6), left[0].at(17.0, 2.6), right[0].at(17.0, 2.6), right[0].at(32.0, 2.6)]
+    street.trajectory += [
+        right[1].at(32.0, 2.6),
+        right[2].at(30.0, 2.6),
+        right[1].at(20.0, 2.6),
+        right[0].at(17.0, 2.6),
+    ]
+    street.trajectory += [left[0].at(17.0, 2.6), left[1].at(2.0, 2.6), left[1].at(30.0, 2.6), left[2].at(30.0, 2.6)]
     return street
 
 

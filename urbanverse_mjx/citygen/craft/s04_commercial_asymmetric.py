@@ -208,8 +208,8 @@ def build() -> Canvas:
     street.wear((10.0, 6.0), "sidewalk/granite_light")
     street.wear((10.0, -4.0), "sidewalk/brick_brown_running-worn")
     street.sky("spring_noon-few_cumulus")
-    street.tour = [(2.0, 7.0), (17.0, 6.4), (17.0, -4.2), (2.0, -4.6), (35.0, -4.2), (60.9, -4.2), (82.0, -4.0)]
-    street.tour += [(86.5, 0.0), (82.0, 6.8), (61.0, 5.6), (44.0, 6.2), (29.0, 6.8), (17.0, 6.4)]
+    street.trajectory = [(2.0, 7.0), (17.0, 6.4), (17.0, -4.2), (2.0, -4.6), (35.0, -4.2), (60.9, -4.2), (82.0, -4.0)]
+    street.trajectory += [(86.5, 0.0), (82.0, 6.8), (61.0, 5.6), (44.0, 6.2), (29.0, 6.8), (17.0, 6.4)]
     return street
 
 

@@ -228,15 +228,15 @@ def build() -> Canvas:
     lane.wear((12.0, 4.0), "sidewalk/granite_courses")
     lane.wear("ground", "gravel")
     lane.sky("spring_noon-few_cumulus")
-    lane.tour = [(2.0, 5.4), left[0].at(18.6, 3.0), right[0].at(18.6, 2.2), right[0].at(3.0, 2.8)]
-    lane.tour += [
+    lane.trajectory = [(2.0, 5.4), left[0].at(18.6, 3.0), right[0].at(18.6, 2.2), right[0].at(3.0, 2.8)]
+    lane.trajectory += [
         right[0].at(18.6, 2.2),
         right[0].at(34.0, 2.0),
         right[1].at(16.0, 2.4),
         right[2].at(9.0, 2.2),
         (80.0, 4.6),
     ]
-    lane.tour += [left[2].at(8.0, 2.4), left[1].at(20.0, 2.6), left[1].at(1.0, 2.8), left[0].at(18.6, 2.6)]
+    lane.trajectory += [left[2].at(8.0, 2.4), left[1].at(20.0, 2.6), left[1].at(1.0, 2.8), left[0].at(18.6, 2.6)]
     return lane
 
 

@@ -270,9 +270,14 @@ def build() -> Canvas:
     street.wear("road", "road/asphalt_used-stained")
     street.wear((10.0, 5.0), "sidewalk/calcada_waves")
     street.sky("summer_evening-few_cumulus")
-    street.tour = [(1.0, 5.4), left[0].at(18.4, 2.2), right[0].at(18.4, 2.2), right[0].at(3.0, 2.2)]
-    street.tour += [right[0].at(18.4, 2.2), right[0].at(42.0, 2.6), right[1].at(12.0, 2.0), right[1].at(34.0, 2.2)]
-    street.tour += [
+    street.trajectory = [(1.0, 5.4), left[0].at(18.4, 2.2), right[0].at(18.4, 2.2), right[0].at(3.0, 2.2)]
+    street.trajectory += [
+        right[0].at(18.4, 2.2),
+        right[0].at(42.0, 2.6),
+        right[1].at(12.0, 2.0),
+        right[1].at(34.0, 2.2),
+    ]
+    street.trajectory += [
         right[1].at(38.0, -2.0),
         left[1].at(34.0, 2.3),
         left[1].at(12.0, 2.0),

@@ -318,7 +318,7 @@ def build() -> Canvas:
     _court(c)
     _second_arm(c)
     _street(c)
-    c.tour = [
+    c.trajectory = [
         (1.5, -0.4),
         (17.0, -0.3),
         (33.0, -0.5),
@@ -328,5 +328,5 @@ def build() -> Canvas:
         (52.4, 30.0),
         (52.3, 48.0),
     ]
-    c.tour += [(52.3, 50.5), (52.3, 60.0)]
+    c.trajectory += [(52.3, 50.5), (52.3, 60.0)]
     return c

@@ -188,8 +188,8 @@ class Site:
         self.lanes.append(line)
         self._kept = self._kept.union(line.buffer(width / 2, quad_segs=3))
         shapely.prepare(self._kept)
-        if not self.canvas.tour:
-            self.canvas.tour = corners(line)
+        if not self.canvas.trajectory:
+            self.canvas.trajectory = corners(line)
 
     def keep(self, shape: BaseGeometry) -> None:
         """Keeps an area free."""

@@ -238,14 +238,19 @@ def build() -> Canvas:
     _stalls(c)
     _sides(c)
     church = _edge(3, 1)
-    c.tour = [
+    c.trajectory = [
         _edge(0, -1).at(26.2, 10.0),
         _edge(0, 1).at(26.2, 2.6),
         polar(CROSS, 285.0, 9.0),
         polar(CROSS, 340.0, 8.6),
     ]
-    c.tour += [_edge(1, 1).at(12.2, 2.0), _edge(1, -1).at(12.2, 9.0), _edge(1, 1).at(12.2, 2.0), church.at(3.4, 1.6)]
-    c.tour += [church.at(9.6, 2.4), church.at(16.0, 2.6), church.at(3.4, 1.6), polar(CROSS, 55.0, 9.0)]
-    c.tour += [polar(CROSS, 105.0, 9.0), _edge(4, 1).at(17.2, 2.6), _edge(4, -1).at(17.2, 10.0)]
-    c.tour += [_edge(4, 1).at(17.2, 2.6), _edge(4, 1).at(22.0, 5.8), _edge(0, 1).at(12.0, 5.4)]
+    c.trajectory += [
+        _edge(1, 1).at(12.2, 2.0),
+        _edge(1, -1).at(12.2, 9.0),
+        _edge(1, 1).at(12.2, 2.0),
+        church.at(3.4, 1.6),
+    ]
+    c.trajectory += [church.at(9.6, 2.4), church.at(16.0, 2.6), church.at(3.4, 1.6), polar(CROSS, 55.0, 9.0)]
+    c.trajectory += [polar(CROSS, 105.0, 9.0), _edge(4, 1).at(17.2, 2.6), _edge(4, -1).at(17.2, 10.0)]
+    c.trajectory += [_edge(4, 1).at(17.2, 2.6), _edge(4, 1).at(22.0, 5.8), _edge(0, 1).at(12.0, 5.4)]
     return c

@@ -1,4 +1,4 @@
-"""Pieces of a tour whose place to each other no match tells: where they break, and how they are joined again.
+"""Pieces of a trajectory whose place to each other no match tells: where they break, and how they are joined again.
 
 A walker who turns about before a bare wall leaves the pictures before and after without a match. Each piece alone is
 right, upright and metric. What is missing is a turn about z and a shift, and the shift is nearly known: the camera goes
@@ -34,7 +34,7 @@ _FOUND, _DISTINCT, _OTHER, _SURE, _SAME = 0.25, 1.7, np.radians(35.0), 1.5, np.r
 
 @dataclasses.dataclass(frozen=True)
 class Piece:
-    """Some frames of a tour, upright and in metres, at a place of their own.
+    """Some frames of a trajectory, upright and in metres, at a place of their own.
 
     Attributes:
       rows: (k,) of the structure's registered frames. frames: (k,) their numbers, rising.

@@ -20,7 +20,7 @@ from ...datatypes import Camera, ValidationError
 from .frames import Frames
 from .pieces import cut
 
-#: Fewer frames with a pose are no tour.
+#: Fewer frames with a pose are no trajectory.
 MIN_FRAMES = 3
 #: Lens distortion below so many pixels at the corner is left alone.
 _STRAIGHT = 0.3
@@ -34,7 +34,7 @@ _SMALL_MODEL = 6
 #: Models that share a frame are one if at least so many points that it shows are in both.
 _SHARED_POINTS = 8
 #: SIFT's least contrast, COLMAP's own. With less the bricks of a near wall crowd out all else, and what is seen of one
-#: plane alone fits two poses: on three of twelve tours the way then bent by 50 to 90° before a wall.
+#: plane alone fits two poses: on three of twelve captures the way then bent by 50 to 90° before a wall.
 _CONTRAST = 0.0067
 #: Pixels by which matches of two frames may miss, those of a new frame, and points. COLMAP's own (4, 12, 4) are for
 #: pictures of several thousand pixels and let the wrong one of a wall's two poses pass. The focal length comes from all
@@ -244,7 +244,7 @@ def _round_focal_length(database: pathlib.Path) -> None:
 
 
 def _mapping(pycolmap: Any, refine_focal: bool) -> Any:
-    """Options for a tour on foot: small steps and small angles, and a bundle adjustment that stops early.
+    """Options for a capture on foot: small steps and small angles, and a bundle adjustment that stops early.
 
     One thread: RANSAC seeds each of its threads differently, and sums over threads differ in their last bits. Either
     leads to other inliers, and a few frames later to another structure.

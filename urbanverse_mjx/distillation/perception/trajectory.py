@@ -1,4 +1,4 @@
-"""How far estimated poses are off true ones, after the two tours were laid on each other."""
+"""How far estimated poses are off true ones, after the two trajectories were laid on each other."""
 
 import dataclasses
 
@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclasses.dataclass(frozen=True)
 class TrajectoryError:
-    """Of m poses that both tours have.
+    """Of m poses that both trajectories have.
 
     Attributes:
       T: (4, 4) that takes estimated places to true ones, rigid.
@@ -25,8 +25,8 @@ class TrajectoryError:
 def trajectory_error(estimated: np.ndarray, true: np.ndarray) -> TrajectoryError:
     """Lays (m, 4, 4) estimated on (m, 4, 4) true poses by a rigid motion that minimises the squared distances.
 
-    Where the places lie on a line, the cameras' directions say how the tour is turned about it; elsewhere their weight,
-    a thousandth of the places', hardly counts.
+    Where the places lie on a line, the cameras' directions say how the trajectory is turned about it; elsewhere their
+    weight, a thousandth of the places', hardly counts.
     Source: Umeyama, "Least-squares estimation of transformation parameters between two point patterns", 1991.
     """
     a, b = estimated[:, :3, 3], true[:, :3, 3]

@@ -1,1 +1,1 @@
-"""From a tour, or a scene graph, to compiled digital cousins, stage by stage."""
+"""From a video, or a scene graph, to compiled digital cousins, stage by stage."""

@@ -105,7 +105,9 @@ def run_batch(
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise v.fail(str(out), f"no way to write there ({error.strerror})", "a folder to write into") from error
-    journal, key = Journal(out / JOURNAL), key_of("generation", options=dataclasses.asdict(options))
+    asked = dataclasses.asdict(options)
+    asked["tour"] = asked.pop("video")  # as the field was called when the first journals were written
+    journal, key = Journal(out / JOURNAL), key_of("generation", options=asked)
     last = journal.last()
     todo = [s for s in listed if not _is_done(last.get(str(s)), key, out / folder_name(s))]
     failed: dict[str, str] = {}

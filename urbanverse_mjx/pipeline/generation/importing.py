@@ -7,7 +7,7 @@ from ...datatypes import Recording, Source
 from ...datatypes import validation as v
 from ...distillation.readers import Kitti360Options, read_authors_tree, read_kitti360
 from .predictors import make_predictor
-from .tours import TourOptions
+from .video_options import VideoOptions
 
 Report = Callable[[int, int], None]
 
@@ -22,15 +22,15 @@ def import_kitti360(root: pathlib.Path, folder: pathlib.Path, options: Kitti360O
     return read_kitti360(root, folder, options, report)
 
 
-def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, tour: TourOptions, report: Report) -> Recording:
+def import_authors_tree(root: pathlib.Path, folder: pathlib.Path, video: VideoOptions, report: Report) -> Recording:
     """A folder as UrbanVerse-Gen's authors document it; objects and surfaces are seen anew.
 
     Raises:
       ValidationError: see `read_authors_tree` and `make_predictor`; or the folder is in use.
     """
     _free(folder)
-    source = Source(root.absolute().name, tour.licence, tour.city, tour.country)
-    return read_authors_tree(root, folder, make_predictor(tour), source, tour.rate, progress=report)
+    source = Source(root.absolute().name, video.licence, video.city, video.country)
+    return read_authors_tree(root, folder, make_predictor(video), source, video.rate, progress=report)
 
 
 def _free(folder: pathlib.Path) -> None:

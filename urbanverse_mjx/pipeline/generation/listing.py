@@ -1,4 +1,4 @@
-"""Which categories a tour shows, by an OpenAI-compatible vision endpoint (the paper asks GPT-4.1)."""
+"""Which categories a capture shows, by an OpenAI-compatible vision endpoint (the paper asks GPT-4.1)."""
 
 import base64
 import json
@@ -10,7 +10,7 @@ from ...assets.categories import ontology
 from ...assets.importing.vision import VisionError, post
 from ...settings import VisionEndpoint
 
-#: Frames that are shown, evenly over the tour.
+#: Frames that are shown, evenly over the capture.
 FRAMES = 8
 _ASK = """These frames are from one walk or drive through a street. Name every kind of object that stands, is parked or
 moves in it. Answer with one JSON object with the single field "categories": a list of names, taken from this list

@@ -12,7 +12,7 @@ from ...process_pool import end_with_parent
 from ..errors import refusal
 from .executors import Job
 from .stages import GenerationOptions, generate
-from .tours import TourOptions
+from .video_options import VideoOptions
 
 
 def argument(job: Job, parent: int) -> str:
@@ -30,7 +30,7 @@ def main(argv: Sequence[str]) -> int:
         generate(
             asked["source"],
             asked["out"],
-            GenerationOptions(**{**options, "tour": TourOptions(**options["tour"])}),
+            GenerationOptions(**{**options, "video": VideoOptions(**options["video"])}),
         )
     except Exception as error:
         sentence = refusal(error)

@@ -9,33 +9,33 @@ from ...distillation.perception import Predictor
 from ...distillation.perception.foundation import FoundationPredictor
 from ...distillation.perception_model.inference import PerceptionModel
 from .listing import list_categories
-from .tours import TourOptions
+from .video_options import VideoOptions
 
 PERCEPTIONS = ("eye", "foundation")
 
 
-def make_predictor(tour: TourOptions, frames: pathlib.Path | None = None) -> Predictor:
+def make_predictor(video: VideoOptions, frames: pathlib.Path | None = None) -> Predictor:
     """The model that the options name.
 
     Args:
-      frames: folder of the tour's pictures. Where an endpoint is configured and frames were blurred it lists what to
+      frames: folder of the capture's pictures. Where an endpoint is configured and frames were blurred it lists what to
         look for in some of them; else the ontology does.
 
     Raises:
       ValidationError: no weights, a missing package, or no such perception.
     """
-    if tour.perception == "eye":
+    if video.perception == "eye":
         return PerceptionModel.load()
-    if tour.perception != "foundation":
-        raise ValidationError(f"--perception: found {tour.perception!r}, needed one of {', '.join(PERCEPTIONS)}.")
+    if video.perception != "foundation":
+        raise ValidationError(f"--perception: found {video.perception!r}, needed one of {', '.join(PERCEPTIONS)}.")
     labels = list(ontology.categories())
     endpoint = settings.vision_endpoint()
     if endpoint is not None and frames is not None:
-        if tour.blur is None:
+        if video.blur is None:
             raise ValidationError(
                 "URBANVERSE_VISION_URL: found an endpoint and no detector of faces and plates, needed --blur: frames "
                 "that are not blurred never leave this machine; name a detector or unset the address."
             )
         pictures = sorted(p for p in frames.iterdir() if p.suffix == ".png")
         labels = list_categories(endpoint, pictures)
-    return FoundationPredictor.load(labels, None if tour.models is None else pathlib.Path(tour.models))
+    return FoundationPredictor.load(labels, None if video.models is None else pathlib.Path(video.models))

@@ -102,7 +102,7 @@ def _above(graph: SceneGraph, recording: Recording | None, colours: dict[str, st
             '<p class="small">Reconstruction: what the depth of all frames shows, boxes of the graph over it.</p>'
         )
         parts.append(report_map.svg(graph, colours, f"{FOLDER}/from_above.png"))
-    parts.append('<p class="small">Graph: ground, boxes with a tick along the heading, the tour in red.</p>')
+    parts.append('<p class="small">Graph: ground, boxes with a tick along the heading, the trajectory in red.</p>')
     parts.append(report_map.svg(graph, colours))
     entries = "".join(f'<span><i style="background:{c}"></i>{html.escape(n)}</span>' for n, c in colours.items())
     return "\n".join([*parts, f'<p class="legend small">{entries}</p>'])
@@ -118,8 +118,8 @@ def _cousins(
         if recording is not None and row < len(recording.registered):
             number = int(recording.registered[row])
             name = report_pictures.save_jpeg(recording.rgb(number), folder / f"tour_{number:06d}.jpg")
-            cells.insert(0, _figure(_image(name), f"the tour, frame {number}"))
-        parts.append(f"<h3>Place {view + 1} of the tour</h3>{_row(cells, 3)}")
+            cells.insert(0, _figure(_image(name), f"the capture, frame {number}"))
+        parts.append(f"<h3>Place {view + 1} of the capture</h3>{_row(cells, 3)}")
     return "\n".join(parts)
 
 

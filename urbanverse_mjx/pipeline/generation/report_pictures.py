@@ -12,7 +12,7 @@ from ...assets.selection.search import library
 from ...datatypes import Recording, SceneBank, SceneGraph, ValidationError
 from ...viz.pictures import Studio
 
-#: How many frames are shown, and from how many places of the tour the cousins are looked at.
+#: How many frames are shown, and from how many places of the trajectory the cousins are looked at.
 FRAMES, VIEWS = 4, 3
 VIEW_SIZE, ABOVE_SIZE = (640, 360), (1000, 460)
 #: Rays a pixel and side, and how steeply one looks down (m over 8 m) and from above (rad).
@@ -78,7 +78,7 @@ def look_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str]
 def cousin_pictures(
     bank: SceneBank, graph: SceneGraph, folder: pathlib.Path, report: Callable[[int, int], None]
 ) -> list[tuple[str, list[str]]]:
-    """For every scene of the bank its picture from above and its views along the tour; names of the files."""
+    """For every scene of the bank its picture from above and its views along the trajectory; names of the files."""
     eye_level, above = (Studio(bank, *size, samples=SAMPLES) for size in (VIEW_SIZE, ABOVE_SIZE))
     views = viewpoints(graph)
     total, pictures = bank.num_scenes * (1 + len(views)), []
@@ -95,7 +95,7 @@ def cousin_pictures(
 
 
 def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
-    """(eye, target) m, at a few places of the tour, looking its way; none without a tour."""
+    """(eye, target) m, at a few places of the trajectory, looking its way; none without a trajectory."""
     if not graph.camera_path:
         return []
     places = viewpoint_rows(graph)
@@ -107,7 +107,8 @@ def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def viewpoint_rows(graph: SceneGraph) -> list[int]:
-    """Rows of the tour that `viewpoints` are at: evenly along it, each the one nearby that looks most along the way."""
+    """Rows of the trajectory that `viewpoints` are at: evenly along it, each the one nearby that looks most along the
+    way."""
     way = np.array(graph.camera_path)
     step = np.gradient(way[:, :2], axis=0) if len(way) > 1 else np.zeros((1, 2))
     ahead = np.cos(way[:, 3]) * step[:, 0] + np.sin(way[:, 3]) * step[:, 1]

@@ -15,7 +15,7 @@ from . import compiling
 from .progress import StageBars
 from .run_folder import Clock, RunFolder, key_of
 from .sources import Input, recognise
-from .tours import TourOptions
+from .video_options import VideoOptions
 
 FRAMES, RECORDING, GRAPH, COUSINS, REPORT = "frames", "recording", "graph", "cousins", "report"
 MATERIALISATION, BANK = "materialisation.json", "bank.npz"
@@ -30,7 +30,7 @@ class GenerationOptions:
       kerb: m, of sidewalks whose step to the road the source does not show.
       usd: whether to write each scene as USD too. pictures: whether the report has rendered pictures.
       workers: processes that compile; None for as many as there are cores.
-      tour: how a video or folder of frames is looked at.
+      video: what is known of a video or folder of frames, and how it is looked at.
     """
 
     cousins: int = 5
@@ -39,7 +39,7 @@ class GenerationOptions:
     usd: bool = True
     pictures: bool = True
     workers: int | None = None
-    tour: TourOptions = dataclasses.field(default_factory=TourOptions)
+    video: VideoOptions = dataclasses.field(default_factory=VideoOptions)
 
 
 def generate(
@@ -65,7 +65,7 @@ def generate(
     v.integer(options.cousins, "--cousins", 1, 64)
     given = recognise(os.fspath(source))
     with RunFolder.open(out, str(given.path)) as run, StageBars(quiet) as bars:
-        recording, key = _recording(run, bars, options.tour, given)
+        recording, key = _recording(run, bars, options.video, given)
         graph_key = _graph(run, bars, given, recording, key)
         cousins_key = _cousins(run, bars, options, graph_key)
         scenes_key = _scenes(run, bars, options, cousins_key)
@@ -74,28 +74,28 @@ def generate(
         return _summary(run, options)
 
 
-def _recording(run: RunFolder, bars: StageBars, tour: TourOptions, given: Input) -> tuple[pathlib.Path | None, str]:
+def _recording(run: RunFolder, bars: StageBars, video: VideoOptions, given: Input) -> tuple[pathlib.Path | None, str]:
     """`frames/` and `recording/` of raw pictures; where the recording lies (None for a graph), and its key."""
     if given.kind in ("graph", "recording"):
         return (given.path if given.kind == "recording" else None), given.key
-    key = key_of("perception", stage="frames", source=given.key, rate=tour.rate, blur=tour.blur)
+    key = key_of("perception", stage="frames", source=given.key, rate=video.rate, blur=video.blur)
     report = bars.stage("frames")
     if not run.done(FRAMES, key, FRAMES):
         from .perceiving import sample_to
 
         clock = Clock()
         with run.replacing(FRAMES) as folder:
-            sample_to(given.path, folder, tour, report)
+            sample_to(given.path, folder, video, report)
         run.finish(FRAMES, key, clock.seconds)
     report(1, 1)
-    key = key_of("perception", stage="recording", before=key, tour=dataclasses.asdict(tour))
+    key = key_of("perception", stage="recording", before=key, tour=dataclasses.asdict(video))
     report = bars.stage("recording")
     if not run.done(RECORDING, key, f"{RECORDING}/recording.json"):
         from .perceiving import perceive_to
 
         clock = Clock()
         with run.replacing(RECORDING) as folder:
-            perceive_to(run.path / FRAMES, folder, given.path, tour, report)
+            perceive_to(run.path / FRAMES, folder, given.path, video, report)
         run.finish(RECORDING, key, clock.seconds)
     report(1, 1)
     return run.path / RECORDING, key

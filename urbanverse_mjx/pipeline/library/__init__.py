@@ -1,1 +1,1 @@
-"""The scene library: tours of synthetic blocks, and sets of graphs compiled to cousins and packed."""
+"""The scene library: captures of synthetic blocks, and sets of graphs compiled to cousins and packed."""

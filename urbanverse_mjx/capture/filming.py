@@ -1,4 +1,4 @@
-"""`tour`: renders a scene along a camera path into a `Recording` that carries the truth."""
+"""`film_scene`: renders a scene along a camera path into a `Recording` that carries the truth."""
 
 import dataclasses
 import os
@@ -24,7 +24,7 @@ _FLIP = np.diag([1.0, -1.0, -1.0])
 
 
 @dataclasses.dataclass(frozen=True)
-class TourOptions:
+class FilmOptions:
     """What is filmed.
 
     Attributes:
@@ -45,15 +45,15 @@ class TourOptions:
 
     def __post_init__(self) -> None:
         if not 0.1 < self.fovy < 2.6:
-            raise ValidationError(f"tour.fovy: found {self.fovy:g} rad, needed 0.1 to 2.6.")
+            raise ValidationError(f"film_scene: fovy: found {self.fovy:g} rad, needed 0.1 to 2.6.")
 
 
-def tour(
+def film_scene(
     bank: SceneBank,
     scene: int,
     folder: str | os.PathLike[str],
     path: CameraPath | PathOptions | None = None,
-    options: TourOptions | None = None,
+    options: FilmOptions | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Recording:
     """Films one scene; beside the recording, `truth.json` holds the true graph of all that stands in it.
@@ -73,7 +73,7 @@ def tour(
     """
     if not 0 <= scene < bank.num_scenes:
         raise ValidationError(f"scene: found {scene}, needed 0 to {bank.num_scenes - 1}, the scenes of the bank.")
-    options = options or TourOptions()
+    options = options or FilmOptions()
     way = path if isinstance(path, CameraPath) else walk(bank, scene, path)
     camera = Camera.from_fov(options.width, options.height, options.fovy)
     writer = RecordingWriter(folder, bank.scene_ids[scene], SOURCE, camera)
@@ -115,7 +115,7 @@ class _Labels:
         return number[inverse].reshape(slots.shape), found
 
 
-def _render(bank: SceneBank, scene: int, way: CameraPath, options: TourOptions) -> Iterator[tuple[np.ndarray, ...]]:
+def _render(bank: SceneBank, scene: int, way: CameraPath, options: FilmOptions) -> Iterator[tuple[np.ndarray, ...]]:
     """RGB (H, W, 3) u8, depth (H, W) m, slot and category (H, W) of every frame."""
     # Warp takes a second to import: only those who film pay.
     from ..simulation.rendering.renderer import Renderer

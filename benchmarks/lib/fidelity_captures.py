@@ -1,4 +1,4 @@
-"""Tours of the fidelity benchmark: filmed streets with their truth, and what a row's perception makes of them."""
+"""Captures of the fidelity benchmark: filmed streets with their truth, and what a row's perception makes of them."""
 
 import dataclasses
 import pathlib
@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx.assets.categories.ontology import UnknownLabelError
-from urbanverse_mjx.capture import PathOptions, TourOptions, tour
+from urbanverse_mjx.capture import FilmOptions, PathOptions, film_scene
 from urbanverse_mjx.capture.truth import object_id, object_slots
 from urbanverse_mjx.datatypes import AssetRecord, GraphObject, Recording, RecordingWriter, SceneBank, SceneGraph
 from urbanverse_mjx.datatypes import validation as v
@@ -19,12 +19,12 @@ from urbanverse_mjx.distillation.perception_model.inference import PerceptionMod
 from urbanverse_mjx.materialisation import materialise_cousin, materialise_cousins
 from urbanverse_mjx.settings import scene_root
 
-#: Frames per second of the tours with pictures: COLMAP wants steps of less than a metre.
+#: Frames per second of the captures with pictures: COLMAP wants steps of less than a metre.
 RGB_RATE = 2.0
 
 
 @dataclasses.dataclass(frozen=True)
-class Tour:
+class Capture:
     """A filmed street: its perfect recording, the true objects seen and hardly seen, and which have a heading.
 
     scene: its name.
@@ -37,18 +37,18 @@ class Tour:
     scene: str
 
 
-def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: tuple[int, int], rgb: bool) -> Tour:
-    """One tour, with pictures or black; a folder that holds it already is read."""
+def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: tuple[int, int], rgb: bool) -> Capture:
+    """One capture, with pictures or black; a folder that holds it already is read."""
     name = bank.scene_ids[scene]
     folder = folder / (f"{name}_rgb" if rgb else name)
     if (folder / "recording.json").is_file() and len(Recording.load(folder)) == frames:
         recording = Recording.load(folder)
     else:
-        options = TourOptions(width=size[0], height=size[1], rgb=rgb)
+        options = FilmOptions(width=size[0], height=size[1], rgb=rgb)
         # With pictures he turns in some seconds, as `urbanverse capture` films: of a turn between two frames, which no
         # video shows, no picture could tell the angle.
         path = PathOptions(frames=frames, rate=RGB_RATE) if rgb else PathOptions(frames=frames, turn_time=0.0)
-        recording = tour(bank, scene, folder, path, options)
+        recording = film_scene(bank, scene, folder, path, options)
     truth = SceneGraph.load(folder / "truth.json").objects
     turnable = {}
     for slot in object_slots(bank, scene):
@@ -58,7 +58,7 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
     return _with_truth(recording, truth, turnable, name)
 
 
-def imported(folder: pathlib.Path) -> Tour:
+def imported(folder: pathlib.Path) -> Capture:
     """A recording that `urbanverse gen import` made of KITTI-360, with the boxes beside it as truth.
 
     Raises:
@@ -71,13 +71,13 @@ def imported(folder: pathlib.Path) -> Tour:
     return _with_truth(recording, truth, turnable, recording.id)
 
 
-def _with_truth(recording: Recording, truth: Any, turnable: dict[str, bool], scene: str) -> Tour:
+def _with_truth(recording: Recording, truth: Any, turnable: dict[str, bool], scene: str) -> Capture:
     seen = scores.seen_objects(recording, truth)
     ids = {t.id for t in seen}
-    return Tour(recording, seen, [t for t in truth if t.id not in ids], turnable, scene)
+    return Capture(recording, seen, [t for t in truth if t.id not in ids], turnable, scene)
 
 
-def from_pictures(filmed: Tour, folder: pathlib.Path) -> Recording:
+def from_pictures(filmed: Capture, folder: pathlib.Path) -> Recording:
     """Everything from the pictures alone: COLMAP's poses and the small network's objects, surfaces and depth."""
     (folder / "frames").mkdir(parents=True)
     names = []
@@ -91,7 +91,7 @@ def from_pictures(filmed: Tour, folder: pathlib.Path) -> Recording:
     return perceive(frames, folder / "recording", Perception(PerceptionModel.load()), source, filmed.recording.id)
 
 
-def seen_by_the_model(filmed: Tour, folder: pathlib.Path) -> Recording:
+def seen_by_the_model(filmed: Capture, folder: pathlib.Path) -> Recording:
     """True poses and depth; objects and surfaces by the small network."""
     model, given = PerceptionModel.load(), filmed.recording
     writer = RecordingWriter(folder / "eye", given.id, given.source, given.camera, given.depth_unit_m, lossless=False)
@@ -110,7 +110,7 @@ def seen_by_the_model(filmed: Tour, folder: pathlib.Path) -> Recording:
     return writer.close()
 
 
-def retrieved(filmed: Tour, graph: SceneGraph, pairs: list[tuple[str, str]]) -> np.ndarray | None:
+def retrieved(filmed: Capture, graph: SceneGraph, pairs: list[tuple[str, str]]) -> np.ndarray | None:
     """(n,) bool over matches whose true asset is known: whether the first cousin stands on the same base shape.
 
     The paper's Ast is the share of correctly retrieved objects; what is correct there was judged by eye. Here an object

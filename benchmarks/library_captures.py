@@ -1,6 +1,6 @@
 """Films and distils the layouts of UrbanVerse-160 and AutoBench: a block after each city, through UrbanVerse-Gen.
 
-    python -m benchmarks.library_tours --out DIR [--set autobench] [--only Tokyo] [--workers 16]
+    python -m benchmarks.library_captures --out DIR [--set autobench] [--only Tokyo] [--workers 16]
 
 writes DIR/<set>/<layout>/graph.json.gz (what `scenes/` holds) and DIR/scores/<set>/<layout>.json: how faithful the
 graph is to what stood there, as `benchmarks.fidelity` scores it, and DIR/sheets/<layout>.jpg: 12 frames. Layouts whose
@@ -30,7 +30,7 @@ from urbanverse_mjx.process_pool import results_as_completed
 
 
 def main(argv: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.library_tours", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.library_captures", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--set", choices=sorted(cities.PROFILES), action="append", help="default: all")
@@ -73,11 +73,11 @@ def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) 
 def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
     """One layout in this process: its graph and its scores."""
     from urbanverse_mjx.capture.truth import object_id, object_slots
-    from urbanverse_mjx.pipeline.library.tours import film
+    from urbanverse_mjx.pipeline.library.captures import film
 
     graph_file, score_file = _files(out, name, layout)
     begin, processor = time.monotonic(), time.process_time()
-    with tempfile.TemporaryDirectory(prefix="urbanverse-tour-") as work:
+    with tempfile.TemporaryDirectory(prefix="urbanverse-capture-") as work:
         folder = out / "recordings" / layout if keep else pathlib.Path(work)
         made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder, length)
         truth = SceneGraph.load(folder / "truth.json").objects
@@ -105,7 +105,7 @@ def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: floa
 
 
 def _sheet(recording: Recording, path: pathlib.Path) -> None:
-    """Twelve frames of a tour, four in a row."""
+    """Twelve frames of a capture, four in a row."""
     frames = [recording.rgb(int(i)) for i in np.linspace(1, len(recording) - 2, 12)]
     rows = [np.concatenate(frames[k : k + 4], axis=1) for k in range(0, 12, 4)]
     picture = Image.fromarray(np.concatenate(rows))

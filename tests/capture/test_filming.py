@@ -1,21 +1,22 @@
-"""Tours carry the truth of the scene they film: geometry, labels, poses and the graph agree with each other."""
+"""Captures carry the ground truth of the scene they film: geometry, labels, poses and the graph agree with each
+other."""
 
 import pathlib
 
 import numpy as np
 import pytest
 
-from urbanverse_mjx.capture import PathOptions, TourOptions, tour, true_objects, walk
+from urbanverse_mjx.capture import FilmOptions, PathOptions, film_scene, true_objects, walk
 from urbanverse_mjx.capture.path import camera_poses
 from urbanverse_mjx.capture.street import street_grid
 from urbanverse_mjx.datatypes import Recording, SceneBank, SceneGraph, ValidationError
 
-SMALL = TourOptions(width=160, height=90, samples=1, shadows=False)
+SMALL = FilmOptions(width=160, height=90, samples=1, shadows=False)
 
 
 @pytest.fixture(scope="module")
 def filmed(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> Recording:
-    return tour(small_bank, 1, tmp_path_factory.mktemp("tour"), PathOptions(frames=6), SMALL)
+    return film_scene(small_bank, 1, tmp_path_factory.mktemp("tour"), PathOptions(frames=6), SMALL)
 
 
 def world_points(recording: Recording, frame: int) -> np.ndarray:
@@ -91,11 +92,11 @@ def test_the_true_graph_is_written_beside(filmed: Recording, small_bank: SceneBa
 
 def test_bad_wishes_are_one_sentence(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
     with pytest.raises(ValidationError, match="scene: found 9"):
-        tour(small_bank, 9, tmp_path)
+        film_scene(small_bank, 9, tmp_path)
     with pytest.raises(ValidationError, match="camera path"):
         PathOptions(speed=0.0)
     with pytest.raises(ValidationError, match="fovy"):
-        TourOptions(fovy=4.0)
+        FilmOptions(fovy=4.0)
 
 
 def test_a_walker_turns_about_in_seconds_not_between_two_frames(small_bank: SceneBank) -> None:

@@ -4,7 +4,7 @@ import dataclasses
 
 
 @dataclasses.dataclass(frozen=True)
-class TourOptions:
+class VideoOptions:
     """Options of the stages in front of the distillation.
 
     Attributes:

@@ -1,7 +1,7 @@
 """A block after a city, filmed and distilled: what a layout of UrbanVerse-160 or AutoBench comes from.
 
-The block's true graph is materialised once, filmed along its tour with exact poses, depth and masks, and thrown away:
-what is kept is the graph that UrbanVerse-Gen distils from the recording.
+The block's true graph is materialised once, filmed along its trajectory with exact poses, depth and masks, and thrown
+away: what is kept is the graph that UrbanVerse-Gen distils from the recording.
 """
 
 import dataclasses
@@ -12,7 +12,7 @@ import numpy as np
 from ...assets.appearances.skies import build_sky
 from ...assets.records.index import load_index
 from ...assets.selection.label_priors import LabelPriors
-from ...capture import CameraPath, TourOptions, tour
+from ...capture import CameraPath, FilmOptions, film_scene
 from ...capture.path import camera_poses
 from ...capture.street import StreetGrid, street_grid
 from ...citygen.cities import CityProfile, block
@@ -35,7 +35,7 @@ _BODY, _REACH = 0.3, 3.0
 
 
 @dataclasses.dataclass(frozen=True)
-class Tour:
+class Capture:
     """A filmed block: its bank of one scene, the recording with the truth beside it, and the distilled graph."""
 
     bank: SceneBank
@@ -43,7 +43,7 @@ class Tour:
     graph: SceneGraph
 
 
-def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, length: float = LENGTH) -> Tour:
+def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, length: float = LENGTH) -> Capture:
     """Makes, films and distils one block.
 
     Args:
@@ -51,19 +51,19 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
       folder: of the recording, some 30 MB. length: m of street.
 
     Raises:
-      ValidationError: a profile that asks for what the asset index does not hold, or a tour that saw no ground.
+      ValidationError: a profile that asks for what the asset index does not hold, or a capture that saw no ground.
     """
     truth = block(profile, seed, name, length)
     layout = materialise_cousins(truth, 1, kerb=0.0)[0].layout
     geometry = scene_geometry(layout, index_of(layout))
     geometry = dataclasses.replace(geometry, episodes=_one_episode(truth))
     bank = pack([geometry], ["train"], {layout.sky: build_sky(layout.sky)})
-    options = TourOptions(width=SIZE[0], height=SIZE[1], samples=2)
-    recording = tour(bank, 0, folder, _way(truth, profile, bank), options)
+    options = FilmOptions(width=SIZE[0], height=SIZE[1], samples=2)
+    recording = film_scene(bank, 0, folder, _way(truth, profile, bank), options)
     graph = distil(recording, LabelPriors(load_index()), describe=DESCRIBE).graph
     words = f"synthetic tour of a block that follows the statistics of {profile.city} (block {VERSION}, seed {seed})"
     source = Source(words, "Apache-2.0", profile.city, profile.country)
-    return Tour(bank, recording, compact(dataclasses.replace(graph, id=name, source=source)))
+    return Capture(bank, recording, compact(dataclasses.replace(graph, id=name, source=source)))
 
 
 def _one_episode(truth: SceneGraph) -> EpisodeTable:
@@ -76,7 +76,7 @@ def _one_episode(truth: SceneGraph) -> EpisodeTable:
 
 
 def _way(truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
-    """The block's tour, moved off objects that came to stand in it, the camera looking to both sides in turn."""
+    """The block's trajectory, moved off objects that came to stand in it, the camera looking to both sides in turn."""
     path = np.array(truth.camera_path)
     if profile.way == "walk":
         path[:, :2] = _cleared(path[:, :2], street_grid(bank, 0))
@@ -99,7 +99,7 @@ def _cleared(places: np.ndarray, street: StreetGrid) -> np.ndarray:
 
 
 def compact(graph: SceneGraph) -> SceneGraph:
-    """The graph in whole millimetres and milliradians, scores in hundredths, every second place of the tour."""
+    """The graph in whole millimetres and milliradians, scores in hundredths, every second place of the trajectory."""
     objects = tuple(
         dataclasses.replace(
             o,
