@@ -12,6 +12,7 @@
 | `URBANVERSE_VISION_KEY` | its key, where it wants one | none |
 | `URBANVERSE_VISION_MODEL` | the model it shall use | none: needed with the address |
 | `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use |
+| `JAX_COMPILATION_CACHE_DIR` | where commands keep what JAX compiled; "" for nowhere | `jax/` in the cache folder |
 """
 
 import dataclasses
@@ -39,6 +40,13 @@ def cache_dir(*parts: str) -> pathlib.Path:
         xdg = os.environ.get("XDG_CACHE_HOME")
         base = (pathlib.Path(xdg) if xdg else pathlib.Path.home() / ".cache") / "urbanverse_mjx"
     return base.expanduser().absolute().joinpath(*parts)
+
+
+def use_compilation_cache() -> None:
+    """Lets JAX keep what it compiles in the cache folder, at most 4 GiB of it, and take it from there in later
+    processes. To be called before anything imports JAX; what the environment says already stays."""
+    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache_dir("jax")))
+    os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", str(4 * 2**30))
 
 
 def asset_root() -> pathlib.Path:

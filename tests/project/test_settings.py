@@ -1,6 +1,9 @@
 """Where data and caches lie, by the environment."""
 
+import os
 import pathlib
+import subprocess
+import sys
 
 import pytest
 
@@ -12,6 +15,8 @@ VARIABLES = (
     "XDG_CACHE_HOME",
     *(f"URBANVERSE_{name}" for name in ("CACHE", "ASSET_ROOT", "SCENE_ROOT", "BANK", "THREADS")),
     *(f"URBANVERSE_VISION_{name}" for name in ("URL", "KEY", "MODEL")),
+    "JAX_COMPILATION_CACHE_DIR",
+    "JAX_COMPILATION_CACHE_MAX_SIZE",
 )
 
 
@@ -29,6 +34,26 @@ def test_cache_follows_own_variable_then_xdg_then_home(monkeypatch: pytest.Monke
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "own"))
     assert settings.cache_dir("a", "b") == tmp_path / "own" / "a" / "b"
     assert not (tmp_path / "own").exists(), "naming a cache must not create it"
+
+
+def test_what_one_process_compiles_the_next_one_finds(tmp_path: pathlib.Path) -> None:
+    """As a command does: the folder is named before JAX is imported, and what the user says about it stays."""
+    code = "from urbanverse_mjx import settings; settings.use_compilation_cache(); import jax; "
+    code += "jax.config.update('jax_persistent_cache_min_compile_time_secs', 0.0); "
+    code += "jax.config.update('jax_persistent_cache_min_entry_size_bytes', 0); "
+    code += "hits = []; jax.monitoring.register_event_listener(lambda name, **_: hits.append(name)); "
+    code += "jax.jit(lambda x: x * 3.0 + 1.0)(2.0); print(sum('cache_hits' in name for name in hits))"
+
+    def run(**own: str) -> str:
+        environment = {**os.environ, "URBANVERSE_CACHE": str(tmp_path / "own"), **own}
+        command = [sys.executable, "-c", code]
+        return subprocess.run(command, env=environment, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+
+    assert run() == "0\n"
+    assert any((tmp_path / "own" / "jax").iterdir())
+    assert int(run()) > 0
+    assert run(JAX_COMPILATION_CACHE_DIR=str(tmp_path / "other")) == "0\n"
+    assert any((tmp_path / "other").iterdir())
 
 
 def test_a_clone_finds_the_data_beside_the_package() -> None:

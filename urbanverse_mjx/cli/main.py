@@ -11,7 +11,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from .. import __version__
+from .. import __version__, settings
 from ..pipeline.errors import refusal
 from .packages import MAKERS, missing
 
@@ -54,6 +54,9 @@ def usage() -> str:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command line (`sys.argv` by default) and returns the exit status."""
+    if argv is None:
+        # A process of its own, in which nothing has imported JAX yet.
+        settings.use_compilation_cache()
     try:
         return _choose(list(sys.argv[1:] if argv is None else argv))
     except BrokenPipeError:
