@@ -7,31 +7,35 @@ authors' library: what is permitted lies to the left of a line. It shares nothin
 import dataclasses
 import math
 
-import numpy as np
-
 EPSILON = 1e-5
 
 
-@dataclasses.dataclass
+@dataclasses.dataclass(frozen=True, slots=True)
 class Line:
-    point: np.ndarray
-    direction: np.ndarray
+    """Vectors of the plane are complex numbers: arrays of two would take most of the time of the tests."""
 
-    def depth(self, v: np.ndarray) -> float:
+    point: complex
+    direction: complex
+
+    def depth(self, v: complex) -> float:
         """m/s by which v lies to the right of the line."""
         return cross(self.direction, self.point - v)
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
+def dot(a: complex, b: complex) -> float:
+    return a.real * b.real + a.imag * b.imag
+
+
+def cross(a: complex, b: complex) -> float:
+    return a.real * b.imag - a.imag * b.real
 
 
 def agent_line(
-    position: np.ndarray,
-    velocity: np.ndarray,
+    position: complex,
+    velocity: complex,
     radius: float,
-    other_position: np.ndarray,
-    other_velocity: np.ndarray,
+    other_position: complex,
+    other_velocity: complex,
     other_radius: float,
     horizon: float,
     dt: float,
@@ -40,14 +44,14 @@ def agent_line(
     """The half-plane that one agent takes on towards another."""
     apart = other_position - position
     relative = velocity - other_velocity
-    distance, reach = float(np.linalg.norm(apart)), radius + other_radius
+    distance, reach = abs(apart), radius + other_radius
     touching = distance <= reach
     time = dt if touching else horizon
     w = relative - apart / time
-    length = float(np.linalg.norm(w))
-    if touching or (w @ apart < 0 and (w @ apart) ** 2 > reach**2 * length**2):
+    length = abs(w)
+    if touching or (dot(w, apart) < 0 and dot(w, apart) ** 2 > reach**2 * length**2):
         outward = w / length
-        direction = np.array([outward[1], -outward[0]])
+        direction = complex(outward.imag, -outward.real)
         u = (reach / time - length) * outward
     else:
         leg = math.sqrt(distance**2 - reach**2)
@@ -55,18 +59,18 @@ def agent_line(
         sine, cosine = reach / distance, leg / distance
         ahead = apart / distance
         if cross(apart, w) > 0:
-            direction = np.array([ahead[0] * cosine - ahead[1] * sine, ahead[0] * sine + ahead[1] * cosine])
+            direction = complex(ahead.real * cosine - ahead.imag * sine, ahead.real * sine + ahead.imag * cosine)
         else:
-            direction = -np.array([ahead[0] * cosine + ahead[1] * sine, -ahead[0] * sine + ahead[1] * cosine])
-        u = (relative @ direction) * direction - relative
+            direction = -complex(ahead.real * cosine + ahead.imag * sine, -ahead.real * sine + ahead.imag * cosine)
+        u = dot(relative, direction) * direction - relative
     return Line(velocity + share * u, direction)
 
 
-def program1(lines: list[Line], i: int, limit: float, target: np.ndarray, is_direction: bool) -> np.ndarray | None:
+def program1(lines: list[Line], i: int, limit: float, target: complex, is_direction: bool) -> complex | None:
     """The best point on line i under the lines before it, None where there is none."""
     line = lines[i]
-    along = float(line.point @ line.direction)
-    square = along**2 + limit**2 - float(line.point @ line.point)
+    along = dot(line.point, line.direction)
+    square = along**2 + limit**2 - dot(line.point, line.point)
     if square < 0:
         return None
     low, high = -along - math.sqrt(square), -along + math.sqrt(square)
@@ -85,20 +89,20 @@ def program1(lines: list[Line], i: int, limit: float, target: np.ndarray, is_dir
         if low > high:
             return None
     if is_direction:
-        t = high if target @ line.direction > 0 else low
+        t = high if dot(target, line.direction) > 0 else low
     else:
-        t = min(max(float(line.direction @ (target - line.point)), low), high)
+        t = min(max(dot(line.direction, target - line.point), low), high)
     return line.point + t * line.direction
 
 
-def program2(lines: list[Line], limit: float, target: np.ndarray, is_direction: bool) -> tuple[int, np.ndarray]:
+def program2(lines: list[Line], limit: float, target: complex, is_direction: bool) -> tuple[int, complex]:
     """Lines added in turn; returns the first that could not be kept (their number where all are) and the optimum."""
     if is_direction:
         result = target * limit
-    elif target @ target > limit**2:
-        result = target / np.linalg.norm(target) * limit
+    elif abs(target) > limit:
+        result = target / abs(target) * limit
     else:
-        result = target.copy()
+        result = target
     for i, line in enumerate(lines):
         if line.depth(result) > 0:
             better = program1(lines, i, limit, target, is_direction)
@@ -108,7 +112,7 @@ def program2(lines: list[Line], limit: float, target: np.ndarray, is_direction: 
     return len(lines), result
 
 
-def program3(lines: list[Line], num_hard: int, begin: int, limit: float, result: np.ndarray) -> np.ndarray:
+def program3(lines: list[Line], num_hard: int, begin: int, limit: float, result: complex) -> complex:
     """From line `begin` on, the point whose deepest violation of a soft line is least."""
     deepest = 0.0
     for i in range(begin, len(lines)):
@@ -119,15 +123,15 @@ def program3(lines: list[Line], num_hard: int, begin: int, limit: float, result:
         for before in lines[num_hard:i]:
             determinant = cross(line.direction, before.direction)
             if abs(determinant) <= EPSILON:
-                if line.direction @ before.direction > 0:
+                if dot(line.direction, before.direction) > 0:
                     continue
                 point = 0.5 * (line.point + before.point)
             else:
                 t = cross(before.direction, line.point - before.point) / determinant
                 point = line.point + t * line.direction
             direction = before.direction - line.direction
-            bisectors.append(Line(point, direction / np.linalg.norm(direction)))
-        inward = np.array([-line.direction[1], line.direction[0]])
+            bisectors.append(Line(point, direction / abs(direction)))
+        inward = complex(-line.direction.imag, line.direction.real)
         failed, better = program2(bisectors, limit, inward, True)
         if failed == len(bisectors):
             result = better
@@ -135,7 +139,7 @@ def program3(lines: list[Line], num_hard: int, begin: int, limit: float, result:
     return result
 
 
-def new_velocity(lines: list[Line], num_hard: int, limit: float, wish: np.ndarray) -> tuple[np.ndarray, bool]:
+def new_velocity(lines: list[Line], num_hard: int, limit: float, wish: complex) -> tuple[complex, bool]:
     """The velocity ORCA chooses, and whether all lines could be kept."""
     failed, result = program2(lines, limit, wish, False)
     if failed < len(lines):

@@ -54,15 +54,13 @@ class Run:
         """m, deepest overlap of two bodies at any step; negative where they never touched."""
         r = np.array([k.radius for k in self.kinds])
         h = np.array([k.half_length for k in self.kinds])
+        centre = np.stack([self.x, self.y], -1)
+        axis = np.stack([np.cos(self.heading), np.sin(self.heading)], -1) * h[:, None]
         worst = -np.inf
-        for t in range(len(self.x)):
-            ends = np.stack([self.x[t], self.y[t]], -1)
-            axis = np.stack([np.cos(self.heading[t]), np.sin(self.heading[t])], -1) * h[:, None]
-            steps = np.linspace(-1, 1, 9)[:, None, None] * axis + ends
-            for i in range(len(r)):
-                apart = segment_distance(steps[:, i], ends[i + 1 :], axis[i + 1 :])
-                if len(apart):
-                    worst = max(worst, float((r[i] + r[i + 1 :] - apart).max()))
+        for i in range(len(r) - 1):
+            points = centre[:, i, None] + np.linspace(-1, 1, 9)[:, None] * axis[:, i, None]
+            apart = segment_distance(points, centre[:, i + 1 :], axis[:, i + 1 :])
+            worst = max(worst, float((r[i] + r[i + 1 :] - apart).max()))
         return worst
 
     def away(self, scene: Scene) -> np.ndarray:
@@ -77,10 +75,10 @@ class Run:
 
 
 def segment_distance(points: np.ndarray, centre: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """(n,) m, least distance of points (P, 2) to segments centre +- axis (n, 2)."""
-    d = points[:, None] - centre[None]
-    along = np.clip((d * axis).sum(-1) / np.maximum((axis**2).sum(-1), 1e-12), -1, 1)
-    return np.linalg.norm(d - along[..., None] * axis, axis=-1).min(0)
+    """(T, n) m, at each time the least distance of points (T, P, 2) to segments centre +- axis (T, n, 2)."""
+    d = points[:, :, None] - centre[:, None]
+    along = np.clip((d * axis[:, None]).sum(-1) / np.maximum((axis**2).sum(-1), 1e-12)[:, None], -1, 1)
+    return np.linalg.norm(d - along[..., None] * axis[:, None], axis=-1).min(1)
 
 
 def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options: object) -> Run:

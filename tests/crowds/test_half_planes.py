@@ -27,13 +27,13 @@ def test_towards_discs_they_are_the_published_ones(dtype: type) -> None:
             (a[:1], a[1:]), (v[0], v[1]), (o[:1], o[1:]), r[None], s[None], s[None], 1.0, True, h, 0.1
         )
     found = np.stack([np.asarray(row)[0] for row in rows])
-    for i in range(count):
-        line = reference.agent_line(
-            np.zeros(2), velocity[:, i], 0.0, apart[:, i], other[:, i], reach[i], horizon[i], 0.1, share[i]
-        )
-        normal = np.array([-line.direction[1], line.direction[0]])
-        expected = [*normal, normal @ line.point]
-        np.testing.assert_allclose(found[:, i], expected, atol=1e-12 if dtype == np.float64 else 2e-5)
+    places, own, theirs = ((x + 1j * y).tolist() for x, y in (apart, velocity, other))
+    columns = zip(own, places, theirs, reach.tolist(), horizon.tolist(), share.tolist(), strict=True)
+    lines = [reference.agent_line(0j, v, 0.0, p, o, r, h, 0.1, s) for v, p, o, r, h, s in columns]
+    normal = np.array([complex(-line.direction.imag, line.direction.real) for line in lines])
+    offset = [reference.cross(line.direction, line.point) for line in lines]
+    expected = np.stack([normal.real, normal.imag, offset])
+    np.testing.assert_allclose(found, expected, atol=1e-12 if dtype == np.float64 else 2e-5)
 
 
 def test_who_stand_on_each_other_part() -> None:

@@ -13,7 +13,7 @@ from tests.crowds import reference
 from urbanverse_mjx.crowds import linear_program
 from urbanverse_mjx.crowds.linear_program import HalfPlanes
 
-#: Cases a test: one number, so that few shapes compile.
+#: Cases a test: one number, so that few shapes compile, which takes seconds for six lines and more with their square.
 CASES = 1000
 
 
@@ -33,11 +33,9 @@ def truth(lines: np.ndarray, num_hard: int, limit: np.ndarray, wish: np.ndarray)
     """What the published algorithm chooses (2, B), and whether it kept all lines (B,)."""
     chosen, kept = np.zeros_like(wish), np.zeros(len(limit), bool)
     for b in range(len(limit)):
-        rows = []
-        for x, y, offset in lines[:, :, b].T:
-            normal = np.array([x, y])
-            rows.append(reference.Line(normal * offset, np.array([y, -x])))
-        chosen[:, b], kept[b] = reference.new_velocity(rows, num_hard, limit[b], wish[:, b])
+        rows = [reference.Line(offset * complex(x, y), complex(y, -x)) for x, y, offset in lines[:, :, b].T.tolist()]
+        found, kept[b] = reference.new_velocity(rows, num_hard, float(limit[b]), complex(*wish[:, b]))
+        chosen[:, b] = found.real, found.imag
     return chosen, kept
 
 
@@ -52,7 +50,7 @@ def random_cases(seed: int, number: int, num_hard: int, tightness: float, count:
 
 
 @pytest.mark.parametrize(
-    ("number", "num_hard", "tightness"), [(8, 0, -0.3), (8, 0, 0.3), (12, 4, -0.2), (12, 4, 0.4), (3, 1, 0.2)]
+    ("number", "num_hard", "tightness"), [(6, 0, -0.3), (6, 0, 0.3), (8, 3, -0.2), (8, 3, 0.4), (3, 1, 0.2)]
 )
 def test_it_chooses_what_the_published_algorithm_chooses(number: int, num_hard: int, tightness: float) -> None:
     lines, limit, wish = random_cases(number + num_hard, number, num_hard, tightness)
@@ -66,7 +64,7 @@ def test_it_chooses_what_the_published_algorithm_chooses(number: int, num_hard: 
 
 def test_more_who_are_crowded_than_a_chunk_holds() -> None:
     # Every agent goes through the second program, in many chunks.
-    lines, limit, wish = random_cases(5, 8, 0, 1.2)
+    lines, limit, wish = random_cases(5, 6, 0, 1.5)
     expected, kept = truth(lines, 0, limit, wish)
     assert kept.mean() < 0.02
     np.testing.assert_allclose(solve(lines, 0, limit, wish, np.float32), expected, atol=2e-4)

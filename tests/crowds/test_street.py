@@ -1,5 +1,7 @@
 """Streets: free space, flats, ways, crossings, places to appear, behaviours, and a crowd that lives in one."""
 
+import itertools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -305,19 +307,21 @@ def test_who_looks_at_nothing_still_runs_into_nobody(small_bank: SceneBank, tabl
         return new, (new.bodies, new.present)
 
     _, (path, present) = jax.jit(lambda c: jax.lax.scan(body, c, jax.random.split(jax.random.key(1), 200)))(crowd)
+    path, present = jax.device_get((path, present))
     radius, half = (np.array([getattr(k, name) for k in model.kinds]) for name in ("radius", "half_length"))
     need, nearest = radius + radius[:, None], np.inf
-    free = [free_space.free_spaces(small_bank, z) for z in range(2)]
-    for t in range(200):
-        for e in range(2):
-            now, there = Bodies(*(np.asarray(a[t, e]) for a in path)), np.asarray(present[t, e])
+    for e in range(2):
+        for t in range(200):
+            now, there = Bodies(*(a[t, e] for a in path)), present[t, e]
             pairs = there & there[:, None] & ~np.eye(len(kinds), dtype=bool)
             nearest = min(nearest, (distances(now, half, crossed=True) - need)[pairs].min())
-            for end in (-1.0, 1.0):
-                at = np.stack([now.x + end * half * np.cos(now.heading), now.y + end * half * np.sin(now.heading)], -1)
-                for i, kind in enumerate(model.kinds):
-                    space = free[int(scene[e])][kind.surface]
-                    assert not there[i] or space.free[cell_of(space, *at[i])], (t, e, kind.name)
+        free = free_space.free_spaces(small_bank, int(scene[e]))
+        for end, (i, kind) in itertools.product((-1.0, 1.0), enumerate(model.kinds)):
+            x, y, heading = (a[:, e, i] for a in (path.x, path.y, path.heading))
+            at = np.stack([x + end * half[i] * np.cos(heading), y + end * half[i] * np.sin(heading)], -1)
+            space = free[kind.surface]
+            cells = np.floor((at - space.origin) / CELL).astype(int)[present[:, e, i]]
+            assert space.free[tuple(cells.T)].all(), (e, kind.name)
     assert -0.001 < nearest < 0.01, "some came to the touch"
 
 
