@@ -34,7 +34,7 @@ def test_it_moves_as_in_c_mujoco() -> None:
     expected = walk([model], np.zeros(1, int), robot, gait, qpos, told, 20, np.full(12, 30.0))
     bank = pack_regions([scene])
     engine = GaitEngine(make_engine(bank, robot, "warp", gait.control_dt, num_slots=0), robot, gait, 0.2)
-    sim = engine.init(jnp.int32(0), qpos[0], jnp.zeros(18))
+    sim = jax.jit(engine.init)(jnp.int32(0), qpos[0], jnp.zeros(18))
     step = jax.jit(engine.step)
     for command, t in zip(commands, (9, 19), strict=True):
         sim = step(sim, command)

@@ -136,8 +136,9 @@ def push_engine(
     slots = [bank.meta["object_ids"][0].index(name) for name in scene.object_ids]
     if objects is None:
         objects = (slots + [-1] * sizes.bodies)[: sizes.bodies]
-    state = engine.init(0, first_qpos(robot, engine.physics.model.nq), np.zeros(engine.physics.model.nv), objects)
-    step = jax.jit(engine.step)
+    qpos = first_qpos(robot, engine.physics.model.nq)
+    init, step = jax.jit(engine.init), jax.jit(engine.step)
+    state = init(0, qpos, np.zeros(engine.physics.model.nv), np.asarray(objects))
     rows: list[Any] = []
     for command in commands:
         state = step(state, np.asarray(robot.command(jnp.asarray(command))))

@@ -50,7 +50,7 @@ def test_people_are_there_and_meet_the_route(env: NavEnv, begun: Any) -> None:
     assert gap[both].min() > 2 * 0.27
     mode = np.asarray(crowd.mode)[there]
     assert {GO, STAY, ROAM} == set(mode.tolist())
-    motion = jax.vmap(env.living.places)(crowd, begun.sim.scene)  # type: ignore[union-attr]
+    motion = jax.jit(jax.vmap(env.living.places))(crowd, begun.sim.scene)  # type: ignore[union-attr]
     np.testing.assert_allclose(np.asarray(motion.position)[there][:, 2].max(), 0.15, atol=1e-3)
 
 
@@ -112,7 +112,7 @@ def test_touching_a_person_is_a_result_of_its_own(env: NavEnv, begun: Any) -> No
 
 def test_static_streets_carry_nothing_of_it(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
-    state = env.reset(jax.random.key(0))
+    state = jax.eval_shape(env.reset, jax.random.key(0))
     assert env.living is None
     assert state.data.crowd is None
     assert not set(PEOPLE_METRICS) & set(state.metrics)

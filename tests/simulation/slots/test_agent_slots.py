@@ -71,7 +71,7 @@ def free_bank() -> Any:
 @functools.cache
 def in_c_mujoco() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Robot's places (N, S, 3), the agent touched (N, S, 2) bool, and whether anything else was hit, in C MuJoCo."""
-    robot, moving = make_coco("differential"), motions()
+    robot, moving = make_coco("differential"), jax.device_get(motions())
     model = truth.truth_model(with_prisms(scene_spec(box_scenes(1, num_objects=1)[0])), robot)
     dt, substeps = robot.physics_timestep, round(CONTROL_DT / robot.physics_timestep)
     names = [model.geom(g).name for g in range(model.ngeom)]
@@ -107,7 +107,7 @@ def in_engine(impl: str) -> tuple[np.ndarray, np.ndarray, Any]:
     count = len(ENCOUNTERS)
     qpos = np.tile(first_qpos(robot, engine.physics.model.nq), (count, 1))
     ctrl = np.stack([np.asarray(robot.command(jnp.array([speed, 0.0]))) for speed, *_ in ENCOUNTERS.values()])
-    state = jax.vmap(engine.init)(np.zeros(count, int), qpos, np.zeros((count, engine.physics.model.nv)))
+    state = jax.jit(jax.vmap(engine.init))(np.zeros(count, int), qpos, np.zeros((count, engine.physics.model.nv)))
     step = jax.jit(jax.vmap(engine.step_and_record))
     places, hits, contacts = [], [], []
     for t in range(NUM_STEPS):
@@ -181,11 +181,14 @@ def test_runs_into_agents_are_those_of_c_mujoco(impl: str) -> None:
 def test_without_agents_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPatch) -> None:
     """The program of an engine without agents is the one it was: same text with all agent functions broken."""
     engine = JaxEngine(free_bank(), make_coco("differential"), control_dt=0.02)
-    state = engine.init(0, first_qpos(engine.robot, engine.physics.model.nq), np.zeros(engine.physics.model.nv))
+    qpos = first_qpos(engine.robot, engine.physics.model.nq)
+    state = jax.eval_shape(engine.init, 0, qpos, np.zeros(engine.physics.model.nv))
     assert state.contacts.hit_agent is None
     for name in ("moved", "with_agents", "noted", "prism_distance"):
         monkeypatch.setattr(agent_slots, name, None)
     jaxpr = str(jax.make_jaxpr(engine.step)(state, np.zeros(engine.physics.model.nu, np.float32)))
     assert "jit" in jaxpr
     with pytest.raises(ValidationError, match="2 of them"):
-        engine.step(state, np.zeros(engine.physics.model.nu), jax.tree.map(lambda x: x[0, 0], motions()))
+        jax.eval_shape(
+            engine.step, state, np.zeros(engine.physics.model.nu), jax.tree.map(lambda x: x[0, 0], motions())
+        )

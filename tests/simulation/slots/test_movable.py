@@ -158,7 +158,8 @@ def test_what_sleeps_stays_to_the_bit_and_what_left_its_place_is_gone_from_there
     engine = make_engine(bank, robot, impl="warp", control_dt=pushing.CONTROL_DT, movable=SIZES)
     objects = np.array([bank.meta["object_ids"][0].index("thing_0"), -1, -1])
     qpos = pushing.first_qpos(robot, engine.physics.model.nq)
-    state = engine.init(0, qpos, np.zeros(engine.physics.model.nv), objects)
+    init = jax.jit(engine.init)
+    state = init(0, qpos, np.zeros(engine.physics.model.nv), objects)
     assert state.bodies is not None
     np.testing.assert_allclose(state.bodies.position[0], pushing.START + [1.2, 0.0, 0.0], atol=1e-5)
     away = state._replace(bodies=state.bodies._replace(position=state.bodies.position.at[0, 0].add(5.0)))
@@ -172,7 +173,7 @@ def test_what_sleeps_stays_to_the_bit_and_what_left_its_place_is_gone_from_there
     assert away.bodies is not None
     assert float(away.bodies.position[0, 0] - state.bodies.position[0, 0]) == 5.0
     # Without bodies the same box is static and stops the robot.
-    still = engine.init(0, qpos, np.zeros(engine.physics.model.nv), np.full(3, -1))
+    still = init(0, qpos, np.zeros(engine.physics.model.nv), np.full(3, -1))
     for _ in range(8):
         still = step(still, ctrl)
     assert bool(still.contacts.hit)
@@ -193,11 +194,11 @@ def test_sizes_and_counts_are_checked() -> None:
         make_engine(bank, robot, impl="jax", movable=Sizes(2, 3, 4))
     engine = make_engine(bank, robot, impl="jax", control_dt=0.02, movable=Sizes(2, 1, 4))
     with pytest.raises(ValidationError, match="3 of them"):
-        engine.init(0, np.zeros(11), np.zeros(10), np.full(3, -1))
+        jax.eval_shape(engine.init, 0, np.zeros(11), np.zeros(10), np.full(3, -1))
     plain = make_engine(bank, robot, impl="jax", control_dt=0.02, movable=Sizes(0, 1, 4))
     assert plain.movable is None
     with pytest.raises(ValidationError, match="2 of them"):
-        plain.init(0, np.zeros(11), np.zeros(10), np.full(2, -1))
+        jax.eval_shape(plain.init, 0, np.zeros(11), np.zeros(10), np.full(2, -1))
 
 
 def test_without_bodies_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,7 +207,8 @@ def test_without_bodies_no_line_of_theirs_is_traced(monkeypatch: pytest.MonkeyPa
     programs = []
     for movable in (None, Sizes(0)):
         engine = JaxEngine(bank, robot, control_dt=0.02, movable=movable)
-        state = engine.init(0, pushing.first_qpos(robot, engine.physics.model.nq), np.zeros(engine.physics.model.nv))
+        qpos = pushing.first_qpos(robot, engine.physics.model.nq)
+        state = jax.eval_shape(engine.init, 0, qpos, np.zeros(engine.physics.model.nv))
         assert state.bodies is None
         programs.append(str(jax.make_jaxpr(engine.step)(state, np.zeros(engine.physics.model.nu, np.float32))))
         for module in (body_contact, body_dynamics):
