@@ -9,6 +9,7 @@ import pytest
 
 from tests.crowds.test_settle import distances
 from tests.support.box_bank import HALF_WIDTH, KERB_Y
+from tests.support.compiling import optimized
 from urbanverse_mjx.crowds import (
     KINDS,
     Bodies,
@@ -36,7 +37,8 @@ def spaces(small_bank: SceneBank) -> dict[str, FreeSpace]:
 
 @pytest.fixture(scope="module")
 def tables(small_bank: SceneBank) -> CrowdTables:
-    return make_tables(small_bank, [0, 1])
+    with optimized():  # flats take seconds
+        return make_tables(small_bank, [0, 1])
 
 
 def cell_of(space: FreeSpace, x: float, y: float) -> tuple[int, int]:
@@ -73,7 +75,8 @@ def test_free_space_refuses_a_scene_that_is_not_there(small_bank: SceneBank) -> 
 
 def test_flats_leave_nothing_blocked_in_front_of_them(spaces: dict[str, FreeSpace]) -> None:
     space, reach = spaces["foot"], 2.0
-    table = flats.flats_of(space, reach)
+    with optimized():
+        table = flats.flats_of(space, reach)
     rng = np.random.default_rng(0)
     cells = np.argwhere((table[..., flats.NUM_FLATS :] < 255).any(-1))
     blocked = np.argwhere(~space.free)
@@ -99,7 +102,8 @@ def test_flats_leave_nothing_blocked_in_front_of_them(spaces: dict[str, FreeSpac
 
 
 def test_walls_stop_a_walker_at_the_body(spaces: dict[str, FreeSpace]) -> None:
-    table = flats.make_flats([spaces["foot"]], 3.0)
+    with optimized():
+        table = flats.make_flats([spaces["foot"]], 3.0)
     rng = np.random.default_rng(1)
     distance = spaces["foot"].distance()
     cells = np.argwhere((distance > 0.35) & (distance < 0.8))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from ml_collections import ConfigDict
 
+from tests.support.compiling import optimized
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.crowds import Bodies
 from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
@@ -27,7 +28,8 @@ DYNAMIC = {"scenario": "dynamic", "crowd.slots.pedestrian": 9, "terminate_off_tr
 
 @pytest.fixture(scope="module")
 def env(small_bank: SceneBank) -> NavEnv:
-    return unicycle_env(small_bank, {**DYNAMIC, "episode_length": 12})
+    with optimized():  # the crowd's tables take seconds
+        return unicycle_env(small_bank, {**DYNAMIC, "episode_length": 12})
 
 
 @pytest.fixture(scope="module")
