@@ -38,7 +38,7 @@ def seeing_env(bank: SceneBank) -> NavEnv:
 
 
 def applied(network: Student, *inputs: Any) -> Any:
-    return network.apply(*inputs)
+    return jax.jit(network.apply)(*inputs)
 
 
 def some_observations(steps: int, n: int) -> dict[str, jax.Array]:

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import shutil
 
 import jax
 import jax.numpy as jnp
@@ -66,11 +67,20 @@ def test_papers_table() -> None:
     assert c.num_timesteps == 1500 * 32 * 96
 
 
-def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+@pytest.fixture(scope="module")
+def begun(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """Run folder of a training that reached its end, for all tests that go on from one."""
+    folder = tmp_path_factory.mktemp("begun")
+    env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
+    assert train("CocoNav", env, with_overrides(default_ppo_config("cpu"), SMALL), folder, quiet=True).steps == 8192
+    return folder
+
+
+def test_trains_stops_resumes_and_loads(begun: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
     env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
     ppo = with_overrides(default_ppo_config("cpu"), SMALL)
-    first = train("CocoNav", env, ppo, tmp_path, quiet=True)
-    assert first.steps == 8192
+    shutil.copytree(begun, tmp_path, dirs_exist_ok=True)
+    first = latest_policy(tmp_path)
     assert len(list((tmp_path / "checkpoints").iterdir())) == 2
     with pytest.raises(ValidationError, match="resume"):
         train("CocoNav", env, ppo, tmp_path, quiet=True)
@@ -78,7 +88,7 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     longer = with_overrides(ppo, {"num_timesteps": 12288, "num_checkpoints": 1})
     second = train("CocoNav", env, longer, tmp_path, resume=True, quiet=True)
     assert second.steps == 12288
-    assert latest_policy(tmp_path) == second.policy != first.policy
+    assert latest_policy(tmp_path) == second.policy != first
     steps = [json.loads(line)["step"] for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     assert max(steps) == 12288
     assert steps[-1] > 8192, "the counter goes on after a resume"
@@ -86,7 +96,7 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     act, spec = load_policy(tmp_path)
     assert spec.steps == 12288
     assert spec.scene_ids == list(small_bank.scene_ids)
-    obs = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3)).obs
+    obs = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3)).obs
     assert second.policy is not None
     params = load_params(second.policy)
     direct = make_policy_function(spec.observations, 2, longer, params)
@@ -95,7 +105,8 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
     np.testing.assert_allclose(one, act(obs, jax.random.key(0))[1], atol=1e-5)
 
     files = [f for f in second.policy.rglob("*") if f.is_file()]
-    assert not [f for f in files if str(tmp_path).encode() in f.read_bytes()], "a policy names no folder of its machine"
+    named = [f for f in files for folder in (tmp_path, begun) if str(folder).encode() in f.read_bytes()]
+    assert not named, "a policy names no folder of its machine"
     actor = export_actor(tmp_path, tmp_path / "exported" / "checkpoints" / "actor")
     alone, exported = load_policy(pathlib.Path(os.path.relpath(actor)))
     assert exported == spec
@@ -106,16 +117,17 @@ def test_trains_stops_resumes_and_loads(small_bank: SceneBank, tmp_path: pathlib
         train("CocoNav", env, longer, tmp_path / "exported", resume=True, quiet=True)
 
 
-def test_starts_from_another_policy_with_a_new_critic(small_bank: SceneBank, tmp_path: pathlib.Path) -> None:
+def test_starts_from_another_policy_with_a_new_critic(
+    begun: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path
+) -> None:
     env = unicycle_env(small_bank, CPU_REWARDS, vision=True)
     ppo = with_overrides(default_ppo_config("cpu"), {**SMALL, "num_timesteps": 2048, "num_checkpoints": 1})
-    train("CocoNav", env, ppo, tmp_path / "first", quiet=True)
-    actor = export_actor(tmp_path / "first", tmp_path / "actor")
+    actor = export_actor(begun, tmp_path / "actor")
     # With steps of no length, what comes out is what went in.
     still = with_overrides(ppo, {"learning_rate": 0.0, "learning_rate_schedule": "NONE", "seed": 7})
     second = train("Go2Nav", env, still, tmp_path / "second", quiet=True, start_from=actor)
     assert second.policy is not None
-    before, after = (load_params(latest_policy(tmp_path / name)) for name in ("first", "second"))
+    before, after = (load_params(latest_policy(folder)) for folder in (begun, tmp_path / "second"))
     jax.tree.map(np.testing.assert_array_equal, before[1], after[1])
     critics = zip(jax.tree.leaves(before[2]), jax.tree.leaves(after[2]), strict=True)
     assert any((x != y).any() for x, y in critics), "a critic of its own"
