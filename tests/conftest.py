@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import pathlib
 import sys
 import tempfile
 
@@ -11,6 +12,13 @@ from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.pipeline import ensure_default_bank
+
+TESTS = pathlib.Path(__file__).parent
+#: Folders whose tests take a second each, and longer, by what they take in all.
+LONG = (
+    *("simulation", "training", "crowds", "envs", "project", "cli", "benchmarks", "robots", "evaluation", "assets"),
+    *("scene", "distillation", "pipeline"),
+)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -35,6 +43,26 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ[name.upper()] = str(value)
         if "jax" in sys.modules:  # imported by the conftest of a folder: it has read the environment
             sys.modules["jax"].config.update(name, value)
+
+
+@pytest.hookimpl(trylast=True)  # when slow tests are out of the list
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Deals the folders of long tests to xdist's workers, so that quick tests are left when the first worker is done.
+
+    Each worker begins with a part of the list, all of them equally long; whole folders share fixtures.
+    """
+    workers = getattr(config, "workerinput", {}).get("workercount", 1)
+    if workers == 1:
+        return
+    folders: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        folders.setdefault(item.path.relative_to(TESTS).parts[0], []).append(item)
+    parts: list[list[pytest.Item]] = [[] for _ in range(workers)]
+    for number, name in enumerate(name for name in LONG if name in folders):
+        parts[number % workers] += folders.pop(name)
+    for folder in folders.values():
+        min(parts, key=len).extend(folder)
+    items[:] = [item for part in parts for item in part]
 
 
 @pytest.fixture(scope="session")
