@@ -25,7 +25,7 @@ import numpy as np
 from benchmarks.lib import banks, cutting, streets
 from urbanverse_mjx.assets import AssetIndex, load_hulls, load_index
 from urbanverse_mjx.assets.appearances.skies import build_sky
-from urbanverse_mjx.assets.meshes.agents import agent_looks
+from urbanverse_mjx.assets.meshes.agents import agent_appearances
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.datatypes import AssetRecord, HullSet, SceneBank, SceneLayout, ValidationError
 from urbanverse_mjx.datatypes.hashing import content_hash
@@ -132,7 +132,7 @@ def build(options: Options, progress: Any = None) -> SceneBank:
         del chosen["first"]  # the hashes from before there was a choice hold on
     hashes["bank"] = content_hash({"options": chosen, "layouts": hashes})
     skies = {name: build_sky(name) for name in sorted({s.sky for s in scenes})}
-    bank = with_agents(pack(scenes, ["train"] * len(scenes), skies, hashes), agent_looks())
+    bank = with_agents(pack(scenes, ["train"] * len(scenes), skies, hashes), agent_appearances())
     if options.hulls_per_scene is not None:
         bank = banks.with_hulls(bank, options.hulls_per_scene, options.seed)
     return bank

@@ -26,7 +26,7 @@ from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, registry
 from urbanverse_mjx.envs.navigation import terms
 from urbanverse_mjx.envs.navigation.encounters import route_pose
-from urbanverse_mjx.envs.navigation.living import slot_looks
+from urbanverse_mjx.envs.navigation.living import slot_appearances
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.geometry.grids import cell_of
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
@@ -182,8 +182,8 @@ def drive(env: NavEnv, driver: Driver, nav: Any, steps: int) -> tuple[Any, Any]:
 def film(env: NavEnv, driver: Driver, path: Any, every: int) -> list[np.ndarray]:
     """What the robot sees, beside the crosswalk from above."""
     assert env.living is not None, "the scenario is dynamic"
-    looks = slot_looks(env.living.kinds, env.bank)
-    renderer = Renderer(env.bank, env.robot, HEIGHT, WIDTH, shadows=True, agents=looks)
+    appearances = slot_appearances(env.living.kinds, env.bank)
+    renderer = Renderer(env.bank, env.robot, HEIGHT, WIDTH, shadows=True, agents=appearances)
     middle = np.asarray(driver.middle)
     along = np.asarray(driver.waypoints[-1, :2] - driver.start[:2])
     side = np.array([-along[1], along[0]]) / np.linalg.norm(along)

@@ -102,7 +102,7 @@ def judge(
 @dataclasses.dataclass(frozen=True)
 class Plan:
     """One row: its name, how objects are distilled, what makes a recording of a capture in an empty folder, and, where
-    Ast is measured, descriptors of looks."""
+    Ast is measured, descriptors of appearance."""
 
     row: str
     options: DistilOptions

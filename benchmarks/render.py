@@ -1,6 +1,6 @@
-"""What the renderer alone makes: frames a second of each shading, look and size, the stock renderer beside them.
+"""What the renderer alone makes: frames a second of each shading, style and size, the stock renderer beside them.
 
-    python -m benchmarks.render --cases 135x240@1024,36x64@4096 --looks plain,shadows
+    python -m benchmarks.render --cases 135x240@1024,36x64@4096 --styles plain,shadows
 
 draws robots at random places of all scenes' routes, every env at another, new places in every frame. Each result is
 one JSON line, written to `--out` (and printed with `--json`) as soon as it is known; a configuration that fails writes
@@ -39,8 +39,8 @@ from urbanverse_mjx.simulation.rendering import street_draw
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 SHADINGS = ("matte", "pbr", "megakernel", "stock")
-#: What a look changes of the default: sky, textures, no shadows, one ray a pixel.
-LOOKS: dict[str, dict[str, Any]] = {
+#: What a style changes of the default: sky, textures, no shadows, one ray a pixel.
+STYLES: dict[str, dict[str, Any]] = {
     "plain": {},
     "shadows": {"shadows": True},
     "no-sky": {"sky": False},
@@ -59,7 +59,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--bank", type=pathlib.Path, help="a bank file (default: the shipped streets)")
     parser.add_argument("--cases", default="135x240@1024,36x64@4096", help="HEIGHTxWIDTH@ENVS, ...")
     parser.add_argument("--shadings", default=",".join(SHADINGS))
-    parser.add_argument("--looks", default="plain,shadows", help=f"of {', '.join(LOOKS)}")
+    parser.add_argument("--styles", "--looks", default="plain,shadows", help=f"of {', '.join(STYLES)}")
     parser.add_argument("--frames", type=int, default=8, help="batches in one timed call")
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=230.0, help="no configuration begins after this")
@@ -75,7 +75,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
         arguments.blocks = [tuple(map(int, b.split("x"))) for b in arguments.blocks.split(",") if b] or [None]
     except (ValueError, AssertionError):
         parser.error("--cases: needed HEIGHTxWIDTH@ENVS such as 36x64@4096; --blocks: THREADSxBLOCKS such as 64x8")
-    for name, known in (("shadings", SHADINGS), ("looks", tuple(LOOKS))):
+    for name, known in (("shadings", SHADINGS), ("styles", tuple(STYLES))):
         setattr(arguments, name, getattr(arguments, name).split(","))
         if set(getattr(arguments, name)) - set(known):
             parser.error(f"--{name}: needed some of {', '.join(known)}")
@@ -216,10 +216,10 @@ def time_bare(call: Callable[[], None], repeats: int) -> float:
     return float(np.median(seconds))
 
 
-def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: str, look: str, arguments: Any) -> Any:
+def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: str, style: str, arguments: Any) -> Any:
     """(result, a few frames) of one configuration."""
     height, width, number = case
-    options = dict(LOOKS[look])
+    options = dict(STYLES[style])
     if not options.pop("textures", True):
         bank = dataclasses.replace(bank, material_texture=np.full_like(bank.material_texture, -1))
     start = time.perf_counter()
@@ -262,10 +262,10 @@ def describe(bank: SceneBank, arguments: argparse.Namespace) -> dict[str, Any]:
 
 def configurations(arguments: argparse.Namespace) -> Any:
     for case in arguments.cases:
-        for look in arguments.looks:
+        for style in arguments.styles:
             for shading in arguments.shadings:
                 for block in [None] if shading in ("megakernel", "stock") else arguments.blocks:
-                    yield case, look, shading, block
+                    yield case, style, shading, block
 
 
 def load_bank(path: pathlib.Path | None) -> SceneBank:
@@ -292,15 +292,15 @@ def main(argv: list[str] | None = None) -> int:
 
     tell(describe(bank, arguments))
     chosen = street_draw.BLOCK
-    for case, look, shading, block in configurations(arguments):
+    for case, style, shading, block in configurations(arguments):
         if time.perf_counter() - began > arguments.seconds:
             tell({"skipped": "out of time"})
             break
-        name = f"{case[0]}x{case[1]}@{case[2]} {shading} {look}"
+        name = f"{case[0]}x{case[1]}@{case[2]} {shading} {style}"
         street_draw.BLOCK = block or chosen
         line = {"case": name, "block": block, "at_s": time.perf_counter() - began}
         try:
-            result, frames = measure(bank, robot, case, shading, look, arguments)
+            result, frames = measure(bank, robot, case, shading, style, arguments)
             line |= result
             if frames is not None:
                 pictures[name.replace(" ", "_")] = frames

@@ -1,8 +1,8 @@
-"""What each look of the renderer costs and adds, side by side in one picture.
+"""What each style of the renderer costs and adds, side by side in one picture.
 
     python -m benchmarks.render_sheet --results render_1.jsonl --out docs/renderer_looks.jpg
 
-draws the same places once in every look, the costs beside them as `benchmarks.render --out` measured them.
+draws the same places once in every style, the costs beside them as `benchmarks.render --out` measured them.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
-#: (height, width, shading, look) of the rows.
+#: (height, width, shading, style) of the rows.
 ROWS = (
     (135, 240, "pbr", "shadows"),
     (135, 240, "pbr", "plain"),
@@ -39,7 +39,7 @@ LABEL, TITLE = 190, 36
 
 
 def costs(results: pathlib.Path | None) -> dict[str, dict[str, Any]]:
-    """Measured lines by "HEIGHTxWIDTH shading look", and what they were measured on under "title".
+    """Measured lines by "HEIGHTxWIDTH shading style", and what they were measured on under "title".
 
     The first of each counts, before any tried block sizes.
     """
@@ -49,16 +49,16 @@ def costs(results: pathlib.Path | None) -> dict[str, dict[str, Any]]:
         if "device" in entry:
             found["title"] = entry
         if "frames_per_s" in entry:
-            size, shading, look = entry["case"].split(" ")
+            size, shading, style = entry["case"].split(" ")
             entry["envs"] = int(size.split("@")[1])
-            found.setdefault(f"{size.split('@')[0]} {shading} {look}", entry)
+            found.setdefault(f"{size.split('@')[0]} {shading} {style}", entry)
     return found
 
 
 def frames(bank: SceneBank, robot: RobotSpec, row: tuple[int, int, str, str], places: tuple) -> np.ndarray:
-    """(n, 135, 240, 3) u8: each place in one look; smaller pictures with their pixels enlarged."""
-    height, width, shading, look = row
-    options = dict(render.LOOKS[look])
+    """(n, 135, 240, 3) u8: each place in one style; smaller pictures with their pixels enlarged."""
+    height, width, shading, style = row
+    options = dict(render.STYLES[style])
     if not options.pop("textures", True):
         bank = dataclasses.replace(bank, material_texture=np.full_like(bank.material_texture, -1))
     renderer = Renderer(bank, robot, height, width, shading=shading, **options)

@@ -26,8 +26,8 @@ def first_scenes(bank: SceneBank, count: int) -> SceneBank:
 
 def _without_unseen_meshes(bank: SceneBank) -> SceneBank:
     """The bank with the meshes alone that some slot or agent shows."""
-    looks = bank.agents
-    used = np.unique(np.concatenate([bank.slot_mesh[bank.slot_mesh >= 0], np.array(looks["mesh"], np.int32)]))
+    agents = bank.agents
+    used = np.unique(np.concatenate([bank.slot_mesh[bank.slot_mesh >= 0], np.array(agents["mesh"], np.int32)]))
     number = np.full(bank.num_meshes + 1, -1, np.int32)
     number[used] = np.arange(len(used), dtype=np.int32)
     fields = {"slot_mesh": number[bank.slot_mesh], "mesh_material": bank.mesh_material[used]}
@@ -36,7 +36,7 @@ def _without_unseen_meshes(bank: SceneBank) -> SceneBank:
         rows = np.concatenate([np.arange(bounds[m], bounds[m + 1]) for m in used])
         fields |= {name: getattr(bank, name)[rows] for name in names}
         fields[start] = np.concatenate([[0], np.cumsum(np.diff(bounds)[used])]).astype(bounds.dtype)
-    agents = {**looks, "mesh": [int(number[mesh]) for mesh in looks["mesh"]]}
+    agents = {**agents, "mesh": [int(number[mesh]) for mesh in agents["mesh"]]}
     return dataclasses.replace(bank, **fields, meta={**bank.meta, "agents": agents})
 
 

@@ -5,7 +5,7 @@ import hashlib
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets.appearances import ground_materials, looks
+from urbanverse_mjx.assets.appearances import appearance_search, ground_materials
 from urbanverse_mjx.assets.appearances.grounds import ground_records, paint_ground, table
 from urbanverse_mjx.assets.appearances.grounds.surface import normals
 from urbanverse_mjx.assets.categories.materials import material
@@ -143,46 +143,46 @@ def test_scenes_take_them() -> None:
 
 @pytest.mark.parametrize("uid", ["road/asphalt_old-sealed", "sidewalk/calcada_waves-wet"])
 def test_stored_thumbnails_are_those_of_today(uid: str) -> None:
-    kind = looks.road if uid.startswith("road") else looks.sidewalk
+    kind = appearance_search.road if uid.startswith("road") else appearance_search.sidewalk
     stored = kind.load_thumbnails([uid])[uid].astype(float)
     # JPEG at quality 82 costs a few grey levels.
-    assert np.abs(stored - looks.ground_thumbnail(uid)).mean() < 8
+    assert np.abs(stored - appearance_search.ground_thumbnail(uid)).mean() < 8
 
 
 def test_crops_find_their_material() -> None:
     """The paper's pixel-wise mean squared error, against the formula spelled out."""
-    thumbnails = looks.sidewalk.load_thumbnails()
+    thumbnails = appearance_search.sidewalk.load_thumbnails()
     for uid in ("sidewalk/brick_red_herringbone", "sidewalk/flags_checks", "sidewalk/concrete_pale-puddled"):
-        ranked = looks.rank_grounds(thumbnails[uid], "sidewalk")
+        ranked = appearance_search.rank_grounds(thumbnails[uid], "sidewalk")
         assert ranked[0][0] == uid
         assert ranked[0][1] < 1e-6
         assert len(ranked) == 190
         assert [error for _, error in ranked] == sorted(error for _, error in ranked)
     one, other = thumbnails["sidewalk/flags_checks"], thumbnails["sidewalk/slate"]
-    small = [looks._shrunk(image, (32, 32)) / 255.0 for image in (one, other)]
+    small = [appearance_search._shrunk(image, (32, 32)) / 255.0 for image in (one, other)]
     by_hand = ((small[0] - small[1]) ** 2).mean()
-    assert dict(looks.rank_grounds(one, "sidewalk"))["sidewalk/slate"] == pytest.approx(by_hand, rel=1e-3)
-    both = dict(looks.rank_grounds([one, other], "sidewalk"))
+    assert dict(appearance_search.rank_grounds(one, "sidewalk"))["sidewalk/slate"] == pytest.approx(by_hand, rel=1e-3)
+    both = dict(appearance_search.rank_grounds([one, other], "sidewalk"))
     assert both["sidewalk/slate"] == pytest.approx(by_hand / 2, rel=1e-3)
 
 
 @pytest.mark.parametrize("crops", [[], np.zeros((4, 4), np.uint8), [np.zeros((4, 4, 3))]])
 def test_a_bad_crop_is_refused(crops: object) -> None:
     with pytest.raises(ValidationError, match="crop"):
-        looks.rank_grounds(crops, "road")  # pyright: ignore[reportArgumentType]
+        appearance_search.rank_grounds(crops, "road")  # pyright: ignore[reportArgumentType]
 
 
 def test_search_joins_filters_by_and_and_lists_by_or() -> None:
-    found = looks.sidewalk.get_uids_conditioned(families=["brick", "setts"], conditions="wet")
+    found = appearance_search.sidewalk.get_uids_conditioned(families=["brick", "setts"], conditions="wet")
     assert found
     assert all(RECORDS[u].family in ("brick", "setts") and RECORDS[u].condition_group == "wet" for u in found)
-    slippery = looks.road.get_uids_conditioned(friction_coefficient_range=(None, 0.4))
+    slippery = appearance_search.road.get_uids_conditioned(friction_coefficient_range=(None, 0.4))
     assert slippery == [r.uid for r in ground_records("road") if r.friction <= 0.4]
-    assert looks.sidewalk.get_uids_conditioned(query="red bricks in basket weave", top_k=1) == [
+    assert appearance_search.sidewalk.get_uids_conditioned(query="red bricks in basket weave", top_k=1) == [
         "sidewalk/brick_red_basket"
     ]
-    assert "yellow" in looks.sidewalk.explain_annotation("colors")
+    assert "yellow" in appearance_search.sidewalk.explain_annotation("colors")
     with pytest.raises(ValidationError, match="families"):
-        looks.road.get_uids_conditioned(flavour="sweet")
+        appearance_search.road.get_uids_conditioned(flavour="sweet")
     with pytest.raises(ValidationError, match="low <= high"):
-        looks.road.get_uids_conditioned(tile_size_range=(3, 1))
+        appearance_search.road.get_uids_conditioned(tile_size_range=(3, 1))

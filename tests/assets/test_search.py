@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets.appearances import looks
+from urbanverse_mjx.assets.appearances import appearance_search
 from urbanverse_mjx.assets.categories.ontology import categories
 from urbanverse_mjx.assets.records import store
 from urbanverse_mjx.assets.records.annotations import explain
@@ -198,14 +198,16 @@ def test_skies_and_grounds_answer_as_objects_do(name: str, number: int, classes:
 
 def test_a_damaged_sheet_of_thumbnails_is_found_and_mended(tmp_path, monkeypatch) -> None:
     skies = named_library("sky")
-    whole = (looks.asset_root() / "sky_thumbnails.jpg").read_bytes()
+    whole = (appearance_search.asset_root() / "sky_thumbnails.jpg").read_bytes()
     path = tmp_path / "sky_thumbnails.jpg"
-    monkeypatch.setattr(looks, "asset_root", lambda: tmp_path)
+    monkeypatch.setattr(appearance_search, "asset_root", lambda: tmp_path)
     try:
         assert "no file" in skies.check_integrity()[0]
         path.write_bytes(whole[: len(whole) // 2])
         assert "no whole picture" in skies.check_integrity()[0]
-        monkeypatch.setattr(looks, "build_thumbnails", lambda name: path.write_bytes(whole))  # painting takes minutes
+        monkeypatch.setattr(
+            appearance_search, "build_thumbnails", lambda name: path.write_bytes(whole)
+        )  # painting takes minutes
         assert skies.repair() == []
     finally:
         monkeypatch.undo()

@@ -5,7 +5,7 @@ import hashlib
 import numpy as np
 import pytest
 
-from urbanverse_mjx.assets.appearances import looks, skies
+from urbanverse_mjx.assets.appearances import appearance_search, skies
 from urbanverse_mjx.assets.appearances.grounds import ground_records
 from urbanverse_mjx.assets.appearances.sky_maps import atmosphere, clouds, paint_sky, sky_records
 from urbanverse_mjx.assets.appearances.sky_maps.table import MOMENTS, WEATHERS, unit_to_sun
@@ -143,48 +143,58 @@ def test_scenes_take_them(uid: str) -> None:
 
 @pytest.mark.parametrize("uid", ["autumn_noon-mackerel", "spring_dawn-rain"])
 def test_stored_thumbnails_are_those_of_today(uid: str) -> None:
-    stored = looks.sky.load_thumbnails([uid])[uid].astype(float)
-    assert np.abs(stored - looks.sky_thumbnail(uid)).mean() < 6
+    stored = appearance_search.sky.load_thumbnails([uid])[uid].astype(float)
+    assert np.abs(stored - appearance_search.sky_thumbnail(uid)).mean() < 6
 
 
 def test_a_crop_of_a_sky_finds_it_by_its_histogram() -> None:
-    thumbnails = looks.sky.load_thumbnails()
+    thumbnails = appearance_search.sky.load_thumbnails()
     first = 0
     for uid in SOME:
-        descriptor = looks.sky_descriptor(thumbnails[uid][20:40])
+        descriptor = appearance_search.sky_descriptor(thumbnails[uid][20:40])
         assert len(descriptor) == 64
         assert 0 <= min(descriptor) <= max(descriptor) <= 255
-        ranked = looks.rank_skies(descriptor)
+        ranked = appearance_search.rank_skies(descriptor)
         assert len(ranked) == 306
         first += uid in [name for name, distance in ranked if distance < 1e-6]
     assert first == len(SOME)
     blue = np.full((8, 16, 3), (70, 120, 200), np.uint8)
     grey = np.full((8, 16, 3), (200, 200, 200), np.uint8)
-    kinds = [RECORDS[looks.rank_skies(looks.sky_descriptor(crop))[0][0]].kind for crop in (blue, grey)]
+    kinds = [
+        RECORDS[appearance_search.rank_skies(appearance_search.sky_descriptor(crop))[0][0]].kind
+        for crop in (blue, grey)
+    ]
     assert kinds[0] not in ("overcast", "stratus")
     assert kinds[1] in ("overcast", "stratus", "hazy")
     with pytest.raises(ValidationError, match="64"):
-        looks.rank_skies((1, 2, 3))
+        appearance_search.rank_skies((1, 2, 3))
 
 
 def test_search() -> None:
-    found = looks.sky.get_uids_conditioned(seasons=["winter"], kinds=["clear", "hazy"], sun_elevation_range=(10, None))
+    found = appearance_search.sky.get_uids_conditioned(
+        seasons=["winter"], kinds=["clear", "hazy"], sun_elevation_range=(10, None)
+    )
     assert found
     assert all(RECORDS[u].season == "winter" and RECORDS[u].sun_elevation >= 10 for u in found)
-    best = looks.sky.get_uids_conditioned(query="mackerel sky at a spring sunset", top_k=1)
+    best = appearance_search.sky.get_uids_conditioned(query="mackerel sky at a spring sunset", top_k=1)
     assert best == ["spring_sunset-mackerel"]
-    assert looks.sky.load_annotations(best)[best[0]]["kind"] == "cirrus"
-    snowy = looks.sky.get_uids_conditioned(snow=True)
+    assert appearance_search.sky.load_annotations(best)[best[0]]["kind"] == "cirrus"
+    snowy = appearance_search.sky.get_uids_conditioned(snow=True)
     assert all(RECORDS[u].snow for u in snowy)
     assert 0 < len(snowy) < 54
     with pytest.raises(ValidationError, match="true or false"):
-        looks.sky.get_uids_conditioned(snow="yes")
+        appearance_search.sky.get_uids_conditioned(snow="yes")
 
 
 def test_its_own_descriptor_finds_every_material_and_sky_first():
     for record in (*ground_records("road"), *ground_records("sidewalk")):
-        assert looks.rank_ground_descriptors(looks.own_ground_descriptor(record.uid), record.kind)[0][0] == record.uid
+        assert (
+            appearance_search.rank_ground_descriptors(appearance_search.own_ground_descriptor(record.uid), record.kind)[
+                0
+            ][0]
+            == record.uid
+        )
     for record in sky_records():
-        assert looks.rank_skies(looks.own_sky_descriptor(record.uid))[0][0] == record.uid
+        assert appearance_search.rank_skies(appearance_search.own_sky_descriptor(record.uid))[0][0] == record.uid
     with pytest.raises(ValidationError, match="sky"):
-        looks.own_sky_descriptor("no such sky")
+        appearance_search.own_sky_descriptor("no such sky")

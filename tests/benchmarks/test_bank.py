@@ -153,11 +153,11 @@ def test_fewer_scenes_are_the_first_of_the_larger_bank(bench_bank: SceneBank) ->
                 getattr(part, f"mesh_{name}")[kept[new] : kept[new + 1]],
             )
         assert part.mesh_material[new] == bench_bank.mesh_material[old]
-    looks = [part.agents[name] for name in ("kind", "mesh")]
-    for kind, new, old in zip(*looks, bench_bank.agents["mesh"], strict=True):
+    rows = [part.agents[name] for name in ("kind", "mesh")]
+    for kind, new, old in zip(*rows, bench_bank.agents["mesh"], strict=True):
         sizes = [np.diff(b.mesh_vertex_start)[m] for b, m in ((part, new), (bench_bank, old))]
-        assert sizes[0] == sizes[1], f"the looks of a {kind} are kept"
-    assert len(set(looks[0])) == 5
+        assert sizes[0] == sizes[1], f"the rows of a {kind} are kept"
+    assert len(set(rows[0])) == 5
     with pytest.raises(ValidationError, match="needed 1 to 2"):
         banks.first_scenes(bench_bank, 3)
 

@@ -102,7 +102,7 @@ def test_a_fault_is_named(spoil, said):
 
 def test_an_awning_is_in_nobodys_way():
     canvas = street()
-    canvas.put("awning", 10.0, 11.0, -90.0, look=0, above=2.5)
+    canvas.put("awning", 10.0, 11.0, -90.0, variant=0, above=2.5)
     assert canvas.problems() == []
 
 

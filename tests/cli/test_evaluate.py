@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from brax.training.acme import running_statistics, specs
 
-from tests.support.agent_looks import with_box_agents
+from tests.support.agent_appearances import with_box_agents
 from tests.support.unicycle import GoalPicture, UnicycleEngine, unicycle_env, unicycle_robot
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli.evaluate import main as evaluate
@@ -74,11 +74,17 @@ class BodyPicture(GoalPicture):
     """A renderer that is told where the movable objects are."""
 
     def __call__(
-        self, scene: Any, xpos: Any, xquat: Any, look: Any = 0, agents: Any = None, bodies: Bodies | None = None
+        self,
+        scene: Any,
+        xpos: Any,
+        xquat: Any,
+        appearance_seed: Any = 0,
+        agents: Any = None,
+        bodies: Bodies | None = None,
     ) -> dict[str, Any]:
         assert bodies is not None
         assert bodies.position.shape[-1] == 3
-        return super().__call__(scene, xpos, xquat, look, agents, bodies)
+        return super().__call__(scene, xpos, xquat, appearance_seed, agents, bodies)
 
 
 def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:

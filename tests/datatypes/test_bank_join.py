@@ -6,7 +6,7 @@ import pathlib
 import numpy as np
 import pytest
 
-from tests.support.agent_looks import BOXES, with_box_agents
+from tests.support.agent_appearances import BOXES, with_box_agents
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.datatypes.bank_join import join
 
@@ -118,7 +118,7 @@ def test_what_does_not_fit_is_refused(small_bank: SceneBank, word: str) -> None:
         join(banks)
 
 
-def test_looks_of_agents_survive_a_join(small_bank: SceneBank) -> None:
+def test_appearances_of_agents_survive_a_join(small_bank: SceneBank) -> None:
     """Those of the first bank that has any, with their meshes and categories, wherever these now stand."""
     looking = with_box_agents(renamed(small_bank, "_b"))
     joined = join([small_bank, looking])

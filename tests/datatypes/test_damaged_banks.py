@@ -122,7 +122,7 @@ def test_an_index_outside_its_table_is_refused(
         SceneBank.load(path)
 
 
-def test_looks_of_agents_outside_the_meshes_are_refused(small_bank: SceneBank) -> None:
+def test_appearances_of_agents_outside_the_meshes_are_refused(small_bank: SceneBank) -> None:
     agents = {"kind": ["adult"], "mesh": [small_bank.num_meshes], "category": [0]}
     with pytest.raises(ValidationError, match=r"meta\.agents\.mesh"):
         dataclasses.replace(small_bank, meta={**small_bank.meta, "agents": agents})

@@ -9,7 +9,7 @@ import pytest
 
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets import category_of, load_hulls
-from urbanverse_mjx.assets.appearances import looks
+from urbanverse_mjx.assets.appearances import appearance_search
 from urbanverse_mjx.assets.appearances.ground_materials import build_material
 from urbanverse_mjx.assets.records.index import build_mesh
 from urbanverse_mjx.assets.selection import descriptors
@@ -67,9 +67,12 @@ def test_a_cousin_is_the_same_alone_and_among_any_number(cousins):
     picture = np.random.default_rng(1).integers(0, 255, (60, 90, 3)).astype(np.uint8)
     look = tuple(map(int, descriptors.of_picture(picture)))
     seen = [dataclasses.replace(node, descriptor=look) for node in OBJECTS[:2]]
-    walk = dataclasses.replace(WALK, descriptor=looks.own_ground_descriptor("sidewalk/flags_buff"))
+    walk = dataclasses.replace(WALK, descriptor=appearance_search.own_ground_descriptor("sidewalk/flags_buff"))
     graph = street(
-        *seen, *OBJECTS[2:], ground=(ROAD, walk), sky_descriptor=looks.own_sky_descriptor("autumn_noon-overcast")
+        *seen,
+        *OBJECTS[2:],
+        ground=(ROAD, walk),
+        sky_descriptor=appearance_search.own_sky_descriptor("autumn_noon-overcast"),
     )
     described = materialise_cousins(graph, 7, seed=3, objects=few_objects())
     for k in (0, 3, 6):
@@ -179,7 +182,7 @@ def test_the_nearest_cousin_is_what_was_seen(cousins):
     look = tuple(int(x) for x in _own_descriptor(record))
     node = obj("car", "sedan", 5, -4, 0.0, size=record.extent_xyz, descriptor=look)
     best, *others = materialise_cousins(street(node), 5, seed=9, objects=few_objects())
-    distances = [c.chosen["car"].match.look or 0.0 for c in (best, *others)]
+    distances = [c.chosen["car"].match.appearance_distance or 0.0 for c in (best, *others)]
     assert distances[0] == min(distances)
     assert best.chosen["car"].match.distortion < 0.1
 
@@ -201,25 +204,29 @@ def test_a_quarter_turn_is_taken_only_where_the_box_lies_across():
 
 
 def test_ground_and_sky_are_what_was_seen():
-    walk, road, sky = looks.sidewalk.get_uids_all()[40], looks.road.get_uids_all()[7], looks.sky.get_uids_all()[123]
-    half = looks.SKY_THUMBNAIL[0] // 2
+    walk, road, sky = (
+        appearance_search.sidewalk.get_uids_all()[40],
+        appearance_search.road.get_uids_all()[7],
+        appearance_search.sky.get_uids_all()[123],
+    )
+    half = appearance_search.SKY_THUMBNAIL[0] // 2
     crops = {
-        "walk": looks.ground_descriptor(looks.sidewalk.load_thumbnails([walk])[walk]),
-        "road": looks.ground_descriptor(looks.road.load_thumbnails([road])[road]),
+        "walk": appearance_search.ground_descriptor(appearance_search.sidewalk.load_thumbnails([walk])[walk]),
+        "road": appearance_search.ground_descriptor(appearance_search.road.load_thumbnails([road])[road]),
     }
-    seen = looks.sky_descriptor(looks.sky.load_thumbnails([sky])[sky][half // 2 : half])
+    seen = appearance_search.sky_descriptor(appearance_search.sky.load_thumbnails([sky])[sky][half // 2 : half])
     ground = tuple(dataclasses.replace(r, descriptor=crops[r.id]) for r in (ROAD, WALK))
     best, *others = materialise_cousins(street(ground=ground, sky_descriptor=seen), 4, objects=few_objects())
     assert {r.id: r.material for r in best.layout.ground} == {"road": road, "walk": walk}
     assert best.layout.sky == sky
-    ranked = [uid for uid, _ in looks.rank_skies(seen)[:8]]
+    ranked = [uid for uid, _ in appearance_search.rank_skies(seen)[:8]]
     assert all(c.layout.sky in ranked for c in others)
 
 
 def test_a_sky_like_none_is_not_matched():
-    black = looks.sky_crop_descriptor(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8), bool))
+    black = appearance_search.sky_crop_descriptor(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8), bool))
     found = materialise_cousins(street(sky_descriptor=black), 3, objects=few_objects())
-    by_time = looks.sky.load_annotations([c.layout.sky for c in found])
+    by_time = appearance_search.sky.load_annotations([c.layout.sky for c in found])
     assert all(record["time"] in ("morning", "noon", "afternoon", "evening") for record in by_time.values())
     assert all(c.sky.distance is None for c in found)
 
@@ -231,14 +238,16 @@ def test_crops_and_stored_descriptors_give_the_same():
     mask = np.zeros((60, 90), bool)
     mask[10:50, 20:80] = True
     node = dataclasses.replace(OBJECTS[0], descriptor=tuple(map(int, descriptors.of_picture(picture, mask))))
-    walk = dataclasses.replace(WALK, descriptor=looks.ground_crop_descriptor(picture, mask))
-    graph = street(node, ground=(ROAD, walk), sky_descriptor=looks.sky_crop_descriptor(picture, mask))
+    walk = dataclasses.replace(WALK, descriptor=appearance_search.ground_crop_descriptor(picture, mask))
+    graph = street(node, ground=(ROAD, walk), sky_descriptor=appearance_search.sky_crop_descriptor(picture, mask))
     stored = SceneGraph.from_json(graph.to_json())
     one, other = (materialise_cousins(g, 3, objects=few_objects()) for g in (graph, stored))
     assert [c.layout.to_json() for c in one] == [c.layout.to_json() for c in other]
     square = np.zeros_like(mask)
     square[5:30, 40:65] = True
-    assert looks.ground_crop_descriptor(picture, square) == looks.ground_descriptor(picture[5:30, 40:65])
+    assert appearance_search.ground_crop_descriptor(picture, square) == appearance_search.ground_descriptor(
+        picture[5:30, 40:65]
+    )
 
 
 def test_bad_numbers_are_refused():
@@ -273,8 +282,8 @@ def test_named_materials_lie_side_by_side():
     def square(name: str, kind: str, x: float, descriptor: tuple[int, ...] | None) -> GroundRegion:
         return GroundRegion(name, kind, ((x, 0), (x + 2, 0), (x + 2, 2), (x, 2)), (0.0, 0.0, 0.0), descriptor)
 
-    flags, brick = (looks.own_ground_descriptor(f"sidewalk/{n}") for n in ("flags_buff", "brick_charcoal"))
-    grass, gravel = (looks.ground_descriptor(build_material(n).texture) for n in ("grass", "gravel"))
+    flags, brick = (appearance_search.own_ground_descriptor(f"sidewalk/{n}") for n in ("flags_buff", "brick_charcoal"))
+    grass, gravel = (appearance_search.ground_descriptor(build_material(n).texture) for n in ("grass", "gravel"))
     ground = (
         square("a", "sidewalk", 0, flags),
         square("b", "sidewalk", 2, brick),

@@ -38,7 +38,7 @@ FAULTS = [
     (LAYERS, "viz", "urbanverse_mjx.pipeline"),
     (LAYERS, "pipeline", "urbanverse_mjx.cli"),
     (ASSETS, "assets/meshes", "urbanverse_mjx.assets.records.index"),
-    (ASSETS, "assets/collision", "urbanverse_mjx.assets.appearances.looks"),
+    (ASSETS, "assets/collision", "urbanverse_mjx.assets.appearances.appearance_search"),
     (ASSETS, "assets/records", "urbanverse_mjx.assets.selection.search"),
     ("the runtime never imports what makes scenes", "envs", "urbanverse_mjx.scene"),
     ("the runtime never imports what makes scenes", "capture", "urbanverse_mjx.assets"),

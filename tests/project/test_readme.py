@@ -64,9 +64,9 @@ def test_the_counts_are_those_of_the_tables() -> None:
     counts = json.loads((ROOT / "assets_index" / "catalogue.json").read_text(encoding="utf-8"))
     assert counted("annotated records") == [len(ontology.categories()), counts["records"]]
     assert counted("base shapes") == [len(load_index().records)]
-    looks = {name: len(libraries.library(name).get_uids_all()) for name in ("sky", "road", "sidewalk")}
-    assert counted("skies") == [looks["sky"]]
-    assert counted("ground materials") == [looks["road"] + looks["sidewalk"]]
+    counts = {name: len(libraries.library(name).get_uids_all()) for name in ("sky", "road", "sidewalk")}
+    assert counted("skies") == [counts["sky"]]
+    assert counted("ground materials") == [counts["road"] + counts["sidewalk"]]
     sets = {name: library.scene_set(name) for name in library.sets()}
     layouts = {name: len(s.graphs()) for name, s in sets.items()}
     procedural_scenes, by_hand = procedural.COUNT, len(craft.BUILDERS) + len(validation.BUILDERS)

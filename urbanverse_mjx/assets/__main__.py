@@ -8,7 +8,7 @@ from rich.progress import track
 
 from .exporting.export_command import export
 from .importing.command import import_assets
-from .pictures.look_sheets import COMMANDS as LOOKS
+from .pictures.appearance_sheets import COMMANDS as APPEARANCES
 
 
 def build(out: pathlib.Path | None = None) -> None:
@@ -151,7 +151,7 @@ COMMANDS = {
     "contact-sheet": contact_sheet,
     "export": export,
     "import": import_assets,
-    **{f"looks-{name}": function for name, function in LOOKS.items()},
+    **{f"looks-{name}": function for name, function in APPEARANCES.items()},
     "labels": labels,
 }
 

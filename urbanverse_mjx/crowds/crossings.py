@@ -21,7 +21,7 @@ from .free_space import CELL, FreeSpace
 POOL = 4
 #: m ahead at which a walker decides at the kerb, and steps (m) at which a driver looks for a crosswalk.
 _KERB = 0.8
-_LOOK = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
+_AHEAD = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
 #: s, what a walker adds to the time it needs: start-up and end clearance of the Highway Capacity Manual (2000).
 _CLEARANCE = 3.0
 #: m/s, slower vehicles have stopped for one.
@@ -104,10 +104,10 @@ def give_way(
     # Drivers: the first crosswalk ahead and how far it is from the front.
     drives = ~walks & present
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
-    seen = crossing_at(table, scene, bodies.x + _LOOK[:, None] * cos, bodies.y + _LOOK[:, None] * sin)
+    seen = crossing_at(table, scene, bodies.x + _AHEAD[:, None] * cos, bodies.y + _AHEAD[:, None] * sin)
     first = jnp.argmax(seen > 0, axis=0)
     coming = jnp.where(drives & (here == 0), jnp.take_along_axis(seen, first[None], axis=0)[0], 0)
-    room = jnp.asarray(_LOOK)[first] - 1.0 - front
+    room = jnp.asarray(_AHEAD)[first] - 1.0 - front
     going = jnp.sqrt(bodies.vx * bodies.vx + bodies.vy * bodies.vy)
     arrives = jnp.maximum(room, 0.0) / jnp.maximum(going, 0.1)
     needs = table.width[scene, ahead] / jnp.maximum(speed, 0.1) + _CLEARANCE

@@ -316,10 +316,10 @@ class CrowdModel:
                 place = crowd.bodies.x[some], crowd.bodies.y[some]
                 # A vehicle reads its way ahead of its front, so that it turns in time.
                 if RULES[group].from_middle is not None:
-                    look, heading = self._traits.half_length[some], crowd.bodies.heading[some]
+                    reach, heading = self._traits.half_length[some], crowd.bodies.heading[some]
                     place = (
-                        place[0] + look * jnp.cos(heading) + _PREVIEW * crowd.bodies.vx[some],
-                        place[1] + look * jnp.sin(heading) + _PREVIEW * crowd.bodies.vy[some],
+                        place[0] + reach * jnp.cos(heading) + _PREVIEW * crowd.bodies.vx[some],
+                        place[1] + reach * jnp.sin(heading) + _PREVIEW * crowd.bodies.vy[some],
                     )
                 heading = goal_fields.heading_at(
                     self.tables.ways[group], RULES[group].node, scene, crowd.goal[some], *place

@@ -71,7 +71,7 @@ def _peel(blocked: Any, corner: Any, offsets: Any) -> tuple[Any, Any]:
     count = corner.shape[0]
     unit = jnp.asarray(_directions(), jnp.float32)
 
-    def look(n: Any, carry: tuple[Any, ...]) -> tuple[Any, ...]:
+    def inspect(n: Any, carry: tuple[Any, ...]) -> tuple[Any, ...]:
         direction, mx, my, behind, used = carry
         cell = corner + offsets[n]
         inside = (cell >= 0).all(-1) & (cell < jnp.array(blocked.shape)).all(-1)
@@ -90,7 +90,7 @@ def _peel(blocked: Any, corner: Any, offsets: Any) -> tuple[Any, Any]:
 
     zeros = jnp.zeros((NUM_FLATS, count))
     start = (zeros.astype(jnp.int32), zeros, zeros, zeros + 1e6, jnp.zeros(count, jnp.int32))
-    direction, mx, my, behind, _ = jax.lax.fori_loop(0, offsets.shape[0], look, start)
+    direction, mx, my, behind, _ = jax.lax.fori_loop(0, offsets.shape[0], inspect, start)
     # The flat touches the nearest side of the blocked cell.
     return direction, behind - 0.5 * CELL * (jnp.abs(mx) + jnp.abs(my))
 

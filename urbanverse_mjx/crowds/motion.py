@@ -12,7 +12,7 @@ of the arc it makes, against the same half-planes. That is the choice of control
 (Alonso-Mora et al. 2010 and 2012), solves the program for a disc grown by a tracking error and then tracks the
 result; its bound is worked out per robot for a fixed range of speeds, and a car at 8 m/s that may track nothing but
 what lies within centimetres of its lane has no velocity left there. Judging what can be driven needs no such bound:
-where the wheels go is what was judged, and the only error is that an arc counts as its chord (`_LOOK`).
+where the wheels go is what was judged, and the only error is that an arc counts as its chord (`_HORIZON`).
 """
 
 from typing import Any
@@ -25,7 +25,7 @@ from .linear_program import HalfPlanes
 
 #: s, length of the arcs that are judged; the chord of 1 s at the largest lateral acceleration (2.5 m/s²) lies at most
 #: 2.5 / 8 = 0.31 m beside the arc at its middle, and the step that follows uses a tenth or fifth of it.
-_LOOK = 1.0
+_HORIZON = 1.0
 #: Turn rates that are tried, as shares of the largest.
 _TURNS = (-1.0, -0.6, -0.3, -0.12, 0.0, 0.12, 0.3, 0.6, 1.0)
 #: Accelerations that are tried: shares of the braking (negative) and of the acceleration (positive).
@@ -132,19 +132,19 @@ def drive(
     own_speed = jnp.where(back, -wished, wished * jnp.maximum(jnp.cos(error), 0.0))
     own_push = jnp.clip(own_speed - speed, -traits.braking, traits.acceleration)
     pushes = jnp.stack([*(s * (traits.acceleration if s > 0 else traits.braking) for s in _PUSHES), own_push])
-    mean, _ = _speeds(speed, pushes, jnp.where(back, -wished, 0.0), traits.limit, _LOOK)
+    mean, _ = _speeds(speed, pushes, jnp.where(back, -wished, 0.0), traits.limit, _HORIZON)
     # The least radius bounds the arc at its mean speed, so that a vehicle at rest may pull out in a curve.
     most = turn_limit(mean, traits)
     shares = jnp.asarray(np.array(_TURNS, np.float32)).reshape(-1, 1, 1, 1)
-    own_turn = jnp.clip(2.0 * error / _LOOK, -most, most)
+    own_turn = jnp.clip(2.0 * error / _HORIZON, -most, most)
     turns = jnp.concatenate([shares * most, own_turn[None]])
     pushes = jnp.broadcast_to(pushes, turns.shape)
-    half = 0.5 * turns * _LOOK
+    half = 0.5 * turns * _HORIZON
     chord = mean * jnp.sinc(half / jnp.pi)
     # In the vehicle's frame first: the way of its centre, and what its ends move against that while it turns.
     along, across = chord * jnp.cos(half), chord * jnp.sin(half)
-    swing_along = traits.half_length / _LOOK * (jnp.cos(2.0 * half) - 1.0)
-    swing_across = traits.half_length / _LOOK * jnp.sin(2.0 * half)
+    swing_along = traits.half_length / _HORIZON * (jnp.cos(2.0 * half) - 1.0)
+    swing_across = traits.half_length / _HORIZON * jnp.sin(2.0 * half)
 
     def deepest(rows: HalfPlanes, ends: Any) -> Any:
         worst = jnp.zeros_like(along)

@@ -1,6 +1,6 @@
 """The datatypes that the stages exchange: frozen, validated, each with a file form."""
 
-from .asset import AgentLook, AssetMesh, AssetRecord, HullSet
+from .asset import AgentAppearance, AssetMesh, AssetRecord, HullSet
 from .evaluation import RESULTS, BenchmarkReport, EpisodeResult
 from .ground import GROUND_KINDS, KIND_INDEX, PAINT_KINDS, TRAVERSABLE_KINDS, traversable
 from .hashing import content_hash
@@ -21,7 +21,7 @@ __all__ = [
     "RESULTS",
     "SPLITS",
     "TRAVERSABLE_KINDS",
-    "AgentLook",
+    "AgentAppearance",
     "AgentMotion",
     "AgentShapes",
     "AssetMesh",

@@ -132,7 +132,7 @@ class AssetMesh:
 
 
 @dataclasses.dataclass(frozen=True)
-class AgentLook:
+class AgentAppearance:
     """How one kind of moving agent may look: its mesh stands on the ground, its front along +x.
 
     Attributes:

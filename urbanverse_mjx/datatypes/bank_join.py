@@ -148,12 +148,12 @@ def _meta(banks: Sequence[SceneBank], categories: list[str], slots: int) -> dict
 
 
 def _agents(banks: Sequence[SceneBank], categories: list[str]) -> dict[str, list[Any]]:
-    """The looks of the first bank that has any: all banks carry the same few."""
+    """The appearances of the first bank that has any: all banks carry the same few."""
     before = 0
     for bank in banks:
-        looks = bank.agents
-        if looks["kind"]:
-            names = [categories.index(bank.meta["categories"][c]) for c in looks["category"]]
-            return {**looks, "mesh": [mesh + before for mesh in looks["mesh"]], "category": names}
+        agents = bank.agents
+        if agents["kind"]:
+            names = [categories.index(bank.meta["categories"][c]) for c in agents["category"]]
+            return {**agents, "mesh": [mesh + before for mesh in agents["mesh"]], "category": names}
         before += bank.num_meshes
     return banks[0].agents

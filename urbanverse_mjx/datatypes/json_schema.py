@@ -70,8 +70,8 @@ _BOUNDS: dict[type, dict[str, Any]] = {
 def graph_schema() -> dict[str, Any]:
     """The schema of `graph.json`."""
     body = _object(scene_graph.SceneGraph)
-    look = body["properties"].pop("sky_descriptor")
-    sky = {"type": "object", "properties": {"descriptor": look}, "additionalProperties": False}
+    descriptor = body["properties"].pop("sky_descriptor")
+    sky = {"type": "object", "properties": {"descriptor": descriptor}, "additionalProperties": False}
     body["properties"]["sky"] = {**sky, "description": "what is known of the sky; {} stands for any sky"}
     body["required"].append("sky")
     return _file("urbanverse scene graph", scene_graph.SCHEMA, body)

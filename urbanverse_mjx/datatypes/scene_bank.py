@@ -163,7 +163,7 @@ class SceneBank:
 
     @property
     def agents(self) -> dict[str, list[Any]]:
-        """Looks of moving agents, see `meta`; empty lists in a bank that carries none."""
+        """Appearances of moving agents, see `meta`; empty lists in a bank that carries none."""
         return self.meta.get("agents", {"kind": [], "mesh": [], "category": []})
 
     def scenes_of(self, split: str) -> np.ndarray:

@@ -42,7 +42,7 @@ class GraphObject:
       size: (3,) m, the box's full extent (along the heading, across, up).
       yaw: rad, heading counter-clockwise from +x.
       score: confidence in [0, 1].
-      descriptor: at most 64 numbers of 8 bits describing its look, or None.
+      descriptor: at most 64 numbers of 8 bits describing its appearance, or None.
     """
 
     id: str
@@ -154,7 +154,7 @@ class SceneGraph(JsonDatatype):
       source: provenance.
       objects: at most 5,000.
       ground: at least one region, at most 1,000.
-      sky_descriptor: look of the sky or None (any sky).
+      sky_descriptor: appearance of the sky or None (any sky).
       camera_path: (n, 4) of x, y, z (m), yaw (rad): the way the trajectory went; may be empty.
     """
 

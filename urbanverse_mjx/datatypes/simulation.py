@@ -155,7 +155,7 @@ class Renderer(Protocol):
         scene: Int[Array, ""],
         xpos: Float[Array, "nbody 3"],
         xquat: Float[Array, "nbody 4"],
-        look: Int[Array, ""] | int = 0,
+        appearance_seed: Int[Array, ""] | int = 0,
         agents: AgentMotion | None = None,
         bodies: Bodies | None = None,
     ) -> dict[str, Array]:
@@ -164,7 +164,7 @@ class Renderer(Protocol):
 
         Args:
           scene: row of the bank. xpos: m, xquat: wxyz, T_world_body of the robot's bodies (`SimState`).
-          look: 0 = as the bank says; other numbers stand for other appearances.
+          appearance_seed: 0 = as the bank says; other numbers stand for other appearances.
           agents: where they are; None leaves them out. bodies: objects that stand elsewhere than in the bank.
         """
         ...

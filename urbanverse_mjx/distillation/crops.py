@@ -1,4 +1,4 @@
-"""Pictures that the graph's looks come from: of objects, of ground and of the sky, and their descriptors."""
+"""Pictures that the graph's descriptors come from: of objects, of ground and of the sky, and their descriptors."""
 
 import dataclasses
 import itertools
@@ -24,7 +24,7 @@ _MARGIN = 4
 
 
 @dataclasses.dataclass(frozen=True)
-class Looks:
+class Descriptors:
     """Descriptors: of objects by their number, of ground by its kind, of the sky."""
 
     objects: dict[int, tuple[int, ...]]
@@ -39,7 +39,7 @@ def collect(
     names: dict[int, str],
     describers: dict[str, Descriptor],
     folder: pathlib.Path | None,
-) -> Looks:
+) -> Descriptors:
     """Cuts the crops out, writes them (RGBA PNG, the mask as alpha) and describes them.
 
     Args:
@@ -62,7 +62,7 @@ def collect(
             if k == 0 and "object" in describers:
                 objects[t] = _bytes(describers["object"](cut, mask))
     ground, sky = _scenery(recording, describers, folder)
-    return Looks(objects, ground, sky)
+    return Descriptors(objects, ground, sky)
 
 
 def _best_views(views: Views, object_of_view: np.ndarray, names: dict[int, str]) -> dict[int, np.ndarray]:
@@ -96,12 +96,12 @@ def _scenery(
             _write(folder, f"{'sky' if kind == 'sky' else 'ground'}/{kind}_{number}.png", cut, inside)
             if kind not in largest or mask.sum() > largest[kind][0]:
                 largest[kind] = int(mask.sum()), cut, inside
-    looks: dict[str, tuple[int, ...]] = {}
+    descriptors: dict[str, tuple[int, ...]] = {}
     for kind, (_, cut, inside) in largest.items():
         role = "sky" if kind == "sky" else "ground"
         if role in describers:
-            looks[kind] = _bytes(describers[role](cut, inside))
-    return {k: x for k, x in looks.items() if k != "sky"}, looks.get("sky")
+            descriptors[kind] = _bytes(describers[role](cut, inside))
+    return {k: x for k, x in descriptors.items() if k != "sky"}, descriptors.get("sky")
 
 
 def _cut(picture: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

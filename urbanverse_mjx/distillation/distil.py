@@ -201,10 +201,10 @@ def _graph(
     """The graph of the objects that are kept, each moved by `pulled` (n, 2) m, above `floor` (n,) m."""
     names = _names(kept)
     describers = describe.given() if describe else {}
-    looks = crops.Looks({}, {}, None)
+    descriptors = crops.Descriptors({}, {}, None)
     if describers or crop_folder is not None:
         by_number = {t.number: n for t, n in zip(kept, names, strict=True)}
-        looks = crops.collect(recording, fused.views, fused.object_of_view, by_number, describers, crop_folder)
+        descriptors = crops.collect(recording, fused.views, fused.object_of_view, by_number, describers, crop_folder)
     objects, evidence = [], []
     for i, (obj, name) in enumerate(zip(kept, names, strict=True)):
         box = dataclasses.replace(obj.box, center=obj.box.center + [*pulled[i], 0.0])
@@ -217,7 +217,7 @@ def _graph(
                 size=_rounded(np.maximum(size, 0.001)),
                 yaw=round(box.yaw, 4),
                 score=round(obj.score, 4),
-                descriptor=looks.objects.get(obj.number),
+                descriptor=descriptors.objects.get(obj.number),
             )
         )
         numbers = fused.views.origin[obj.rows, 0]
@@ -238,8 +238,8 @@ def _graph(
         id=recording.id,
         source=recording.source,
         objects=tuple(objects),
-        ground=tuple(dataclasses.replace(r, descriptor=looks.ground.get(r.kind)) for r in regions),
-        sky_descriptor=looks.sky,
+        ground=tuple(dataclasses.replace(r, descriptor=descriptors.ground.get(r.kind)) for r in regions),
+        sky_descriptor=descriptors.sky,
         camera_path=_path(fused.poses),
     )
     views = len(fused.views)

@@ -22,7 +22,7 @@ from ..datatypes import SceneBank, ValidationError
 from .perception_model import network, score, weights
 from .perception_model.decode import Decoded
 from .perception_model.views import Views
-from .train_perception import look
+from .train_perception import predict
 
 #: Weight of the squared coefficients, so that evidence which settles everything keeps them finite.
 _RIDGE = 1e-4
@@ -67,8 +67,10 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     try:
         variables, _ = weights.load(arguments.weights)
-        views = Views.of(SceneBank.load(arguments.streets), *network.SIZE, looks=0.0)
-        frames = look(weights.network(jnp.float32), variables, views, arguments.frames, arguments.batch, arguments.seed)
+        views = Views.of(SceneBank.load(arguments.streets), *network.SIZE, appearance=0.0)
+        frames = predict(
+            weights.network(jnp.float32), variables, views, arguments.frames, arguments.batch, arguments.seed
+        )
         parts = [
             ([t.evidence for t in f.seen.objects], right(f.seen, f.kinds, f.owner)) for f in frames if f.seen.objects
         ]

@@ -111,10 +111,10 @@ class Frame(NamedTuple):
     leaf: np.ndarray
 
 
-def look(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> Iterator[Frame]:
+def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> Iterator[Frame]:
     """Seeded frames with the same camera faults as in training; those that show nothing are left out."""
     apply = jax.jit(functools.partial(model.apply, train=False))
-    draw = jax.jit(lambda keys: views(keys, look=False))
+    draw = jax.jit(lambda keys: views(keys, dye=False))
     fault = jax.jit(jax.vmap(augment))
     for start in range(0, frames, batch):
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
@@ -136,9 +136,9 @@ def _frame(seen: Any, wanted: Truth, i: int) -> Frame:
 def evaluate(
     model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int, cut: float = 0.0
 ) -> dict[str, Any]:
-    """The table of `score.Score` over the frames of `look`; of the objects found, those of score `cut` or more."""
+    """The table of `score.Score` over the frames of `predict`; of the objects found, those of score `cut` or more."""
     result = score.Score()
-    for frame in look(model, variables, views, frames, batch, seed):
+    for frame in predict(model, variables, views, frames, batch, seed):
         result.add(*frame._replace(seen=frame.seen.surer(cut)))
     return result.table()
 
@@ -149,7 +149,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     model = weights.network(jnp.dtype(arguments.dtype))
     size = arguments.height, arguments.width
     views = Views.of(SceneBank.load(arguments.train), *size, mixed=_MIXED, samples=arguments.samples)
-    test = Views.of(SceneBank.load(arguments.test), *size, looks=0.0, samples=arguments.samples)
+    test = Views.of(SceneBank.load(arguments.test), *size, appearance=0.0, samples=arguments.samples)
     key = jax.random.key(arguments.seed)
     learner = begin(model, jax.random.fold_in(key, 0), arguments.height, arguments.width)
     record = {"train": _hash(views), "test": _hash(test), "seed": arguments.seed, "batch": arguments.batch}

@@ -182,7 +182,7 @@ class _NavFields(NamedTuple):
       age, episodes: () i32, control steps and ended episodes behind this env; they alone outlive an episode.
       last_action: (action_size,) f32.
       result: () i32, see `Result`.
-      look: () i32, see `Renderer.__call__`.
+      appearance_seed: () i32, see `Renderer.__call__`.
       crowd: the agents' `Crowd` in the scenario dynamic, else None.
     """
 
@@ -203,7 +203,7 @@ class _NavFields(NamedTuple):
     episodes: Int[Array, ""]
     last_action: Float[Array, " nu"]
     result: Int[Array, ""]
-    look: Int[Array, ""]
+    appearance_seed: Int[Array, ""]
     crowd: Crowd | None = None
 
 

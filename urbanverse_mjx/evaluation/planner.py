@@ -34,7 +34,7 @@ from .ways import NODE, build_ways
 
 #: s of each look ahead at 2 m/s, faster than which nothing drives: between two looks it moves less than a robot's
 #: length. How many of them the first phase lasts; whoever is slower looks as many metres ahead after that.
-_LOOKS, _FIRST, _FASTEST = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3), 2, 2.0
+_STEPS, _FIRST, _FASTEST = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3), 2, 2.0
 #: Shares of the top speed and of the top yaw rate in the first and in the second phase.
 _SPEEDS, _TURNS = (0.0, 0.2, 0.4, 0.7, 1.0), (-1.0, -0.6, -0.25, 0.0, 0.25, 0.6, 1.0)
 _SPEEDS_AFTER, _TURNS_AFTER = (0.0, 0.35, 1.0), (-1.0, -0.4, 0.0, 0.4, 1.0)
@@ -168,7 +168,7 @@ class Planner:
         self._robot, self._motion = robot, MOTIONS.get(robot.name, DEFAULT)
         self._body = footprint(robot)
         self._slower = _FASTEST / robot.max_speed
-        self._looks = np.array(_LOOKS) * np.where(np.arange(len(_LOOKS)) < _FIRST, 1.0, self._slower)
+        self._steps = np.array(_STEPS) * np.where(np.arange(len(_STEPS)) < _FIRST, 1.0, self._slower)
         scenes = [int(s) for s in env.scenes]
         self._room = build_room(env.bank, scenes, robot.planner_height)
         self._to_hull, self._to_edge = (
@@ -210,16 +210,16 @@ class Planner:
         zero = jnp.float32(0.0)
         start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0))
 
-        dts, numbers = jnp.asarray(self._looks, jnp.float32), jnp.arange(len(_LOOKS))
+        dts, numbers = jnp.asarray(self._steps, jnp.float32), jnp.arange(len(_STEPS))
         ends = jnp.cumsum(dts)
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
-            def look(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
+            def lookahead_step(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
                 told = self._downhill(way, ahead.pose, command) if follow else command
-                return self._look(scene, way, agents, ahead, told, *now), None
+                return self._lookahead_step(scene, way, agents, ahead, told, *now), None
 
             # A loop and not a row of copies: compiled in a tenth of the time.
-            return jax.lax.scan(look, ahead, (numbers[part], dts[part], ends[part]))[0]
+            return jax.lax.scan(lookahead_step, ahead, (numbers[part], dts[part], ends[part]))[0]
 
         begin, go_on = slice(0, _FIRST), slice(_FIRST, None)
 
@@ -254,10 +254,10 @@ class Planner:
             omega = jnp.clip(omega, -v * self._motion.curvature, v * self._motion.curvature)
         return jnp.stack([v, omega])
 
-    def _look(
+    def _lookahead_step(
         self, scene: Any, way: Way, agents: Any, ahead: _Ahead, command: Any, k: Any, dt: Any, end: Any
     ) -> _Ahead:
-        """The drive at its look `k`, `dt` s after the one before and `end` s from now."""
+        """The drive at step `k` ahead, `dt` s after the one before and `end` s from now."""
         motion = self._motion
         told_v, told_w = motion.obeyed(command[0], command[1])
         v = told_v + (ahead.speed - told_v) * jnp.exp(-dt / motion.speed_lag)
@@ -273,12 +273,12 @@ class Planner:
         wanted = _SHY + _SHY_SPEED * v
         under_way = ahead.under_way
         shy = dt / self._slower * under_way * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
-        touched = under_way * (gap < _TOUCH) * (2.0 - k / len(_LOOKS))
+        touched = under_way * (gap < _TOUCH) * (2.0 - k / len(_STEPS))
         here = _field_at(way, pose, 0.0) - _ARRIVED
         # The episode ends where the goal is reached: what would come then does not count.
         under_way = under_way * (here > 0.0)
         left = under_way * (0.5 * (here + _field_at(way, pose, _NOSE) - _ARRIVED) + _NOSE)
-        mean = ahead.mean + left * dt / self._looks.sum()
+        mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, under_way)
 
     def _gap(self, scene: Any, pose: Any) -> Any:

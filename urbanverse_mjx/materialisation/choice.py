@@ -51,7 +51,7 @@ def is_front(record: AssetRecord) -> bool:
 
 
 def scale_to(size: Vector, record: AssetRecord) -> Vector:
-    """Factors along the asset's axes that bring it near the box, within what keeps its looks."""
+    """Factors along the asset's axes that bring it near the box, within what keeps its appearance."""
     ratios = [want / have for want, have in zip(size, record.extent_xyz, strict=True)]
     if is_front(record):
         low, high = SCALE_OF_FRONTS

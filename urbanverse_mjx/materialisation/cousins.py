@@ -65,7 +65,7 @@ class Cousin:
     chosen: dict[str, Candidate]
     raised: tuple[str, ...]
     materials: tuple[surroundings.Ground, ...]
-    sky: surroundings.Look
+    sky: surroundings.RankedAppearance
 
 
 def materialise_cousins(

@@ -1,7 +1,7 @@
 """Which assets may stand for an object: three steps of the paper (`assets.selection.matching`), then k that differ.
 
-Semantics, box and look give a ranking; of it the ones that could do what the best one can are kept, and k are drawn for
-k cousins, other base shapes first.
+Semantics, box and appearance give a ranking; of it the ones that could do what the best one can are kept, and k are
+drawn for k cousins, other base shapes first.
 """
 
 import dataclasses
@@ -26,7 +26,7 @@ DEPTH = 40
 #: boxes and descriptors do.
 SINGLES = frozenset({"street user", "vehicle", "building"})
 #: Sides (a factor) and descriptors (mean difference of a number) within which objects are of one series.
-ALIKE_SIDE, ALIKE_LOOK = 1.15, 12.0
+ALIKE_SIDE, ALIKE_DESCRIPTOR = 1.15, 12.0
 #: Leaves of the ontology that are the ground itself: regions hold it, no asset stands for it.
 GROUND_LEAVES = frozenset({"road", "sidewalk"})
 #: Score of a leaf (`semantics.rank_leaves`) below which a label has no more than some letters in common with it.
@@ -45,7 +45,7 @@ class Candidate:
 
 @dataclasses.dataclass(frozen=True)
 class Series:
-    """Things that share their looks.
+    """Objects that share their appearance.
 
     Attributes:
       objects: at least one, the first gives the label, the box and the descriptor that are matched.
@@ -68,7 +68,7 @@ class LeftOut:
 
 
 def in_series(graph_objects: Sequence[GraphObject], leaf_of: dict[str, str]) -> list[Series]:
-    """Things grouped by label, box and look; singles alone. Each joins the first group that it fits, by id.
+    """Objects grouped by label, box and appearance; singles alone. Each joins the first group that it fits, by id.
 
     Args:
       leaf_of: label -> leaf, for every label.
@@ -92,7 +92,9 @@ def _alike(a: GraphObject, b: GraphObject) -> bool:
         return False
     if a.descriptor is None or b.descriptor is None or len(a.descriptor) != len(b.descriptor):
         return a.descriptor is b.descriptor
-    return sum(abs(x - y) for x, y in zip(a.descriptor, b.descriptor, strict=True)) / len(a.descriptor) <= ALIKE_LOOK
+    return (
+        sum(abs(x - y) for x, y in zip(a.descriptor, b.descriptor, strict=True)) / len(a.descriptor) <= ALIKE_DESCRIPTOR
+    )
 
 
 def leaf_for(label: str, matcher: Matcher) -> str:
@@ -145,10 +147,10 @@ def affordances(record: AssetRecord) -> tuple[object, ...]:
 def one_each(candidates: Sequence[Candidate], count: int, seed: int, key: str) -> list[Candidate]:
     """`count` candidates for as many cousins, all different while there are enough.
 
-    With looks known the first is the best one (the nearest cousin) and the others are drawn among the next; without,
-    all fit equally well and every one is drawn.
+    With appearances known the first is the best one (the nearest cousin) and the others are drawn among the next;
+    without, all fit equally well and every one is drawn.
     """
-    known = candidates[0].match.look is not None
+    known = candidates[0].match.appearance_distance is not None
     pool = _other_shapes_first(candidates)
     return choice.one_each(pool, known, count, lambda c: choice.pick(2**62, "asset", seed, key, c.match.uid))
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ..assets.appearances import looks
+from ..assets.appearances import appearance_search
 from ..assets.appearances.ground_materials import build_material, material_ids
 from ..assets.appearances.grounds import ground_records
 from ..assets.appearances.sky_maps import sky_records
@@ -28,7 +28,7 @@ GAP = 0.05
 
 
 @dataclasses.dataclass(frozen=True)
-class Look:
+class RankedAppearance:
     """A material or a sky, and how far it is from what was seen (None where nothing was seen)."""
 
     uid: str
@@ -41,7 +41,7 @@ class Ground:
 
     kind: str
     regions: tuple[str, ...]
-    materials: tuple[Look, ...]
+    materials: tuple[RankedAppearance, ...]
 
 
 def grounds(graph: SceneGraph, count: int, seed: int) -> list[Ground]:
@@ -102,40 +102,42 @@ def _seen(piece: Sequence[GroundRegion]) -> np.ndarray | None:
     return areas @ numbers / areas.sum()
 
 
-def _ranked(kind: str, descriptor: np.ndarray | None) -> list[Look]:
+def _ranked(kind: str, descriptor: np.ndarray | None) -> list[RankedAppearance]:
     """All materials that may be taken, best first where something was seen."""
     if kind not in COLLECTED:
         own = list(material_ids(kind))
         if descriptor is None:
-            return [Look(uid, None) for uid in own]
-        errors = looks.ground_errors(descriptor, _own_descriptors(kind))
-        return [Look(own[i], float(errors[i])) for i in np.argsort(errors, kind="stable")]
+            return [RankedAppearance(uid, None) for uid in own]
+        errors = appearance_search.ground_errors(descriptor, _own_descriptors(kind))
+        return [RankedAppearance(own[i], float(errors[i])) for i in np.argsort(errors, kind="stable")]
     if descriptor is not None:
-        return [Look(uid, error) for uid, error in looks.rank_ground_descriptors(descriptor, kind)]
+        return [
+            RankedAppearance(uid, error) for uid, error in appearance_search.rank_ground_descriptors(descriptor, kind)
+        ]
     plain = [r.uid for r in ground_records(kind) if r.condition_group in PLAIN_CONDITIONS]
-    return [Look(uid, None) for uid in plain]
+    return [RankedAppearance(uid, None) for uid in plain]
 
 
 @functools.cache
 def _own_descriptors(kind: str) -> np.ndarray:
-    return np.array([looks.ground_descriptor(build_material(uid).texture) for uid in material_ids(kind)])
+    return np.array([appearance_search.ground_descriptor(build_material(uid).texture) for uid in material_ids(kind)])
 
 
-def skies(graph: SceneGraph, count: int, seed: int) -> list[Look]:
+def skies(graph: SceneGraph, count: int, seed: int) -> list[RankedAppearance]:
     """A sky for each of `count` cousins: the nearest ones by HSV histogram; any by day where none was seen, or one like
     no sky (walls taken for sky, black frames)."""
-    ranked: list[Look] = []
+    ranked: list[RankedAppearance] = []
     if graph.sky_descriptor is not None:
-        found = looks.rank_skies(graph.sky_descriptor)
-        ranked = [Look(uid, distance) for uid, distance in found if distance < STRANGE_SKY]
-    by_day = [Look(r.uid, None) for r in sky_records() if r.time in DAYTIMES and not r.snow]
+        found = appearance_search.rank_skies(graph.sky_descriptor)
+        ranked = [RankedAppearance(uid, distance) for uid, distance in found if distance < STRANGE_SKY]
+    by_day = [RankedAppearance(r.uid, None) for r in sky_records() if r.time in DAYTIMES and not r.snow]
     return _one_each(ranked or by_day, count, seed, f"{graph.id}/sky")
 
 
-def _one_each(ranked: Sequence[Look], count: int, seed: int, key: str) -> list[Look]:
+def _one_each(ranked: Sequence[RankedAppearance], count: int, seed: int, key: str) -> list[RankedAppearance]:
     """As `shortlists.one_each`: the best first where something was seen, the others drawn among the next."""
     known = ranked[0].distance is not None
-    return one_each(ranked, known, count, lambda look: pick(2**62, "look", seed, key, look.uid))
+    return one_each(ranked, known, count, lambda appearance: pick(2**62, "look", seed, key, appearance.uid))
 
 
 def identity(graph: SceneGraph, cousin: int, seed: int) -> dict[str, Any]:

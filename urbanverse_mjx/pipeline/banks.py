@@ -151,10 +151,10 @@ def join_banks(banks: Sequence[str | os.PathLike[str]], splits: Sequence[str] = 
     bank = _with_splits(bank, [*(f"validation={scene}" for scene in library.held_out(bank.scene_ids)), *splits])
     if not bank.agents["kind"]:
         # Banks from before there were any.
-        from ..assets.meshes.agents import agent_looks
+        from ..assets.meshes.agents import agent_appearances
         from ..scene.bank import with_agents
 
-        bank = with_agents(bank, agent_looks())
+        bank = with_agents(bank, agent_appearances())
     return bank
 
 

@@ -12,7 +12,7 @@ Sources of the numbers, as facts/go2.json lists them: "urdf" = unitree_ros go2_d
 import dataclasses
 import math
 
-from .go2_look import base_look, leg_look, materials
+from .go2_appearance import base_appearance, leg_appearance, materials
 
 # --- Kinematics (menagerie, equal to urdf; m) ---
 HIP_X, HIP_Y = 0.1934, 0.0465  # of the abduction axis in the trunk
@@ -92,8 +92,8 @@ PHYSICS_TIMESTEP = 0.005
 #: m, the trunk's origin above flat ground at rest in the standing pose: the rear feet's 0.325 and the front ones'
 #: 0.3346 (go2.json, standing_height_derived), the hips turned out by 0.1 rad.
 SPAWN_HEIGHT = 0.33
-#: 5 mm before the head's foremost point (`go2_look`, the lamp), looking ahead and 10 degrees down. go2.json has no
-#: camera: place and view are ours.
+#: 5 mm before the head's foremost point (`go2_appearance`, the lamp), looking ahead and 10 degrees down. go2.json has
+#: no camera: place and view are ours.
 CAMERA_POSITION, CAMERA_PITCH_DOWN, CAMERA_FOVY_DEG = (0.352, 0.0, 0.0), 0.1745, 70.0
 
 
@@ -137,7 +137,7 @@ def _joint(leg: str, joint: str, front: float) -> str:
 
 def _leg(leg: str) -> str:
     front, left = LEGS[leg]
-    look = leg_look(left)
+    look = leg_appearance(left)
     return f"""
       <body name="{leg}_hip" pos="{_numbers(front * HIP_X, left * HIP_Y, 0.0)}">
         {_inertial(HIP, front, left)}
@@ -192,7 +192,7 @@ def make_mjcf() -> str:
       <freejoint name="root"/>
       {_inertial(BASE)}
       <camera name="front_cam" pos="{_numbers(*CAMERA_POSITION)}" xyaxes="0 -1 0 {view}" fovy="{CAMERA_FOVY_DEG}"/>
-      {_spheres("base", BASE_SPHERES)}{base_look()}{legs}
+      {_spheres("base", BASE_SPHERES)}{base_appearance()}{legs}
     </body>
   </worldbody>
   <actuator>

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..datatypes import SPLITS, AgentLook, AssetMesh, SceneBank, bank_join
+from ..datatypes import SPLITS, AgentAppearance, AssetMesh, SceneBank, bank_join
 from ..datatypes import validation as v
 from ..datatypes.ground import GROUND_KINDS
 from ..geometry import rotations
@@ -108,20 +108,20 @@ def pack(
     return SceneBank(**arrays, meta=meta)
 
 
-def with_agents(bank: SceneBank, looks: Sequence[AgentLook]) -> SceneBank:
-    """The bank with the looks of moving people and vehicles in place of those it had.
+def with_agents(bank: SceneBank, appearances: Sequence[AgentAppearance]) -> SceneBank:
+    """The bank with the appearances of moving people and vehicles in place of those it had.
 
     Raises:
-      ValidationError: no look.
+      ValidationError: no appearance.
     """
-    if not looks:
-        raise v.fail("bank agents", "no look", "at least one")
-    arrays, extra = bank.arrays(), _mesh_arrays([look.mesh for look in looks])
-    names = list(dict.fromkeys([*bank.meta["categories"], *(look.category for look in looks)]))
+    if not appearances:
+        raise v.fail("bank agents", "no appearance", "at least one")
+    arrays, extra = bank.arrays(), _mesh_arrays([appearance.mesh for appearance in appearances])
+    names = list(dict.fromkeys([*bank.meta["categories"], *(appearance.category for appearance in appearances)]))
     agents = {
-        "kind": [look.kind for look in looks],
-        "mesh": [bank.num_meshes + i for i in range(len(looks))],
-        "category": [names.index(look.category) for look in looks],
+        "kind": [appearance.kind for appearance in appearances],
+        "mesh": [bank.num_meshes + i for i in range(len(appearances))],
+        "category": [names.index(appearance.category) for appearance in appearances],
     }
     joined = {name: bank_join.joined(name, [arrays, extra]) for name in extra}
     return dataclasses.replace(bank, **joined, meta={**bank.meta, "categories": names, "agents": agents})

@@ -41,7 +41,7 @@ class EpisodeRules:
 #: Starts tried for every goal; the mix is chosen among them.
 _STARTS_PER_GOAL = 28
 #: Places tried for starts in sight of a goal.
-_LOOKS = 400
+_SAMPLES = 400
 #: Fewest rows with which a scene can be used.
 MIN_ROWS = 256
 #: Goals keep this distance (m) from each other while places last.
@@ -145,8 +145,8 @@ def _candidates(
     reach = (
         np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
     )
-    looks = rng.permutation(np.flatnonzero(reach))[:_LOOKS]
-    in_sight = looks[_seen(space, space.coarse_center(cells[looks]), end)].tolist()
+    sampled = rng.permutation(np.flatnonzero(reach))[:_SAMPLES]
+    in_sight = sampled[_seen(space, space.coarse_center(cells[sampled]), end)].tolist()
     chosen: list[int] = []
     for draw, wanted in enumerate(rng.uniform(*rules.distance, _STARTS_PER_GOAL)):
         near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))

@@ -4,7 +4,7 @@ import os
 from collections.abc import Sequence
 
 from ..assets.appearances.skies import build_sky
-from ..assets.meshes.agents import agent_looks
+from ..assets.meshes.agents import agent_appearances
 from ..datatypes import SceneBank
 from ..datatypes import validation as v
 from .bank import pack, with_agents
@@ -26,4 +26,4 @@ def pack_bank(folders: Sequence[str | os.PathLike[str]], splits: Sequence[str]) 
     scenes = [c.geometry for c in compiled]
     skies = {name: build_sky(name) for name in {s.sky for s in scenes}}
     hashes = {c.layout.id: c.metadata["hashes"]["layout"] for c in compiled}
-    return with_agents(pack(scenes, splits, skies, hashes), agent_looks())
+    return with_agents(pack(scenes, splits, skies, hashes), agent_appearances())

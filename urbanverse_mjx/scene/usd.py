@@ -64,10 +64,10 @@ class _Surfaces:
     def __init__(self, stage: Any, scene: SceneGeometry, folder: pathlib.Path) -> None:
         self._stage, self._meshes, self._folder = stage, scene.meshes, folder
         self._textures: dict[bytes, str] = {}
-        self._looks: dict[tuple[str, float, float], Any] = {}
+        self._surfaces: dict[tuple[str, float, float], Any] = {}
         self._contacts: dict[float, Any] = {}
 
-    def look(self, mesh: int) -> Any:
+    def surface(self, mesh: int) -> Any:
         """The surface of a mesh."""
         shown = self._meshes[mesh]
         key = shown.texture.tobytes()
@@ -75,10 +75,10 @@ class _Surfaces:
             self._textures[key] = name = f"textures/texture_{len(self._textures)}.png"
             (self._folder / name).write_bytes(png_bytes(shown.texture))
         kind = (self._textures[key], shown.roughness, shown.metallic)
-        if kind not in self._looks:
-            where = f"/World/Looks/surface_{len(self._looks)}"
-            self._looks[kind] = usd_parts.add_surface(self._stage, where, shown, kind[0])
-        return self._looks[kind]
+        if kind not in self._surfaces:
+            where = f"/World/Looks/surface_{len(self._surfaces)}"
+            self._surfaces[kind] = usd_parts.add_surface(self._stage, where, shown, kind[0])
+        return self._surfaces[kind]
 
     def contact(self, friction: float) -> Any:
         """The physics material of a friction coefficient."""
@@ -98,7 +98,7 @@ def _add_ground(stage: Any, scene: SceneGeometry, surfaces: _Surfaces) -> None:
         mesh = scene.meshes[scene.region_mesh[number]]
         at = scene.region_position[number]
         shape = usd_parts.add_mesh(stage, f"{where}/visual", mesh.vertices + at, mesh.faces, mesh.uv)
-        usd_parts.bind(shape, surfaces.look(int(scene.region_mesh[number])))
+        usd_parts.bind(shape, surfaces.surface(int(scene.region_mesh[number])))
         rows = np.flatnonzero(scene.prism_region == number)
         if len(rows):
             prisms = [scene.hulls[scene.prism_hull[p]] + scene.prism_position[p] for p in rows]
@@ -138,7 +138,7 @@ def _add_asset(
     UsdGeom.Xform.Define(stage, where)
     shown = scene.meshes[mesh]
     shape = usd_parts.add_mesh(stage, f"{where}/visual", shown.vertices, shown.faces, shown.uv)
-    usd_parts.bind(shape, surfaces.look(mesh))
+    usd_parts.bind(shape, surfaces.surface(mesh))
     usd_parts.add_colliders(stage, f"{where}/collision", hulls, None)
 
 

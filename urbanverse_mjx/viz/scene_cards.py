@@ -70,11 +70,11 @@ def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
     for part in np.array_split(np.arange(len(score)), 2):
         if len(part):
             row = int(part[score[part].argmax()])
-            found.append(_look(scene, way[row], ahead[row]))
+            found.append(_viewpoint(scene, way[row], ahead[row]))
     return found
 
 
-def _look(scene: CompiledScene, place: np.ndarray, ahead: np.ndarray) -> Viewpoint:
+def _viewpoint(scene: CompiledScene, place: np.ndarray, ahead: np.ndarray) -> Viewpoint:
     m = scene.geometry.map
     i, j = np.clip(((place - m.origin) / m.resolution).astype(int), 0, np.array(m.kind.shape) - 1)
     eye = np.array([*place, float(m.height[i, j]) + EYE_HEIGHT])

@@ -122,7 +122,7 @@ def write_rollout_video(
     goals: Sequence[np.ndarray],
     outcomes: Sequence[str],
     frames_per_second: float,
-    looks: Sequence[int] = (),
+    appearances: Sequence[int] = (),
     size: tuple[int, int] = (HEIGHT, WIDTH),
     samples: int = 1,
     quality: float = 7.0,
@@ -136,10 +136,10 @@ def write_rollout_video(
       columns: which envs of it; scenes: their rows of the bank; goals: their (3,) m goals.
       outcomes: how each episode ended, of `datatypes.RESULTS`; it stands in every frame of the episode.
       frames_per_second: the control rate shows it in real time.
-      looks: row of the bank's agents for each moving agent of the trajectory.
+      appearances: row of the bank's agents for each moving agent of the trajectory.
       size: height and width of each of the two pictures; samples: rays a pixel. quality: see `write_video`.
     """
-    renderer = Renderer(bank, robot, *size, shadows=True, agents=looks, samples=samples)
+    renderer = Renderer(bank, robot, *size, shadows=True, agents=appearances, samples=samples)
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
     chase = jax.jit(jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, _CHASE_FOV, p, q, 0, _agents(a))["rgb"]))
     frames: list[np.ndarray] = []

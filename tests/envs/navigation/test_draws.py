@@ -30,18 +30,18 @@ def test_values_fill_their_ranges_and_leave_the_rest_alone(small_bank: SceneBank
         assert low <= values.min() < low + 0.02
         assert high - 0.02 < values.max() <= high
     assert abs(np.corrcoef(drawn.sim.friction_scale, drawn.sim.mass_scale)[0, 1]) < 0.15
-    assert len(np.unique(drawn.look)) == 500
-    assert drawn.look.min() > 0
+    assert len(np.unique(drawn.appearance_seed)) == 500
+    assert drawn.appearance_seed.min() > 0
     off = plain.sim
     assert (off.friction_scale == 1).all()
     assert (off.mass_scale == 1).all()
-    assert (plain.look == 0).all()
+    assert (plain.appearance_seed == 0).all()
     for name in ("episode", "start", "goal", "route_length"):
         np.testing.assert_array_equal(getattr(plain, name), getattr(drawn, name))
     np.testing.assert_array_equal(off.qpos, drawn.sim.qpos)
     after = jax.jit(jax.vmap(env.renew))(drawn)
     assert (after.sim.mass_scale != drawn.sim.mass_scale).all()
-    assert (after.look != drawn.look).all()
+    assert (after.appearance_seed != drawn.appearance_seed).all()
 
 
 def test_the_paper_has_it_and_the_laptop_has_not() -> None:

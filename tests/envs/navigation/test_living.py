@@ -17,7 +17,7 @@ from urbanverse_mjx.crowds.crowd import Crowd
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
 from urbanverse_mjx.envs.navigation.encounters import ENCOUNTERS, Encounters, route_pose
-from urbanverse_mjx.envs.navigation.living import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_kinds, slot_looks
+from urbanverse_mjx.envs.navigation.living import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_appearances, slot_kinds
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal, make_report, to_markdown
 from urbanverse_mjx.evaluation.agents import zero
@@ -175,11 +175,11 @@ def test_slots_are_sorted_and_looked_up(small_bank: SceneBank) -> None:
     kinds = slot_kinds(config)
     assert len(kinds) == 16
     assert kinds[-2:] == ("car", "car")
-    with pytest.raises(ValidationError, match="no look of a pedestrian"):
-        slot_looks(kinds, small_bank)
-    looks = {"kind": ["car", "pedestrian", "pedestrian"], "mesh": [0, 1, 2], "category": [0, 0, 0]}
-    bank = dataclasses.replace(small_bank, meta={**small_bank.meta, "agents": looks})
-    assert slot_looks(("pedestrian", "pedestrian", "pedestrian", "car"), bank) == (1, 2, 1, 0)
+    with pytest.raises(ValidationError, match="no appearance of a pedestrian"):
+        slot_appearances(kinds, small_bank)
+    appearances = {"kind": ["car", "pedestrian", "pedestrian"], "mesh": [0, 1, 2], "category": [0, 0, 0]}
+    bank = dataclasses.replace(small_bank, meta={**small_bank.meta, "agents": appearances})
+    assert slot_appearances(("pedestrian", "pedestrian", "pedestrian", "car"), bank) == (1, 2, 1, 0)
     with pytest.raises(ValidationError, match="scenario"):
         unicycle_env(small_bank, {"scenario": "busy"})
 

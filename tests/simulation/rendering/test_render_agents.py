@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tests.support.agent_looks import BOXES, with_box_agents
+from tests.support.agent_appearances import BOXES, with_box_agents
 from tests.support.box_bank import KERB, box_bank
 from urbanverse_mjx.datatypes import AgentMotion, ValidationError
 from urbanverse_mjx.robots import make_coco
@@ -28,8 +28,8 @@ def standing(*places: tuple[float, float, float, bool]) -> AgentMotion:
 def renderer() -> Renderer:
     bank = with_box_agents(box_bank(1, num_objects=1))
     names = bank.agents["kind"]
-    looks = [names.index("pedestrian"), names.index("car")]
-    return Renderer(bank, make_coco(), 36, 64, outputs=("depth", "category", "object"), agents=looks)
+    appearances = [names.index("pedestrian"), names.index("car")]
+    return Renderer(bank, make_coco(), 36, 64, outputs=("depth", "category", "object"), agents=appearances)
 
 
 def test_agents_are_seen_where_they_stand(renderer: Renderer) -> None:
@@ -58,6 +58,6 @@ def test_nobody_is_seen_where_nobody_is(renderer: Renderer) -> None:
         np.testing.assert_array_equal(np.asarray(x), np.asarray(alone[name]), err_msg=name)
 
 
-def test_a_look_that_no_bank_has_is_refused() -> None:
+def test_an_appearance_that_no_bank_has_is_refused() -> None:
     with pytest.raises(ValidationError, match="agents"):
         Renderer(box_bank(1, num_objects=1), None, 8, 8, agents=[3])

@@ -46,9 +46,9 @@ def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     slots, home = homes(bank)
     view = looking()
     moving = Renderer(bank, None, 54, 96, OUTPUTS, bodies=3, **LIGHT)
-    frame = jax.jit(lambda b: moving.view(0, EYE, view, 1.2, look=3, bodies=b))
-    plain = Renderer(bank, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, look=3)
-    at_rest, unasked = frame(home), moving.view(0, EYE, view, 1.2, look=3)
+    frame = jax.jit(lambda b: moving.view(0, EYE, view, 1.2, appearance_seed=3, bodies=b))
+    plain = Renderer(bank, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, appearance_seed=3)
+    at_rest, unasked = frame(home), moving.view(0, EYE, view, 1.2, appearance_seed=3)
     for name in OUTPUTS:
         np.testing.assert_array_equal(at_rest[name], plain[name], err_msg=name)
         np.testing.assert_array_equal(unasked[name], plain[name], err_msg=name)
@@ -59,7 +59,7 @@ def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     place, turn = bank.slot_position.copy(), bank.slot_quaternion.copy()
     place[0, slots[:2]], turn[0, slots[:2]] = pushed.position[:2], pushed.quaternion[:2]
     other = dataclasses.replace(bank, slot_position=place, slot_quaternion=turn)
-    truth = Renderer(other, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, look=3)
+    truth = Renderer(other, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, appearance_seed=3)
     found = frame(pushed)
     assert (np.asarray(found["object"]) != np.asarray(plain["object"])).sum() > 20
     for name in ("category", "object"):

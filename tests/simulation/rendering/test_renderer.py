@@ -194,13 +194,13 @@ def test_sky_turns_with_the_scene(bank: SceneBank) -> None:
     """A red patch at yaw 90° stands over +y, and over -x once the scene turns its sky by 90°."""
     radiance = np.full((16, 32, 3), 0.2)
     radiance[6:9, 23:26] = [5.0, 0.0, 0.0]  # column 24 of 32 is yaw (24.5 / 32 - 1/2) · 360° = 95.6°
-    looks = {"+y": np.array([0.70710678, 0.70710678, 0.0, 0.0]), "-x": np.array([0.5, 0.5, 0.5, 0.5])}
+    directions = {"+y": np.array([0.70710678, 0.70710678, 0.0, 0.0]), "-x": np.array([0.5, 0.5, 0.5, 0.5])}
     for yaw, expected in ((0.0, "+y"), (np.pi / 2, "-x")):
         turned = cases.with_light(bank, radiance, [0, 0, 1], np.zeros(3), yaw)
         renderer = cases.make_renderer(turned, None)
         reds = {
             name: int(np.asarray(renderer.view(0, np.array([30.0, 0.0, 40.0]), q, 0.8)["rgb"])[18, 32, 0])
-            for name, q in looks.items()
+            for name, q in directions.items()
         }
         assert reds[expected] > 200, (yaw, reds)
         assert min(reds.values()) < 150, (yaw, reds)
@@ -294,15 +294,15 @@ def test_errors_say_what_to_do(bank: SceneBank, robot: RobotSpec) -> None:
         Renderer(bank, None, 8, 8).view(0, np.zeros((2, 3)), cases.DOWN, 1.0)
 
 
-def test_looks_change_colours_and_nothing_else(
+def test_appearances_change_colours_and_nothing_else(
     bank: SceneBank, robot: RobotSpec, places: cases.Places, frames: dict[str, np.ndarray]
 ) -> None:
     renderer = cases.make_renderer(bank, robot, outputs=("rgb", "depth", "object"), appearance=0.3)
     draw = jax.jit(jax.vmap(renderer))
     number = len(places.scene)
     plain, one, again, other = (
-        {name: np.asarray(x) for name, x in draw(*places.inputs, np.full(number, look, np.int32)).items()}
-        for look in (0, 5, 5, 6)
+        {name: np.asarray(x) for name, x in draw(*places.inputs, np.full(number, appearance_seed, np.int32)).items()}
+        for appearance_seed in (0, 5, 5, 6)
     )
     np.testing.assert_array_equal(plain["rgb"], frames["rgb"])
     np.testing.assert_array_equal(one["rgb"], again["rgb"])

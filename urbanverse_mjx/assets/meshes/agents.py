@@ -1,7 +1,7 @@
 """What moving people and vehicles look like: a few meshes for each kind of agent, carried by every bank.
 
 In:   recipes.
-Out:  `AgentLook`s, those of a kind in the order in which agents take them.
+Out:  `AgentAppearance`s, those of a kind in the order in which agents take them.
 When: when a bank is packed.
 
 Meshes of vehicles are fitted to the sides that their kind has in `crowds.kinds`, so that what is seen is what is
@@ -12,12 +12,12 @@ import dataclasses
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AgentLook, ValidationError
+from urbanverse_mjx.datatypes import AgentAppearance, ValidationError
 
 from .recipe import all_recipes
 
 #: Kind, leaf and variants. Those in a stride come first: who stands and talks are few.
-_LOOKS = (
+_APPEARANCES = (
     ("pedestrian", "pedestrian adult", (0, 1, 3, 5, 2, 4)),
     ("pedestrian", "elderly person", (0,)),
     ("wheelchair", "wheelchair user", (0, 1)),
@@ -29,15 +29,15 @@ _LOOKS = (
 _SIDES = {"car": (4.74, 1.76), "cyclist": (1.80, 0.75)}
 
 
-def agent_looks() -> tuple[AgentLook, ...]:
+def agent_appearances() -> tuple[AgentAppearance, ...]:
     """All of them.
 
     Raises:
       ValidationError: a recipe is gone.
     """
     recipes = {recipe.leaf: recipe for recipe in all_recipes()}
-    looks = []
-    for kind, leaf, variants in _LOOKS:
+    appearances = []
+    for kind, leaf, variants in _APPEARANCES:
         if leaf not in recipes:
             raise ValidationError(
                 f"agent {kind!r}: found no recipe for {leaf!r}, needed one; mend assets/meshes/agents.py."
@@ -50,5 +50,5 @@ def agent_looks() -> tuple[AgentLook, ...]:
                 # Heights follow lengths, so that wheels stay round from the side.
                 factor = np.array([length / along, min(width / across, 1.0), length / along])
                 mesh = dataclasses.replace(mesh, vertices=mesh.vertices * factor)
-            looks.append(AgentLook(kind, leaf, mesh))
-    return tuple(looks)
+            appearances.append(AgentAppearance(kind, leaf, mesh))
+    return tuple(appearances)

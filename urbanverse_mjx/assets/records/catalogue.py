@@ -127,8 +127,8 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
         known = np.array([s.make_known for s in shapes])[placed.base]
         make = np.where(known, values.make[placed.base], sample_uids(leaf, uids).make)
         measured = Measured(placed.extent, volume, make)
-        looks = zip(placed.base, placed.scale, tints(uids), strict=True)
-        shown = [Shown(bases[b], shapes[b], scale, tint) for b, scale, tint in looks]
+        drawn = zip(placed.base, placed.scale, tints(uids), strict=True)
+        shown = [Shown(bases[b], shapes[b], scale, tint) for b, scale, tint in drawn]
         tables.append(_table(row, uids, sample_uids(leaf, uids, measured), shown))
     return pa.concat_tables(tables)
 

@@ -90,7 +90,7 @@ def of_picture(picture: NDArray, mask: NDArray | None = None) -> NDArray[np.uint
 
 
 @dataclasses.dataclass(frozen=True)
-class Looks:
+class DescriptorTable:
     """Descriptors of n records, computed from their parameters.
 
     Attributes:
@@ -121,7 +121,9 @@ class Looks:
         return WEIGHTS[0] * colors + outline.min(-1)
 
 
-def of_records(leaf_free: NDArray, shapes: Sequence[BaseShape], which: NDArray, tint: NDArray, scale: NDArray) -> Looks:
+def of_records(
+    leaf_free: NDArray, shapes: Sequence[BaseShape], which: NDArray, tint: NDArray, scale: NDArray
+) -> DescriptorTable:
     """Descriptors of records.
 
     Args:
@@ -142,7 +144,7 @@ def of_records(leaf_free: NDArray, shapes: Sequence[BaseShape], which: NDArray, 
     layouts = np.stack([s.layouts for s in shapes])[which] / 255.0
     stretch = np.sqrt(scale[:, 0] * scale[:, 1]) / scale[:, 2]
     aspects = np.stack([s.aspects for s in shapes])[which] * stretch[:, None]
-    return Looks(np.sqrt(found), layouts, _aspect(aspects))
+    return DescriptorTable(np.sqrt(found), layouts, _aspect(aspects))
 
 
 def _aspect(ratio: NDArray) -> NDArray[np.float64]:

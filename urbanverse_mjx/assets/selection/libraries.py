@@ -59,7 +59,7 @@ class Library(Protocol):
         ...
 
 
-_LOOKS = "appearances.looks"
+_LOOKS = "appearances.appearance_search"
 #: name of a collection -> module of `assets` with a function `library`.
 MODULES: Mapping[str, str] = {"object": "selection.search", "sky": _LOOKS, "road": _LOOKS, "sidewalk": _LOOKS}
 

@@ -37,7 +37,8 @@ class Match:
     Attributes:
       uid, leaf: of the asset.
       distortion: mean |log| of the factors between the boxes' sides; 0 for equal boxes, 0.1 for 10 % a side.
-      look: distance of the descriptors, or 1 - cosine of the embeddings; None where nothing was known of the look.
+      appearance_distance: distance of the descriptors, or 1 - cosine of the embeddings; None where nothing was known of
+        the look.
       yaw: rad, quarter turn of the asset that fits its box best, 0 or pi / 2.
       base: uid of the base shape that it is an instance of (its own for a base shape).
     """
@@ -45,7 +46,7 @@ class Match:
     uid: str
     leaf: str
     distortion: float
-    look: float | None
+    appearance_distance: float | None
     yaw: float
     base: str
 
@@ -94,10 +95,10 @@ class Matcher:
         near = np.argsort(distortion, kind="stable")[:keep]
         if slack is not None:
             near = near[distortion[near] <= distortion[near[0]] + slack]
-        look = None
+        appearance_distance = None
         if descriptor is not None:
-            look = np.concatenate([np.zeros(0), _looks(leaves, near).distances(descriptor)])
-            order = np.lexsort((distortion[near], look))[:count]
+            appearance_distance = np.concatenate([np.zeros(0), _descriptor_table(leaves, near).distances(descriptor)])
+            order = np.lexsort((distortion[near], appearance_distance))[:count]
         else:
             order = np.arange(min(count, len(near)))
         owner = np.repeat(np.arange(len(leaves)), [len(leaf.extents) for leaf in leaves])
@@ -107,7 +108,7 @@ class Matcher:
             row = near[k]
             leaf = leaves[owner[row]]
             at = row - start[owner[row]]
-            seen = None if look is None else float(look[k])
+            seen = None if appearance_distance is None else float(appearance_distance[k])
             yaw, base = float(turned[row]) * np.pi / 2, leaf.shapes[leaf.base[at]].uid
             matches.append(Match(leaf.uids[at], leaf.name, float(distortion[row]), seen, yaw, base))
         return matches
@@ -117,9 +118,9 @@ class Matcher:
         cache has none)."""
         thumbnails = self._objects.load_thumbnails([m.uid for m in matches])
         vectors = pictures([crop, *(thumbnails[m.uid] for m in matches)])
-        look = 1.0 - vectors[1:] @ vectors[0]
-        order = np.argsort(look, kind="stable")
-        return [dataclasses.replace(matches[k], look=float(look[k])) for k in order]
+        appearance_distance = 1.0 - vectors[1:] @ vectors[0]
+        order = np.argsort(appearance_distance, kind="stable")
+        return [dataclasses.replace(matches[k], appearance_distance=float(appearance_distance[k])) for k in order]
 
     def leaves(self, label: str, text: TextEmbedder | None = None) -> list[str]:
         """The leaves with shapes that a label may speak of, best first, at least one."""
@@ -156,7 +157,7 @@ class _Leaf:
     scale: NDArray[np.float64]
 
     @functools.cached_property
-    def looks(self) -> descriptors.Looks:
+    def descriptor_table(self) -> descriptors.DescriptorTable:
         """Descriptors of all records of the leaf."""
         free = np.full(len(self.base), is_free(self.name))
         return descriptors.of_records(free, self.shapes, self.base, self.tint, self.scale)
@@ -187,8 +188,8 @@ def distortions(
     return np.where(turns, turned, straight), turns.astype(np.int64)
 
 
-def _looks(leaves: Sequence[_Leaf], rows: NDArray) -> descriptors.Looks:
+def _descriptor_table(leaves: Sequence[_Leaf], rows: NDArray) -> descriptors.DescriptorTable:
     """Descriptors of rows of the leaves' joined records."""
-    found = [leaf.looks for leaf in leaves]
+    found = [leaf.descriptor_table for leaf in leaves]
     parts = (np.concatenate([getattr(x, name) for x in found])[rows] for name in ("colors", "layouts", "aspects"))
-    return descriptors.Looks(*parts)
+    return descriptors.DescriptorTable(*parts)

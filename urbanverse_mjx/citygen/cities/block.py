@@ -6,7 +6,7 @@ import random
 import numpy as np
 
 from ... import versions
-from ...assets.appearances import looks
+from ...assets.appearances import appearance_search
 from ...datatypes import GroundRegion, SceneGraph, Source
 from . import fronts, groups, stock
 from .filling import ENDS, Filler
@@ -25,7 +25,8 @@ _SMALL = frozenset({"motorcycle", "scooter", "bicycle"})
 
 
 def block(profile: CityProfile, seed: int, name: str | None = None, length: float = LENGTH) -> SceneGraph:
-    """The graph of a block: everything that stands there, with descriptors of its looks; the same for the same seed.
+    """The graph of a block: everything that stands there, with descriptors of its appearance; the same for the same
+    seed.
 
     Its camera path is the trajectory: along both pavements, or along both lanes of the road where the profile drives.
     """
@@ -43,7 +44,7 @@ def block(profile: CityProfile, seed: int, name: str | None = None, length: floa
     _furnish(filler)
     fronts.hang(filler)
     regions = [_dressed(r, profile, rng_of(profile, seed, "ground")) for r in [*ground(plan), *_paint(plan)]]
-    sky = looks.own_sky_descriptor(stock.pick(profile.skies, rng_of(profile, seed, "sky")))
+    sky = appearance_search.own_sky_descriptor(stock.pick(profile.skies, rng_of(profile, seed, "sky")))
     source = Source(f"synthetic block after {profile.city}", "Apache-2.0", profile.city, profile.country)
     return SceneGraph(name or profile.name, source, tuple(filler.objects), tuple(regions), sky, _trajectory(filler))
 
@@ -221,7 +222,7 @@ def _paint(plan: Plan) -> list[GroundRegion]:
 
 
 def _dressed(region: GroundRegion, profile: CityProfile, rng: random.Random) -> GroundRegion:
-    """The region with its material's look: one material of each kind for the whole block."""
+    """The region with its material's descriptor: one material of each kind for the whole block."""
     if region.kind == "road":
         material = stock.pick(profile.asphalt, rng)
     elif region.kind == "sidewalk":
@@ -230,8 +231,8 @@ def _dressed(region: GroundRegion, profile: CityProfile, rng: random.Random) -> 
         material = profile.open_ground
     else:
         return region
-    look = stock.ground_look(region.kind, material)
-    return GroundRegion(region.id, region.kind, region.polygon, region.plane, look)
+    descriptor = stock.ground_descriptor(region.kind, material)
+    return GroundRegion(region.id, region.kind, region.polygon, region.plane, descriptor)
 
 
 def _trajectory(filler: Filler) -> tuple[tuple[float, float, float, float], ...]:

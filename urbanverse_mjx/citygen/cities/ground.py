@@ -70,9 +70,9 @@ class _Strips:
         self.plan, self.line = plan, plan.line
         self.regions: list[GroundRegion] = []
 
-    def add(self, kind: str, corners: list[Point], plane: tuple[float, float, float], look: str | None = None) -> None:
+    def add(self, kind: str, corners: list[Point], plane: tuple[float, float, float], name: str | None = None) -> None:
         number = len(self.regions)
-        self.regions.append(GroundRegion(f"{look or kind}_{number:03d}", kind, tuple(corners), plane))
+        self.regions.append(GroundRegion(f"{name or kind}_{number:03d}", kind, tuple(corners), plane))
 
     def quad(self, kind: str, piece: Piece, s: tuple[float, float], t: tuple[float, float], level: float) -> None:
         """A flat piece of a strip."""

@@ -1,4 +1,5 @@
-"""What a street is filled with: sizes and looks of real records of the catalogue, so that every box has its asset."""
+"""What a street is filled with: sizes and descriptors of real records of the catalogue, so that every box has its
+asset."""
 
 import dataclasses
 import functools
@@ -8,7 +9,7 @@ import random
 
 import numpy as np
 
-from ...assets.appearances import looks
+from ...assets.appearances import appearance_search
 from ...assets.appearances.ground_materials import build_material, material_ids
 from ...assets.meshes import instances
 from ...assets.meshes.base_shapes import shape_of
@@ -35,11 +36,11 @@ class Item:
 
 @dataclasses.dataclass(frozen=True)
 class _Leaf:
-    """Rows of one leaf: extents (n, 3) m, number of the base shape (n,), looks (n, 61) u8."""
+    """Rows of one leaf: extents (n, 3) m, number of the base shape (n,), descriptors (n, 61) u8."""
 
     extents: np.ndarray
     base: np.ndarray
-    looks: np.ndarray
+    descriptors: np.ndarray
 
 
 @functools.cache
@@ -100,19 +101,19 @@ def draw(name: str, rng: random.Random, near: tuple[float | None, float | None, 
         chosen = chosen[np.argsort(away, kind="stable")[:5]]
     row = chosen[int(rng.random() * len(chosen))]
     size = tuple(round(float(x), 3) for x in rows.extents[row])
-    return Item(leaf, size, tuple(int(x) for x in rows.looks[row]))  # type: ignore[arg-type]
+    return Item(leaf, size, tuple(int(x) for x in rows.descriptors[row]))  # type: ignore[arg-type]
 
 
-def ground_look(kind: str, material: str) -> tuple[int, ...]:
+def ground_descriptor(kind: str, material: str) -> tuple[int, ...]:
     """Descriptor of a ground material by name.
 
     Raises:
       ValidationError: no material of this kind has the name.
     """
     if kind in ("road", "sidewalk"):
-        return looks.own_ground_descriptor(f"{kind}/{material}")
+        return appearance_search.own_ground_descriptor(f"{kind}/{material}")
     v.choice(material, f"material of {kind!r}", material_ids(kind))
-    return looks.ground_descriptor(build_material(material).texture)
+    return appearance_search.ground_descriptor(build_material(material).texture)
 
 
 def around(value: float, spread: float, rng: random.Random) -> float:

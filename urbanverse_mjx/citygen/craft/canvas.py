@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 
 import shapely
 
-from ...assets.appearances import looks
+from ...assets.appearances import appearance_search
 from ...assets.appearances.ground_materials import build_material
 from ...datatypes import GraphObject, GroundRegion, SceneGraph, Source, ValidationError
 from ...datatypes.ground import PAINT_KINDS
@@ -24,7 +24,7 @@ from .ground_layers import Corner, Layer
 
 EYE = 1.6  # m, height of the camera path over the ground
 
-#: Label, metres along an edge, metres from it, facing, and where it matters the look (row of the label's sizes).
+#: Label, metres along an edge, metres from it, facing, and where it matters the variant (row of the label's sizes).
 #: Facing is "street" (towards the edge), "wall" (away from it), "+" or "-" (along it), or degrees
 #: counter-clockwise from the edge's own direction.
 Placement = tuple[str, float, float, str | float] | tuple[str, float, float, str | float, int]
@@ -193,7 +193,7 @@ class Canvas(Stage):
         x: float,
         y: float,
         degrees: float = 0.0,
-        look: int | None = None,
+        variant: int | None = None,
         size: catalogue.Size | None = None,
         above: float = 0.0,
     ) -> GraphObject:
@@ -202,29 +202,31 @@ class Canvas(Stage):
         Args:
           x, y: m, where its stem or else its middle stands.
           degrees: heading, counter-clockwise from +x.
-          look: row of the label's sizes; size: m (along, across, up) instead of one of them.
+          variant: row of the label's sizes; size: m (along, across, up) instead of one of them.
           above: m over the ground; from 0.3 on it hangs, or stands on another thing.
         """
         self.settle()
-        if look is not None:
-            if not 0 <= look < len(self.sizes[label]):
-                raise ValidationError(f"{label}: found look {look}, needed one of 0 to {len(self.sizes[label]) - 1}.")
-            size = self.sizes[label][look]
+        if variant is not None:
+            if not 0 <= variant < len(self.sizes[label]):
+                raise ValidationError(
+                    f"{label}: found variant {variant}, needed one of 0 to {len(self.sizes[label]) - 1}."
+                )
+            size = self.sizes[label][variant]
         return self.add(self.make(label, x, y, degrees, size, above))
 
     def along(self, line: Edge, placements: Iterable[Placement]) -> None:
         """Puts down a table of objects along an edge."""
-        for label, s, d, facing, *look in placements:
-            self.put(label, *line.at(s, d), line.facing(facing), look[0] if look else None)
+        for label, s, d, facing, *variant in placements:
+            self.put(label, *line.at(s, d), line.facing(facing), variant[0] if variant else None)
 
     def against(self, line: Edge, placements: Iterable[Leaning], gap: float = 0.06) -> None:
         """Puts down a table of objects whose nearer sides are `gap` metres from an edge: at a wall, along a kerb."""
-        for label, s, facing, *look in placements:
+        for label, s, facing, *variant in placements:
             degrees = line.facing(facing)
-            along, across, _ = self.sizes[label][look[0]] if look else self.next_size(label)
+            along, across, _ = self.sizes[label][variant[0]] if variant else self.next_size(label)
             turn = math.radians(degrees - line.degrees)
             reach = (abs(along * math.sin(turn)) + abs(across * math.cos(turn))) / 2
-            self.put(label, *line.at(s, gap + reach), degrees, look[0] if look else None)
+            self.put(label, *line.at(s, gap + reach), degrees, variant[0] if variant else None)
 
     def row(
         self,
@@ -233,11 +235,11 @@ class Canvas(Stage):
         at: Iterable[float],
         d: float,
         facing: str | float = "street",
-        look: int | None = None,
+        variant: int | None = None,
     ) -> None:
         """The same object at several places along an edge: bollards, lamps, posts."""
         for s in at:
-            self.put(label, *line.at(s, d), line.facing(facing), look)
+            self.put(label, *line.at(s, d), line.facing(facing), variant)
 
     def trees(self, line: Edge, at: Iterable[float], d: float, growth: str = "street") -> None:
         """Trees of a growth along an edge, turned so that they look grown."""
@@ -300,12 +302,14 @@ def _is_at(region: GroundRegion, where: str | Corner) -> bool:
 
 def _ground_descriptor(material: str) -> tuple[int, ...]:
     if "/" in material:
-        return looks.ground_descriptor(looks.StoredSheet("ground_thumbnails.jpg").load([material])[0])
-    return looks.ground_descriptor(build_material(material).texture)
+        return appearance_search.ground_descriptor(
+            appearance_search.StoredSheet("ground_thumbnails.jpg").load([material])[0]
+        )
+    return appearance_search.ground_descriptor(build_material(material).texture)
 
 
 def _sky_descriptor(uid: str) -> tuple[int, ...]:
     # What a camera on a street sees of a sky: the lower half of the upper half, as skies are ranked.
-    picture = looks.StoredSheet("sky_thumbnails.jpg").load([uid])[0]
+    picture = appearance_search.StoredSheet("sky_thumbnails.jpg").load([uid])[0]
     half = picture.shape[0] // 2
-    return looks.sky_descriptor(picture[half // 2 : half])
+    return appearance_search.sky_descriptor(picture[half // 2 : half])

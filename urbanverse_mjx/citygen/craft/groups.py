@@ -14,7 +14,8 @@ RAIL = 1.06
 def laid_table(
     canvas: Canvas, x: float, y: float, degrees: float, seats: Sequence[float] = (0.0, 180.0), shade: int | None = None
 ) -> None:
-    """A table with chairs that face it, at bearings (degrees) from its own heading; a sunshade of a look beside it."""
+    """A table with chairs that face it, at bearings (degrees) from its own heading; a sunshade of a variant beside
+    it."""
     canvas.put("table", x, y, degrees, 1)
     for bearing in seats:
         angle = math.radians(degrees + bearing)

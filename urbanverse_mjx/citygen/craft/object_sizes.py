@@ -1,8 +1,8 @@
-"""How large the objects of hand-made scenes are, and in which looks they come.
+"""How large the objects of hand-made scenes are, and in which variants they come.
 
-(along the heading, across, up) in metres; several rows are several looks of a label: a bag that stands, one that has
+(along the heading, across, up) in metres; several rows are several variants of a label: a bag that stands, one that has
 spread. They are the boxes of the base assets, so that nothing is stretched where a graph is materialised; an object
-comes in the next size each time unless `look` names one.
+comes in the next size each time unless `variant` names one.
 """
 
 from ..catalogue import TREES, Size
@@ -14,7 +14,7 @@ SCOOTER_STANDING, SCOOTER_FALLEN = 0, 1
 SIZES: dict[str, tuple[Size, ...]] = {
     "scooter": ((1.14, 0.54, 1.18), (1.14, 1.19, 0.54)),
     "tree": tuple(TREES.values()),
-    # as in the catalogue of streets, with every look
+    # as in the catalogue of streets, with every variant
     "bollard": ((0.2, 0.2, 0.98), (0.26, 0.26, 0.97), (0.4, 0.4, 0.83), (0.24, 0.24, 0.98)),
     "bench": ((0.63, 1.8, 0.9), (0.48, 1.52, 0.45), (0.67, 1.76, 0.88), (0.5, 1.98, 0.44)),
     "trash bin": ((0.64, 0.57, 1.02), (0.53, 0.53, 0.82), (0.48, 0.48, 1.18), (0.64, 0.57, 1.03)),

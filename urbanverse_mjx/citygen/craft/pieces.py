@@ -11,8 +11,8 @@ from . import object_sizes
 from .canvas import Canvas, Edge
 from .ground_layers import Corner
 
-#: What objects of the last six scenes come in: the streets' few plain sizes first, so that a table without a look is a
-#: small one, and the looks that only hands use behind them.
+#: What objects of the last six scenes come in: the streets' few plain sizes first, so that a table without a variant is
+#: a small one, and the variants that only hands use behind them.
 SIZES: dict[str, tuple[catalogue.Size, ...]] = (
     object_sizes.SIZES
     | catalogue.SIZES
@@ -40,12 +40,12 @@ def table(
     x: float,
     y: float,
     seats: Sequence[float] = (0.0, 180.0),
-    look: int | None = None,
+    variant: int | None = None,
     seat: str = "chair",
     away: float = SEAT,
 ) -> None:
     """A table with a seat in each of the directions (degrees from +x), facing it."""
-    canvas.put("table", x, y, seats[0] if seats else 0.0, look)
+    canvas.put("table", x, y, seats[0] if seats else 0.0, variant)
     for degrees in seats:
         c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
         canvas.put(seat, x + away * c, y + away * s, degrees + 180.0)
@@ -84,14 +84,14 @@ def people(canvas: Canvas, who: Sequence[tuple[str, float, float, float]]) -> No
         canvas.put(label, x, y, degrees)
 
 
-def chain(canvas: Canvas, label: str, points: Sequence[Corner], look: int = 0, stretch: float = 1.0) -> None:
+def chain(canvas: Canvas, label: str, points: Sequence[Corner], variant: int = 0, stretch: float = 1.0) -> None:
     """Pieces of fence, wall or barrier end to end along a line of points, facing the left of the way.
 
     Args:
       stretch: how much longer than the label's size a piece may be made to fill its stretch; 1 keeps the size and
         shares out what is left over between the pieces.
     """
-    thick, along, high = canvas.sizes[label][look]
+    thick, along, high = canvas.sizes[label][variant]
     for (x0, y0), (x1, y1) in itertools.pairwise(points):
         length = math.dist((x0, y0), (x1, y1)) - 2 * JOINT
         fits = length / (along * stretch)
@@ -101,7 +101,7 @@ def chain(canvas: Canvas, label: str, points: Sequence[Corner], look: int = 0, s
         for i in range(count):
             share = (JOINT + length * (i + 0.5) / count) / (length + 2 * JOINT)
             place = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
-            canvas.put(label, *place, way + 90.0, None if size else look, size)
+            canvas.put(label, *place, way + 90.0, None if size else variant, size)
 
 
 def apron(canvas: Canvas, name: str, corners: Sequence[Corner], z: float, width: float = 2.4) -> None:

@@ -148,7 +148,7 @@ ON_ROAD_FAR = (
     ("electric car", 25.4, -1.15, "+", 0),
 )
 
-#: In the turning circle: label, bearing from its middle, reach (m), turn from facing the middle, look.
+#: In the turning circle: label, bearing from its middle, reach (m), turn from facing the middle, variant.
 AROUND_CIRCLE = (
     ("street light", 118.0, 6.7, 180.0, 3),
     ("bench", 72.0, 8.6, 0.0, 2),
@@ -190,14 +190,16 @@ def build() -> Canvas:
     left, left_far = edges(MIDDLE, HALF, 1)
     right, right_far = edges(MIDDLE, HALF, -1)
     # bollards every 1.5 m on both sides, none where the crossing is
-    street.row("bollard", left, (1.0, 2.6, 4.1, 5.6, 7.1, 8.6, 10.1, 11.6, 13.1, 14.6, 16.1, 17.6), 0.32, look=0)
-    street.row("bollard", left, (23.9, 25.4, 26.9, 28.4, 29.9, 31.4, 32.9, 34.4, 35.9, 37.4, 38.9), 0.32, look=0)
-    street.row("bollard", left, (41.9, 43.4, 44.9, 46.4, 47.9), 0.32, look=0)
-    street.row("bollard", left_far, (1.0, 2.5, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 14.5, 16.0, 17.5, 19.0), 0.32, look=0)
-    street.row("bollard", right, (1.0, 2.5, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 13.0, 14.5, 17.6), 0.32, look=0)
-    street.row("bollard", right, (23.8, 25.3, 26.8, 28.3, 29.8, 31.3, 32.8, 34.3, 35.8, 37.3, 38.8), 0.32, look=0)
-    street.row("bollard", right, (41.8, 43.3, 44.8, 46.3, 47.8, 49.3), 0.32, look=0)
-    street.row("bollard", right_far, (1.2, 2.7, 5.7, 7.2, 8.7, 10.2, 13.2, 14.7, 16.2, 17.7, 19.2, 20.7), 0.32, look=0)
+    street.row("bollard", left, (1.0, 2.6, 4.1, 5.6, 7.1, 8.6, 10.1, 11.6, 13.1, 14.6, 16.1, 17.6), 0.32, variant=0)
+    street.row("bollard", left, (23.9, 25.4, 26.9, 28.4, 29.9, 31.4, 32.9, 34.4, 35.9, 37.4, 38.9), 0.32, variant=0)
+    street.row("bollard", left, (41.9, 43.4, 44.9, 46.4, 47.9), 0.32, variant=0)
+    street.row("bollard", left_far, (1.0, 2.5, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 14.5, 16.0, 17.5, 19.0), 0.32, variant=0)
+    street.row("bollard", right, (1.0, 2.5, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 13.0, 14.5, 17.6), 0.32, variant=0)
+    street.row("bollard", right, (23.8, 25.3, 26.8, 28.3, 29.8, 31.3, 32.8, 34.3, 35.8, 37.3, 38.8), 0.32, variant=0)
+    street.row("bollard", right, (41.8, 43.3, 44.8, 46.3, 47.8, 49.3), 0.32, variant=0)
+    street.row(
+        "bollard", right_far, (1.2, 2.7, 5.7, 7.2, 8.7, 10.2, 13.2, 14.7, 16.2, 17.7, 19.2, 20.7), 0.32, variant=0
+    )
     street.row("lamppost", left, (10.8, 40.4), 0.4, "street", 1)
     street.row("lamppost", left_far, (13.0,), 0.4, "street", 1)
     street.row("lamppost", right, (16.9, 40.3), 0.4, "street", 1)
@@ -208,8 +210,8 @@ def build() -> Canvas:
     street.along(right_far, RIGHT_FAR)
     street.along(right, ON_ROAD)
     street.along(right_far, ON_ROAD_FAR)
-    for label, bearing, reach, turn, look in AROUND_CIRCLE:
-        street.put(label, *polar(CIRCLE, bearing, reach), bearing + 180.0 + turn, look)
+    for label, bearing, reach, turn, variant in AROUND_CIRCLE:
+        street.put(label, *polar(CIRCLE, bearing, reach), bearing + 180.0 + turn, variant)
     _gardens(street)
     _houses(street)
     street.sky("spring_morning-few_cumulus")
@@ -262,8 +264,8 @@ def _houses(street: Canvas) -> None:
     street.houses(left_far, ("house", "house", "garage", "house"), 2.6, 35.4, FRONT_LEFT)
     street.houses(right, ("bakery", "house", "house", "house", "house", "house"), 0.0, 50.3, FRONT_RIGHT)
     street.houses(right_far, ("house", "garage", "house", "house"), 0.1, 36.2, FRONT_RIGHT)
-    for degrees, look in ((105.0, 3), (60.0, 2), (15.0, 0), (-30.0, 1), (-75.0, 2)):
-        depth, _, height = street.sizes["house"][look]
+    for degrees, variant in ((105.0, 3), (60.0, 2), (15.0, 0), (-30.0, 1), (-75.0, 2)):
+        depth, _, height = street.sizes["house"][variant]
         street.put("house", *polar(CIRCLE, degrees, 8.95 + depth / 2), degrees + 180.0, size=(depth, 7.35, height))
     # the far side of the cross road, and its two ends
     across = edge((-5.5, -16.0), (-5.5, 16.0), 1)

@@ -14,7 +14,7 @@ HALF, WALK = 2.2, 3.2
 MIDDLE: list[Corner] = [(0.0, 0.0), (48.0, 0.0), (84.0, -9.646)]
 SQUARE = (20.0, -12.2, 35.0, -2.2)
 
-#: Along the walls of the pavement: label, s, facing, look.
+#: Along the walls of the pavement: label, s, facing, variant.
 WALL = (
     ("bicycle", 2.0, "+", 0),
     ("potted plant", 4.2, "street", 0),
@@ -96,7 +96,7 @@ KERBSIDE_FAR = (
     ("guard stone", 31.2, 0.0, 3),
 )
 
-#: On the pavement, in the way: label, s, d from the kerb, facing, look.
+#: On the pavement, in the way: label, s, d from the kerb, facing, variant.
 PEOPLE = (
     ("elderly person", 3.3, 2.65, "street", 1),
     ("pedestrian adult", 10.9, 0.7, "+", 0),
@@ -154,7 +154,7 @@ DOORS_FAR = (
     ("stone block", 31.2, "street", 1),
 )
 
-#: In the square: label, x, y, degrees, look.
+#: In the square: label, x, y, degrees, variant.
 ON_SQUARE = (
     ("fountain", 26.2, -7.6, -90.0, 1),
     ("tree", 22.6, -9.2, 40.0, 0),
@@ -219,8 +219,8 @@ def build() -> Canvas:
     lane.against(right_far.road(), DOORS_FAR)
     lane.along(left.road(), CARS)
     lane.along(left_far.road(), CARS_FAR)
-    for label, x, y, degrees, look in ON_SQUARE:
-        lane.put(label, x, y, degrees, look)
+    for label, x, y, degrees, variant in ON_SQUARE:
+        lane.put(label, x, y, degrees, variant)
     lane.wear("road", "road/setts_granite-worn")
     lane.wear((10.0, 4.0), "sidewalk/sandstone-worn")
     lane.sky("summer_noon-few_cumulus")

@@ -14,14 +14,14 @@ FRONT = VERGE + WALK + LAWN
 MIDDLE: list[Corner] = [(0.0, 0.0), (34.0, 0.0), (66.0, 12.0), (98.0, 12.0)]
 HEDGE = (0.75, 2.28, 1.18)
 
-#: Houses of each stretch: s of their middle, look.
+#: Houses of each stretch: s of their middle, variant.
 HOUSES_LEFT = (((5.0, 0), (15.6, 1), (25.6, 3)), ((8.4, 0), (19.6, 2), (29.6, 1)), ((5.0, 3), (16.4, 0), (27.6, 1)))
 HOUSES_RIGHT = (((5.4, 1), (17.4, 0), (29.0, 3)), ((4.6, 0), (15.6, 1), (26.0, 2)), ((8.6, 1), (19.4, 3), (28.6, 0)))
 #: Drives: s of their middle.
 DRIVES_LEFT = ((10.4,), (14.4, 24.2), (10.5,))
 DRIVES_RIGHT = ((23.4,), (10.1,), (14.1,))
 
-#: On the verges: label, s, d, facing, look. Trees stand apart.
+#: On the verges: label, s, d, facing, variant. Trees stand apart.
 VERGE_LEFT = (
     (
         ("mailbox", 8.2, 0.5, "street", 0),
@@ -189,7 +189,7 @@ CARS_RIGHT = (
     (("convertible car", 25.4, 1.1, "+", 0), ("manhole cover", 8.0, 2.0, 0.0, 0)),
     (("van", 22.6, 1.3, "+", 1),),
 )
-#: In the drives: label, look, turn of the car in degrees from facing the street.
+#: In the drives: label, variant, turn of the car in degrees from facing the street.
 IN_DRIVES_LEFT = (
     (("sedan", 3, 180.0),),
     (("hatchback car", 0, 0.0), ("pickup truck", 0, 180.0)),
@@ -207,12 +207,12 @@ def build() -> Canvas:
         (right, HOUSES_RIGHT, DRIVES_RIGHT, IN_DRIVES_RIGHT),
     ):
         for line, of_houses, of_drives, of_cars in zip(lines, houses, drives, cars, strict=True):
-            for s, look in of_houses:
-                depth = street.sizes["house"][look][0]
-                street.put("house", *line.at(s, FRONT + depth / 2), line.facing("street"), look)
-            for s, (label, look, turn) in zip(of_drives, of_cars, strict=True):
+            for s, variant in of_houses:
+                depth = street.sizes["house"][variant][0]
+                street.put("house", *line.at(s, FRONT + depth / 2), line.facing("street"), variant)
+            for s, (label, variant, turn) in zip(of_drives, of_cars, strict=True):
                 street.put(
-                    label, *line.at(s, 5.7 if label == "pickup truck" else 6.05), line.facing("street") + turn, look
+                    label, *line.at(s, 5.7 if label == "pickup truck" else 6.05), line.facing("street") + turn, variant
                 )
     for lines, *tables in (
         (left, VERGE_LEFT, GARDENS_LEFT, PEOPLE_LEFT),
@@ -291,9 +291,9 @@ def _hedges(street: Canvas, left: list[Edge], right: list[Edge]) -> None:
 
 def _ends(street: Canvas) -> None:
     """A house, trees and fences across either end, behind a lawn."""
-    for line, look in ((edge((-4.0, -11.0), (-4.0, 11.0), 1), 2), (edge((102.0, 23.0), (102.0, 1.0), 1), 0)):
-        depth = street.sizes["house"][look][0]
-        street.put("house", *line.at(11.0, depth / 2), line.facing("street"), look)
+    for line, variant in ((edge((-4.0, -11.0), (-4.0, 11.0), 1), 2), (edge((102.0, 23.0), (102.0, 1.0), 1), 0)):
+        depth = street.sizes["house"][variant][0]
+        street.put("house", *line.at(11.0, depth / 2), line.facing("street"), variant)
         street.row("fence", line, (1.3, 4.1, 17.9, 20.7), 0.4, "street", 2)
         street.trees(line, (3.0, 19.0), 2.6, "broad")
         street.along(

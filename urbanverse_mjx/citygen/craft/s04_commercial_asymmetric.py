@@ -51,7 +51,7 @@ KERBSIDE = (
     ("charging station", 82.0, "wall", 0),
 )
 
-#: In the middle of the broad side: label, s, d, facing, look.
+#: In the middle of the broad side: label, s, d, facing, variant.
 BROAD_SIDE = (
     ("bench", 3.2, 3.1, "+", 3),
     ("plant pot", 4.8, 3.1, 0.0, 1),
@@ -81,7 +81,7 @@ BROAD_SIDE = (
     ("bird", 20.0, 5.2, 200.0, 1),
 )
 
-#: On the market: label, x, y, degrees, look.
+#: On the market: label, x, y, degrees, variant.
 STALLS = (
     ("street food stall", 32.4, 11.6, -90.0, 0),
     ("street food stall", 36.0, 11.7, -90.0, 1),
@@ -176,8 +176,8 @@ def build() -> Canvas:
     street.against(broad.back(BROAD), FRONTS)
     street.against(broad, KERBSIDE, 0.45)
     street.along(broad, BROAD_SIDE)
-    for label, x, y, degrees, look in STALLS:
-        street.put(label, x, y, degrees, look)
+    for label, x, y, degrees, variant in STALLS:
+        street.put(label, x, y, degrees, variant)
     railed_bicycles(street, broad, 8.8, 2.4, (-0.75, 0.0, 0.78))
     railed_bicycles(street, broad, 24.2, 2.4, (-0.8, 0.75))
     railed_bicycles(street, broad, 38.4, 2.4, (-0.76, -0.02, 0.8))
@@ -186,8 +186,8 @@ def build() -> Canvas:
     street.trees(broad, (2.2, 13.0, 28.8, 35.4, 45.6, 54.0, 64.6, 70.6, 80.6), 1.1, "street")
     street.row("lamppost", broad, (1.0, 31.6, 49.8, 75.6), 0.6, "street", 1)
     street.row("lamppost", narrow, (6.2, 24.4, 36.4, 44.2, 56.4, 72.6), 0.4, "street", 1)
-    street.row("bollard", broad, (13.9, 20.1, 57.9, 64.0), 0.35, look=1)
-    street.row("bollard", narrow, (13.9, 20.1, 57.9, 64.1), 0.35, look=1)
+    street.row("bollard", broad, (13.9, 20.1, 57.9, 64.0), 0.35, variant=1)
+    street.row("bollard", narrow, (13.9, 20.1, 57.9, 64.1), 0.35, variant=1)
     # the terraces
     laid_table(street, 16.6, 8.4, 180.0, (0.0, 180.0), 0)
     laid_table(street, 19.6, 8.4, 30.0, (0.0, 120.0, 240.0))

@@ -15,7 +15,7 @@ HALF, LEFT_WALK, RIGHT_WALK = 2.6, 4.6, 4.4
 MIDDLE: list[Corner] = [(0.0, 0.0), (36.0, 0.0), (66.0, 6.4), (82.0, 6.4)]
 SHRINE: Edge = edge((82.0, 14.0), (82.0, -1.2), 1)
 
-#: Against the shops: label, s, facing, look.
+#: Against the shops: label, s, facing, variant.
 LEFT_WALL = (
     (
         ("vending machine", 1.4, "street", 0),
@@ -84,7 +84,7 @@ RIGHT_WALL = (
     (("vending machine", 2.0, "street", 2), ("bench", 5.4, "street", 3), ("potted plant", 8.0, "street", 0)),
 )
 
-#: Whole vehicles on the pavements, against the kerb: label, s, facing, look.
+#: Whole vehicles on the pavements, against the kerb: label, s, facing, variant.
 LEFT_PARKED = (
     (("van", 8.0, "-", 1), ("hatchback car", 29.0, "-", 1)),
     (("motorcycle", 4.2, 70.0, 0), ("motorcycle", 5.3, 75.0, 1), ("minivan", 11.6, "-", 1), ("car", 24.0, "+", 1)),
@@ -130,7 +130,7 @@ RIGHT_KERB = (
     (("guard stone", 1.4, 0.0, 1),),
 )
 
-#: Visitors and shopkeepers: label, s, d, facing, look.
+#: Visitors and shopkeepers: label, s, d, facing, variant.
 LEFT_PEOPLE = (
     (
         ("pedestrian adult", 20.4, 3.6, "street", 0),
@@ -181,7 +181,7 @@ ROAD = (
     (("traffic barricade", 8.2, 2.2, "-", 1), ("traffic cone", 8.2, 0.8, 0.0, 1), ("traffic cone", 8.2, 3.8, 0.0, 1)),
 )
 
-#: Before the shrine: label, s along its front (from the left), metres in front of it, facing, look.
+#: Before the shrine: label, s along its front (from the left), metres in front of it, facing, variant.
 COURT = (
     ("guard stone", 3.6, 1.4, 0.0, 0),
     ("guard stone", 11.6, 1.4, 0.0, 0),
@@ -211,9 +211,9 @@ def build() -> Canvas:
         for line, at_wall, on_walk, at_kerb, by_hand in zip(lines, wall, parked, kerb, people, strict=True):
             lane.against(line.back(width), at_wall)
             lane.against(line, on_walk, 0.14)
-            for label, s, facing, look in at_kerb:
-                reach = 0.45 if label == "utility pole" else 0.3 + lane.sizes[label][look][1] / 2
-                lane.put(label, *line.at(s, reach), line.facing(facing), look)
+            for label, s, facing, variant in at_kerb:
+                reach = 0.45 if label == "utility pole" else 0.3 + lane.sizes[label][variant][1] / 2
+                lane.put(label, *line.at(s, reach), line.facing(facing), variant)
             lane.along(line, by_hand)
     for line, rows in zip(left, ROAD, strict=True):
         lane.along(line.road(), rows)

@@ -16,7 +16,7 @@ KERB = 0.16
 HALF, WALK = 3.0, 4.4
 MIDDLE: list[Corner] = [(0.0, 0.0), (44.0, 0.0), (80.0, -6.348)]
 
-#: Scooters: s, d from the kerb, degrees from the street's direction, look.
+#: Scooters: s, d from the kerb, degrees from the street's direction, variant.
 SCOOTERS_LEFT = (
     (
         (3.4, 1.0, 30.0, FALLEN),
@@ -65,7 +65,7 @@ SCOOTERS_RIGHT = (
     ),
 )
 
-#: Terraces at the walls: s, bearings of the chairs, shade's look or None.
+#: Terraces at the walls: s, bearings of the chairs, shade's variant or None.
 TABLES_LEFT = (
     (
         (2.6, (0.0, 180.0), None),
@@ -81,7 +81,7 @@ TABLES_RIGHT = (
     ((3.0, (0.0, 180.0), None), (9.0, (0.0, 180.0), None), (21.2, (0.0, 180.0), None), (24.0, (0.0, 180.0), None)),
 )
 
-#: Against the walls: label, s, facing, look.
+#: Against the walls: label, s, facing, variant.
 WALL_LEFT = (
     (
         ("barrel or bucket", 9.0, "street", 0),
@@ -162,11 +162,11 @@ KERB_RIGHT = (
     ),
 )
 
-#: Motorcycles, backed against the kerbs on the road: s, degrees from the street's direction, look.
+#: Motorcycles, backed against the kerbs on the road: s, degrees from the street's direction, variant.
 MOTORCYCLES_LEFT = (((36.6, 75.0, 0), (37.8, 80.0, 1)), ((13.2, 100.0, 2), (14.4, 96.0, 0)))
 MOTORCYCLES_RIGHT = (((27.4, 250.0, 1), (28.6, 255.0, 0)), ((21.6, 255.0, 3), (22.9, 250.0, 1)))
 
-#: People, and what they have dropped: label, s, d, facing, look.
+#: People, and what they have dropped: label, s, d, facing, variant.
 CROWD_LEFT = (
     (
         ("pedestrian adult", 11.2, 2.6, 200.0, 2),
@@ -247,9 +247,9 @@ def build() -> Canvas:
         (right, SCOOTERS_RIGHT, TABLES_RIGHT, WALL_RIGHT, KERB_RIGHT, CROWD_RIGHT, MOTORCYCLES_RIGHT),
     ):
         for line, scooters, laid, wall, kerb, crowd, motorcycles in zip(lines, *tables, strict=True):
-            for s, d, turn, look in scooters:
+            for s, d, turn, variant in scooters:
                 x, y = line.at(s, d)
-                street.put("scooter", x, y, line.degrees + turn, look)
+                street.put("scooter", x, y, line.degrees + turn, variant)
             for s, seats, shade in laid:
                 x, y = line.at(s, WALK - 0.6)
                 laid_table(street, x, y, line.degrees, seats, shade)

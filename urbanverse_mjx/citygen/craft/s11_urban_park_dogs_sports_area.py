@@ -163,7 +163,7 @@ def _dogs(c: Canvas) -> None:
     chain(c, "fence", [(27.0, 31.0), (27.0, 44.0)], stretch=2.4)
     chain(c, "fence", [(27.0, 44.0), (9.0, 44.0)], stretch=2.4)
     chain(c, "fence", [(9.0, 44.0), (9.0, 31.0)], stretch=2.4)
-    for x, y, turn, look in (
+    for x, y, turn, variant in (
         (13.0, 36.0, 30.0, 0),
         (15.2, 38.6, 200.0, 1),
         (18.0, 35.4, 140.0, 0),
@@ -172,7 +172,7 @@ def _dogs(c: Canvas) -> None:
         (11.4, 41.0, 60.0, 1),
         (24.4, 33.6, 170.0, 1),
     ):
-        c.put("dog", x, y, turn, look)
+        c.put("dog", x, y, turn, variant)
     c.put("bench", 14.6, 34.0, 0.0, 2)
     c.put("vehicle wheel", 21.6, 34.6, 40.0, 2)
     c.put("water point", 10.2, 32.4, 45.0, 0)
@@ -197,7 +197,7 @@ def _dogs(c: Canvas) -> None:
             ("pedestrian adult", 79.4, 30.4, 95.0),
         ],
     )
-    for x, y, turn, look in (
+    for x, y, turn, variant in (
         (15.6, 29.4, 90.0, 1),
         (9.4, 26.5, 5.0, 0),
         (29.4, 27.2, 180.0, 0),
@@ -208,7 +208,7 @@ def _dogs(c: Canvas) -> None:
         (35.0, 7.9, 130.0, 0),
         (52.2, 24.0, -20.0, 1),
     ):
-        c.put("dog", x, y, turn, look)
+        c.put("dog", x, y, turn, variant)
 
 
 def _sports(c: Canvas) -> None:

@@ -153,15 +153,15 @@ def _concert(c: Canvas) -> None:
 
 def _market(c: Canvas) -> None:
     """Stalls in two rows in the south of the square."""
-    for x, y, turn, look in (
+    for x, y, turn, variant in (
         (-4.6, -11.4, 90.0, 0),
         (0.6, -11.5, 90.0, 1),
         (5.8, -11.4, 90.0, 0),
         (-11.6, -9.6, 0.0, 1),
         (-17.4, -9.8, 0.0, 0),
     ):
-        c.put("street food stall", x, y, turn, look)
-    for label, x, y, turn, look in (
+        c.put("street food stall", x, y, turn, variant)
+    for label, x, y, turn, variant in (
         ("storage box", -2.0, -11.6, 10.0, 2),
         ("storage box", -2.1, -10.6, 80.0, 0),
         ("barrel or bucket", 3.2, -11.4, 0.0, 0),
@@ -172,7 +172,7 @@ def _market(c: Canvas) -> None:
         ("advertising board", -9.4, -8.2, 60.0, 0),
         ("storage box", -17.6, -7.6, 0.0, 1),
     ):
-        c.put(label, x, y, turn, look)
+        c.put(label, x, y, turn, variant)
     people(
         c,
         [

@@ -83,8 +83,17 @@ def _stalls(c: Canvas) -> None:
         c.put("storage box", *polar(CROSS, bearing + 17.0, 5.9), bearing, 2)
         c.put("storage box", *polar(CROSS, bearing - 18.0, 5.9), bearing + 30.0, 0)
         c.put("pedestrian adult", *polar(CROSS, bearing + 4.0, 7.5), bearing + 180.0)
-    for bearing, look in ((5.0, 1), (40.0, 0), (85.0, 2), (125.0, 0), (190.0, 1), (225.0, 2), (265.0, 0), (325.0, 2)):
-        c.put("canopy", *polar(CROSS, bearing, 13.6), bearing + 180.0, look)
+    for bearing, variant in (
+        (5.0, 1),
+        (40.0, 0),
+        (85.0, 2),
+        (125.0, 0),
+        (190.0, 1),
+        (225.0, 2),
+        (265.0, 0),
+        (325.0, 2),
+    ):
+        c.put("canopy", *polar(CROSS, bearing, 13.6), bearing + 180.0, variant)
         c.put("counter", *polar(CROSS, bearing, 11.2), bearing + 180.0, 0)
         c.put("storage box", *polar(CROSS, bearing + 11.5, 13.6), bearing + 20.0, 1)
     for bearing, reach, turn, label in (

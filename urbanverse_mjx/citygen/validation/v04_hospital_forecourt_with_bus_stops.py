@@ -130,7 +130,7 @@ def _garden(c: Canvas) -> None:
     """Inside the drive: two beds with a path between them."""
     for x, y, growth in ((22.0, 7.0, "street"), (27.4, 8.4, "blossom"), (39.0, 8.6, "blossom"), (44.2, 6.4, "street")):
         c.put("tree", x, y, c.uniform(-180.0, 180.0), size=TREES[growth])
-    for x, y, look in (
+    for x, y, variant in (
         (21.0, 4.4, 0),
         (25.0, 4.6, 1),
         (28.8, 10.0, 0),
@@ -138,7 +138,7 @@ def _garden(c: Canvas) -> None:
         (41.0, 4.4, 0),
         (37.0, 10.2, 1),
     ):
-        c.put("flower", x, y, 0.0, look)
+        c.put("flower", x, y, 0.0, variant)
     c.put("sculpture", 33.0, 8.4, -90.0, 1)
     for x, y, turn in ((30.6, 5.2, 0.0), (35.4, 5.2, 180.0), (30.6, 10.0, 0.0), (35.4, 10.0, 180.0)):
         c.put("bench", x, y, turn, 0)

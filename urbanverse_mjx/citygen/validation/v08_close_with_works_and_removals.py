@@ -89,8 +89,8 @@ def _gardens(c: Canvas) -> None:
             c.put("shrub", *line.at(s, WALK + 0.5), line.facing("street"), size=hedge)
     for x, y, growth in ((-7.0, 10.4, "blossom"), (7.0, 21.0, "blossom"), (-7.2, 26.4, "slim"), (7.0, 8.4, "slim")):
         c.put("tree", x, y, 30.0, size=TREES[growth])
-    for x, y, look in ((-7.2, 17.6, 0), (7.2, 18.2, 1), (-7.0, 31.6, 1), (7.2, 29.0, 0), (-10.0, BACK + 4.0, 0)):
-        c.put("flower", x, y, 20.0, look)
+    for x, y, variant in ((-7.2, 17.6, 0), (7.2, 18.2, 1), (-7.0, 31.6, 1), (7.2, 29.0, 0), (-10.0, BACK + 4.0, 0)):
+        c.put("flower", x, y, 20.0, variant)
     chain(c, "fence", [(-1.5, BACK + WALK + 0.2), (-1.5, BACK + WALK + GARDEN - 0.1)], stretch=2.4)
     chain(c, "fence", [(1.5, BACK + WALK + GARDEN - 0.1), (1.5, BACK + WALK + 0.2)], stretch=2.4)
     for x in (-12.0, -8.0, -4.2, 4.2, 8.6, 12.2):

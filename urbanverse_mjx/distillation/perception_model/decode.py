@@ -102,8 +102,8 @@ def _group(
         if kind == classes.FIRST_OBJECT:
             continue
         masks[rows[part], columns[part]] = len(objects)
-        looks = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
-        leaf = int(np.where(classes.leaf_classes() == kind, looks, -np.inf).argmax())
+        likeness = np.asarray(seen.leaves)[rows[part] // LEAF_STRIDE, columns[part] // LEAF_STRIDE].mean(0)
+        leaf = int(np.where(classes.leaf_classes() == kind, likeness, -np.inf).argmax())
         evidence = _evidence(votes[kind], float(heights[owner[part[0]]]), rows[part], columns[part], miss[part].mean())
         objects.append(FoundObject(kind, float(expit(np.dot(TRUST, evidence))), leaf, evidence))
     return masks, tuple(objects)

@@ -48,7 +48,7 @@ class Views:
         bank: SceneBank,
         height: int,
         width: int,
-        looks: float = 0.4,
+        appearance: float = 0.4,
         mixed: float = 0.0,
         samples: int = 2,
         seed: int = 0,
@@ -56,7 +56,7 @@ class Views:
         """Views of a bank.
 
         Args:
-          looks: by what share colours and light may differ, see `Renderer`.
+          appearance: by what share colours and light may differ, see `Renderer`.
           mixed: share of the roads, pavements and grounds that are laid with some other kind's material, so that
             paving alone does not say what is driven on.
           samples: rays per pixel and side, as `capture` films: with one, thin objects are broken into dots.
@@ -70,19 +70,19 @@ class Views:
             ("rgb", "depth", "category", "object"),
             shadows=True,
             samples=samples,
-            appearance=looks,
+            appearance=appearance,
         )
         places, weights = _stands(bank, np.random.default_rng(seed))
         table = classes.class_table(bank.meta["categories"])
         return Views(renderer, jnp.asarray(places), jnp.asarray(weights), jnp.asarray(table))
 
-    def __call__(self, keys: jax.Array, look: bool = True) -> tuple[jax.Array, Truth, jax.Array]:
+    def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, Truth, jax.Array]:
         """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
 
-        With `look`, every object takes on colours of its own in all but `_PLAIN` of the pictures.
+        With `dye`, every object takes on colours of its own in all but `_PLAIN` of the pictures.
         """
         scene, viewpoint, turn, fovy, number = jax.vmap(self._pose)(keys)
-        dyed = look & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _PLAIN))(keys)
+        dyed = dye & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _PLAIN))(keys)
         number = jnp.where(dyed, number, 0)
 
         def draw(scene, viewpoint, turn, fovy, number):
@@ -97,7 +97,7 @@ class Views:
         depth = jnp.where(seen["category"] < 0, jnp.inf, seen["depth"])
         near = jnp.percentile(depth[:, ::8, ::8].reshape(len(keys), -1), 20.0, axis=1, method="nearest")
         pictures = seen["rgb"]
-        if look:
+        if dye:
             kind = self.table[seen["category"], 0]
             region = jnp.where(kind < classes.FIRST_OBJECT, slots + kind, seen["object"])
             dyes = jax.vmap(lambda key: jax.random.fold_in(key, 1))(keys)
@@ -106,7 +106,7 @@ class Views:
         return pictures, wanted, (near > _BLOCKED).astype(jnp.float32)
 
     def _pose(self, key: jax.Array) -> tuple[jax.Array, ...]:
-        """Scene, position (3,), quaternion (4,), vertical field of view and look."""
+        """Scene, position (3,), quaternion (4,), vertical field of view and seed of its appearance."""
         keys = jax.random.split(key, 8)
         scene = jax.random.randint(keys[0], (), 0, len(self.places))
         kind = jax.random.categorical(keys[1], jnp.log(self.weights[scene]))

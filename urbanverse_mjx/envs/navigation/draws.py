@@ -10,7 +10,7 @@ from ...datatypes import SimState, ValidationError
 #: Values of `config.randomization` that change nothing.
 OFF = {"friction_scale": (1.0, 1.0), "mass_scale": (1.0, 1.0), "appearance": 0.0}
 #: Numbers that a key is folded with, so that what is drawn here leaves all other draws as they were.
-_FRICTION, _MASS, _LOOK = 101, 102, 103
+_FRICTION, _MASS, _APPEARANCE = 101, 102, 103
 
 
 class Randomization:
@@ -37,7 +37,7 @@ class Randomization:
                 f"config.randomization.appearance: found {config.appearance}, needed 0 (off) to below 1."
             )
         self._friction, self._mass = tuple(config.friction_scale), tuple(config.mass_scale)
-        self.looks = config.appearance > 0.0
+        self.varies_appearance = config.appearance > 0.0
 
     def scaled(self, key: Key[Array, ""], sim: SimState) -> SimState:
         """The first state of an episode with the grip and the mass drawn for it; `key` is typed and not used up."""
@@ -49,8 +49,8 @@ class Randomization:
         }
         return sim._replace(**new)
 
-    def look(self, key: Key[Array, ""]) -> Int[Array, ""]:
-        """() i32 above 0 that stands for the look of an episode; 0 where looks do not differ."""
-        if not self.looks:
+    def appearance_seed(self, key: Key[Array, ""]) -> Int[Array, ""]:
+        """() i32 above 0 that stands for the appearance of an episode; 0 where it does not vary."""
+        if not self.varies_appearance:
             return jnp.int32(0)
-        return jax.random.randint(jax.random.fold_in(key, _LOOK), (), 1, 2**30, jnp.int32)
+        return jax.random.randint(jax.random.fold_in(key, _APPEARANCE), (), 1, 2**30, jnp.int32)

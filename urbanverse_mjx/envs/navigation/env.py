@@ -173,7 +173,7 @@ class NavEnv(StagedBase[NavState]):
             episodes=jnp.int32(0),
             last_action=jnp.zeros(self.action_size),
             result=jnp.int32(Result.RUNNING),
-            look=self._randomization.look(key),
+            appearance_seed=self._randomization.appearance_seed(key),
             crowd=crowd,
         )
 
@@ -361,10 +361,14 @@ class NavEnv(StagedBase[NavState]):
 
     def _pixels(self, nav: NavState) -> jax.Array:
         assert self.renderer is not None
-        sim, look, agents = nav.sim, nav.look if self._randomization.looks else 0, None
+        sim, appearance_seed, agents = (
+            nav.sim,
+            nav.appearance_seed if self._randomization.varies_appearance else 0,
+            None,
+        )
         if self.living is not None and nav.crowd is not None:
             agents = self.living.places(nav.crowd, sim.scene)
-        frame = self.renderer(sim.scene, sim.xpos, sim.xquat, look, agents, sim.bodies)
+        frame = self.renderer(sim.scene, sim.xpos, sim.xquat, appearance_seed, agents, sim.bodies)
         if not self._config.vision_config.depth:
             return frame["rgb"]
         # The renderer writes 0 where nothing was hit: as far as one can say.

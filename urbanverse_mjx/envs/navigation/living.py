@@ -74,18 +74,18 @@ def slot_shapes(kinds: tuple[str, ...]) -> AgentShapes:
     return AgentShapes(*(np.array([getattr(KINDS[k], f) for k in kinds], np.float32) for f in fields))
 
 
-def slot_looks(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]:
-    """Row of the bank's agents that each slot looks like, the looks of a kind in turn.
+def slot_appearances(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]:
+    """Row of the bank's agents that each slot looks like, the appearances of a kind in turn.
 
     Raises:
-      ValidationError: the bank carries no look of a kind.
+      ValidationError: the bank carries no appearance of a kind.
     """
     rows = []
     for i, kind in enumerate(kinds):
         known = [row for row, name in enumerate(bank.agents["kind"]) if name == kind]
         if not known:
             raise ValidationError(
-                f"bank.meta.agents: found no look of a {kind}, needed one for scenario 'dynamic'; "
+                f"bank.meta.agents: found no appearance of a {kind}, needed one for scenario 'dynamic'; "
                 "build the bank again with `urbanverse scene bank`."
             )
         rows.append(known[kinds[:i].count(kind) % len(known)])

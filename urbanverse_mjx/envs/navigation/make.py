@@ -10,7 +10,7 @@ from ml_collections import ConfigDict
 from ...datatypes import AgentShapes, Renderer, RobotSpec, SceneBank, Simulator, ValidationError
 from ..robot import make_robot
 from .env import NavEnv
-from .living import slot_kinds, slot_looks, slot_shapes
+from .living import slot_appearances, slot_kinds, slot_shapes
 from .movables import body_sizes
 from .scenarios import bank_for, scenario_of
 
@@ -131,6 +131,6 @@ def _renderer(
         shadows=view.shadows,
         shading=view.shading,
         appearance=config.randomization.appearance,
-        agents=slot_looks(kinds, bank),
+        agents=slot_appearances(kinds, bank),
         bodies=bodies,
     )

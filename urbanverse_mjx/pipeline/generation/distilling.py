@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...assets import load_index
-from ...assets.appearances import looks
+from ...assets.appearances import appearance_search
 from ...assets.selection import descriptors
 from ...assets.selection.label_priors import LabelPriors
 from ...datatypes import Recording, SceneGraph
@@ -17,12 +17,14 @@ from ...distillation import Describe, distil
 Report = Callable[[int, int], None]
 
 
-def _look_of_object(picture: np.ndarray, mask: np.ndarray) -> list[int]:
+def _descriptor_of_object(picture: np.ndarray, mask: np.ndarray) -> list[int]:
     return descriptors.of_picture(picture, mask).tolist()
 
 
 #: What the materialisation compares: the index's own descriptors.
-DESCRIBE = Describe(_look_of_object, looks.ground_crop_descriptor, looks.sky_crop_descriptor)
+DESCRIBE = Describe(
+    _descriptor_of_object, appearance_search.ground_crop_descriptor, appearance_search.sky_crop_descriptor
+)
 
 
 def distil_to(recording: Recording, folder: pathlib.Path, report: Report) -> SceneGraph:

@@ -35,5 +35,5 @@ def _match(cousin: Cousin, name: str) -> dict[str, Any] | None:
     if candidate is None:
         return None
     match = candidate.match
-    look = None if match.look is None else round(match.look, 4)
-    return {"uid": match.uid, "leaf": match.leaf, "distortion": round(match.distortion, 4), "look": look}
+    appearance = None if match.appearance_distance is None else round(match.appearance_distance, 4)
+    return {"uid": match.uid, "leaf": match.leaf, "distortion": round(match.distortion, 4), "look": appearance}

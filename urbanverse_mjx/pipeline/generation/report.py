@@ -59,7 +59,7 @@ def write_report(
         bank = SceneBank.load(run / "bank.npz")
         pictures = report_pictures.cousin_pictures(bank, graph, folder, progress)
         parts.append(_cousins(pictures, graph, recording, folder))
-    parts += [_checks(record, checks), _looks(record, folder)]
+    parts += [_checks(record, checks), _appearances(record, folder)]
     parts += [_matches(run, record, folder, with_pictures), _left_out(record)]
     body = "\n".join(parts)
     title = html.escape(graph.id)
@@ -143,22 +143,24 @@ def _checks(record: Mapping[str, Any], checks: Sequence[Mapping[str, Any]]) -> s
     return f'<h2>Placement and rest</h2><p class="small">{note}</p>{_table(columns, rows)}'
 
 
-def _looks(record: Mapping[str, Any], folder: pathlib.Path) -> str:
-    uids = [look["uid"] for piece in record["ground"] for look in piece["materials"]]
-    files = report_pictures.look_thumbnails([*uids, *(look["uid"] for look in record["skies"])], folder)
+def _appearances(record: Mapping[str, Any], folder: pathlib.Path) -> str:
+    uids = [appearance["uid"] for piece in record["ground"] for appearance in piece["materials"]]
+    files = report_pictures.appearance_thumbnails(
+        [*uids, *(appearance["uid"] for appearance in record["skies"])], folder
+    )
     rows = []
     for piece in record["ground"]:
         regions = f"{piece['kind']}<br><span class='small'>{len(piece['regions'])} regions</span>"
-        rows.append((regions, *(_look(look, files) for look in piece["materials"])))
-    rows.append(("sky", *(_look(look, files) for look in record["skies"])))
+        rows.append((regions, *(_appearance(appearance, files) for appearance in piece["materials"])))
+    rows.append(("sky", *(_appearance(appearance, files) for appearance in record["skies"])))
     columns = ("", *(f"cousin {k}" for k in range(len(record["skies"]))))
     return f"<h2>Ground and sky</h2>{_table(columns, rows)}"
 
 
-def _look(look: Mapping[str, Any], files: Mapping[str, str]) -> str:
-    distance = "not seen" if look["distance"] is None else f"distance {look['distance']:.3f}"
-    picture = _image(files[look["uid"]], "thumb") if look["uid"] in files else ""
-    return f"{picture}<span class='small'>{html.escape(look['uid'])}<br>{distance}</span>"
+def _appearance(appearance: Mapping[str, Any], files: Mapping[str, str]) -> str:
+    distance = "not seen" if appearance["distance"] is None else f"distance {appearance['distance']:.3f}"
+    picture = _image(files[appearance["uid"]], "thumb") if appearance["uid"] in files else ""
+    return f"{picture}<span class='small'>{html.escape(appearance['uid'])}<br>{distance}</span>"
 
 
 def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path, with_pictures: bool) -> str:
@@ -179,9 +181,9 @@ def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path,
             picture = _image(f"crop_{name}.png", "thumb")
         cells = [f"{picture}{html.escape(name)}"]
         for match in record["matches"][name]:
-            look = "" if match["look"] is None else f", look {match['look']:.2f}"
+            appearance = "" if match["look"] is None else f", look {match['look']:.2f}"
             image = _image(files[match["uid"]], "thumb") if match["uid"] in files else ""
-            text = f"{html.escape(match['uid'])}<br>distortion {match['distortion']:.2f}{look}"
+            text = f"{html.escape(match['uid'])}<br>distortion {match['distortion']:.2f}{appearance}"
             cells.append(f"{image}<span class='small'>{text}</span>")
         rows.append(cells)
     columns = ("object", *(f"cousin {k}" for k in range(len(record["cousins"]))))

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from ...assets.appearances import looks
+from ...assets.appearances import appearance_search
 from ...assets.selection.search import library
 from ...datatypes import Recording, SceneBank, SceneGraph, ValidationError
 from ...viz.pictures import Studio
@@ -64,12 +64,12 @@ def asset_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str
     return {uid: save_jpeg(picture, folder / f"{uid.replace('/', '--')}.jpg") for uid, picture in found.items()}
 
 
-def look_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str]:
+def appearance_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str]:
     """uid -> file, for skies and for grounds of the large collection."""
     names = {}
     for uid in dict.fromkeys(uids):
         name = f"{uid.replace('/', '--')}.jpg"
-        for collection in (looks.road, looks.sidewalk, looks.sky):
+        for collection in (appearance_search.road, appearance_search.sidewalk, appearance_search.sky):
             if uid in collection.get_uids_all():
                 names[uid] = save_jpeg(collection.load_thumbnails([uid])[uid], folder / name)
     return names

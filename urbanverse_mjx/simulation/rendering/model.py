@@ -1,4 +1,4 @@
-"""The render model: one MjModel with every mesh, texture and material of a bank, N slots and the robot's looks.
+"""The render model: one MjModel with every mesh, texture and material of a bank, N slots and the robot's surfaces.
 
 All geoms hang on the world body, so the model has no joint and no dynamics: who renders writes the geoms' poses.
 Hulls are not in it, because the renderer builds a search tree for every mesh it is given.
@@ -130,13 +130,13 @@ def _add_robot(spec: mujoco.MjSpec, robot: mujoco.MjModel) -> list[int]:
     """Adds the robot's visual geoms (group 2) and what they need; returns their numbers in the robot's model."""
     geoms = [int(g) for g in np.flatnonzero(robot.geom_group == VISUAL_GROUP)]
     for g in geoms:
-        looks: dict = {"rgba": robot.geom_rgba[g]}
+        appearances: dict = {"rgba": robot.geom_rgba[g]}
         material = int(robot.geom_matid[g])
         if material >= 0:
             name = f"robot/{material}"
             if spec.material(name) is None:
                 _add_robot_material(spec, robot, material, name)
-            looks["material"] = name
+            appearances["material"] = name
         kind = int(robot.geom_type[g])
         if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
             name = f"robot/{int(robot.geom_dataid[g])}"
@@ -153,7 +153,7 @@ def _add_robot(spec: mujoco.MjSpec, robot: mujoco.MjModel) -> list[int]:
                 inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
             )
         kind = mujoco.mjtGeom.mjGEOM_MESH
-        spec.worldbody.add_geom(type=kind, meshname=name, contype=0, conaffinity=0, group=SLOT_GROUP, **looks)
+        spec.worldbody.add_geom(type=kind, meshname=name, contype=0, conaffinity=0, group=SLOT_GROUP, **appearances)
     return geoms
 
 
@@ -232,15 +232,15 @@ def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
     }
 
 
-def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, looks: Sequence[int]) -> np.ndarray:
-    """Adds a geom for each agent, which looks like row `looks[i]` of the bank's agents; (A, 2, 3) their boxes."""
+def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, appearances: Sequence[int]) -> np.ndarray:
+    """Adds a geom for each agent, which looks like row `appearances[i]` of the bank's agents; (A, 2, 3) their boxes."""
     boxes, known = [], len(bank.agents["mesh"])
-    for look in looks:
-        if not 0 <= look < known:
+    for appearance in appearances:
+        if not 0 <= appearance < known:
             raise ValidationError(
-                f"renderer agents: found look {look}; needed one of the bank's {known}; build it again"
+                f"renderer agents: found appearance {appearance}; needed one of the bank's {known}; build it again"
             )
-        mesh = bank.agents["mesh"][look]
+        mesh = bank.agents["mesh"][appearance]
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=f"bank/{mesh}",
@@ -256,15 +256,15 @@ def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, looks: Sequence[int]) -> n
     return np.array(boxes, np.float64).reshape(-1, 2, 3)
 
 
-def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence[int] = ()) -> RenderModel:
+def build_render_model(bank: SceneBank, robot: RobotSpec | None, appearances: Sequence[int] = ()) -> RenderModel:
     """Builds the render model of a bank and, if given, a robot and agents.
 
     Args:
-      looks: row of the bank's agents for each agent.
+      appearances: row of the bank's agents for each agent.
 
     Raises:
       ValidationError: the bank shows nothing, the robot has a visual geom without a surface, or the bank has no such
-        look.
+        appearance.
     """
     if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
         raise ValidationError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
@@ -276,7 +276,7 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence
     _add_bank(spec, bank)
     robot_model = None if robot is None else mujoco.MjModel.from_xml_string(robot.mjcf)
     geoms = [] if robot_model is None else _add_robot(spec, robot_model)
-    agent_boxes = _add_agents(spec, bank, looks)
+    agent_boxes = _add_agents(spec, bank, appearances)
     spec.worldbody.add_camera(name="eye")
     spec.worldbody.add_light(name="sun", type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=True, dir=(0, 0, -1))
     model = spec.compile()
@@ -286,8 +286,10 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, looks: Sequence
         body = robot_model.geom_bodyid[geoms].astype(np.int32)
         position, quaternion = robot_model.geom_pos[geoms], robot_model.geom_quat[geoms]
         boxes = [_geom_box(robot_model, g) for g in geoms]
-    bodies, number = 1 if robot_model is None else robot_model.nbody, len(looks)
-    labels = [[ROBOT_LABEL, ROBOT_LABEL]] * len(geoms) + [[AGENT_LABEL, bank.agents["category"][i]] for i in looks]
+    bodies, number = 1 if robot_model is None else robot_model.nbody, len(appearances)
+    labels = [[ROBOT_LABEL, ROBOT_LABEL]] * len(geoms) + [
+        [AGENT_LABEL, bank.agents["category"][i]] for i in appearances
+    ]
     rotation = np.concatenate([rotations.matrix_f64(quaternion.reshape(-1, 4)), np.tile(np.eye(3), (number, 1, 1))])
     return RenderModel(
         model=model,

@@ -37,7 +37,7 @@ _INPUTS = {
     "eye": wp.array[wp.vec3],
     "turn": wp.array[wp.vec4],
     "fovy": wp.array[wp.float32],
-    "looks": wp.array[wp.int32],
+    "appearance_seeds": wp.array[wp.int32],
 }
 _MOVED_INPUT = {"moved": wp.array2d[wp.int32]}
 _FLOATS, _NUMBERS = wp.array3d[wp.float32], wp.array3d[wp.int32]
@@ -72,8 +72,8 @@ class Renderer:
       samples: rays per pixel along each side (2 = four rays).
       shading: "pbr" (glTF materials, mirrored sky, tone mapping) or "matte" (the same light without highlights,
         a third more frames on a CPU).
-      appearance: by what share looks may differ: a frame drawn with a `look` other than 0 shows every object, and the
-        light, brighter or darker and in another tone by up to this share. 0 leaves that out.
+      appearance: by what share appearances may differ: a frame drawn with an `appearance_seed` other than 0 shows every
+        object, and the light, brighter or darker and in another tone by up to this share. 0 leaves that out.
       agents: row of the bank's agents (`SceneBank.agents`) that each moving agent looks like.
       bodies: how many objects may stand elsewhere than in the bank, see `Bodies`.
 
@@ -137,7 +137,7 @@ class Renderer:
         scene: Any,
         xpos: Any,
         xquat: Any,
-        look: Any = 0,
+        appearance_seed: Any = 0,
         agents: AgentMotion | None = None,
         bodies: Bodies | None = None,
     ) -> dict[str, jax.Array]:
@@ -145,7 +145,7 @@ class Renderer:
 
         Args:
           scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
-          look: () i32, 0 = as the bank says; other numbers stand for other looks, see `appearance`.
+          appearance_seed: () i32, 0 = as the bank says; other numbers stand for other appearances, see `appearance`.
           agents: where they are (position, heading, present); None leaves them out.
           bodies: objects that stand elsewhere; None = all stand where the bank has them.
 
@@ -161,7 +161,7 @@ class Renderer:
         body = self.camera.body
         eye = xpos[body] + rotations.rotate(xquat[body], jnp.asarray(self.camera.position))
         turn = rotations.product(xquat[body], jnp.asarray(self.camera.quaternion))
-        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, look, agents, bodies)
+        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, appearance_seed, agents, bodies)
 
     def view(
         self,
@@ -171,7 +171,7 @@ class Renderer:
         fovy: Any,
         xpos: Any = None,
         xquat: Any = None,
-        look: Any = 0,
+        appearance_seed: Any = 0,
         agents: AgentMotion | None = None,
         bodies: Bodies | None = None,
     ) -> dict[str, jax.Array]:
@@ -182,7 +182,7 @@ class Renderer:
           position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
           fovy: () vertical field of view, rad.
           xpos, xquat: the robot's bodies; None leaves the robot out of the picture, far below the ground.
-          look: () i32, agents, bodies: see `__call__`.
+          appearance_seed: () i32, agents, bodies: see `__call__`.
         """
         own = self.num_bodies
         if xpos is None:
@@ -202,7 +202,7 @@ class Renderer:
         if self.settings.bodies:
             moved, *poses = self._moved(scene, bodies)
             moved, arrays[:2] = (moved,), [jnp.concatenate(x) for x in zip(arrays[:2], poses, strict=True)]
-        return self._view(scene, *arrays, jnp.asarray(look, jnp.int32), *moved)
+        return self._view(scene, *arrays, jnp.asarray(appearance_seed, jnp.int32), *moved)
 
     def _moved(self, scene: Any, bodies: Bodies | None) -> tuple[jax.Array, jax.Array, jax.Array]:
         """Slots (M,) of the objects that stand elsewhere, -1 = none, and T_world_object: places (M, 3), quaternions."""
@@ -235,8 +235,8 @@ class Renderer:
 
         Args:
           inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
-            quaternions (n,) vec4, vertical fields of view (n,) float and looks (n,) int; slots of objects that stand
-            elsewhere (n, bodies) int, -1 = none, where there may be any.
+            quaternions (n,) vec4, vertical fields of view (n,) float and seeds of appearances (n,) int; slots of
+            objects that stand elsewhere (n, bodies) int, -1 = none, where there may be any.
           outputs: of `OUTPUTS`, with a leading axis of n; without a pixel where not asked for.
         """
         scene = inputs[0]

@@ -5,7 +5,7 @@ import dataclasses
 #: Labels in "object" and "category" of the sky and of the robot's own pixels.
 SKY_LABEL = -1
 ROBOT_LABEL = -2
-#: "object" of a moving agent; its "category" is that of its look.
+#: "object" of a moving agent; its "category" is that of its appearance.
 AGENT_LABEL = -3
 #: "pbr": glTF materials as mujoco-warp-pbr shows them; "matte": the same light without highlights.
 SHADINGS = ("pbr", "matte")
@@ -24,7 +24,7 @@ class Settings:
     """What is drawn and how.
 
     outputs: of `OUTPUTS`; samples: rays per pixel along each side; appearance: share by
-    which looks differ; bodies: objects of a scene that may have moved; see `Renderer`.
+    which appearances vary; bodies: objects of a scene that may have moved; see `Renderer`.
     """
 
     height: int

@@ -130,14 +130,14 @@ class Streets:
         texture = np.where(textured, mjm.mat_texid[material, role], -1)
         texels = np.where(texture >= 0, sizes.max(1)[texture] if len(sizes) else 1.0, 1.0)
         metallic, roughness, _ = resolve_geom_materials(mjm)
-        looks = _rows(
+        surfaces = _rows(
             texture,
             texels,
             np.concatenate([bank.material_roughness[material[: len(mesh)]], roughness[geoms]]),
             np.concatenate([bank.material_metallic[material[: len(mesh)]], metallic[geoms]]),
         )
         object_roots = as_floats(meshes.roots[mesh_of_object])
-        rows = np.concatenate([poses, _rows(colour, object_roots)[:, None], looks[:, None]], axis=1)
+        rows = np.concatenate([poses, _rows(colour, object_roots)[:, None], surfaces[:, None]], axis=1)
         self.street.nodes, self.roots = self._keep(nodes), wp.array(roots, dtype=int)
         self.street.object_rows, self.street.num_objects = self._keep(rows), len(mesh)
         self.street.balls = self._keep(_mesh_balls(bank)[mesh])
@@ -240,14 +240,14 @@ class StreetBatch:
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
         """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
-        scene, xpos, xquat, eye, turn, fovy, looks, *moved = inputs
+        scene, xpos, xquat, eye, turn, fovy, appearance_seeds, *moved = inputs
         s, settings = self.streets, self.streets.settings
         aspect = settings.width / settings.height
         robot = [s.street, s.shapes, s.bodies, xpos, xquat]
         views = [*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed]
         elsewhere = [scene, *(moved or [self._unmoved]), s.object_of_slot, self._moved]
         wp.launch(place, dim=self.num_worlds, inputs=[*views, *elsewhere])
-        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, looks]
+        kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, appearance_seeds]
         out = [outputs[name] for name in ("rgb", "depth", "category", "object", "normal")]
         return [functools.partial(self._draw, *piece, [*kept, *out]) for piece in self.pieces]
 

@@ -52,7 +52,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
         textures: wp.array[wp.Texture2D],
         skies: Skies,
         labels: wp.array[wp.vec2i],
-        looks: wp.array[int],
+        appearance_seeds: wp.array[int],
         rgb: wp.array4d[wp.uint8],
         depth_out: wp.array3d[float],
         category: wp.array3d[int],
@@ -101,7 +101,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
                 if wp.static(want_rgb):
                     if wp.static(appearance > 0.0):
                         if obj < street.num_objects:
-                            tint = k.factors(looks[world], obj, wp.static(appearance))
+                            tint = k.factors(appearance_seeds[world], obj, wp.static(appearance))
                             seen.colour = wp.min(wp.cw_mul(seen.colour, tint), wp.vec3(1.0))
                     point = origin + direction * hit.distance
                     radiance = shade(street, views, skies, root, world, scene, point, direction, seen)
@@ -122,7 +122,7 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
                     normals[world, py, px] = seen.normal
             if wp.static(want_rgb):
                 if wp.static(appearance > 0.0):
-                    radiance = wp.cw_mul(radiance, k.factors(looks[world], -1, wp.static(appearance)))
+                    radiance = wp.cw_mul(radiance, k.factors(appearance_seeds[world], -1, wp.static(appearance)))
                 total += display(radiance)
         if wp.static(want_rgb):
             mean = total * wp.static(share * share)

@@ -34,15 +34,15 @@ OFFSET = 1.0e-4
 
 
 @wp.func
-def factors(look: int, obj: int, share: float) -> wp.vec3:
-    """How much brighter each channel of an object (-1: of the light) is in a look than as described; look 0: not at
-    all.
+def factors(appearance_seed: int, obj: int, share: float) -> wp.vec3:
+    """How much brighter each channel of an object (-1: of the light) is in an appearance than as described; seed 0: not
+    at all.
 
     The three share a factor within 1 +- share, and have their own within 1 +- share / 2.
     """
-    if look == 0:
+    if appearance_seed == 0:
         return wp.vec3(1.0)
-    state = wp.rand_init(look, obj + 1)
+    state = wp.rand_init(appearance_seed, obj + 1)
     whole = 1.0 + share * (2.0 * wp.randf(state) - 1.0)
     red = 1.0 + share * (wp.randf(state) - 0.5)
     green = 1.0 + share * (wp.randf(state) - 0.5)

@@ -117,18 +117,18 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
             if wp.static(moved):
                 obj = k.object_of(street, views, world, hit.object_row)
             out.colour = k.xyz(k.load(street.object_rows, obj * OBJECT + 3))
-            look = k.load(street.object_rows, obj * OBJECT + 4)
-            if look[0] >= 0.0:
+            surface = k.load(street.object_rows, obj * OBJECT + 4)
+            if surface[0] >= 0.0:
                 e = k.load(street.faces, hit.face * FACE + 3)
                 uv = wp.vec2(b[3], c[3]) * w + wp.vec2(e[0], e[1]) * hit.u + wp.vec2(e[2], e[3]) * hit.v
-                # a[3]: texture lengths per metre; look[1]: texels per texture length.
+                # a[3]: texture lengths per metre; surface[1]: texels per texture length.
                 cone = spread * hit.distance / wp.max(wp.abs(facing), 0.05)
-                level = wp.log2(wp.max(cone * a[3] * look[1], 1.0e-8))
-                texel = sample_texture(textures[int(look[0])], uv, level)
+                level = wp.log2(wp.max(cone * a[3] * surface[1], 1.0e-8))
+                texel = sample_texture(textures[int(surface[0])], uv, level)
                 out.colour = wp.cw_mul(out.colour, wp.vec3(texel[0], texel[1], texel[2]))
             if wp.static(gloss):
-                out.roughness = look[2]
-                out.metallic = look[3]
+                out.roughness = surface[2]
+                out.metallic = surface[3]
                 out.reflectance = 0.5  # of glTF materials
                 if part >= 0:
                     extra = k.load(street.parts, PART * part + 1)
@@ -189,13 +189,13 @@ def make_shade(settings: Settings, is_hidden: Any) -> Any:
         lobes = shading_lobes(skies.lobes, seen, facing)
         mirrored = even
         if wp.static(sky):
-            look = scalars(street, scene, 6)
-            number = int(look[0])
+            sky_row = scalars(street, scene, 6)
+            number = int(sky_row[0])
             softness = lobes.alpha * lobes.alpha
             ahead = direction + normal * (2.0 * facing)
             ahead = wp.normalize(ahead * (1.0 - softness) + normal * softness)
             mirrored = sample_specular(
-                skies.radiance[number], skies.blurred[number], ahead, look[1], lobes.perceptual_roughness
+                skies.radiance[number], skies.blurred[number], ahead, sky_row[1], lobes.perceptual_roughness
             )
         light = wp.cw_mul(lobes.diffuse_color, around + direct)
         light += wp.cw_mul(mirrored, wp.cw_mul(lobes.spec_albedo, lobes.energy_comp))
@@ -219,11 +219,11 @@ def make_background(settings: Settings, sky_width: int) -> Any:
     @wp.func
     def background(street: Street, skies: Skies, scene: int, direction: wp.vec3, spread: float) -> wp.vec3:
         if wp.static(sky):
-            look = scalars(street, scene, 6)
+            sky_row = scalars(street, scene, 6)
             level = float(0.0)  # noqa: UP018 (Warp takes a bare number for a constant)
             if wp.static(gloss):
                 level = wp.log2(wp.max(spread * wp.static(sky_width / (2.0 * wp.pi)), 1.0e-8))
-            return sample_radiance(skies.radiance[int(look[0])], direction, look[1], level)
+            return sample_radiance(skies.radiance[int(sky_row[0])], direction, sky_row[1], level)
         if wp.static(gloss):
             return wp.static(wp.vec3(*_FLAT)) * wp.static(1.0 / PBR_EXPOSURE)
         return k.xyz(k.load(street.lights, LIGHT * scene))

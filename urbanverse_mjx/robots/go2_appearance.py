@@ -24,7 +24,7 @@ def _geom(kind: str, size: str, material: str, place: str) -> str:
     return f'<geom class="visual" type="{kind}" size="{size}" material="{material}" {place}/>'
 
 
-def base_look() -> str:
+def base_appearance() -> str:
     """Geoms of the trunk and the head."""
     return "".join(
         (
@@ -42,7 +42,7 @@ def base_look() -> str:
     )
 
 
-def leg_look(left: float) -> dict[str, str]:
+def leg_appearance(left: float) -> dict[str, str]:
     """Link name -> geoms; left is 1 or -1."""
     y = 0.08 * left
     return {

@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.assets.pictures.look_sheets COMMAND`: sheets of skies and grounds, and single ones.
+"""`python -m urbanverse_mjx.assets.pictures.appearance_sheets COMMAND`: sheets of skies and grounds, and single ones.
 
 thumbnails: paints the stored thumbnails anew (after a change of the painting). sheets: draws contact sheets with names.
 ground, sky: writes the maps of one uid.
@@ -15,7 +15,7 @@ from rich.progress import track
 
 from urbanverse_mjx.datatypes.validation import write_atomically
 
-from ..appearances import looks
+from ..appearances import appearance_search
 from ..appearances.grounds import ground_records, paint_ground
 from ..appearances.sky_maps import paint_sky, sky_records
 from ..meshes import paint
@@ -31,7 +31,9 @@ def thumbnails(out: pathlib.Path | None = None, only: Literal["ground", "sky"] |
       only: one of the two.
     """
     for kind in ("ground", "sky") if only is None else (only,):
-        path = looks.build_thumbnails(f"{kind}_thumbnails.jpg", out, lambda records, kind=kind: track(records, kind))
+        path = appearance_search.build_thumbnails(
+            f"{kind}_thumbnails.jpg", out, lambda records, kind=kind: track(records, kind)
+        )
         Console().print(f"{path.name}: {path.stat().st_size} bytes")
 
 
@@ -43,9 +45,13 @@ def sheets(out: pathlib.Path = pathlib.Path("docs"), again: bool = False) -> Non
       again: paint every tile now instead of reading the stored thumbnails.
     """
     groups = {
-        "skies": ([r.uid for r in sky_records()], looks.sky, looks.sky_thumbnail),
-        "roads": ([r.uid for r in ground_records("road")], looks.road, looks.ground_thumbnail),
-        "sidewalks": ([r.uid for r in ground_records("sidewalk")], looks.sidewalk, looks.ground_thumbnail),
+        "skies": ([r.uid for r in sky_records()], appearance_search.sky, appearance_search.sky_thumbnail),
+        "roads": ([r.uid for r in ground_records("road")], appearance_search.road, appearance_search.ground_thumbnail),
+        "sidewalks": (
+            [r.uid for r in ground_records("sidewalk")],
+            appearance_search.sidewalk,
+            appearance_search.ground_thumbnail,
+        ),
     }
     for name, (uids, collection, painted) in groups.items():
         if again:
@@ -92,7 +98,7 @@ def sky(uid: str, out: pathlib.Path, height: int = 256) -> None:
       height: rows; twice as many columns.
     """
     painted = paint_sky(uid, height)
-    image = Image.fromarray(looks.picture(looks.with_disc(painted)))
+    image = Image.fromarray(appearance_search.picture(appearance_search.with_disc(painted)))
     write_atomically(out / "picture.png", lambda p: image.save(p, "PNG"))
     write_atomically(out / "radiance.npy", lambda p: _save(p, painted.radiance))
     sun = np.round(painted.sun_irradiance * painted.lux_per_unit, 1).tolist()

@@ -1,8 +1,8 @@
-"""Looks of moving agents as plain boxes, their front marked by a lower half, for banks of box streets."""
+"""Appearances of moving agents as plain boxes, their front marked by a lower half, for banks of box streets."""
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AgentLook, AssetMesh, SceneBank
+from urbanverse_mjx.datatypes import AgentAppearance, AssetMesh, SceneBank
 from urbanverse_mjx.scene.bank import with_agents
 from urbanverse_mjx.scene.hulls import convex_part
 
@@ -20,4 +20,4 @@ def _box(size: tuple[float, float, float]) -> AssetMesh:
 
 def with_box_agents(bank: SceneBank) -> SceneBank:
     """The bank with a box for each kind in `BOXES`, category "agent:kind"."""
-    return with_agents(bank, [AgentLook(kind, f"agent:{kind}", _box(size)) for kind, size in BOXES.items()])
+    return with_agents(bank, [AgentAppearance(kind, f"agent:{kind}", _box(size)) for kind, size in BOXES.items()])
