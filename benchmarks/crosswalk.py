@@ -21,12 +21,12 @@ import numpy as np
 
 from urbanverse_mjx.crowds import behaviours
 from urbanverse_mjx.crowds.crossings import crossing_at
-from urbanverse_mjx.crowds.spawning import Watcher
+from urbanverse_mjx.crowds.spawning import Observer
 from urbanverse_mjx.datatypes import KIND_INDEX, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, registry
 from urbanverse_mjx.envs.navigation import terms
+from urbanverse_mjx.envs.navigation.dynamic import slot_appearances
 from urbanverse_mjx.envs.navigation.encounters import route_pose
-from urbanverse_mjx.envs.navigation.living import slot_appearances
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.geometry.grids import cell_of
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
@@ -106,17 +106,17 @@ class Driver:
     """The rule; an action for a state of one env."""
 
     def __init__(self, env: NavEnv, scene: int, row: int, first: float, last: float) -> None:
-        assert env.living is not None, "the scenario is dynamic"
-        self.env, self.living, self.first = env, env.living, first
+        assert env.dynamic is not None, "the scenario is dynamic"
+        self.env, self.dynamic, self.first = env, env.dynamic, first
         self.start, self.waypoints = (
             jnp.asarray(a[scene, row]) for a in (env.bank.episode_start, env.bank.episode_waypoints)
         )
-        self.table = self.living.model.tables.crossings
+        self.table = self.dynamic.model.tables.crossings
         x, y, _ = route_pose(self.start, self.waypoints, 0.5 * (first + last))
         self.scene, self.number = scene, crossing_at(self.table, scene, x, y)
         self.middle = jnp.stack([x, y])
         self.over = jnp.stack(route_pose(self.start, self.waypoints, last)[:2])
-        self.drives = jnp.array([k.surface == "road" for k in self.living.model.kinds])
+        self.drives = jnp.array([k.surface == "road" for k in self.dynamic.model.kinds])
 
     def taken(self, crowd: Any) -> Any:
         """() bool: somebody is on the crosswalk or about to be, or a vehicle under way nears it."""
@@ -145,7 +145,7 @@ class Driver:
         way = self.around(p_xy, jnp.stack([x, y]) - p_xy)
         way = terms.to_body(way, yaw)
         ahead = p_xy + terms.to_world(jnp.array([[0.6, 0.0], [1.1, 0.0]]), yaw)
-        blocked = self.living.gaps(nav.crowd, ahead).min() < _STOP - 0.6
+        blocked = self.dynamic.gaps(nav.crowd, ahead).min() < _STOP - 0.6
         at_line = waits & (comes | (line - arc < 0.1))
         # Who waits looks over the crosswalk: a waypoint 2 mm away turns it there and moves it by nothing.
         over = terms.limit_norm(terms.to_body(self.over - p_xy, yaw), 0.002)
@@ -167,7 +167,7 @@ class Driver:
 def drive(env: NavEnv, driver: Driver, nav: Any, steps: int) -> tuple[Any, Any]:
     """The last state, and places, waiting and people's distance at each step."""
     step = jax.jit(env.advance)
-    act, where = jax.jit(driver), jax.jit(driver.living.places)
+    act, where = jax.jit(driver), jax.jit(driver.dynamic.places)
     path = []
     for _ in range(steps):
         action, waits = act(nav)
@@ -181,8 +181,8 @@ def drive(env: NavEnv, driver: Driver, nav: Any, steps: int) -> tuple[Any, Any]:
 
 def film(env: NavEnv, driver: Driver, path: Any, every: int) -> list[np.ndarray]:
     """What the robot sees, beside the crosswalk from above."""
-    assert env.living is not None, "the scenario is dynamic"
-    appearances = slot_appearances(env.living.kinds, env.bank)
+    assert env.dynamic is not None, "the scenario is dynamic"
+    appearances = slot_appearances(env.dynamic.kinds, env.bank)
     renderer = Renderer(env.bank, env.robot, HEIGHT, WIDTH, shadows=True, agents=appearances)
     middle = np.asarray(driver.middle)
     along = np.asarray(driver.waypoints[-1, :2] - driver.start[:2])
@@ -216,9 +216,9 @@ def main(argv: list[str] | None = None) -> int:
     driver = Driver(env, scene, row, first, last)
     key = jax.random.key(arguments.seed)
     nav = jax.jit(env.begin_at)(key, jnp.int32(scene), jnp.int32(row))
-    watcher = Watcher(driver.start[0], driver.start[1], driver.start[3], jnp.array(True))
+    observer = Observer(driver.start[0], driver.start[1], driver.start[3], jnp.array(True))
     script = people_coming(driver.start, driver.waypoints, first, last)
-    crowd = jax.jit(lambda k: driver.living.model.init(k, jnp.int32(scene), watcher, None, script))(key)
+    crowd = jax.jit(lambda k: driver.dynamic.model.init(k, jnp.int32(scene), observer, None, script))(key)
     nav, path = drive(env, driver, nav._replace(crowd=crowd), round(arguments.seconds / env.dt))
     frames = film(env, driver, path, arguments.every)
     write_video(arguments.out, frames, 1.0 / (env.dt * arguments.every), quality=arguments.quality)

@@ -5,8 +5,8 @@
 steps crowds on a wrapped square, everybody under way in some direction, and prints one JSON line for each size
 `ENVSxAGENTSxNEIGHBOURS` as soon as it is measured: agent-steps/s (median over the repeats; `*_spread` is
 (slowest - fastest) / median), seconds to compile, and with --parts the seconds of a step that looking around, building
-half-planes, the programs and the last word on a step take when run alone over the same state. It needs numpy and jax,
-no bank and no scene.
+half-planes, the programs and the resolution of collisions take when run alone over the same state. It needs numpy and
+jax, no bank and no scene.
 
 `--environment` measures, instead, env-steps/s of CocoNav with the crowd of its scenario `dynamic` and without, in turn
 in one run (sizes: --envs, --pixels, --env-steps, --preset, --impl); with `--movable 8` also with so many objects that
@@ -38,8 +38,8 @@ from urbanverse_mjx.crowds import (
     Grid,
     HalfPlanes,
     Options,
+    PreferredVelocity,
     Traits,
-    Wish,
     disturbed,
     half_planes,
     linear_program,
@@ -47,7 +47,7 @@ from urbanverse_mjx.crowds import (
     num_long,
     num_wheeled,
     orca,
-    settle,
+    resolve_collisions,
     traits_of,
 )
 from urbanverse_mjx.datatypes import ValidationError
@@ -170,16 +170,18 @@ def fence(case: Case, bodies: Bodies, traits: Traits, end: float) -> HalfPlanes:
 
 def stepper(case: Case, dt: float, seed: int) -> Any:
     """A function (bodies, traits, directions, number of steps) -> bodies."""
-    step, last_word = make_step(case.options(dt)), settle.make_settle(num_long(case.kinds()))
+    step, collisions = make_step(case.options(dt)), resolve_collisions.make_resolve_collisions(num_long(case.kinds()))
     rolling = num_wheeled(case.kinds())
 
     def one(bodies: Bodies, traits: Traits, direction: Any, key: Any) -> Bodies:
         speed = 0.8 * traits.limit
-        wish = disturbed(Wish(speed * jnp.cos(direction), speed * jnp.sin(direction), direction), key)
+        preferred_velocity = disturbed(
+            PreferredVelocity(speed * jnp.cos(direction), speed * jnp.sin(direction), direction), key
+        )
         rear = HalfPlanes(*(a[:, case.agents - rolling :] for a in fence(case, bodies, traits, -1.0)))
         front = fence(case, bodies, traits, 1.0)
-        new, _ = step(bodies, traits, wish, front, rear)
-        new = last_word(bodies, new, traits, settle.keeps_off(front, rear, bodies, new, traits))
+        new, _ = step(bodies, traits, preferred_velocity, front, rear)
+        new = collisions(bodies, new, traits, resolve_collisions.keeps_off(front, rear, bodies, new, traits))
         return new._replace(x=jnp.mod(new.x, case.side), y=jnp.mod(new.y, case.side))
 
     def steps(bodies: Bodies, traits: Traits, direction: Any, number: int) -> Bodies:
@@ -197,25 +199,27 @@ def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments:
     walls = jax.vmap(lambda b, t: fence(case, b, t, 1.0), out_axes=-1)(bodies, traits)
     bodies, traits = jax.tree.map(lambda a: a.T, (bodies, traits))
     speed = 0.8 * traits.limit
-    wish = (speed * jnp.cos(direction.T)).reshape(-1), (speed * jnp.sin(direction.T)).reshape(-1)
+    preferred_velocity = (speed * jnp.cos(direction.T)).reshape(-1), (speed * jnp.sin(direction.T)).reshape(-1)
     look = timing.compile_(lambda b, t: orca.look_around(b, t, case.agents, options), bodies, traits)
     near = look.call(bodies, traits)
     build = timing.compile_(lambda b, t, n: orca.permitted(b, t, case.agents, n, options), bodies, traits, near)
     lines = linear_program.join(walls, build.call(bodies, traits, near)[0])
     flat = HalfPlanes(*(a.reshape(a.shape[0], -1) for a in lines))
     limit = traits.limit.reshape(-1)
-    first = timing.compile_(linear_program.nearest_permitted, flat, limit, *wish)
-    both = timing.compile_(lambda a, b, *c: linear_program.solve(a, case.walls, b, *c), flat, limit, *wish)
+    first = timing.compile_(linear_program.nearest_permitted, flat, limit, *preferred_velocity)
+    both = timing.compile_(
+        lambda a, b, *c: linear_program.solve(a, case.walls, b, *c), flat, limit, *preferred_velocity
+    )
     allowed = jnp.ones(bodies.x.shape, bool)
-    settled = functools.partial(settle.settled, num_long=num_long(case.kinds()))
-    last = timing.compile_(settled, bodies, bodies, traits, allowed)
-    failed = first.call(flat, limit, *wish)[2]
+    resolved = functools.partial(resolve_collisions.resolved, num_long=num_long(case.kinds()))
+    last = timing.compile_(resolved, bodies, bodies, traits, allowed)
+    failed = first.call(flat, limit, *preferred_velocity)[2]
     samples = timing.time_in_turn(
         {
             "look_around": lambda: look.call(bodies, traits),
             "half_planes": lambda: build.call(bodies, traits, near),
-            "first_program": lambda: first.call(flat, limit, *wish),
-            "both_programs": lambda: both.call(flat, limit, *wish),
+            "first_program": lambda: first.call(flat, limit, *preferred_velocity),
+            "both_programs": lambda: both.call(flat, limit, *preferred_velocity),
             "settle": lambda: last.call(bodies, bodies, traits, allowed),
         },
         arguments.repeats,

@@ -116,7 +116,7 @@ CODE: Mapping[str, Code] = {
     # The user's assets from files.
     "imports": Code(1, ("assets.importing", "assets.collision"), ("catalogue", "thumbnails")),
     # Where the agents of a scene may go, and how far a robot is from what surrounds it.
-    "crowds": Code(1, ("crowds", "envs.navigation.living_tables"), ("datatypes",)),
+    "crowds": Code(1, ("crowds", "envs.navigation.dynamic_tables"), ("datatypes",)),
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),
     # Blocks after the statistics of a city; the number seeds them.
     "blocks": Code(1, ("citygen.cities", *_below("citygen", "catalogue", "passage", "section")), ("cousins",)),

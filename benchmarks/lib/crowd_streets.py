@@ -13,10 +13,10 @@ from benchmarks.throughput import load_env
 from urbanverse_mjx.crowds import Bodies, free_space
 from urbanverse_mjx.crowds.crowd import Crowd, CrowdModel, make_tables
 from urbanverse_mjx.crowds.kinds import SURFACES
-from urbanverse_mjx.crowds.spawning import Watcher
+from urbanverse_mjx.crowds.spawning import Observer
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
-from urbanverse_mjx.envs.navigation.living import slot_kinds
+from urbanverse_mjx.envs.navigation.dynamic import slot_kinds
 from urbanverse_mjx.envs.registry import load_default_bank
 from urbanverse_mjx.geometry.grids import cell_of
 from urbanverse_mjx.simulation.slots import body_slots
@@ -65,7 +65,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
         "pixels": arguments.pixels,
         "preset": arguments.preset,
         "impl": type(env.engine).__name__,
-        "agents": len(env.living.kinds),
+        "agents": len(env.dynamic.kinds),
         "movable": arguments.movable,
         "steps": arguments.env_steps,
         **{f"{name}_env_steps_per_s": float(f"{s.rate(count):.4g}") for name, s in samples.items()},
@@ -126,7 +126,7 @@ def agent_minutes(arguments: argparse.Namespace) -> dict[str, Any]:
     model = CrowdModel(make_tables(bank, scenes), kinds)
     clear, origin = _clearances(bank, scenes)
     radius, half = (jnp.array([getattr(k, n) for k in model.kinds], jnp.float32) for n in ("radius", "half_length"))
-    nobody = Watcher(jnp.float32(0), jnp.float32(0), jnp.float32(0), jnp.array(False))
+    nobody = Observer(jnp.float32(0), jnp.float32(0), jnp.float32(0), jnp.array(False))
     envs, still = arguments.crowd_envs, jnp.zeros(())
     steps = int(np.ceil(arguments.minutes * 60.0 / (model.dt * envs * len(kinds))))
     place = jnp.arange(envs) % len(scenes)

@@ -139,9 +139,9 @@ def program3(lines: list[Line], num_hard: int, begin: int, limit: float, result:
     return result
 
 
-def new_velocity(lines: list[Line], num_hard: int, limit: float, wish: complex) -> tuple[complex, bool]:
+def new_velocity(lines: list[Line], num_hard: int, limit: float, preferred_velocity: complex) -> tuple[complex, bool]:
     """The velocity ORCA chooses, and whether all lines could be kept."""
-    failed, result = program2(lines, limit, wish, False)
+    failed, result = program2(lines, limit, preferred_velocity, False)
     if failed < len(lines):
         return program3(lines, num_hard, failed, limit, result), False
     return result, True

@@ -13,12 +13,12 @@ from urbanverse_mjx.crowds import (
     Bodies,
     HalfPlanes,
     Options,
+    PreferredVelocity,
     Traits,
-    Wish,
+    deadlock,
     disturbed,
     half_planes,
     make_step,
-    patience,
     traits_of,
 )
 
@@ -106,7 +106,7 @@ def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options:
         rows = half_planes.towards_walls(outward, space, traits.radius, traits.wall_horizon)
         return rows if end > 0 else HalfPlanes(*(a[:, number - rolling :] for a in rows))
 
-    side = patience.habitual_side(jax.random.key(seed + 1), number) * jnp.array([not k.wheeled for k in scene.kinds])
+    side = deadlock.habitual_side(jax.random.key(seed + 1), number) * jnp.array([not k.wheeled for k in scene.kinds])
 
     def body(carry: tuple[Bodies, jax.Array, jax.Array], key: jax.Array) -> tuple[Any, Bodies]:
         b, blocked, side = carry
@@ -114,11 +114,11 @@ def run(scene: Scene, seconds: float, dt: float = 0.1, seed: int = 0, **options:
         distance = jnp.sqrt(dx * dx + dy * dy)
         # Braking to rest at the goal: v² = 2 b d with half the braking.
         wanted = jnp.minimum(speed, jnp.sqrt(traits.braking * distance)) / jnp.maximum(distance, 1e-6)
-        wish = Wish(dx * wanted, dy * wanted, jnp.arctan2(dy, dx))
-        aside = patience.step_aside(wish, blocked, side)
+        preferred_velocity = PreferredVelocity(dx * wanted, dy * wanted, jnp.arctan2(dy, dx))
+        aside = deadlock.step_aside(preferred_velocity, blocked, side)
         new, _ = step(b, traits, disturbed(aside, key, side), fence(b, 1.0), fence(b, -1.0))
-        blocked = patience.held_up(blocked, aside, (new.vx, new.vy), dt)
-        side = patience.reconsider(side, blocked, jax.random.fold_in(key, 1), dt)
+        blocked = deadlock.held_up(blocked, aside, (new.vx, new.vy), dt)
+        side = deadlock.reconsider(side, blocked, jax.random.fold_in(key, 1), dt)
         return (new, blocked, side), new
 
     keys = jax.random.split(jax.random.key(seed), round(seconds / dt))

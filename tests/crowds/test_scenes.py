@@ -9,7 +9,17 @@ import pytest
 
 from tests.crowds import scenes
 from tests.crowds.scenes import BIKE, CAR, CHAIR, PED, SCOOTER
-from urbanverse_mjx.crowds import Bodies, Options, Traits, Wish, advance, make_step, no_walls, patience, traits_of
+from urbanverse_mjx.crowds import (
+    Bodies,
+    Options,
+    PreferredVelocity,
+    Traits,
+    advance,
+    deadlock,
+    make_step,
+    no_walls,
+    traits_of,
+)
 
 DEEPEST = 0.02
 
@@ -50,9 +60,9 @@ def test_circle_of_sixteen_changes_places() -> None:
 
 
 @pytest.mark.slow
-def test_the_circle_stops_without_patience(monkeypatch: pytest.MonkeyPatch) -> None:
-    # What `patience` is for: the published program alone leaves the ring standing.
-    monkeypatch.setattr(patience, "MOST", 0.0)
+def test_the_circle_stops_without_the_deadlock_rule(monkeypatch: pytest.MonkeyPatch) -> None:
+    # What `deadlock` is for: the published program alone leaves the ring standing.
+    monkeypatch.setattr(deadlock, "MOST", 0.0)
     scene = scenes.circle(16, 5.0)
     path = scenes.run(scene, 20.0)
     assert path.overlap() <= DEEPEST
@@ -87,7 +97,7 @@ def test_the_fast_one_overtakes() -> None:
     assert np.abs(path.y[:, 0]).max() < 0.4
 
 
-def random_state(kinds: tuple, seed: int, side: float) -> tuple[Bodies, Traits, Wish]:
+def random_state(kinds: tuple, seed: int, side: float) -> tuple[Bodies, Traits, PreferredVelocity]:
     rng = np.random.default_rng(seed)
     number = len(kinds)
     x, y = rng.uniform(0, side, (2, number))
@@ -95,8 +105,10 @@ def random_state(kinds: tuple, seed: int, side: float) -> tuple[Bodies, Traits, 
     columns = (x, y, speed * np.cos(heading), speed * np.sin(heading), heading)
     aim = rng.uniform(-3, 3, number)
     bodies = Bodies(*(jnp.asarray(c, jnp.float32) for c in columns))
-    wish = Wish(*(jnp.asarray(c, jnp.float32) for c in (1.3 * np.cos(aim), 1.3 * np.sin(aim), aim)))
-    return bodies, Traits(*(a[:, 0] for a in traits_of(kinds))), wish
+    preferred_velocity = PreferredVelocity(
+        *(jnp.asarray(c, jnp.float32) for c in (1.3 * np.cos(aim), 1.3 * np.sin(aim), aim))
+    )
+    return bodies, Traits(*(a[:, 0] for a in traits_of(kinds))), preferred_velocity
 
 
 def test_alone_mapped_and_nested_are_one_step() -> None:
@@ -104,7 +116,7 @@ def test_alone_mapped_and_nested_are_one_step() -> None:
     step = make_step(Options(num_neighbours=3, num_wheeled=2))
     states = [random_state(kinds, seed, 8.0) for seed in range(4)]
 
-    def one(state: tuple[Bodies, Traits, Wish]) -> Bodies:
+    def one(state: tuple[Bodies, Traits, PreferredVelocity]) -> Bodies:
         return step(*state, no_walls(6), no_walls(2))[0]
 
     alone = jax.jit(one)
@@ -118,14 +130,14 @@ def test_alone_mapped_and_nested_are_one_step() -> None:
 
 def test_an_absent_agent_changes_nothing() -> None:
     kinds = (PED,) * 6
-    bodies, traits, wish = random_state(kinds, 1, 3.0)
+    bodies, traits, preferred_velocity = random_state(kinds, 1, 3.0)
     step = jax.jit(make_step(Options(num_neighbours=5, discs_only=True)))
     gone = traits._replace(present=traits.present.at[3].set(False))
     there = jnp.array([0, 1, 2, 4, 5])
     few = jax.jit(make_step(Options(num_neighbours=5, discs_only=True)))(
-        *jax.tree.map(lambda a: a[there], (bodies, traits, wish)), no_walls(5), no_walls(0)
+        *jax.tree.map(lambda a: a[there], (bodies, traits, preferred_velocity)), no_walls(5), no_walls(0)
     )[0]
-    found = step(bodies, gone, wish, no_walls(6), no_walls(0))[0]
+    found = step(bodies, gone, preferred_velocity, no_walls(6), no_walls(0))[0]
     np.testing.assert_allclose(np.stack(list(found))[:, there], np.stack(list(few)), atol=2e-6)
     np.testing.assert_array_equal(np.stack(list(found))[:, 3], np.stack(list(bodies))[:, 3])
 
@@ -134,10 +146,12 @@ def test_vehicles_keep_their_limits() -> None:
     kinds = (BIKE, BIKE, CAR, CAR)
     dt = 0.1
     options = Options(dt=dt, num_neighbours=3, num_wheeled=4)
-    bodies, traits, wish = random_state(kinds, 2, 12.0)
+    bodies, traits, preferred_velocity = random_state(kinds, 2, 12.0)
 
     def move(b: Bodies) -> Bodies:
-        b, like, aim, front, rear = jax.tree.map(lambda a: a[..., None], (b, traits, wish, no_walls(4), no_walls(4)))
+        b, like, aim, front, rear = jax.tree.map(
+            lambda a: a[..., None], (b, traits, preferred_velocity, no_walls(4), no_walls(4))
+        )
         return advance(b, like, aim, front, rear, options)[0]
 
     step = jax.jit(move)

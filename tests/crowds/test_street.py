@@ -7,13 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tests.crowds.test_settle import distances
+from tests.crowds.test_resolve_collisions import distances
 from tests.support.box_bank import HALF_WIDTH, KERB_Y
 from tests.support.compiling import optimized
 from urbanverse_mjx.crowds import (
     KINDS,
     Bodies,
-    Wish,
+    PreferredVelocity,
     behaviours,
     crossings,
     flats,
@@ -27,7 +27,7 @@ from urbanverse_mjx.crowds.crowd import Crowd, CrowdModel, CrowdTables, make_tab
 from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 
-NOBODY = spawning.Watcher(jnp.float32(0), jnp.float32(0), jnp.float32(0), jnp.array(False))
+NOBODY = spawning.Observer(jnp.float32(0), jnp.float32(0), jnp.float32(0), jnp.array(False))
 
 
 @pytest.fixture(scope="module")
@@ -192,11 +192,11 @@ def test_nobody_appears_in_sight_or_upon_another() -> None:
     place = jnp.asarray(rng.uniform(-40, 40, (256, 2)), jnp.float32)
     x, y = (jnp.asarray(rng.uniform(-40, 40, 30), jnp.float32) for _ in range(2))
     present = jnp.arange(30) < 20
-    watcher = spawning.Watcher(jnp.float32(0), jnp.float32(0), jnp.float32(0.5), jnp.array(True))
+    observer = spawning.Observer(jnp.float32(0), jnp.float32(0), jnp.float32(0.5), jnp.array(True))
     chosen = set()
     for seed in range(30):
         row, found = spawning.choose(
-            jax.random.key(seed), place, jnp.float32(0.3), x, y, jnp.full(30, 0.3), present, watcher, True
+            jax.random.key(seed), place, jnp.float32(0.3), x, y, jnp.full(30, 0.3), present, observer, True
         )
         assert bool(found)
         chosen.add(int(row))
@@ -209,19 +209,19 @@ def test_nobody_appears_in_sight_or_upon_another() -> None:
     assert len(chosen) > 15
     none = spawning.choose(
         jax.random.key(0), place[:1], jnp.float32(0.3), place[:1, 0], place[:1, 1], jnp.full(1, 0.3), jnp.ones(1, bool),
-        watcher, True,
+        observer, True,
     )  # fmt: skip
     assert not bool(none[1])
 
 
 def test_places_within_reach_come_first_and_others_when_there_are_none() -> None:
     place = jnp.stack([jnp.arange(40.0), jnp.zeros(40)], -1)
-    watcher = NOBODY._replace(present=jnp.array(True))
+    observer = NOBODY._replace(present=jnp.array(True))
     nobody = (jnp.zeros(1), jnp.zeros(1), jnp.zeros(1), jnp.zeros(1, bool))
 
     def chosen(places: jax.Array, hidden: bool, reach: float) -> set[float]:
         keys = jax.random.split(jax.random.key(0), 20)
-        call = jax.jit(jax.vmap(lambda k: spawning.choose(k, places, 0.3, *nobody, watcher, hidden, reach)))
+        call = jax.jit(jax.vmap(lambda k: spawning.choose(k, places, 0.3, *nobody, observer, hidden, reach)))
         rows, found = call(keys)
         return set(np.asarray(places[rows, 0])[np.asarray(found)].tolist())
 
@@ -334,14 +334,14 @@ def test_vehicles_drive_no_faster_than_they_can_stop() -> None:
     kinds = [KINDS["pedestrian"], KINDS["car"], KINDS["car"]]
     traits = jax.tree.map(lambda a: a[:, 0], traits_of(kinds))
     car = KINDS["car"]
-    wish = Wish(jnp.array([1.0, 8.0, 0.0]), jnp.zeros(3), jnp.zeros(3))
+    preferred_velocity = PreferredVelocity(jnp.array([1.0, 8.0, 0.0]), jnp.zeros(3), jnp.zeros(3))
 
     def speed(x: float, y: float, vx: float, heading: float) -> float:
         zero = jnp.zeros(3)
         bodies = Bodies(
             jnp.array([0.0, 0.0, x]), jnp.array([50.0, 0.0, y]), zero.at[2].set(vx), zero, zero.at[2].set(heading)
         )
-        new = lanes.stop_in_time(wish, bodies, traits, 1)
+        new = lanes.stop_in_time(preferred_velocity, bodies, traits, 1)
         assert float(new.x[0]) == 1.0
         return float(new.x[1])
 

@@ -209,11 +209,11 @@ def test_a_policy_from_before_there_were_people_meets_the_crowd_of_its_preset() 
     assert "scenario" not in trained
     still = evaluation_config("CocoNav", trained, "test", dynamic=False)
     assert scenario_of(still) == "static"
-    living = evaluation_config("CocoNav", trained, "park_edge", dynamic=True)
-    assert scenario_of(living) == "dynamic"
-    assert living.crowd.to_dict() == default_config(trained["preset"]).crowd.to_dict()
-    assert (living.scenes, living.reward_config.to_dict()) == ("park_edge", still.reward_config.to_dict())
-    own = {**living.to_dict(), "crowd": {**living.crowd.to_dict(), "yielding": 0.0}}
+    dynamic = evaluation_config("CocoNav", trained, "park_edge", dynamic=True)
+    assert scenario_of(dynamic) == "dynamic"
+    assert dynamic.crowd.to_dict() == default_config(trained["preset"]).crowd.to_dict()
+    assert (dynamic.scenes, dynamic.reward_config.to_dict()) == ("park_edge", still.reward_config.to_dict())
+    own = {**dynamic.to_dict(), "crowd": {**dynamic.crowd.to_dict(), "yielding": 0.0}}
     assert evaluation_config("CocoNav", own, "test", dynamic=True).crowd.yielding == 0.0, "a trained crowd is kept"
 
 

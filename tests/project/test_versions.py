@@ -16,7 +16,7 @@ from urbanverse_mjx import settings, versions
 from urbanverse_mjx.assets.meshes import mesh_cache
 from urbanverse_mjx.assets.pictures import thumbnails
 from urbanverse_mjx.assets.records import index, store
-from urbanverse_mjx.envs.navigation import living_tables, surroundings
+from urbanverse_mjx.envs.navigation import dynamic_tables, surroundings
 from urbanverse_mjx.pipeline.generation.run_folder import key_of
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -169,7 +169,7 @@ def keys() -> dict[str, str]:
         "thumbnails": thumbnails.path_of(record, index.build_mesh(record)),
         "scenes": settings.terrain_bank_path(),
         "bank": settings.shipped_bank_path(),
-        "crowds": living_tables.path_of(bank, [0]),
+        "crowds": dynamic_tables.path_of(bank, [0]),
         "surroundings": surroundings.path_of(bank, 1.0),
         **{name: key_of(name) for name in ("perception", "distillation", "cousins", "library", "report", "generation")},
     }

@@ -1,7 +1,7 @@
 """Moving agents: reciprocal collision avoidance of people and vehicles, where they go and how they behave."""
 
-from . import half_planes, linear_program, neighbours, orca, patience, settle
-from .bodies import Bodies, Traits, Wish, num_long, num_wheeled, traits_of
+from . import deadlock, half_planes, linear_program, neighbours, orca, resolve_collisions
+from .bodies import Bodies, PreferredVelocity, Traits, num_long, num_wheeled, traits_of
 from .kinds import KINDS, AgentKind
 from .linear_program import HalfPlanes
 from .orca import Grid, Options, advance, disturbed, make_step, no_walls
@@ -13,9 +13,10 @@ __all__ = [
     "Grid",
     "HalfPlanes",
     "Options",
+    "PreferredVelocity",
     "Traits",
-    "Wish",
     "advance",
+    "deadlock",
     "disturbed",
     "half_planes",
     "linear_program",
@@ -25,7 +26,6 @@ __all__ = [
     "num_long",
     "num_wheeled",
     "orca",
-    "patience",
-    "settle",
+    "resolve_collisions",
     "traits_of",
 ]

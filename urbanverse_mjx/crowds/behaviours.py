@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from .bodies import Bodies, Wish
+from .bodies import Bodies, PreferredVelocity
 from .motion import wrapped
 
 ROAM, GO, STAY = 0, 1, 2
@@ -110,7 +110,7 @@ def together(*scripts: Script) -> Script:
     return jax.tree.map(lambda *rows: jnp.concatenate(rows), *scripts)
 
 
-def scripted_wish(mode: Any, anchor: tuple[Any, Any], face: Any, speed: Any, bodies: Bodies) -> Wish:
+def scripted_velocity(mode: Any, anchor: tuple[Any, Any], face: Any, speed: Any, bodies: Bodies) -> PreferredVelocity:
     """What those who GO or STAY want (rows (A,)); the rows of those who ROAM mean nothing."""
     dx, dy = anchor[0] - bodies.x, anchor[1] - bodies.y
     distance = jnp.sqrt(dx * dx + dy * dy)
@@ -119,4 +119,4 @@ def scripted_wish(mode: Any, anchor: tuple[Any, Any], face: Any, speed: Any, bod
     pace = jnp.where(goes, jnp.minimum(speed, 2.0 * distance), jnp.minimum(_RETURN * distance, _RETURN_SPEED))
     scale = pace / jnp.maximum(distance, 1e-3)
     look = jnp.where(goes & (distance > 0.3), jnp.arctan2(dy, dx), face)
-    return Wish(dx * scale, dy * scale, look)
+    return PreferredVelocity(dx * scale, dy * scale, look)

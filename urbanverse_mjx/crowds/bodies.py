@@ -24,7 +24,7 @@ class Bodies(NamedTuple):
     heading: Any
 
 
-class Wish(NamedTuple):
+class PreferredVelocity(NamedTuple):
     """What agents would do if they were alone; every array (A, E) f32.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""A living street: everybody's errands, wishes and motion in one env.
+"""A dynamic street: everybody's errands, preferred velocities and motion in one env.
 
 In:   a bank's tables, the scene, the robot.
 Out:  `Crowd`, the state of all agents, step by step.
@@ -18,22 +18,22 @@ from ..datatypes import validation as v
 from . import (
     behaviours,
     crossings,
+    deadlock,
     flats,
     free_space,
     goal_fields,
     lanes,
     open_ground,
-    patience,
-    settle,
+    resolve_collisions,
     spawning,
 )
 from .behaviours import GO, ROAM, Script
-from .bodies import Bodies, Traits, Wish, num_long, num_wheeled, traits_of
-from .footing import Footing
+from .bodies import Bodies, PreferredVelocity, Traits, num_long, num_wheeled, traits_of
 from .goal_fields import RULE_OF_KIND, RULES
 from .kinds import KINDS, SURFACES, AgentKind
 from .orca import Options, disturbed, make_step
-from .spawning import Watcher
+from .spawning import Observer
+from .traversability import Traversability
 
 #: m from a goal (and half a vehicle's length) at which one has arrived.
 _ARRIVED = 1.0
@@ -51,7 +51,7 @@ class Crowd(NamedTuple):
     Attributes:
       bodies: `Bodies` (A,). present: (A,) bool. speed: (A,) m/s, preferred. goal: (A,) i32, of its way.
       mode, anchor_x, anchor_y, face: (A,), see `behaviours.Script`.
-      blocked, side: (A,), see `patience`. still: (A,) s, how long somebody with a wish has hardly moved.
+      blocked, side: (A,), see `deadlock`. still: (A,) s, how long somebody with a preferred velocity has hardly moved.
       backing: (A,) s, how long a vehicle still backs up.
       arrived: (A,) i32, goals reached so far.
     """
@@ -135,10 +135,13 @@ class CrowdModel:
         options = Options(
             dt, num_neighbours, num_wheeled(self.kinds), discs_only=all(k.half_length == 0 for k in self.kinds)
         )
-        self._step, self._settle = make_step(options), settle.make_settle(num_long(self.kinds))
+        self._step, self._resolve_collisions = (
+            make_step(options),
+            resolve_collisions.make_resolve_collisions(num_long(self.kinds)),
+        )
         self._traits: Traits = jax.tree.map(lambda a: a[:, 0], traits_of(self.kinds))
         self._groups = {g: self._rows(lambda k, g=g: RULE_OF_KIND[k.name] == g) for g in RULES}
-        self._footing = Footing(tables.flats, tables.ground, self.kinds, self._traits)
+        self._traversability = Traversability(tables.flats, tables.ground, self.kinds, self._traits)
         self._on_foot = jnp.array([k.surface == "foot" for k in self.kinds])
         self._sidesteps = jnp.array([0.0 if k.wheeled else 1.0 for k in self.kinds])
         self._headroom = jnp.array([k.headroom for k in self.kinds])
@@ -150,11 +153,11 @@ class CrowdModel:
     def num_agents(self) -> int:
         return len(self.kinds)
 
-    def init(self, key: Any, scene: Any, watcher: Watcher, count: Any = None, script: Script | None = None) -> Crowd:
+    def init(self, key: Any, scene: Any, observer: Observer, count: Any = None, script: Script | None = None) -> Crowd:
         """A crowd at rest.
 
         Args:
-          scene: () i32, row of the tables. watcher: where the robot is.
+          scene: () i32, row of the tables. observer: where the robot is.
           count: () i32 or None: how many slots, chosen at random, are filled; the others are absent.
           script: rows for the first slots, who do as it says; rows whose mode is `ROAM` say nothing.
         """
@@ -177,7 +180,7 @@ class CrowdModel:
             anchor_y=zero,
             face=zero,
             blocked=zero,
-            side=patience.habitual_side(keys[2], number) * self._sidesteps,
+            side=deadlock.habitual_side(keys[2], number) * self._sidesteps,
             still=zero,
             backing=zero,
             arrived=integer,
@@ -193,14 +196,14 @@ class CrowdModel:
 
             def one(n: Any, crowd: Crowd, group: str = group, rows: Any = rows) -> Crowd:
                 return self._appear(
-                    crowd, rows[n], wanted[rows[n]], jax.random.fold_in(keys[3], rows[n]), group, scene, watcher, False
+                    crowd, rows[n], wanted[rows[n]], jax.random.fold_in(keys[3], rows[n]), group, scene, observer, False
                 )
 
             crowd = jax.lax.fori_loop(0, len(rows), one, crowd)
         return crowd
 
     def _appear(
-        self, crowd: Crowd, who: Any, wanted: Any, key: Any, group: str, scene: Any, watcher: Watcher, hidden: bool
+        self, crowd: Crowd, who: Any, wanted: Any, key: Any, group: str, scene: Any, observer: Observer, hidden: bool
     ) -> Crowd:
         """Agent `who` () i32 of a group put on one of its ways, if that is `wanted` () bool and there is room."""
         keys, ways = jax.random.split(key, 2), self.tables.ways[group]
@@ -211,7 +214,7 @@ class CrowdModel:
         square = bodies.vx * bodies.vx + bodies.vy * bodies.vy
         room = size + _REACTION * jnp.sqrt(square) + 0.5 * square / self._traits.braking
         place, found = spawning.choose(
-            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, room, others, watcher, hidden, self.reach
+            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, room, others, observer, hidden, self.reach
         )
         found &= wanted & (ways.num_goals[scene] > 0)
         x, y = ways.place[scene, place]
@@ -232,42 +235,44 @@ class CrowdModel:
             still=put(crowd.still, 0.0),
         )
 
-    def step(self, crowd: Crowd, scene: Any, watcher: Watcher, robot_velocity: tuple[Any, Any], key: Any) -> Crowd:
+    def step(self, crowd: Crowd, scene: Any, observer: Observer, robot_velocity: tuple[Any, Any], key: Any) -> Crowd:
         """The crowd `dt` s later.
 
         Args:
-          scene: () i32. watcher: the robot. robot_velocity: () m/s, x and y.
+          scene: () i32. observer: the robot. robot_velocity: () m/s, x and y.
         """
         keys = jax.random.split(key, 4)
-        crowd = self._next_errands(crowd, scene, watcher, keys[0])
+        crowd = self._next_errands(crowd, scene, observer, keys[0])
         course = self._courses(crowd, scene)
-        wish = self._wishes(crowd, scene, course)
-        aside = patience.step_aside(wish, crowd.blocked, crowd.side)
-        aside = patience.back_up(aside, crowd.backing, crowd.bodies.heading)
-        robot = self._robot_body(watcher, robot_velocity)
+        preferred_velocity = self._preferred_velocities(crowd, scene, course)
+        aside = deadlock.step_aside(preferred_velocity, crowd.blocked, crowd.side)
+        aside = deadlock.back_up(aside, crowd.backing, crowd.bodies.heading)
+        robot = self._robot_body(observer, robot_velocity)
         joined = Bodies(*(jnp.append(a, b) for a, b in zip(crowd.bodies, robot[0], strict=True)))
         traits = self._traits._replace(
             present=crowd.present, limit=jnp.minimum(self._traits.limit, crowd.speed * self._headroom)
         )
         everybody = Traits(*(jnp.append(a, b) for a, b in zip(traits, robot[1], strict=True)))
         aside = lanes.stop_in_time(aside, joined, everybody, self.num_agents - num_wheeled(self.kinds))
-        walls = self._footing.walls(crowd.bodies, scene)
+        walls = self._traversability.walls(crowd.bodies, scene)
         bodies, _ = self._step(joined, everybody, disturbed(aside, keys[1], crowd.side), *walls)
-        free = settle.keeps_off(*walls, crowd.bodies, bodies, traits) & self._footing.stays(crowd.bodies, bodies, scene)
-        bodies = self._settle(joined, bodies, everybody, free)
-        blocked = patience.held_up(crowd.blocked, aside, (bodies.vx, bodies.vy), self.dt)
-        wants = wish.x * wish.x + wish.y * wish.y > 0.09
+        free = resolve_collisions.keeps_off(*walls, crowd.bodies, bodies, traits) & self._traversability.stays(
+            crowd.bodies, bodies, scene
+        )
+        bodies = self._resolve_collisions(joined, bodies, everybody, free)
+        blocked = deadlock.held_up(crowd.blocked, aside, (bodies.vx, bodies.vy), self.dt)
+        wants = preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y > 0.09
         moves = bodies.vx * bodies.vx + bodies.vy * bodies.vy > 0.01
-        backing = patience.backing_time(crowd.backing, crowd.still, keys[3], self.dt)
+        backing = deadlock.backing_time(crowd.backing, crowd.still, keys[3], self.dt)
         return crowd._replace(
             bodies=bodies,
             blocked=blocked,
             backing=jnp.where(self._sidesteps > 0.0, 0.0, backing),
-            side=patience.reconsider(crowd.side, blocked, keys[2], self.dt),
+            side=deadlock.reconsider(crowd.side, blocked, keys[2], self.dt),
             still=jnp.where(wants & ~moves & crowd.present, crowd.still + self.dt, 0.0),
         )
 
-    def _next_errands(self, crowd: Crowd, scene: Any, watcher: Watcher, key: Any) -> Crowd:
+    def _next_errands(self, crowd: Crowd, scene: Any, observer: Observer, key: Any) -> Crowd:
         """Who has reached its goal gets another; a vehicle appears elsewhere once it is out of sight, and so does who
         is far from the robot where there is a `reach`. Who has gone where its script said roams from there."""
         at_anchor = (crowd.bodies.x - crowd.anchor_x) ** 2 + (crowd.bodies.y - crowd.anchor_y) ** 2 < 0.5**2
@@ -284,8 +289,8 @@ class CrowdModel:
             there &= crowd.present[some] & (crowd.mode[some] == ROAM)
             far = jnp.zeros(some.shape, bool)
             if self.reach is not None:
-                away = (x - watcher.x) ** 2 + (y - watcher.y) ** 2
-                far = crowd.present[some] & watcher.present & (away > (1.5 * self.reach) ** 2)
+                away = (x - observer.x) ** 2 + (y - observer.y) ** 2
+                far = crowd.present[some] & observer.present & (away > (1.5 * self.reach) ** 2)
             keys = jax.random.split(jax.random.fold_in(key, int(rows[0])), 2)
             if RULES[group].from_middle is None:
                 other = jax.random.randint(keys[0], some.shape, 0, jnp.maximum(ways.num_goals[scene], 1))
@@ -298,13 +303,13 @@ class CrowdModel:
                 gone = there | far
             if RULES[group].from_middle is None and self.reach is None:
                 continue
-            gone &= ~spawning.in_sight(watcher, x, y)
+            gone &= ~spawning.in_sight(observer, x, y)
             who = some[jnp.argmax(gone)]
             luck = keys[1]
             if RULES[group].from_middle is not None:
                 luck = keys[0]
                 crowd = crowd._replace(arrived=crowd.arrived.at[who].add(gone.any().astype(jnp.int32)))
-            crowd = self._appear(crowd, who, gone.any(), luck, group, scene, watcher, True)
+            crowd = self._appear(crowd, who, gone.any(), luck, group, scene, observer, True)
         return crowd
 
     def _courses(self, crowd: Crowd, scene: Any) -> Any:
@@ -327,7 +332,7 @@ class CrowdModel:
                 course = course.at[some].set(heading)
         return course
 
-    def _wishes(self, crowd: Crowd, scene: Any, course: Any) -> Wish:
+    def _preferred_velocities(self, crowd: Crowd, scene: Any, course: Any) -> PreferredVelocity:
         """What everybody wants: its way or its script, at the speed that crossings and goals allow."""
         order = crossings.give_way(
             self.tables.crossings,
@@ -347,17 +352,17 @@ class CrowdModel:
                 left = jnp.hypot(goal[:, 0] - crowd.bodies.x[some], goal[:, 1] - crowd.bodies.y[some])
                 stop = jnp.sqrt(self._traits.braking[some] * jnp.maximum(left - 0.5 * _ARRIVED, 0.0))
                 pace = pace.at[some].min(stop)
-        roam = Wish(pace * jnp.cos(course), pace * jnp.sin(course), course)
-        script = behaviours.scripted_wish(
+        roam = PreferredVelocity(pace * jnp.cos(course), pace * jnp.sin(course), course)
+        script = behaviours.scripted_velocity(
             crowd.mode, (crowd.anchor_x, crowd.anchor_y), crowd.face, crowd.speed, crowd.bodies
         )
-        return Wish(*(jnp.where(crowd.mode == ROAM, a, b) for a, b in zip(roam, script, strict=True)))
+        return PreferredVelocity(*(jnp.where(crowd.mode == ROAM, a, b) for a, b in zip(roam, script, strict=True)))
 
-    def _robot_body(self, watcher: Watcher, velocity: tuple[Any, Any]) -> tuple[Bodies, Traits]:
-        body = Bodies(watcher.x, watcher.y, *velocity, watcher.heading)
+    def _robot_body(self, observer: Observer, velocity: tuple[Any, Any]) -> tuple[Bodies, Traits]:
+        body = Bodies(observer.x, observer.y, *velocity, observer.heading)
         one = jnp.ones(())
         like = Traits(*(one for _ in Traits._fields))._replace(
-            present=watcher.present,
+            present=observer.present,
             radius=one * self.robot.radius,
             half_length=0.0 * one,
             margin=0.1 * one,

@@ -1,7 +1,7 @@
 """Vehicles drive no faster than they can stop for what is in the lane ahead of them.
 
-In:   wishes, bodies.
-Out:  wishes.
+In:   preferred velocities, bodies.
+Out:  preferred velocities.
 When: every crowd step, before `orca`, inside jit.
 
 A half-plane may ask for a step to the side alone, which wheels cannot take, and then braking gains nothing: a car drove
@@ -10,23 +10,26 @@ into another that turned across its lane, at 4 m/s, without braking.
 
 import jax.numpy as jnp
 
-from .bodies import Bodies, Traits, Wish
+from .bodies import Bodies, PreferredVelocity, Traits
 
 #: m that a vehicle keeps to what it stops for.
 BUMPER = 0.4
 
 
-def stop_in_time(wish: Wish, bodies: Bodies, traits: Traits, first: int) -> Wish:
-    """Wishes (A,), those of the vehicles, agents from `first` on, shortened to the speed from which they can stop.
+def stop_in_time(
+    preferred_velocity: PreferredVelocity, bodies: Bodies, traits: Traits, first: int
+) -> PreferredVelocity:
+    """Preferred velocities (A,), those of the vehicles, agents from `first` on, shortened to the speed from which they
+    can stop.
 
     What drives away ahead may be followed as fast as it goes. Backwards nobody looks.
 
     Args:
       bodies, traits: (B,), the agents and others behind them.
     """
-    agents = wish.x.shape[0]
+    agents = preferred_velocity.x.shape[0]
     if first == agents:
-        return wish
+        return preferred_velocity
     own = slice(first, agents)
     heading = bodies.heading[own, None]
     cos, sin = jnp.cos(heading), jnp.sin(heading)
@@ -42,7 +45,9 @@ def stop_in_time(wish: Wish, bodies: Bodies, traits: Traits, first: int) -> Wish
         way = jnp.maximum(along - reach - BUMPER, 0.0)
         safe = jnp.sqrt(2.0 * traits.braking[own, None] * way) + ahead
         most = jnp.minimum(most, jnp.where(in_lane, safe, jnp.inf).min(-1))
-    x, y = wish.x[own], wish.y[own]
+    x, y = preferred_velocity.x[own], preferred_velocity.y[own]
     forwards = x * cos[:, 0] + y * sin[:, 0] > 0.0
     part = jnp.where(forwards, jnp.minimum(1.0, most / jnp.maximum(jnp.sqrt(x * x + y * y), 1e-6)), 1.0)
-    return wish._replace(x=wish.x.at[own].multiply(part), y=wish.y.at[own].multiply(part))
+    return preferred_velocity._replace(
+        x=preferred_velocity.x.at[own].multiply(part), y=preferred_velocity.y.at[own].multiply(part)
+    )

@@ -106,22 +106,22 @@ def _add_in_turn(lines: HalfPlanes, limit: Any, x: Any, y: Any, targets: list[An
     return x, y, failed
 
 
-def nearest_permitted(lines: HalfPlanes, limit: Any, wish_x: Any, wish_y: Any) -> tuple[Any, Any, Any]:
-    """The permitted velocity nearest to the wish (the published linearProgram2).
+def nearest_permitted(lines: HalfPlanes, limit: Any, preferred_x: Any, preferred_y: Any) -> tuple[Any, Any, Any]:
+    """The permitted velocity nearest to the preferred velocity (the published linearProgram2).
 
     Args:
       lines: of (N, ...).
       limit: (...) m/s, largest speed.
-      wish_x, wish_y: (...) m/s.
+      preferred_x, preferred_y: (...) m/s.
 
     Returns:
       (...) x and y m/s, and i32: the first line that excludes what those before it permit, N where none does. Then
       x and y are the optimum under the lines before.
     """
-    speed = jnp.sqrt(wish_x * wish_x + wish_y * wish_y)
+    speed = jnp.sqrt(preferred_x * preferred_x + preferred_y * preferred_y)
     scale = jnp.minimum(1.0, limit / jnp.maximum(speed, 1e-9))
-    x, y = wish_x * scale, wish_y * scale
-    targets = [lines.y[j] * wish_x - lines.x[j] * wish_y for j in range(lines.offset.shape[0])]
+    x, y = preferred_x * scale, preferred_y * scale
+    targets = [lines.y[j] * preferred_x - lines.x[j] * preferred_y for j in range(lines.offset.shape[0])]
     return _add_in_turn(lines, limit, x, y, targets)
 
 
@@ -189,7 +189,7 @@ def least_violation(lines: HalfPlanes, num_hard: int, limit: Any, x: Any, y: Any
     return x, y
 
 
-def solve(lines: HalfPlanes, num_hard: int, limit: Any, wish_x: Any, wish_y: Any) -> tuple[Any, Any]:
+def solve(lines: HalfPlanes, num_hard: int, limit: Any, preferred_x: Any, preferred_y: Any) -> tuple[Any, Any]:
     """New velocities of many agents.
 
     The second program costs some ten times the first and few agents need it: those are gathered and go through it in
@@ -202,7 +202,7 @@ def solve(lines: HalfPlanes, num_hard: int, limit: Any, wish_x: Any, wish_y: Any
     Returns:
       (B,) x and y, m/s.
     """
-    x, y, failed = nearest_permitted(lines, limit, wish_x, wish_y)
+    x, y, failed = nearest_permitted(lines, limit, preferred_x, preferred_y)
     number, total = lines.offset.shape
     chunk = min(total, max(_CHUNK_LEAST, -(-total // _CHUNK_SHARE)))
     if chunk == total:

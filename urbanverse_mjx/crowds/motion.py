@@ -1,6 +1,6 @@
 """From the permitted velocities to a motion that legs or wheels can make.
 
-In:   half-planes, wishes, the present motion and the limits of each body.
+In:   half-planes, preferred velocities, the present motion and the limits of each body.
 Out:  velocities of walkers; accelerations and turn rates of vehicles.
 When: every crowd step, inside jit.
 
@@ -20,7 +20,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .bodies import Bodies, Traits, Wish
+from .bodies import Bodies, PreferredVelocity, Traits
 from .linear_program import HalfPlanes
 
 #: s, length of the arcs that are judged; the chord of 1 s at the largest lateral acceleration (2.5 m/s²) lies at most
@@ -30,8 +30,8 @@ _HORIZON = 1.0
 _TURNS = (-1.0, -0.6, -0.3, -0.12, 0.0, 0.12, 0.3, 0.6, 1.0)
 #: Accelerations that are tried: shares of the braking (negative) and of the acceleration (positive).
 _PUSHES = (-1.0, -0.5, -0.2, 0.0, 1.0)
-#: Cost of one m/s of violation, m²/s². One m/s off the wish costs at most twice the speed (17 m²/s² for a car), so that
-#: these come first: walls, then others, then the wish.
+#: Cost of one m/s of violation, m²/s². One m/s off the preferred velocity costs at most twice the speed (17 m²/s² for a
+#: car), so that these come first: walls, then others, then the preferred velocity.
 _NEIGHBOUR_COST, _WALL_COST = 100.0, 400.0
 #: m/s, speed below which a walker does not turn to where it goes.
 _SHUFFLE = 0.35
@@ -94,10 +94,15 @@ def _speeds(speed: Any, push: Any, low: Any, limit: Any, time: float) -> tuple[A
     return 0.5 * (speed + end) * ramp + end * (1.0 - ramp), end
 
 
-def backs_up(wish: Wish) -> Any:
-    """Bool: a vehicle whose wish points away from where it looks goes backwards, turning to look there."""
-    forward = wish.x * jnp.cos(wish.face) + wish.y * jnp.sin(wish.face)
-    return forward * jnp.abs(forward) < -0.5 * (wish.x * wish.x + wish.y * wish.y)
+def backs_up(preferred_velocity: PreferredVelocity) -> Any:
+    """Bool: a vehicle whose preferred velocity points away from where it looks goes backwards, turning to look
+    there."""
+    forward = preferred_velocity.x * jnp.cos(preferred_velocity.face) + preferred_velocity.y * jnp.sin(
+        preferred_velocity.face
+    )
+    return forward * jnp.abs(forward) < -0.5 * (
+        preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y
+    )
 
 
 def turn_limit(speed: Any, traits: Traits) -> Any:
@@ -108,31 +113,41 @@ def turn_limit(speed: Any, traits: Traits) -> Any:
 
 
 def drive(
-    lines: HalfPlanes, place: Any, walls: tuple[HalfPlanes, HalfPlanes], wish: Wish, bodies: Bodies, traits: Traits
+    lines: HalfPlanes,
+    place: Any,
+    walls: tuple[HalfPlanes, HalfPlanes],
+    preferred_velocity: PreferredVelocity,
+    bodies: Bodies,
+    traits: Traits,
 ) -> tuple[Any, Any]:
     """The best control of each vehicle.
 
     Args:
       lines: (K, A, E) towards neighbours. place: (K, A, E), where on its axis the vehicle is nearest to each.
       walls: (M, A, E) each, for the front and the rear disc of its capsule.
-      wish, bodies, traits: (A, E).
+      preferred_velocity, bodies, traits: (A, E).
 
     Returns:
       (A, E) acceleration m/s² and turn rate rad/s.
     """
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
     speed = bodies.vx * cos + bodies.vy * sin
-    ahead, left = wish.x * cos + wish.y * sin, wish.y * cos - wish.x * sin
-    wished = jnp.sqrt(ahead * ahead + left * left)
-    back = backs_up(wish)
-    error = jnp.where(
-        wished > 1e-3, jnp.where(back, wrapped(wish.face - bodies.heading), jnp.arctan2(left, ahead)), 0.0
+    ahead, left = (
+        preferred_velocity.x * cos + preferred_velocity.y * sin,
+        preferred_velocity.y * cos - preferred_velocity.x * sin,
     )
-    # What the wish itself asks for stands among the controls: an arc whose chord points along it.
-    own_speed = jnp.where(back, -wished, wished * jnp.maximum(jnp.cos(error), 0.0))
+    preferred_speed = jnp.sqrt(ahead * ahead + left * left)
+    back = backs_up(preferred_velocity)
+    error = jnp.where(
+        preferred_speed > 1e-3,
+        jnp.where(back, wrapped(preferred_velocity.face - bodies.heading), jnp.arctan2(left, ahead)),
+        0.0,
+    )
+    # What the preferred velocity itself asks for stands among the controls: an arc whose chord points along it.
+    own_speed = jnp.where(back, -preferred_speed, preferred_speed * jnp.maximum(jnp.cos(error), 0.0))
     own_push = jnp.clip(own_speed - speed, -traits.braking, traits.acceleration)
     pushes = jnp.stack([*(s * (traits.acceleration if s > 0 else traits.braking) for s in _PUSHES), own_push])
-    mean, _ = _speeds(speed, pushes, jnp.where(back, -wished, 0.0), traits.limit, _HORIZON)
+    mean, _ = _speeds(speed, pushes, jnp.where(back, -preferred_speed, 0.0), traits.limit, _HORIZON)
     # The least radius bounds the arc at its mean speed, so that a vehicle at rest may pull out in a curve.
     most = turn_limit(mean, traits)
     shares = jnp.asarray(np.array(_TURNS, np.float32)).reshape(-1, 1, 1, 1)
@@ -160,7 +175,7 @@ def drive(
     soft = deepest(lines, place)
     effort = jnp.abs(turns) / traits.turn_rate + jnp.abs(pushes / traits.braking)
     # A vehicle that can not go where it wants yet at least turns there.
-    aim = wished * wished * (1.0 - jnp.cos(error - 2.0 * half))
+    aim = preferred_speed * preferred_speed * (1.0 - jnp.cos(error - 2.0 * half))
     cost = (along - ahead) ** 2 + (across - left) ** 2 + _CALM * effort + _AIM * aim
     cost += _NEIGHBOUR_COST * soft + _WALL_COST * hard
     flat = cost.reshape(-1, *cost.shape[2:])
@@ -170,12 +185,16 @@ def drive(
     return push, turn
 
 
-def roll(push: Any, turn: Any, wish: Wish, bodies: Bodies, traits: Traits, dt: float) -> Bodies:
+def roll(
+    push: Any, turn: Any, preferred_velocity: PreferredVelocity, bodies: Bodies, traits: Traits, dt: float
+) -> Bodies:
     """Vehicles after one step of an acceleration (m/s²) and a turn rate (rad/s), all (A, E)."""
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
     speed = bodies.vx * cos + bodies.vy * sin
-    wished = jnp.sqrt(wish.x * wish.x + wish.y * wish.y)
-    mean, end = _speeds(speed, push, jnp.where(backs_up(wish), -wished, 0.0), traits.limit, dt)
+    preferred_speed = jnp.sqrt(
+        preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y
+    )
+    mean, end = _speeds(speed, push, jnp.where(backs_up(preferred_velocity), -preferred_speed, 0.0), traits.limit, dt)
     most = turn_limit(mean, traits)
     half = 0.5 * jnp.clip(turn, -most, most) * dt
     middle, heading = bodies.heading + half, bodies.heading + 2.0 * half

@@ -1,4 +1,4 @@
-"""Whether a place is free, cell by cell: what the last word on a step (`settle`) asks of the scene, an env of its map.
+"""Whether a place is free, cell by cell: what `resolve_collisions` asks of the scene, an env of its map.
 
 In:   `FreeSpace` of each scene, or their maps.
 Out:  `OpenGround`, a table on the device; `is_open` looks it up.

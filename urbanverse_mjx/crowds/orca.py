@@ -16,14 +16,15 @@ import jax.numpy as jnp
 from ..datatypes import validation as v
 from . import half_planes, motion, neighbours
 from .batching import over_envs
-from .bodies import Bodies, Traits, Wish
+from .bodies import Bodies, PreferredVelocity, Traits
 from .linear_program import NO_LIMIT, HalfPlanes, join, solve
 
-#: m/s, largest disturbance of a wish. In perfect symmetry nobody is first to give way; the published library's
-#: examples disturb every preferred velocity by up to 1e-4 for that.
+#: m/s, largest disturbance of a preferred velocity. In perfect symmetry nobody is first to give way; the published
+#: library's examples disturb every preferred velocity by up to 1e-4 for that.
 DISTURBANCE = 1e-3
-#: m/s, how fast a walker gives ground against its wish. Two who push each other settle, by the published program, at
-#: any common velocity, so that a group drives a single walker back for as long as it likes; people hold their ground.
+#: m/s, how fast a walker gives ground against its preferred velocity. Two who push each other settle, by the published
+#: program, at any common velocity, so that a group drives a single walker back for as long as it likes; people hold
+#: their ground.
 GIVE_GROUND = 0.3
 
 
@@ -46,7 +47,7 @@ class Options:
       num_wheeled: how many agents roll, the last ones.
       discs_only: every body is a disc (all `half_length` are 0): spares the search for nearest places.
       part_time: s, time in which bodies that are too near part.
-      hold_ground: walkers go back against their wish at `GIVE_GROUND` at most.
+      hold_ground: walkers go back against their preferred velocity at `GIVE_GROUND` at most.
       grid: None compares all bodies.
     """
 
@@ -124,28 +125,36 @@ def _able(bodies: Bodies, traits: Traits, agents: int, options: Options) -> Any:
     return traits.yielding * jnp.where(rolls, jnp.clip(speed, 0.05, 1.0), 1.0)
 
 
-def stand(wish: Wish) -> HalfPlanes:
+def stand(preferred_velocity: PreferredVelocity) -> HalfPlanes:
     """One half-plane (1, ...) for each walker (...) that wants to go: no faster back than `GIVE_GROUND`."""
-    wants = wish.x * wish.x + wish.y * wish.y > GIVE_GROUND * GIVE_GROUND
-    x, y = jnp.cos(wish.face), jnp.sin(wish.face)
+    wants = (
+        preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y
+        > GIVE_GROUND * GIVE_GROUND
+    )
+    x, y = jnp.cos(preferred_velocity.face), jnp.sin(preferred_velocity.face)
     return HalfPlanes(x[None], y[None], jnp.where(wants, -GIVE_GROUND, NO_LIMIT)[None])
 
 
 def advance(
-    bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes, options: Options
+    bodies: Bodies,
+    traits: Traits,
+    preferred_velocity: PreferredVelocity,
+    walls: HalfPlanes,
+    rear: HalfPlanes,
+    options: Options,
 ) -> tuple[Bodies, Any]:
     """The first A bodies one step later, for many envs at once.
 
     Args:
       bodies, traits: (B, E); rows from A on are others that are avoided and not moved (robots).
-      wish: (A, E).
+      preferred_velocity: (A, E).
       walls: (M, A, E), see `half_planes.towards_walls`, for walkers' bodies and the front discs of vehicles.
       rear: (M, W, E), the same for the rear discs of the W vehicles.
 
     Returns:
       Bodies (A, E) and (A, E) i32, see `Neighbours.missed`.
     """
-    agents = wish.x.shape[0]
+    agents = preferred_velocity.x.shape[0]
     walkers = agents - options.num_wheeled
     # Without the barriers XLA works the half-planes out again for each of the many sums they stand in.
     near = neighbours.Neighbours(*jax.lax.optimization_barrier(tuple(look_around(bodies, traits, agents, options))))
@@ -158,7 +167,7 @@ def advance(
     if walkers:
         part = slice(0, walkers)
         own, like, fence = rows(bodies, part), rows(traits, part), rows(walls, part)
-        shape, aim = own.x.shape, rows(wish, part)
+        shape, aim = own.x.shape, rows(preferred_velocity, part)
         hard = (fence, stand(aim)) if options.hold_ground else (fence,)
         firm = join(*hard, rows(lines, part))
         flat = HalfPlanes(*jax.lax.optimization_barrier(tuple(a.reshape(a.shape[0], -1) for a in firm)))
@@ -170,38 +179,47 @@ def advance(
         part = slice(walkers, agents)
         own, like = rows(bodies, part), rows(traits, part)
         fences = (rows(walls, part), rear)
-        push, turn = motion.drive(rows(lines, part), place[:, part], fences, rows(wish, part), own, like)
-        moved.append(motion.roll(push, turn, rows(wish, part), own, like, options.dt))
+        push, turn = motion.drive(rows(lines, part), place[:, part], fences, rows(preferred_velocity, part), own, like)
+        moved.append(motion.roll(push, turn, rows(preferred_velocity, part), own, like, options.dt))
     here = rows(bodies, slice(0, agents))
     new = Bodies(*(jnp.concatenate(columns) for columns in zip(*moved, strict=True)))
     there = traits.present[:agents]
     return Bodies(*(jnp.where(there, a, b) for a, b in zip(new, here, strict=True))), near.missed
 
 
-def disturbed(wish: Wish, key: Any, side: Any = 0.0) -> Wish:
-    """Wishes (A,) changed by at most twice `DISTURBANCE`, so that no two agents are mirror images.
+def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) -> PreferredVelocity:
+    """Preferred velocities (A,) changed by at most twice `DISTURBANCE`, so that no two agents are mirror images.
 
     Args:
-      wish: (A,). key: for this step.
-      side: (A,), 1 for a wish drawn to the left, -1 to the right: it settles who meets head on and neither has a
-        reason to prefer a side.
+      preferred_velocity: (A,). key: for this step.
+      side: (A,), 1 for a preferred velocity drawn to the left, -1 to the right: it settles who meets head on and
+        neither has a reason to prefer a side.
     """
-    angle, size = jax.random.uniform(key, (2, *wish.x.shape))
+    angle, size = jax.random.uniform(key, (2, *preferred_velocity.x.shape))
     angle, size = 2.0 * math.pi * angle, DISTURBANCE * size
-    scale = side * DISTURBANCE / jnp.maximum(jnp.sqrt(wish.x * wish.x + wish.y * wish.y), DISTURBANCE)
-    x = wish.x + size * jnp.cos(angle) - scale * wish.y
-    y = wish.y + size * jnp.sin(angle) + scale * wish.x
-    return Wish(x, y, wish.face)
+    scale = (
+        side
+        * DISTURBANCE
+        / jnp.maximum(
+            jnp.sqrt(preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y),
+            DISTURBANCE,
+        )
+    )
+    x = preferred_velocity.x + size * jnp.cos(angle) - scale * preferred_velocity.y
+    y = preferred_velocity.y + size * jnp.sin(angle) + scale * preferred_velocity.x
+    return PreferredVelocity(x, y, preferred_velocity.face)
 
 
 def make_step(options: Options) -> Callable[..., tuple[Bodies, Any]]:
-    """A function (bodies, traits, wish, walls, rear) -> (bodies, missed) over arrays of one env.
+    """A function (bodies, traits, preferred_velocity, walls, rear) -> (bodies, missed) over arrays of one env.
 
     It is `advance` without E; see `over_envs`.
     """
 
-    def step(bodies: Bodies, traits: Traits, wish: Wish, walls: HalfPlanes, rear: HalfPlanes) -> tuple[Bodies, Any]:
-        return advance(bodies, traits, wish, walls, rear, options)
+    def step(
+        bodies: Bodies, traits: Traits, preferred_velocity: PreferredVelocity, walls: HalfPlanes, rear: HalfPlanes
+    ) -> tuple[Bodies, Any]:
+        return advance(bodies, traits, preferred_velocity, walls, rear, options)
 
     return over_envs(step)
 

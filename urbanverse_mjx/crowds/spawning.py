@@ -19,7 +19,7 @@ NOTICED, SEEN = 4.0, 30.0
 HALF_VIEW = 1.0
 
 
-class Watcher(NamedTuple):
+class Observer(NamedTuple):
     """Attributes:
     x, y: () m. heading: () rad. present: () bool, there is a robot.
     """
@@ -30,12 +30,12 @@ class Watcher(NamedTuple):
     present: Any
 
 
-def in_sight(watcher: Watcher, x: Any, y: Any) -> Any:
-    """(...) bool: the watcher would see who appears or goes at places (...) m; what stands between is not asked."""
-    dx, dy = x - watcher.x, y - watcher.y
+def in_sight(observer: Observer, x: Any, y: Any) -> Any:
+    """(...) bool: the observer would see who appears or goes at places (...) m; what stands between is not asked."""
+    dx, dy = x - observer.x, y - observer.y
     distance = jnp.sqrt(dx * dx + dy * dy)
-    ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - watcher.heading)) < HALF_VIEW
-    return watcher.present & ((distance < NOTICED) | (ahead & (distance < SEEN)))
+    ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - observer.heading)) < HALF_VIEW
+    return observer.present & ((distance < NOTICED) | (ahead & (distance < SEEN)))
 
 
 def choose(
@@ -46,7 +46,7 @@ def choose(
     y: Any,
     their_size: Any,
     present: Any,
-    watcher: Watcher,
+    observer: Observer,
     hidden: bool,
     reach: float | None = None,
 ) -> tuple[Any, Any]:
@@ -55,20 +55,20 @@ def choose(
     Args:
       size: () m, radius of who appears; a place must be clear of the present bodies (B,) at x, y by a step (0.5 m);
         their_size: m around each of them, with the way that it needs to stop.
-      hidden: the place must be out of the watcher's sight; at reset anywhere a body's length away from it will do.
-      reach: m; places nearer to the watcher than this come first.
+      hidden: the place must be out of the observer's sight; at reset anywhere a body's length away from it will do.
+      reach: m; places nearer to the observer than this come first.
 
     Returns:
       () i32 and () bool: there is such a place.
     """
     gap = jnp.sqrt((place[:, :1] - x) ** 2 + (place[:, 1:] - y) ** 2) - their_size - size
     clear = jnp.all((gap > 0.5) | ~present, axis=1)
-    away = jnp.sqrt((place[:, 0] - watcher.x) ** 2 + (place[:, 1] - watcher.y) ** 2) - size
+    away = jnp.sqrt((place[:, 0] - observer.x) ** 2 + (place[:, 1] - observer.y) ** 2) - size
     if hidden:
-        clear &= ~in_sight(watcher, place[:, 0], place[:, 1])
+        clear &= ~in_sight(observer, place[:, 0], place[:, 1])
     else:
-        clear &= (away > 1.5) | ~watcher.present
+        clear &= (away > 1.5) | ~observer.present
     luck = jax.random.uniform(key, clear.shape)
     if reach is not None:
-        luck += watcher.present & (away < reach)
+        luck += observer.present & (away < reach)
     return jnp.argmax(jnp.where(clear, luck, -1.0)).astype(jnp.int32), clear.any()

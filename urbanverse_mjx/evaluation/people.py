@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from ..envs.navigation.living import FAR
+from ..envs.navigation.dynamic import FAR
 
 
 class PeopleTally(NamedTuple):
-    """Sums over the control steps of each env, see `envs.navigation.living.PEOPLE_METRICS`.
+    """Sums over the control steps of each env, see `envs.navigation.dynamic.PEOPLE_METRICS`.
 
     Attributes:
       nearest: m, least distance to a person. intimate, personal: steps within these distances.

@@ -163,7 +163,7 @@ class Planner:
 
     def __init__(self, env: NavEnv, people: bool = True) -> None:
         robot = env.robot
-        self._env, self._people = env, people and env.living is not None
+        self._env, self._people = env, people and env.dynamic is not None
         self._root = env.mj_model.body(robot.root_body).id
         self._robot, self._motion = robot, MOTIONS.get(robot.name, DEFAULT)
         self._body = footprint(robot)
@@ -233,11 +233,11 @@ class Planner:
 
     def _agents(self, nav: NavState) -> Any:
         """(A, 6) x, y, vx, vy, radius, presence of moving agents, long ones as discs around the whole of them."""
-        living, crowd = self._env.living, nav.crowd
-        assert living is not None
+        dynamic, crowd = self._env.dynamic, nav.crowd
+        assert dynamic is not None
         assert crowd is not None
         bodies = crowd.bodies
-        size = jnp.asarray(living.shapes.radius + living.shapes.half_length)
+        size = jnp.asarray(dynamic.shapes.radius + dynamic.shapes.half_length)
         return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, crowd.present.astype(jnp.float32)], -1)
 
     def _downhill(self, way: Way, pose: Any, speed: Any) -> Any:

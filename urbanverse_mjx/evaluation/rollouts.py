@@ -186,7 +186,7 @@ class Rollout:
         scenes, rows = np.tile(episodes.scenes, count), np.tile(episodes.episodes, count)
         nav = self._begin(keys, jnp.asarray(scenes), jnp.asarray(rows))
         hit_time, none = jnp.zeros(number), jnp.zeros(number, jnp.int32)
-        people = None if self.env.living is None else no_people(number)
+        people = None if self.env.dynamic is None else no_people(number)
         first = tuple(agent.first_memory() if isinstance(agent, Recurrent) else () for agent in agents)
         memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (number, *x.shape)), first)
         return nav, _Tally(hit_time, none, none, keys, people, memory)
@@ -194,8 +194,8 @@ class Rollout:
     def _places(self, nav: NavState) -> tuple[Any, Any, Any, Any]:
         """What a `Trajectory` holds of one step of all envs."""
         agents = None
-        if self.env.living is not None and nav.crowd is not None:
-            agents = jax.vmap(self.env.living.places)(nav.crowd, nav.sim.scene)
+        if self.env.dynamic is not None and nav.crowd is not None:
+            agents = jax.vmap(self.env.dynamic.places)(nav.crowd, nav.sim.scene)
         return nav.sim.xpos, nav.sim.xquat, nav.result == 0, agents
 
     def _advance(self, nav: NavState, tally: _Tally, action: jax.Array) -> tuple[NavState, _Tally]:

@@ -37,7 +37,7 @@ def write_episodes(
       first_column: of the trajectory, that of episode 0.
       style: size, samples and quality of `viz.video.write_rollout_video`.
     """
-    from ..envs.navigation.living import slot_appearances
+    from ..envs.navigation.dynamic import slot_appearances
     from ..viz.video import write_rollout_video
 
     bank = env.bank
@@ -51,6 +51,6 @@ def write_episodes(
         goals=[bank.episode_goal[episodes.scenes[i], episodes.episodes[i]] for i in shown],
         outcomes=[results[i].result for i in shown],
         frames_per_second=round(1 / env.dt),
-        appearances=slot_appearances(env.living.kinds, bank) if env.living is not None else (),
+        appearances=slot_appearances(env.dynamic.kinds, bank) if env.dynamic is not None else (),
         **style,
     )

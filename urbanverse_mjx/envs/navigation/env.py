@@ -15,7 +15,7 @@ from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
 from . import terms
 from .draws import Randomization
-from .living import PEOPLE_METRICS, LivingStreet
+from .dynamic import PEOPLE_METRICS, DynamicStreet
 from .movables import MOVABLE_METRICS, Movables
 from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
@@ -107,9 +107,9 @@ class NavEnv(StagedBase[NavState]):
         self._map_resolution = float(bank.map_resolution)
         self._surroundings = Surroundings(bank, robot.planner_height)
         #: The crowd of the scenario dynamic; None in the others.
-        self.living: LivingStreet | None = None
+        self.dynamic: DynamicStreet | None = None
         if scenario_of(config) == "dynamic":
-            self.living = LivingStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
+            self.dynamic = DynamicStreet(bank, self.scenes, config.crowd, float(config.ctrl_dt), robot)
         #: What can be pushed; None where the engine has no body slots.
         self.movables: Movables | None = None
         if engine.body_rows is not None:
@@ -152,8 +152,8 @@ class NavEnv(StagedBase[NavState]):
         objects = None if self.movables is None else self.movables.near(scene, start[:3], waypoints)
         sim = self.engine.init(scene, self.qpos0.at[:7].set(pose), jnp.zeros(self._nv), objects)
         crowd = None
-        if self.living is not None:
-            crowd = self.living.begin(key, scene, start, waypoints, self._surroundings.distances)
+        if self.dynamic is not None:
+            crowd = self.dynamic.begin(key, scene, start, waypoints, self._surroundings.distances)
         zero = jnp.float32(0.0)
         return NavState(
             key=key,
@@ -183,7 +183,7 @@ class NavEnv(StagedBase[NavState]):
     ) -> tuple[NavState, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
         """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
-        crowd, agents = (None, None) if self.living is None else self.living.advance(nav, self._root)
+        crowd, agents = (None, None) if self.dynamic is None else self.dynamic.advance(nav, self._root)
         sim = self.engine.step(nav.sim, self._control(action), agents)
         finite = jnp.isfinite(sim.qpos).all() & jnp.isfinite(sim.qvel).all()
         position = jnp.where(finite, sim.xpos[self._root], nav.sim.xpos[self._root])
@@ -224,8 +224,8 @@ class NavEnv(StagedBase[NavState]):
         rewards = self._rewards(nav, new, velocity, hit)
         reward = sum(rewards.values(), jnp.float32(0.0))
         metrics = self._metrics(new, done_f, rewards)
-        if self.living is not None and crowd is not None:
-            metrics |= self.living.metrics(crowd, result, p_xy, velocity)
+        if self.dynamic is not None and crowd is not None:
+            metrics |= self.dynamic.metrics(crowd, result, p_xy, velocity)
         if self.movables is not None:
             metrics |= self.movables.metrics(sim, result == Result.HIT)
         return new, reward, done_f, metrics
@@ -290,7 +290,7 @@ class NavEnv(StagedBase[NavState]):
             "hit_time_per_step",
             "slot_overflow",
         ]
-        names += PEOPLE_METRICS if self.living is not None else ()
+        names += PEOPLE_METRICS if self.dynamic is not None else ()
         names += MOVABLE_METRICS if self.movables is not None else ()
         return {name: jnp.float32(0.0) for name in names}
 
@@ -355,9 +355,9 @@ class NavEnv(StagedBase[NavState]):
     def _distances(self, nav: NavState, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
         """(..., 2) m from places (..., 2) to the next hull or agent and to the edge of the walkable ground."""
         found = self._surroundings.distances(nav.sim.scene, p_xy)
-        if self.living is None or nav.crowd is None:
+        if self.dynamic is None or nav.crowd is None:
             return found
-        return self.living.nearer(found, nav.crowd, p_xy)
+        return self.dynamic.nearer(found, nav.crowd, p_xy)
 
     def _pixels(self, nav: NavState) -> jax.Array:
         assert self.renderer is not None
@@ -366,8 +366,8 @@ class NavEnv(StagedBase[NavState]):
             nav.appearance_seed if self._randomization.varies_appearance else 0,
             None,
         )
-        if self.living is not None and nav.crowd is not None:
-            agents = self.living.places(nav.crowd, sim.scene)
+        if self.dynamic is not None and nav.crowd is not None:
+            agents = self.dynamic.places(nav.crowd, sim.scene)
         frame = self.renderer(sim.scene, sim.xpos, sim.xquat, appearance_seed, agents, sim.bodies)
         if not self._config.vision_config.depth:
             return frame["rgb"]

@@ -9,8 +9,8 @@ from ml_collections import ConfigDict
 
 from ...datatypes import AgentShapes, Renderer, RobotSpec, SceneBank, Simulator, ValidationError
 from ..robot import make_robot
+from .dynamic import slot_appearances, slot_kinds, slot_shapes
 from .env import NavEnv
-from .living import slot_appearances, slot_kinds, slot_shapes
 from .movables import body_sizes
 from .scenarios import bank_for, scenario_of
 

@@ -1,4 +1,4 @@
-"""Living streets: the crowd of an env, what it does near the route, and how near the robot comes to people.
+"""Dynamic streets: the crowd of an env, what it does near the route, and how near the robot comes to people.
 
 In:   the bank, `config.crowd`, the robot's pose.
 Out:  `Crowd` states, `AgentMotion` for engines and renderer, distances to people.
@@ -19,13 +19,13 @@ from ...crowds.crowd import Crowd, CrowdModel
 from ...crowds.crowd import Robot as RobotBody
 from ...crowds.free_space import CELL
 from ...crowds.motion import wrapped
-from ...crowds.spawning import Watcher
+from ...crowds.spawning import Observer
 from ...datatypes import AgentMotion, AgentShapes, RobotSpec, SceneBank, ValidationError
 from ...geometry import rotations
 from ...geometry.grids import cell_of
 from ..types import NavState, Result
 from . import encounters
-from .living_tables import POOL, kept_tables
+from .dynamic_tables import POOL, kept_tables
 
 #: s, at most, between two steps of a crowd: those for which `crowds` was measured.
 _CROWD_DT = 0.1
@@ -92,7 +92,7 @@ def slot_appearances(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]
     return tuple(rows)
 
 
-class LivingStreet:
+class DynamicStreet:
     """A crowd in every env.
 
     Args:
@@ -133,11 +133,11 @@ class LivingStreet:
           clearance: (scene, (n, 2) m) -> (n, 2) m to the next hull and the walkable edge.
         """
         keys = jax.random.split(jax.random.fold_in(key, _BEGIN), 3)
-        watcher = Watcher(start[0], start[1], start[3], jnp.array(True))
+        observer = Observer(start[0], start[1], start[3], jnp.array(True))
         number = self.model.num_agents
         share = jnp.clip(self._filled[scene] + jax.random.uniform(keys[0], (), minval=-0.15, maxval=0.15), 0.0, 1.0)
         script: Script | None = self._encounters.draw(keys[1], start, waypoints, lambda p: clearance(scene, p))
-        return self.model.init(keys[2], scene, watcher, jnp.round(share * number).astype(jnp.int32), script)
+        return self.model.init(keys[2], scene, observer, jnp.round(share * number).astype(jnp.int32), script)
 
     def advance(self, nav: NavState, root: int) -> tuple[Crowd, AgentMotion]:
         """The crowd one control step after `nav`, and how its agents move in it; root: the robot's body."""
@@ -145,11 +145,11 @@ class LivingStreet:
         assert before is not None
         x, y = jnp.nan_to_num(sim.xpos[root, :2])
         vx, vy = jnp.nan_to_num(sim.qvel[:2])
-        watcher = Watcher(x, y, jnp.nan_to_num(rotations.yaw_of(sim.xquat[root])), jnp.array(True))
+        observer = Observer(x, y, jnp.nan_to_num(rotations.yaw_of(sim.xquat[root])), jnp.array(True))
         key = jax.random.fold_in(nav.key, _STEP + nav.steps)
 
         def step(k: Int[Array, ""], crowd: Crowd) -> Crowd:
-            return self.model.step(crowd, sim.scene, watcher, (vx, vy), jax.random.fold_in(key, k))
+            return self.model.step(crowd, sim.scene, observer, (vx, vy), jax.random.fold_in(key, k))
 
         crowd = jax.lax.fori_loop(0, self._crowd_steps, step, before)
         return crowd, self.motion(before, crowd, sim.scene)

@@ -1,4 +1,4 @@
-"""The last word on a step: no pair's overlap grows, whatever was asked for; what walls and the ground allow."""
+"""Resolution of collisions: no pair's overlap grows, whatever was asked for; what walls and the ground allow."""
 
 import jax
 import jax.numpy as jnp
@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urbanverse_mjx.crowds import KINDS, Bodies, HalfPlanes, Traits, num_long, settle, traits_of
-from urbanverse_mjx.crowds.footing import Footing
+from urbanverse_mjx.crowds import KINDS, Bodies, HalfPlanes, Traits, num_long, resolve_collisions, traits_of
 from urbanverse_mjx.crowds.free_space import CELL, FreeSpace
 from urbanverse_mjx.crowds.open_ground import is_open, make_open_ground
+from urbanverse_mjx.crowds.traversability import Traversability
 
 NAMES = ("pedestrian",) * 5 + ("wheelchair", "scooter", "scooter", "cyclist", "cyclist", "car", "car")
 AGENTS = len(NAMES)
-CALL = jax.jit(settle.make_settle(num_long([KINDS[n] for n in NAMES])))
-PEOPLE = settle.make_settle(0)
+CALL = jax.jit(resolve_collisions.make_resolve_collisions(num_long([KINDS[n] for n in NAMES])))
+PEOPLE = resolve_collisions.make_resolve_collisions(0)
 
 
 def traits_with_robot(present: np.ndarray) -> Traits:
@@ -160,10 +160,10 @@ def test_a_body_keeps_off_a_flat_with_both_ends() -> None:
     most = float(np.arcsin((1.0 - car.radius) / car.half_length))
     for turn, fits in ((0.95 * most, True), (1.05 * most, False), (-0.95 * most, True), (-1.05 * most, False)):
         after = before._replace(heading=jnp.array([turn, turn]))
-        np.testing.assert_array_equal(settle.keeps_off(walls, rear, before, after, traits), [True, fits])
+        np.testing.assert_array_equal(resolve_collisions.keeps_off(walls, rear, before, after, traits), [True, fits])
     for way, fits in ((0.72, [True, False]), (0.11, [True, True]), (0.74, [False, False]), (-5.0, [True, True])):
         after = before._replace(y=zero + way)
-        np.testing.assert_array_equal(settle.keeps_off(walls, rear, before, after, traits), fits)
+        np.testing.assert_array_equal(resolve_collisions.keeps_off(walls, rear, before, after, traits), fits)
 
 
 def test_open_ground_is_the_map() -> None:
@@ -188,13 +188,13 @@ def test_no_end_of_a_body_leaves_free_ground() -> None:
     space = FreeSpace(np.zeros(2), free, np.zeros(free.shape, np.uint8))
     kinds = [KINDS["pedestrian"], KINDS["cyclist"]]
     traits = jax.tree.map(lambda a: a[:, 0], traits_of(kinds))
-    footing = Footing({}, {name: make_open_ground([space]) for name in ("foot", "road")}, kinds, traits)
+    traversability = Traversability({}, {name: make_open_ground([space]) for name in ("foot", "road")}, kinds, traits)
 
     def stays(x: float, later: float, heading: float = 0.0) -> list[bool]:
         zero = jnp.zeros(2)
         before = Bodies(zero + x, zero + 5.15, zero, zero, zero)
         after = before._replace(x=zero + later, heading=zero + heading)
-        return np.asarray(footing.stays(before, after, jnp.int32(0))).tolist()
+        return np.asarray(traversability.stays(before, after, jnp.int32(0))).tolist()
 
     assert stays(5.3, 5.4) == [True, True]
     assert stays(5.3, 5.6) == [True, False]

@@ -1,8 +1,8 @@
-"""What the scene lets each agent of a crowd do: the walls around it, and whether a step stays on free ground.
+"""Traversability of a scene for each agent of a crowd: the walls around it, and whether a step stays on free ground.
 
 In:   a crowd's tables and kinds; bodies.
-Out:  half-planes for `orca`; bools for `settle`.
-When: `Footing` once; its methods every crowd step, inside jit, per env.
+Out:  half-planes for `orca`; bools for `resolve_collisions`.
+When: `Traversability` once; its methods every crowd step, inside jit, per env.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from .orca import no_walls
 _ALONG = (1.0, 0.5, 0.0, -0.5, -1.0)
 
 
-class Footing:
+class Traversability:
     """Surfaces of the A agents of a crowd.
 
     Args:

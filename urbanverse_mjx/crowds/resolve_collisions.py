@@ -1,4 +1,4 @@
-"""The last word on a crowd step: nobody ends it inside somebody else, or deeper in one than before.
+"""Resolves collisions of a crowd step: no body ends it inside another, or deeper in one than before.
 
 In:   where bodies are, where `orca` would have them, whether the ground there is free.
 Out:  where they go: each takes its whole step, or holds.
@@ -121,7 +121,7 @@ def who_goes(into_place: Any, into_step: Any, may: Any) -> Any:
     return go
 
 
-def settled(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: int) -> Bodies:
+def resolved(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: int) -> Bodies:
     """Bodies (A, E) at the end of a step: as `after`, or as they were, at rest.
 
     Args:
@@ -148,6 +148,6 @@ def settled(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: i
     return Bodies(*(jnp.where(go, a, b) for a, b in zip(after, held, strict=True)))
 
 
-def make_settle(num_long: int) -> Callable[..., Bodies]:
+def make_resolve_collisions(num_long: int) -> Callable[..., Bodies]:
     """A function (bodies, after, traits, may) -> bodies over arrays of one env: `settled` without E."""
-    return over_envs(functools.partial(settled, num_long=num_long))
+    return over_envs(functools.partial(resolved, num_long=num_long))

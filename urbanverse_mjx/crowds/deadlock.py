@@ -1,14 +1,14 @@
-"""How people who block each other come free again.
+"""Ends deadlocks: how people who block each other come free again.
 
-In:   wishes and the motion so far.
-Out:  wishes that are turned to one side by those who have not come forward for a while.
+In:   preferred velocities and the motion so far.
+Out:  preferred velocities that are turned to one side by those who have not come forward for a while.
 When: every crowd step, before `orca`, inside jit.
 
 Where several meet in symmetry, ORCA stops for good: a ring of people who all want across touches, and no one can step
 forward (the published algorithm does, whatever its horizon; `tests/crowds/test_scenes.py` holds the case). The usual
-disturbance of every wish by a thousandth parts two who meet head on, but no such arch. People do: they step to the side
-they are used to, in most countries the right (Moussaïd et al., Proc. R. Soc. B 276, 2009: the right in four of five
-meetings), and the ring starts to turn.
+disturbance of every preferred velocity by a thousandth parts two who meet head on, but no such arch. People do: they
+step to the side they are used to, in most countries the right (Moussaïd et al., Proc. R. Soc. B 276, 2009: the right in
+four of five meetings), and the ring starts to turn.
 """
 
 from typing import Any
@@ -16,16 +16,16 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from .bodies import Wish
+from .bodies import PreferredVelocity
 from .motion import wrapped
 
 #: s, over which coming forward is averaged.
 MEMORY = 1.5
-#: Share of the wish that must fail before one steps aside, and where one does so fully.
+#: Share of the preferred velocity that must fail before one steps aside, and where one does so fully.
 _FROM, _FULLY = 0.35, 0.8
-#: m/s, wishes below it are those of people who have arrived or wait.
+#: m/s, preferred velocities below it are those of people who have arrived or wait.
 _SLOW = 0.3
-#: rad, how far the wish is turned at most: just past sideways one would walk back.
+#: rad, how far the preferred velocity is turned at most: just past sideways one would walk back.
 MOST = 1.3
 #: s, mean time after which one who is held up tries the other side.
 CHANGE_MIND = 3.0
@@ -40,36 +40,42 @@ def habitual_side(key: Any, agents: int, right: float = RIGHT) -> Any:
     return jnp.where(jax.random.uniform(key, (agents,)) < right, -1.0, 1.0)
 
 
-def held_up(blocked: Any, wish: Wish, velocity: tuple[Any, Any], dt: float) -> Any:
-    """(A,) in [0, 1]: share of the wish that failed of late.
+def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple[Any, Any], dt: float) -> Any:
+    """(A,) in [0, 1]: share of the preferred velocity that failed of late.
 
     Args:
       blocked: (A,), the value one step before; 0 at the start.
-      wish, velocity: (A,) m/s, what was asked of `orca` (already turned) and what came of it: who steps aside freely
-        is not held up, and heads for the goal again soon. dt: s.
+      preferred_velocity, velocity: (A,) m/s, what was asked of `orca` (already turned) and what came of it: who steps
+        aside freely is not held up, and heads for the goal again soon. dt: s.
     """
-    (wx, wy, _), (vx, vy) = wish, velocity
+    (wx, wy, _), (vx, vy) = preferred_velocity, velocity
     square = wx * wx + wy * wy
     wanted = square > _SLOW * _SLOW
     forward = jnp.where(wanted, (wx * vx + wy * vy) / jnp.where(wanted, square, 1.0), 1.0)
     return blocked + min(1.0, dt / MEMORY) * (1.0 - jnp.clip(forward, 0.0, 1.0) - blocked)
 
 
-def step_aside(wish: Wish, blocked: Any, side: Any) -> Wish:
-    """Wishes (A,), turned to `side` (see `habitual_side`; 0 never turns) by those who are held up."""
+def step_aside(preferred_velocity: PreferredVelocity, blocked: Any, side: Any) -> PreferredVelocity:
+    """Preferred velocities (A,), turned to `side` (see `habitual_side`; 0 never turns) by those who are held up."""
     angle = side * MOST * jnp.clip((blocked - _FROM) / (_FULLY - _FROM), 0.0, 1.0)
     cos, sin = jnp.cos(angle), jnp.sin(angle)
-    return Wish(cos * wish.x - sin * wish.y, sin * wish.x + cos * wish.y, wish.face)
+    return PreferredVelocity(
+        cos * preferred_velocity.x - sin * preferred_velocity.y,
+        sin * preferred_velocity.x + cos * preferred_velocity.y,
+        preferred_velocity.face,
+    )
 
 
-def back_up(wish: Wish, backing: Any, heading: Any) -> Wish:
-    """Wishes (A,) of vehicles, backwards for those with time left to back up, (A,) s."""
+def back_up(preferred_velocity: PreferredVelocity, backing: Any, heading: Any) -> PreferredVelocity:
+    """Preferred velocities (A,) of vehicles, backwards for those with time left to back up, (A,) s."""
     backs = backing > 0.0
     x, y = -BACK_SPEED * jnp.cos(heading), -BACK_SPEED * jnp.sin(heading)
     # It looks where its way leads and turns there, but never so far round that backwards became forwards.
-    turn = jnp.clip(wrapped(wish.face - heading), -0.7, 0.7)
-    return Wish(
-        jnp.where(backs, x, wish.x), jnp.where(backs, y, wish.y), jnp.where(backs, wrapped(heading + turn), wish.face)
+    turn = jnp.clip(wrapped(preferred_velocity.face - heading), -0.7, 0.7)
+    return PreferredVelocity(
+        jnp.where(backs, x, preferred_velocity.x),
+        jnp.where(backs, y, preferred_velocity.y),
+        jnp.where(backs, wrapped(heading + turn), preferred_velocity.face),
     )
 
 

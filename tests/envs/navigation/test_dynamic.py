@@ -1,4 +1,4 @@
-"""Living streets in the environment: who is there, what happens near the route, how the robot stands to people."""
+"""Dynamic streets in the environment: who is there, what happens near the route, how the robot stands to people."""
 
 import dataclasses
 from typing import Any
@@ -16,8 +16,8 @@ from urbanverse_mjx.crowds.behaviours import GO, ROAM, STAY
 from urbanverse_mjx.crowds.crowd import Crowd
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, check_env, default_config
+from urbanverse_mjx.envs.navigation.dynamic import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_appearances, slot_kinds
 from urbanverse_mjx.envs.navigation.encounters import ENCOUNTERS, Encounters, route_pose
-from urbanverse_mjx.envs.navigation.living import FAR, INTIMATE, PEOPLE_METRICS, PERSONAL, slot_appearances, slot_kinds
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal, make_report, to_markdown
 from urbanverse_mjx.evaluation.agents import zero
@@ -52,15 +52,15 @@ def test_people_are_there_and_meet_the_route(env: NavEnv, begun: Any) -> None:
     assert gap[both].min() > 2 * 0.27
     mode = np.asarray(crowd.mode)[there]
     assert {GO, STAY, ROAM} == set(mode.tolist())
-    motion = jax.jit(jax.vmap(env.living.places))(crowd, begun.sim.scene)  # type: ignore[union-attr]
+    motion = jax.jit(jax.vmap(env.dynamic.places))(crowd, begun.sim.scene)  # type: ignore[union-attr]
     np.testing.assert_allclose(np.asarray(motion.position)[there][:, 2].max(), 0.15, atol=1e-3)
 
 
 @pytest.mark.slow
 def test_motion_carries_agents_from_state_to_state(env: NavEnv, begun: Any) -> None:
-    living = env.living
-    assert living is not None
-    after, motion = jax.jit(jax.vmap(lambda nav: living.advance(nav, 1)))(begun)
+    dynamic = env.dynamic
+    assert dynamic is not None
+    after, motion = jax.jit(jax.vmap(lambda nav: dynamic.advance(nav, 1)))(begun)
     end = np.asarray(motion.position + env.dt * motion.velocity)
     where = np.asarray(motion.present)
     assert where.mean() > 0.5
@@ -69,27 +69,27 @@ def test_motion_carries_agents_from_state_to_state(env: NavEnv, begun: Any) -> N
     assert np.linalg.norm(np.asarray(motion.velocity), axis=-1)[where].max() < 2.5
     crowd = jax.tree.map(lambda x: x[0], begun.crowd)
     elsewhere = crowd._replace(bodies=crowd.bodies._replace(x=crowd.bodies.x + 20.0))
-    assert not np.asarray(living.motion(crowd, elsewhere, begun.sim.scene[0]).present).any(), "who appears is absent"
+    assert not np.asarray(dynamic.motion(crowd, elsewhere, begun.sim.scene[0]).present).any(), "who appears is absent"
 
 
 def test_gaps_and_metrics_by_hand(env: NavEnv) -> None:
-    living = env.living
-    assert living is not None
+    dynamic = env.dynamic
+    assert dynamic is not None
     crowd = Crowd(Bodies(*[jnp.zeros(9)] * 5), *[jnp.zeros(9)] * (len(Crowd._fields) - 1))
     only = crowd._replace(
         present=jnp.arange(9) == 4, bodies=crowd.bodies._replace(x=jnp.full(9, 10.0), y=jnp.full(9, 6.0))
     )
     gap = 1.0 - 0.27 - env.robot.planner_radius
-    values = living.metrics(only, jnp.int32(Result.RUNNING), jnp.array([10.0, 7.0]), jnp.array([0.3, 0.4]))
+    values = dynamic.metrics(only, jnp.int32(Result.RUNNING), jnp.array([10.0, 7.0]), jnp.array([0.3, 0.4]))
     assert tuple(values) == PEOPLE_METRICS
     assert float(values["people_distance"]) == pytest.approx(gap, abs=1e-5)
     assert [float(values[f"{n}_time_per_step"]) for n in ("intimate", "personal")] == [gap < INTIMATE, gap < PERSONAL]
     assert float(values["personal_speed_per_step"]) == pytest.approx(0.5)
-    nobody = living.metrics(
+    nobody = dynamic.metrics(
         only._replace(present=jnp.zeros(9, bool)), jnp.int32(Result.HIT_AGENT), jnp.zeros(2), jnp.ones(2)
     )
     assert [float(x) for x in nobody.values()] == [1.0, FAR, 0.0, 0.0, 0.0]
-    near = living.nearer(jnp.full((2, 2), 2.0), only, jnp.array([[10.0, 6.5], [10.0, 20.0]]))
+    near = dynamic.nearer(jnp.full((2, 2), 2.0), only, jnp.array([[10.0, 6.5], [10.0, 20.0]]))
     np.testing.assert_allclose(near, [[0.5 - 0.27, 2.0], [2.0, 2.0]], atol=1e-6)
 
 
@@ -115,13 +115,13 @@ def test_touching_a_person_is_a_result_of_its_own(env: NavEnv, begun: Any) -> No
 def test_static_streets_carry_nothing_of_it(small_bank: SceneBank) -> None:
     env = unicycle_env(small_bank)
     state = jax.eval_shape(env.reset, jax.random.key(0))
-    assert env.living is None
+    assert env.dynamic is None
     assert state.data.crowd is None
     assert not set(PEOPLE_METRICS) & set(state.metrics)
 
 
 @pytest.mark.slow
-def test_check_env_accepts_living_streets(env: NavEnv) -> None:
+def test_check_env_accepts_dynamic_streets(env: NavEnv) -> None:
     check_env(env, num_envs=4, num_steps=6)
 
 
@@ -132,7 +132,7 @@ def test_evaluation_counts_people(env: NavEnv) -> None:
     assert all(0.0 <= r.intimate_time <= 1.0 for r in results if r.intimate_time is not None)
     assert trajectory.agents is not None
     assert trajectory.agents.position.shape == (12, 12, 9, 3)
-    report = make_report("living", results, {})
+    report = make_report("dynamic", results, {})
     assert "| agent | agent_hits | people_distance | IT | speed_near_people |" in to_markdown(report)
 
 

@@ -19,7 +19,7 @@ POOL = 2
 _ARRAYS = ("inst_hull", "inst_position", "inst_rotation", "hull_vertices", "prism_hull", "prism_position", "map_kind")
 
 
-class LivingTables(NamedTuple):
+class DynamicTables(NamedTuple):
     """Attributes:
     crowd: see `CrowdTables`; rows are those of the bank. height: (Z, X, Y) f32 m; origin: (Z, 2) m of its cells.
     """
@@ -67,7 +67,7 @@ def path_of(bank: SceneBank, scenes: Sequence[int]) -> pathlib.Path:
     return settings.cache_dir("crowds", f"{digest.hexdigest()[:24]}.npz")
 
 
-def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
+def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> DynamicTables:
     """`build_tables`, from the cache where they were built before."""
     path = path_of(bank, scenes)
     names = ["height", *(f"{name}/{field}" for name, (_, fields) in _parts().items() for field in fields)]
@@ -85,4 +85,4 @@ def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> LivingTables:
         ways={name: parts[f"ways/{name}"] for name in goal_fields.RULES},
         crossings=parts["crossings"],
     )
-    return LivingTables(crowd, jnp.asarray(arrays["height"]), jnp.asarray(bank.map_origin, jnp.float32))
+    return DynamicTables(crowd, jnp.asarray(arrays["height"]), jnp.asarray(bank.map_origin, jnp.float32))
