@@ -102,7 +102,7 @@ def people_coming(start: Any, waypoints: Any, first: float, last: float) -> beha
     return behaviours.together(*scripts)
 
 
-class Driver:
+class Controller:
     """The rule; an action for a state of one env."""
 
     def __init__(self, env: NavEnv, scene: int, row: int, first: float, last: float) -> None:
@@ -164,10 +164,10 @@ class Driver:
         return turned[jnp.argmin(cost)]
 
 
-def drive(env: NavEnv, driver: Driver, nav: Any, steps: int) -> tuple[Any, Any]:
+def drive(env: NavEnv, controller: Controller, nav: Any, steps: int) -> tuple[Any, Any]:
     """The last state, and places, waiting and people's distance at each step."""
     step = jax.jit(env.advance)
-    act, where = jax.jit(driver), jax.jit(driver.dynamic.places)
+    act, where = jax.jit(controller), jax.jit(controller.dynamic.places)
     path = []
     for _ in range(steps):
         action, waits = act(nav)
@@ -179,18 +179,18 @@ def drive(env: NavEnv, driver: Driver, nav: Any, steps: int) -> tuple[Any, Any]:
     return nav, jax.tree.map(lambda *x: np.stack(x), *path)
 
 
-def film(env: NavEnv, driver: Driver, path: Any, every: int) -> list[np.ndarray]:
+def film(env: NavEnv, controller: Controller, path: Any, every: int) -> list[np.ndarray]:
     """What the robot sees, beside the crosswalk from above."""
     assert env.dynamic is not None, "the scenario is dynamic"
     appearances = slot_appearances(env.dynamic.kinds, env.bank)
     renderer = Renderer(env.bank, env.robot, HEIGHT, WIDTH, shadows=True, agents=appearances)
-    middle = np.asarray(driver.middle)
-    along = np.asarray(driver.waypoints[-1, :2] - driver.start[:2])
+    middle = np.asarray(controller.middle)
+    along = np.asarray(controller.waypoints[-1, :2] - controller.start[:2])
     side = np.array([-along[1], along[0]]) / np.linalg.norm(along)
     eye = np.array([*(middle - _EYE[0] * side), _EYE[1]])
     turn = look_at(eye, np.array([*middle, 0.4]))
-    seen = jax.jit(lambda p, q, a: renderer(driver.scene, p, q, 0, a)["rgb"])
-    above = jax.jit(lambda p, q, a: renderer.view(driver.scene, eye, turn, FOV, p, q, 0, a)["rgb"])
+    seen = jax.jit(lambda p, q, a: renderer(controller.scene, p, q, 0, a)["rgb"])
+    above = jax.jit(lambda p, q, a: renderer.view(controller.scene, eye, turn, FOV, p, q, 0, a)["rgb"])
     xpos, xquat, agents = path[:3]
     frames = []
     for t in range(0, len(xpos), every):
@@ -213,14 +213,14 @@ def main(argv: list[str] | None = None) -> int:
     env = registry.load("CocoNav", config_overrides=overrides, bank=bank)
     scene = int(env.scenes[0])
     row, first, last = crossing_rows(bank, scene)[0]
-    driver = Driver(env, scene, row, first, last)
+    controller = Controller(env, scene, row, first, last)
     key = jax.random.key(arguments.seed)
     nav = jax.jit(env.begin_at)(key, jnp.int32(scene), jnp.int32(row))
-    observer = Observer(driver.start[0], driver.start[1], driver.start[3], jnp.array(True))
-    script = people_coming(driver.start, driver.waypoints, first, last)
-    crowd = jax.jit(lambda k: driver.dynamic.model.init(k, jnp.int32(scene), observer, None, script))(key)
-    nav, path = drive(env, driver, nav._replace(crowd=crowd), round(arguments.seconds / env.dt))
-    frames = film(env, driver, path, arguments.every)
+    observer = Observer(controller.start[0], controller.start[1], controller.start[3], jnp.array(True))
+    script = people_coming(controller.start, controller.waypoints, first, last)
+    crowd = jax.jit(lambda k: controller.dynamic.model.init(k, jnp.int32(scene), observer, None, script))(key)
+    nav, path = drive(env, controller, nav._replace(crowd=crowd), round(arguments.seconds / env.dt))
+    frames = film(env, controller, path, arguments.every)
     write_video(arguments.out, frames, 1.0 / (env.dt * arguments.every), quality=arguments.quality)
     waits, distance = path[3:]
     print(

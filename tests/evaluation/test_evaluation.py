@@ -155,7 +155,7 @@ def test_another_way_than_the_lists_completes_no_more_than_is_true(small_bank: S
 
 
 def test_an_answer_is_kept_for_as_many_steps_as_said(small_bank: SceneBank) -> None:
-    """A random driver turns by the same angle five steps long, then by another; episodes last as long as before."""
+    """A random policy turns by the same angle five steps long, then by another; episodes last as long as before."""
     task = {"ctrl_dt": 0.04, "episode_length": 60, "terminate_off_traversable": False, "success_radius": 1e-3}
     env = unicycle_env(small_bank, task)
     results, poses = Rollout(env, chunk=4, hold=5).run({"random": BASELINES["random"]}, fixed_episodes(env, 3))

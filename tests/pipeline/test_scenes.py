@@ -26,7 +26,7 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[SceneLayout]:
         return layout
 
     monkeypatch.setattr(compiler, "compile_scene", compile_scene)
-    monkeypatch.setattr(scenes, "make_driver", lambda: None)
+    monkeypatch.setattr(scenes, "make_controller", lambda: None)
     return found
 
 

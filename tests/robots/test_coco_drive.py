@@ -40,7 +40,7 @@ def ground(pieces: Sequence[Piece], skew: float = 0.0, half_width: float = 4.0) 
     return spec
 
 
-class Driver:
+class Controller:
     """One robot in C MuJoCo, at rest at the origin."""
 
     def __init__(self, robot: RobotSpec, spec: mujoco.MjSpec) -> None:
@@ -66,49 +66,49 @@ class Driver:
 
 
 def test_spawn_height_is_that_at_rest(robot: RobotSpec) -> None:
-    driver = Driver(robot, ground(FLAT))
-    driver.drive(0.0, 0.0, 2.0)
-    np.testing.assert_allclose(driver.data.qpos[2], robot.spawn_height, atol=2e-4)
-    assert np.linalg.norm(driver.data.qpos[:2]) < 5e-4
-    assert np.abs(driver.data.qvel).max() < 1e-4
+    controller = Controller(robot, ground(FLAT))
+    controller.drive(0.0, 0.0, 2.0)
+    np.testing.assert_allclose(controller.data.qpos[2], robot.spawn_height, atol=2e-4)
+    assert np.linalg.norm(controller.data.qpos[:2]) < 5e-4
+    assert np.abs(controller.data.qvel).max() < 1e-4
 
 
 @pytest.mark.parametrize("speed", [0.3, 1.0, 2.0])
 @pytest.mark.parametrize("yaw_rate", [0.0, 0.3, -0.7, 1.0])
 def test_velocity_follows_the_command(robot: RobotSpec, speed: float, yaw_rate: float) -> None:
-    driver = Driver(robot, ground([(-60.0, 60.0, 0.0, 0.0)], half_width=60.0))
-    driver.drive(speed, yaw_rate, 3.0)
-    v, w = driver.velocity()
+    controller = Controller(robot, ground([(-60.0, 60.0, 0.0, 0.0)], half_width=60.0))
+    controller.drive(speed, yaw_rate, 3.0)
+    v, w = controller.velocity()
     if robot.name == "coco_ackermann":
         tightest = speed * math.tan(math.radians(20.053522)) / 0.456
         yaw_rate = float(np.clip(yaw_rate, -tightest, tightest))
     assert abs(v - speed) < 0.05 * speed
     assert abs(w - yaw_rate) < 0.10 * abs(yaw_rate) + 1e-3
     # The lag is the stated one: 63 % of the way after one time constant, if the tyres hold.
-    driver = Driver(robot, ground([(-60.0, 60.0, 0.0, 0.0)], half_width=60.0))
-    driver.drive(0.5, 0.0, 0.3)
-    assert 0.5 * 0.5 < driver.velocity()[0] < 0.75 * 0.5
+    controller = Controller(robot, ground([(-60.0, 60.0, 0.0, 0.0)], half_width=60.0))
+    controller.drive(0.5, 0.0, 0.3)
+    assert 0.5 * 0.5 < controller.velocity()[0] < 0.75 * 0.5
 
 
 @pytest.mark.parametrize("yaw_rate", [0.4, -1.0])
 def test_only_the_differential_drive_turns_on_the_spot(robot: RobotSpec, yaw_rate: float) -> None:
-    driver = Driver(robot, ground(FLAT))
-    driver.drive(0.0, yaw_rate, 3.0)
-    v, w = driver.velocity()
+    controller = Controller(robot, ground(FLAT))
+    controller.drive(0.0, yaw_rate, 3.0)
+    v, w = controller.velocity()
     assert abs(v) < 0.02
     if robot.name == "coco_ackermann":
         assert abs(w) < 1e-3
     else:
         assert abs(w - yaw_rate) < 0.05 * abs(yaw_rate)
-        assert np.linalg.norm(driver.data.qpos[:2]) < 0.6  # it turns about its rear axle
+        assert np.linalg.norm(controller.data.qpos[:2]) < 0.6  # it turns about its rear axle
 
 
 def test_a_kerb_of_15_cm_head_on_stops_it(robot: RobotSpec) -> None:
-    driver = Driver(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 6.0, KERB, KERB)]))
-    driver.drive(0.5, 0.0, 10.0)
-    assert driver.data.qpos[0] < 1.0
+    controller = Controller(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 6.0, KERB, KERB)]))
+    controller.drive(0.5, 0.0, 10.0)
+    assert controller.data.qpos[0] < 1.0
     # The front end is lifted by no more than the wheels' way up the edge.
-    assert max(driver.heights) < robot.spawn_height + 0.5 * KERB
+    assert max(controller.heights) < robot.spawn_height + 0.5 * KERB
 
 
 @pytest.mark.parametrize("speed", [0.5, 1.0, 2.0])
@@ -116,21 +116,21 @@ def test_it_takes_a_ramp_of_1_to_8_up_and_down(robot: RobotSpec, speed: float) -
     rise = 8 * KERB
     pieces = [(-3.0, 1.0, 0.0, 0.0), (1.0, 1.0 + rise, 0.0, KERB), (1.0 + rise, 4.0, KERB, KERB)]
     pieces += [(4.0, 4.0 + rise, KERB, 0.0), (4.0 + rise, 40.0, 0.0, 0.0)]
-    driver = Driver(robot, ground(pieces))
-    driver.drive(speed, 0.0, 8.0 / speed + 6.0)
-    assert driver.data.qpos[0] > 6.0
-    assert abs(driver.data.qpos[1]) < 0.05
-    np.testing.assert_allclose(max(driver.heights), robot.spawn_height + KERB, atol=0.03)
+    controller = Controller(robot, ground(pieces))
+    controller.drive(speed, 0.0, 8.0 / speed + 6.0)
+    assert controller.data.qpos[0] > 6.0
+    assert abs(controller.data.qpos[1]) < 0.05
+    np.testing.assert_allclose(max(controller.heights), robot.spawn_height + KERB, atol=0.03)
     feet = {f"robot/{name}" for name in robot.foot_geoms}
-    touching = {driver.model.geom(g).name for c in driver.data.contact for g in c.geom}
+    touching = {controller.model.geom(g).name for c in controller.data.contact for g in c.geom}
     assert touching - feet <= {f"ground/{i}" for i in range(len(pieces))}
 
 
 def test_it_takes_a_step_of_the_stated_height_and_not_of_thrice_that(robot: RobotSpec) -> None:
     for step, passes in ((robot.step_height, True), (3 * robot.step_height, False)):
-        driver = Driver(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 40.0, step, step)]))
-        driver.drive(0.6, 0.0, 6.0)
-        assert (driver.data.qpos[0] > 1.6) == passes, f"step of {step} m"
+        controller = Controller(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 40.0, step, step)]))
+        controller.drive(0.6, 0.0, 6.0)
+        assert (controller.data.qpos[0] > 1.6) == passes, f"step of {step} m"
 
 
 @pytest.mark.parametrize("skew", [0.0, 2.0])
@@ -138,9 +138,9 @@ def test_seams_between_prisms_are_not_felt(robot: RobotSpec, skew: float) -> Non
     """20 m at 1.5 m/s over a seam every 70 cm; at rest the body settles first."""
     edges = np.arange(-3.0, 25.0, 0.7)
     pieces = [(float(a), float(b), 0.0, 0.0) for a, b in itertools.pairwise(edges)]
-    driver = Driver(robot, ground(pieces, skew))
-    driver.drive(1.5, 0.0, 2.0)
-    driver.heights.clear()
-    driver.drive(1.5, 0.0, 20.0 / 1.5 - 2.0)
-    assert driver.data.qpos[0] > 19.0
-    assert max(driver.heights) - min(driver.heights) < 0.002
+    controller = Controller(robot, ground(pieces, skew))
+    controller.drive(1.5, 0.0, 2.0)
+    controller.heights.clear()
+    controller.drive(1.5, 0.0, 20.0 / 1.5 - 2.0)
+    assert controller.data.qpos[0] > 19.0
+    assert max(controller.heights) - min(controller.heights) < 0.002

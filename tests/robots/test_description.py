@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.robots.test_coco_drive import Driver, ground
+from tests.robots.test_coco_drive import Controller, ground
 from tests.support.box_bank import box_bank, box_scenes
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
@@ -175,24 +175,24 @@ def test_the_wheelchair_is_as_the_planner_has_it() -> None:
 
 @pytest.mark.parametrize(("speed", "yaw_rate"), [(0.3, 1.0), (1.0, 0.3), (1.0, -1.0), (0.0, -0.8)])
 def test_the_wheelchair_follows_its_commands(speed: float, yaw_rate: float) -> None:
-    driver = Driver(load(WHEELCHAIR), ground([(-30.0, 30.0, 0.0, 0.0)], half_width=30.0))
-    driver.drive(speed, yaw_rate, 3.0)
-    v, w = driver.velocity()
+    controller = Controller(load(WHEELCHAIR), ground([(-30.0, 30.0, 0.0, 0.0)], half_width=30.0))
+    controller.drive(speed, yaw_rate, 3.0)
+    v, w = controller.velocity()
     assert abs(v - speed) < 0.02
     # In a fast bend the mass in front of the axle holds against the motors.
     assert abs(w - yaw_rate) < 0.15 * abs(yaw_rate)
-    assert driver.data.qpos[2] == pytest.approx(load(WHEELCHAIR).spawn_height, abs=1e-3)
+    assert controller.data.qpos[2] == pytest.approx(load(WHEELCHAIR).spawn_height, abs=1e-3)
 
 
 def test_the_wheelchair_takes_its_step_a_ramp_and_no_kerb() -> None:
     robot = load(WHEELCHAIR)
     for step, passes in ((robot.step_height, True), (0.15, False)):
-        driver = Driver(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 40.0, step, step)]))
-        driver.drive(0.8, 0.0, 6.0)
-        assert (driver.data.qpos[0] > 2.0) == passes, f"step of {step} m"
-    driver = Driver(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 3.0, 0.0, 0.25), (3.0, 30.0, 0.25, 0.25)]))
-    driver.drive(0.5, 0.0, 14.0)
-    assert driver.data.qpos[0] > 4.0
+        controller = Controller(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 40.0, step, step)]))
+        controller.drive(0.8, 0.0, 6.0)
+        assert (controller.data.qpos[0] > 2.0) == passes, f"step of {step} m"
+    controller = Controller(robot, ground([(-3.0, 1.0, 0.0, 0.0), (1.0, 3.0, 0.0, 0.25), (3.0, 30.0, 0.25, 0.25)]))
+    controller.drive(0.5, 0.0, 14.0)
+    assert controller.data.qpos[0] > 4.0
 
 
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])

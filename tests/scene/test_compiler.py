@@ -12,7 +12,7 @@ from tests.support.box_bank import street_regions
 from tests.support.toy_assets import TOY_SOURCE, UNIT_BOX, toy_index, toy_layout
 from urbanverse_mjx.datatypes import GraphObject, SceneBank, SceneGraph, SceneLayout, Source, ValidationError
 from urbanverse_mjx.datatypes.ground import KIND_INDEX, TRAVERSABLE_KINDS
-from urbanverse_mjx.pipeline import make_driver
+from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.scene import CompiledScene, compile_scene, pack_bank
 from urbanverse_mjx.scene.episodes import MIN_ROWS
 from urbanverse_mjx.scene.planner import RobotSize, free_space
@@ -35,7 +35,7 @@ def _layout(seed: int = 3) -> SceneLayout:
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> CompiledScene:
     out = tmp_path_factory.mktemp("scene") / "toy"
-    return compile_scene(_layout(), toy_index(), out, make_driver(), source=TOY_SOURCE)
+    return compile_scene(_layout(), toy_index(), out, make_controller(), source=TOY_SOURCE)
 
 
 def test_folder_is_whole_and_loads_in_stock_mujoco(compiled: CompiledScene) -> None:
@@ -111,7 +111,7 @@ def test_episodes_keep_every_rule(compiled: CompiledScene) -> None:
 
 
 def test_same_layout_same_files(compiled: CompiledScene, tmp_path: pathlib.Path) -> None:
-    again = compile_scene(_layout(), toy_index(), tmp_path / "again", make_driver(), source=TOY_SOURCE)
+    again = compile_scene(_layout(), toy_index(), tmp_path / "again", make_controller(), source=TOY_SOURCE)
     for path in sorted(p for p in compiled.folder.rglob("*") if p.is_file()):
         twin = again.folder / path.relative_to(compiled.folder)
         if path.suffix == ".npz":
@@ -178,16 +178,16 @@ def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene
     layout = _layout()
     broken = dataclasses.replace(layout, objects=(dataclasses.replace(layout.objects[0], asset_uid="no/such"),))
     with pytest.raises(ValidationError, match="no/such"):
-        compile_scene(broken, toy_index(), tmp_path / "new", make_driver(), source=TOY_SOURCE)
+        compile_scene(broken, toy_index(), tmp_path / "new", make_controller(), source=TOY_SOURCE)
     assert not list(tmp_path.iterdir())
     before = {p: p.stat().st_mtime_ns for p in compiled.folder.rglob("*")}
     with pytest.raises(ValidationError, match="no/such"):
-        compile_scene(broken, toy_index(), compiled.folder, make_driver(), source=TOY_SOURCE)
+        compile_scene(broken, toy_index(), compiled.folder, make_controller(), source=TOY_SOURCE)
     assert {p: p.stat().st_mtime_ns for p in compiled.folder.rglob("*")} == before
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "diary.txt").write_text("mine")
     with pytest.raises(ValidationError, match="folder with other things"):
-        compile_scene(layout, toy_index(), tmp_path / "notes", make_driver(), source=TOY_SOURCE)
+        compile_scene(layout, toy_index(), tmp_path / "notes", make_controller(), source=TOY_SOURCE)
     assert [p.name for p in (tmp_path / "notes").iterdir()] == ["diary.txt"]
 
 
@@ -196,11 +196,11 @@ def test_no_room_for_episodes_is_refused(tmp_path: pathlib.Path) -> None:
     road = tuple(g for g in layout.ground if g.kind == "road")
     with pytest.raises(ValidationError, match="walkable ground"):
         compile_scene(
-            dataclasses.replace(layout, ground=road), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE
+            dataclasses.replace(layout, ground=road), toy_index(), tmp_path / "x", make_controller(), source=TOY_SOURCE
         )
     small = tuple(g for g in layout.ground if g.id == "ramp_left")
     with pytest.raises(ValidationError, match="walkable ground"):
         compile_scene(
-            dataclasses.replace(layout, ground=small), toy_index(), tmp_path / "x", make_driver(), source=TOY_SOURCE
+            dataclasses.replace(layout, ground=small), toy_index(), tmp_path / "x", make_controller(), source=TOY_SOURCE
         )
     assert not list(tmp_path.iterdir())

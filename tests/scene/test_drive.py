@@ -8,7 +8,7 @@ from tests.support.toy_assets import TOY_SOURCE, toy_index, toy_layout
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import GroundRegion, RobotSpec, SceneGraph, Source
 from urbanverse_mjx.geometry import rotations
-from urbanverse_mjx.pipeline import make_driver
+from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.robots.coco import Drive
 from urbanverse_mjx.scene.compiler import scene_geometry
@@ -86,9 +86,9 @@ def test_kerb_stops_the_robot(drive: Drive) -> None:
 @pytest.mark.parametrize("path", GRAPHS, ids=lambda p: p.parent.name)
 def test_every_ramp_is_taken_up_and_down(path) -> None:
     """From the crosswalk onto the pavement and back, through every region with a tilted top that is wide enough."""
-    driver = make_driver()
+    controller = make_controller()
     regions = SceneGraph.load(path).ground
-    model, space = _ground(regions, driver.robot)
+    model, space = _ground(regions, controller.robot)
     starts, ways = [], []
     for region in regions:
         slope = np.array(region.plane[:2])
@@ -106,18 +106,18 @@ def test_every_ramp_is_taken_up_and_down(path) -> None:
             starts.append([*way[0], space.map.height[space.cell(way[0])], np.arctan2(heading[1], heading[0])])
             ways.append(way)
     assert len(ways) >= 8
-    drives = drive_all(model, driver, space, np.array(starts), ways)
+    drives = drive_all(model, controller, space, np.array(starts), ways)
     assert [d.reason for d in drives] == [""] * len(ways)
 
 
 def test_a_kerb_in_the_way_fails_the_drive() -> None:
-    driver = make_driver()
+    controller = make_controller()
     low = GroundRegion("low", "sidewalk", ((0, 0), (6, 0), (6, 4), (0, 4)), (0.0, 0.0, 0.0))
     high = GroundRegion("high", "sidewalk", ((6, 0), (12, 0), (12, 4), (6, 4)), (0.0, 0.0, 0.15))
     road = GroundRegion("road", "road", ((0, 4), (12, 4), (12, 8), (0, 8)), (0.0, 0.0, 0.0))
-    model, space = _ground((low, high, road), driver.robot)
+    model, space = _ground((low, high, road), controller.robot)
     starts = np.array([[3.0, 2.0, 0.0, 0.0], [3.0, 2.0, 0.0, 1.5], [1.0, 2.0, 0.0, 0.0]])
     ways = [np.array([[3.0, 2.0], [9.0, 2.0]]), np.array([[3.0, 2.0], [3.0, 6.0]]), np.array([[1.0, 2.0], [4.5, 2.0]])]
-    drives = drive_all(model, driver, space, starts, ways)
+    drives = drive_all(model, controller, space, starts, ways)
     assert [d.reason for d in drives] == ["stuck", "off the traversable area", ""]
     assert drives[2].seconds == pytest.approx(3.0 / 2.0, abs=1.2)

@@ -9,7 +9,7 @@ from urbanverse_mjx.assets.appearances.skies import build_sky
 from urbanverse_mjx.citygen import craft, validation
 from urbanverse_mjx.datatypes import traversable
 from urbanverse_mjx.materialisation import index_of, materialise_cousins
-from urbanverse_mjx.pipeline import make_driver
+from urbanverse_mjx.pipeline import make_controller
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.compiler import compile_scene
@@ -28,7 +28,9 @@ def test_a_hand_made_scene_compiles_whole(scene_id, tmp_path):
     assert len(cousin.left_out) <= 2
     rules = EpisodeRules(rows=ROWS)
     layout = cousin.layout
-    compiled = compile_scene(layout, index_of(layout), tmp_path / "scene", make_driver(), rules=rules, fix_fallers=True)
+    compiled = compile_scene(
+        layout, index_of(layout), tmp_path / "scene", make_controller(), rules=rules, fix_fallers=True
+    )
     geometry = compiled.geometry
     assert len(geometry.episodes.start) == ROWS
     bank = pack([geometry], ["test"], {geometry.sky: build_sky(geometry.sky)})

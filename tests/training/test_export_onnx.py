@@ -95,21 +95,21 @@ def test_a_recurrent_policy_answers_as_in_jax_and_forgets_where_episodes_begin(f
     act = jax.jit(jax.vmap(policy.act, (0, 0, None)))
     steps, n = 50, 20
     obs = {k: x.reshape(steps, n, *x.shape[1:]) for k, x in _observations(steps * n).items()}
-    driver = load_onnx(files["student"])
+    controller = load_onnx(files["student"])
     first = []
     for _ in range(2):
-        driver.begin(n)
+        controller.begin(n)
         memory = jnp.broadcast_to(policy.first_memory(), (n, *policy.first_memory().shape))
         for t in range(steps):
             one = {k: x[t] for k, x in obs.items()}
             expected, memory = act({k: jnp.asarray(x) for k, x in one.items()}, memory, jax.random.key(0))
-            found = driver.agent(one)
+            found = controller.agent(one)
             np.testing.assert_allclose(found, expected, atol=1e-5)
             if t == 0:
                 first.append(found)
     np.testing.assert_array_equal(*first)
     # What it answers hangs on what came before.
-    assert np.abs(driver.agent({k: x[0] for k, x in obs.items()}) - first[0]).max() > 1e-3
+    assert np.abs(controller.agent({k: x[0] for k, x in obs.items()}) - first[0]).max() > 1e-3
 
 
 def test_the_metadata_say_how_the_file_is_driven(files) -> None:

@@ -1,6 +1,6 @@
 """Drives a frozen protocol and sums it up.
 
-In:   an environment over a protocol's bank, a driver.
+In:   an environment over a protocol's bank, a policy.
 Out:  `Outcome`: results and ways; tables as JSON, CSV and Markdown.
 When: once per benchmark and way of judging contact.
 """
@@ -39,7 +39,7 @@ _LABELS = {
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """What a driver did on a protocol.
+    """What a policy did on a protocol.
 
     Attributes:
       results: in the order of the episodes. ways: (T, 2) m of each, where the robot was at every control step.
@@ -52,7 +52,7 @@ class Outcome:
 def drive(
     env: NavEnv,
     name: str,
-    driver: Agent | Privileged | BatchAgent,
+    policy: Agent | Privileged | BatchAgent,
     episodes: EpisodeSet,
     batched: bool,
     at_once: int,
@@ -61,7 +61,7 @@ def drive(
     """Drives every episode once, `at_once` of them side by side.
 
     Args:
-      batched: the driver is a `BatchAgent`.
+      batched: the policy is a `BatchAgent`.
       on_progress: called with (ended, total).
     """
     at_once = min(at_once, len(episodes))
@@ -79,9 +79,9 @@ def drive(
 
         part = episodes.part(rows)
         if batched:
-            found, poses = rollout.run_batch(name, driver, part, show)  # type: ignore[arg-type]
+            found, poses = rollout.run_batch(name, policy, part, show)  # type: ignore[arg-type]
         else:
-            found, poses = rollout.run({name: driver}, part, show)  # type: ignore[dict-item]
+            found, poses = rollout.run({name: policy}, part, show)  # type: ignore[dict-item]
         results += found[:real]
         ways += [poses.xpos[poses.running[:, i], i, root, :2] for i in range(real)]
     return Outcome(tuple(results), tuple(ways))

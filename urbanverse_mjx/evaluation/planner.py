@@ -1,4 +1,4 @@
-"""The privileged planner: a driver that knows the scene, the ceiling that a benchmark is measured against.
+"""The privileged planner: a policy that knows the scene, the ceiling that a benchmark is measured against.
 
 In:   the scene's room, an episode's ways, the robot's pose and speed.
 Out:  a waypoint, the same action as any policy's.
@@ -154,7 +154,7 @@ class _Ahead(NamedTuple):
 
 
 class Planner:
-    """The driver; `act` wants the env's whole state.
+    """The policy; `act` wants the env's whole state.
 
     Args:
       env: whose scenes it shall know.

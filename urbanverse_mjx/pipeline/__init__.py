@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .library.sets import LibraryBuild, LibraryOptions, build_library
     from .playing import PlayOptions, play
     from .routes import plan_routes
-    from .scenes import compile_graph, compile_layout, make_driver
+    from .scenes import compile_graph, compile_layout, make_controller
     from .training_run import TrainOptions, train
 
 #: Name -> the module below this package that defines it.
@@ -64,7 +64,7 @@ _HOMES = {
     "import_authors_tree": "generation.importing",
     "import_kitti360": "generation.importing",
     "join_banks": "banks",
-    "make_driver": "scenes",
+    "make_controller": "scenes",
     "plan_routes": "routes",
     "play": "playing",
     "run_batch": "generation.batch",
@@ -99,7 +99,7 @@ __all__ = [
     "import_authors_tree",
     "import_kitti360",
     "join_banks",
-    "make_driver",
+    "make_controller",
     "plan_routes",
     "play",
     "run_batch",

@@ -123,8 +123,8 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
     title = f"{runs.protocol.name}, protocol {runs.kind}: {options.policy}"
     for contact in contacts:
         began = time.monotonic()
-        env, driver, batched, name, where = _prepare(options, runs, contact)
-        outcome = _drive(options, runs, contact, env, driver, batched, name, quiet)
+        env, policy, batched, name, where = _prepare(options, runs, contact)
+        outcome = _drive(options, runs, contact, env, policy, batched, name, quiet)
         privileged = where["privileged"]
         record = {**_record(options, runs, env, contact), "policy": where}
         tables[contact] = {name: benchmark.write_outcome(out / contact, title, runs, outcome, record)}
@@ -148,7 +148,7 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
 
 
 def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
-    """The environment, the driver, whether it is asked outside JAX, its name, and what is recorded of it."""
+    """The environment, the policy, whether it is asked outside JAX, its name, and what is recorded of it."""
     from ..envs import registry
     from ..evaluation.agents import BASELINES
     from ..evaluation.planner import Planner
@@ -157,8 +157,8 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
     if name in BASELINES or name == "planner":
         config = _config(options, runs, contact, False)
         env = registry.load_nav_env(options.env_name or "CocoNav", config, runs.bank)
-        driver = Planner(env) if name == "planner" else BASELINES[name]
-        return env, driver, False, name, {"name": name, "privileged": name == "planner"}
+        policy = Planner(env) if name == "planner" else BASELINES[name]
+        return env, policy, False, name, {"name": name, "privileged": name == "planner"}
     if name.endswith(".onnx") or (":" in name and not path.exists()):
         return _prepare_foreign(options, runs, contact)
     if not path.is_dir():
@@ -258,7 +258,7 @@ def _drive(
     runs: Any,
     contact: str,
     env: Any,
-    driver: Any,
+    policy: Any,
     batched: bool,
     name: str,
     quiet: bool,
@@ -274,7 +274,7 @@ def _drive(
         def show(ended: int, _: int) -> None:
             bar.update(task, completed=ended)
 
-        return benchmark.drive(env, name, driver, runs.episodes, batched, options.at_once, show)
+        return benchmark.drive(env, name, policy, runs.episodes, batched, options.at_once, show)
 
 
 def _record(options: BenchmarkOptions, runs: Any, env: Any, contact: str) -> dict[str, Any]:

@@ -83,9 +83,9 @@ def _scripted(
     config = evaluation_config(environment, values, scenes, dynamic)
     config = registry.with_overrides(config, {**overrides, "vision": False})
     env = registry.load_nav_env(environment, config, bank)
-    driver = Planner(env) if name == "planner" else BASELINES[name]
-    privileged = isinstance(driver, Privileged)
-    return _Entrants(name, environment, env, [(env, {name: driver})], {"policy": name, "privileged": privileged})
+    policy = Planner(env) if name == "planner" else BASELINES[name]
+    privileged = isinstance(policy, Privileged)
+    return _Entrants(name, environment, env, [(env, {name: policy})], {"policy": name, "privileged": privileged})
 
 
 def _trained(
@@ -130,16 +130,16 @@ def _drive(
       the results, and by the agent's name the poses of its batch and the column of its first episode.
     """
     results, trajectories = [], {}
-    for env, drivers in groups:
+    for env, policies in groups:
         with Progress(console=Console(stderr=True), disable=quiet) as bar:
-            task = bar.add_task(f"evaluating {', '.join(drivers)}", total=len(episodes) * len(drivers))
+            task = bar.add_task(f"evaluating {', '.join(policies)}", total=len(episodes) * len(policies))
 
             def show(ended: int, _: int, bar: Progress = bar, task: TaskID = task) -> None:
                 bar.update(task, completed=ended)
 
-            part, poses = Rollout(env).run(drivers, episodes, show)
+            part, poses = Rollout(env).run(policies, episodes, show)
         results += part
-        trajectories.update({name: (poses, i * len(episodes)) for i, name in enumerate(drivers)})
+        trajectories.update({name: (poses, i * len(episodes)) for i, name in enumerate(policies)})
     return results, trajectories
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..assets import AssetIndex
     from ..datatypes import SceneLayout, Source
     from ..materialisation import Cousin
-    from ..scene import CompiledScene, Driver, EpisodeRules
+    from ..scene import CompiledScene, Controller, EpisodeRules
 
 
 def compile_graph(
@@ -79,17 +79,17 @@ def compile_layout(
     """
     from ..scene.compiler import compile_scene
 
-    return compile_scene(layout, index, out, make_driver(), rules=rules, fix_fallers=fix_fallers, place=place)
+    return compile_scene(layout, index, out, make_controller(), rules=rules, fix_fallers=fix_fallers, place=place)
 
 
 @functools.cache
-def make_driver() -> "Driver":
+def make_controller() -> "Controller":
     """COCO behind its own waypoint controller, as numpy in and out."""
     import jax
     import jax.numpy as jnp
 
     from ..robots import make_coco
-    from ..scene.drive import CONTROL_PERIOD, Driver
+    from ..scene.drive import CONTROL_PERIOD, Controller
 
     robot = make_coco()
     batch = jax.jit(jax.vmap(lambda w: robot.command(jnp.stack(robot.waypoint_to_velocity(w, CONTROL_PERIOD)))))
@@ -99,4 +99,4 @@ def make_driver() -> "Driver":
         with jax.default_device(cpu):
             return np.asarray(batch(waypoints))
 
-    return Driver(robot, command)
+    return Controller(robot, command)

@@ -2,7 +2,7 @@
 
 from .bank import pack
 from .compiler import CompiledScene, compile_scene
-from .drive import Driver
+from .drive import Controller
 from .episodes import EpisodeRules, NoRoomError
 from .geometry import SceneGeometry
 from .mjcf import scene_mjcf, scene_spec
@@ -12,7 +12,7 @@ from .usd import export_usd
 
 __all__ = [
     "CompiledScene",
-    "Driver",
+    "Controller",
     "EpisodeRules",
     "NoRoomError",
     "RestMove",

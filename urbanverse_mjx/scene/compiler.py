@@ -16,7 +16,7 @@ from ..datatypes import validation as v
 from ..geometry import rotations
 from ..work_folder import replacing_folder
 from . import ground, maps
-from .drive import Driver, drive_all, ground_model
+from .drive import Controller, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
 from .exchange import exchange_map, save_map
 from .exchange_routes import plan_all, save_annotations, save_planned
@@ -73,7 +73,7 @@ def compile_scene(
     layout: SceneLayout,
     index: AssetIndex,
     out_dir: str | os.PathLike[str],
-    driver: Driver,
+    controller: Controller,
     size: RobotSize | None = None,
     rules: EpisodeRules | None = None,
     source: AssetSource | None = None,
@@ -83,7 +83,7 @@ def compile_scene(
     """Compiles a layout and writes its folder whole or not at all.
 
     Args:
-      driver: drives every episode once over the ground.
+      controller: drives every episode once over the ground.
       size: what routes are planned for. rules: what the episode table holds.
       source: builds meshes and hulls of records; default: the packaged recipes and hull store.
       fix_fallers: whether what would not keep its place for two seconds at rest (`rest.rest_moves`: a bicycle without
@@ -95,7 +95,7 @@ def compile_scene(
     """
     out_dir = pathlib.Path(out_dir)
     check_out_dir(out_dir)
-    robot = driver.robot
+    robot = controller.robot
     size = size or RobotSize(height=robot.planner_height)
     geometry = scene_geometry(layout, index, source)
     if fix_fallers:
@@ -104,7 +104,7 @@ def compile_scene(
     model = ground_model(geometry, robot)
 
     def drive(starts: np.ndarray, paths: Sequence[np.ndarray]) -> Any:
-        return drive_all(model, driver, space, starts, paths)
+        return drive_all(model, controller, space, starts, paths)
 
     geometry = dataclasses.replace(geometry, episodes=build_episodes(space, size, layout.seed, drive, rules))
     exchanged = exchange_map(geometry)

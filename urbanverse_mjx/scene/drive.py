@@ -25,7 +25,7 @@ _SPACING = 0.1
 
 
 @dataclasses.dataclass(frozen=True)
-class Driver:
+class Controller:
     """A robot and its own waypoint controller over a batch.
 
     Attributes:
@@ -58,10 +58,10 @@ def ground_model(scene: SceneGeometry, robot: RobotSpec) -> mujoco.MjModel:
 
 
 def drive_all(
-    model: mujoco.MjModel, driver: Driver, space: FreeSpace, starts: np.ndarray, paths: Sequence[np.ndarray]
+    model: mujoco.MjModel, controller: Controller, space: FreeSpace, starts: np.ndarray, paths: Sequence[np.ndarray]
 ) -> list[Drive]:
     """Drives each path (n, 2) from its start (E, 4) = x, y, ground z, yaw; all of them in step."""
-    robot, data = driver.robot, mujoco.MjData(model)
+    robot, data = controller.robot, mujoco.MjData(model)
     adr = int(model.jnt_qposadr[model.body(f"robot/{robot.root_body}").jntadr[0]])
     state = _initial_states(model, data, adr, robot, starts)
     substeps = round(CONTROL_PERIOD / model.opt.timestep)
@@ -78,7 +78,7 @@ def drive_all(
             progress[e], targets[e] = _target(pose[e], dense[e], int(progress[e]))
         alive = np.array([e for e in alive if drives[e] is None], int)
         if len(alive):
-            control = np.asarray(driver.command(targets), np.float64)[alive]
+            control = np.asarray(controller.command(targets), np.float64)[alive]
             control = np.repeat(control[:, None], substeps, 1)
             out, _ = mujoco.rollout.rollout(model, data, state[alive], control)
             state[alive] = out[:, -1]
