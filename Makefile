@@ -15,9 +15,8 @@ TEST_WORKERS ?= logical
 PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 # What `make train` trains: CocoNav, Go2Nav, Go2Joystick
 ENV ?= CocoNav
-LOCKS := requirements.lock requirements-dev.lock requirements-cuda.lock
 
-.PHONY: help setup setup-dev train test test-slow test-gpu check format bench streets scenes assets base thumbnails gallery scene-gallery doctor lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs setup-docs lock wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -33,6 +32,12 @@ $(VENV)/.stamp-main: pyproject.toml requirements.lock requirements-cuda.lock .ci
 
 $(VENV)/.stamp-dev: requirements-dev.lock $(VENV)/.stamp-main
 	@.ci/setup dev >&2
+
+setup-docs: $(VENV)/.stamp-docs
+	@:
+
+$(VENV)/.stamp-docs: requirements-docs.lock .ci/setup
+	@.ci/setup docs >&2
 
 train: setup ## train the small policy, evaluate it on unseen streets; the last line printed is the result as JSON
 	@$(BIN)/urbanverse train --env-name $(ENV) $(ARGS)
@@ -83,6 +88,9 @@ scene-gallery: setup ## draw a page of compiled scenes with their numbers into t
 
 doctor: setup ## say what this machine has and how to mend what is missing
 	@$(BIN)/urbanverse doctor $(ARGS)
+
+docs: setup-docs ## build the documentation site into build/docs, without network; a dead link or a page left out fails
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --clean $(ARGS) # --quiet would drop the warnings that --strict counts
 
 lock: ## resolve the locks anew, keeping versions that still fit (needs uv; ARGS=--upgrade takes the newest)
 	@.ci/lock $(ARGS)

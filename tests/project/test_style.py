@@ -58,7 +58,7 @@ def test_no_path_of_a_machine_is_tracked() -> None:
 
 def test_locks_hold_hashes_and_no_address() -> None:
     locks = sorted(ROOT.glob("requirements*.lock"))
-    assert len(locks) == 3
+    assert len(locks) == 4
     for lock in locks:
         text = lock.read_text(encoding="utf-8")
         assert "://" not in text

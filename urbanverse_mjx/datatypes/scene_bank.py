@@ -78,7 +78,7 @@ class SceneBank:
       sky_sun_irradiance (S, 3) f32; scene_sky (Z,) i32, scene_sky_yaw (Z,) f32.
 
     meta: {"schema", "scene_ids": [Z], "splits": [Z] of `SPLITS` or others, "categories": [A], "skies": [S],
-      "object_ids": [Z][..], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
+      "object_ids": [Z lists], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
       the last being how moving people and vehicles may look: names of kinds, rows of the meshes and categories. Banks
       in the cache hold their key there as well, "key": hexadecimal digits over everything that they are made of.
     """

@@ -1,0 +1,101 @@
+"""The documentation's pages: links lead somewhere, Python runs, commands and options exist."""
+
+import pathlib
+import re
+import shlex
+from typing import Any
+
+import pytest
+import yaml
+
+from urbanverse_mjx.cli import main
+from urbanverse_mjx.datatypes import SceneBank
+
+ROOT = pathlib.Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+#: What other pages hold is run by the tests of their subjects.
+PAGES = ("index", "installation", "quickstart", "concepts", "faq", "training_report", "included")
+every_page = pytest.mark.parametrize("name", PAGES)
+#: A comment above a block says that the README's test runs it.
+MARKER = re.compile(
+    r"^<!-- not executed by the test of this page: [^\n]+-->\n```python\n(.*?)^```", re.MULTILINE | re.DOTALL
+)
+
+
+def text_of(name: str) -> str:
+    return (DOCS / f"{name}.md").read_text(encoding="utf-8")
+
+
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+
+
+@every_page
+def test_the_python_of_a_page_runs(
+    name: str, tmp_path: pathlib.Path, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small_bank.save(tmp_path / "bank.npz")
+    monkeypatch.setenv("URBANVERSE_BANK", str(tmp_path / "bank.npz"))
+    text = text_of(name)
+    elsewhere = MARKER.findall(text)
+    readme = blocks((ROOT / "README.md").read_text(encoding="utf-8"), "python")
+    assert [block for block in elsewhere if block not in readme] == []
+    space: dict[str, object] = {}
+    for block in blocks(text, "python"):
+        if block not in elsewhere:
+            exec(compile(block, f"{name}.md", "exec"), space)
+
+
+def help_of(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    with pytest.raises(SystemExit):
+        main.main([*words, "--help"])
+    return capsys.readouterr().out
+
+
+def command_lines() -> list[list[str]]:
+    code = [line for name in PAGES for block in blocks(text_of(name), "sh") for line in block.splitlines()]
+    return [shlex.split(line, comments=True) for line in code if line.startswith("urbanverse ")]
+
+
+def test_every_command_in_a_block_has_the_options_that_it_is_given(capsys: pytest.CaptureFixture[str]) -> None:
+    known: dict[tuple[str, ...], set[str]] = {}
+    for _, command, *words in command_lines():
+        called = (command, words[0]) if command in ("scene", "assets") else (command,)
+        if called not in known:
+            known[called] = set(re.findall(r"--[a-z][a-z-]+", help_of(list(called), capsys)))
+        assert {word for word in words if word.startswith("--")} <= known[called], (called, words)
+    assert len(known) > 5
+
+
+def test_every_target_of_make_exists() -> None:
+    targets = set(re.findall(r"^([a-z-]+):.*## ", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+    code = "\n".join(
+        part for name in PAGES for part in [*blocks(text_of(name), "sh"), *re.findall(r"`[^`\n]+`", text_of(name))]
+    )
+    named = set(re.findall(r"\bmake ([a-z-]+)", code))
+    assert named
+    assert named <= targets
+
+
+@pytest.mark.parametrize("path", sorted(DOCS.rglob("*.md")), ids=lambda path: path.relative_to(DOCS).as_posix())
+def test_links_lead_to_files_of_the_site(path: pathlib.Path) -> None:
+    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", path.read_text(encoding="utf-8"))
+    for link in links:
+        if not link.startswith(("https:", "http:")):
+            target = (path.parent / link).resolve()
+            assert target.is_file(), link
+            assert DOCS in target.parents, f"{link} lies outside the site"
+
+
+def names(entry: Any) -> list[str]:
+    if isinstance(entry, str):
+        return [entry]
+    children = entry.values() if isinstance(entry, dict) else entry
+    return [name for child in children for name in names(child)]
+
+
+def test_the_navigation_names_pages_that_exist() -> None:
+    config = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    for name in names(config["nav"]):
+        if name != "CHANGELOG.md":  # a hook takes it from the root
+            assert list(DOCS.glob(name)), name
