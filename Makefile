@@ -57,7 +57,7 @@ check: setup-dev ## formatting, lint, types and who may import whom
 	@$(BIN)/pyright
 	@$(BIN)/lint-imports
 
-format: setup-dev ## format the code and mend what ruff can mend
+format: setup-dev ## format the code and fix what ruff can fix
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
@@ -86,7 +86,7 @@ gallery: setup ## draw a contact sheet per middle category into the cache (ARGS=
 scene-gallery: setup ## draw a page of compiled scenes with their numbers into the cache (ARGS="FOLDER ... --out FOLDER")
 	@MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/urbanverse scene gallery $(ARGS)
 
-doctor: setup ## say what this machine has and how to mend what is missing
+doctor: setup ## say what this machine has and how to fix what is missing
 	@$(BIN)/urbanverse doctor $(ARGS)
 
 docs: setup-docs ## build the documentation site into build/docs, without network; a dead link or a page left out fails

@@ -12,7 +12,7 @@ Options that take a comma list are measured in every combination, and --grid FIL
 JSON list of objects with fields of `benchmarks.lib.cases.Case`):
 
     python -m benchmarks.throughput --bank bank160.npz --preset paper --num-envs 1024,4096 --pixels 135x240,36x64 \\
-        --scenes 16,160 --measure step,parts,learn --rivals mjx,warp,c --append rows.jsonl --isolate --json
+        --scenes 16,160 --measure step,parts,learn --baselines mjx,warp,c --append rows.jsonl --isolate --json
     python -m benchmarks.throughput --bank bank160.npz --grid benchmarks/grids/gpu.json --isolate --append rows.jsonl
 
 Each row is appended to --append's file as soon as it is known. A configuration that fails (out of memory, say) becomes
@@ -38,7 +38,7 @@ import jax
 import numpy as np
 import psutil
 
-from benchmarks.lib import banks, memory, report, rivals
+from benchmarks.lib import banks, baselines, memory, report
 from benchmarks.lib import measure as measurements
 from benchmarks.lib.cases import MEASURES, Case, product, read_grid
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
@@ -73,7 +73,13 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     add("--ppo-set", action="append", default=[], metavar="KEY=JSON", help="a training config override")
     add("--measure", default="step,parts,active", help=f"comma list of {', '.join(MEASURES)}")
     add("--learn", action="store_true", help="the same as adding learn to --measure")
-    add("--rivals", default="", help=f"comma list of {', '.join(rivals.RIVALS)}, measured beside each configuration")
+    add(
+        "--baselines",
+        "--rivals",
+        dest="rivals",
+        default="",
+        help=f"comma list of {', '.join(baselines.BASELINES)}, measured beside each configuration",
+    )
     add("--steps", type=int, default=20, help="control steps in one timed run")
     add("--repeats", type=int, default=5, help="timed runs")
     add("--iterations", type=int, default=4, help="PPO iterations of the measure learn")
@@ -135,7 +141,7 @@ def cases_of(arguments: argparse.Namespace) -> list[Case]:
     if arguments.grid:
         cases = [case for one in cases for case in read_grid(arguments.grid, one)]
     for case in cases:
-        for name, known in ((case.impl, IMPLS), *((r, tuple(rivals.RIVALS)) for r in case.rivals)):
+        for name, known in ((case.impl, IMPLS), *((r, tuple(baselines.BASELINES)) for r in case.rivals)):
             if name not in known:
                 raise ValidationError(f"configuration: found {name!r}, needed one of {', '.join(known)}.")
     return cases
@@ -212,7 +218,7 @@ def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[
 
 def _rival(name: str, env: Any, case: Case) -> dict[str, Any]:
     try:
-        return rivals.measure(name, env, case)
+        return baselines.measure(name, env, case)
     except Exception as error:
         traceback.print_exc()
         return {"rival": name, "error": f"{type(error).__name__}: {error}".strip()[:500]}

@@ -24,7 +24,7 @@ class Case:
       pixels: "HxW", or "none" for an environment without camera.
       substeps: physics steps per control step.
       overrides: further env config, flat dotted keys; ppo: the same of the training config (measure "learn").
-      measure: of `MEASURES`; rivals: of `rivals.RIVALS`, measured beside the case.
+      measure: of `MEASURES`; rivals: of `baselines.BASELINES`, measured beside the case.
       steps: control steps in one timed run; repeats: timed runs; iterations: PPO iterations of "learn".
     """
 

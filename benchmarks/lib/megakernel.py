@@ -98,9 +98,9 @@ class SharedAssets:
             samples_per_pixel=settings.samples,
             mesh_bvh_frame="mujoco",
         )
-        self._mend_context(bank)
+        self._fix_context(bank)
 
-    def _mend_context(self, bank: SceneBank) -> None:
+    def _fix_context(self, bank: SceneBank) -> None:
         """Meshes in their authored frames, all textures, the bank's skies, light in the bank's units."""
         mjm, context = self.render_model.model, self.context
         meshes = [self._mesh(i) for i in range(mjm.nmesh)]

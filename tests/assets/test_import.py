@@ -73,11 +73,11 @@ def test_an_imported_asset_is_the_one_it_was(street) -> None:
         assert name in mine.provenance
 
 
-def test_what_was_mended_is_said(street) -> None:
+def test_what_was_fixed_is_said(street) -> None:
     _, _, good, _, entries = street
     said = {name: e.findings[0] for name, e in entries.items() if e.uid and e.findings}
     assert set(said) == {name for name in good if " x" in name}
-    assert all(name == "non-uniform scale" and mended for name, _, mended in said.values())
+    assert all(name == "non-uniform scale" and fixed for name, _, fixed in said.values())
     texts = " ".join(evidence for _, evidence, _ in said.values())
     assert all(unit in texts for unit in ("centimetres", "millimetres", "inches", "in no unit"))
 

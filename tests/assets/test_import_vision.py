@@ -99,7 +99,7 @@ def test_an_endpoint_names_what_its_file_does_not(model: Model, folder: pathlib.
     assert record.friction_coefficient == 0.6
     assert record.required_force == pytest.approx(0.6 * 41.5 * 9.81, abs=0.1)
     assert record.height == pytest.approx(0.85, rel=0.1)
-    assert [(name, mended) for name, _, mended in entry.findings] == [("inconsistent name", True)]
+    assert [(name, fixed) for name, _, fixed in entry.findings] == [("inconsistent name", True)]
     assert any("bounciness" in note for note in entry.notes)
     assert len(model.asked) == 2
     path, authorization, body = model.asked[1]

@@ -196,7 +196,7 @@ def test_skies_and_grounds_answer_as_objects_do(name: str, number: int, classes:
     assert library.check_integrity() == []
 
 
-def test_a_damaged_sheet_of_thumbnails_is_found_and_mended(tmp_path, monkeypatch) -> None:
+def test_a_damaged_sheet_of_thumbnails_is_found_and_fixed(tmp_path, monkeypatch) -> None:
     skies = named_library("sky")
     whole = (appearance_search.asset_root() / "sky_thumbnails.jpg").read_bytes()
     path = tmp_path / "sky_thumbnails.jpg"
@@ -214,7 +214,7 @@ def test_a_damaged_sheet_of_thumbnails_is_found_and_mended(tmp_path, monkeypatch
         assert skies.check_integrity() == []  # and the packaged sheet is held again
 
 
-def test_a_damaged_catalogue_is_found_and_mended(tmp_path, monkeypatch, catalogue) -> None:
+def test_a_damaged_catalogue_is_found_and_fixed(tmp_path, monkeypatch, catalogue) -> None:
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
     assert any("not built" in sentence for sentence in integrity.problems())
     monkeypatch.setattr(store, "build_catalogue", lambda *_: catalogue)

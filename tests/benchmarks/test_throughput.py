@@ -150,7 +150,7 @@ def test_a_grid_names_configurations_one_by_one(tmp_path: pathlib.Path) -> None:
         (["--num-envs", "0"], "num_envs: found 0"),
         (["--num-envs", "a"], "--num-envs: found 'a', needed a comma list of numbers"),
         (["--measure", "speed"], "measure: found 'speed', needed some of step"),
-        (["--rivals", "isaac"], "found 'isaac', needed one of mjx, warp, c"),
+        (["--baselines", "isaac"], "found 'isaac', needed one of mjx, warp, c"),
         (["--impl", "fast"], "found 'fast', needed one of"),
         (["--set", "samples"], "needed KEY=JSON"),
         (["--grid", "none.json"], "found no readable JSON"),

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from benchmarks import throughput
-from benchmarks.lib import rivals, street_model
+from benchmarks.lib import baselines, street_model
 from benchmarks.lib.cases import Case
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
@@ -102,10 +102,10 @@ def test_what_fails_is_a_row_and_the_next_goes_on(bank_file: pathlib.Path, capsy
 
 
 @pytest.fixture(scope="module")
-def drive(small_bank: SceneBank) -> rivals.Drive:
+def drive(small_bank: SceneBank) -> baselines.Drive:
     case = Case(impl="jax", num_envs=3, pixels="none", steps=4, repeats=1)
     env = registry.load("CocoNav", config_overrides=case.config_overrides(0.2), bank=small_bank)
-    return rivals.make_drive(env, case)
+    return baselines.make_drive(env, case)
 
 
 def test_the_street_model_is_the_street(small_bank: SceneBank) -> None:
@@ -154,23 +154,23 @@ def test_a_robot_drives_alike_in_the_street_model_and_in_the_compiled_scene(smal
         assert np.abs(ends[0] - ends[1]).max() < 1e-3
 
 
-def test_c_mujoco_rolls_out_on_all_cores(drive: rivals.Drive) -> None:
-    row = rivals.c_mujoco(drive, repeats=1)
+def test_c_mujoco_rolls_out_on_all_cores(drive: baselines.Drive) -> None:
+    row = baselines.c_mujoco(drive, repeats=1)
     assert row["physics_steps_per_s"] > 0
     assert "3 envs on" in row["does"]
     assert "frames_per_s" not in row
 
 
 @pytest.mark.slow
-def test_mujoco_warp_runs_without_jax(drive: rivals.Drive) -> None:
-    row = rivals.direct_warp(drive, repeats=1)
+def test_mujoco_warp_runs_without_jax(drive: baselines.Drive) -> None:
+    row = baselines.direct_warp(drive, repeats=1)
     assert row["physics_steps_per_s"] > 0
     assert row["hulls"] == (drive.bank.inst_hull[0] >= 0).sum()
 
 
 @pytest.mark.slow
-def test_stock_mjx_runs_in_its_cut_scene(drive: rivals.Drive, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rivals, "MJX_HULLS", 4)
-    row = rivals.stock_mjx(drive, repeats=1)
+def test_stock_mjx_runs_in_its_cut_scene(drive: baselines.Drive, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(baselines, "MJX_HULLS", 4)
+    row = baselines.stock_mjx(drive, repeats=1)
     assert row["physics_steps_per_s"] > 0
     assert "cut to 4 hulls" in row["does"]

@@ -11,7 +11,7 @@ import pytest
 import shapely
 
 from urbanverse_mjx import settings
-from urbanverse_mjx.citygen import cities, passage
+from urbanverse_mjx.citygen import cities, clearance
 from urbanverse_mjx.citygen.cities.block import plan_of
 from urbanverse_mjx.citygen.cities.filling import Filler
 from urbanverse_mjx.citygen.cities.ground import ground
@@ -93,9 +93,9 @@ def test_the_same_seed_gives_the_same_block_and_another_does_not(tokyo: SceneGra
 def test_nothing_stands_in_something_else(tokyo: SceneGraph) -> None:
     """Houses and what hangs apart, footprints do not meet."""
     standing = [
-        passage.footprint(o)
+        clearance.footprint(o)
         for o in tokyo.objects
-        if o.center[2] - o.size[2] / 2 < 0.3 and passage.is_obstacle(o) and min(o.size[:2]) < 3.0
+        if o.center[2] - o.size[2] / 2 < 0.3 and clearance.is_obstacle(o) and min(o.size[:2]) < 3.0
     ]
     tree = shapely.STRtree(standing)
     pairs = [(i, j) for i, j in tree.query(standing, "intersects").T if i < j]

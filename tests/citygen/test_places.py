@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from urbanverse_mjx.citygen import passage, places
+from urbanverse_mjx.citygen import clearance, places
 from urbanverse_mjx.citygen.craft.ground_layers import seams
 from urbanverse_mjx.citygen.places import COUNT, TEMPLATES, build, site_of, stock, template_of
 from urbanverse_mjx.citygen.places.site import Site
@@ -59,7 +59,7 @@ def test_every_lane_can_be_driven_and_all_hang_together(site: Site) -> None:
     """A disc of 1.1 m gets along every lane, and from each to all others, without a kerb; free space is one piece."""
     solid = [r for r in site.graph().ground if r.kind in ("sidewalk", "ground", "crosswalk")]
     steps = shapely.union_all([shapely.buffer(edge, 0.02) for edge in _kerbs(site.graph())])
-    free = passage.free_space(solid, site.canvas.objects).difference(steps)
+    free = clearance.free_space(solid, site.canvas.objects).difference(steps)
     largest = max(shapely.get_parts(free), key=lambda part: part.area)
     assert largest.area > 0.85 * free.area
     for lane in site.lanes:
@@ -80,7 +80,7 @@ def _kerbs(graph: SceneGraph) -> list[shapely.Geometry]:
 
 
 def test_nothing_stands_in_another_object(graph: SceneGraph) -> None:
-    shapes = [passage.footprint(o) for o in graph.objects]
+    shapes = [clearance.footprint(o) for o in graph.objects]
     for i, j in shapely.STRtree(shapes).query(shapes, predicate="intersects").T:
         assert i >= j or shapes[i].intersection(shapes[j]).area < 0.01, (graph.objects[i].id, graph.objects[j].id)
 
@@ -89,7 +89,7 @@ def test_objects_stand_on_the_ground(graph: SceneGraph) -> None:
     regions = [(r, shapely.Polygon(r.polygon)) for r in graph.ground if r.kind not in PAINT_KINDS]
     astride = 0
     for o in (o for o in graph.objects if not _is_front(o.label)):
-        spot = passage.footprint(o).centroid
+        spot = clearance.footprint(o).centroid
         under = [height_at(r.plane, spot.x, spot.y) for r, s in regions if s.dwithin(spot, 1e-6)]
         assert under, o.id
         above = o.center[2] - o.size[2] / 2 - max(under)
@@ -100,7 +100,7 @@ def test_objects_stand_on_the_ground(graph: SceneGraph) -> None:
 
 def test_fronts_close_the_view_on_all_sides(site: Site) -> None:
     """Of the rays from the middle of each lane at most one in 50 leaves the place without meeting a front."""
-    fronts = shapely.union_all([passage.footprint(o).buffer(0.1) for o in site.canvas.objects if _is_front(o.label)])
+    fronts = shapely.union_all([clearance.footprint(o).buffer(0.1) for o in site.canvas.objects if _is_front(o.label)])
     out = 0
     for lane in site.lanes:
         eye = lane.interpolate(0.5, normalized=True)
@@ -113,7 +113,7 @@ def test_fronts_close_the_view_on_all_sides(site: Site) -> None:
 def test_hulls_near_any_point_leave_slots(site: Site) -> None:
     """Counted anew from the boxes, at points off the raster that the site itself counts on."""
     graph_objects = [
-        (passage.footprint(o), stock.hulls(o.label, o.size, _is_front(o.label))) for o in site.canvas.objects
+        (clearance.footprint(o), stock.hulls(o.label, o.size, _is_front(o.label))) for o in site.canvas.objects
     ]
     tree = shapely.STRtree([shape for shape, _ in graph_objects])
     worst = 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from urbanverse_mjx.citygen import catalogue, passage
+from urbanverse_mjx.citygen import catalogue, clearance
 from urbanverse_mjx.citygen.procedural import COUNT, build, template_of
 from urbanverse_mjx.citygen.procedural_templates import TEMPLATES
 from urbanverse_mjx.datatypes import SceneGraph, ValidationError
@@ -54,7 +54,7 @@ def test_neighbours_meet_level_except_at_the_kerb(graph: SceneGraph) -> None:
 
 
 def test_objects_stand_on_the_ground_and_apart(graph: SceneGraph) -> None:
-    shapes = [(o, passage.footprint(o)) for o in graph.objects]
+    shapes = [(o, clearance.footprint(o)) for o in graph.objects]
     tree = shapely.STRtree([s for _, s in shapes])
     for (o, shape), near in ((s, tree.query(s[1])) for s in shapes):
         for k in near:
@@ -72,8 +72,8 @@ def test_objects_stand_on_the_ground_and_apart(graph: SceneGraph) -> None:
 
 def test_a_robot_gets_from_end_to_end(graph: SceneGraph) -> None:
     """Three quarters of where a robot's middle could be on the empty pavements hang together with the objects there."""
-    empty = passage.free_space(graph.ground, [o for o in graph.objects if o.size[1] > 5.0])
-    full = passage.free_space(graph.ground, graph.objects)
+    empty = clearance.free_space(graph.ground, [o for o in graph.objects if o.size[1] > 5.0])
+    full = clearance.free_space(graph.ground, graph.objects)
     largest = max(shapely.get_parts(full), key=lambda part: part.area)
     widest = max(shapely.get_parts(empty), key=lambda part: part.area)
     assert largest.area > 0.5 * widest.area

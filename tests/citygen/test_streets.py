@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from urbanverse_mjx.citygen import BUILDERS, SPLITS, build, catalogue, passage
+from urbanverse_mjx.citygen import BUILDERS, SPLITS, build, catalogue, clearance
 from urbanverse_mjx.datatypes import PAINT_KINDS, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes.ground import height_at
 
@@ -111,11 +111,11 @@ def test_ramps_are_gentle_and_long_enough(graph):
 def test_objects_stand_on_the_ground(graph):
     regions = solid(graph)
     for obj in graph.objects:
-        spot = passage.footprint(obj).centroid
+        spot = clearance.footprint(obj).centroid
         under = [(r, s) for r, s in regions if s.intersects(spot)]
         if is_house(obj):
             # its front stands on the ground, its back needs none
-            under = [(r, s) for r, s in regions if s.intersection(passage.footprint(obj)).area > 1.0]
+            under = [(r, s) for r, s in regions if s.intersection(clearance.footprint(obj)).area > 1.0]
         heights = [height_at(r.plane, spot.x, spot.y) for r, s in under]
         assert heights, obj.id
         foot = obj.center[2] - obj.size[2] / 2
@@ -123,7 +123,7 @@ def test_objects_stand_on_the_ground(graph):
 
 
 def test_nothing_stands_in_another_object(graph):
-    solid_objects = [(o, passage.footprint(o)) for o in graph.objects if passage.is_obstacle(o)]
+    solid_objects = [(o, clearance.footprint(o)) for o in graph.objects if clearance.is_obstacle(o)]
     for (a, fa), (b, fb) in itertools.combinations(solid_objects, 2):
         assert fa.intersection(fb).area < 0.02, (a.id, b.id)
 
@@ -131,22 +131,22 @@ def test_nothing_stands_in_another_object(graph):
 def test_objects_are_in_the_way_but_a_robot_gets_by(graph):
     """A disc of 1.1 m passes each pavement from end to end, and at least five objects stand in its middle half."""
     street = BUILDERS[graph.id]()
-    space = passage.free_space(graph.ground, graph.objects)
+    space = clearance.free_space(graph.ground, graph.objects)
     for side in (1, -1):
         near, far = side * street.section.half, side * street.section.front(side)
-        assert passage.reach_along(space, near, far) >= street.section.length - 2 * passage.PASSAGE
+        assert clearance.reach_along(space, near, far) >= street.section.length - 2 * clearance.CLEARANCE
         width = street.section.width(side)
         right, left = sorted((near + side * 0.25 * width, near + side * 0.75 * width))
         middle = shapely.box(2.0, right, street.section.length - 2.0, left)
         blocking = [
-            o for o in graph.objects if passage.is_obstacle(o) and middle.contains(passage.footprint(o).centroid)
+            o for o in graph.objects if clearance.is_obstacle(o) and middle.contains(clearance.footprint(o).centroid)
         ]
         assert len(blocking) >= 5
 
 
 def test_house_fronts_line_both_sides_and_close_both_ends(graph):
     """A ray from the middle of the street in any level direction meets a house."""
-    fronts = shapely.union_all([passage.footprint(o).buffer(0.02) for o in graph.objects if is_house(o)])
+    fronts = shapely.union_all([clearance.footprint(o).buffer(0.02) for o in graph.objects if is_house(o)])
     section = BUILDERS[graph.id]().section
     for x in np.linspace(3.0, section.length - 3.0, 9):
         for angle in np.linspace(0.0, 2 * np.pi, 180, endpoint=False):
@@ -167,7 +167,7 @@ def test_streets_differ_in_character():
 
 def test_nobody_can_walk_behind_the_houses(graph):
     """Walkable ground is in front of the houses: what is left of it beside them is one street, not a yard behind."""
-    houses = shapely.union_all([passage.footprint(o).buffer(0.02) for o in graph.objects if is_house(o)])
+    houses = shapely.union_all([clearance.footprint(o).buffer(0.02) for o in graph.objects if is_house(o)])
     open_ground = shapely.union_all([s for _, s in solid(graph)]).difference(houses).buffer(-0.3)
     pieces = [p for p in shapely.get_parts(open_ground) if p.area > 0.5]
     assert len(pieces) == 1

@@ -18,7 +18,7 @@ from urbanverse_mjx.pipeline.generation.executors import EXECUTORS, Job, Outcome
 from urbanverse_mjx.pipeline.generation.run_folder import RunFolder, key_of
 from urbanverse_mjx.pipeline.generation.sources import recognise
 from urbanverse_mjx.pipeline.generation.stages import GenerationOptions, generate
-from urbanverse_mjx.scene import CompiledScene, rest_moves
+from urbanverse_mjx.scene import CompiledScene, displacements
 
 SCENES = pathlib.Path(__file__).parents[2] / "scenes"
 GRAPH = SCENES / "residential_bins" / "graph.json"
@@ -315,7 +315,7 @@ def test_a_graph_becomes_scenes_that_stand_still(tmp_path: pathlib.Path) -> None
     assert done["nodes"] == len(graph.objects)
     assert [p + n for p, n in zip(done["placed"], done["left_out"], strict=True)] == [len(graph.objects)] * 2
     for k in range(2):  # what is movable in the scene that was made stays where it is
-        assert rest_moves(CompiledScene.load(out / "cousins" / str(k) / "scene").geometry) == []
+        assert displacements(CompiledScene.load(out / "cousins" / str(k) / "scene").geometry) == []
     for k in range(2):
         folder = out / "cousins" / str(k)
         model = mujoco.MjModel.from_xml_path(str(folder / "scene" / "scene.xml"))

@@ -117,7 +117,7 @@ def test_the_way_keeps_its_order_where_the_later_model_is_the_larger():
 
 
 @pytest.mark.parametrize("factor", [0.2, 4.0])
-def test_a_unit_that_changes_on_the_way_is_mended(factor: float):
+def test_a_unit_that_changes_on_the_way_is_fixed(factor: float):
     model = _model(THERE, 1, 1.0)
     at = 20
     anchor = model["poses"][at, :3, 3].copy()

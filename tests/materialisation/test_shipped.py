@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from urbanverse_mjx.assets import load_hulls
-from urbanverse_mjx.citygen import BUILDERS, passage
+from urbanverse_mjx.citygen import BUILDERS, clearance
 from urbanverse_mjx.datatypes import SceneGraph
 from urbanverse_mjx.materialisation import index_of, materialise_cousin, overlap
 
@@ -90,10 +90,10 @@ def test_a_robot_gets_by_the_real_objects_on_both_pavements(street):
         for corners in load_hulls(index.get(placed.asset_uid)).hulls:
             if corners[:, 2].min() * placed.scale[2] < ROBOT_HEIGHT:
                 taken.append(outline(placed, corners))
-    reach = passage.PASSAGE / 2
+    reach = clearance.CLEARANCE / 2
     blocked = shapely.union_all(taken).buffer(reach, quad_segs=4)
-    free = passage.walkable(graph.ground).buffer(-reach, join_style="mitre").difference(blocked)
+    free = clearance.walkable(graph.ground).buffer(-reach, join_style="mitre").difference(blocked)
     section = BUILDERS[graph.id]().section
     for side in (1, -1):
-        length = passage.reach_along(free, side * section.half, side * section.front(side))
-        assert length >= section.length - 2 * passage.PASSAGE
+        length = clearance.reach_along(free, side * section.half, side * section.front(side))
+        assert length >= section.length - 2 * clearance.CLEARANCE

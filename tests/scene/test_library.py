@@ -16,9 +16,9 @@ from urbanverse_mjx.pipeline.banks import join_banks
 from urbanverse_mjx.pipeline.library import building
 from urbanverse_mjx.pipeline.library.building import cousins_of, graph_of, layouts_of
 from urbanverse_mjx.scene import library
-from urbanverse_mjx.scene.settling import hanging
+from urbanverse_mjx.scene.stability_trial import hanging
 
-from .test_rest import CUBE, scene_of
+from .test_stability import CUBE, scene_of
 
 
 def test_sets_and_ids() -> None:

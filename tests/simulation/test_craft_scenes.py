@@ -29,7 +29,7 @@ def test_a_hand_made_scene_compiles_whole(scene_id, tmp_path):
     rules = EpisodeRules(rows=ROWS)
     layout = cousin.layout
     compiled = compile_scene(
-        layout, index_of(layout), tmp_path / "scene", make_controller(), rules=rules, fix_fallers=True
+        layout, index_of(layout), tmp_path / "scene", make_controller(), rules=rules, freeze_unstable=True
     )
     geometry = compiled.geometry
     assert len(geometry.episodes.start) == ROWS

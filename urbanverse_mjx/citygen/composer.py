@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ..datatypes import GraphObject, GroundRegion, SceneGraph
-from . import catalogue, passage
+from . import catalogue, clearance
 from .section import CROSS_ARM, StreetSection, ground_regions
 from .stage import JOINT, Stage
 
@@ -120,15 +120,15 @@ class StreetComposer(Stage):
         return placed
 
     def _fits(self, obj: GraphObject, side: int) -> bool:
-        shape = passage.footprint(obj).buffer(0.08)
-        if any(passage.footprint(o).intersects(shape) for o in self.objects if passage.is_obstacle(o)):
+        shape = clearance.footprint(obj).buffer(0.08)
+        if any(clearance.footprint(o).intersects(shape) for o in self.objects if clearance.is_obstacle(o)):
             return False
-        return self.passage_length(side, [*self.objects, obj]) >= self.section.length - 2 * passage.PASSAGE
+        return self.clear_length(side, [*self.objects, obj]) >= self.section.length - 2 * clearance.CLEARANCE
 
-    def passage_length(self, side: int, objects: Sequence[GraphObject] | None = None) -> float:
+    def clear_length(self, side: int, objects: Sequence[GraphObject] | None = None) -> float:
         """Metres of a side's pavement that a robot can pass in one go."""
-        space = passage.free_space(self.regions, self.objects if objects is None else objects)
-        return passage.reach_along(space, side * self.section.half, side * self.section.front(side))
+        space = clearance.free_space(self.regions, self.objects if objects is None else objects)
+        return clearance.reach_along(space, side * self.section.half, side * self.section.front(side))
 
     def paint(self, regions: Iterable[GroundRegion]) -> None:
         self.lay(regions)

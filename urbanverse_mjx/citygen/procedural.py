@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ..datatypes import GraphObject, SceneGraph, Source
 from ..datatypes import validation as v
-from . import catalogue, passage
+from . import catalogue, clearance
 from .composer import JOINT
 from .procedural_ground import Arm, Ground, lay
 from .procedural_templates import TEMPLATES, Plan
@@ -171,7 +171,7 @@ class _Scene:
 
     def _house(self, label: str, x: float, y: float, facing: tuple[float, float], size: catalogue.Size) -> None:
         obj = self._make(label, x, y, math.atan2(facing[1], facing[0]), size)
-        shape = passage.footprint(obj)
+        shape = clearance.footprint(obj)
         if not shape.intersects(self._built) and not any(shape.intersects(t) for t in self._fronts):
             self._fronts.append(shape)
             self._add(obj)
@@ -203,7 +203,7 @@ class _Scene:
 
     def _offset(self, zone: str, trial: GraphObject, out: tuple[float, float]) -> float | None:
         """m from the kerb to an object's middle that keeps it in its zone; None where it does not fit."""
-        reach = max(abs(x * out[0] + y * out[1]) for x, y in passage.footprint(trial).exterior.coords)
+        reach = max(abs(x * out[0] + y * out[1]) for x, y in clearance.footprint(trial).exterior.coords)
         width = self.plan.pavement
         bounds = {
             "kerb": KERB_ZONE,
@@ -215,17 +215,17 @@ class _Scene:
         if low > high:
             return None
         if zone == "clear":  # to one edge of its zone, so that a robot can pass on the other
-            if high - low < passage.PASSAGE:
+            if high - low < clearance.CLEARANCE:
                 return None
             return low if self.rng.random() < 0.5 else high
         return self.rng.uniform(low, high)
 
     def _try(self, obj: GraphObject, zone: str) -> bool:
-        shape = passage.footprint(obj)
+        shape = clearance.footprint(obj)
         if not (self.ground.road if zone == "road" else self._middle).contains(shape):
             return False
         # A robot must pass between two objects on one pavement, unless they stand in line along its edges.
-        reach = passage.PASSAGE if zone == "clear" else APART
+        reach = clearance.CLEARANCE if zone == "clear" else APART
         if shape.buffer(reach).intersects(self._close_by(shape, reach)):
             return False
         self._taken.append(shape)
@@ -238,7 +238,7 @@ class _Scene:
     def _fill_plaza(self, plaza: shapely.Polygon) -> None:
         x0, y0, x1, y1 = plaza.bounds
         fountain = self._make("fountain", (x0 + x1) / 2, (y0 + y1) / 2, 0.0, self._size_of("fountain"))
-        self._taken.append(passage.footprint(fountain))
+        self._taken.append(clearance.footprint(fountain))
         self._add(fountain)
         for _ in range(round(self.rng.uniform(*DENSITY["plaza"]) * plaza.area / 100.0)):
             label = self.rng.choice(ZONES["plaza"])

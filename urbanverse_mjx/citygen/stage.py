@@ -9,7 +9,7 @@ import shapely.ops
 
 from ..datatypes import GraphObject, GroundRegion, Source
 from ..datatypes.ground import PAINT_KINDS, height_at
-from . import catalogue, passage
+from . import catalogue, clearance
 
 JOINT = 0.01  # m between two house fronts, so that rounding to millimetres never makes them overlap
 
@@ -89,7 +89,7 @@ class Stage:
             x, y = x - ahead * math.cos(angle), y - ahead * math.sin(angle)
         name = f"{label.replace(' ', '_')}_{self._number(label):02d}"
         center = (round(x, 3), round(y, 3), round(z, 4))
-        return GraphObject(name, label, center, (along, across, up), passage.heading(degrees))
+        return GraphObject(name, label, center, (along, across, up), clearance.heading(degrees))
 
     def add(self, obj: GraphObject) -> GraphObject:
         self._counts[obj.label] = self._number(obj.label) + 1

@@ -1,4 +1,4 @@
-"""`urbanverse doctor`: what this machine has, and the command that mends what is missing.
+"""`urbanverse doctor`: what this machine has, and the command that fixes what is missing.
 
 Every check runs in a process of its own, so that a package that crashes, hangs or lies about itself costs one line
 of the table and nothing else. Exit status 0 when everything the main job needs is there, 1 otherwise.
@@ -32,17 +32,17 @@ class Row:
 def examine(name: str, timeout: float = TIMEOUT) -> Row:
     """Runs one check in a fresh interpreter; whatever happens to it becomes a finding."""
     required, package = CHECKS[name].required, CHECKS[name].package
-    mend = reinstall(package) if package else "make setup"
+    fix = reinstall(package) if package else "make setup"
     command = [sys.executable, "-m", "urbanverse_mjx.cli.doctor_checks", name]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
     except subprocess.TimeoutExpired:
-        return Row(name, required, Finding("problem", f"no answer within {timeout:.0f} s", mend))
+        return Row(name, required, Finding("problem", f"no answer within {timeout:.0f} s", fix))
     lines = done.stdout.strip().splitlines()
     try:
         return Row(name, required, Finding(**json.loads(lines[-1])))
     except (IndexError, TypeError, ValueError):
-        return Row(name, required, Finding("problem", f"the check {_ending(done)}", mend))
+        return Row(name, required, Finding("problem", f"the check {_ending(done)}", fix))
 
 
 def _ending(done: subprocess.CompletedProcess[str]) -> str:
@@ -60,7 +60,7 @@ def examine_all(names: Sequence[str], workers: int = 2) -> list[Row]:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """The rows as text, with the fixes below what they mend."""
+    """The rows as text, with the fixes below what they fix."""
     lines = []
     for row in rows:
         status = row.finding.status

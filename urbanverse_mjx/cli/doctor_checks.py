@@ -1,7 +1,7 @@
 """The checks of `urbanverse doctor`; `python -m urbanverse_mjx.cli.doctor_checks NAME` runs one and prints JSON.
 
 A check imports what it examines inside its function, makes it do a small piece of real work, and returns a
-`Finding` or raises; an exception becomes a finding with the command that mends the package.
+`Finding` or raises; an exception becomes a finding with the command that fixes the package.
 """
 
 import dataclasses
@@ -37,7 +37,7 @@ _SCENE = """
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """What a check found: `status`, one line of `detail`, and the command (or step) that mends it."""
+    """What a check found: `status`, one line of `detail`, and the command (or step) that fixes it."""
 
     status: Literal["ok", "missing", "problem"]
     detail: str
@@ -105,8 +105,8 @@ def check_packages() -> Finding:
     try:
         ours = _version("urbanverse_mjx")
     except importlib.metadata.PackageNotFoundError:
-        mend = f"{sys.executable} -m pip install -e ."
-        return Finding("missing", "urbanverse_mjx is not installed, only importable", mend)
+        fix = f"{sys.executable} -m pip install -e ."
+        return Finding("missing", "urbanverse_mjx is not installed, only importable", fix)
     lines = [Requirement(line) for line in declared()]
     needed = [r for r in lines if r.marker is None or r.marker.evaluate({"extra": ""})]
     missing, wrong = [], []
@@ -133,8 +133,8 @@ def check_jax() -> Finding:
     if total != 14.0:
         return Finding("problem", f"{detail}; computed {total} where 14 is right", reinstall("jaxlib"))
     if jax.default_backend() == "cpu" and _gpus():
-        mend = f'{sys.executable} -m pip install "jax[cuda13]=={jax.__version__}"'
-        return Finding("problem", f"{detail}, but the GPU is not used", mend)
+        fix = f'{sys.executable} -m pip install "jax[cuda13]=={jax.__version__}"'
+        return Finding("problem", f"{detail}, but the GPU is not used", fix)
     return Finding("ok", detail)
 
 
@@ -250,13 +250,13 @@ def check_cache() -> Finding:
         with tempfile.TemporaryFile(dir=folder) as file:
             file.write(b"urbanverse")
     except OSError as error:
-        mend = "export URBANVERSE_CACHE=<a folder you can write to>"
-        return Finding("problem", f"{folder} cannot be written ({error.strerror})", mend)
+        fix = "export URBANVERSE_CACHE=<a folder you can write to>"
+        return Finding("problem", f"{folder} cannot be written ({error.strerror})", fix)
     free = shutil.disk_usage(folder).free
     detail = f"{folder}, {free / 1e9:.1f} GB free"
     if free < MINIMUM_FREE_BYTES:
-        mend = f"free {MINIMUM_FREE_BYTES / 1e9:.0f} GB there, or export URBANVERSE_CACHE=<another folder>"
-        return Finding("problem", detail, mend)
+        fix = f"free {MINIMUM_FREE_BYTES / 1e9:.0f} GB there, or export URBANVERSE_CACHE=<another folder>"
+        return Finding("problem", detail, fix)
     return Finding("ok", detail)
 
 
@@ -276,8 +276,8 @@ def check_assets() -> Finding:
             without.append(leaf)
     detail = f"{len(index.records)} assets of {len(leaves)} leaf categories"
     if without:
-        mend = f"{sys.executable} -m urbanverse_mjx.assets hulls"
-        return Finding("missing", f"{detail}; no hulls for {', '.join(without[:3])} ({len(without)} leaves)", mend)
+        fix = f"{sys.executable} -m urbanverse_mjx.assets hulls"
+        return Finding("missing", f"{detail}; no hulls for {', '.join(without[:3])} ({len(without)} leaves)", fix)
     return Finding("ok", f"{detail}, with hulls")
 
 
@@ -336,16 +336,16 @@ CHECKS: dict[str, Check] = {
 
 
 def run(name: str) -> Finding:
-    """Runs one check here; an exception becomes a finding with the command that mends it."""
+    """Runs one check here; an exception becomes a finding with the command that fixes it."""
     check = CHECKS[name]
-    mend = reinstall(check.package) if check.package else "make setup"
+    fix = reinstall(check.package) if check.package else "make setup"
     try:
         return check.run()
     except ModuleNotFoundError as error:
-        return Finding("missing", f"no module {error.name!r}", install(check.package) if check.package else mend)
+        return Finding("missing", f"no module {error.name!r}", install(check.package) if check.package else fix)
     except BaseException as error:  # a broken package may raise anything, SystemExit included
         first: Any = str(error).strip().splitlines() or [""]
-        return Finding("problem", f"{type(error).__name__}: {first[0][:200]}", mend)
+        return Finding("problem", f"{type(error).__name__}: {first[0][:200]}", fix)
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ COMMANDS = {
     "robot": ("robot", "read a robot's description; how well spheres fit its collision shapes"),
     "schema": ("schema", "print the JSON Schema of scene graphs or layouts"),
     "list-envs": ("list_envs", "list the registered environments and their presets"),
-    "doctor": ("doctor", "say what this machine has and how to mend what is missing"),
+    "doctor": ("doctor", "say what this machine has and how to fix what is missing"),
 }
 #: Commands that run on a machine with a bank and nothing to make one.
 ON_A_BANK = frozenset({"train", "evaluate", "benchmark", "export-policy", "export-gait", "list-envs"})

@@ -230,7 +230,7 @@ class Recording:
         size = self.camera.width, self.camera.height
         if image.size != size:
             found, needed = f"{image.size[0]}x{image.size[1]} pixels", f"the camera's {size[0]}x{size[1]}"
-            raise v.fail(str(path), found, needed, "scale the picture or mend the camera")
+            raise v.fail(str(path), found, needed, "scale the picture or fix the camera")
         if image.mode not in modes:
             raise v.fail(str(path), f"pixels of mode {image.mode}", f"mode {modes[0]} for a {kind} picture")
 

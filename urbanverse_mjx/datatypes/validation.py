@@ -155,7 +155,7 @@ def mapping(
     for key in value:
         if key not in required and key not in optional:
             known = ", ".join((*required, *optional))
-            raise fail(f"{where}.{key}", "an unknown field", f"only {known}", "remove it or mend its spelling")
+            raise fail(f"{where}.{key}", "an unknown field", f"only {known}", "remove it or fix its spelling")
     return value
 
 

@@ -2,18 +2,18 @@
 bends.
 
 Odometry that turns a little too far with every step leads the lines of sight to one object past each other. So poses
-(shifts and turns at knots, `knots`) and the places of objects are found together that bring every view's direction and
-distance nearest to what was seen: a bundle adjustment (Triggs et al., "Bundle Adjustment - A Modern Synthesis", 2000)
-whose points are whole objects. What faces the camera is nearer than an object's middle; by how much is unknown for each
-object and found with it, or distances would shrink the way. Outliers (views of another thing, half hidden ones) are
-outvoted as in `drift`.
+(shifts and turns at control points, `control_points`) and the places of objects are found together that bring every
+view's direction and distance nearest to what was seen: a bundle adjustment (Triggs et al., "Bundle Adjustment - A
+Modern Synthesis", 2000) whose points are whole objects. What faces the camera is nearer than an object's middle; by how
+much is unknown for each object and found with it, or distances would shrink the way. Outliers (views of another thing,
+half hidden ones) are outvoted as in `drift`.
 """
 
 import dataclasses
 
 import numpy as np
 
-from . import knots
+from . import control_points
 from .depth_scale import DepthScale
 from .fusion import PLACE, world_points
 from .lifting import Views
@@ -89,7 +89,7 @@ def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: D
     still, moved = problem.solve(free=False), problem.solve(free=True)
     if moved.misfit > _GAIN * still.misfit:
         return None
-    return knots.corrected(poses, problem.at @ moved.correction)
+    return control_points.corrected(poses, problem.at @ moved.correction)
 
 
 def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, scale: np.ndarray) -> float:
@@ -130,8 +130,8 @@ def _whole_objects(
 
 @dataclasses.dataclass(frozen=True)
 class _Solution:
-    """correction (k, 4) m and rad at the knots; misfit: median squared one of directions, in standard errors; objects
-    (t, 3) and their information (t, 3, 3), see `_Problem`."""
+    """correction (k, 4) m and rad at the control points; misfit: median squared one of directions, in standard errors;
+    objects (t, 3) and their information (t, 3, 3), see `_Problem`."""
 
     correction: np.ndarray
     misfit: float
@@ -140,15 +140,15 @@ class _Solution:
 
 
 class _Problem:
-    """Unknown are the correction at the knots and, for every object, its place (x, y) and how much of it is behind what
-    is seen (m). Gauss-Newton with Geman-McClure weights; objects are eliminated (Schur's complement)."""
+    """Unknown are the correction at the control points and, for every object, its place (x, y) and how much of it is
+    behind what is seen (m). Gauss-Newton with Geman-McClure weights; objects are eliminated (Schur's complement)."""
 
     def __init__(self, seen: Bearings, which: np.ndarray, poses: np.ndarray, noise: float) -> None:
         self.seen, self.which, self.poses = seen, which, poses
-        self.at = knots.weights(len(poses))
+        self.at = control_points.weights(len(poses))
         self.blend = self.at[seen.frame]
-        # A view hangs on two knots alone, however many there are.
-        before, share = knots.between(len(poses))
+        # A view hangs on two control points alone, however many there are.
+        before, share = control_points.between(len(poses))
         self.before, self.shares = before[seen.frame], np.stack([1.0 - share, share], -1)[seen.frame]
         self.across = np.hypot(_DIRECTION, (PLACE + _ASIDE * seen.width) / seen.reach)
         self.along = noise * seen.reach + PLACE
@@ -168,7 +168,7 @@ class _Problem:
             g = -self._summed(np.einsum("nri,nr->ni", slope, trust * misfit))
             g[:, 2] += self.held * (self.behind - objects[:, 2])
             if free:
-                step = self._knots(misfit, slope, bend, trust, H, g, correction)
+                step = self._control_points(misfit, slope, bend, trust, H, g, correction)
                 correction = correction + step
                 g -= self._summed(np.einsum("nri,nr,nrj,nj->ni", slope, trust, bend, self.blend @ step, optimize=True))
             objects = objects + np.linalg.solve(H, g[..., None])[..., 0]
@@ -206,7 +206,7 @@ class _Problem:
         flat = values.reshape(len(values), -1)
         return np.stack([np.bincount(self.which, column) for column in flat.T], -1).reshape(-1, *values.shape[1:])
 
-    def _knots(
+    def _control_points(
         self,
         misfit: np.ndarray,
         slope: np.ndarray,
@@ -216,7 +216,7 @@ class _Problem:
         g: np.ndarray,
         correction: np.ndarray,
     ) -> np.ndarray:
-        """(k, 4) the step of the knots."""
+        """(k, 4) the step of the control points."""
         count = len(correction)
         own = np.einsum("nri,nr,nrj->nij", bend, trust, bend)
         mixed = np.einsum("nri,nr,nrj->nij", bend, trust, slope)
@@ -233,7 +233,10 @@ class _Problem:
         right, cross = right.ravel(), cross.reshape(len(H), 4 * count, 3)
         normal -= np.einsum("tai,tij,tbj->ab", cross, np.linalg.inv(H), cross, optimize=True)
         right -= np.einsum("tai,ti->a", cross, np.linalg.solve(H, g[..., None])[..., 0], optimize=True)
-        for block, value in (knots.odometry(correction, self.at, self.poses), knots.anchor(correction)):
+        for block, value in (
+            control_points.odometry(correction, self.at, self.poses),
+            control_points.anchor(correction),
+        ):
             normal += block.T @ block
             right += block.T @ value
         return np.linalg.solve(normal, right).reshape(count, 4)

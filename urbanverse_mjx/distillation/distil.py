@@ -129,7 +129,7 @@ def distil(
             depth = dataclasses.replace(depth, noise=error)
             placed, object_of_view = _associated(views, poses, depth, alike)
     if options.close_loops and not options.single_view:
-        poses, placed, object_of_view = _mended(views, placed, object_of_view, poses, depth, alike)
+        poses, placed, object_of_view = _fixed(views, placed, object_of_view, poses, depth, alike)
     ground_grid = ground.ground_map(seen, poses, depth.scale, depth.noise)
     regions = () if ground_grid is None else ground.regions(ground_grid)
     if ground_grid is None or not regions:
@@ -160,7 +160,7 @@ def _associated(
     return placed, fusion.associate(views, placed, alike)
 
 
-def _mended(
+def _fixed(
     views: Views,
     placed: fusion.Placed,
     object_of_view: np.ndarray,

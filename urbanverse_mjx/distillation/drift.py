@@ -1,11 +1,11 @@
 """Loop-consistent poses: where a trajectory comes by again, objects seen both times pull the two passes together.
 
-Drift is slow, so the correction is a shift and a turn about z at knots along the trajectory, linear in between. Every
-object seen in two passes says that both sightings are one place; between knots the odometry says that the turn hardly
-changes, changes evenly, and carries the way with it: a trajectory that bends by a degree is off by more the farther it
-goes. Wrong pairs are outvoted: their weight falls with the square of their misfit (Geman and McClure), whose scale
-shrinks from round to round (graduated non-convexity: Yang et al., "Graduated Non-Convexity for Robust Spatial
-Perception", 2020).
+Drift is slow, so the correction is a shift and a turn about z at control points along the trajectory, linear in
+between. Every object seen in two passes says that both sightings are one place; between control points the odometry
+says that the turn hardly changes, changes evenly, and carries the way with it: a trajectory that bends by a degree is
+off by more the farther it goes. Wrong pairs are outvoted: their weight falls with the square of their misfit (Geman and
+McClure), whose scale shrinks from round to round (graduated non-convexity: Yang et al., "Graduated Non-Convexity for
+Robust Spatial Perception", 2020).
 """
 
 import dataclasses
@@ -13,7 +13,7 @@ import dataclasses
 import numpy as np
 import scipy.spatial
 
-from . import knots
+from . import control_points
 from .fusion import Placed
 from .lifting import Views
 
@@ -49,7 +49,7 @@ def close_loops(
       alike: (L, L) similarity of labels.
     """
     seen = _sightings(views, placed, object_of_view)
-    at = knots.weights(len(poses))
+    at = control_points.weights(len(poses))
     correction = np.zeros((at.shape[1], 4))
     pairs = np.zeros((0, 2), np.int64)
     for gate in _GATES:
@@ -66,7 +66,7 @@ def close_loops(
     # Sightings from two sides differ by some centimetres even where poses are perfect.
     if agree.sum() < _MIN_PAIRS or np.median(before[agree]) < max(_OPEN, 2.0 * float(np.median(after[agree]))):
         return None
-    return knots.corrected(poses, at @ correction)
+    return control_points.corrected(poses, at @ correction)
 
 
 def _sightings(views: Views, placed: Placed, object_of_view: np.ndarray) -> _Sightings:
@@ -88,7 +88,7 @@ def _sightings(views: Views, placed: Placed, object_of_view: np.ndarray) -> _Sig
 
 
 def _rows(seen: _Sightings, at: np.ndarray) -> np.ndarray:
-    """(s, k) weights of knots at the sightings."""
+    """(s, k) weights of control points at the sightings."""
     low = np.floor(seen.frame).astype(int)
     part = (seen.frame - low)[:, None]
     return (1 - part) * at[low] + part * at[np.minimum(low + 1, len(at) - 1)]
@@ -145,7 +145,7 @@ def _solve(
         blocks.append((block * trust[:, None, None]).reshape(len(pairs), -1))
         values.append(-misfit[:, axis] * trust)
     flat = correction.ravel()
-    for block, value in (knots.odometry(correction, at, poses), knots.anchor(correction)):
+    for block, value in (control_points.odometry(correction, at, poses), control_points.anchor(correction)):
         blocks.append(block)
         values.append(value)
     step, *_ = np.linalg.lstsq(np.concatenate(blocks), np.concatenate(values), rcond=None)

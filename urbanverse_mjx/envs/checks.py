@@ -57,7 +57,7 @@ class _Counted:
 
 
 def check_env(env: StagedEnv[Any], num_envs: int = 6, num_steps: int = 12, tolerance: float = 1e-4) -> None:
-    """Checks an environment with `begin`, `renew`, `advance`, `observe`, `reset`, `step` (see `NavEnv`).
+    """Checks an environment with `begin`, `reset_episode`, `advance`, `observe`, `reset`, `step` (see `NavEnv`).
 
     Args:
       env: not wrapped.
@@ -147,13 +147,13 @@ def _check_auto_reset(env: Any, step: Any, first: Any, keys: Any) -> None:
     done = np.asarray(after.done) > 0
     _require(done[half].all(), "an episode ends when its time is over", done)
     over = step(dataclasses.replace(first, data=state.data), actions).data
-    fresh = jax.jit(jax.vmap(env.renew))(over)
+    fresh = jax.jit(jax.vmap(env.reset_episode))(over)
     wanted = jax.jit(jax.vmap(env.observe))(fresh)
     for i in np.flatnonzero(done):
         got = jax.tree.map(lambda x, i=i: x[i], after)
         # Two programs, so sums may be rounded in another order: 3e-8 m was seen in a pose.
         same = _same(got.data, jax.tree.map(lambda x, i=i: x[i], fresh), 1e-6)
-        _require(same, "auto-reset equals renew in all carried state")
+        _require(same, "auto-reset equals reset_episode in all carried state")
         for name in wanted:
             close = (
                 _frames_close(got.obs[name], wanted[name][i])

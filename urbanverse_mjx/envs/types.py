@@ -149,7 +149,7 @@ class StagedEnv[C](Protocol):
         """The first episode of an env."""
         ...
 
-    def renew(self, carried: C, /) -> C:
+    def reset_episode(self, carried: C, /) -> C:
         """The episode after that of `carried`."""
         ...
 

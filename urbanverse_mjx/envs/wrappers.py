@@ -72,7 +72,7 @@ class AutoResetEnv[C]:
             new = {**metrics, "sum_reward": reward, "length": jnp.float32(1.0)}
             sums = {name: old[name] * alive + new[name] for name in new}
             info = {**self.env.info_of(nav), "episode_done": done, "episode_metrics": sums}
-            fresh = self.env.renew(nav)
+            fresh = self.env.reset_episode(nav)
             nav = jax.tree.map(lambda a, b: jnp.where(done > 0, a, b), fresh, nav)
             return State(nav, state.obs, reward, done, metrics, info)
 

@@ -1,7 +1,7 @@
 """Policies in ONNX files, of `urbanverse export-onnx` or of others, run by onnxruntime on the CPU.
 
 In:   a file.
-Out:  `ForeignPolicy`: a `BatchAgent` that remembers where the file has memory.
+Out:  `ExternalPolicy`: a `BatchAgent` that remembers where the file has memory.
 When: once per run; asked every control step, outside jit.
 """
 
@@ -14,14 +14,14 @@ import numpy as np
 
 from ..datatypes import ValidationError
 from ..datatypes.policy_file import METADATA_KEY, NEXT, PolicyRecord, memories
-from .foreign import OBSERVATIONS, PICTURE, ForeignPolicy
+from .external import OBSERVATIONS, PICTURE, ExternalPolicy
 
 #: Names that others give to observations (facts/reference_systems.md b.7: `rgb`, `goal_vector`).
 ALIASES = {"rgb": PICTURE, "image": PICTURE, "pixels": PICTURE, "goal_vector": "goal"}
 _DTYPES: dict[str, Any] = {"tensor(float)": np.float32, "tensor(double)": np.float64, "tensor(uint8)": np.uint8}
 
 
-def load_onnx(path: pathlib.Path) -> ForeignPolicy:
+def load_onnx(path: pathlib.Path) -> ExternalPolicy:
     """A policy from an ONNX file.
 
     Its inputs are observations by name (see `ALIASES`): pictures (n, H, W, C) or (n, C, H, W), as uint8 or as floats in
@@ -44,7 +44,7 @@ def load_onnx(path: pathlib.Path) -> ForeignPolicy:
     pictures = [i for i in inputs if i.observation == PICTURE]
     size = pictures[0].size if pictures else None
     agent = _OnnxAgent(session, inputs, memory, "action" if "action" in outputs else outputs[0])
-    return ForeignPolicy(agent, tuple({i.observation: None for i in inputs}), size, record)
+    return ExternalPolicy(agent, tuple({i.observation: None for i in inputs}), size, record)
 
 
 def _session(path: pathlib.Path) -> Any:

@@ -32,7 +32,7 @@ from ..datatypes import (
     ValidationError,
 )
 from ..datatypes import validation as v
-from . import choice, clearing, kerbs, overlap, passage, shortlists, standing, surroundings, unseen
+from . import choice, clearance, clearing, ground_inpainting, kerbs, overlap, shortlists, standing, surroundings
 from .shortlists import Candidate, LeftOut
 
 #: Stands in the hashes of layouts.
@@ -152,7 +152,7 @@ def _materialise(
     nowhere += clearing.found_twice([obj for obj in flat.objects if obj.label in leaves])
     gone = {entry.id for entry in nowhere}
     if not COMPOSED.match(graph.source.video):
-        flat = unseen.fill(flat, leaves)
+        flat = ground_inpainting.fill(flat, leaves)
     strip = _way_of(flat)
     known = [_cut_back(obj, leaves, strip) for obj in flat.objects if obj.id not in gone]
     drawn: dict[str, list[Candidate]] = {}
@@ -248,11 +248,11 @@ def _way_of(graph: SceneGraph) -> BaseGeometry:
     """Where the camera went. What was composed is meant to stand where it is: nobody walked the trajectory of such a
     graph."""
     filmed = () if COMPOSED.match(graph.source.video) else graph.camera_path
-    return passage.walked(np.array(filmed).reshape(-1, 4))
+    return clearance.walked(np.array(filmed).reshape(-1, 4))
 
 
 def _cut_back(obj: GraphObject, leaves: Mapping[str, str], strip: BaseGeometry) -> GraphObject:
-    return passage.cut_back(obj, strip) if category_of(leaves[obj.label])[0] == "building" else obj
+    return clearance.cut_back(obj, strip) if category_of(leaves[obj.label])[0] == "building" else obj
 
 
 def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
@@ -265,7 +265,7 @@ def _out_of_the_way(
     bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
     """Things without those that stand where the camera went, and these: somebody passed through them."""
-    gone = set(passage.in_the_way(bodies, strip, floors))
+    gone = set(clearance.in_the_way(bodies, strip, floors))
     reason = "the camera went through where it would stand"
     left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]
     return [body for k, body in enumerate(bodies) if k not in gone], left_out

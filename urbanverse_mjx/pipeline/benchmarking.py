@@ -160,7 +160,7 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
         policy = Planner(env) if name == "planner" else BASELINES[name]
         return env, policy, False, name, {"name": name, "privileged": name == "planner"}
     if name.endswith(".onnx") or (":" in name and not path.exists()):
-        return _prepare_foreign(options, runs, contact)
+        return _prepare_external(options, runs, contact)
     if not path.is_dir():
         known = ", ".join((*BASELINES, "planner"))
         raise ValidationError(
@@ -176,10 +176,10 @@ def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, A
     return env, act, False, folder.name, where
 
 
-def _prepare_foreign(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
+def _prepare_external(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
     """`_prepare` for an ONNX file or a Python callable."""
     from ..envs import registry
-    from ..evaluation.foreign import PROPRIO, load_callable
+    from ..evaluation.external import PROPRIO, load_callable
     from ..evaluation.onnx_policy import load_onnx
 
     name, path = options.policy, pathlib.Path(options.policy)

@@ -56,7 +56,7 @@ def compile_graph(
         check_labels(scene)
     made = materialise_cousin(scene, cousin, seed)
     layout = half_layouts(made.layout)[half - 1] if half else made.layout
-    return made, compile_layout(layout, index_of(layout), out, fix_fallers=True, place=scene.source)
+    return made, compile_layout(layout, index_of(layout), out, freeze_unstable=True, place=scene.source)
 
 
 def compile_layout(
@@ -64,14 +64,14 @@ def compile_layout(
     index: "AssetIndex",
     out: pathlib.Path,
     rules: "EpisodeRules | None" = None,
-    fix_fallers: bool = False,
+    freeze_unstable: bool = False,
     place: "Source | None" = None,
 ) -> "CompiledScene":
     """Compiles a layout; COCO with the differential drive drives its episodes.
 
     Args:
       layout: what stands where. index: holds its assets. out: folder to write or to replace.
-      rules: of the episodes. fix_fallers: whether what does not stay for two seconds of C MuJoCo is fixed.
+      rules: of the episodes. freeze_unstable: whether what does not stay for two seconds of C MuJoCo is fixed.
       place: what the scene is after, for its metadata.
 
     Raises:
@@ -79,7 +79,9 @@ def compile_layout(
     """
     from ..scene.compiler import compile_scene
 
-    return compile_scene(layout, index, out, make_controller(), rules=rules, fix_fallers=fix_fallers, place=place)
+    return compile_scene(
+        layout, index, out, make_controller(), rules=rules, freeze_unstable=freeze_unstable, place=place
+    )
 
 
 @functools.cache

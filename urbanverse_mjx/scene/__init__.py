@@ -7,21 +7,21 @@ from .episodes import EpisodeRules, NoRoomError
 from .geometry import SceneGeometry
 from .mjcf import scene_mjcf, scene_spec
 from .packing import pack_bank
-from .rest import RestMove, rest_moves
+from .stability import Displacement, displacements
 from .usd import export_usd
 
 __all__ = [
     "CompiledScene",
     "Controller",
+    "Displacement",
     "EpisodeRules",
     "NoRoomError",
-    "RestMove",
     "SceneGeometry",
     "compile_scene",
+    "displacements",
     "export_usd",
     "pack",
     "pack_bank",
-    "rest_moves",
     "scene_mjcf",
     "scene_spec",
 ]

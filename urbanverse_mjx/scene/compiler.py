@@ -24,8 +24,8 @@ from .geometry import EpisodeTable, SceneGeometry
 from .metadata import SCHEMA, place_metadata, scene_metadata
 from .mjcf import scene_mjcf
 from .planner import RobotSize, free_space
-from .rest import rest_moves
 from .routes import RoutePlanner
+from .stability import displacements
 
 #: Sliding friction of every ground (URBAN-SIM's ground: 1.0 static and dynamic, facts/reference_systems.md b.5).
 GROUND_FRICTION = 1.0
@@ -77,7 +77,7 @@ def compile_scene(
     size: RobotSize | None = None,
     rules: EpisodeRules | None = None,
     source: AssetSource | None = None,
-    fix_fallers: bool = False,
+    freeze_unstable: bool = False,
     place: Source | None = None,
 ) -> CompiledScene:
     """Compiles a layout and writes its folder whole or not at all.
@@ -86,8 +86,8 @@ def compile_scene(
       controller: drives every episode once over the ground.
       size: what routes are planned for. rules: what the episode table holds.
       source: builds meshes and hulls of records; default: the packaged recipes and hull store.
-      fix_fallers: whether what would not keep its place for two seconds at rest (`rest.rest_moves`: a bicycle without
-        its stand) is not movable in the compiled scene; the folder's `layout.json` says so too.
+      freeze_unstable: whether what would not keep its place for two seconds at rest (`stability.displacements`: a
+        bicycle without its stand) is not movable in the compiled scene; the folder's `layout.json` says so too.
       place: the city and country that `metadata.json` tells: the `source` of the layout's graph.
 
     Raises:
@@ -98,8 +98,8 @@ def compile_scene(
     robot = controller.robot
     size = size or RobotSize(height=robot.planner_height)
     geometry = scene_geometry(layout, index, source)
-    if fix_fallers:
-        geometry, layout = _with_fallers_fixed(geometry, layout)
+    if freeze_unstable:
+        geometry, layout = _with_unstable_frozen(geometry, layout)
     space = free_space(geometry.map, size)
     model = ground_model(geometry, robot)
 
@@ -183,9 +183,9 @@ def scene_geometry(layout: SceneLayout, index: AssetIndex, source: AssetSource |
     )
 
 
-def _with_fallers_fixed(geometry: SceneGeometry, layout: SceneLayout) -> tuple[SceneGeometry, SceneLayout]:
+def _with_unstable_frozen(geometry: SceneGeometry, layout: SceneLayout) -> tuple[SceneGeometry, SceneLayout]:
     """Until all that is movable stays at rest: fixing one object may take away what another one leaned on."""
-    while moves := rest_moves(geometry):
+    while moves := displacements(geometry):
         names = {m.id for m in moves}
         falls = np.array([name in names for name in geometry.object_ids])
         geometry = dataclasses.replace(geometry, object_movable=geometry.object_movable & ~falls)

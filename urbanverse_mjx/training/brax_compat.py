@@ -1,4 +1,4 @@
-"""The one place that mends Brax 0.14.2 for newer JAX.
+"""The one place that fixes Brax 0.14.2 for newer JAX.
 
 `jax.device_put_replicated` left JAX with 0.10, and Brax's PPO still calls it. The replacement goes through
 `jax.pmap`, so that its result has the very sharding that pmap returns: with any other the training epoch would

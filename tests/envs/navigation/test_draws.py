@@ -39,7 +39,7 @@ def test_values_fill_their_ranges_and_leave_the_rest_alone(small_bank: SceneBank
     for name in ("episode", "start", "goal", "route_length"):
         np.testing.assert_array_equal(getattr(plain, name), getattr(drawn, name))
     np.testing.assert_array_equal(off.qpos, drawn.sim.qpos)
-    after = jax.jit(jax.vmap(env.renew))(drawn)
+    after = jax.jit(jax.vmap(env.reset_episode))(drawn)
     assert (after.sim.mass_scale != drawn.sim.mass_scale).all()
     assert (after.appearance_seed != drawn.appearance_seed).all()
 

@@ -104,7 +104,7 @@ def test_objects_are_pushed_in_an_episode_and_stand_in_their_places_in_the_next(
     moved = np.linalg.norm(np.asarray(nav.sim.bodies.position) - bodies.position, axis=-1)
     assert len(named) >= 4
     assert (moved[:, 0] > 0.1).sum() >= 3
-    again = jax.jit(jax.vmap(env.renew))(nav)
+    again = jax.jit(jax.vmap(env.reset_episode))(nav)
     obj, where = np.asarray(again.sim.bodies.object_index), np.asarray(again.sim.bodies.position)
     np.testing.assert_array_equal(where, small_bank.slot_position[np.asarray(again.sim.scene)[:, None], obj])
     for field in ("velocity", "spin", "warm"):

@@ -39,8 +39,8 @@ def import_assets(
 
     def tell(done: int, of: int, entry: Entry) -> None:
         what = f"-> {entry.uid}" if entry.uid else f"refused, {entry.reason}: {entry.why}"
-        mended = "".join(f"; {name} mended: {how}" for name, how, good in entry.findings if good)
-        console.print(escape(f"[{done}/{of}] {entry.file.encode('ascii', 'backslashreplace').decode()} {what}{mended}"))
+        fixed = "".join(f"; {name} fixed: {how}" for name, how, good in entry.findings if good)
+        console.print(escape(f"[{done}/{of}] {entry.file.encode('ascii', 'backslashreplace').decode()} {what}{fixed}"))
 
     options = Options(licence, jobs, again, pictures, vision_endpoint(), Bounds(seconds))
     counts = report(import_folder(folder, options, tell))

@@ -48,11 +48,11 @@ CAD_WORDS = re.compile(
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """One corruption: its name, what showed it, and whether the import mended it."""
+    """One corruption: its name, what showed it, and whether the import fixed it."""
 
     name: str
     evidence: str
-    mended: bool = False
+    fixed: bool = False
 
 
 def find_in_shape(shape: Shape, source: Source, row: Prior | None) -> list[Finding]:

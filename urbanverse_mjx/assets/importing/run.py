@@ -74,7 +74,7 @@ class Entry:
     Attributes:
       file: path below the imported folder; key: what the line holds for (content, annotation, options).
       uid: of the asset, or None where the file was rejected for `reason` (one of a few words) and `why` (a sentence).
-      findings: (name, evidence, mended) of each corruption.
+      findings: (name, evidence, fixed) of each corruption.
       notes: what was done or left out.
     """
 
@@ -138,7 +138,7 @@ def report(entries: list[Entry]) -> dict[str, Any]:
         "imported": len(good),
         "rejected": len(bad),
         "rejected_for": reasons,
-        "assets": [{"file": e.file, "uid": e.uid, "mended": _mended(e), "notes": list(e.notes)} for e in good],
+        "assets": [{"file": e.file, "uid": e.uid, "mended": _fixed(e), "notes": list(e.notes)} for e in good],
         "refusals": [
             {"file": e.file, "reason": e.reason, "why": e.why, "all": [f"{n}: {w}" for n, w, _ in e.findings]}
             for e in bad
@@ -146,8 +146,8 @@ def report(entries: list[Entry]) -> dict[str, Any]:
     }
 
 
-def _mended(entry: Entry) -> list[str]:
-    return [f"{name}: {evidence}" for name, evidence, mended in entry.findings if mended]
+def _fixed(entry: Entry) -> list[str]:
+    return [f"{name}: {evidence}" for name, evidence, fixed in entry.findings if fixed]
 
 
 @contextlib.contextmanager
@@ -266,10 +266,10 @@ def _import_file(
         if outcome.reason:
             return Entry(name, key, None, outcome.reason, outcome.sentence, notes=tuple(notes))
         made: Made = outcome.value
-        findings = tuple((f.name, f.evidence, f.mended) for f in made.findings)
+        findings = tuple((f.name, f.evidence, f.fixed) for f in made.findings)
         notes += made.notes
         if made.uid is None:
-            first = next(f for f in made.findings if not f.mended)
+            first = next(f for f in made.findings if not f.fixed)
             return Entry(name, key, None, first.name, first.evidence, findings, tuple(notes))
         if options.pictures:
             drawn = contained(draw, staging, MESH, bounds=options.bounds)

@@ -53,7 +53,7 @@ class Task:
 
 @dataclasses.dataclass(frozen=True)
 class Made:
-    """What came of one file: its uid, or None where a finding that is not mended keeps it out."""
+    """What came of one file: its uid, or None where a finding that is not fixed keeps it out."""
 
     uid: str | None
     leaf: str | None
@@ -85,7 +85,7 @@ def make_asset(task: Task) -> Made:
     if leaf and placement:
         findings += _scale_findings(placement, leaf)
     notes = [*source.notes, *(placement.steps if placement else ())]
-    if leaf is None or placement is None or any(not f.mended for f in findings):
+    if leaf is None or placement is None or any(not f.fixed for f in findings):
         return Made(None, leaf, tuple(findings), tuple(notes))
     mesh = _asset_mesh(placement.apply(vertices), faces, uv, texture, source)
     uid = f"{leaf.replace(' ', '-')}/imported/{task.sha256[:16]}"
@@ -101,7 +101,7 @@ def _leaf(task: Task, source: Source, fields: Mapping[str, Any]) -> tuple[str | 
     if told:
         if named:
             return told, []
-        return told, [Finding(NAMES, f"{task.path.name!r} names no leaf; its annotation says {told!r}", mended=True)]
+        return told, [Finding(NAMES, f"{task.path.name!r} names no leaf; its annotation says {told!r}", fixed=True)]
     if named:
         return named, []
     inner = ", ".join(repr(n[:40]) for n in source.names[:3])
@@ -120,7 +120,7 @@ def _scale_findings(placement: Placement, leaf: str) -> list[Finding]:
     if placement.misfit > STRETCHED:
         factor = np.exp(placement.misfit)
         return [Finding(SCALE, f"at any scale a side is {factor:.1f} times beyond what a {leaf} may have")]
-    return [Finding(SCALE, placement.scaled, mended=True)] if placement.scaled else []
+    return [Finding(SCALE, placement.scaled, fixed=True)] if placement.scaled else []
 
 
 def _asset_mesh(

@@ -40,7 +40,7 @@ def agent_appearances() -> tuple[AgentAppearance, ...]:
     for kind, leaf, variants in _APPEARANCES:
         if leaf not in recipes:
             raise ValidationError(
-                f"agent {kind!r}: found no recipe for {leaf!r}, needed one; mend assets/meshes/agents.py."
+                f"agent {kind!r}: found no recipe for {leaf!r}, needed one; fix assets/meshes/agents.py."
             )
         for variant in variants:
             mesh = recipes[leaf].build(variant).mesh

@@ -1,4 +1,4 @@
-"""What may be missing or damaged of the index on this machine, and how it is mended."""
+"""What may be missing or damaged of the index on this machine, and how it is fixed."""
 
 from ..collision.hulls import HullStore
 from ..collision.hulls import store_path as hulls_path

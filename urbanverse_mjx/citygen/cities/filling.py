@@ -9,7 +9,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ...datatypes import GraphObject
-from .. import catalogue, passage
+from .. import catalogue, clearance
 from . import stock
 from .ground import CROSSWALK_HALF, END_RAMP, Plan
 from .line import Point
@@ -126,7 +126,7 @@ class Filler:
             lane.
         """
         x, y = self.at(s, side, v)
-        yaw = passage.heading(self.degrees(facing, side, s))
+        yaw = clearance.heading(self.degrees(facing, side, s))
         along, _, up = item.size
         stem = catalogue.STEMS.get(item.label)
         if stem:
@@ -137,10 +137,10 @@ class Filler:
         name = f"{item.label.replace(' ', '_')}_{number:02d}"
         center = (round(x, 3), round(y, 3), round(z, 4))
         obj = GraphObject(name, item.label, center, item.size, yaw, 1.0, item.descriptor)
-        shape = passage.footprint(obj)
+        shape = clearance.footprint(obj)
         if not free and not self._fits(shape, lane):
             return False
-        if foot is None and passage.is_obstacle(obj):
+        if foot is None and clearance.is_obstacle(obj):
             self._shapes.append(shape)
             self._bounds.append(shape.bounds)
         self._counts[item.label] = number + 1

@@ -254,10 +254,10 @@ class Canvas(Stage):
             self.put(label, *line.at(s + width / 2, d + depth / 2), line.facing("street"), size=box)
             s += width
 
-    def problems(self, passage_width: float = faults.PASSAGE) -> list[str]:
+    def problems(self, clear_width: float = faults.CLEARANCE) -> list[str]:
         """What an eye would object to, a sentence each; see `faults`."""
         self.settle()
-        return faults.problems(self, self.trajectory, passage_width)
+        return faults.problems(self, self.trajectory, clear_width)
 
     # The scene graph.
 

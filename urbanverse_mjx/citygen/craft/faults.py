@@ -8,12 +8,12 @@ import shapely.ops
 
 from ...datatypes import GraphObject
 from ...datatypes.ground import PAINT_KINDS
-from .. import passage
+from .. import clearance
 from ..stage import Stage
 from . import ground_layers
 
 #: Free width (m) that a trajectory must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
-PASSAGE = 1.2
+CLEARANCE = 1.2
 #: m over the ground up to which an object's foot counts as meant to stand on it.
 NEAR = 0.3
 #: m², more than this two objects may not share seen from above.
@@ -24,10 +24,10 @@ ASTRIDE = 0.035
 REACH = 1.0
 
 
-def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: float = PASSAGE) -> list[str]:
+def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: float = CLEARANCE) -> list[str]:
     """Sentences on objects off the ground, in one another or half over a kerb, on gaps, and on a blocked trajectory."""
     found = ground_layers.seams([r for r in stage.regions if r.kind not in PAINT_KINDS])
-    standing = [o for o in stage.objects if passage.is_obstacle(o) and foot(stage, o) < NEAR]
+    standing = [o for o in stage.objects if clearance.is_obstacle(o) and foot(stage, o) < NEAR]
     for obj in standing:
         if abs(foot(stage, obj)) > 2e-3:
             found.append(f"{obj.id} stands {foot(stage, obj):.2f} m off the ground")
@@ -40,7 +40,7 @@ def problems(stage: Stage, trajectory: Sequence[tuple[float, float]], width: flo
 
 def foot(stage: Stage, obj: GraphObject) -> float:
     """m, how far an object's box begins above the ground."""
-    spot = passage.footprint(obj).centroid
+    spot = clearance.footprint(obj).centroid
     return obj.center[2] - obj.size[2] / 2 - stage.ground_height(spot.x, spot.y)
 
 
@@ -50,7 +50,7 @@ def is_house(stage: Stage, obj: GraphObject) -> bool:
 
 
 def _carried(stage: Stage, obj: GraphObject) -> bool:
-    shape = passage.footprint(obj)
+    shape = clearance.footprint(obj)
     spot = shape if is_house(stage, obj) else shape.centroid
     return stage.on_ground(spot)
 
@@ -58,13 +58,13 @@ def _carried(stage: Stage, obj: GraphObject) -> bool:
 def _astride(stage: Stage, obj: GraphObject) -> bool:
     if is_house(stage, obj):
         return False
-    corners = shapely.get_coordinates(passage.footprint(obj).exterior)[:-1]
+    corners = shapely.get_coordinates(clearance.footprint(obj).exterior)[:-1]
     heights = [stage.ground_height(x, y) for x, y in corners]
     return max(heights) - min(heights) > ASTRIDE
 
 
 def _touching(standing: Sequence[GraphObject]) -> list[str]:
-    shapes = [passage.footprint(o) for o in standing]
+    shapes = [clearance.footprint(o) for o in standing]
     boxes = np.array(shapes, dtype=object)
     found = []
     for i, j in shapely.STRtree(boxes).query(boxes, predicate="intersects").T:
@@ -77,7 +77,7 @@ def _touching(standing: Sequence[GraphObject]) -> list[str]:
 def _blocked(
     stage: Stage, standing: Sequence[GraphObject], trajectory: Sequence[tuple[float, float]], width: float
 ) -> list[str]:
-    space = passage.free_space(stage.regions, standing, width)
+    space = clearance.free_space(stage.regions, standing, width)
     pieces = [p for p in shapely.get_parts(space) if isinstance(p, shapely.Polygon)]
     homes = []
     for x, y in trajectory:

@@ -116,7 +116,7 @@ class JoystickEnv(StagedBase[GaitState]):
         key, draw = jax.random.split(typed_key(key))
         return self.begin_at(key, self._levels.first(draw))
 
-    def renew(self, gait: GaitState) -> GaitState:
+    def reset_episode(self, gait: GaitState) -> GaitState:
         """The episode after that of `gait`: harder ground of its kind where it went well, easier where it fell."""
         key, draw = jax.random.split(gait.key)
         lasted = gait.result == Result.TIMEOUT

@@ -133,7 +133,7 @@ class NavEnv(StagedBase[NavState]):
         key, draw = jax.random.split(typed_key(key))
         return self.begin_at(key, *self._schedule.draw(draw, jnp.int32(0), jnp.int32(0)))
 
-    def renew(self, nav: NavState) -> NavState:
+    def reset_episode(self, nav: NavState) -> NavState:
         """The episode after that of `nav`: all is new but the counts of steps and episodes behind the env."""
         key, draw = jax.random.split(nav.key)
         episodes = nav.episodes + 1

@@ -44,11 +44,11 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     assets = load_assets(folder)
     rules = EpisodeRules()
     try:
-        compiled = compile_layout(layout, assets, folder / SCENE, rules, fix_fallers=True)
+        compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     except NoRoomError:
         # A short clip may show no 256 ways of the task's length.
         rules = EpisodeRules(distance=NEAR)
-        compiled = compile_layout(layout, assets, folder / SCENE, rules, fix_fallers=True)
+        compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))
     if with_usd:
         export_usd(compiled.geometry, build_sky(layout.sky), folder / USD)

@@ -129,7 +129,7 @@ def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
 def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[str, Any]:
     from ...materialisation import index_of
     from ...scene.episodes import EpisodeRules
-    from ...scene.settling import settle
+    from ...scene.stability_trial import let_go
     from ..scenes import compile_layout
 
     folder, path = _paths(name, cousin.layout.id)
@@ -140,12 +140,12 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
             index_of(cousin.layout),
             folder,
             EpisodeRules(rows=ROWS),
-            fix_fallers=True,
+            freeze_unstable=True,
             place=graph.source,
         )
     except v.ValidationError as error:
         raise v.ValidationError(f"{cousin.layout.id}: {error}") from error
-    settled = settle(compiled.geometry)
+    trial = let_go(compiled.geometry)
     both = zip(sorted(cousin.layout.objects, key=_id), sorted(compiled.layout.objects, key=_id), strict=True)
     record = {
         "key": key,
@@ -159,9 +159,9 @@ def _compile(name: str, cousin: "Cousin", graph: SceneGraph, key: str) -> dict[s
         "left_out": [entry.id for entry in cousin.left_out],
         "overlapping": [list(pair) for pair in cousin.unresolved],
         "kept_fixed": [a.id for a, b in both if a.movable != b.movable],
-        "let_go": settled.standing,
-        "hanging": len(settled.hanging),
-        "moved_when_let_go": [m.id for m in settled.moved],
+        "let_go": trial.standing,
+        "hanging": len(trial.hanging),
+        "moved_when_let_go": [m.id for m in trial.moved],
         "processor_s": round(time.process_time() - processor, 2),
         "wall_s": round(time.monotonic() - begin, 2),
     }

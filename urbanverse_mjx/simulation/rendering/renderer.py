@@ -101,18 +101,16 @@ class Renderer:
         wanted = tuple(dict.fromkeys(outputs))
         for name in wanted:
             if name not in OUTPUTS:
-                raise ValidationError(
-                    f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; mend its spelling"
-                )
+                raise ValidationError(f"outputs: found {name!r}; needed some of {', '.join(OUTPUTS)}; fix its spelling")
         if shading not in SHADINGS:
-            raise ValidationError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; mend its spelling")
+            raise ValidationError(f"shading: found {shading!r}; needed one of {', '.join(SHADINGS)}; fix its spelling")
         if not wanted or min(height, width, samples) < 1:
             raise ValidationError(
                 f"renderer: found outputs {wanted}, {height}x{width} pixels, {samples} samples; needed at least one of "
-                "each; mend the numbers"
+                "each; fix the numbers"
             )
         if not 0.0 <= appearance < 1.0:
-            raise ValidationError(f"appearance: found {appearance}; needed 0 to below 1; mend the number")
+            raise ValidationError(f"appearance: found {appearance}; needed 0 to below 1; fix the number")
         self.bank = bank
         self.settings = Settings(height, width, wanted, shadows, sky, samples, shading, appearance, bodies)
         self.threads = threads or process.num_threads()
@@ -128,7 +126,7 @@ class Renderer:
     def _find_camera(self, name: str) -> Any:
         if name not in self._model.cameras:
             known = ", ".join(self._model.cameras) or "none"
-            raise ValidationError(f"camera: found {name!r}; needed a camera of the robot ({known}); mend its spelling")
+            raise ValidationError(f"camera: found {name!r}; needed a camera of the robot ({known}); fix its spelling")
         return self._model.cameras[name]
 
     @full_precision

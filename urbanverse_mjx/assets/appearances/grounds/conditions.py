@@ -52,7 +52,7 @@ def sealed(surface: Surface, board: Board, count: int = 3) -> Surface:
 
 
 def patched(surface: Surface, board: Board, patch: Surface, count: int = 2, sealed_edge: bool = True) -> Surface:
-    """Rectangles of another surface, as trenches and holes are mended."""
+    """Rectangles of another surface, as trenches and holes are fixed."""
     for _ in range(count):
         across, down = board.rng.uniform(0.16, 0.42, 2) * board.metres * np.array([1.0, 0.75])
         cx, cy = board.rng.random(2) * board.metres

@@ -49,7 +49,7 @@ def _painted(paint: Colour, wear: float = 0.12, wet: bool = False) -> Callable[[
     return apply
 
 
-def _mended(surface: Surface, board: Board, family: str) -> Surface:
+def _patched(surface: Surface, board: Board, family: str) -> Surface:
     if family in ("concrete", "slabs"):
         return c.patched(surface, board, bases.cast_concrete(board, (0.55, 0.55, 0.53), "float"), 2, False)
     return c.patched(surface, board, bases.asphalt(board, 0.30, 0.008, 0.2), 2)
@@ -81,7 +81,7 @@ CONDITIONS: dict[str, Condition] = {
                       "0.95 of dry: polished tops (judged)"),
     "cracked": Condition("cracked", "with cracks", _cracked),
     "alligatored": Condition("cracked", "with a net of fatigue cracks", lambda s, b, f: c.alligatored(s, b, 0.45)),
-    "patched": Condition("patched", "with repair patches", _mended),
+    "patched": Condition("patched", "with repair patches", _patched),
     "trenched": Condition("patched", "with a filled trench", _trenched),
     "sealed": Condition("patched", "with cracks sealed in bitumen", lambda s, b, f: c.sealed(s, b, 3),
                         lambda dry: 0.97 * dry, "0.97 of dry: a few smooth bands (judged)"),

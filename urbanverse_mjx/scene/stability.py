@@ -19,7 +19,7 @@ REACH = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
-class RestMove:
+class Displacement:
     """An object that does not stay: its id, how far its centre of mass went (m), and how far it turned (rad)."""
 
     id: str
@@ -27,9 +27,9 @@ class RestMove:
     tilt: float
 
 
-def rest_moves(
+def displacements(
     scene: SceneGeometry, seconds: float = SECONDS, shift: float = SHIFT, tilt: float = TILT
-) -> list[RestMove]:
+) -> list[Displacement]:
     """The movable objects that leave their place within `seconds` at rest, the farthest first; empty when all stay.
 
     Everything movable hangs on a free joint and starts where the scene has it; nothing pushes it but gravity and
@@ -54,7 +54,7 @@ def rest_moves(
     went, turn = (np.where(np.isfinite(x), x, np.inf) for x in (went, turn))
     names = np.array(scene.object_ids, dtype=object)[scene.object_movable]
     moved = [
-        RestMove(n, float(s), float(t)) for n, s, t in zip(names, went, turn, strict=True) if s > shift or t > tilt
+        Displacement(n, float(s), float(t)) for n, s, t in zip(names, went, turn, strict=True) if s > shift or t > tilt
     ]
     return sorted(moved, key=lambda m: -m.shift)
 

@@ -13,7 +13,7 @@ from ..assets.categories.priors import prior
 from ..geometry import rotations
 from ..geometry.grids import cell_of
 from .geometry import SceneGeometry
-from .rest import RestMove, rest_moves
+from .stability import Displacement, displacements
 
 #: m over the ground from which an object's lowest point hangs.
 HANGS = 0.3
@@ -24,12 +24,12 @@ SHIFT, TILT = 0.05, np.radians(5.0)
 
 
 @dataclasses.dataclass(frozen=True)
-class Settling:
+class StabilityTrial:
     """How many objects were let go, ids of those that hang, and what moved, the farthest first."""
 
     standing: int
     hanging: tuple[str, ...]
-    moved: tuple[RestMove, ...]
+    moved: tuple[Displacement, ...]
 
     @property
     def still_percent(self) -> float:
@@ -37,15 +37,15 @@ class Settling:
         return 100.0 * (1.0 - len(self.moved) / max(self.standing, 1))
 
 
-def settle(scene: SceneGeometry) -> Settling:
+def let_go(scene: SceneGeometry) -> StabilityTrial:
     """Lets go of everything that is not held; some seconds for 300 objects."""
     hangs = hanging(scene)
     held = [prior(leaf).rest in HELD or category_of(leaf)[0] == "building" for leaf in scene.object_categories]
     loose = ~hangs & ~np.array(held, bool)
     free = dataclasses.replace(scene, object_movable=loose)
-    moved = tuple(m for m in rest_moves(free, shift=SHIFT, tilt=TILT))
+    moved = tuple(m for m in displacements(free, shift=SHIFT, tilt=TILT))
     names = tuple(name for name, up in zip(scene.object_ids, hangs, strict=True) if up)
-    return Settling(int(loose.sum()), names, moved)
+    return StabilityTrial(int(loose.sum()), names, moved)
 
 
 def hanging(scene: SceneGeometry) -> np.ndarray:

@@ -8,7 +8,7 @@ import shapely
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import GraphObject, HullSet, PlacedObject
-from urbanverse_mjx.materialisation import materialise_cousins, overlap, passage
+from urbanverse_mjx.materialisation import clearance, materialise_cousins, overlap
 
 from .catalogue_part import few_objects
 from .test_cousins import obj, street
@@ -26,7 +26,7 @@ def body(x: float, y: float, low: float, high: float, side: float = 1.0, ground:
     return overlap.Body(placed, RECORD, overlap.prisms_of(placed, HullSet((hull.astype(np.float32),))))
 
 
-STRIP = passage.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5, 0], [40, 0, 1.5, 0], [44, 0, 1.5, 0]]))
+STRIP = clearance.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5, 0], [40, 0, 1.5, 0], [44, 0, 1.5, 0]]))
 
 
 @pytest.mark.parametrize(
@@ -42,14 +42,14 @@ STRIP = passage.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5, 0
     ],
 )
 def test_what_blocks_the_way(block: overlap.Body, stands_in_the_way: bool) -> None:
-    assert (passage.in_the_way([block], STRIP) == [0]) is stands_in_the_way
+    assert (clearance.in_the_way([block], STRIP) == [0]) is stands_in_the_way
 
 
 def test_a_moved_object_counts_where_it_is_and_no_tour_blocks_nothing() -> None:
     block = body(5, 0, 0, 1)
-    assert passage.in_the_way([dataclasses.replace(block, offset=(0.0, 2.0))], STRIP) == []
-    assert passage.in_the_way([block], passage.walked(np.zeros((0, 4)))) == []
-    assert passage.walked(np.array([[1.0, 1, 0, 0]])).contains(shapely.Point(1.2, 1.2))
+    assert clearance.in_the_way([dataclasses.replace(block, offset=(0.0, 2.0))], STRIP) == []
+    assert clearance.in_the_way([block], clearance.walked(np.zeros((0, 4)))) == []
+    assert clearance.walked(np.array([[1.0, 1, 0, 0]])).contains(shapely.Point(1.2, 1.2))
 
 
 def test_cousins_leave_out_what_the_camera_went_through() -> None:
@@ -68,16 +68,16 @@ def test_cousins_leave_out_what_the_camera_went_through() -> None:
 
 def test_a_building_is_cut_back_from_the_way_on_its_cheapest_side() -> None:
     """A house of 10 x 8 m, its front (+y) 0.5 m beyond the strip's near edge: that half metre goes, the back stays."""
-    strip = passage.walked(np.array([[float(x), 0.0, 1.5, 0.0] for x in range(-12, 13, 3)]))
+    strip = clearance.walked(np.array([[float(x), 0.0, 1.5, 0.0] for x in range(-12, 13, 3)]))
     house = GraphObject("h", "house", (0.0, -4.0 - 0.45 + 0.5, 4.0), (10.0, 8.0, 8.0), 0.0)
-    cut = passage.cut_back(house, strip)
+    cut = clearance.cut_back(house, strip)
     np.testing.assert_allclose(cut.size, (10.0, 7.5, 8.0), atol=1e-6)
     np.testing.assert_allclose(cut.center, (0.0, -0.45 - 3.75, 4.0), atol=1e-6)
     turned = dataclasses.replace(house, size=(8.0, 10.0, 8.0), yaw=np.pi / 2)
-    again = passage.cut_back(turned, strip)
+    again = clearance.cut_back(turned, strip)
     np.testing.assert_allclose(again.center, cut.center, atol=1e-6)
     np.testing.assert_allclose(again.size, (7.5, 10.0, 8.0), atol=1e-6)
     astride = dataclasses.replace(house, center=(0.0, 0.0, 4.0))
-    assert passage.cut_back(astride, strip) == astride
+    assert clearance.cut_back(astride, strip) == astride
     away = dataclasses.replace(house, center=(0.0, -10.0, 4.0))
-    assert passage.cut_back(away, strip) == away
+    assert clearance.cut_back(away, strip) == away

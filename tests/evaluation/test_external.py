@@ -12,7 +12,7 @@ from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import BenchmarkReport, SceneBank, ValidationError
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes, go_to_goal
-from urbanverse_mjx.evaluation.foreign import load_callable
+from urbanverse_mjx.evaluation.external import load_callable
 from urbanverse_mjx.evaluation.frozen import freeze
 from urbanverse_mjx.evaluation.onnx_policy import load_onnx
 from urbanverse_mjx.pipeline import BenchmarkOptions, benchmark

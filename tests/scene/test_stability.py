@@ -8,7 +8,7 @@ import pytest
 from tests.support.box_bank import box_scene
 from urbanverse_mjx.scene import compiler
 from urbanverse_mjx.scene.geometry import SceneGeometry
-from urbanverse_mjx.scene.rest import _around_movable, rest_moves
+from urbanverse_mjx.scene.stability import _around_movable, displacements
 
 CUBE = np.array([[x, y, z] for x in (-0.2, 0.2) for y in (-0.2, 0.2) for z in (0.0, 0.4)], np.float32)
 #: A post as high as a door on a foot of two centimetres, leaning: nothing holds it up.
@@ -41,27 +41,27 @@ def scene_of(*hulls: np.ndarray, movable: bool = True) -> SceneGeometry:
 
 
 def test_boxes_stay_and_a_leaning_post_falls():
-    moves = rest_moves(scene_of(CUBE, LEANING, CUBE))
+    moves = displacements(scene_of(CUBE, LEANING, CUBE))
     assert [m.id for m in moves] == ["thing_1"]
     assert moves[0].tilt > 0.5
     assert moves[0].shift > 0.2
 
 
 def test_what_is_fixed_cannot_fall():
-    assert rest_moves(scene_of(LEANING, movable=False)) == []
+    assert displacements(scene_of(LEANING, movable=False)) == []
 
 
 def test_a_box_in_the_air_comes_down_and_one_in_another_is_thrown_out():
     scene = scene_of(CUBE, CUBE)
     high = scene.object_position + [[0, 0, 0], [0, 0, 1.0]]
-    assert [m.id for m in rest_moves(dataclasses.replace(scene, object_position=high))] == ["thing_1"]
+    assert [m.id for m in displacements(dataclasses.replace(scene, object_position=high))] == ["thing_1"]
     inside = scene.object_position - [[0, 0, 0], [0.8, 0, 0]]
-    assert rest_moves(dataclasses.replace(scene, object_position=inside))
+    assert displacements(dataclasses.replace(scene, object_position=inside))
 
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """What `_with_fallers_fixed` reads of a layout."""
+    """What `_with_unstable_frozen` reads of a layout."""
 
     id: str
     movable: bool = True
@@ -72,15 +72,15 @@ class Parts:
     objects: tuple[Part, ...]
 
 
-def test_fallers_are_fixed_until_all_stay():
-    geometry, layout = compiler._with_fallers_fixed(
+def test_what_is_unstable_is_frozen_until_all_stay():
+    geometry, layout = compiler._with_unstable_frozen(
         scene_of(CUBE, LEANING),
         Parts((Part("thing_0"), Part("thing_1"))),  # pyright: ignore[reportArgumentType]
     )
     assert geometry.object_movable.tolist() == [True, False]
     assert [o.movable for o in layout.objects] == [True, False]
-    assert rest_moves(geometry) == []
-    assert rest_moves(geometry, seconds=0.01) == pytest.approx([])
+    assert displacements(geometry) == []
+    assert displacements(geometry, seconds=0.01) == pytest.approx([])
 
 
 def test_only_fixed_objects_near_by_count():

@@ -1,7 +1,7 @@
 """Policies from outside: any Python callable; `onnx_policy` reads ONNX files.
 
 In:   `module:name`.
-Out:  `ForeignPolicy`: a `BatchAgent`, and what it looks at.
+Out:  `ExternalPolicy`: a `BatchAgent`, and what it looks at.
 When: once per run; asked every control step, outside jit.
 """
 
@@ -24,7 +24,7 @@ SENSED = (PICTURE, "goal")
 
 
 @dataclasses.dataclass(frozen=True)
-class ForeignPolicy:
+class ExternalPolicy:
     """A policy that lives outside JAX; a `BatchAgent` that hands over the declared observations and no others.
 
     Attributes:
@@ -68,7 +68,7 @@ class ForeignPolicy:
         return any(name.startswith(PRIVILEGED) for name in self.observations)
 
 
-def load_callable(name: str) -> ForeignPolicy:
+def load_callable(name: str) -> ExternalPolicy:
     """The callable that `module:name` names, or an instance of it where it is a class.
 
     It is given observations by name, each with a leading axis of n envs that begin together and keep their places, and
@@ -106,4 +106,4 @@ def load_callable(name: str) -> ForeignPolicy:
                 f"{', '.join(OBSERVATIONS)}."
             )
     agent: Any = found
-    return ForeignPolicy(agent, wanted)
+    return ExternalPolicy(agent, wanted)

@@ -1,9 +1,9 @@
-"""A slow correction of poses: a shift and a turn about z at knots along the trajectory, linear in between."""
+"""A slow correction of poses: a shift and a turn about z at control points along the trajectory, linear in between."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-_KNOT = 8  # frames between knots
+_SPACING = 8  # frames between control points
 #: From knot to knot: m that the way is off beside what the turn does to it, rad by which the turn changes, and rad by
 #: which that change changes. Drift of 1 % and 0.3° per 10 m is 0.11 m and 0.34° over a knot of 8 steps of 1.4 m.
 _SHIFT_STEP, _TURN_STEP, _BEND_STEP = 0.15, np.radians(0.6), np.radians(0.2)
@@ -11,14 +11,14 @@ _SHIFT_STEP, _TURN_STEP, _BEND_STEP = 0.15, np.radians(0.6), np.radians(0.2)
 
 def between(frames: int) -> tuple[np.ndarray, np.ndarray]:
     """(frames,) the knot before each frame (never the last), and (frames,) the share of the way to the next."""
-    count = max(2, int(np.ceil((frames - 1) / _KNOT)) + 1)
+    count = max(2, int(np.ceil((frames - 1) / _SPACING)) + 1)
     place = np.arange(frames) * ((count - 1) / max(frames - 1, 1))
     before = np.minimum(place.astype(int), count - 2)
     return before, place - before
 
 
 def weights(frames: int) -> np.ndarray:
-    """(frames, k) weights of the knots at every frame: linear in between."""
+    """(frames, k) weights of the control points at every frame: linear in between."""
     before, share = between(frames)
     rows = np.arange(frames)
     out = np.zeros((frames, int(before.max(initial=0)) + 2))
@@ -36,10 +36,10 @@ def corrected(poses: np.ndarray, change: np.ndarray) -> np.ndarray:
 
 def odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows of what the odometry says of the correction (k, 4): (r, 4 k) slopes and (r,) what is to be made up."""
-    knots = len(correction)
+    count = len(correction)
     place = np.array([poses[int(column.argmax()), :3, 3] for column in at.T])
     way = np.diff(place, axis=0)
-    change = np.diff(np.eye(knots), axis=0)
+    change = np.diff(np.eye(count), axis=0)
     turn = 0.5 * (correction[1:, 3] + correction[:-1, 3])
     c, s = np.cos(turn), np.sin(turn)
     bent = np.stack([(c - 1) * way[:, 0] - s * way[:, 1], s * way[:, 0] + (c - 1) * way[:, 1], 0 * c], -1)
@@ -47,15 +47,15 @@ def odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple
     middle = 0.5 * np.abs(change)
     blocks, values = [], []
     for axis, sigma in enumerate((_SHIFT_STEP, _SHIFT_STEP, _SHIFT_STEP / 2)):
-        block = np.zeros((knots - 1, knots, 4))
+        block = np.zeros((count - 1, count, 4))
         block[:, :, axis] = change
         block[:, :, 3] = -slope[:, axis, None] * middle
-        blocks.append(block.reshape(-1, knots * 4) / sigma)
+        blocks.append(block.reshape(-1, count * 4) / sigma)
         values.append(-(change @ correction[:, axis] - bent[:, axis]) / sigma)
-    for rows, sigma in ((change, _TURN_STEP), (np.diff(np.eye(knots), n=2, axis=0), _BEND_STEP)):
-        block = np.zeros((len(rows), knots, 4))
+    for rows, sigma in ((change, _TURN_STEP), (np.diff(np.eye(count), n=2, axis=0), _BEND_STEP)):
+        block = np.zeros((len(rows), count, 4))
         block[:, :, 3] = rows
-        blocks.append(block.reshape(-1, knots * 4) / sigma)
+        blocks.append(block.reshape(-1, count * 4) / sigma)
         values.append(-rows @ correction[:, 3] / sigma)
     return np.concatenate(blocks), np.concatenate(values)
 

@@ -9,7 +9,7 @@ from shapely.geometry.base import BaseGeometry
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, HullSet, PlacedObject, SceneGraph, Source
-from urbanverse_mjx.materialisation import overlap, unseen
+from urbanverse_mjx.materialisation import ground_inpainting, overlap
 from urbanverse_mjx.scene.ground import check_regions
 
 SOURCE = Source("tour.mp4", "Apache-2.0", "none", "none")
@@ -28,7 +28,7 @@ def box(name: str, label: str, x: float, y: float, size=(4.0, 1.8, 1.4), foot: f
 
 
 def filled(*objects: GraphObject, ground=HALVES) -> SceneGraph:
-    return unseen.fill(SceneGraph("street", SOURCE, objects, ground), LEAVES)
+    return ground_inpainting.fill(SceneGraph("street", SOURCE, objects, ground), LEAVES)
 
 
 def outline(graph: SceneGraph) -> BaseGeometry:
@@ -51,7 +51,7 @@ def test_ground_grows_under_what_stands_half_beside_it():
     car = box("c", "car", 11.0, 1.5)
     done = filled(car)
     check_regions(done.ground)
-    grown = shapely.box(9.0, 0.6, 13.0, 2.4).buffer(unseen.MARGIN, join_style="mitre")
+    grown = shapely.box(9.0, 0.6, 13.0, 2.4).buffer(ground_inpainting.MARGIN, join_style="mitre")
     assert outline(done).symmetric_difference(shapely.box(-10, -3, 10, 3).union(grown)).area < 1e-6
 
 

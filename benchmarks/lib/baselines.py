@@ -36,7 +36,7 @@ ENVS_PER_CORE, FRAMES = 64, 40
 
 @dataclasses.dataclass(frozen=True)
 class Drive:
-    """What all rivals do.
+    """What all baselines do.
 
     Attributes:
       bank, robot: the scene is row `SCENE`.
@@ -234,7 +234,7 @@ def _hulls(drive: Drive) -> int:
     return int((drive.bank.inst_hull[SCENE] >= 0).sum())
 
 
-RIVALS: dict[str, Callable[[Drive, int], dict[str, Any]]] = {
+BASELINES: dict[str, Callable[[Drive, int], dict[str, Any]]] = {
     "mjx": stock_mjx,
     "warp": direct_warp,
     "c": c_mujoco,
@@ -242,6 +242,6 @@ RIVALS: dict[str, Callable[[Drive, int], dict[str, Any]]] = {
 
 
 def measure(name: str, env: Any, case: Case) -> dict[str, Any]:
-    """The row of one rival beside a case."""
-    row = RIVALS[name](make_drive(env, case), case.repeats)
+    """The row of one baseline beside a case."""
+    row = BASELINES[name](make_drive(env, case), case.repeats)
     return {"rival": {"mjx": "stock MJX", "warp": "MuJoCo Warp, no JAX", "c": "C MuJoCo, mujoco.rollout"}[name], **row}

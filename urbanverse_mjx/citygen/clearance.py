@@ -11,7 +11,7 @@ from ..geometry.polygons import rectangle
 from . import catalogue
 
 #: Free width (m) that must remain: a robot of 0.35 m radius with 20 cm of air on each side.
-PASSAGE = 1.1
+CLEARANCE = 1.1
 
 
 def footprint(obj: GraphObject) -> shapely.Polygon:
@@ -33,10 +33,10 @@ def walkable(ground: Iterable[GroundRegion]) -> BaseGeometry:
 
 
 def free_space(
-    ground: Iterable[GroundRegion], objects: Iterable[GraphObject], passage: float = PASSAGE
+    ground: Iterable[GroundRegion], objects: Iterable[GraphObject], clearance: float = CLEARANCE
 ) -> BaseGeometry:
-    """Where the middle of a disc of diameter `passage` may be: on walkable ground, clear of kerbs and objects."""
-    reach = passage / 2
+    """Where the middle of a disc of diameter `clearance` may be: on walkable ground, clear of kerbs and objects."""
+    reach = clearance / 2
     taken = [footprint(o).buffer(reach, quad_segs=4) for o in objects if is_obstacle(o)]
     return walkable(ground).buffer(-reach, join_style="mitre").difference(shapely.union_all(taken))
 
