@@ -20,7 +20,7 @@ from rich.console import Console
 
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.categories.priors import prior
-from urbanverse_mjx.assets.categories.published import QUANTITIES, errors, published, set_aside, truths
+from urbanverse_mjx.assets.categories.published import QUANTITIES, errors, ground_truths, published, set_aside
 from urbanverse_mjx.assets.collision.hulls import HullStore
 from urbanverse_mjx.assets.collision.hulls import store_path as hulls_path
 from urbanverse_mjx.assets.records.catalogue import disagreements, leaf_counts
@@ -101,7 +101,7 @@ def hulls() -> dict[str, Any]:
 def against_published(table: pa.Table) -> dict[str, Any]:
     """Mean absolute relative errors against the pages' figures: of the leaves' median records, and of the priors'
     medians."""
-    leaves, wanted = np.array(table["category"].to_pylist()), truths(published())
+    leaves, wanted = np.array(table["category"].to_pylist()), ground_truths(published())
     columns = {q: table[q].to_numpy() for q in QUANTITIES}
     records = {leaf: {q: float(np.median(x[leaves == leaf])) for q, x in columns.items()} for leaf in wanted}
     priors = {leaf: {q: getattr(prior(leaf), q)[1] for q in QUANTITIES} for leaf in wanted}

@@ -1,4 +1,5 @@
-"""How faithful the graphs are that are distilled from recordings: the paper's table on streets whose truth is known.
+"""How faithful the graphs are that are distilled from recordings: the paper's table on streets whose ground truth is
+known.
 
     python -m benchmarks.fidelity --banks bank16.npz --scenes 10 --frames 180 --markdown fidelity.md --json
 
@@ -16,9 +17,9 @@ Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from 
 with --rgb, from captures with pictures: perfect inputs with Ast, the small network on true poses and depth, and all
 from the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same
 captures: NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes
-as truth. Tracks are never used. One process films and scores one street, with pictures or without; a row that fails on
-a street is named and missing there. --results keeps what was scored, and a second call goes on with the rest: empty it
-when the code changes.
+as ground truth. Tracks are never used. One process films and scores one street, with pictures or without; a row that
+fails on a street is named and missing there. --results keeps what was scored, and a second call goes on with the rest:
+empty it when the code changes.
 `--scaling` times instead how long the first 10, 40, 80, 180 and 720 frames of one capture take, or those named, from
 the recording to five compiled cousins (`lib.fidelity_scaling`).
 """

@@ -72,7 +72,7 @@ def _film(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) 
 
 def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: float) -> dict[str, Any]:
     """One layout in this process: its graph and its scores."""
-    from urbanverse_mjx.capture.truth import object_id, object_slots
+    from urbanverse_mjx.capture.ground_truth import object_id, object_slots
     from urbanverse_mjx.pipeline.library.captures import film
 
     graph_file, score_file = _files(out, name, layout)
@@ -80,8 +80,8 @@ def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: floa
     with tempfile.TemporaryDirectory(prefix="urbanverse-capture-") as work:
         folder = out / "recordings" / layout if keep else pathlib.Path(work)
         made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder, length)
-        truth = SceneGraph.load(folder / "truth.json").objects
-        seen = scores.seen_objects(made.recording, truth)
+        ground_truth = SceneGraph.load(folder / "truth.json").objects
+        seen = scores.seen_objects(made.recording, ground_truth)
         _sheet(made.recording, out / "sheets" / f"{layout}.jpg")
     ids = {t.id for t in seen}
     turnable = {}
@@ -89,11 +89,13 @@ def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: floa
         mesh = made.bank.slot_mesh[0, slot]
         rows = slice(made.bank.mesh_vertex_start[mesh], made.bank.mesh_vertex_start[mesh + 1])
         turnable[object_id(made.bank, 0, slot)] = scores.is_turnable(made.bank.mesh_vertices[rows, :2])
-    row = scores.table_row([scores.score(made.graph.objects, seen, [t for t in truth if t.id not in ids], turnable)])
+    row = scores.table_row(
+        [scores.score(made.graph.objects, seen, [t for t in ground_truth if t.id not in ids], turnable)]
+    )
     figures = {
         **row,
         "frames": len(made.recording),
-        "things_in_block": len(truth),
+        "things_in_block": len(ground_truth),
         "objects": len(made.graph.objects),
         "regions": len(made.graph.ground),
         "processor_s": round(time.process_time() - processor, 1),

@@ -30,7 +30,7 @@ import numpy as np
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 
 CONTROL_DT = 0.2
 TOLERANCES = {"before_contact_max_mm": 1.0, "onset_max_steps": 1, "after_1s_median_mm": 5.0, "after_1s_max_mm": 50.0}
@@ -44,16 +44,16 @@ class Suite:
     """Drives in some scenes and what C MuJoCo makes of them."""
 
     bank: SceneBank
-    drives: truth.Drives
-    expected: truth.Trace
+    drives: c_mujoco.Drives
+    expected: c_mujoco.Trace
 
     def save(self, folder: pathlib.Path) -> None:
         """Writes `bank.npz` and `truth.npz`."""
         folder.mkdir(parents=True, exist_ok=True)
         self.bank.save(folder / "bank.npz")
-        truth_ = {**vars(self.expected), "driven": self.expected.qpos}
-        truth_["objects"] = json.dumps([sorted(o) for o in self.expected.objects])
-        np.savez_compressed(folder / "truth.npz", **{**truth_, **vars(self.drives)})
+        expected_ = {**vars(self.expected), "driven": self.expected.qpos}
+        expected_["objects"] = json.dumps([sorted(o) for o in self.expected.objects])
+        np.savez_compressed(folder / "truth.npz", **{**expected_, **vars(self.drives)})
 
     @staticmethod
     def load(folder: pathlib.Path) -> "Suite":
@@ -61,9 +61,9 @@ class Suite:
         try:
             with np.load(folder / "truth.npz") as file:
                 kept = {name: file[name] for name in file.files}
-            drives = truth.Drives(kept["scene"], kept["qpos"], kept["ctrl"], tuple(str(k) for k in kept["kind"]))
+            drives = c_mujoco.Drives(kept["scene"], kept["qpos"], kept["ctrl"], tuple(str(k) for k in kept["kind"]))
             objects = tuple(frozenset(o) for o in json.loads(str(kept["objects"])))
-            trace = truth.Trace(kept["driven"], kept["hit"], objects, kept["ground"], kept["met"])
+            trace = c_mujoco.Trace(kept["driven"], kept["hit"], objects, kept["ground"], kept["met"])
         except (OSError, KeyError, ValueError) as error:
             needed = "a folder written by `python -m benchmarks.parity --keep`"
             raise ValidationError(f"{folder} holds no kept suite ({error}); {needed} is needed.") from error
@@ -95,9 +95,9 @@ def make_suite(
     bank: SceneBank, scenes: Sequence[mujoco.MjSpec], robot: RobotSpec, count: int, seconds: float, seed: int
 ) -> Suite:
     """`count` drives of all kinds by turns in all scenes by turns, driven in C MuJoCo."""
-    drives = truth.mixed_drives(bank, robot, count, round(seconds / CONTROL_DT), CONTROL_DT, seed)
-    models = [truth.truth_model(scene, robot) for scene in scenes]
-    return Suite(bank, drives, truth.drive_truth(models, robot, drives, CONTROL_DT))
+    drives = c_mujoco.mixed_drives(bank, robot, count, round(seconds / CONTROL_DT), CONTROL_DT, seed)
+    models = [c_mujoco.reference_model(scene, robot) for scene in scenes]
+    return Suite(bank, drives, c_mujoco.drive_reference(models, robot, drives, CONTROL_DT))
 
 
 # What compiles scenes is imported where it is needed: a machine with kept suites lacks it.
@@ -131,9 +131,9 @@ def box_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
     return make_suite(bank, scenes, robot, arguments.boxes, arguments.seconds, arguments.seed)
 
 
-def judge(suite: Suite, found: truth.Trace, robot: RobotSpec) -> dict[str, Any]:
+def judge(suite: Suite, found: c_mujoco.Trace, robot: RobotSpec) -> dict[str, Any]:
     """The figures of one engine in one suite, where they are largest, and which tolerances they break."""
-    figures = truth.compare(suite.expected, found, robot).summary()
+    figures = c_mujoco.compare(suite.expected, found, robot).summary()
     for name in LARGEST:
         drive = figures[f"{name}_worst_drive"]
         if drive is not None:
@@ -165,7 +165,7 @@ def measure(arguments: argparse.Namespace) -> dict[str, Any]:
         result["engines"][impl] = {}
         for name, suite in suites.items():
             engine = make_engine(suite.bank, robot, impl=impl, control_dt=CONTROL_DT)
-            result["engines"][impl][name] = judge(suite, truth.drive_engine(engine, suite.bank, suite.drives), robot)
+            result["engines"][impl][name] = judge(suite, c_mujoco.drive_engine(engine, suite.bank, suite.drives), robot)
     result["largest"] = largest(result["engines"])
     result["broken"] = sorted(
         f"{impl} {name}: {what}"

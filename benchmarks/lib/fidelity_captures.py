@@ -1,4 +1,5 @@
-"""Captures of the fidelity benchmark: filmed streets with their truth, and what a row's perception makes of them."""
+"""Captures of the fidelity benchmark: filmed streets with their ground truth, and what a row's perception makes of
+them."""
 
 import dataclasses
 import pathlib
@@ -10,7 +11,7 @@ import numpy as np
 from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx.assets.categories.ontology import UnknownLabelError
 from urbanverse_mjx.capture import FilmOptions, PathOptions, film_scene
-from urbanverse_mjx.capture.truth import object_id, object_slots
+from urbanverse_mjx.capture.ground_truth import object_id, object_slots
 from urbanverse_mjx.datatypes import AssetRecord, GraphObject, Recording, RecordingWriter, SceneBank, SceneGraph
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.distillation.perception import Perception, perceive
@@ -49,32 +50,32 @@ def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: t
         # video shows, no picture could tell the angle.
         path = PathOptions(frames=frames, rate=RGB_RATE) if rgb else PathOptions(frames=frames, turn_time=0.0)
         recording = film_scene(bank, scene, folder, path, options)
-    truth = SceneGraph.load(folder / "truth.json").objects
+    ground_truth = SceneGraph.load(folder / "truth.json").objects
     turnable = {}
     for slot in object_slots(bank, scene):
         mesh = bank.slot_mesh[scene, slot]
         corners = bank.mesh_vertices[bank.mesh_vertex_start[mesh] : bank.mesh_vertex_start[mesh + 1], :2]
         turnable[object_id(bank, scene, slot)] = scores.is_turnable(corners)
-    return _with_truth(recording, truth, turnable, name)
+    return _with_ground_truth(recording, ground_truth, turnable, name)
 
 
 def imported(folder: pathlib.Path) -> Capture:
-    """A recording that `urbanverse gen import` made of KITTI-360, with the boxes beside it as truth.
+    """A recording that `urbanverse gen import` made of KITTI-360, with the boxes beside it as ground truth.
 
     Raises:
       ValidationError: no such recording, or no boxes beside it.
     """
     recording = Recording.load(folder)
     rows = v.items(v.read_json(folder / "boxes.json", "boxes of a recording"), "boxes")
-    truth = [GraphObject.from_json(row, f"boxes[{i}]") for i, row in enumerate(rows)]
-    turnable = {t.id: max(t.size[:2]) > 1.15 * min(t.size[:2]) for t in truth}
-    return _with_truth(recording, truth, turnable, recording.id)
+    ground_truth = [GraphObject.from_json(row, f"boxes[{i}]") for i, row in enumerate(rows)]
+    turnable = {t.id: max(t.size[:2]) > 1.15 * min(t.size[:2]) for t in ground_truth}
+    return _with_ground_truth(recording, ground_truth, turnable, recording.id)
 
 
-def _with_truth(recording: Recording, truth: Any, turnable: dict[str, bool], scene: str) -> Capture:
-    seen = scores.seen_objects(recording, truth)
+def _with_ground_truth(recording: Recording, ground_truth: Any, turnable: dict[str, bool], scene: str) -> Capture:
+    seen = scores.seen_objects(recording, ground_truth)
     ids = {t.id for t in seen}
-    return Capture(recording, seen, [t for t in truth if t.id not in ids], turnable, scene)
+    return Capture(recording, seen, [t for t in ground_truth if t.id not in ids], turnable, scene)
 
 
 def from_pictures(filmed: Capture, folder: pathlib.Path) -> Recording:

@@ -37,7 +37,7 @@ class Scores:
     heading: np.ndarray
     front: np.ndarray
     volume: np.ndarray
-    truths: int
+    ground_truths: int
     found: int
     detections: dict[str, np.ndarray]
     positives: dict[str, int]
@@ -91,30 +91,30 @@ def _wrapped(angle: float) -> float:
 
 def score(
     found: Sequence[GraphObject],
-    truth: Sequence[GraphObject],
+    ground_truth: Sequence[GraphObject],
     others: Sequence[GraphObject],
     turnable: Mapping[str, bool],
 ) -> Scores:
     """Scores aligned objects.
 
     Args:
-      found: of the graph. truth: seen objects. others: the true objects that were hardly seen; finding them is neither
-        right nor wrong.
+      found: of the graph. ground_truth: seen objects. others: the true objects that were hardly seen; finding them is
+        neither right nor wrong.
       turnable: true id -> whether its heading means anything.
     """
-    found = [f for f in found if not _is_one_of(f, others, truth)]
+    found = [f for f in found if not _is_one_of(f, others, ground_truth)]
     a = np.array([t.center for t in found]).reshape(-1, 3)
-    b = np.array([t.center for t in truth]).reshape(-1, 3)
+    b = np.array([t.center for t in ground_truth]).reshape(-1, 3)
     distance = np.linalg.norm(a[:, None] - b[None], axis=-1)
     rows, columns = scipy.optimize.linear_sum_assignment(np.where(distance <= GATE, distance, 1e3))
     near = distance[rows, columns] <= GATE
     rows, columns = rows[near], columns[near]
-    pairs = [(found[i], truth[j]) for i, j in zip(rows, columns, strict=True)]
+    pairs = [(found[i], ground_truth[j]) for i, j in zip(rows, columns, strict=True)]
     small = np.array([np.prod(t.size) < SMALL for _, t in pairs], bool)
     turns = np.array([abs(_wrapped(f.yaw - t.yaw)) for f, t in pairs])
     valid = np.array([turnable[t.id] for _, t in pairs], bool)
     volumes = np.array([abs(float(np.prod(f.size) - np.prod(t.size))) for f, t in pairs])
-    detections, positives = _detections(found, truth)
+    detections, positives = _detections(found, ground_truth)
     return Scores(
         right=np.array([f.label == t.label for f, t in pairs], bool),
         distance=distance[rows, columns],
@@ -122,7 +122,7 @@ def score(
         heading=np.minimum(turns, np.pi - turns)[valid] if len(pairs) else np.zeros(0),
         front=(turns < np.pi / 2)[valid] if len(pairs) else np.zeros(0, bool),
         volume=volumes[small] if len(pairs) else np.zeros(0),
-        truths=len(truth),
+        ground_truths=len(ground_truth),
         found=len(found),
         detections=detections,
         positives=positives,
@@ -130,7 +130,7 @@ def score(
     )
 
 
-def _is_one_of(obj: GraphObject, others: Sequence[GraphObject], truth: Sequence[GraphObject]) -> bool:
+def _is_one_of(obj: GraphObject, others: Sequence[GraphObject], ground_truth: Sequence[GraphObject]) -> bool:
     """Whether an object is nearer to a hardly seen object than to any seen one, and within half its size or 0.5 m."""
 
     def nearest(objects: Sequence[GraphObject]) -> tuple[float, float]:
@@ -138,7 +138,7 @@ def _is_one_of(obj: GraphObject, others: Sequence[GraphObject], truth: Sequence[
         return min(away, default=(np.inf, 0.0))
 
     away, size = nearest(others)
-    return away < nearest(truth)[0] and away <= max(0.5, size / 2)
+    return away < nearest(ground_truth)[0] and away <= max(0.5, size / 2)
 
 
 def is_turnable(corners: np.ndarray) -> bool:
@@ -162,18 +162,19 @@ def iou(a: GraphObject, b: GraphObject) -> float:
 
 
 def _detections(
-    found: Sequence[GraphObject], truth: Sequence[GraphObject]
+    found: Sequence[GraphObject], ground_truth: Sequence[GraphObject]
 ) -> tuple[dict[str, np.ndarray], dict[str, int]]:
-    """Per label the small found objects as (score, true positive), best score first, each truth found once."""
+    """Per label the small found objects as (score, true positive), best score first, each ground ground truth found
+    once."""
     positives: dict[str, int] = {}
-    for t in truth:
+    for t in ground_truth:
         if np.prod(t.size) < SMALL:
             positives[t.label] = positives.get(t.label, 0) + 1
-    large = [t for t in truth if np.prod(t.size) >= SMALL]
+    large = [t for t in ground_truth if np.prod(t.size) >= SMALL]
     rows: dict[str, list[tuple[float, bool]]] = {}
     taken: set[str] = set()
     for f in sorted(found, key=lambda x: -x.score):
-        near = [t for t in truth if t.label == f.label and np.hypot(*np.subtract(t.center, f.center)[:2]) < 12.0]
+        near = [t for t in ground_truth if t.label == f.label and np.hypot(*np.subtract(t.center, f.center)[:2]) < 12.0]
         overlap = [(iou(f, t), t) for t in near if t.id not in taken and np.prod(t.size) < SMALL]
         best = max(overlap, key=lambda x: x[0], default=(0.0, None))
         if best[0] >= IOU and best[1] is not None:
@@ -213,7 +214,7 @@ def table_row(captures: Sequence[Scores]) -> dict[str, float | int | None]:
         positives = sum(t.positives.get(label, 0) for t in captures)
         aps.append(average_precision(np.concatenate(rows) if rows else np.zeros((0, 2)), positives))
     distance, small = joined("distance"), joined("small")
-    truths, found = sum(t.truths for t in captures), sum(t.found for t in captures)
+    ground_truths, found = sum(t.ground_truths for t in captures), sum(t.found for t in captures)
     return {
         "cat_percent": mean(joined("right"), 100.0, 1),
         "dist_m": mean(distance),
@@ -224,9 +225,9 @@ def table_row(captures: Sequence[Scores]) -> dict[str, float | int | None]:
         "front_percent": mean(joined("front"), 100.0, 1),
         "scale_m3": mean(joined("volume")),
         "map25": round(100 * float(np.mean(aps)), 1) if aps else None,
-        "recall_percent": round(100 * len(distance) / max(truths, 1), 1),
+        "recall_percent": round(100 * len(distance) / max(ground_truths, 1), 1),
         "precision_percent": round(100 * len(distance) / max(found, 1), 1),
-        "things": truths,
+        "things": ground_truths,
         "found": found,
         "labels": len(labels),
     }

@@ -18,7 +18,7 @@ from urbanverse_mjx.robots import go2_body
 from urbanverse_mjx.robots.gait import Gait
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import region_scene, strips_regions
-from urbanverse_mjx.simulation.reference.truth import truth_model
+from urbanverse_mjx.simulation.reference.c_mujoco import reference_model
 
 #: Random commands: m/s, m/s, rad/s (the issue's ranges); each is held so long (s).
 RANGE, HOLD = np.array([1.0, 0.5, 1.0]), 5.0
@@ -55,7 +55,7 @@ class Judge:
 
     def model(self, regions: list[GroundRegion]) -> mujoco.MjModel:
         """The robot on a ground."""
-        return truth_model(scene_spec(region_scene("ground", regions)), self.robot)
+        return reference_model(scene_spec(region_scene("ground", regions)), self.robot)
 
     def start(self, model: mujoco.MjModel, places: np.ndarray, yaws: np.ndarray) -> np.ndarray:
         """(N, nq) robots standing at places (N, 3) m of the ground."""

@@ -5,7 +5,14 @@ import pytest
 
 from urbanverse_mjx.assets.categories import published as module
 from urbanverse_mjx.assets.categories.materials import sources
-from urbanverse_mjx.assets.categories.published import QUANTITIES, Published, errors, published, set_aside, truths
+from urbanverse_mjx.assets.categories.published import (
+    QUANTITIES,
+    Published,
+    errors,
+    ground_truths,
+    published,
+    set_aside,
+)
 from urbanverse_mjx.datatypes import ValidationError
 
 #: The leaves of the 17 categories in the paper's table of annotated attributes (appendix, `eval_database_anno`).
@@ -75,7 +82,7 @@ def test_errors_by_hand() -> None:
         Published("football", "a ball of 0.24 m", 0.24, None, None, None, "football law"),
         Published("football", "a ball of 0.25 m", 0.25, None, None, None, "football law"),
     ]
-    assert truths(rows) == {"football": {"length": 0.24, "mass": 0.48}}
+    assert ground_truths(rows) == {"football": {"length": 0.24, "mass": 0.48}}
     found = errors(rows, {"football": {"length": 0.30, "mass": 0.36}})
     assert found["length"] == {"football": pytest.approx(0.25, abs=1e-12)}
     assert found["mass"] == {"football": pytest.approx(0.25, abs=1e-12)}

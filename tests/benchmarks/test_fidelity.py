@@ -17,7 +17,7 @@ def obj(name: str, label: str, x: float, y: float, size: tuple[float, float, flo
 
 
 def test_scores_of_a_small_street() -> None:
-    truth = [
+    ground_truth = [
         obj("a", "car", 0, 0, (4, 2, 1.5)),
         obj("b", "bench", 10, 0, (0.5, 2, 1), np.pi / 2),
         obj("c", "house", 20, 0, (8, 8, 8)),
@@ -31,7 +31,7 @@ def test_scores_of_a_small_street() -> None:
         obj("v", "lamp", 80, 0, (0.2, 0.2, 5)),
     ]
     turnable = {"a": True, "b": True, "c": False, "d": False}
-    row = scores.table_row([scores.score(found, truth, [obj("u", "lamp", 80, 0, (0.2, 0.2, 5))], turnable)])
+    row = scores.table_row([scores.score(found, ground_truth, [obj("u", "lamp", 80, 0, (0.2, 0.2, 5))], turnable)])
     assert row["cat_percent"] == pytest.approx(66.7)
     assert row["dist_m"] == pytest.approx((0.5 + 0 + 3) / 3, abs=1e-3)
     assert row["ori_deg"] == pytest.approx(np.degrees(0.1) / 2, abs=0.01)
@@ -46,9 +46,9 @@ def test_scores_of_a_small_street() -> None:
 
 
 def test_scores_come_back_from_their_file(tmp_path: pathlib.Path) -> None:
-    truth = [obj("a", "car", 0, 0, (4, 2, 1.5)), obj("b", "bench", 10, 0, (0.5, 2, 1))]
+    ground_truth = [obj("a", "car", 0, 0, (4, 2, 1.5)), obj("b", "bench", 10, 0, (0.5, 2, 1))]
     found = [obj("x", "car", 0.3, 0.4, (4, 2, 1.5), 0.1), obj("y", "bin", 11, 0, (0.5, 2, 1))]
-    scored = scores.score(found, truth, [], {"a": True, "b": True})
+    scored = scores.score(found, ground_truth, [], {"a": True, "b": True})
     path = tmp_path / "new" / "street.json"
     assert fidelity_store.load(path) == {}
     fidelity_store.save(path, {"a row": (scored, {"registered": 1.0})})

@@ -15,7 +15,7 @@ from benchmarks.lib.cases import Case
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.robots import make_coco
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 
 TINY = ["--impl", "jax", "--num-envs", "4", "--steps", "3", "--repeats", "2", "--json"]
 
@@ -139,8 +139,8 @@ def test_a_robot_drives_alike_in_the_street_model_and_in_the_compiled_scene(smal
     from urbanverse_mjx.scene.mjcf import scene_spec
 
     robot = make_coco()
-    drives = truth.aimed_drives(small_bank, robot, 6, 10, 0.2, seed=0)
-    expected = [truth.truth_model(scene_spec(s), robot) for s in box_scenes(3, seed=0)]
+    drives = c_mujoco.aimed_drives(small_bank, robot, 6, 10, 0.2, seed=0)
+    expected = [c_mujoco.reference_model(scene_spec(s), robot) for s in box_scenes(3, seed=0)]
     models = [street_model.street_model(small_bank, i, robot, 0.01) for i in range(3)]
     for i, scene in enumerate(drives.scene):
         ends = []

@@ -27,14 +27,14 @@ def world_points(recording: Recording, frame: int) -> np.ndarray:
 
 
 def test_masked_depth_lies_in_the_true_box(filmed: Recording, small_bank: SceneBank) -> None:
-    truth = {t.id: t for t in true_objects(small_bank, 1)}
+    ground_truth = {t.id: t for t in true_objects(small_bank, 1)}
     checked = 0
     for i, frame in enumerate(filmed.frames):
         masks, points = filmed.masks(i), world_points(filmed, i)
         assert masks is not None
         for k, detection in enumerate(frame.detections):
             assert detection.track is not None
-            true = truth[detection.track]
+            true = ground_truth[detection.track]
             assert detection.label == true.label
             c, s = np.cos(true.yaw), np.sin(true.yaw)
             local = (points[masks == k] - true.center) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])

@@ -31,7 +31,7 @@ def solve(
         return np.stack([np.asarray(a, np.float64) for a in compiled(num_hard)(*arrays)])
 
 
-def truth(
+def ground_truth(
     lines: np.ndarray, num_hard: int, limit: np.ndarray, preferred_velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the published algorithm chooses (2, B), and whether it kept all lines (B,)."""
@@ -58,7 +58,7 @@ def random_cases(seed: int, number: int, num_hard: int, tightness: float, count:
 )
 def test_it_chooses_what_the_published_algorithm_chooses(number: int, num_hard: int, tightness: float) -> None:
     lines, limit, preferred_velocity = random_cases(number + num_hard, number, num_hard, tightness)
-    expected, kept = truth(lines, num_hard, limit, preferred_velocity)
+    expected, kept = ground_truth(lines, num_hard, limit, preferred_velocity)
     # Both programs are in play.
     assert 0.05 < kept.mean() < 0.95
     exact = solve(lines, num_hard, limit, preferred_velocity, np.float64)
@@ -69,14 +69,14 @@ def test_it_chooses_what_the_published_algorithm_chooses(number: int, num_hard: 
 def test_more_who_are_crowded_than_a_chunk_holds() -> None:
     # Every agent goes through the second program, in many chunks.
     lines, limit, preferred_velocity = random_cases(5, 6, 0, 1.5)
-    expected, kept = truth(lines, 0, limit, preferred_velocity)
+    expected, kept = ground_truth(lines, 0, limit, preferred_velocity)
     assert kept.mean() < 0.02
     np.testing.assert_allclose(solve(lines, 0, limit, preferred_velocity, np.float32), expected, atol=2e-4)
 
 
 def test_missing_lines_change_nothing() -> None:
     lines, limit, preferred_velocity = random_cases(6, 6, 0, 0.0)
-    expected, _ = truth(lines, 0, limit, preferred_velocity)
+    expected, _ = ground_truth(lines, 0, limit, preferred_velocity)
     empty = np.zeros((3, 2, CASES))
     empty[0], empty[2] = 1.0, linear_program.NO_LIMIT
     padded = np.concatenate([lines[:, :4], empty, lines[:, 4:]], axis=1)
@@ -119,7 +119,7 @@ def test_whatever_the_lines_nothing_better_is_found(
     lines = np.stack([np.cos(angles), np.sin(angles), offsets])[:, :, None]
     aim = np.array(preferred_velocity)[:, None]
     chosen = solve(lines, num_hard, limit, aim, np.float32)[:, 0]
-    expected, kept = truth(lines, num_hard, limit, aim)
+    expected, kept = ground_truth(lines, num_hard, limit, aim)
     depth = lines[2, :, 0] - chosen @ lines[:2, :, 0]
     assert np.hypot(*chosen) <= limit[0] + 1e-5
     assert depth[:num_hard].max() <= 1e-4

@@ -1,4 +1,4 @@
-"""Drawn streets whose truth is known come back as graphs; broken ones are refused in one sentence."""
+"""Drawn streets whose ground truth is known come back as graphs; broken ones are refused in one sentence."""
 
 import dataclasses
 import pathlib

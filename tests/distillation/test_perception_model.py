@@ -17,7 +17,7 @@ from urbanverse_mjx.distillation.perception_model import classes, inference, sco
 from urbanverse_mjx.distillation.perception_model.augment import augment, jpeg, recolour
 from urbanverse_mjx.distillation.perception_model.decode import Decoded, FoundObject, decode
 from urbanverse_mjx.distillation.perception_model.network import LEAF_STRIDE, Seen
-from urbanverse_mjx.distillation.perception_model.targets import Truth, loss, truth
+from urbanverse_mjx.distillation.perception_model.targets import GroundTruth, ground_truth, loss
 from urbanverse_mjx.distillation.perception_model.views import _with_mixed_ground
 
 NAMES = classes.names()
@@ -45,19 +45,19 @@ _CATEGORIES = ["ground:road", "bakery", "taxi", "jogger"]
 
 
 @pytest.fixture(scope="module")
-def wanted() -> Truth:
+def wanted() -> GroundTruth:
     category, slot, depth = (jnp.asarray(x) for x in _street())
     table = jnp.asarray(classes.class_table(_CATEGORIES))
-    found = jax.jit(lambda c, s, d: truth(c, s, d, jnp.asarray(200.0), table, 5))(category, slot, depth)
+    found = jax.jit(lambda c, s, d: ground_truth(c, s, d, jnp.asarray(200.0), table, 5))(category, slot, depth)
     return jax.tree.map(np.asarray, found)
 
 
-def _answer(wanted: Truth) -> Decoded:
+def _answer(wanted: GroundTruth) -> Decoded:
     return decode(_right(wanted), 200.0)
 
 
-def _right(wanted: Truth) -> Seen:
-    """What a network that knows the truth would say."""
+def _right(wanted: GroundTruth) -> Seen:
+    """What a network that knows the ground truth would say."""
     logits = 8.0 * np.eye(len(NAMES), dtype=np.float32)[wanted.classes]
     coarse = np.asarray(wanted.leaf)[::LEAF_STRIDE, ::LEAF_STRIDE, None]
     # Other classes' leaves are loud: they must not be listened to.
@@ -90,7 +90,7 @@ def test_surfaces_keep_their_codes():
         classes.class_table(["ground:lava"])
 
 
-def test_a_right_answer_is_decoded_to_the_objects_that_are_there(wanted: Truth):
+def test_a_right_answer_is_decoded_to_the_objects_that_are_there(wanted: GroundTruth):
     seen = _answer(wanted)
     assert sorted(t.kind for t in seen.objects) == sorted([CAR, CAR, HOUSE, PERSON])
     names = sorted(classes.leaves()[t.leaf] for t in seen.objects)
@@ -105,7 +105,7 @@ def test_a_right_answer_is_decoded_to_the_objects_that_are_there(wanted: Truth):
     assert (seen.kinds[50] == ROAD).sum() == 96
 
 
-def test_what_is_too_unsure_leaves_its_pixels_to_nobody(wanted: Truth):
+def test_what_is_too_unsure_leaves_its_pixels_to_nobody(wanted: GroundTruth):
     seen = _answer(wanted)
     doubtful = next(k for k, obj in enumerate(seen.objects) if obj.kind == HOUSE)
     objects = tuple(dataclasses.replace(t, score=0.3 if k == doubtful else 0.7) for k, t in enumerate(seen.objects))
@@ -118,7 +118,7 @@ def test_what_is_too_unsure_leaves_its_pixels_to_nobody(wanted: Truth):
     np.testing.assert_array_equal(kept.kinds, seen.kinds)
 
 
-def test_the_score_counts_found_missed_and_invented_objects(wanted: Truth):
+def test_the_score_counts_found_missed_and_invented_objects(wanted: GroundTruth):
     seen = _answer(wanted)
     perfect, wrong = score.Score(), score.Score()
     depth = np.where(wanted.has_depth, 8.0, 0.0)
@@ -145,9 +145,9 @@ def test_the_score_counts_found_missed_and_invented_objects(wanted: Truth):
     assert "| car | 2 | 0.00 | - |" in score.as_markdown(wrong.table())
 
 
-def test_a_right_answer_costs_less_than_any_other_and_small_objects_count_more(wanted: Truth):
-    right, truths = (jax.tree.map(lambda x: jnp.asarray(x)[None], x) for x in (_right(wanted), wanted))
-    cost = jax.jit(lambda s: loss(s, truths, jnp.ones(1))[1])
+def test_a_right_answer_costs_less_than_any_other_and_small_objects_count_more(wanted: GroundTruth):
+    right, ground_truths = (jax.tree.map(lambda x: jnp.asarray(x)[None], x) for x in (_right(wanted), wanted))
+    cost = jax.jit(lambda s: loss(s, ground_truths, jnp.ones(1))[1])
 
     def without(number: int) -> dict[str, float]:
         """Parts of the loss where one object is taken for sky and for another leaf."""
@@ -167,7 +167,7 @@ def test_a_right_answer_costs_less_than_any_other_and_small_objects_count_more(w
     assert (person["classes"] - base["classes"]) / areas[0] > 2 * (house["classes"] - base["classes"]) / areas[1]
 
 
-def test_a_object_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(wanted: Truth):
+def test_a_object_is_less_likely_right_with_a_low_peak_and_a_miss_and_in_pieces(wanted: GroundTruth):
     right = _right(wanted)
     striped = right.classes.copy()
     striped[(wanted.owner == 4) & (np.arange(len(striped)) % 4 < 2)[:, None]] = 8.0 * np.eye(len(NAMES))[ROAD]
@@ -190,7 +190,7 @@ def test_small_objects_side_by_side_keep_their_own_peaks():
         category[20:52, column : column + 10], slot[20:52, column : column + 10] = 3, number
     table = jnp.asarray(classes.class_table(_CATEGORIES))
     depth = jnp.full(slot.shape, 8.0)
-    made = truth(jnp.asarray(category), jnp.asarray(slot), depth, jnp.asarray(200.0), table, 2)
+    made = ground_truth(jnp.asarray(category), jnp.asarray(slot), depth, jnp.asarray(200.0), table, 2)
     middle = np.asarray(made.centre)[17]
     assert (np.diff(np.sign(np.diff(middle))) < 0).sum() == 2
     seen = _answer(jax.tree.map(np.asarray, made))

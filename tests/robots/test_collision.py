@@ -199,10 +199,10 @@ def test_distances_to_an_obstacle_are_c_mujocos_within_the_reported_error(
             d.mocap_pos[0], d.mocap_quat[0] = place, turn / np.linalg.norm(turn)
             mujoco.mj_forward(m, d)
         for fit in fits.values():
-            truth, found = distance(0, (fit.geom,)), distance(1, fit.spheres)
-            if truth < 0.02:
+            reference, found = distance(0, (fit.geom,)), distance(1, fit.spheres)
+            if reference < 0.02:
                 continue  # depths inside each other are measured otherwise
-            assert -fit.cover.protrudes - 0.002 <= found - truth <= fit.cover.falls_short + 0.002, fit.geom
+            assert -fit.cover.protrudes - 0.002 <= found - reference <= fit.cover.falls_short + 0.002, fit.geom
             checked += 1
     assert checked > 150
 

@@ -18,7 +18,7 @@ from urbanverse_mjx.robots import load, make_coco, make_go2
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.physics_model import make_physics_model
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 
 TUTORIAL = pathlib.Path(__file__).parents[2] / "docs" / "tutorials" / "own_robot.md"
 WHEELCHAIR = "wheelchair"
@@ -198,11 +198,11 @@ def test_the_wheelchair_takes_its_step_a_ramp_and_no_kerb() -> None:
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
 def test_engines_drive_the_wheelchair_as_c_mujoco_does(impl: str) -> None:
     robot, bank, control_dt = load(WHEELCHAIR), box_bank(2), 0.2
-    drives = truth.mixed_drives(bank, robot, 8, 10, control_dt, seed=2)
-    models = [truth.truth_model(scene_spec(s), robot) for s in box_scenes(2)]
-    expected = truth.drive_truth(models, robot, drives, control_dt)
-    found = truth.drive_engine(make_engine(bank, robot, impl=impl, control_dt=control_dt), bank, drives)
-    report = truth.compare(expected, found, robot)
+    drives = c_mujoco.mixed_drives(bank, robot, 8, 10, control_dt, seed=2)
+    models = [c_mujoco.reference_model(scene_spec(s), robot) for s in box_scenes(2)]
+    expected = c_mujoco.drive_reference(models, robot, drives, control_dt)
+    found = c_mujoco.drive_engine(make_engine(bank, robot, impl=impl, control_dt=control_dt), bank, drives)
+    report = c_mujoco.compare(expected, found, robot)
     summary = report.summary()
     # Twice COCO's tolerance: the root is twice as high above the ground, and a hair of tilt shows twice as much.
     assert report.before.max() <= 0.002, summary

@@ -13,7 +13,7 @@ from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.gait_engine import GaitEngine, summed_contacts
-from urbanverse_mjx.simulation.reference.truth import truth_model
+from urbanverse_mjx.simulation.reference.c_mujoco import reference_model
 
 #: m, after 0.2 and 0.4 s: legs in contact are chaotic.
 APART = 5e-3
@@ -23,7 +23,7 @@ def test_it_moves_as_in_c_mujoco() -> None:
     """A gait of random numbers that shuffles, 0.4 s under two commands."""
     robot, gait = make_go2(), make_gait(seed=1)
     scene = region_scene("flat-0", terrain_regions("flat", 0))
-    model = truth_model(scene_spec(scene), robot)
+    model = reference_model(scene_spec(scene), robot)
     qpos = np.tile(model.qpos0, (1, 1))
     qpos[0, 2], qpos[0, 7:] = robot.spawn_height + 0.01, gait.stand
     commands = np.array([[0.5, 0.0, 0.3], [0.2, -0.1, 0.0]])

@@ -1,4 +1,5 @@
-"""A street of upright boxes, drawn by intersecting rays with numpy: recordings whose truth is known in closed form."""
+"""A street of upright boxes, drawn by intersecting rays with numpy: recordings whose ground truth is known in closed
+form."""
 
 import pathlib
 from collections.abc import Sequence

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from urbanverse_mjx.datatypes import SceneBank, SimState
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 
 NUM_ENVS = 6
 CONTROL_DT = 0.1
@@ -14,7 +14,7 @@ CONTROL_DT = 0.1
 
 def starts(engine: Any, bank: SceneBank, seed: int = 0, number: int = NUM_ENVS) -> tuple[SimState, np.ndarray]:
     """Some robots near objects and a command for each."""
-    drives = truth.aimed_drives(bank, engine.robot, number, 1, CONTROL_DT, seed)
+    drives = c_mujoco.aimed_drives(bank, engine.robot, number, 1, CONTROL_DT, seed)
     velocity = np.zeros((number, engine.physics.model.nv), np.float32)
     return jax.jit(jax.vmap(engine.init))(drives.scene, drives.qpos, velocity), drives.ctrl[0]
 

@@ -16,7 +16,7 @@ from urbanverse_mjx.scene.bank import pack
 from urbanverse_mjx.scene.geometry import SceneGeometry
 from urbanverse_mjx.scene.mjcf import scene_mjcf
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 
 CONTROL_DT = 0.2
 #: Where the robot starts, on a sidewalk, looking along x.
@@ -95,10 +95,10 @@ def object_bank(scene: SceneGeometry) -> SceneBank:
     return pack([scene], ["train"], box_skies())
 
 
-def push_truth(scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray, aside: float = 0.0) -> Push:
+def push_reference(scene: SceneGeometry, robot: RobotSpec, commands: np.ndarray, aside: float = 0.0) -> Push:
     """The drive in C MuJoCo, objects on free joints; commands (T, 2) m/s, rad/s; it starts `aside` m to the left."""
     text, _ = scene_mjcf(scene, visuals=False, free=True)
-    model = truth.truth_model(mujoco.MjSpec.from_string(text), robot)
+    model = c_mujoco.reference_model(mujoco.MjSpec.from_string(text), robot)
     data = mujoco.MjData(model)
     root = model.joint(f"robot/{_root_joint(robot)}").qposadr[0]
     data.qpos[root : root + 7] = first_qpos(robot, 7)

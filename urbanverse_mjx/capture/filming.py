@@ -1,4 +1,4 @@
-"""`film_scene`: renders a scene along a camera path into a `Recording` that carries the truth."""
+"""`film_scene`: renders a scene along a camera path into a `Recording` that carries the ground truth."""
 
 import dataclasses
 import os
@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 from ..datatypes import KIND_INDEX, Camera, Detection, Recording, RecordingWriter, SceneBank, ValidationError
 from ..datatypes.recording import SKY
 from ..simulation.rendering.settings import SKY_LABEL
+from .ground_truth import SOURCE, object_id, object_slots, true_graph
 from .path import CameraPath, PathOptions, walk
 from .street import GROUND_PREFIX
-from .truth import SOURCE, object_id, object_slots, true_graph
 
-TRUTH_FILE = "truth.json"
+GROUND_TRUTH_FILE = "truth.json"
 _BATCH = 8
 #: From the renderer's camera (looks along -z, +y up) to OpenCV's (looks along +z, +y down).
 _FLIP = np.diag([1.0, -1.0, -1.0])
@@ -84,7 +84,7 @@ def film_scene(
         writer.add(float(way.time_s[i]), rgb, depth, masks, surfaces, way.T_world_camera[i], found)
         if progress is not None:
             progress(i + 1, len(way.time_s))
-    true_graph(bank, scene, way).save(pathlib.Path(folder) / TRUTH_FILE)
+    true_graph(bank, scene, way).save(pathlib.Path(folder) / GROUND_TRUTH_FILE)
     return writer.close()
 
 
@@ -121,7 +121,7 @@ def _render(bank: SceneBank, scene: int, way: CameraPath, options: FilmOptions) 
     from ..simulation.rendering.renderer import Renderer
 
     size = options.height, options.width
-    truth = Renderer(bank, None, *size, outputs=("depth", "object", "category"), shading="matte", sky=False)
+    ground_truth = Renderer(bank, None, *size, outputs=("depth", "object", "category"), shading="matte", sky=False)
     film = Renderer(bank, None, *size, shadows=options.shadows, samples=options.samples) if options.rgb else None
     eyes = way.T_world_camera[:, :3, 3].astype(np.float32)
     rotations = Rotation.from_matrix(way.T_world_camera[:, :3, :3] @ _FLIP)
@@ -130,7 +130,7 @@ def _render(bank: SceneBank, scene: int, way: CameraPath, options: FilmOptions) 
     def batch(renderer: Renderer) -> Callable[..., dict[str, jax.Array]]:
         return jax.jit(jax.vmap(lambda eye, turn: renderer.view(scene, eye, turn, options.fovy)))
 
-    see, film_it = batch(truth), batch(film) if film else None
+    see, film_it = batch(ground_truth), batch(film) if film else None
     black = np.zeros((*size, 3), np.uint8)
     for start in range(0, len(eyes), _BATCH):
         rows = np.minimum(np.arange(start, start + _BATCH), len(eyes) - 1)

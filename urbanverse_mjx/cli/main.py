@@ -26,7 +26,7 @@ COMMANDS = {
     "export-gait": ("export_gait", "write a trained gait as one small file"),
     "gen": ("gen", "digital cousins of a video: scene graph, assets, compiled scenes, report"),
     "scene": ("scene", "materialise and compile scene graphs, pack scenes into a bank"),
-    "capture": ("capture", "film a street into a recording with its truth, and as a video"),
+    "capture": ("capture", "film a street into a recording with its ground truth, and as a video"),
     "assets": ("assets", "show, search, match, import and export assets"),
     "robot": ("robot", "read a robot's description; how well spheres fit its collision shapes"),
     "schema": ("schema", "print the JSON Schema of scene graphs or layouts"),

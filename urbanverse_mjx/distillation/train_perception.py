@@ -31,7 +31,7 @@ from ..datatypes.validation import write_atomically
 from .perception_model import inference, network, score, weights
 from .perception_model.augment import augment
 from .perception_model.decode import Decoded, decode
-from .perception_model.targets import Truth, loss
+from .perception_model.targets import GroundTruth, loss
 from .perception_model.views import Views
 
 #: Share of the run in which the rate rises; then it falls along a cosine.
@@ -125,7 +125,7 @@ def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, s
                 yield _frame(jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)
 
 
-def _frame(seen: Any, wanted: Truth, i: int) -> Frame:
+def _frame(seen: Any, wanted: GroundTruth, i: int) -> Frame:
     # Depths are compared in the canonical camera, where the lens does not matter.
     decoded = decode(seen, network.CANONICAL_FOCAL)
     depth = network.DEPTH_UNIT * np.exp(np.asarray(wanted.log_depth[i])) * np.asarray(wanted.has_depth[i])

@@ -17,7 +17,7 @@ from ..robots.gait import Gait, sensor_frame
 
 #: The world's up in the body's frame, below which a robot counts as fallen (72 degrees), as in `envs.joystick`.
 FALLEN = 0.3
-#: How `simulation.reference.truth.truth_model` names what belongs to the robot.
+#: How `simulation.reference.c_mujoco.truth_model` names what belongs to the robot.
 _ROBOT = "robot/"
 #: (N, 3) positions (m), (N,) headings (rad), () s -> (N, 3) commands.
 Commander = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
@@ -159,7 +159,7 @@ def walk(
     """Walks N robots at once, each alone in its world.
 
     Args:
-      models: of grounds with the robot (`simulation.reference.truth.truth_model`); ground: (N,) which each walks on.
+      models: of grounds with the robot (`simulation.reference.c_mujoco.truth_model`); ground: (N,) which each walks on.
       qpos: (N, nq) first positions, at rest.
       commander: what the robots are told, asked every control step.
       speed_limit: (J,) rad/s of the motors.

@@ -1,4 +1,4 @@
-"""A walk through a street of a bank as a recording with its truth, and as a video."""
+"""A walk through a street of a bank as a recording with its ground truth, and as a video."""
 
 import dataclasses
 import os

@@ -30,14 +30,16 @@ def corners(obj: GraphObject) -> np.ndarray:
     return np.concatenate([np.c_[flat, np.full(4, obj.center[2] + dz)] for dz in (-half, half)])
 
 
-def plan(graph: SceneGraph, truth: Sequence[GraphObject] = (), width: int = 1600, margin: float = 3.0) -> np.ndarray:
+def plan(
+    graph: SceneGraph, ground_truth: Sequence[GraphObject] = (), width: int = 1600, margin: float = 3.0
+) -> np.ndarray:
     """(H, width, 3) u8: ground, boxes with a tick towards the front, and the camera's path from above.
 
     Args:
-      truth: further boxes, drawn in blue below the graph's red ones.
+      ground_truth: further boxes, drawn in blue below the graph's red ones.
       margin: m around everything.
     """
-    rings = [np.array(r.polygon) for r in graph.ground] + [corners(t)[:4, :2] for t in (*graph.objects, *truth)]
+    rings = [np.array(r.polygon) for r in graph.ground] + [corners(t)[:4, :2] for t in (*graph.objects, *ground_truth)]
     points = np.concatenate(rings)
     low, high = points.min(0) - margin, points.max(0) + margin
     scale = width / (high - low)[0]
@@ -50,7 +52,7 @@ def plan(graph: SceneGraph, truth: Sequence[GraphObject] = (), width: int = 1600
     draw = ImageDraw.Draw(image)
     for region in graph.ground:
         draw.polygon(to_pixels(np.array(region.polygon)), fill=GROUND_COLOURS[region.kind], outline=(120, 120, 120))
-    for objects, colour in ((truth, TRUE), (graph.objects, FOUND)):
+    for objects, colour in ((ground_truth, TRUE), (graph.objects, FOUND)):
         for obj in objects:
             box = corners(obj)[:4, :2]
             draw.line(to_pixels(np.concatenate([box, box[:1]])), fill=colour, width=2)

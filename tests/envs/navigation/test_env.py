@@ -59,10 +59,10 @@ def test_where_a_robot_may_be_is_what_the_map_says(small_bank: SceneBank) -> Non
     at = np.clip(np.floor(cells).astype(int), 0, size - 1)
     look_up = jax.jit(jax.vmap(env.is_traversable, (None, 0)))
     for scene in range(small_bank.num_scenes):
-        truth = inside & traversable(small_bank.map_kind[scene, at[:, 0], at[:, 1]])
-        assert 0.05 < truth.mean() < 0.95
+        ground_truth = inside & traversable(small_bank.map_kind[scene, at[:, 0], at[:, 1]])
+        assert 0.05 < ground_truth.mean() < 0.95
         places = small_bank.map_origin[scene] + cells * float(small_bank.map_resolution)
-        np.testing.assert_array_equal(look_up(scene, jnp.asarray(places, jnp.float32)), truth)
+        np.testing.assert_array_equal(look_up(scene, jnp.asarray(places, jnp.float32)), ground_truth)
     constants = jax.make_jaxpr(env.is_traversable)(0, jnp.zeros(2)).consts
     assert sum(c.nbytes for c in constants) < small_bank.map_kind.nbytes / 7
 

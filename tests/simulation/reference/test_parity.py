@@ -1,4 +1,5 @@
-"""Three engines, one truth: MJX and MuJoCo Warp against C MuJoCo on the scenes' own MJCF, all drives in one batch."""
+"""Three engines, one reference: MJX and MuJoCo Warp against C MuJoCo on the scenes' own MJCF, all drives in one
+batch."""
 
 import dataclasses
 import functools
@@ -11,7 +12,7 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 
 NUM_STEPS, CONTROL_DT = 18, 0.2
 # Design section 3: 1 mm before the first contact, onset within one physics step, 1 s later median 5 mm, at most 50 mm.
@@ -19,22 +20,22 @@ BEFORE, ONSET, AFTER_MEDIAN, AFTER_MAX = 0.001, 1, 0.005, 0.05
 
 
 @functools.cache
-def driven(drive: str, scenes: int, count: int) -> tuple[RobotSpec, SceneBank, truth.Drives, truth.Trace]:
+def driven(drive: str, scenes: int, count: int) -> tuple[RobotSpec, SceneBank, c_mujoco.Drives, c_mujoco.Trace]:
     """Drives of all kinds in box streets, and what C MuJoCo makes of them."""
     robot = make_coco(drive)  # pyright: ignore[reportArgumentType]
     bank = box_bank(scenes)
-    drives = truth.mixed_drives(bank, robot, count, NUM_STEPS, CONTROL_DT, seed=1)
-    models = [truth.truth_model(scene_spec(s), robot) for s in box_scenes(scenes)]
-    return robot, bank, drives, truth.drive_truth(models, robot, drives, CONTROL_DT)
+    drives = c_mujoco.mixed_drives(bank, robot, count, NUM_STEPS, CONTROL_DT, seed=1)
+    models = [c_mujoco.reference_model(scene_spec(s), robot) for s in box_scenes(scenes)]
+    return robot, bank, drives, c_mujoco.drive_reference(models, robot, drives, CONTROL_DT)
 
 
-def report_of(impl: str, drive: str, scenes: int, count: int) -> truth.ParityReport:
+def report_of(impl: str, drive: str, scenes: int, count: int) -> c_mujoco.ParityReport:
     """The report of an engine, found within the design's tolerances."""
     robot, bank, drives, expected = driven(drive, scenes, count)
-    found = truth.drive_engine(make_engine(bank, robot, impl=impl, control_dt=CONTROL_DT), bank, drives)
-    report = truth.compare(expected, found, robot)
+    found = c_mujoco.drive_engine(make_engine(bank, robot, impl=impl, control_dt=CONTROL_DT), bank, drives)
+    report = c_mujoco.compare(expected, found, robot)
     summary = report.summary()
-    assert set(drives.kind) == set(truth.KINDS)
+    assert set(drives.kind) == set(c_mujoco.KINDS)
     assert set(drives.scene) == set(range(scenes))
     assert report.before.max() <= BEFORE, summary
     assert (report.onset >= 0).all(), summary
@@ -65,13 +66,13 @@ def test_drives_are_those_of_c_mujoco(impl: str, drive: str) -> None:
 def test_heavy_robots_on_slippery_ground_are_those_of_c_mujoco(impl: str) -> None:
     """Mass and friction of the env, not of the bank: the same drives, another path, in all engines alike."""
     robot, bank, drives, light = driven("differential", 3, 14)
-    models = [truth.truth_model(scene_spec(s), robot) for s in box_scenes(3)]
+    models = [c_mujoco.reference_model(scene_spec(s), robot) for s in box_scenes(3)]
     for model in models:
-        truth.scale_model(model, friction_scale=0.3, mass_scale=1.6)
-    expected = truth.drive_truth(models, robot, drives, CONTROL_DT)
+        c_mujoco.scale_model(model, friction_scale=0.3, mass_scale=1.6)
+    expected = c_mujoco.drive_reference(models, robot, drives, CONTROL_DT)
     engine = make_engine(bank, robot, impl=impl, control_dt=CONTROL_DT)
-    found = truth.drive_engine(engine, bank, drives, friction_scale=0.3, mass_scale=1.6)
-    report = truth.compare(expected, found, robot)
+    found = c_mujoco.drive_engine(engine, bank, drives, friction_scale=0.3, mass_scale=1.6)
+    report = c_mujoco.compare(expected, found, robot)
     summary = report.summary()
     assert np.abs(expected.qpos - light.qpos).max() > 0.05, "heavier robots drive elsewhere"
     assert report.before.max() <= BEFORE, summary
@@ -116,13 +117,13 @@ def test_compare_finds_what_differs() -> None:
     qpos = np.zeros((2, 200, 17))
     hit = np.zeros((2, 200), bool)
     hit[0, 40:] = True
-    one = truth.Trace(qpos, hit, (frozenset({"bench"}), frozenset()), np.zeros(2, bool))
+    one = c_mujoco.Trace(qpos, hit, (frozenset({"bench"}), frozenset()), np.zeros(2, bool))
     moved, later = qpos.copy(), hit.copy()
     moved[0, 10, 0], moved[0, 140, 1] = 0.002, 0.007
     later[0, :43] = False
     later[1, 5] = True
-    other = truth.Trace(moved, later, (frozenset({"tree"}), frozenset()), np.zeros(2, bool))
-    report = truth.compare(one, other, robot)
+    other = c_mujoco.Trace(moved, later, (frozenset({"tree"}), frozenset()), np.zeros(2, bool))
+    report = c_mujoco.compare(one, other, robot)
     np.testing.assert_allclose(report.before, [0.002, 0.0])
     np.testing.assert_array_equal(report.onset, [3, -1])
     np.testing.assert_allclose(report.after, [0.007, 0.0])
@@ -132,7 +133,7 @@ def test_compare_finds_what_differs() -> None:
     # A wheel that stands against a kerb before it: that is what the difference came after.
     met = hit.copy()
     met[0, 5:] = True
-    report = truth.compare(dataclasses.replace(one, met=met), other, robot)
+    report = c_mujoco.compare(dataclasses.replace(one, met=met), other, robot)
     np.testing.assert_allclose(report.before, [0.0, 0.0])
     np.testing.assert_array_equal(report.onset, [3, -1])
     assert report.after[0] == 0.0
@@ -146,16 +147,16 @@ def test_seams_between_prisms_are_not_felt(impl: str) -> None:
     """
     robot = make_coco("differential")
     bank = box_bank(1, num_objects=0)
-    model = truth.truth_model(scene_spec(box_scenes(1, num_objects=0)[0]), robot)
+    model = c_mujoco.reference_model(scene_spec(box_scenes(1, num_objects=0)[0]), robot)
     qpos = np.array(model.qpos0, np.float32)[None]
     qpos[0, :3] = 2.0, 7.2, 0.15 + robot.spawn_height
     qpos[0, 3:7] = 1.0, 0.0, 0.0, 0.0
     ctrl = np.tile(np.array(robot.command(np.array([1.5, 0.0]))), (72, 1, 1))
-    drives = truth.Drives(np.zeros(1, np.int32), qpos, ctrl)
+    drives = c_mujoco.Drives(np.zeros(1, np.int32), qpos, ctrl)
     engine = make_engine(bank, robot, impl=impl, control_dt=CONTROL_DT)
     for trace in (
-        truth.drive_truth([model], robot, drives, CONTROL_DT),
-        truth.drive_engine(engine, bank, drives),
+        c_mujoco.drive_reference([model], robot, drives, CONTROL_DT),
+        c_mujoco.drive_engine(engine, bank, drives),
     ):
         path = trace.qpos[0, 100:]
         assert trace.qpos[0, -1, 0] - qpos[0, 0] > 20.0

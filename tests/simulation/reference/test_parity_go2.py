@@ -13,7 +13,7 @@ from urbanverse_mjx.robots import make_go2
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene
 from urbanverse_mjx.simulation.engines import make_engine
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 
 CONTROL_DT, STEPS = 0.02, 30
 #: m: before any foot has touched; 0.1 s and 0.6 s after the start (the fall from 2 cm ends after 0.07 s).
@@ -31,11 +31,11 @@ SHAPES = ("level", "kerb", "slope")
 
 
 @functools.cache
-def _walks() -> tuple[SceneBank, truth.Drives, truth.Trace]:
+def _walks() -> tuple[SceneBank, c_mujoco.Drives, c_mujoco.Trace]:
     """Six robots on three grounds: one holds its pose, one trots in place with open loop."""
     robot = make_go2()
     scenes = [region_scene(shape, _regions(shape)) for shape in SHAPES]
-    models = [truth.truth_model(scene_spec(scene), robot) for scene in scenes]
+    models = [c_mujoco.reference_model(scene_spec(scene), robot) for scene in scenes]
     qpos = np.tile(models[0].qpos0, (6, 1)).astype(np.float32)
     stand = np.array(make_stand())
     qpos[:, 7:] = stand
@@ -46,8 +46,8 @@ def _walks() -> tuple[SceneBank, truth.Drives, truth.Trace]:
     ctrl[:, 1::2, 2] -= 0.8 * lift
     ctrl[:, 1::2, 10] += 0.4 * lift
     ctrl[:, 1::2, 11] -= 0.8 * lift
-    drives = truth.Drives(np.repeat(np.arange(3, dtype=np.int32), 2), qpos, ctrl)
-    return pack_regions(scenes), drives, truth.drive_truth(models, robot, drives, CONTROL_DT)
+    drives = c_mujoco.Drives(np.repeat(np.arange(3, dtype=np.int32), 2), qpos, ctrl)
+    return pack_regions(scenes), drives, c_mujoco.drive_reference(models, robot, drives, CONTROL_DT)
 
 
 def make_stand() -> tuple[float, ...]:
@@ -60,7 +60,7 @@ def make_stand() -> tuple[float, ...]:
 def test_steps_are_those_of_c_mujoco(impl: str) -> None:
     bank, drives, expected = _walks()
     engine = make_engine(bank, make_go2(), impl=impl, control_dt=CONTROL_DT, num_slots=0)
-    found = truth.drive_engine(engine, bank, drives)
+    found = c_mujoco.drive_engine(engine, bank, drives)
     apart = np.abs(found.qpos - expected.qpos).max(-1)
     assert apart[:, :8].max() < FLIGHT
     assert apart[:, :20].max() < LANDED

@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tests.support import render_truth
+from tests.support import render_reference
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
@@ -42,14 +42,14 @@ def make_places(bank: SceneBank, robot: RobotSpec, number: int, seed: int = 0) -
     """Robots at `number` starts of episodes, spread over all scenes, heading anywhere."""
     rng = np.random.default_rng(seed)
     rows: list[tuple[Any, ...]] = []
-    streets: dict[int, render_truth.Street] = {}
+    streets: dict[int, render_reference.Street] = {}
     for i in range(number):
         scene = i % bank.num_scenes
-        street = streets.setdefault(scene, render_truth.build_street(bank, scene, robot))
+        street = streets.setdefault(scene, render_reference.build_street(bank, scene, robot))
         start = bank.episode_start[scene, rng.integers(bank.num_episodes[scene])].astype(float)
         start[3] += rng.uniform(-np.pi, np.pi)
-        render_truth.place(street, robot, start)
-        seen = render_truth.cast(street, robot.camera, HEIGHT, WIDTH)
+        render_reference.place(street, robot, start)
+        seen = render_reference.cast(street, robot.camera, HEIGHT, WIDTH)
         rows.append((scene, street.data.xpos.copy(), street.data.xquat.copy(), *seen))
     return Places(*(np.array(column) for column in zip(*rows, strict=True)))
 
@@ -88,8 +88,8 @@ def to_linear(rgb: Any) -> np.ndarray:
 def bodies(robot: RobotSpec, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """xpos and xquat of a robot alone at (x, y, z of the ground, yaw)."""
     model = mujoco.MjModel.from_xml_string(robot.mjcf)
-    street = render_truth.Street(model, mujoco.MjData(model), np.zeros(model.ngeom))
-    render_truth.place(street, robot, start)
+    street = render_reference.Street(model, mujoco.MjData(model), np.zeros(model.ngeom))
+    render_reference.place(street, robot, start)
     return street.data.xpos.copy(), street.data.xquat.copy()
 
 

@@ -59,17 +59,17 @@ def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     place, turn = bank.slot_position.copy(), bank.slot_quaternion.copy()
     place[0, slots[:2]], turn[0, slots[:2]] = pushed.position[:2], pushed.quaternion[:2]
     other = dataclasses.replace(bank, slot_position=place, slot_quaternion=turn)
-    truth = Renderer(other, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, appearance_seed=3)
+    reference = Renderer(other, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, appearance_seed=3)
     found = frame(pushed)
     assert (np.asarray(found["object"]) != np.asarray(plain["object"])).sum() > 20
     for name in ("category", "object"):
-        np.testing.assert_array_equal(found[name], truth[name], err_msg=name)
-    np.testing.assert_allclose(found["depth"], truth["depth"], atol=1e-3)
-    np.testing.assert_allclose(found["normal"], truth["normal"], atol=1e-3)
+        np.testing.assert_array_equal(found[name], reference[name], err_msg=name)
+    np.testing.assert_allclose(found["depth"], reference["depth"], atol=1e-3)
+    np.testing.assert_allclose(found["normal"], reference["normal"], atol=1e-3)
     # Tints belong to the number of an object, and the other bank's tree numbers objects another way.
-    seen = np.isin(np.asarray(truth["object"]), slots[:2])
+    seen = np.isin(np.asarray(reference["object"]), slots[:2])
     assert seen.sum() > 20
-    ground = np.asarray(bank.meta["categories"])[np.asarray(truth["category"])[~seen]]
+    ground = np.asarray(bank.meta["categories"])[np.asarray(reference["category"])[~seen]]
     assert len(set(ground)) > 1
 
 

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.support import render_truth
+from tests.support import render_reference
 from tests.support.box_bank import box_bank
 from urbanverse_mjx.assets.appearances.skies import build_sky
 from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
@@ -87,15 +87,15 @@ def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> No
     """COCO, and who has parts a metre away from the body that they belong to."""
     robot = make_coco() if who == "coco" else load(who)
     start = np.array([10.0, 6.5, 0.15, 0.7])
-    street = render_truth.build_street(bank, 0, robot)
-    render_truth.place(street, robot, start)
+    street = render_reference.build_street(bank, 0, robot)
+    render_reference.place(street, robot, start)
     eye, fovy = np.array([10.0, 6.5, 3.0]), np.radians(50.0)
     renderer = cases.make_renderer(bank, robot, outputs=("depth", "object"))
     image = renderer.view(0, eye, cases.DOWN, fovy, street.data.xpos, street.data.xquat)
     camera = street.model.cam(robot.camera).id
     street.model.cam_fovy[camera] = np.degrees(fovy)
     street.data.cam_xpos[camera], street.data.cam_xmat[camera] = eye, np.eye(3).ravel()
-    depth, slot = render_truth.cast(street, robot.camera, cases.HEIGHT, cases.WIDTH)
+    depth, slot = render_reference.cast(street, robot.camera, cases.HEIGHT, cases.WIDTH)
     assert (slot == ROBOT_LABEL).sum() > 60
     same = np.asarray(image["object"]) == slot
     assert same.mean() > 0.998
@@ -176,7 +176,7 @@ def test_textures_lie_as_their_uv_say(bank: SceneBank) -> None:
     eye, fovy = np.array([4.0, 6.0, 1.2]), 1.2
     image = {name: np.asarray(x) for name, x in renderer.view(0, eye, cases.AHEAD, fovy).items()}
     forward = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    rays = render_truth.pixel_rays(fovy, cases.HEIGHT, cases.WIDTH) @ forward.T
+    rays = render_reference.pixel_rays(fovy, cases.HEIGHT, cases.WIDTH) @ forward.T
     near = (image["object"] >= 0) & (image["depth"] < 6.0)
     points = (eye + rays * image["depth"][..., None])[near]
     uv = np.array([cases.uv_at(bank, 0, s, p) for s, p in zip(image["object"][near], points, strict=True)])
@@ -228,14 +228,14 @@ def test_shadows_are_where_mj_ray_finds_the_sun_hidden(bank: SceneBank, robot: R
     eye, fovy = np.array([20.0, 6.0, 7.0]), 1.2
     renderer = cases.make_renderer(light, None, outputs=OUTPUTS, shadows=True, shading=shading)
     image = {name: np.asarray(x) for name, x in renderer.view(0, eye, cases.DOWN, fovy).items()}
-    street = render_truth.build_street(bank, 0, robot)
+    street = render_reference.build_street(bank, 0, robot)
     street.data.qpos[2] = -100.0
     mujoco.mj_kinematics(street.model, street.data)
-    rays = render_truth.pixel_rays(fovy, cases.HEIGHT, cases.WIDTH)
+    rays = render_reference.pixel_rays(fovy, cases.HEIGHT, cases.WIDTH)
     points = eye + rays * image["depth"][..., None] + 1e-3 * image["normal"]
     facing = image["normal"] @ sun > 0.02
     seen = (image["object"] >= 0) & (facing | (image["normal"] @ sun < -0.02))
-    free = np.array([render_truth.is_free(street, points[i, j], sun) for i, j in np.ndindex(*seen.shape)])
+    free = np.array([render_reference.is_free(street, points[i, j], sun) for i, j in np.ndindex(*seen.shape)])
     expected = facing & free.reshape(seen.shape)
     lit = image["rgb"].max(-1) > 20
     assert (facing & ~expected & seen).sum() > 40, "no shadow in the picture"

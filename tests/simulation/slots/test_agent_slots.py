@@ -15,7 +15,7 @@ from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
-from urbanverse_mjx.simulation.reference import truth
+from urbanverse_mjx.simulation.reference import c_mujoco
 from urbanverse_mjx.simulation.slots import agent_slots
 
 CONTROL_DT, NUM_STEPS = 0.2, 10
@@ -72,7 +72,7 @@ def free_bank() -> Any:
 def in_c_mujoco() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Robot's places (N, S, 3), the agent touched (N, S, 2) bool, and whether anything else was hit, in C MuJoCo."""
     robot, moving = make_coco("differential"), jax.device_get(motions())
-    model = truth.truth_model(with_prisms(scene_spec(box_scenes(1, num_objects=1)[0])), robot)
+    model = c_mujoco.reference_model(with_prisms(scene_spec(box_scenes(1, num_objects=1)[0])), robot)
     dt, substeps = robot.physics_timestep, round(CONTROL_DT / robot.physics_timestep)
     names = [model.geom(g).name for g in range(model.ngeom)]
     places, touched = [], []
@@ -151,9 +151,9 @@ def test_distances_are_those_of_c_mujoco() -> None:
 @pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
 def test_runs_into_agents_are_those_of_c_mujoco(impl: str) -> None:
     """Onset within one physics step; 1 mm before it; 1 s after it 5 mm in the median and 50 mm at most (design 3)."""
-    truth_places, touched, _ = in_c_mujoco()
+    reference_places, touched, _ = in_c_mujoco()
     places, hits, contacts = in_engine(impl)
-    apart = np.linalg.norm(truth_places - places, axis=-1)
+    apart = np.linalg.norm(reference_places - places, axis=-1)
     any_touch = touched.any(-1)
     second = round(1.0 / make_coco().physics_timestep)
     after = []

@@ -85,7 +85,7 @@ class Case:
         return tuple(np.array(a) for a in jax.jit(jax.vmap(over_spheres))(hull, *args))
 
     @functools.cached_property
-    def truth(self) -> tuple[np.ndarray, np.ndarray]:
+    def reference(self) -> tuple[np.ndarray, np.ndarray]:
         """Distance (h, s) by C MuJoCo and the vector (h, s, 3) between the nearest points."""
         distance = np.zeros((NUM_HULLS, SPHERES_PER_HULL))
         way = np.zeros((NUM_HULLS, SPHERES_PER_HULL, 3))
@@ -116,15 +116,15 @@ def case() -> Case:
 
 def test_distances_are_those_of_c_mujoco(case: Case) -> None:
     distance, normal, bound, position = case.ours
-    truth, way = case.truth
-    touching = truth < 0
+    reference, way = case.reference
+    touching = reference < 0
     assert touching.sum() > 250
     assert (~touching).sum() > 100
     # With the centre of the sphere within millimetres of the surface C's answer is off by as much, see below.
-    sure = touching & (np.abs(truth + case.radius) > 0.004)
+    sure = touching & (np.abs(reference + case.radius) > 0.004)
     assert sure.sum() > 0.85 * touching.sum()
-    np.testing.assert_allclose(distance[sure], truth[sure], atol=1e-4)
-    np.testing.assert_allclose(distance[touching], truth[touching], atol=5e-3)
+    np.testing.assert_allclose(distance[sure], reference[sure], atol=1e-4)
+    np.testing.assert_allclose(distance[touching], reference[touching], atol=5e-3)
     # The way out of a convex body is that through its nearest plane: an exact answer wherever the centre is inside.
     local = np.einsum("hij,hsi->hsj", case.rotation, case.centre - case.position[:, None])
     planes = case.table["hull_planes"]
@@ -134,10 +134,10 @@ def test_distances_are_those_of_c_mujoco(case: Case) -> None:
     np.testing.assert_allclose(distance[inside], (height.max(-1) - case.radius)[inside], atol=1e-5)
     # Pairs that are apart need no exact distance, but must be apart, and not farther than they are.
     assert (distance[~touching] > -1e-5).all()
-    assert (distance[~touching] < truth[~touching] + 1e-4).all()
-    assert (bound < truth + 1e-5).all()
+    assert (distance[~touching] < reference[~touching] + 1e-4).all()
+    assert (bound < reference + 1e-5).all()
     # The normal points from the hull to the sphere; C gives the vector between the nearest points.
-    deep = touching & (truth < -0.005)
+    deep = touching & (reference < -0.005)
     expected = -way[deep] / np.linalg.norm(way[deep], axis=1, keepdims=True)
     # Where several ways out are nearly equally long (inside, at an edge) C and we may differ, though not in depth.
     assert (np.einsum("ni,ni->n", normal[deep], expected) > 0.999).mean() > 0.97
@@ -150,8 +150,8 @@ def test_distances_are_those_of_c_mujoco(case: Case) -> None:
 def test_touching_spheres_outside_have_exact_normals(case: Case) -> None:
     """A sphere whose centre is outside has one nearest point: normal and distance must agree to float precision."""
     _, normal, _, _ = case.ours
-    truth, way = case.truth
-    outside = (truth < -0.005) & (truth > -0.9 * case.radius)
+    reference, way = case.reference
+    outside = (reference < -0.005) & (reference > -0.9 * case.radius)
     assert outside.sum() > 150
     expected = -way[outside] / np.linalg.norm(way[outside], axis=1, keepdims=True)
     angle = np.linalg.norm(np.cross(normal[outside], expected), axis=1)

@@ -60,7 +60,7 @@ def commands(name: str) -> np.ndarray:
 
 @functools.cache
 def in_c_mujoco(name: str) -> Push:
-    return pushing.push_truth(scene_of(name), make_coco("differential"), commands(name))
+    return pushing.push_reference(scene_of(name), make_coco("differential"), commands(name))
 
 
 @functools.cache
@@ -76,7 +76,7 @@ ASIDES = (0.0, *(side * k * 1e-4 for k in range(1, 11) for side in (1.0, -1.0)))
 def runs_of_c_mujoco(name: str) -> np.ndarray:
     """(21, T, 3) m: the first object's places in C MuJoCo, a run for each of `ASIDES`."""
     robot = make_coco("differential")
-    return np.array([pushing.push_truth(scene_of(name), robot, commands(name), a).places[:, 0] for a in ASIDES])
+    return np.array([pushing.push_reference(scene_of(name), robot, commands(name), a).places[:, 0] for a in ASIDES])
 
 
 @pytest.mark.parametrize("impl", ENGINES)
@@ -87,14 +87,14 @@ def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
     6 to 20 mm elsewhere 0.2 s after the touch (it sticks or slips on its edges), and up to 63 cm after 2 m for 1 mm. So
     its path is held against those of 21 runs whose robots start up to 1 mm aside: all the way it is within 20 cm of one
     of them. Each of theirs is within 11 cm of another (docs/decisions/movable.md)."""
-    truth, (found, state) = in_c_mujoco("a box of 10 kg"), in_engine("a box of 10 kg", impl)
-    way, ours = (np.linalg.norm(x.places[:, 0, :2] - x.places[0, 0, :2], axis=-1) for x in (truth, found))
+    reference, (found, state) = in_c_mujoco("a box of 10 kg"), in_engine("a box of 10 kg", impl)
+    way, ours = (np.linalg.norm(x.places[:, 0, :2] - x.places[0, 0, :2], axis=-1) for x in (reference, found))
     assert way[-1] > 2.0
-    onset = int(truth.hit.argmax())
+    onset = int(reference.hit.argmax())
     assert int(found.hit.argmax()) == onset
-    np.testing.assert_allclose(found.robot[:onset], truth.robot[:onset], atol=1e-3)
-    np.testing.assert_allclose(found.places[:onset], truth.places[:onset], atol=2e-3)
-    np.testing.assert_allclose(found.places[onset], truth.places[onset], atol=1e-2)
+    np.testing.assert_allclose(found.robot[:onset], reference.robot[:onset], atol=1e-3)
+    np.testing.assert_allclose(found.places[:onset], reference.places[:onset], atol=2e-3)
+    np.testing.assert_allclose(found.places[onset], reference.places[onset], atol=1e-2)
     two = int((way > 2.0).argmax())
     assert abs(ours[two] - way[two]) < 0.1 * way[two]
     apart = np.linalg.norm(runs_of_c_mujoco("a box of 10 kg") - found.places[:, 0], axis=-1)[:, : two + 1].max(1)
@@ -107,24 +107,24 @@ def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
 @pytest.mark.parametrize("impl", ENGINES)
 def test_a_scooter_topples_as_in_c_mujoco(impl: str) -> None:
     """It stands, is hit, and lies within one control step (0.2 s) of C MuJoCo's, flat to 5 degrees and within 25 cm."""
-    truth, (found, _) = in_c_mujoco("a scooter"), in_engine("a scooter", impl)
-    leans, other = (pushing.tilt(x.quaternions[:, 0]) for x in (found, truth))
-    onset = int(truth.hit.argmax())
-    assert truth.hit.any()
+    reference, (found, _) = in_c_mujoco("a scooter"), in_engine("a scooter", impl)
+    leans, other = (pushing.tilt(x.quaternions[:, 0]) for x in (found, reference))
+    onset = int(reference.hit.argmax())
+    assert reference.hit.any()
     assert int(found.hit.argmax()) == onset
     assert leans[:onset].max(initial=0.0) < np.radians(1.0), "it stands until it is hit"
     assert other[-1] > np.radians(60.0)
     fell, theirs = (int((x > np.radians(45.0)).argmax()) for x in (leans, other))
     assert abs(fell - theirs) <= 1
     assert abs(leans[-1] - other[-1]) < np.radians(5.0)
-    assert np.linalg.norm(found.places[-1, 0] - truth.places[-1, 0]) < 0.25
+    assert np.linalg.norm(found.places[-1, 0] - reference.places[-1, 0]) < 0.25
 
 
 @pytest.mark.parametrize("impl", ENGINES)
 def test_bodies_push_each_other(impl: str) -> None:
     """The second box is reached by the first one alone, in the same control step or the next, and moves as far."""
-    truth, (found, _) = in_c_mujoco("one box into another"), in_engine("one box into another", impl)
-    moved, theirs = (np.linalg.norm(x.places[:, 1, :2] - x.places[0, 1, :2], axis=-1) for x in (found, truth))
+    reference, (found, _) = in_c_mujoco("one box into another"), in_engine("one box into another", impl)
+    moved, theirs = (np.linalg.norm(x.places[:, 1, :2] - x.places[0, 1, :2], axis=-1) for x in (found, reference))
     assert theirs[-1] > 0.5
     assert abs(int((moved > 0.01).argmax()) - int((theirs > 0.01).argmax())) <= 1
     assert abs(moved[-1] - theirs[-1]) < 0.2

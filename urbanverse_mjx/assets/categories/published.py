@@ -94,7 +94,7 @@ def _figures(row: Mapping[str, str], where: str) -> dict[str, float]:
     return figures
 
 
-def truths(rows: Sequence[Published]) -> dict[str, dict[str, float]]:
+def ground_truths(rows: Sequence[Published]) -> dict[str, dict[str, float]]:
     """leaf -> quantity -> median of what the pages give."""
     found: dict[str, dict[str, list[float]]] = {}
     for row in rows:
@@ -111,7 +111,7 @@ def truths(rows: Sequence[Published]) -> dict[str, dict[str, float]]:
 def errors(rows: Sequence[Published], medians: Mapping[str, Mapping[str, float]]) -> dict[str, dict[str, float]]:
     """quantity -> leaf -> absolute relative error of the medians (leaf -> quantity -> m or kg) against the pages."""
     found: dict[str, dict[str, float]] = {quantity: {} for quantity in QUANTITIES}
-    for leaf, quantities in truths(rows).items():
+    for leaf, quantities in ground_truths(rows).items():
         for quantity, page in quantities.items():
             found[quantity][leaf] = abs(medians[leaf][quantity] / page - 1.0)
     return found

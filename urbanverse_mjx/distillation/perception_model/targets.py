@@ -26,7 +26,7 @@ _NARROW = 3.0
 _CENTRE, _OFFSET, _DEPTH, _LEAF = 50.0, 0.64, 0.5, 0.3
 
 
-class Truth(NamedTuple):
+class GroundTruth(NamedTuple):
     """At output size h x w: class (h, w) i32; leaf (h, w) i32, its number in `classes.leaves()`, -1 = none; weight
     (h, w), what a pixel counts; owner (h, w) i32, the object's slot, -1 = no object; centre (h, w) and what a pixel
     counts for it; offset (h, w, 2) and the pixels it counts at; log_depth (h, w) and the pixels it counts at."""
@@ -43,9 +43,9 @@ class Truth(NamedTuple):
     has_depth: jax.Array
 
 
-def truth(
+def ground_truth(
     category: jax.Array, slot: jax.Array, depth: jax.Array, focal: jax.Array, table: jax.Array, slots: int
-) -> Truth:
+) -> GroundTruth:
     """Of one frame.
 
     Args:
@@ -71,7 +71,7 @@ def truth(
     narrow = _bumps(middle, big & small, h, w, SIGMA_SMALL)
     heavier = jnp.clip(_SIDE / jnp.sqrt(jnp.maximum(count[owner], 1.0)), _LIGHTEST, _HEAVIEST)
     canonical = jnp.clip(depth, NEAREST, FARTHEST) * CANONICAL_FOCAL / focal
-    return Truth(
+    return GroundTruth(
         classes=kind,
         leaf=leaf,
         weight=jnp.where(obj, heavier, 1.0),
@@ -102,7 +102,7 @@ def _bumps(middle: jax.Array, valid: jax.Array, h: int, w: int, sigma: float) ->
     return jnp.exp(-distance / (2.0 * sigma**2))
 
 
-def loss(seen: Seen, wanted: Truth, counts: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
+def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
     """Of a batch: () and its parts.
 
     Args:
@@ -125,7 +125,7 @@ def loss(seen: Seen, wanted: Truth, counts: jax.Array) -> tuple[jax.Array, dict[
     return sum(parts.values(), jnp.zeros(())), parts
 
 
-def _leaf_loss(logits: jax.Array, wanted: Truth, weight: jax.Array) -> jax.Array:
+def _leaf_loss(logits: jax.Array, wanted: GroundTruth, weight: jax.Array) -> jax.Array:
     """(): how unlikely the right leaf is among those of the right class, where there is one."""
     leaf, kind, weight = (
         x[:, ::LEAF_STRIDE, ::LEAF_STRIDE] for x in (wanted.leaf, wanted.classes, weight * wanted.weight)

@@ -14,7 +14,7 @@ from ...datatypes.ground import GROUND_KINDS
 from ...simulation.rendering.renderer import Renderer
 from . import classes
 from .augment import recolour
-from .targets import Truth, truth
+from .targets import GroundTruth, ground_truth
 
 #: Where cameras stand, and how often: robots and people on the pavement, cyclists and cars on the road.
 _STANDS = {"sidewalk": 0.55, "crosswalk": 0.1, "ground": 0.1, "road": 0.25}
@@ -31,7 +31,7 @@ _BLOCKED = 0.35
 
 @dataclasses.dataclass(frozen=True)
 class Views:
-    """Draws random frames of a bank with the truth about them.
+    """Draws random frames of a bank with the ground truth about them.
 
     Attributes:
       places: (Z, K, _PLACES, 3) f32 m, points on the ground by scene and kind of `_STANDS`; weights: (Z, K) f32.
@@ -76,7 +76,7 @@ class Views:
         table = classes.class_table(bank.meta["categories"])
         return Views(renderer, jnp.asarray(places), jnp.asarray(weights), jnp.asarray(table))
 
-    def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, Truth, jax.Array]:
+    def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, GroundTruth, jax.Array]:
         """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
 
         With `dye`, every object takes on colours of its own in all but `_PLAIN` of the pictures.
@@ -91,7 +91,7 @@ class Views:
         seen = jax.vmap(draw)(scene, viewpoint, turn, fovy, number)
         focal = self.renderer.settings.height / (2.0 * jnp.tan(fovy / 2.0))
         slots = self.renderer.bank.slot_mesh.shape[1]
-        wanted = jax.vmap(lambda c, o, d, f: truth(c, o, d, f, self.table, slots))(
+        wanted = jax.vmap(lambda c, o, d, f: ground_truth(c, o, d, f, self.table, slots))(
             seen["category"], seen["object"], seen["depth"], focal
         )
         depth = jnp.where(seen["category"] < 0, jnp.inf, seen["depth"])

@@ -28,7 +28,7 @@ from .kitti360_labels import BY_ID, INSTANCES, object_id
 #: Hz, of the cameras (the data set's documentation).
 RATE = 10.0
 SOURCE = Source("KITTI-360", "CC BY-NC-SA 3.0", "Karlsruhe", "Germany")
-TRUTH = "boxes.json"
+GROUND_TRUTH = "boxes.json"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -102,7 +102,7 @@ def read_kitti360(
             progress(number + 1, len(frames))
     recording = writer.close()
     near = _near(boxes, origin, recording.poses()[:, :3, 3])
-    v.write_json(recording.folder / TRUTH, [obj.to_json() for obj in near])
+    v.write_json(recording.folder / GROUND_TRUTH, [obj.to_json() for obj in near])
     return recording
 
 

@@ -36,7 +36,7 @@ _BODY, _REACH = 0.3, 3.0
 
 @dataclasses.dataclass(frozen=True)
 class Capture:
-    """A filmed block: its bank of one scene, the recording with the truth beside it, and the distilled graph."""
+    """A filmed block: its bank of one scene, the recording with the ground truth beside it, and the distilled graph."""
 
     bank: SceneBank
     recording: Recording
@@ -53,31 +53,31 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
     Raises:
       ValidationError: a profile that asks for what the asset index does not hold, or a capture that saw no ground.
     """
-    truth = block(profile, seed, name, length)
-    layout = materialise_cousins(truth, 1, kerb=0.0)[0].layout
+    ground_truth = block(profile, seed, name, length)
+    layout = materialise_cousins(ground_truth, 1, kerb=0.0)[0].layout
     geometry = scene_geometry(layout, index_of(layout))
-    geometry = dataclasses.replace(geometry, episodes=_one_episode(truth))
+    geometry = dataclasses.replace(geometry, episodes=_one_episode(ground_truth))
     bank = pack([geometry], ["train"], {layout.sky: build_sky(layout.sky)})
     options = FilmOptions(width=SIZE[0], height=SIZE[1], samples=2)
-    recording = film_scene(bank, 0, folder, _way(truth, profile, bank), options)
+    recording = film_scene(bank, 0, folder, _way(ground_truth, profile, bank), options)
     graph = distil(recording, LabelPriors(load_index()), describe=DESCRIBE).graph
     words = f"synthetic tour of a block that follows the statistics of {profile.city} (block {VERSION}, seed {seed})"
     source = Source(words, "Apache-2.0", profile.city, profile.country)
     return Capture(bank, recording, compact(dataclasses.replace(graph, id=name, source=source)))
 
 
-def _one_episode(truth: SceneGraph) -> EpisodeTable:
+def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
     """What a bank wants of every scene; nobody drives here."""
-    (x, y, z, _), (gx, gy, gz, _) = truth.camera_path[0], truth.camera_path[-1]
+    (x, y, z, _), (gx, gy, gz, _) = ground_truth.camera_path[0], ground_truth.camera_path[-1]
     goal, no = np.array([[gx, gy, gz]]), np.zeros(1, bool)
     return EpisodeTable(
         np.array([[x, y, z, 0.0]]), goal, goal[:, None], np.ones(1, np.int32), np.ones(1), no, no, np.array([-1.0])
     )
 
 
-def _way(truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
+def _way(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
     """The block's trajectory, moved off objects that came to stand in it, the camera looking to both sides in turn."""
-    path = np.array(truth.camera_path)
+    path = np.array(ground_truth.camera_path)
     if profile.way == "walk":
         path[:, :2] = _cleared(path[:, :2], street_grid(bank, 0))
     count = np.arange(len(path))

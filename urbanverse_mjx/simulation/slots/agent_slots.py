@@ -19,7 +19,7 @@ from .static_slots import Slots
 
 #: Owner of the first agent in `Slots.owner`; that of agent a is `FIRST_OWNER - a` (objects from 0 on, the ground -1).
 FIRST_OWNER = -2
-#: MuJoCo's default for geoms, which the truth's cylinders have.
+#: MuJoCo's default for geoms, which the reference's cylinders have.
 FRICTION = 1.0
 #: m from the axis, where no way out is the shortest.
 _ON_AXIS = 1e-6

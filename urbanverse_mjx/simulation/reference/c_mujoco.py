@@ -1,4 +1,4 @@
-"""C MuJoCo as the truth: the same drives in the scene's own MJCF and in an engine, and how far they part.
+"""C MuJoCo as the reference: the same drives in the scene's own MJCF and in an engine, and how far they part.
 
 In:   scenes as `MjSpec` (the saved `scene.xml`), engines, `Drives`.
 Out:  `Trace`, `ParityReport`.
@@ -25,9 +25,9 @@ __all__ = [
     "aimed_drives",
     "compare",
     "drive_engine",
-    "drive_truth",
+    "drive_reference",
     "mixed_drives",
-    "truth_model",
+    "reference_model",
 ]
 
 #: How the scene's MJCF names what is no object.
@@ -110,7 +110,7 @@ def _millimetres(metres: Any) -> float:
     return round(float(metres) * 1e3, 4)
 
 
-def truth_model(scene: mujoco.MjSpec, robot: RobotSpec) -> mujoco.MjModel:
+def reference_model(scene: mujoco.MjSpec, robot: RobotSpec) -> mujoco.MjModel:
     """The scene with the robot in it, with the robot's options (time step, integrator, cone)."""
     body = mujoco.MjSpec.from_string(robot.mjcf)
     for option in ("timestep", "integrator", "cone"):
@@ -119,7 +119,7 @@ def truth_model(scene: mujoco.MjSpec, robot: RobotSpec) -> mujoco.MjModel:
     return scene.compile()
 
 
-def drive_truth(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: Drives, control_dt: float) -> Trace:
+def drive_reference(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: Drives, control_dt: float) -> Trace:
     """The drives in C MuJoCo; `models` has one model per scene of the bank."""
     substeps = round(control_dt / robot.physics_timestep)
     feet = {_ROBOT + name for name in robot.foot_geoms}
@@ -191,28 +191,28 @@ def _ends(trace: Trace) -> list[str]:
     ]
 
 
-def compare(truth: Trace, engine: Trace, robot: RobotSpec) -> ParityReport:
-    """How far the engine parts from the truth."""
-    count, steps = truth.hit.shape
+def compare(reference: Trace, engine: Trace, robot: RobotSpec) -> ParityReport:
+    """How far the engine parts from the reference."""
+    count, steps = reference.hit.shape
     dt, rows = robot.physics_timestep, np.arange(count)
-    apart = np.linalg.norm(truth.qpos[..., :3] - engine.qpos[..., :3], axis=-1)
+    apart = np.linalg.norm(reference.qpos[..., :3] - engine.qpos[..., :3], axis=-1)
     # What is no number is far away from everything.
     apart = np.where(np.isnan(apart), np.inf, apart)
-    first = [np.where(t.hit.any(1), t.hit.argmax(1), steps) for t in (truth, engine)]
+    first = [np.where(t.hit.any(1), t.hit.argmax(1), steps) for t in (reference, engine)]
     both, either = np.maximum(*first), np.minimum(*first)
     onset = np.where((both == steps) & (either < steps), -1, both - either).astype(np.int32)
-    if truth.met is not None:
-        either = np.minimum(either, np.where(truth.met.any(1), truth.met.argmax(1), steps))
+    if reference.met is not None:
+        either = np.minimum(either, np.where(reference.met.any(1), reference.met.argmax(1), steps))
     worst = np.array([apart[i, : max(int(either[i]), 1)].argmax() for i in range(count)])
     late = either + round(1.0 / dt)
-    agree = np.array([e <= t for t, e in zip(truth.objects, engine.objects, strict=True)])
+    agree = np.array([e <= t for t, e in zip(reference.objects, engine.objects, strict=True)])
     return ParityReport(
         before=apart[rows, worst],
         before_time=(worst + 1) * dt,
         onset=onset,
         after=np.where(late < steps, apart[rows, np.minimum(late, steps - 1)], np.nan),
         after_time=(late + 1) * dt,
-        hit=truth.hit.any(1),
-        objects_agree=agree & (truth.ground == engine.ground),
-        ends_agree=np.array([a == b for a, b in zip(_ends(truth), _ends(engine), strict=True)]),
+        hit=reference.hit.any(1),
+        objects_agree=agree & (reference.ground == engine.ground),
+        ends_agree=np.array([a == b for a, b in zip(_ends(reference), _ends(engine), strict=True)]),
     )
