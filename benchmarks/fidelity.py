@@ -43,7 +43,7 @@ import numpy as np
 
 from benchmarks.lib import fidelity_scaling, fidelity_store, tables
 from benchmarks.lib import fidelity_scores as scores
-from benchmarks.lib.fidelity_captures import Capture, film, from_pictures, imported, retrieved, seen_by_the_model
+from benchmarks.lib.fidelity_captures import Capture, film, from_images, imported, retrieved, seen_by_the_model
 from benchmarks.lib.injection import inject
 from urbanverse_mjx import settings
 from urbanverse_mjx.assets.records.index import load_index
@@ -140,7 +140,7 @@ class Street:
             return [
                 dataclasses.replace(perfect, row="perfect inputs, with pictures", describe=DESCRIBE),
                 Plan("the small network, true poses and depth", DistilOptions(), seen_by_the_model),
-                Plan("RGB alone", DistilOptions(), from_pictures),
+                Plan("RGB alone", DistilOptions(), from_images),
             ]
         return [
             perfect,

@@ -110,8 +110,8 @@ def _sheet(recording: Recording, path: pathlib.Path) -> None:
     """Twelve frames of a capture, four in a row."""
     frames = [recording.rgb(int(i)) for i in np.linspace(1, len(recording) - 2, 12)]
     rows = [np.concatenate(frames[k : k + 4], axis=1) for k in range(0, 12, 4)]
-    picture = Image.fromarray(np.concatenate(rows))
-    v.write_atomically(path, lambda p: picture.save(p, "JPEG", quality=85))
+    image = Image.fromarray(np.concatenate(rows))
+    v.write_atomically(path, lambda p: image.save(p, "JPEG", quality=85))
 
 
 if __name__ == "__main__":

@@ -280,7 +280,7 @@ def load_bank(path: pathlib.Path | None) -> SceneBank:
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     began = time.perf_counter()
-    bank, robot, pictures, failures = load_bank(arguments.bank), make_coco(), {}, 0
+    bank, robot, images, failures = load_bank(arguments.bank), make_coco(), {}, 0
     lines = arguments.out.open("a") if arguments.out else None
 
     def tell(line: dict[str, Any]) -> None:
@@ -303,13 +303,13 @@ def main(argv: list[str] | None = None) -> int:
             result, frames = measure(bank, robot, case, shading, style, arguments)
             line |= result
             if frames is not None:
-                pictures[name.replace(" ", "_")] = frames
+                images[name.replace(" ", "_")] = frames
         except Exception as error:
             failures += 1
             line |= {"error": repr(error)[:300], "trace": traceback.format_exc()[-600:]}
         tell(line)
         if arguments.out:
-            np.savez_compressed(arguments.out.with_suffix(".npz"), **pictures)
+            np.savez_compressed(arguments.out.with_suffix(".npz"), **images)
         jax.clear_caches()
         gc.collect()
     return 1 if failures else 0

@@ -61,7 +61,7 @@ CODE: Mapping[str, Code] = {
         ("assets.appearances", "assets.selection.descriptors"),
         ("catalogue",),
     ),
-    "thumbnails": Code(1, _below("assets.pictures", "gallery", "thumbnails"), ("catalogue",)),
+    "thumbnails": Code(1, _below("assets.images", "gallery", "thumbnails"), ("catalogue",)),
     # Layouts; the number stands in their hashes.
     "cousins": Code(
         3,
@@ -84,7 +84,7 @@ CODE: Mapping[str, Code] = {
     "bank": Code(1, ("pipeline.banks",), ("scenes",)),
     "rendering": Code(1, _below("simulation", "rendering", "warp_bridge"), ("datatypes",)),
     # Pictures and numbers on the page of scenes.
-    "cards": Code(2, _below("viz", "graphs", "pictures", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
+    "cards": Code(2, _below("viz", "graphs", "images", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.
     "perception": Code(
         2,
@@ -104,8 +104,8 @@ CODE: Mapping[str, Code] = {
     "report": Code(
         1,
         (
-            *_below("pipeline.generation", "records", "report", "report_map", "report_pictures"),
-            *_below("viz", "graphs", "pictures"),
+            *_below("pipeline.generation", "records", "report", "report_map", "report_images"),
+            *_below("viz", "graphs", "images"),
         ),
         ("cousins", "rendering"),
     ),

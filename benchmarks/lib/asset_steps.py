@@ -10,7 +10,7 @@ from urbanverse_mjx.assets import build_mesh, load_index
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.categories.labels import mapped_labels
 from urbanverse_mjx.assets.categories.semantics import NgramIndex, known_names
-from urbanverse_mjx.assets.pictures.gallery import render_masked
+from urbanverse_mjx.assets.images.gallery import render_masked
 from urbanverse_mjx.assets.selection import descriptors
 from urbanverse_mjx.assets.selection.matching import Matcher
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
@@ -58,10 +58,10 @@ def appearance(objects: ObjectLibrary, matcher: Matcher, count: int, seed: int =
     rng = np.random.default_rng(seed)
     found: dict[str, list[Any]] = {"rank": [], "chance": [], "base": [], "color": []}
     for k, record in enumerate(_sample(objects, rng, count)):
-        picture, mask = render_masked(build_mesh(record), RENDER, YAWS[k % len(YAWS)])
+        image, mask = render_masked(build_mesh(record), RENDER, YAWS[k % len(YAWS)])
         if not mask.any():
             continue
-        query = descriptors.of_picture(picture, mask)
+        query = descriptors.of_image(image, mask)
         best = matcher.match(record.leaf, record.extent_xyz, query, count=1000)
         uids = [m.uid for m in best]
         found["rank"].append(uids.index(record.uid) if record.uid in uids else len(uids))
@@ -85,7 +85,7 @@ def latencies(objects: ObjectLibrary, matcher: Matcher, count: int = 300) -> dic
     rng = np.random.default_rng(2)
     records = _sample(objects, rng, count)
     crop = rng.integers(0, 256, (64, 64, 3)).astype(np.uint8)
-    query = descriptors.of_picture(crop)
+    query = descriptors.of_image(crop)
     fresh = Matcher(objects)
     start = time.perf_counter()
     for record in records:

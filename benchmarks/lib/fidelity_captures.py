@@ -78,7 +78,7 @@ def _with_ground_truth(recording: Recording, ground_truth: Any, turnable: dict[s
     return Capture(recording, seen, [t for t in ground_truth if t.id not in ids], turnable, scene)
 
 
-def from_pictures(filmed: Capture, folder: pathlib.Path) -> Recording:
+def from_images(filmed: Capture, folder: pathlib.Path) -> Recording:
     """Everything from the pictures alone: COLMAP's poses and the small network's objects, surfaces and depth."""
     (folder / "frames").mkdir(parents=True)
     names = []

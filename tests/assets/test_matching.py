@@ -89,7 +89,7 @@ def test_parameters_give_the_descriptor_of_their_tint(objects: ObjectLibrary, ma
     for color, name, also in (((190, 34, 38), "red", {"brown"}), ((40, 88, 168), "blue", set())):
         crop = np.zeros((60, 120, 3), np.uint8)
         crop[:] = color
-        query = descriptors.of_picture(crop)
+        query = descriptors.of_image(crop)
         assert query.shape == (descriptors.SIZE,)
         uids = [m.uid for m in matcher.match("sedan", (4.7, 1.8, 1.45), query, count=5)]
         shown = [row["colors"][:2] for row in objects.load_annotations(uids).values()]
@@ -113,10 +113,10 @@ def test_the_mask_decides_what_is_seen() -> None:
     crop[10:30, 15:25] = (190, 34, 38)
     mask = np.zeros((40, 40), bool)
     mask[10:30, 15:25] = True
-    inner = descriptors.of_picture(crop[10:30, 15:25])
-    assert np.array_equal(descriptors.of_picture(crop, mask), inner)
+    inner = descriptors.of_image(crop[10:30, 15:25])
+    assert np.array_equal(descriptors.of_image(crop, mask), inner)
     with pytest.raises(ValidationError, match="0 pixels"):
-        descriptors.of_picture(crop, np.zeros((40, 40), bool))
+        descriptors.of_image(crop, np.zeros((40, 40), bool))
 
 
 def test_wrong_sizes_and_descriptors_are_refused(matcher: Matcher) -> None:
@@ -129,7 +129,7 @@ def test_wrong_sizes_and_descriptors_are_refused(matcher: Matcher) -> None:
 def test_matching_is_quick(matcher: Matcher) -> None:
     """100 ms warm, of this process's time; `benchmarks.assets` measures the wall."""
     crop = np.random.default_rng(0).integers(0, 256, (64, 64, 3)).astype(np.uint8)
-    query = descriptors.of_picture(crop)
+    query = descriptors.of_image(crop)
     spent = []
     for label in ("pedestrian adult", "bench", "tree") * 3:
         start = time.process_time()

@@ -61,10 +61,10 @@ def test_figure_and_numbers(tmp_path: pathlib.Path, capsys) -> None:
     assert (told["families"]["real"]["scenes"], told["families"]["real"]["layouts"]) == (3, 1)
     assert "objects" in told["no_page_gave"]
     assert all(p["address"].startswith("https://") for rows in told["published"].values() for p in rows)
-    picture = np.asarray(Image.open(out))
-    assert picture.shape[1] > 1500
+    image = np.asarray(Image.open(out))
+    assert image.shape[1] > 1500
     for colour in ((40, 96, 190), (214, 66, 40)):
-        assert (picture == colour).all(-1).sum() > 200  # dots of either family
+        assert (image == colour).all(-1).sum() > 200  # dots of either family
     json.loads(capsys.readouterr().out)
 
 

@@ -10,7 +10,7 @@ import pytest
 from brax.training.acme import running_statistics, specs
 
 from tests.support.agent_appearances import with_box_agents
-from tests.support.unicycle import GoalPicture, UnicycleEngine, unicycle_env, unicycle_robot
+from tests.support.unicycle import GoalImage, UnicycleEngine, unicycle_env, unicycle_robot
 from urbanverse_mjx import pipeline
 from urbanverse_mjx.cli.evaluate import main as evaluate
 from urbanverse_mjx.cli.train import main as train
@@ -70,7 +70,7 @@ class MovableEngine(UnicycleEngine):
         return super().step(state, ctrl, agents)._replace(bodies=state.bodies)
 
 
-class BodyPicture(GoalPicture):
+class BodyPicture(GoalImage):
     """A renderer that is told where the movable objects are."""
 
     def __call__(

@@ -89,7 +89,7 @@ def test_a_spoiled_file_is_refused(tmp_path: pathlib.Path, path: tuple, value: A
         Recording.load(tmp_path)
 
 
-def test_spoiled_pictures_are_refused_when_read(tmp_path: pathlib.Path) -> None:
+def test_spoiled_images_are_refused_when_read(tmp_path: pathlib.Path) -> None:
     recording = write(tmp_path)
     Image.fromarray(np.full((4, 6), 9, np.uint16)).save(tmp_path / "masks/000000.png")
     with pytest.raises(ValidationError, match="detection 9"):

@@ -136,8 +136,8 @@ def test_no_ground_and_no_pose_are_one_sentence(recording: Recording) -> None:
 def test_crops_and_descriptors_reach_the_graph(recording: Recording, tmp_path: pathlib.Path) -> None:
     from urbanverse_mjx.distillation import Describe
 
-    def mean_colour(picture: np.ndarray, mask: np.ndarray) -> list[int]:
-        return picture[mask].mean(0).round().astype(int).tolist()
+    def mean_colour(image: np.ndarray, mask: np.ndarray) -> list[int]:
+        return image[mask].mean(0).round().astype(int).tolist()
 
     part = dataclasses.replace(recording, frames=recording.frames[:12])
     made = distil(part, prior_of, describe=Describe(mean_colour, mean_colour, mean_colour), crop_folder=tmp_path)

@@ -62,11 +62,11 @@ def _look(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.n
     which, depth = reach.argmin(-1), reach.min(-1)
     x, y, z = (pose[:3, 3] + depth[..., None] * rays).transpose(2, 0, 1)
     sky = (which > 0) & (z > TOP) | (depth > 60.0)
-    picture = np.zeros(which.shape, np.float32)
+    image = np.zeros(which.shape, np.float32)
     for k, second in enumerate((y, z, z)):
         texel = [np.nan_to_num(v[which == k], posinf=0.0, neginf=0.0) / 0.05 for v in (x, second)]
-        picture[which == k] = ndimage.map_coordinates(textures[k], texel, order=1, mode="grid-wrap")
-    rgb = np.repeat((255 * np.where(sky, 0.9, picture)).astype(np.uint8)[..., None], 3, -1)
+        image[which == k] = ndimage.map_coordinates(textures[k], texel, order=1, mode="grid-wrap")
+    rgb = np.repeat((255 * np.where(sky, 0.9, image)).astype(np.uint8)[..., None], 3, -1)
     surfaces = np.where(sky, SKY, np.where(which == 0, SIDEWALK, 0)).astype(np.uint8)
     masks = np.where(sky | (which == 0), -1, which - 1).astype(np.int32)
     walls = (Detection("house", 0.9), Detection("house", 0.8))
@@ -139,9 +139,9 @@ def test_a_short_clip_gets_a_lens_that_a_camera_has(tmp_path: pathlib.Path, seed
     step, swing, yaw = rng.uniform(0.3, 0.55), rng.uniform(0.05, 0.2), rng.uniform(0.3, 0.9)
     blur, noise = rng.uniform(0, 0.8), rng.uniform(0, 4)
     for k in range(9):
-        picture = _look(_pose(step * k, yaw + swing * np.sin(k / 1.5)), textures)[0].astype(float)
-        picture = ndimage.gaussian_filter(picture, (blur, blur, 0)) + rng.normal(0, noise, picture.shape[:2])[..., None]
-        Image.fromarray(picture.clip(0, 255).astype(np.uint8)).save(tmp_path / f"{k}.png")
+        image = _look(_pose(step * k, yaw + swing * np.sin(k / 1.5)), textures)[0].astype(float)
+        image = ndimage.gaussian_filter(image, (blur, blur, 0)) + rng.normal(0, noise, image.shape[:2])[..., None]
+        Image.fromarray(image.clip(0, 255).astype(np.uint8)).save(tmp_path / f"{k}.png")
     structure = reconstruct(sample(tmp_path, tmp_path / "frames"), StructureOptions(features=1500))
     assert list(structure.registered) == list(range(9))
     assert structure.camera.fx == pytest.approx(CAMERA.fx, rel=0.1)
@@ -264,9 +264,9 @@ def test_lens_distortion_is_taken_out():
     assert _rise(bent.astype(float)) > 2.0
 
 
-def _rise(picture: np.ndarray) -> float:
+def _rise(image: np.ndarray) -> float:
     """Rows between the highest and the lowest middle of the columns of a picture (H, W) of one line."""
-    middle = (picture * np.arange(len(picture))[:, None]).sum(0) / picture.sum(0)
+    middle = (image * np.arange(len(image))[:, None]).sum(0) / image.sum(0)
     return float(np.ptp(middle[20:300]))
 
 

@@ -29,15 +29,15 @@ def _pan(count: int, step: int) -> list[np.ndarray]:
     return [wall[:, k * step : k * step + 192] for k in range(count)]
 
 
-def _folder(path: pathlib.Path, pictures: list[np.ndarray]) -> pathlib.Path:
+def _folder(path: pathlib.Path, images: list[np.ndarray]) -> pathlib.Path:
     path.mkdir()
-    for k, picture in enumerate(pictures):
-        Image.fromarray(picture).save(path / f"p{k:03d}.png")
+    for k, image in enumerate(images):
+        Image.fromarray(image).save(path / f"p{k:03d}.png")
     return path
 
 
-def _video(path: pathlib.Path, pictures: list[np.ndarray], fps: float) -> pathlib.Path:
-    iio.imwrite(path, np.stack(pictures), plugin="FFMPEG", fps=fps, quality=9, macro_block_size=2)
+def _video(path: pathlib.Path, images: list[np.ndarray], fps: float) -> pathlib.Path:
+    iio.imwrite(path, np.stack(images), plugin="FFMPEG", fps=fps, quality=9, macro_block_size=2)
     return path
 
 
@@ -53,36 +53,36 @@ def test_a_video_is_sampled_at_the_rate_asked_for(tmp_path: pathlib.Path, ending
 
 
 def test_of_neighbours_the_sharpest_is_taken(tmp_path: pathlib.Path):
-    pictures = _pan(12, 6)
-    blurred = [p if k % 3 == 1 else ndimage.gaussian_filter(p, (3, 3, 0)) for k, p in enumerate(pictures)]
+    images = _pan(12, 6)
+    blurred = [p if k % 3 == 1 else ndimage.gaussian_filter(p, (3, 3, 0)) for k, p in enumerate(images)]
     frames = sample(_video(tmp_path / "v.mp4", blurred, 6.0), tmp_path / "f", SamplingOptions(rate=2.0))
     assert len(frames) == 4
     assert np.allclose(frames.time_s, [(3 * k + 1) / 6 for k in range(4)], atol=1e-3)
 
 
-def test_large_pictures_are_scaled_down_and_small_ones_left(tmp_path: pathlib.Path):
+def test_large_images_are_scaled_down_and_small_ones_left(tmp_path: pathlib.Path):
     folder = _folder(tmp_path / "in", _pan(3, 20))
     assert sample(folder, tmp_path / "a", SamplingOptions(short_side=64)).height == 64
     assert sample(folder, tmp_path / "b", SamplingOptions(short_side=540)).height == 108
 
 
 def test_the_screen_says_what_it_dropped_and_why(tmp_path: pathlib.Path):
-    pictures = _pan(16, 16)
-    pictures[3] = pictures[3] // 20
-    pictures[6] = ndimage.gaussian_filter(pictures[6], (4, 4, 0))
-    pictures[9] = pictures[8]
-    frames = sample(_folder(tmp_path / "in", pictures), tmp_path / "f", SamplingOptions(rate=1.0))
+    images = _pan(16, 16)
+    images[3] = images[3] // 20
+    images[6] = ndimage.gaussian_filter(images[6], (4, 4, 0))
+    images[9] = images[8]
+    frames = sample(_folder(tmp_path / "in", images), tmp_path / "f", SamplingOptions(rate=1.0))
     assert dict(frames.dropped) == {3.0: "dark", 6.0: "blurred", 9.0: "static"}
     assert frames.lost() == "1 dark, 1 blurred, 1 static"
     assert sorted(p.name for p in (tmp_path / "f").glob("*.png")) == list(frames.names)
 
 
 def test_a_sideways_turn_is_measured_and_a_fast_one_dropped():
-    pictures = [measure(p) for p in _pan(4, 60)]
-    turns = [0.0, *(turned(a, b) for a, b in itertools.pairwise(pictures))]
+    images = [measure(p) for p in _pan(4, 60)]
+    turns = [0.0, *(turned(a, b) for a, b in itertools.pairwise(images))]
     assert turns[1:] == pytest.approx([60 / 192] * 3, abs=0.02)
     limits = ScreenLimits(turn=0.25)
-    assert screen(pictures, turns, limits) == [None, "too fast", "too fast", "too fast"]
+    assert screen(images, turns, limits) == [None, "too fast", "too fast", "too fast"]
     rng = np.random.default_rng(1)
     noise = [measure(rng.integers(0, 255, (108, 192, 3), dtype=np.uint8)) for _ in range(2)]
     assert turned(*noise) == 0.0
@@ -115,16 +115,16 @@ class _FindsOne:
 
 
 def test_faces_are_unreadable_in_what_is_stored(tmp_path: pathlib.Path):
-    pictures = _pan(3, 20)
+    images = _pan(3, 20)
     blur = blur_by_name(f"{__name__}:_FindsOne")
-    frames = sample(_folder(tmp_path / "in", pictures), tmp_path / "f", blur=blur)
+    frames = sample(_folder(tmp_path / "in", images), tmp_path / "f", blur=blur)
     assert frames.blur == f"{__name__}:_FindsOne"
     stored = frames.rgb(0)
     box = np.s_[27:53, 37:63]
     assert len(np.unique(stored[box].reshape(-1, 3), axis=0)) <= 16
     outside = np.ones(stored.shape[:2], bool)
     outside[box] = False
-    assert (stored[outside] == pictures[0][outside]).all()
+    assert (stored[outside] == images[0][outside]).all()
 
 
 def test_a_detector_that_is_missing_or_wrong_is_named():

@@ -56,8 +56,8 @@ def write_kitti(root: pathlib.Path) -> dict[int, np.ndarray]:
     folder.mkdir(parents=True)
     (folder / "poses.txt").write_text("\n".join(poses) + "\n")
     labels = root / "data_2d_semantics" / "train" / SEQUENCE / "image_00"
-    pictures = root / "data_2d_raw" / SEQUENCE / "image_00" / "data_rect"
-    for path in (labels / "semantic", labels / "instance", pictures):
+    images = root / "data_2d_raw" / SEQUENCE / "image_00" / "data_rect"
+    for path in (labels / "semantic", labels / "instance", images):
         path.mkdir(parents=True)
     for frame in (0, 7):
         semantic = np.full((HEIGHT, WIDTH), 23, np.uint8)
@@ -70,7 +70,7 @@ def write_kitti(root: pathlib.Path) -> dict[int, np.ndarray]:
         Image.fromarray(semantic).save(labels / "semantic" / f"{frame:010d}.png")
         Image.fromarray(instance).save(labels / "instance" / f"{frame:010d}.png")
         rgb = np.full((HEIGHT, WIDTH, 3), 50 + frame, np.uint8)
-        Image.fromarray(rgb).save(pictures / f"{frame:010d}.png")
+        Image.fromarray(rgb).save(images / f"{frame:010d}.png")
     boxes = root / "data_3d_bboxes" / "train"
     boxes.mkdir(parents=True)
     (boxes / f"{SEQUENCE}.xml").write_text(boxes_text())

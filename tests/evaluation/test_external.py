@@ -156,12 +156,12 @@ def test_an_onnx_file_answers_as_its_weights_say(tmp_path: pathlib.Path) -> None
         load_onnx(path)
 
 
-def test_an_onnx_file_sees_pictures_as_it_wants_them(tmp_path: pathlib.Path) -> None:
+def test_an_onnx_file_sees_images_as_it_wants_them(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "seeing.onnx"
-    path.write_bytes(linear_policy(np.zeros((2, 2)), picture=("n", 3, 12, 16)))
+    path.write_bytes(linear_policy(np.zeros((2, 2)), image=("n", 3, 12, 16)))
     policy = load_onnx(path)
     assert (policy.sees, policy.size) == (True, (12, 16))
-    pictures = np.random.default_rng(0).integers(0, 256, (2, 12, 16, 3), dtype=np.uint8)
-    found = policy.agent({"goal": np.zeros((2, 2), np.float32), "pixels/front": pictures})
-    expected = pictures.reshape(2, -1).mean(1) / 255
+    images = np.random.default_rng(0).integers(0, 256, (2, 12, 16, 3), dtype=np.uint8)
+    found = policy.agent({"goal": np.zeros((2, 2), np.float32), "pixels/front": images})
+    expected = images.reshape(2, -1).mean(1) / 255
     np.testing.assert_allclose(found, np.stack([expected, expected], 1), rtol=1e-4)

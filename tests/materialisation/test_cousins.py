@@ -64,8 +64,8 @@ def test_the_same_inputs_give_the_same_layouts_and_another_seed_others(cousins):
 
 def test_a_cousin_is_the_same_alone_and_among_any_number(cousins):
     """With what was seen known and not: the draw among near matches must not depend on how many cousins there are."""
-    picture = np.random.default_rng(1).integers(0, 255, (60, 90, 3)).astype(np.uint8)
-    look = tuple(map(int, descriptors.of_picture(picture)))
+    image = np.random.default_rng(1).integers(0, 255, (60, 90, 3)).astype(np.uint8)
+    look = tuple(map(int, descriptors.of_image(image)))
     seen = [dataclasses.replace(node, descriptor=look) for node in OBJECTS[:2]]
     walk = dataclasses.replace(WALK, descriptor=appearance_search.own_ground_descriptor("sidewalk/flags_buff"))
     graph = street(
@@ -190,7 +190,7 @@ def test_the_nearest_cousin_is_what_was_seen(cousins):
 def _own_descriptor(record) -> np.ndarray:
     mesh = build_mesh(record)
     colours = mesh.texture.reshape(-1, 3)[:: max(1, mesh.texture.size // 3 // 1024)]
-    return descriptors.of_picture(colours[: len(colours) // 16 * 16].reshape(16, -1, 3))
+    return descriptors.of_image(colours[: len(colours) // 16 * 16].reshape(16, -1, 3))
 
 
 def test_a_quarter_turn_is_taken_only_where_the_box_lies_across():
@@ -234,19 +234,19 @@ def test_a_sky_like_none_is_not_matched():
 def test_crops_and_stored_descriptors_give_the_same():
     """A masked crop is described once; the graph written to JSON and read back gives the same layouts."""
     rng = np.random.default_rng(0)
-    picture = rng.integers(0, 255, (60, 90, 3)).astype(np.uint8)
+    image = rng.integers(0, 255, (60, 90, 3)).astype(np.uint8)
     mask = np.zeros((60, 90), bool)
     mask[10:50, 20:80] = True
-    node = dataclasses.replace(OBJECTS[0], descriptor=tuple(map(int, descriptors.of_picture(picture, mask))))
-    walk = dataclasses.replace(WALK, descriptor=appearance_search.ground_crop_descriptor(picture, mask))
-    graph = street(node, ground=(ROAD, walk), sky_descriptor=appearance_search.sky_crop_descriptor(picture, mask))
+    node = dataclasses.replace(OBJECTS[0], descriptor=tuple(map(int, descriptors.of_image(image, mask))))
+    walk = dataclasses.replace(WALK, descriptor=appearance_search.ground_crop_descriptor(image, mask))
+    graph = street(node, ground=(ROAD, walk), sky_descriptor=appearance_search.sky_crop_descriptor(image, mask))
     stored = SceneGraph.from_json(graph.to_json())
     one, other = (materialise_cousins(g, 3, objects=few_objects()) for g in (graph, stored))
     assert [c.layout.to_json() for c in one] == [c.layout.to_json() for c in other]
     square = np.zeros_like(mask)
     square[5:30, 40:65] = True
-    assert appearance_search.ground_crop_descriptor(picture, square) == appearance_search.ground_descriptor(
-        picture[5:30, 40:65]
+    assert appearance_search.ground_crop_descriptor(image, square) == appearance_search.ground_descriptor(
+        image[5:30, 40:65]
     )
 
 

@@ -24,7 +24,7 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", TEXT, flags=re.MULTILINE | re.DOTALL)
 
 
-def test_the_python_example_runs_and_sees_eight_pictures(bank: SceneBank) -> None:
+def test_the_python_example_runs_and_sees_eight_images(bank: SceneBank) -> None:
     del bank  # it lies in the cache, where the example looks for it
     (code,) = blocks("python")
     lines = [line for line in code.splitlines() if line.strip()]

@@ -25,7 +25,7 @@ def _value(name: str, elements: int, shape: tuple[int | str, ...]) -> bytes:
     return _bytes(1, name) + _bytes(2, _bytes(1, _number(1, elements) + _bytes(2, dims)))
 
 
-def linear_policy(weights: np.ndarray, batch: int | str = "n", picture: tuple[int | str, ...] | None = None) -> bytes:
+def linear_policy(weights: np.ndarray, batch: int | str = "n", image: tuple[int | str, ...] | None = None) -> bytes:
     """ModelProto of goal (batch, 2) -> goal @ weights (2, 2).
 
     Args:
@@ -33,17 +33,17 @@ def linear_policy(weights: np.ndarray, batch: int | str = "n", picture: tuple[in
     """
     nodes = [_bytes(1, "goal_vector") + _bytes(1, "weights") + _bytes(2, "turned") + _bytes(4, "MatMul")]
     inputs = [_value("goal_vector", 1, (batch, 2))]
-    if picture is None:
+    if image is None:
         nodes.append(_bytes(1, "turned") + _bytes(2, "action") + _bytes(4, "Identity"))
     else:
-        inputs.append(_value("rgb", 1, picture))
+        inputs.append(_value("rgb", 1, image))
         nodes.append(_bytes(1, "rgb") + _bytes(2, "grey") + _bytes(4, "GlobalAveragePool"))
         nodes.append(_bytes(1, "grey") + _bytes(2, "flat") + _bytes(4, "Flatten"))
         # ReduceMean by a product with thirds: it has no attributes to write.
         nodes.append(_bytes(1, "flat") + _bytes(1, "thirds") + _bytes(2, "light") + _bytes(4, "MatMul"))
         nodes.append(_bytes(1, "turned") + _bytes(1, "light") + _bytes(2, "action") + _bytes(4, "Add"))
     tensors = [_tensor("weights", weights)]
-    if picture is not None:
+    if image is not None:
         tensors.append(_tensor("thirds", np.full((3, 2), 1 / 3)))
     graph = b"".join(_bytes(1, n) for n in nodes) + _bytes(2, "policy") + b"".join(_bytes(5, t) for t in tensors)
     graph += b"".join(_bytes(11, i) for i in inputs) + _bytes(12, _value("action", 1, (batch, 2)))

@@ -71,7 +71,7 @@ class UnicycleEngine:
         return self._state(state.scene, qpos, qvel, met | (xy[0] > self._wall), jnp.where(met, nearest, -1))
 
 
-class GoalPicture:
+class GoalImage:
     """A renderer whose picture shows where the robot stands: enough to see frames change."""
 
     def __call__(
@@ -90,7 +90,7 @@ def unicycle_env(
     config = with_overrides(default_config("paper"), {"scenes": "all", **(overrides or {})})
     robot = unicycle_robot()
     engine = UnicycleEngine(robot, config.ctrl_dt, wall, agents=config.scenario == "dynamic")
-    return NavEnv(config, bank, robot, engine, GoalPicture() if vision else None)
+    return NavEnv(config, bank, robot, engine, GoalImage() if vision else None)
 
 
 def drive_to_goal(obs: dict[str, jax.Array]) -> jax.Array:

@@ -26,7 +26,7 @@ from urbanverse_mjx.training.student import StudentPolicy, initial_student
 
 LAYERS = [[4, 4, 4], [4, 2, 2]]
 OVERRIDES = {"scenes": "all", "episode_length": 12, "observations.proprio": True}
-PICTURE = {"vision_config.height": 12, "vision_config.width": 16}
+IMAGE = {"vision_config.height": 12, "vision_config.width": 16}
 
 
 def _louder(params: Any) -> Any:
@@ -36,7 +36,7 @@ def _louder(params: Any) -> Any:
 
 
 def _env(bank: SceneBank) -> NavEnv:
-    return unicycle_env(bank, {**OVERRIDES, **PICTURE}, vision=True)
+    return unicycle_env(bank, {**OVERRIDES, **IMAGE}, vision=True)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.datatypes import RESULTS, ValidationError
-from urbanverse_mjx.viz.pictures import look_at
+from urbanverse_mjx.viz.images import look_at
 from urbanverse_mjx.viz.video import OUTCOMES, _chase_cameras, caption, write_video
 
 

@@ -7,8 +7,8 @@ from rich.console import Console
 from rich.progress import track
 
 from .exporting.export_command import export
+from .images.appearance_sheets import COMMANDS as APPEARANCES
 from .importing.command import import_assets
-from .pictures.appearance_sheets import COMMANDS as APPEARANCES
 
 
 def build(out: pathlib.Path | None = None) -> None:
@@ -80,7 +80,7 @@ def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
     """
     from urbanverse_mjx.settings import cache_dir
 
-    from .pictures.gallery import middle_sheets
+    from .images.gallery import middle_sheets
     from .records.index import load_index
 
     folder = out or cache_dir("assets", "gallery")
@@ -96,7 +96,7 @@ def contact_sheet(out: pathlib.Path = pathlib.Path("docs/contact_sheet.png"), co
       out: PNG to write.
       columns: tiles in a row.
     """
-    from .pictures import gallery
+    from .images import gallery
     from .records.index import load_index
 
     records = load_index()
@@ -115,7 +115,7 @@ def thumbnails(leaf: str | None = None) -> None:
     """
     from rich.progress import Progress
 
-    from .pictures.thumbnails import draw_missing, folder
+    from .images.thumbnails import draw_missing, folder
     from .records.index import load_index
 
     records = load_index().records if leaf is None else load_index().by_leaf(leaf)

@@ -138,5 +138,5 @@ def _render(bank: SceneBank, scene: int, way: CameraPath, options: FilmOptions) 
         out = {name: np.asarray(x) for name, x in see(*cameras).items()}
         rgb = np.asarray(film_it(*cameras)["rgb"]) if film_it else None
         for k in range(min(_BATCH, len(eyes) - start)):
-            picture = black if rgb is None else rgb[k]
-            yield picture, out["depth"][k], out["object"][k], out["category"][k]
+            image = black if rgb is None else rgb[k]
+            yield image, out["depth"][k], out["object"][k], out["category"][k]

@@ -55,9 +55,9 @@ def collect(
             by_frame[int(views.origin[view, 0])].append((t, k, int(views.origin[view, 1])))
     objects: dict[int, tuple[int, ...]] = {}
     for frame in wanted:
-        picture, masks = recording.rgb(frame), recording.masks(frame)
+        image, masks = recording.rgb(frame), recording.masks(frame)
         for t, k, detection in by_frame[frame]:
-            cut, mask = _cut(picture, masks == detection)
+            cut, mask = _cut(image, masks == detection)
             _write(folder, f"objects/{names[t]}_{k}.png", cut, mask)
             if k == 0 and "object" in describers:
                 objects[t] = _bytes(describers["object"](cut, mask))
@@ -81,18 +81,18 @@ def _scenery(
     chosen = np.unique(np.linspace(0, len(recording) - 1, min(KEPT_FRAMES, len(recording))).round().astype(int))
     largest: dict[str, tuple[int, np.ndarray, np.ndarray]] = {}
     for number, frame in enumerate(chosen.tolist()):
-        picture, surfaces = recording.rgb(frame), recording.surfaces(frame)
+        image, surfaces = recording.rgb(frame), recording.surfaces(frame)
         patches: dict[str, np.ndarray] = {}
         if surfaces is None:
             # As the paper does where nothing is known: the upper half of the frame.
-            patches["sky"] = np.arange(picture.shape[0])[:, None] < np.full(picture.shape[1], picture.shape[0] // 2)
+            patches["sky"] = np.arange(image.shape[0])[:, None] < np.full(image.shape[1], image.shape[0] // 2)
         else:
             patches |= {GROUND_KINDS[k]: surfaces == k for k in np.unique(surfaces) if 0 < k != SKY}
             patches["sky"] = surfaces == SKY
         for kind, mask in patches.items():
             if mask.sum() < _MIN_PATCH:
                 continue
-            cut, inside = _cut(picture, mask)
+            cut, inside = _cut(image, mask)
             _write(folder, f"{'sky' if kind == 'sky' else 'ground'}/{kind}_{number}.png", cut, inside)
             if kind not in largest or mask.sum() > largest[kind][0]:
                 largest[kind] = int(mask.sum()), cut, inside
@@ -104,17 +104,17 @@ def _scenery(
     return {k: x for k, x in descriptors.items() if k != "sky"}, descriptors.get("sky")
 
 
-def _cut(picture: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _cut(image: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
     where = tuple(slice(max(0, int(i[0]) - _MARGIN), int(i[-1]) + 1 + _MARGIN) for i in (rows, columns))
-    return picture[where], mask[where]
+    return image[where], mask[where]
 
 
-def _write(folder: pathlib.Path | None, name: str, picture: np.ndarray, mask: np.ndarray) -> None:
+def _write(folder: pathlib.Path | None, name: str, image: np.ndarray, mask: np.ndarray) -> None:
     if folder is not None:
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        Image.fromarray(np.dstack([picture, np.where(mask, 255, 0).astype(np.uint8)])).save(path)
+        Image.fromarray(np.dstack([image, np.where(mask, 255, 0).astype(np.uint8)])).save(path)
 
 
 def _bytes(values: Any) -> tuple[int, ...]:

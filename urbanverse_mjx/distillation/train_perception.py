@@ -75,8 +75,8 @@ def make_step(model: Any, views: Views, batch: int) -> Any:
 
     def step(learner: Learner, key: jax.Array, rate: jax.Array) -> tuple[Learner, dict[str, jax.Array]]:
         view_key, fault_key = jax.random.split(key)
-        pictures, wanted, counts = views(jax.random.split(view_key, batch))
-        inputs = jax.vmap(augment)(jax.random.split(fault_key, batch), pictures)
+        images, wanted, counts = views(jax.random.split(view_key, batch))
+        inputs = jax.vmap(augment)(jax.random.split(fault_key, batch), images)
 
         def answer(params: Any) -> Any:
             variables = {**learner.variables, "params": params}
@@ -118,8 +118,8 @@ def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, s
     fault = jax.jit(jax.vmap(augment))
     for start in range(0, frames, batch):
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), start), batch)
-        pictures, wanted, counts = draw(keys)
-        seen = apply(variables, fault(keys, pictures))
+        images, wanted, counts = draw(keys)
+        seen = apply(variables, fault(keys, images))
         for i in range(batch):
             if counts[i]:
                 yield _frame(jax.tree.map(lambda x, i=i: np.asarray(x[i]), seen), wanted, i)

@@ -76,8 +76,8 @@ def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
 class _Cover:
     """Observations with all pixels 0, and black pictures of the given shapes where there are none."""
 
-    def __init__(self, pictures: Mapping[str, Sequence[int]]) -> None:
-        self._shapes = {name: tuple(shape) for name, shape in pictures.items()}
+    def __init__(self, images: Mapping[str, Sequence[int]]) -> None:
+        self._shapes = {name: tuple(shape) for name, shape in images.items()}
 
     def __call__(self, obs: Mapping[str, Any]) -> dict[str, Any]:
         black = {name: jnp.zeros(shape, jnp.uint8) for name, shape in self._shapes.items()}
@@ -97,13 +97,13 @@ class _BlankRecurrent:
         return self._agent.act(self._cover(obs), memory, key)
 
 
-def blank_image(agent: Any, pictures: Mapping[str, Sequence[int]] | None = None) -> Any:
+def blank_image(agent: Any, images: Mapping[str, Sequence[int]] | None = None) -> Any:
     """The same agent with its camera covered (all pixels 0): what it does without seeing.
 
     Args:
       pictures: shapes of the pictures that it looks at, for an environment that draws none.
     """
-    cover = _Cover(pictures or {})
+    cover = _Cover(images or {})
     if isinstance(agent, Recurrent):
         return _BlankRecurrent(agent, cover)
     return lambda obs, key: agent(cover(obs), key)

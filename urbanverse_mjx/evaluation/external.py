@@ -17,10 +17,10 @@ from ..datatypes import ValidationError
 from ..datatypes.policy_file import PolicyRecord
 from .agents import BatchAgent, Beginning
 
-PICTURE, PROPRIO, PRIVILEGED = "pixels/front", "proprio", "privileged"
+IMAGE, PROPRIO, PRIVILEGED = "pixels/front", "proprio", "privileged"
 #: Observations that a policy may ask for, and what one is given that names none: what the robot senses.
-OBSERVATIONS = (PICTURE, "goal", PROPRIO, PRIVILEGED)
-SENSED = (PICTURE, "goal")
+OBSERVATIONS = (IMAGE, "goal", PROPRIO, PRIVILEGED)
+SENSED = (IMAGE, "goal")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,7 +60,7 @@ class ExternalPolicy:
     @property
     def sees(self) -> bool:
         """Whether it looks at pictures."""
-        return PICTURE in self.observations
+        return IMAGE in self.observations
 
     @property
     def privileged(self) -> bool:

@@ -14,10 +14,10 @@ import numpy as np
 
 from ..datatypes import ValidationError
 from ..datatypes.policy_file import METADATA_KEY, NEXT, PolicyRecord, memories
-from .external import OBSERVATIONS, PICTURE, ExternalPolicy
+from .external import IMAGE, OBSERVATIONS, ExternalPolicy
 
 #: Names that others give to observations (facts/reference_systems.md b.7: `rgb`, `goal_vector`).
-ALIASES = {"rgb": PICTURE, "image": PICTURE, "pixels": PICTURE, "goal_vector": "goal"}
+ALIASES = {"rgb": IMAGE, "image": IMAGE, "pixels": IMAGE, "goal_vector": "goal"}
 _DTYPES: dict[str, Any] = {"tensor(float)": np.float32, "tensor(double)": np.float64, "tensor(uint8)": np.uint8}
 
 
@@ -41,8 +41,8 @@ def load_onnx(path: pathlib.Path) -> ExternalPolicy:
     memory = [_Memory.of(i, path) for i in session.get_inputs() if i.name in remembered]
     text = session.get_modelmeta().custom_metadata_map.get(METADATA_KEY)
     record = None if text is None else PolicyRecord.from_json(text, str(path))
-    pictures = [i for i in inputs if i.observation == PICTURE]
-    size = pictures[0].size if pictures else None
+    images = [i for i in inputs if i.observation == IMAGE]
+    size = images[0].size if images else None
     agent = _OnnxAgent(session, inputs, memory, "action" if "action" in outputs else outputs[0])
     return ExternalPolicy(agent, tuple({i.observation: None for i in inputs}), size, record)
 
@@ -83,7 +83,7 @@ class _Input:
                 f"{NEXT + value.name!r} for an input that is memory."
             )
         shape, size, first = list(value.shape), None, False
-        if observation == PICTURE:
+        if observation == IMAGE:
             if len(shape) != 4:
                 raise ValidationError(f"{path}: found the input {value.name!r} of shape {shape}, needed 4 axes.")
             first = shape[1] in (3, 4) and shape[3] not in (3, 4)
@@ -93,7 +93,7 @@ class _Input:
 
     def prepared(self, obs: Mapping[str, np.ndarray]) -> np.ndarray:
         x = obs[self.observation]
-        if self.observation == PICTURE:
+        if self.observation == IMAGE:
             x = np.moveaxis(x, -1, 1) if self.channels_first else x
             x = x / np.float32(255.0) if self.dtype is not np.uint8 else x
         return np.ascontiguousarray(x, self.dtype)

@@ -322,14 +322,14 @@ def _draw(runs: Any, outcome: Any, folder: pathlib.Path) -> None:
     import numpy as np
     from PIL import Image
 
-    from ..viz.routes import route_picture
+    from ..viz.routes import route_image
 
     for scene in runs.scenes:
         number = runs.bank.scene_ids.index(scene)
         rows = [i for i, r in enumerate(outcome.results) if r.scene == scene]
         goals = np.array([runs.bank.episode_goal[number, outcome.results[i].episode, :2] for i in rows])
         ways, ends = [outcome.ways[i] for i in rows], [outcome.results[i].result for i in rows]
-        picture = Image.fromarray(route_picture(runs.bank, number, ways, ends, goals))
+        picture = Image.fromarray(route_image(runs.bank, number, ways, ends, goals))
 
         def save(path: pathlib.Path, picture: Image.Image = picture) -> None:
             picture.save(path, "PNG", optimize=True)

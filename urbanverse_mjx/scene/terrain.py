@@ -167,7 +167,7 @@ def terrain_regions(kind: str, level: int, seed: int = 0) -> list[GroundRegion]:
     return strips_regions(_STRIPS[kind](rng, difficulty))
 
 
-def _picture() -> np.ndarray:
+def _image() -> np.ndarray:
     """(32, 32, 3) u8, a grey checkerboard: one sees the robot move over it."""
     board = (np.indices((32, 32)) // 16).sum(0) % 2
     return np.where(board[..., None], 150, 125).astype(np.uint8) * np.ones(3, np.uint8)
@@ -176,7 +176,7 @@ def _picture() -> np.ndarray:
 def region_scene(name: str, regions: list[GroundRegion], friction: float = FRICTION) -> SceneGeometry:
     """A scene of ground alone; its one episode leads 1 m along x from the middle."""
     prisms, scene_map = ground.ground_prisms(regions), maps.ground_map(regions)
-    visuals = [ground.region_mesh(r, _picture(), _TILE, 0.9) for r in regions]
+    visuals = [ground.region_mesh(r, _image(), _TILE, 0.9) for r in regions]
     i, j = scene_map.grid.cell(np.zeros(2))
     start = np.array([[0.0, 0.0, scene_map.height[i, j], 0.0]])
     goal, no, none = start[:, :3] + np.array([1.0, 0.0, 0.0]), np.zeros(1, bool), np.zeros(0, np.int32)

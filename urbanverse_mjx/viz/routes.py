@@ -30,7 +30,7 @@ _LONGEST, _FINEST = 1800, 24.0
 _LEGEND = 26
 
 
-def route_picture(
+def route_image(
     bank: SceneBank, scene: int, ways: Sequence[np.ndarray], ends: Sequence[str], goals: np.ndarray
 ) -> np.ndarray:
     """(H, W, 3) uint8, north (y) up.
@@ -48,8 +48,8 @@ def route_picture(
         xy = (np.asarray(points, float)[:, :2] - low) * fine
         return [(float(x), float(2 * height - y)) for x, y in xy]
 
-    picture = _ground(bank, scene, low, fine, (2 * width, 2 * height))
-    draw = ImageDraw.Draw(picture)
+    image = _ground(bank, scene, low, fine, (2 * width, 2 * height))
+    draw = ImageDraw.Draw(image)
     for ring, colour in _outlines(bank, scene):
         draw.polygon(pixels(ring), fill=colour)
     order = sorted(range(len(ways)), key=lambda i: ends[i] != "goal")
@@ -66,7 +66,7 @@ def route_picture(
         if ends[i] != "goal":
             draw.line([(x - r, y - r), (x + r, y + r)], fill=(0, 0, 0), width=4)
             draw.line([(x - r, y + r), (x + r, y - r)], fill=(0, 0, 0), width=4)
-    small = picture.resize((width, height), Image.Resampling.LANCZOS)
+    small = image.resize((width, height), Image.Resampling.LANCZOS)
     return np.asarray(_with_legend(small, ends))
 
 
@@ -100,16 +100,16 @@ def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, 
     return sorted(found, key=lambda entry: entry[1] == OBJECT)
 
 
-def _with_legend(picture: Image.Image, ends: Sequence[str]) -> Image.Image:
+def _with_legend(image: Image.Image, ends: Sequence[str]) -> Image.Image:
     """The picture above a line that says how many episodes ended how."""
-    whole = Image.new("RGB", (picture.width, picture.height + _LEGEND), (255, 255, 255))
-    whole.paste(picture, (0, 0))
+    whole = Image.new("RGB", (image.width, image.height + _LEGEND), (255, 255, 255))
+    whole.paste(image, (0, 0))
     draw, x = ImageDraw.Draw(whole), 8
     for name, colour in ENDS.items():
         count = sum(e == name for e in ends)
         if count:
-            draw.rectangle([x, picture.height + 8, x + 18, picture.height + 18], fill=colour)
+            draw.rectangle([x, image.height + 8, x + 18, image.height + 18], fill=colour)
             text = f"{name} {count}"
-            draw.text((x + 24, picture.height + 7), text, fill=(0, 0, 0))
+            draw.text((x + 24, image.height + 7), text, fill=(0, 0, 0))
             x += 40 + round(draw.textlength(text))
     return whole

@@ -13,7 +13,7 @@ from ..scene import CompiledScene, pack_bank
 from ..scene.exchange_routes import load_planned
 from ..scene.planner import path_length, resample
 from .graphs import GROUND_COLOURS
-from .pictures import EYE_HEIGHT, Studio
+from .images import EYE_HEIGHT, Studio
 from .scene_gallery import NAMES
 
 #: Pixels of the rendered pictures, and the most of a map.

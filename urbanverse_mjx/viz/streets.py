@@ -14,7 +14,7 @@ from PIL import Image
 from ..datatypes import SceneBank, ValidationError
 from ..datatypes.validation import write_atomically
 from ..settings import default_bank_path
-from .pictures import Studio
+from .images import Studio
 
 #: Where a person stands on each street's pavement and where they look: x, y, z in metres.
 PAVEMENT_VIEWS: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
@@ -30,7 +30,7 @@ ELEVATION = np.radians(78.0)
 MAX_BYTES = 250_000
 
 
-def jpeg(picture: np.ndarray) -> bytes:
+def jpeg(image: np.ndarray) -> bytes:
     """The best JPEG of an (H, W, 3) uint8 picture that fits into `MAX_BYTES`.
 
     Raises:
@@ -38,22 +38,22 @@ def jpeg(picture: np.ndarray) -> bytes:
     """
     for quality in (92, 88, 84, 80, 75, 70, 60):
         file = io.BytesIO()
-        Image.fromarray(picture).save(file, "JPEG", quality=quality, optimize=True)
+        Image.fromarray(image).save(file, "JPEG", quality=quality, optimize=True)
         if file.tell() <= MAX_BYTES:
             return file.getvalue()
     raise ValidationError(f"picture: found {file.tell()} bytes at quality 60, needed {MAX_BYTES}; render it smaller.")
 
 
-def street_pictures(bank: SceneBank, out: pathlib.Path, only: str | None = None) -> list[pathlib.Path]:
+def street_images(bank: SceneBank, out: pathlib.Path, only: str | None = None) -> list[pathlib.Path]:
     """Writes `<scene>_above.jpg` and `<scene>_pavement.jpg` of every street that has a view; returns their paths."""
     scenes = [(i, name) for i, name in enumerate(bank.scene_ids) if name in PAVEMENT_VIEWS and only in (None, name)]
     written = []
     pavement = Studio(bank, *PAVEMENT_SIZE)
     above = Studio(bank, *ABOVE_SIZE)
     for scene, name in scenes:
-        pictures = {"pavement": pavement.view(scene, *PAVEMENT_VIEWS[name]), "above": above.birdseye(scene, ELEVATION)}
-        for kind, picture in pictures.items():
-            body = jpeg(picture)
+        images = {"pavement": pavement.view(scene, *PAVEMENT_VIEWS[name]), "above": above.birdseye(scene, ELEVATION)}
+        for kind, image in images.items():
+            body = jpeg(image)
             path = out / f"{name}_{kind}.jpg"
             written.append(write_atomically(path, lambda temporary, body=body: temporary.write_bytes(body)))
     return written
@@ -66,7 +66,7 @@ def main() -> None:
     parser.add_argument("--only", choices=sorted(PAVEMENT_VIEWS), help="one street instead of all")
     args = parser.parse_args()
     bank = SceneBank.load(args.bank or default_bank_path())
-    for path in street_pictures(bank, args.out, args.only):
+    for path in street_images(bank, args.out, args.only):
         sys.stdout.write(f"{path}: {path.stat().st_size / 1e3:.0f} kB\n")
 
 

@@ -14,7 +14,7 @@ from ..datatypes import AgentMotion, RobotSpec, SceneBank
 from ..datatypes import validation as v
 from ..geometry import rotations
 from ..simulation.rendering.renderer import Renderer
-from .pictures import look_at
+from .images import look_at
 
 HEIGHT, WIDTH = 180, 320
 _BATCH = 16

@@ -198,7 +198,7 @@ def test_overrides_and_errors(small_bank: SceneBank) -> None:
 
 
 @pytest.mark.parametrize("preset", ["cpu", "fast"])
-def test_small_and_fast_presets_change_only_picture_weights_and_randomization(preset: str) -> None:
+def test_small_and_fast_presets_change_only_image_weights_and_randomization(preset: str) -> None:
     paper, cpu = default_config("paper").to_dict(), default_config(preset).to_dict()
     for config in (paper, cpu):
         for key in ("preset", "vision_config", "randomization"):

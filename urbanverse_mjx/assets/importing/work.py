@@ -193,7 +193,7 @@ def draw(staging: pathlib.Path, mesh_name: str) -> None:
     from PIL import Image
 
     try:
-        from .pictures import render_views
+        from .images import render_views
 
         pictures = render_views(read_glb(staging / mesh_name), VIEW_SIZE)
     except (ImportError, RuntimeError, AttributeError, OSError, mujoco.FatalError) as error:

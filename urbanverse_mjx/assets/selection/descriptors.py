@@ -60,7 +60,7 @@ def _split(position: NDArray) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     return low.astype(np.int64), position - low
 
 
-def of_picture(picture: NDArray, mask: NDArray | None = None) -> NDArray[np.uint8]:
+def of_image(picture: NDArray, mask: NDArray | None = None) -> NDArray[np.uint8]:
     """(61,) the descriptor of a crop.
 
     Args:
@@ -111,7 +111,7 @@ class DescriptorTable:
         wanted = np.asarray(query, dtype=np.float64)
         if wanted.shape != (SIZE,):
             raise ValidationError(
-                f"descriptor: found {wanted.shape} numbers, needed ({SIZE},) as `of_picture` makes them."
+                f"descriptor: found {wanted.shape} numbers, needed ({SIZE},) as `of_image` makes them."
             )
         wanted = wanted / 255.0
         colors = np.sqrt(np.maximum(1.0 - self.colors @ wanted[:COLORS], 0.0))

@@ -75,7 +75,7 @@ class Matcher:
         Args:
           label: free text.
           size: (along the heading, across, up) m, as `SceneGraph` has it.
-          descriptor: as `descriptors.of_picture` makes it; None ranks by the box alone.
+          descriptor: as `descriptors.of_image` makes it; None ranks by the box alone.
           count: how many.
           keep: candidates that the geometric step leaves.
           text: embedding of labels; None for the built-in one.

@@ -168,7 +168,7 @@ class ObjectLibrary:
         Raises:
           ValidationError: no such uid, or one without a mesh.
         """
-        from ..pictures.thumbnails import thumbnail
+        from ..images.thumbnails import thumbnail
 
         return {record.uid: thumbnail(record) for record in self.records(uids)}
 

@@ -310,6 +310,6 @@ def _ground_descriptor(material: str) -> tuple[int, ...]:
 
 def _sky_descriptor(uid: str) -> tuple[int, ...]:
     # What a camera on a street sees of a sky: the lower half of the upper half, as skies are ranked.
-    picture = appearance_search.StoredSheet("sky_thumbnails.jpg").load([uid])[0]
-    half = picture.shape[0] // 2
-    return appearance_search.sky_descriptor(picture[half // 2 : half])
+    image = appearance_search.StoredSheet("sky_thumbnails.jpg").load([uid])[0]
+    half = image.shape[0] // 2
+    return appearance_search.sky_descriptor(image[half // 2 : half])

@@ -29,17 +29,17 @@ def _cosines() -> np.ndarray:
     return basis.astype(np.float32)
 
 
-def jpeg(picture: jax.Array, quality: jax.Array) -> jax.Array:
+def jpeg(image: jax.Array, quality: jax.Array) -> jax.Array:
     """The block artefacts of JPEG: every 8 x 8 block rounded in frequency, each colour alike.
 
     Args:
       picture: (H, W, 3) in [0, 1], sides multiples of 8; quality: () 1 to 100 as libjpeg counts it.
     """
-    h, w, _ = picture.shape
+    h, w, _ = image.shape
     scale = jnp.where(quality < 50.0, 50.0 / quality, 2.0 - quality / 50.0)
     step = jnp.maximum(_JPEG_TABLE * scale, 1.0)
     basis = jnp.asarray(_cosines())
-    blocks = (picture * 255.0 - 128.0).reshape(h // 8, 8, w // 8, 8, 3)
+    blocks = (image * 255.0 - 128.0).reshape(h // 8, 8, w // 8, 8, 3)
     frequencies = jnp.einsum("ki,aibjc,lj->akblc", basis, blocks, basis)
     table = step[None, :, None, :, None]
     rounded = jnp.round(frequencies / table) * table
@@ -47,26 +47,26 @@ def jpeg(picture: jax.Array, quality: jax.Array) -> jax.Array:
     return jnp.clip((back.reshape(h, w, 3) + 128.0) / 255.0, 0.0, 1.0)
 
 
-def _blur(picture: jax.Array, sigma: jax.Array) -> jax.Array:
+def _blur(image: jax.Array, sigma: jax.Array) -> jax.Array:
     """Rows and columns smoothed by a normal density of `sigma` (2,) pixels."""
     offsets = jnp.arange(-_BLUR_REACH, _BLUR_REACH + 1, dtype=jnp.float32)
     for axis in (0, 1):
         weight = jnp.exp(-(offsets**2) / (2.0 * sigma[axis] ** 2 + 1e-6))
         weight = weight / weight.sum()
-        padded = jnp.pad(picture, [(_BLUR_REACH, _BLUR_REACH) if a == axis else (0, 0) for a in range(3)], "edge")
-        size = picture.shape[axis]
-        picture = sum(
+        padded = jnp.pad(image, [(_BLUR_REACH, _BLUR_REACH) if a == axis else (0, 0) for a in range(3)], "edge")
+        size = image.shape[axis]
+        image = sum(
             (weight[i] * jax.lax.slice_in_dim(padded, i, i + size, axis=axis) for i in range(2 * _BLUR_REACH + 1)),
-            jnp.zeros_like(picture),
+            jnp.zeros_like(image),
         )
-    return picture
+    return image
 
 
 #: From RGB to luminance and two differences of colour (NTSC's YIQ).
 _YIQ = np.array([[0.299, 0.587, 0.114], [0.596, -0.274, -0.322], [0.211, -0.523, 0.312]], np.float32)
 
 
-def recolour(key: jax.Array, picture: jax.Array, region: jax.Array, regions: int) -> jax.Array:
+def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) -> jax.Array:
     """A picture (H, W, 3) u8 whose regions (H, W) i32 < `regions` each have another hue, saturation and brightness.
 
     Most of the regions keep about their hue. What an object is, its shape has to say.
@@ -78,15 +78,15 @@ def recolour(key: jax.Array, picture: jax.Array, region: jax.Array, regions: int
     colour = brightness * jax.random.uniform(keys[4], of, minval=0.2, maxval=1.8)
     table = jnp.stack([brightness, colour * jnp.cos(turn), colour * jnp.sin(turn)], -1)
     gain, c, s = jnp.moveaxis(table[region], -1, 0)
-    y, i, q = jnp.moveaxis(picture.astype(jnp.float32) @ _YIQ.T, -1, 0)
+    y, i, q = jnp.moveaxis(image.astype(jnp.float32) @ _YIQ.T, -1, 0)
     dyed = jnp.stack([gain * y, c * i - s * q, s * i + c * q], -1) @ np.linalg.inv(_YIQ).T.astype(np.float32)
     return jnp.clip(dyed, 0.0, 255.0).astype(jnp.uint8)
 
 
-def augment(key: jax.Array, picture: jax.Array) -> jax.Array:
+def augment(key: jax.Array, image: jax.Array) -> jax.Array:
     """(H, W, 3) float in [0, 1] of a clean uint8 picture: blur, exposure, white balance, tone, noise, JPEG."""
     keys = jax.random.split(key, 8)
-    x = picture.astype(jnp.float32) / 255.0
+    x = image.astype(jnp.float32) / 255.0
     # Focus and shake: mostly under a pixel, along one axis now and then two.
     x = _blur(x, jnp.abs(jax.random.normal(keys[0], (2,))) * 0.7)
     x = x * jnp.exp(jax.random.normal(keys[1], ()) * 0.2) * jnp.exp(jax.random.normal(keys[2], (3,)) * 0.06)

@@ -44,10 +44,10 @@ class PerceptionModel:
         height, width = rgb.shape[:2]
         factor = max(SIZE) / max(height, width)
         small = round(height * factor), round(width * factor)
-        picture = Image.fromarray(rgb).resize(small[::-1], Image.Resampling.BILINEAR)
+        image = Image.fromarray(rgb).resize(small[::-1], Image.Resampling.BILINEAR)
         # Multiples of the network's stride: what is added at the bottom and the right repeats the rim.
         pad = [(0, -n % STRIDE) for n in small]
-        padded = np.pad(np.asarray(picture), [*pad, (0, 0)], "edge")
+        padded = np.pad(np.asarray(image), [*pad, (0, 0)], "edge")
         seen = _apply(self.variables, padded[None] / np.float32(255.0))
         rows, columns = (-(-n // OUTPUT_STRIDE) for n in small)
         leaves = np.asarray(seen.leaves)[0, : -(-rows // LEAF_STRIDE), : -(-columns // LEAF_STRIDE)]
@@ -62,8 +62,8 @@ def _network() -> Any:
 
 
 @jax.jit
-def _apply(variables: Any, pictures: jax.Array) -> Seen:
-    return _network().apply(variables, pictures, train=False)
+def _apply(variables: Any, images: jax.Array) -> Seen:
+    return _network().apply(variables, images, train=False)
 
 
 def _full_size(seen: Decoded, height: int, width: int) -> FrameObservation:

@@ -104,9 +104,9 @@ class PerceptionNetwork(nn.Module):
     dtype: Any = jnp.float32
 
     @nn.compact
-    def __call__(self, pictures: jax.Array, train: bool = False) -> Seen:
+    def __call__(self, images: jax.Array, train: bool = False) -> Seen:
         """(n, H, W, 3) float in [0, 1], H and W multiples of `STRIDE`."""
-        x = ((pictures - 0.5) / 0.25).astype(self.dtype)
+        x = ((images - 0.5) / 0.25).astype(self.dtype)
         levels = []
         for level, (width, blocks) in enumerate(zip(self.widths, self.blocks, strict=True)):
             if level == 0:

@@ -96,14 +96,14 @@ class Views:
         )
         depth = jnp.where(seen["category"] < 0, jnp.inf, seen["depth"])
         near = jnp.percentile(depth[:, ::8, ::8].reshape(len(keys), -1), 20.0, axis=1, method="nearest")
-        pictures = seen["rgb"]
+        images = seen["rgb"]
         if dye:
             kind = self.table[seen["category"], 0]
             region = jnp.where(kind < classes.FIRST_OBJECT, slots + kind, seen["object"])
             dyes = jax.vmap(lambda key: jax.random.fold_in(key, 1))(keys)
-            anew = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_OBJECT))(dyes, pictures, region)
-            pictures = jnp.where(dyed[:, None, None, None], anew, pictures)
-        return pictures, wanted, (near > _BLOCKED).astype(jnp.float32)
+            anew = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_OBJECT))(dyes, images, region)
+            images = jnp.where(dyed[:, None, None, None], anew, images)
+        return images, wanted, (near > _BLOCKED).astype(jnp.float32)
 
     def _pose(self, key: jax.Array) -> tuple[jax.Array, ...]:
         """Scene, position (3,), quaternion (4,), vertical field of view and seed of its appearance."""

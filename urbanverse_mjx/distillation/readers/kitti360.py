@@ -70,14 +70,14 @@ def read_kitti360(
     camera, T_imu_camera = _calibration(root / "calibration", options.camera)
     poses = _poses(root / "data_poses" / name / "poses.txt")
     image = f"image_{options.camera:02d}"
-    pictures = root / "data_2d_raw" / name / image / "data_rect"
+    images = root / "data_2d_raw" / name / image / "data_rect"
     wanted = [
         f for f in sorted(poses) if options.first <= f <= options.last and (f - options.first) % options.step == 0
     ]
-    frames = [f for f in wanted if (pictures / f"{f:010d}.png").is_file()]
+    frames = [f for f in wanted if (images / f"{f:010d}.png").is_file()]
     if not frames:
         found = f"{len(wanted)} frames with a pose there and no picture of them"
-        raise v.fail(str(pictures), found, "at least one frame with both", "check the sequence and its frames")
+        raise v.fail(str(images), found, "at least one frame with both", "check the sequence and its frames")
     boxes = read_boxes(_split(root / "data_3d_bboxes", f"{name}.xml"))
     labels = _split(root / "data_2d_semantics", name) / image
     scans = root / "data_3d_raw" / name / "velodyne_points" / "data"
@@ -88,15 +88,15 @@ def read_kitti360(
     for number, frame in enumerate(frames):
         T = poses[frame] @ T_imu_camera
         T[:3, 3] -= origin
-        semantic = _picture(labels / "semantic" / f"{frame:010d}.png", camera, np.uint8)
-        instance = _picture(labels / "instance" / f"{frame:010d}.png", camera, np.int32)
+        semantic = _image(labels / "semantic" / f"{frame:010d}.png", camera, np.uint8)
+        instance = _image(labels / "instance" / f"{frame:010d}.png", camera, np.int32)
         masks, detections = _objects(instance)
         surfaces = _surfaces(semantic)
         if scanned:
             depth = scan_depth(scans / f"{frame:010d}.bin", T_camera_scan, camera)
         else:
             depth = boxes_depth(masks, detections, surfaces, _at(boxes, frame), origin, T, camera)
-        rgb = _picture(pictures / f"{frame:010d}.png", camera, np.uint8, "RGB")
+        rgb = _image(images / f"{frame:010d}.png", camera, np.uint8, "RGB")
         writer.add((frame - frames[0]) / RATE, rgb, depth, masks, surfaces, T, detections)
         if progress is not None:
             progress(number + 1, len(frames))
@@ -190,7 +190,7 @@ def _calibration(folder: pathlib.Path, camera: int) -> tuple[Camera, np.ndarray]
     return lens, mounted @ np.linalg.inv(turn)
 
 
-def _picture(path: pathlib.Path, camera: Camera, dtype: type, mode: str | None = None) -> np.ndarray:
+def _image(path: pathlib.Path, camera: Camera, dtype: type, mode: str | None = None) -> np.ndarray:
     try:
         with Image.open(path) as image:
             pixels = np.asarray(image.convert(mode) if mode else image).astype(dtype)

@@ -18,7 +18,7 @@ Report = Callable[[int, int], None]
 
 
 def _descriptor_of_object(picture: np.ndarray, mask: np.ndarray) -> list[int]:
-    return descriptors.of_picture(picture, mask).tolist()
+    return descriptors.of_image(picture, mask).tolist()
 
 
 #: What the materialisation compares: the index's own descriptors.

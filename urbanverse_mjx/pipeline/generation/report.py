@@ -11,7 +11,7 @@ from typing import Any
 from PIL import Image
 
 from ...datatypes import Recording, SceneBank, SceneGraph
-from . import report_map, report_pictures
+from . import report_images, report_map
 from .sources import Input
 
 #: Rows of matches with pictures; the others are in materialisation.json.
@@ -57,7 +57,7 @@ def write_report(
     parts.append(_above(graph, recording, colours, folder))
     if with_pictures:
         bank = SceneBank.load(run / "bank.npz")
-        pictures = report_pictures.cousin_pictures(bank, graph, folder, progress)
+        pictures = report_images.cousin_pictures(bank, graph, folder, progress)
         parts.append(_cousins(pictures, graph, recording, folder))
     parts += [_checks(record, checks), _appearances(record, folder)]
     parts += [_matches(run, record, folder, with_pictures), _left_out(record)]
@@ -87,7 +87,7 @@ def _head(graph: SceneGraph, given: Input, seconds: Mapping[str, float]) -> str:
 
 
 def _frames(recording: Recording, colours: dict[str, str], folder: pathlib.Path) -> str:
-    names = report_pictures.masked_frames(recording, colours, folder)
+    names = report_images.masked_frames(recording, colours, folder)
     shown = len(recording.registered)
     note = f'<p class="small">{len(recording)} frames, {shown} with a pose; instances in their labels\' colours.</p>'
     return f"<h2>Frames and masks</h2>{note}{_row([_image(n) for n in names], 2)}"
@@ -113,11 +113,11 @@ def _cousins(
 ) -> str:
     parts = ["<h2>Cousins side by side</h2>"]
     parts.append(_row([_figure(_image(top), f"cousin {k}") for k, (top, _) in enumerate(pictures)], 2))
-    for view, row in enumerate(report_pictures.viewpoint_rows(graph) if graph.camera_path else []):
+    for view, row in enumerate(report_images.viewpoint_rows(graph) if graph.camera_path else []):
         cells = [_figure(_image(names[view]), f"cousin {k}") for k, (_, names) in enumerate(pictures)]
         if recording is not None and row < len(recording.registered):
             number = int(recording.registered[row])
-            name = report_pictures.save_jpeg(recording.rgb(number), folder / f"tour_{number:06d}.jpg")
+            name = report_images.save_jpeg(recording.rgb(number), folder / f"tour_{number:06d}.jpg")
             cells.insert(0, _figure(_image(name), f"the capture, frame {number}"))
         parts.append(f"<h3>Place {view + 1} of the capture</h3>{_row(cells, 3)}")
     return "\n".join(parts)
@@ -145,9 +145,7 @@ def _checks(record: Mapping[str, Any], checks: Sequence[Mapping[str, Any]]) -> s
 
 def _appearances(record: Mapping[str, Any], folder: pathlib.Path) -> str:
     uids = [appearance["uid"] for piece in record["ground"] for appearance in piece["materials"]]
-    files = report_pictures.appearance_thumbnails(
-        [*uids, *(appearance["uid"] for appearance in record["skies"])], folder
-    )
+    files = report_images.appearance_thumbnails([*uids, *(appearance["uid"] for appearance in record["skies"])], folder)
     rows = []
     for piece in record["ground"]:
         regions = f"{piece['kind']}<br><span class='small'>{len(piece['regions'])} regions</span>"
@@ -171,7 +169,7 @@ def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path,
             shown.setdefault(tuple(m["uid"] for m in found), name)
     chosen = list(shown.values())[:: max(1, len(shown) // MATCH_ROWS)][:MATCH_ROWS]
     uids = [m["uid"] for name in chosen for m in record["matches"][name]]
-    files = report_pictures.asset_thumbnails(uids, folder) if with_pictures else {}
+    files = report_images.asset_thumbnails(uids, folder) if with_pictures else {}
     rows = []
     for name in chosen:
         crop = run / "graph" / "crops" / "objects" / f"{name}_0.png"

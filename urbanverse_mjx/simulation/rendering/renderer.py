@@ -41,14 +41,14 @@ _INPUTS = {
 }
 _MOVED_INPUT = {"moved": wp.array2d[wp.int32]}
 _FLOATS, _NUMBERS = wp.array3d[wp.float32], wp.array3d[wp.int32]
-_PICTURE_TYPES = wp.array4d[wp.uint8], _FLOATS, _NUMBERS, _NUMBERS, wp.array3d[wp.vec3]
-_PICTURES: dict[str, Any] = dict(zip(OUTPUTS, _PICTURE_TYPES, strict=True))
+_IMAGE_TYPES = wp.array4d[wp.uint8], _FLOATS, _NUMBERS, _NUMBERS, wp.array3d[wp.vec3]
+_IMAGES: dict[str, Any] = dict(zip(OUTPUTS, _IMAGE_TYPES, strict=True))
 
 
 @functools.cache
 def _call_into_warp(moved: bool) -> Any:
     """What JAX calls; moved: with objects that stand elsewhere."""
-    return jax_callable("Renderer.draw", Renderer._render, _INPUTS | (_MOVED_INPUT if moved else {}), _PICTURES)
+    return jax_callable("Renderer.draw", Renderer._render, _INPUTS | (_MOVED_INPUT if moved else {}), _IMAGES)
 
 
 class Renderer:

@@ -71,12 +71,12 @@ def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple
       (H, W) i32 row of what is kept, -1 = none; and (n,) the numbers of what is kept, surest first.
     """
     area = masks.sum((1, 2))
-    picture = np.full(masks.shape[1:], -1, np.int32)
+    image = np.full(masks.shape[1:], -1, np.int32)
     for k in np.argsort(-area, kind="stable"):
-        picture[masks[k]] = k
-    left = np.bincount(picture[picture >= 0], minlength=len(masks))
+        image[masks[k]] = k
+    left = np.bincount(image[image >= 0], minlength=len(masks))
     kept = np.flatnonzero(left >= least_pixels)
     kept = kept[np.argsort(-score[kept], kind="stable")]
     row = np.full(len(masks) + 1, -1, np.int32)
     row[kept] = np.arange(len(kept))
-    return row[picture], kept
+    return row[image], kept

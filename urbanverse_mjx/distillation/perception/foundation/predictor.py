@@ -46,45 +46,43 @@ class FoundationPredictor:
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
         """See `Predictor`; the metric model knows no lens, so its depth is corrected by the scale that poses give."""
-        picture = Image.fromarray(rgb)
-        found = boxes.suppressed(self._detect(picture))
-        masks, kept = boxes.paint(self._masks(picture, found), found.score)
+        image = Image.fromarray(rgb)
+        found = boxes.suppressed(self._detect(image))
+        masks, kept = boxes.paint(self._masks(image, found), found.score)
         objects = tuple(Detection(self.labels[found.label[k]], float(found.score[k])) for k in kept)
-        surfaces = self.codes[self._classes(picture)]
+        surfaces = self.codes[self._classes(image)]
         # What an object's mask covers is the object, whatever the ground's model says.
-        return FrameObservation(
-            np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, objects, self._depth(picture)
-        )
+        return FrameObservation(np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, objects, self._depth(image))
 
-    def _detect(self, picture: Image.Image) -> boxes.Boxes:
+    def _detect(self, image: Image.Image) -> boxes.Boxes:
         starts = range(0, len(self.labels), QUERIES)
         parts = []
         for start in starts:
             texts = [[f"a photo of a {label}" for label in self.labels[start : start + QUERIES]]]
-            answer = _ask(self.detector, text=texts, images=picture)
+            answer = _ask(self.detector, text=texts, images=image)
             logits, where = (x[0].float().cpu().numpy() for x in (answer.logits, answer.pred_boxes))
-            parts.append(boxes.decode_owl(logits, where, picture.height, picture.width, LEAST_SCORE))
+            parts.append(boxes.decode_owl(logits, where, image.height, image.width, LEAST_SCORE))
         return boxes.joined(parts, list(starts))
 
-    def _masks(self, picture: Image.Image, found: boxes.Boxes) -> np.ndarray:
+    def _masks(self, image: Image.Image, found: boxes.Boxes) -> np.ndarray:
         """(k, H, W) bool."""
         if not len(found.box):
-            return np.zeros((0, picture.height, picture.width), bool)
-        inputs = self.segmenter.processor(images=picture, input_boxes=[found.box.tolist()], return_tensors="pt")
+            return np.zeros((0, image.height, image.width), bool)
+        inputs = self.segmenter.processor(images=image, input_boxes=[found.box.tolist()], return_tensors="pt")
         answer = _answer(self.segmenter, inputs, multimask_output=False)
         masks = self.segmenter.processor.post_process_masks(answer.pred_masks.cpu(), inputs["original_sizes"])[0]
         return np.asarray(masks)[:, 0].astype(bool)
 
-    def _classes(self, picture: Image.Image) -> np.ndarray:
+    def _classes(self, image: Image.Image) -> np.ndarray:
         """(H, W) numbers of classes."""
-        answer = _ask(self.ground, images=picture)
-        sizes = [(picture.height, picture.width)]
+        answer = _ask(self.ground, images=image)
+        sizes = [(image.height, image.width)]
         return np.asarray(self.ground.processor.post_process_semantic_segmentation(answer, target_sizes=sizes)[0].cpu())
 
-    def _depth(self, picture: Image.Image) -> np.ndarray:
+    def _depth(self, image: Image.Image) -> np.ndarray:
         """(H, W) f32 m."""
-        depth = _ask(self.depth, images=picture).predicted_depth[0].float().cpu().numpy()
-        scaled = Image.fromarray(depth, "F").resize(picture.size, Image.Resampling.BILINEAR)
+        depth = _ask(self.depth, images=image).predicted_depth[0].float().cpu().numpy()
+        scaled = Image.fromarray(depth, "F").resize(image.size, Image.Resampling.BILINEAR)
         return np.maximum(np.asarray(scaled, np.float32), 0.0)
 
 

@@ -10,7 +10,7 @@ from PIL import Image
 from ...assets.appearances import appearance_search
 from ...assets.selection.search import library
 from ...datatypes import Recording, SceneBank, SceneGraph, ValidationError
-from ...viz.pictures import Studio
+from ...viz.images import Studio
 
 #: How many frames are shown, and from how many places of the trajectory the cousins are looked at.
 FRAMES, VIEWS = 4, 3

@@ -78,8 +78,8 @@ class Studio:
         xquat: Any = None,
     ) -> np.ndarray:
         """(H, W, 3) uint8 from `eye` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the robot."""
-        picture = self.renderer.view(scene, eye, look_at(eye, target, up), fov, xpos, xquat)
-        return np.asarray(picture["rgb"])
+        image = self.renderer.view(scene, eye, look_at(eye, target, up), fov, xpos, xquat)
+        return np.asarray(image["rgb"])
 
     def birdseye(self, scene: int, elevation: float = np.radians(55.0), margin: float = 1.02) -> np.ndarray:
         """(H, W, 3) uint8: the whole scene from above its longer side, through a long lens.
