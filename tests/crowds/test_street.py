@@ -1,4 +1,4 @@
-"""Streets: free space, flats, ways, crossings, places to appear, behaviours, and a crowd that lives in one."""
+"""Streets: free space, flats, routes, crossings, places to appear, behaviours, and a crowd that lives in one."""
 
 import itertools
 

@@ -105,7 +105,8 @@ def test_the_frozen_episodes_are_what_is_driven(hashed: SceneBank) -> None:
         np.testing.assert_allclose(nav.goal, frozen.goal, atol=1e-5)
         assert int(nav.num_waypoints) == len(frozen.way)
         assert float(nav.route_length) == pytest.approx(
-            float(np.linalg.norm(np.diff([frozen.start[:2], *[p[:2] for p in frozen.way]], axis=0), axis=1).sum()), 1e-4
+            float(np.linalg.norm(np.diff([frozen.start[:2], *[p[:2] for p in frozen.way]], axis=0), axis=1).sum()),
+            1e-4,
         )
 
 
@@ -182,8 +183,8 @@ def test_a_benchmark_repeats_to_the_last_digit_in_any_number_of_batches(
     for name in ("report.json", "report.md", "episodes.csv", "scenes.csv"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert BenchmarkReport.load(tmp_path / "a" / "report.json").episodes == once.results
-    for result, way in zip(once.results, once.ways, strict=True):
-        assert len(way) == result.steps
+    for result, trajectory in zip(once.results, once.trajectories, strict=True):
+        assert len(trajectory) == result.steps
     ends = json.loads((tmp_path / "a" / "report.json").read_text())["summary"]["go_to_goal"]["ends"]
     assert sum(ends.values()) == 15
 

@@ -74,17 +74,17 @@ def film_scene(
     if not 0 <= scene < bank.num_scenes:
         raise ValidationError(f"scene: found {scene}, needed 0 to {bank.num_scenes - 1}, the scenes of the bank.")
     options = options or FilmOptions()
-    way = path if isinstance(path, CameraPath) else walk(bank, scene, path)
+    path = path if isinstance(path, CameraPath) else walk(bank, scene, path)
     camera = Camera.from_fov(options.width, options.height, options.fovy)
     writer = RecordingWriter(folder, bank.scene_ids[scene], SOURCE, camera)
     labels = _Labels(bank, scene)
-    for i, (rgb, depth, obj, category) in enumerate(_render(bank, scene, way, options)):
+    for i, (rgb, depth, obj, category) in enumerate(_render(bank, scene, path, options)):
         masks, found = labels.masks(obj, options.min_pixels)
         surfaces = labels.surface[category]
-        writer.add(float(way.time_s[i]), rgb, depth, masks, surfaces, way.T_world_camera[i], found)
+        writer.add(float(path.time_s[i]), rgb, depth, masks, surfaces, path.T_world_camera[i], found)
         if progress is not None:
-            progress(i + 1, len(way.time_s))
-    true_graph(bank, scene, way).save(pathlib.Path(folder) / GROUND_TRUTH_FILE)
+            progress(i + 1, len(path.time_s))
+    true_graph(bank, scene, path).save(pathlib.Path(folder) / GROUND_TRUTH_FILE)
     return writer.close()
 
 
@@ -115,7 +115,7 @@ class _Labels:
         return number[inverse].reshape(slots.shape), found
 
 
-def _render(bank: SceneBank, scene: int, way: CameraPath, options: FilmOptions) -> Iterator[tuple[np.ndarray, ...]]:
+def _render(bank: SceneBank, scene: int, path: CameraPath, options: FilmOptions) -> Iterator[tuple[np.ndarray, ...]]:
     """RGB (H, W, 3) u8, depth (H, W) m, slot and category (H, W) of every frame."""
     # Warp takes a second to import: only those who film pay.
     from ..simulation.rendering.renderer import Renderer
@@ -123,8 +123,8 @@ def _render(bank: SceneBank, scene: int, way: CameraPath, options: FilmOptions) 
     size = options.height, options.width
     ground_truth = Renderer(bank, None, *size, outputs=("depth", "object", "category"), shading="matte", sky=False)
     film = Renderer(bank, None, *size, shadows=options.shadows, samples=options.samples) if options.rgb else None
-    eyes = way.T_world_camera[:, :3, 3].astype(np.float32)
-    rotations = Rotation.from_matrix(way.T_world_camera[:, :3, :3] @ _FLIP)
+    eyes = path.T_world_camera[:, :3, 3].astype(np.float32)
+    rotations = Rotation.from_matrix(path.T_world_camera[:, :3, :3] @ _FLIP)
     turns = rotations.as_quat(scalar_first=True).astype(np.float32)
 
     def batch(renderer: Renderer) -> Callable[..., dict[str, jax.Array]]:

@@ -68,11 +68,11 @@ def true_graph(bank: SceneBank, scene: int, path: CameraPath | None = None, sour
     Raises:
       ValidationError: see `true_objects`.
     """
-    way = () if path is None else tuple(tuple(float(x) for x in row) for row in path.plan())
+    plan = () if path is None else tuple(tuple(float(x) for x in row) for row in path.plan())
     return SceneGraph(
         id=bank.scene_ids[scene],
         source=source,
         objects=true_objects(bank, scene),
         ground=_regions(bank, scene),
-        camera_path=way,  # type: ignore[arg-type]
+        camera_path=plan,  # type: ignore[arg-type]
     )

@@ -149,12 +149,12 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
     # Walking in comfort is worth a detour of some steps; 20 keeps it off the rims of objects without closing gaps.
     near = np.clip(_COMFORT - street.clearance, 0.0, None) / _COMFORT
     cost = np.where(street.clearance > _BODY, 1.0 + 20.0 * near**2, np.inf)
-    ways = []
+    paths = []
     for start, stop in zip(stops, [*stops[1:], stops[0]], strict=True):
-        way, _ = skimage.graph.route_through_array(cost, cells[start], cells[stop], geometric=True)
-        ways.append(street.middle(np.array(way[:-1])))
-    ways.append(street.middle(cells[stops[0]])[None])
-    return np.concatenate(ways)
+        path, _ = skimage.graph.route_through_array(cost, cells[start], cells[stop], geometric=True)
+        paths.append(street.middle(np.array(path[:-1])))
+    paths.append(street.middle(cells[stops[0]])[None])
+    return np.concatenate(paths)
 
 
 def _smooth(ring: np.ndarray) -> np.ndarray:

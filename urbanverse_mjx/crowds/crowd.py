@@ -72,11 +72,11 @@ class Crowd(NamedTuple):
 
 
 class CrowdTables(NamedTuple):
-    """What a bank's scenes mean to a crowd: flats and free ground by surface, ways by group, crosswalks."""
+    """What a bank's scenes mean to a crowd: flats and free ground by surface, routes by group, crosswalks."""
 
     flats: dict[str, flats.Flats]
     ground: dict[str, open_ground.OpenGround]
-    ways: dict[str, goal_fields.Ways]
+    routes: dict[str, goal_fields.GoalRoutes]
     crossings: crossings.Crossings
 
 
@@ -88,7 +88,7 @@ def make_tables(bank: SceneBank, scenes: Sequence[int] | None = None) -> CrowdTa
     return CrowdTables(
         flats={name: flats.make_flats(by_surface[name], flats.REACH[name]) for name in SURFACES},
         ground={name: open_ground.make_open_ground(by_surface[name]) for name in SURFACES},
-        ways={name: goal_fields.make_ways(by_surface[rules.surface], rules) for name, rules in RULES.items()},
+        routes={name: goal_fields.make_routes(by_surface[rules.surface], rules) for name, rules in RULES.items()},
         crossings=crossings.make_crossings(by_surface["foot"]),
     )
 
@@ -205,8 +205,8 @@ class CrowdModel:
     def _appear(
         self, crowd: Crowd, who: Any, wanted: Any, key: Any, group: str, scene: Any, observer: Observer, hidden: bool
     ) -> Crowd:
-        """Agent `who` () i32 of a group put on one of its ways, if that is `wanted` () bool and there is room."""
-        keys, ways = jax.random.split(key, 2), self.tables.ways[group]
+        """Agent `who` () i32 of a group put on one of its routes, if that is `wanted` () bool and there is room."""
+        keys, routes = jax.random.split(key, 2), self.tables.routes[group]
         size = self._traits.radius + self._traits.half_length
         others = crowd.present & (jnp.arange(self.num_agents) != who)
         bodies = crowd.bodies
@@ -214,13 +214,13 @@ class CrowdModel:
         square = bodies.vx * bodies.vx + bodies.vy * bodies.vy
         room = size + _REACTION * jnp.sqrt(square) + 0.5 * square / self._traits.braking
         place, found = spawning.choose(
-            keys[0], ways.place[scene], size[who], bodies.x, bodies.y, room, others, observer, hidden, self.reach
+            keys[0], routes.place[scene], size[who], bodies.x, bodies.y, room, others, observer, hidden, self.reach
         )
-        found &= wanted & (ways.num_goals[scene] > 0)
-        x, y = ways.place[scene, place]
-        free_goal = jax.random.randint(keys[1], (), 0, jnp.maximum(ways.num_goals[scene], 1))
-        goal = jnp.where(ways.place_goal[scene, place] >= 0, ways.place_goal[scene, place], free_goal)
-        heading = goal_fields.heading_at(ways, RULES[group].node, scene, goal[None], x[None], y[None])[0]
+        found &= wanted & (routes.num_goals[scene] > 0)
+        x, y = routes.place[scene, place]
+        free_goal = jax.random.randint(keys[1], (), 0, jnp.maximum(routes.num_goals[scene], 1))
+        goal = jnp.where(routes.place_goal[scene, place] >= 0, routes.place_goal[scene, place], free_goal)
+        heading = goal_fields.heading_at(routes, RULES[group].node, scene, goal[None], x[None], y[None])[0]
 
         def put(column: Any, value: Any) -> Any:
             return column.at[who].set(jnp.where(found, value, column[who]))
@@ -281,8 +281,8 @@ class CrowdModel:
         for group, rows in self._groups.items():
             if not len(rows):
                 continue
-            ways, some = self.tables.ways[group], jnp.asarray(rows)
-            goal = ways.goal[scene, crowd.goal[some]]
+            routes, some = self.tables.routes[group], jnp.asarray(rows)
+            goal = routes.goal[scene, crowd.goal[some]]
             x, y = crowd.bodies.x[some], crowd.bodies.y[some]
             near = _ARRIVED + self._traits.half_length[some]
             there = (x - goal[:, 0]) ** 2 + (y - goal[:, 1]) ** 2 < near * near
@@ -293,7 +293,7 @@ class CrowdModel:
                 far = crowd.present[some] & observer.present & (away > (1.5 * self.reach) ** 2)
             keys = jax.random.split(jax.random.fold_in(key, int(rows[0])), 2)
             if RULES[group].from_middle is None:
-                other = jax.random.randint(keys[0], some.shape, 0, jnp.maximum(ways.num_goals[scene], 1))
+                other = jax.random.randint(keys[0], some.shape, 0, jnp.maximum(routes.num_goals[scene], 1))
                 chosen = jnp.where(there, other, crowd.goal[some])
                 crowd = crowd._replace(
                     goal=crowd.goal.at[some].set(chosen), arrived=crowd.arrived.at[some].add(there.astype(jnp.int32))
@@ -327,7 +327,7 @@ class CrowdModel:
                         place[1] + reach * jnp.sin(heading) + _PREVIEW * crowd.bodies.vy[some],
                     )
                 heading = goal_fields.heading_at(
-                    self.tables.ways[group], RULES[group].node, scene, crowd.goal[some], *place
+                    self.tables.routes[group], RULES[group].node, scene, crowd.goal[some], *place
                 )
                 course = course.at[some].set(heading)
         return course
@@ -348,7 +348,7 @@ class CrowdModel:
         for group, rows in self._groups.items():
             if len(rows) and RULES[group].from_middle is not None:
                 some = jnp.asarray(rows)
-                goal = self.tables.ways[group].goal[scene, crowd.goal[some]]
+                goal = self.tables.routes[group].goal[scene, crowd.goal[some]]
                 left = jnp.hypot(goal[:, 0] - crowd.bodies.x[some], goal[:, 1] - crowd.bodies.y[some])
                 stop = jnp.sqrt(self._traits.braking[some] * jnp.maximum(left - 0.5 * _ARRIVED, 0.0))
                 pace = pace.at[some].min(stop)

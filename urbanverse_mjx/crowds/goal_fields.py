@@ -1,7 +1,7 @@
-"""Ways: from everywhere in a scene to each of a few goals, for people, cyclists and cars.
+"""Routes: from everywhere in a scene to each of a few goals, for people, cyclists and cars.
 
 In:   `FreeSpace` of each scene.
-Out:  `Ways`, directions to the goals and places to appear at, as a table on the device.
+Out:  `GoalRoutes`, directions to the goals and places to appear at, as a table on the device.
 When: the table once per scene, on the host; `heading_at` every crowd step, inside jit.
 
 Ways are cheapest paths on a grid of 16 directions: near objects they cost more, and on the road they cost more on the
@@ -36,7 +36,7 @@ _ENDS = 4
 
 
 @dataclasses.dataclass(frozen=True)
-class WayRules:
+class RouteRules:
     """How one group of road users finds its way.
 
     Attributes:
@@ -58,25 +58,25 @@ class WayRules:
         return self.pool * CELL
 
 
-#: Who shares a table of ways. The clearances are half of what each is across (kinds.py) and a hand's breadth.
+#: Who shares a table of routes. The clearances are half of what each is across (kinds.py) and a hand's breadth.
 RULES = {
-    "foot": WayRules("foot", 2, 0.35, None, 8),
-    "roll": WayRules("foot", 2, 0.50, None, 8),
-    "cycle": WayRules("road", 4, 0.60, 1.8, 4),
-    "drive": WayRules("road", 4, 1.20, 1.4, 4),
+    "foot": RouteRules("foot", 2, 0.35, None, 8),
+    "roll": RouteRules("foot", 2, 0.50, None, 8),
+    "cycle": RouteRules("road", 4, 0.60, 1.8, 4),
+    "drive": RouteRules("road", 4, 1.20, 1.4, 4),
 }
 RULE_OF_KIND = {"pedestrian": "foot", "wheelchair": "roll", "scooter": "roll", "cyclist": "cycle", "car": "drive"}
 #: Places to appear at, a scene.
 NUM_PLACES = 256
 
 
-class Ways(NamedTuple):
-    """Ways of one group in all scenes, padded to the largest.
+class GoalRoutes(NamedTuple):
+    """Routes of one group in all scenes, padded to the largest.
 
     Attributes:
-      direction: (Z, G, X, Y) u8, units of 2π/256, the way to go; off the ways it leads back to them.
+      direction: (Z, G, X, Y) u8, units of 2π/256, the way to go; off the routes it leads back to them.
       origin: (Z, 2) f32 m. goal: (Z, G, 2) f32 m. num_goals: (Z,) i32; 0 where the scene has no room for the group.
-      place: (Z, S, 2) f32 m, places on ways that reach every goal. place_goal: (Z, S) i32, the goal whose way leads
+      place: (Z, S, 2) f32 m, places on routes that reach every goal. place_goal: (Z, S) i32, the goal whose way leads
         through the place, for those who keep to a side; -1 where any goal will do.
     """
 
@@ -104,7 +104,7 @@ def _sides(road: np.ndarray, node: float) -> tuple[np.ndarray, np.ndarray]:
     return to_edge, 0.5 * (across - edge) * node
 
 
-def _graph(space: FreeSpace, rules: WayRules) -> tuple[np.ndarray, GridGraph]:
+def _graph(space: FreeSpace, rules: RouteRules) -> tuple[np.ndarray, GridGraph]:
     """Nodes (X, Y) bool and the price (m) of going from one to the next."""
     distance = pooled(space.distance(), rules.pool, np.min)
     nodes = distance >= rules.clearance
@@ -130,18 +130,18 @@ def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -
     ahead = np.arange(len(cells))
     for _ in range(_AHEAD):
         ahead = following[ahead]
-    on_way = np.zeros(nodes.shape, bool)
-    on_way[tuple(cells[reached].T)] = True
+    on_route = np.zeros(nodes.shape, bool)
+    on_route[tuple(cells[reached].T)] = True
     vector = np.zeros((*nodes.shape, 2))
     vector[tuple(cells.T)] = cells[ahead] - cells
     i, j = np.indices(nodes.shape)
-    ni, nj = ndimage.distance_transform_edt(~on_way, return_distances=False, return_indices=True)
-    vector = np.where(on_way[..., None], vector, np.stack([ni - i, nj - j], -1))
+    ni, nj = ndimage.distance_transform_edt(~on_route, return_distances=False, return_indices=True)
+    vector = np.where(on_route[..., None], vector, np.stack([ni - i, nj - j], -1))
     units = np.round(np.arctan2(vector[..., 1], vector[..., 0]) * _DIRECTIONS / (2 * np.pi))
     return (units.astype(int) % _DIRECTIONS).astype(np.uint8)
 
 
-def ways_of(space: FreeSpace, rules: WayRules, seed: int = 0) -> tuple[np.ndarray, ...]:
+def ways_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.ndarray, ...]:
     """Directions (G, X, Y) u8, goals (G, 2) m, places (S, 2) m and their goals (S,) of one scene.
 
     All are empty where there is no room.
@@ -170,7 +170,7 @@ def ways_of(space: FreeSpace, rules: WayRules, seed: int = 0) -> tuple[np.ndarra
         costs.append(cost)
         goals.append(at)
         fields.append(_directions(nodes, following, np.isfinite(cost)))
-        taken.append(_on_the_way(following, main & (cost > _SETTLED * rules.node)))
+        taken.append(_on_the_route(following, main & (cost > _SETTLED * rules.node)))
         farthest = np.where(main, np.min(costs, axis=0), -1.0)
         at = int(farthest.argmax())
         if farthest[at] < 5.0:
@@ -178,7 +178,9 @@ def ways_of(space: FreeSpace, rules: WayRules, seed: int = 0) -> tuple[np.ndarra
     if rules.from_middle is None:
         places, place_goal = rng.choice(np.flatnonzero(main), NUM_PLACES), np.full(NUM_PLACES, -1)
     else:
-        rows = [(node, g) for g, on_way in enumerate(taken) for node in on_way if _roomy(nodes, cells[node], fields[g])]
+        rows = [
+            (node, g) for g, on_route in enumerate(taken) for node in on_route if _roomy(nodes, cells[node], fields[g])
+        ]
         if not rows:
             return empty
         places, place_goal = np.array(rows)[rng.choice(len(rows), NUM_PLACES)].T
@@ -193,7 +195,7 @@ def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
     return bool(inside.all()) and bool(nodes[tuple(ends.T)].all())
 
 
-def _on_the_way(following: np.ndarray, start: np.ndarray) -> np.ndarray:
+def _on_the_route(following: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Nodes where those who set out from the nodes `start` are some way on: there they have found their side."""
     at = np.flatnonzero(start)
     for _ in range(_SETTLED // 2):
@@ -201,7 +203,7 @@ def _on_the_way(following: np.ndarray, start: np.ndarray) -> np.ndarray:
     return np.unique(at)
 
 
-def make_ways(spaces: Sequence[FreeSpace], rules: WayRules, seed: int = 0) -> Ways:
+def make_routes(spaces: Sequence[FreeSpace], rules: RouteRules, seed: int = 0) -> GoalRoutes:
     """The table of one group in several scenes.
 
     Raises:
@@ -221,25 +223,25 @@ def make_ways(spaces: Sequence[FreeSpace], rules: WayRules, seed: int = 0) -> Wa
             goal[z, : len(goals)], place[z], place_goal[z] = goals, places, its_goal
     origin = np.stack([space.origin for space in spaces]).astype(np.float32)
     counts = np.array([len(g) for _, g, *_ in found], np.int32)
-    return Ways(*(jnp.asarray(a) for a in (direction, origin, goal, counts, place, place_goal)))
+    return GoalRoutes(*(jnp.asarray(a) for a in (direction, origin, goal, counts, place, place_goal)))
 
 
-def heading_at(ways: Ways, node: float, scene: Any, goal: Any, x: Any, y: Any) -> Any:
+def heading_at(routes: GoalRoutes, node: float, scene: Any, goal: Any, x: Any, y: Any) -> Any:
     """(A,) rad, where to go from places (A,) m to goals (A,) i32 in a scene; straight at the goal from 2 nodes on.
 
     Directions between nodes are those of the four nodes around, weighted by nearness.
     """
-    origin = ways.origin[scene]
+    origin = routes.origin[scene]
     u, w = (x - origin[0]) / node - 0.5, (y - origin[1]) / node - 0.5
     i, j = jnp.floor(u).astype(jnp.int32), jnp.floor(w).astype(jnp.int32)
-    columns, rows = ways.direction.shape[2:]
+    columns, rows = routes.direction.shape[2:]
     dx, dy = jnp.zeros_like(x), jnp.zeros_like(y)
     for di in (0, 1):
         for dj in (0, 1):
             weight = jnp.abs(1.0 - di - (u - i)) * jnp.abs(1.0 - dj - (w - j))
             a, b = jnp.clip(i + di, 0, columns - 1), jnp.clip(j + dj, 0, rows - 1)
-            angle = ways.direction[scene, goal, a, b].astype(jnp.float32) * (2.0 * jnp.pi / _DIRECTIONS)
+            angle = routes.direction[scene, goal, a, b].astype(jnp.float32) * (2.0 * jnp.pi / _DIRECTIONS)
             dx, dy = dx + weight * jnp.cos(angle), dy + weight * jnp.sin(angle)
-    gx, gy = ways.goal[scene, goal, 0] - x, ways.goal[scene, goal, 1] - y
+    gx, gy = routes.goal[scene, goal, 0] - x, routes.goal[scene, goal, 1] - y
     close = gx * gx + gy * gy < (2.0 * node) ** 2
     return jnp.where(close, jnp.arctan2(gy, gx), jnp.arctan2(dy, dx))

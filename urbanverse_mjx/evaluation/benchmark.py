@@ -1,7 +1,7 @@
 """Drives a frozen protocol and sums it up.
 
 In:   an environment over a protocol's bank, a policy.
-Out:  `Outcome`: results and ways; tables as JSON, CSV and Markdown.
+Out:  `Outcome`: results and trajectories; tables as JSON, CSV and Markdown.
 When: once per benchmark and way of judging contact.
 """
 
@@ -42,11 +42,11 @@ class Outcome:
     """What a policy did on a protocol.
 
     Attributes:
-      results: in the order of the episodes. ways: (T, 2) m of each, where the robot was at every control step.
+      results: in the order of the episodes. trajectories: (T, 2) m of each, where the robot was at every control step.
     """
 
     results: tuple[EpisodeResult, ...]
-    ways: tuple[np.ndarray, ...]
+    trajectories: tuple[np.ndarray, ...]
 
 
 def drive(
@@ -67,7 +67,7 @@ def drive(
     at_once = min(at_once, len(episodes))
     rollout, root = Rollout(env), env.mj_model.body(env.robot.root_body).id
     results: list[EpisodeResult] = []
-    ways: list[np.ndarray] = []
+    trajectories: list[np.ndarray] = []
     for first in range(0, len(episodes), at_once):
         # The last batch is filled up with episodes that are driven for nothing: one size is compiled.
         rows = np.minimum(np.arange(first, first + at_once), len(episodes) - 1)
@@ -83,8 +83,8 @@ def drive(
         else:
             found, poses = rollout.run({name: policy}, part, show)  # type: ignore[dict-item]
         results += found[:real]
-        ways += [poses.xpos[poses.running[:, i], i, root, :2] for i in range(real)]
-    return Outcome(tuple(results), tuple(ways))
+        trajectories += [poses.xpos[poses.running[:, i], i, root, :2] for i in range(real)]
+    return Outcome(tuple(results), tuple(trajectories))
 
 
 def summary_of(runs: Runs, results: Sequence[EpisodeResult]) -> Table:

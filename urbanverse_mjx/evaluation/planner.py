@@ -1,15 +1,15 @@
 """The privileged planner: a policy that knows the scene, the ceiling that a benchmark is measured against.
 
-In:   the scene's room, an episode's ways, the robot's pose and speed.
+In:   the scene's room, an episode's route fields, the robot's pose and speed.
 Out:  a waypoint, the same action as any policy's.
 When: every control step, inside jit, per env.
 
 It judges a few hundred commands of two phases each by driving a simple model of the robot ahead: a lag of first order
 on speed and yaw rate (`Motion`), the robot's collision spheres as discs on the ground. What counts is the way left at
-the end (`ways`), how near the discs come to hulls and wheels to edges, and touching nothing, which goes before all
-else: a command is taken only while some continuation of it stays clear, to stand still among them. That is the dynamic
-window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global dynamic window
-planning (Brock, Khatib 1999).
+the end (`route_fields`), how near the discs come to hulls and wheels to edges, and touching nothing, which goes before
+all else: a command is taken only while some continuation of it stays clear, to stand still among them. That is the
+dynamic window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global dynamic
+window planning (Brock, Khatib 1999).
 
 It is told of moving agents, too, where it shall be: their discs go on as they move now.
 """
@@ -30,7 +30,7 @@ from ..envs.navigation import terms
 from ..envs.navigation.room import CELL, build_room
 from ..geometry import rotations
 from ..robots.waypoint import WAYPOINT_REACH
-from .ways import NODE, build_ways
+from .route_fields import NODE, build_route_fields
 
 #: s of each look ahead at 2 m/s, faster than which nothing drives: between two looks it moves less than a robot's
 #: length. How many of them the first phase lasts; whoever is slower looks as many metres ahead after that.
@@ -124,8 +124,8 @@ def footprint(robot: RobotSpec) -> Footprint:
     return Footprint(discs, feet, half_width, float((np.hypot(*spheres[:, :2].T) + spheres[:, 2]).max()))
 
 
-class Way(NamedTuple):
-    """What the planner knows of one episode: see `Ways`."""
+class RouteField(NamedTuple):
+    """What the planner knows of one episode: see `RouteFields`."""
 
     origin: Any
     cost: Any
@@ -177,31 +177,31 @@ class Planner:
         self.first = jnp.asarray(_commands(robot, self._motion, _SPEEDS, _TURNS), jnp.float32)
         self._after = jnp.asarray(_commands(robot, self._motion, _SPEEDS_AFTER, _TURNS_AFTER), jnp.float32)
 
-    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Way:
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteField:
         """What it knows of n episodes: leading axis n.
 
         Args:
           scenes, rows: (n,) rows of the bank and of the scenes' episode tables.
         """
         bank = self._env.bank
-        start, way = bank.episode_start[scenes, rows], bank.episode_waypoints[scenes, rows]
-        routes = np.concatenate([start[:, None, :2], way[..., :2]], 1).astype(np.float64)
+        start, route = bank.episode_start[scenes, rows], bank.episode_waypoints[scenes, rows]
+        routes = np.concatenate([start[:, None, :2], route[..., :2]], 1).astype(np.float64)
         lengths = bank.episode_length[scenes, rows]
         goals = bank.episode_goal[scenes, rows, :2].astype(np.float64)
-        ways = build_ways(self._room, scenes, goals, routes, lengths, self._body.half_width)
-        return Way(jnp.asarray(ways.origin), jnp.asarray(ways.cost))
+        fields = build_route_fields(self._room, scenes, goals, routes, lengths, self._body.half_width)
+        return RouteField(jnp.asarray(fields.origin), jnp.asarray(fields.cost))
 
-    def act(self, nav: NavState, way: Way) -> Any:
+    def act(self, nav: NavState, route: RouteField) -> Any:
         """(2,) waypoint in [-1, 1]."""
         xy, quaternion = nav.sim.xpos[self._root, :2], nav.sim.xquat[self._root]
         yaw = rotations.yaw_of(quaternion)
         speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
         agents = self._agents(nav) if self._people else None
         state = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw, speed, nav.sim.qvel[5]]))
-        best = self.first[jnp.argmin(self.costs(nav.sim.scene, state, way, agents).min(1))]
+        best = self.first[jnp.argmin(self.costs(nav.sim.scene, state, route, agents).min(1))]
         return waypoint_of(best[0], best[1], self._robot.max_speed, self._env.dt)
 
-    def costs(self, scene: Any, state: Any, way: Way, agents: Any) -> Any:
+    def costs(self, scene: Any, state: Any, route: RouteField, agents: Any) -> Any:
         """(first, after) cost of every command of the first phase with every one after it, held ones before followed.
 
         Args:
@@ -215,8 +215,8 @@ class Planner:
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
             def lookahead_step(ahead: _Ahead, now: Any) -> tuple[_Ahead, None]:
-                told = self._downhill(way, ahead.pose, command) if follow else command
-                return self._lookahead_step(scene, way, agents, ahead, told, *now), None
+                told = self._downhill(route, ahead.pose, command) if follow else command
+                return self._lookahead_step(scene, route, agents, ahead, told, *now), None
 
             # A loop and not a row of copies: compiled in a tenth of the time.
             return jax.lax.scan(lookahead_step, ahead, (numbers[part], dts[part], ends[part]))[0]
@@ -240,10 +240,10 @@ class Planner:
         size = jnp.asarray(dynamic.shapes.radius + dynamic.shapes.half_length)
         return jnp.stack([bodies.x, bodies.y, bodies.vx, bodies.vy, size, crowd.present.astype(jnp.float32)], -1)
 
-    def _downhill(self, way: Way, pose: Any, speed: Any) -> Any:
+    def _downhill(self, route: RouteField, pose: Any, speed: Any) -> Any:
         """(2,) command that turns to where the field falls, and drives at up to `speed` when it points there."""
-        left, right = (_field_at(way, pose, _NOSE, side) for side in (_SIDES, -_SIDES))
-        ahead, here = _field_at(way, pose, _NOSE), _field_at(way, pose, 0.0)
+        left, right = (_field_at(route, pose, _NOSE, side) for side in (_SIDES, -_SIDES))
+        ahead, here = _field_at(route, pose, _NOSE), _field_at(route, pose, 0.0)
         # On a plane field that falls by 1 a metre at an angle e from straight ahead: sin e and cos e.
         sine, cosine = (right - left) / (2.0 * _NOSE * np.sin(_SIDES)), (here - ahead) / _NOSE
         top = self._robot.max_yaw_rate
@@ -255,7 +255,7 @@ class Planner:
         return jnp.stack([v, omega])
 
     def _lookahead_step(
-        self, scene: Any, way: Way, agents: Any, ahead: _Ahead, command: Any, k: Any, dt: Any, end: Any
+        self, scene: Any, route: RouteField, agents: Any, ahead: _Ahead, command: Any, k: Any, dt: Any, end: Any
     ) -> _Ahead:
         """The drive at step `k` ahead, `dt` s after the one before and `end` s from now."""
         motion = self._motion
@@ -274,10 +274,10 @@ class Planner:
         under_way = ahead.under_way
         shy = dt / self._slower * under_way * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
         touched = under_way * (gap < _TOUCH) * (2.0 - k / len(_STEPS))
-        here = _field_at(way, pose, 0.0) - _ARRIVED
+        here = _field_at(route, pose, 0.0) - _ARRIVED
         # The episode ends where the goal is reached: what would come then does not count.
         under_way = under_way * (here > 0.0)
-        left = under_way * (0.5 * (here + _field_at(way, pose, _NOSE) - _ARRIVED) + _NOSE)
+        left = under_way * (0.5 * (here + _field_at(route, pose, _NOSE) - _ARRIVED) + _NOSE)
         mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, under_way)
 
@@ -312,11 +312,11 @@ def _cost(ahead: _Ahead) -> Any:
     return ahead.left + _SOON * ahead.mean + _SHY_COST * ahead.shy + _TOUCH_COST * ahead.touched
 
 
-def _field_at(way: Way, pose: Any, ahead: float, side: float = 0.0) -> Any:
+def _field_at(route: RouteField, pose: Any, ahead: float, side: float = 0.0) -> Any:
     """Cost-metres to the goal from `ahead` m before a pose (3,), `side` rad to its left."""
     angle = pose[2] + side
     point = pose[:2] + ahead * jnp.stack([jnp.cos(angle), jnp.sin(angle)]) if ahead else pose[:2]
-    return _bilinear(way.cost, (point - way.origin) / NODE)
+    return _bilinear(route.cost, (point - route.origin) / NODE)
 
 
 class _Field(NamedTuple):

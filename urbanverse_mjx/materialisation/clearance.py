@@ -20,10 +20,10 @@ _LONGEST_STEP = 5.0
 _KEPT = 0.5
 
 
-def walked(way: np.ndarray) -> BaseGeometry:
+def walked(path: np.ndarray) -> BaseGeometry:
     """The strip that a trajectory (n, 2 or more) m passed over; empty without one."""
-    steps = np.linalg.norm(np.diff(way[:, :2], axis=0), axis=1)
-    parts = np.split(way[:, :2], np.flatnonzero(steps > _LONGEST_STEP) + 1)
+    steps = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
+    parts = np.split(path[:, :2], np.flatnonzero(steps > _LONGEST_STEP) + 1)
     lines = [shapely.LineString(p) if len(p) > 1 else shapely.Point(p[0]) for p in parts if len(p)]
     return shapely.union_all([line.buffer(HALF_WIDTH) for line in lines])
 

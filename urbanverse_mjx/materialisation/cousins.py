@@ -153,7 +153,7 @@ def _materialise(
     gone = {entry.id for entry in nowhere}
     if not COMPOSED.match(graph.source.video):
         flat = ground_inpainting.fill(flat, leaves)
-    strip = _way_of(flat)
+    strip = _trajectory_strip(flat)
     known = [_cut_back(obj, leaves, strip) for obj in flat.objects if obj.id not in gone]
     drawn: dict[str, list[Candidate]] = {}
     others: dict[str, list[Candidate]] = {}
@@ -231,20 +231,20 @@ def _stand(
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> list[overlap.Body]:
     """Every object's asset in its place: what stands on the ground first, then what stands on that."""
-    way = _way(graph)
+    path = _trajectory(graph)
     bodies: dict[str, overlap.Body] = {}
     tops: list[standing.Top] = []
     for obj in sorted(graph_objects, key=lambda t: (t.center[2] - t.size[2] / 2, t.id)):
         candidate = chosen[obj.id]
         place = standing.footing(obj, candidate.match.leaf, support, tops)
-        placed = _placed(obj, candidate, place, way)
+        placed = _placed(obj, candidate, place, path)
         bodies[obj.id] = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
         if prior(candidate.match.leaf).support_surface:
             tops.append(_top(bodies[obj.id]))
     return [bodies[obj.id] for obj in graph_objects]
 
 
-def _way_of(graph: SceneGraph) -> BaseGeometry:
+def _trajectory_strip(graph: SceneGraph) -> BaseGeometry:
     """Where the camera went. What was composed is meant to stand where it is: nobody walked the trajectory of such a
     graph."""
     filmed = () if COMPOSED.match(graph.source.video) else graph.camera_path
@@ -287,7 +287,7 @@ def _slimmer(
         standing_now = now[name]
         for candidate in others[name]:
             place = standing.Footing(standing_now.placed.position[2], graph_objects[name].size[2])
-            placed = _placed(graph_objects[name], candidate, place, _way(graph))
+            placed = _placed(graph_objects[name], candidate, place, _trajectory(graph))
             body = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
             if all(overlap.penetration(body, other) == 0.0 for other in now.values() if other is not standing_now):
                 found[name], now[name] = candidate, body
@@ -295,7 +295,7 @@ def _slimmer(
     return found
 
 
-def _way(graph: SceneGraph) -> np.ndarray:
+def _trajectory(graph: SceneGraph) -> np.ndarray:
     """(n, 2) m, the trajectory from above."""
     return np.array([p[:2] for p in graph.camera_path]).reshape(-1, 2)
 
@@ -305,14 +305,14 @@ def _top(body: overlap.Body) -> standing.Top:
     return standing.Top(body.placed.id, outline, max(p.high for p in body.prisms))
 
 
-def _placed(obj: GraphObject, candidate: Candidate, place: standing.Footing, way: np.ndarray) -> PlacedObject:
+def _placed(obj: GraphObject, candidate: Candidate, place: standing.Footing, path: np.ndarray) -> PlacedObject:
     record = candidate.record
     height = place.height
     scale = choice.scale_to((*candidate.box[:2], height), record)
     yaw = obj.yaw
     if candidate.match.yaw:
         # Which of the two quarter turns shows the front is not in the box: the camera saw more of fronts than of backs.
-        yaw += _turn_to(way, obj)
+        yaw += _turn_to(path, obj)
     return PlacedObject(
         id=obj.id,
         label=obj.label,
@@ -327,11 +327,11 @@ def _placed(obj: GraphObject, candidate: Candidate, place: standing.Footing, way
     )
 
 
-def _turn_to(way: np.ndarray, obj: GraphObject) -> float:
+def _turn_to(path: np.ndarray, obj: GraphObject) -> float:
     """pi / 2 or -pi / 2, whichever turns the front towards the nearest point of the trajectory (n, 2)."""
-    if not len(way):
+    if not len(path):
         return math.pi / 2
-    away = way - obj.center[:2]
+    away = path - obj.center[:2]
     x, y = away[(away**2).sum(1).argmin()]
     left = -math.sin(obj.yaw) * x + math.cos(obj.yaw) * y
     return math.copysign(math.pi / 2, left)

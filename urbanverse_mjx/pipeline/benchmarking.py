@@ -328,8 +328,8 @@ def _draw(runs: Any, outcome: Any, folder: pathlib.Path) -> None:
         number = runs.bank.scene_ids.index(scene)
         rows = [i for i, r in enumerate(outcome.results) if r.scene == scene]
         goals = np.array([runs.bank.episode_goal[number, outcome.results[i].episode, :2] for i in rows])
-        ways, ends = [outcome.ways[i] for i in rows], [outcome.results[i].result for i in rows]
-        picture = Image.fromarray(route_image(runs.bank, number, ways, ends, goals))
+        trajectories, ends = [outcome.trajectories[i] for i in rows], [outcome.results[i].result for i in rows]
+        picture = Image.fromarray(route_image(runs.bank, number, trajectories, ends, goals))
 
         def save(path: pathlib.Path, picture: Image.Image = picture) -> None:
             picture.save(path, "PNG", optimize=True)

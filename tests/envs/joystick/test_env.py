@@ -151,9 +151,9 @@ def test_levels_rise_and_fall() -> None:
     assert levels.kinds == ("flat", "kerbs")
     now = jnp.array([0, 1], jnp.int32)
 
-    def after(kind: int, lasted: bool, way: float, asked: float) -> list[int]:
+    def after(kind: int, lasted: bool, distance: float, asked: float) -> list[int]:
         found = levels.after(
-            jax.random.key(0), now, jnp.int32(kind), jnp.bool_(lasted), jnp.float32(way), jnp.float32(asked)
+            jax.random.key(0), now, jnp.int32(kind), jnp.bool_(lasted), jnp.float32(distance), jnp.float32(asked)
         )
         return [int(x) for x in found]
 

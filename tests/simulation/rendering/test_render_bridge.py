@@ -66,7 +66,7 @@ def _nested(call: Callable[..., Any], *arrays: Any) -> Any:
     return frames.reshape(NUMBER, *frames.shape[2:])
 
 
-WAYS: dict[str, Callable[..., Any]] = {
+CALLS: dict[str, Callable[..., Any]] = {
     "vmap": lambda call, *x: jax.vmap(call)(*x),
     "jit(vmap)": lambda call, *x: jax.jit(jax.vmap(call))(*x),
     "vmap(vmap)": _nested,
@@ -77,11 +77,11 @@ WAYS: dict[str, Callable[..., Any]] = {
 }
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("call", CALLS)
 def test_every_transformation_gives_the_same_bytes(
-    renderer: Renderer, inputs: Inputs, alone: np.ndarray, way: str
+    renderer: Renderer, inputs: Inputs, alone: np.ndarray, call: str
 ) -> None:
-    frames = WAYS[way](lambda *x: renderer(*x)["rgb"], *inputs)
+    frames = CALLS[call](lambda *x: renderer(*x)["rgb"], *inputs)
     np.testing.assert_array_equal(np.asarray(frames), alone)
 
 

@@ -49,7 +49,7 @@ class _GaitFields(NamedTuple):
       joint_speed: (J,) rad/s at the end of the last step.
       history: (H, 9 + 3 J) what the sensors said, newest first.
       feet: (F, 3) m; air_time: (F,) s.
-      way, way_asked: () m along the commands, gone and asked for.
+      distance, distance_asked: () m along the commands, gone and asked for.
       steps: () i32; result: () i32, see `Result`.
     """
 
@@ -66,8 +66,8 @@ class _GaitFields(NamedTuple):
     history: Float[Array, "H n"]
     feet: Float[Array, "F 3"]
     air_time: Float[Array, " F"]
-    way: Float[Array, ""]
-    way_asked: Float[Array, ""]
+    distance: Float[Array, ""]
+    distance_asked: Float[Array, ""]
     steps: Int[Array, ""]
     result: Int[Array, ""]
 
@@ -120,7 +120,7 @@ class JoystickEnv(StagedBase[GaitState]):
         """The episode after that of `gait`: harder ground of its kind where it went well, easier where it fell."""
         key, draw = jax.random.split(gait.key)
         lasted = gait.result == Result.TIMEOUT
-        levels = self._levels.after(draw, gait.levels, gait.kind, lasted, gait.way, gait.way_asked)
+        levels = self._levels.after(draw, gait.levels, gait.kind, lasted, gait.distance, gait.distance_asked)
         return self.begin_at(key, levels)
 
     @full_precision
@@ -155,8 +155,8 @@ class JoystickEnv(StagedBase[GaitState]):
             history=jnp.tile(frame, (int(config.history), 1)),
             feet=legs.feet(sim),
             air_time=jnp.zeros(len(legs.foot_body)),
-            way=zero,
-            way_asked=zero,
+            distance=zero,
+            distance_asked=zero,
             steps=jnp.int32(0),
             result=jnp.int32(Result.RUNNING),
         )
@@ -199,8 +199,8 @@ class JoystickEnv(StagedBase[GaitState]):
             history=jnp.concatenate([frame[None], gait.history[:-1]]),
             feet=legs.feet(sim),
             air_time=jnp.where(motion.contact, 0.0, gait.air_time + self.dt),
-            way=gait.way + self.dt * jnp.minimum(along, speed),
-            way_asked=gait.way_asked + self.dt * speed,
+            distance=gait.distance + self.dt * jnp.minimum(along, speed),
+            distance_asked=gait.distance_asked + self.dt * speed,
             steps=steps,
             result=result,
         )

@@ -44,16 +44,16 @@ class TerrainLevels:
         levels: Int[Array, " T"],
         kind: Int[Array, ""],
         lasted: Bool[Array, ""],
-        way: Float[Array, ""],
+        distance: Float[Array, ""],
         asked: Float[Array, ""],
     ) -> Int[Array, " T"]:
         """(T,) levels after an episode on `kind`: harder where it went well, easier where it did not.
 
         Args:
-          lasted: () bool, it ended by its time alone. way, asked: () m along the commands, gone and asked for.
+          lasted: () bool, it ended by its time alone. distance, asked: () m along the commands, gone and asked for.
         """
         count = self.scenes.shape[1]
-        share, long = way / jnp.maximum(asked, 1e-3), asked > _SHORT
+        share, long = distance / jnp.maximum(asked, 1e-3), asked > _SHORT
         up = long & lasted & (share > self._config.promote)
         down = ~lasted | (long & (share < self._config.demote))
         level = levels[kind] + up.astype(jnp.int32) - down.astype(jnp.int32)

@@ -33,7 +33,7 @@ def _parts() -> dict[str, tuple[type, Sequence[str]]]:
     """Name of each part of `CrowdTables`, its class and fields."""
     rows: dict[str, Any] = {f"flats/{name}": flats.Flats for name in kinds.SURFACES}
     rows |= {f"ground/{name}": open_ground.OpenGround for name in kinds.SURFACES}
-    rows |= {f"ways/{name}": goal_fields.Ways for name in goal_fields.RULES}
+    rows |= {f"ways/{name}": goal_fields.GoalRoutes for name in goal_fields.RULES}
     rows["crossings"] = crossings.Crossings
     return {name: (cls, cls._fields) for name, cls in rows.items()}
 
@@ -43,7 +43,7 @@ def build_tables(bank: SceneBank, scenes: Sequence[int]) -> dict[str, np.ndarray
     tables = make_tables(bank, scenes)
     groups: dict[str, Any] = {f"flats/{n}": t for n, t in tables.flats.items()}
     groups |= {f"ground/{n}": t for n, t in tables.ground.items()}
-    groups |= {f"ways/{n}": t for n, t in tables.ways.items()}
+    groups |= {f"ways/{n}": t for n, t in tables.routes.items()}
     groups["crossings"] = tables.crossings
     found = {
         f"{name}/{field}": np.asarray(getattr(groups[name], field))
@@ -82,7 +82,7 @@ def kept_tables(bank: SceneBank, scenes: Sequence[int]) -> DynamicTables:
     crowd = CrowdTables(
         flats={name: parts[f"flats/{name}"] for name in kinds.SURFACES},
         ground={name: parts[f"ground/{name}"] for name in kinds.SURFACES},
-        ways={name: parts[f"ways/{name}"] for name in goal_fields.RULES},
+        routes={name: parts[f"ways/{name}"] for name in goal_fields.RULES},
         crossings=parts["crossings"],
     )
     return DynamicTables(crowd, jnp.asarray(arrays["height"]), jnp.asarray(bank.map_origin, jnp.float32))

@@ -109,11 +109,11 @@ def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
 def viewpoint_rows(graph: SceneGraph) -> list[int]:
     """Rows of the trajectory that `viewpoints` are at: evenly along it, each the one nearby that looks most along the
     way."""
-    way = np.array(graph.camera_path)
-    step = np.gradient(way[:, :2], axis=0) if len(way) > 1 else np.zeros((1, 2))
-    ahead = np.cos(way[:, 3]) * step[:, 0] + np.sin(way[:, 3]) * step[:, 1]
+    path = np.array(graph.camera_path)
+    step = np.gradient(path[:, :2], axis=0) if len(path) > 1 else np.zeros((1, 2))
+    ahead = np.cos(path[:, 3]) * step[:, 0] + np.sin(path[:, 3]) * step[:, 1]
     ahead /= np.maximum(np.linalg.norm(step, axis=1), 1e-9)
-    reach, last = len(way) // (4 * VIEWS), len(way) - 1
+    reach, last = len(path) // (4 * VIEWS), len(path) - 1
     rows = []
     for k in range(VIEWS):
         middle = round(last * (k + 0.5) / VIEWS)

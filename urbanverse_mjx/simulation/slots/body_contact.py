@@ -20,10 +20,10 @@ GROUND_CONTACTS, OTHER_CONTACTS = 8, 4
 #: nobody sees is nearer than the top.
 LIFT = 0.02
 #: rad, where the first of the ground contacts is looked for; askew, so that corners of a box are no ties.
-FIRST_WAY = 0.1
-_ANGLES = FIRST_WAY + 2.0 * np.pi * np.arange(GROUND_CONTACTS) / GROUND_CONTACTS
+FIRST_DIRECTION = 0.1
+_ANGLES = FIRST_DIRECTION + 2.0 * np.pi * np.arange(GROUND_CONTACTS) / GROUND_CONTACTS
 #: (8, 2) unit, the ways from the centre of mass in which the outermost point that touches the ground is a contact.
-WAYS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1).astype(np.float32)
+DIRECTIONS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1).astype(np.float32)
 
 
 class BodyContacts(NamedTuple):
@@ -67,7 +67,7 @@ def ground_contacts(places: Any, centre: Any, prisms: Slots, planes: Any, fricti
     prism = jnp.argmin(depth, axis=-1)
     depth = jnp.take_along_axis(depth, prism[..., None], axis=-1)[..., 0]
     face = jnp.take_along_axis(face, prism[..., None], axis=-1)[..., 0]
-    out = (places - centre[:, None])[..., :2] @ WAYS.T
+    out = (places - centre[:, None])[..., :2] @ DIRECTIONS.T
     out = jnp.where(jnp.isfinite(depth)[..., None], out, -jnp.inf)
     best = jnp.argmax(out, axis=1)
     again = (best[:, :, None] == best[:, None]) & jnp.tril(jnp.ones((GROUND_CONTACTS,) * 2, bool), -1)

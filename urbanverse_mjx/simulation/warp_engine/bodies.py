@@ -22,7 +22,7 @@ _PRISMS, _HULLS = wp.constant(body_slots.PRISMS), wp.constant(body_slots.HULLS)
 _FAST = wp.constant(body_slots.FAST)
 _GROUND_CONTACTS = wp.constant(body_contact.GROUND_CONTACTS)
 _OTHER_CONTACTS = wp.constant(body_contact.OTHER_CONTACTS)
-_LIFT, _FIRST_WAY = wp.constant(body_contact.LIFT), wp.constant(body_contact.FIRST_WAY)
+_LIFT, _FIRST_DIRECTION = wp.constant(body_contact.LIFT), wp.constant(body_contact.FIRST_DIRECTION)
 _TURN = wp.constant(2.0 * wp.pi / body_contact.GROUND_CONTACTS)
 #: MuJoCo's defaults for every geom of a scene.
 _SOLREF, _SOLIMP = wp.constant(wp.vec2(0.02, 1.0)), wp.constant(vec5(0.9, 0.95, 0.001, 0.5, 2.0))
@@ -291,7 +291,7 @@ def put_contacts(table: BodyTable, xpos: wp.array2d[wp.vec3], bodies: Bodies, pl
     middle = xpos[w, bodies.first_body + b]
     picks = Picks(-1)
     for k in range(_GROUND_CONTACTS):
-        angle = _FIRST_WAY + _TURN * float(k)
+        angle = _FIRST_DIRECTION + _TURN * float(k)
         x, y = wp.cos(angle), wp.sin(angle)
         best = int(-1)
         farthest = float(-1.0e30)

@@ -1,7 +1,7 @@
 """How far it is from anywhere to an episode's goal, for who knows the scene: the planner's sense of direction.
 
 In:   `Room`, goals.
-Out:  `Ways`, a field for each episode, in a window around its route.
+Out:  `RouteFields`, a field for each episode, in a window around its route.
 When: once per list of episodes, on the host.
 """
 
@@ -32,7 +32,7 @@ _STEPS = {**STEPS, (1, -1): ((0, -1), (1, 0)), (-1, 1): ((0, 1), (-1, 0))}
 
 
 @dataclasses.dataclass(frozen=True)
-class Ways:
+class RouteFields:
     """Fields of n episodes.
 
     Attributes:
@@ -44,9 +44,9 @@ class Ways:
     cost: np.ndarray
 
 
-def build_ways(
+def build_route_fields(
     room: Room, scenes: np.ndarray, goals: np.ndarray, routes: np.ndarray, lengths: np.ndarray, half_width: float
-) -> Ways:
+) -> RouteFields:
     """Fields to the goals of n episodes.
 
     Args:
@@ -71,7 +71,7 @@ def build_ways(
                 i, j = first[row]
                 cost[row] = field[i : i + shape[0], j : j + shape[1]]
     origin = room.origin[scenes] + (first + 0.5) * NODE
-    return Ways(origin.astype(np.float32), cost)
+    return RouteFields(origin.astype(np.float32), cost)
 
 
 class _Costs:
