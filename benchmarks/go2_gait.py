@@ -29,7 +29,7 @@ from urbanverse_mjx.robots.go2 import load_gait
 from .lib.gait_published import goals_table, published_table
 from .lib.gait_trials import KERBS, SLOPES, Judge, judge_flat, judge_kerbs, judge_pushes, judge_ramps, judge_straight
 
-#: What a gait has to reach (issue 8): at most, or at least. Kerbs in both ways, every ramp of a street (1:8).
+#: What a gait has to reach: at most, or at least. Kerbs in both ways, every ramp of a street (1:8).
 AT_MOST = {"error_linear_m_s": 0.1, "error_angular_rad_s": 0.15, "falls_percent": 1.0}
 KERB_GOALS = {0.12: 90.0, 0.15: 70.0}
 PUSH_GOAL, RAMP_GOAL = 95.0, 100.0

@@ -24,7 +24,8 @@ from urbanverse_mjx.settings import num_threads
 
 #: Scene of the bank that all of them run in.
 SCENE = 0
-#: MJX compiles a collision function for every distinct mesh (facts/measured.md: 256 take 54 s), so its scene is cut.
+#: MJX compiles a collision function for every distinct mesh (docs/sources/measured.md: 256 take 54 s), so its scene is
+#: cut.
 MJX_HULLS, MJX_PRISMS = 48, 8
 #: Contacts that MJX solves, as many as the product's own engine; without it every pair of geoms gets rows.
 MJX_CONTACTS = 12

@@ -1,4 +1,4 @@
-"""Errors put into a perfect recording: estimated poses, depth and masks at fixed sizes (issue 5, item 8).
+"""Errors put into a perfect recording: estimated poses, depth and masks at fixed sizes.
 
 Pose drift of 1 % of the path and 0.3° per 10 m; depth x (1 + N(0, 0.08)) per frame and 5 % correlated over the
 picture; detector recall 0.75, precision 0.8; 8 % of the labels confused; masks eroded or dilated by 5 % of their size.

@@ -19,7 +19,7 @@ from urbanverse_mjx.datatypes.hashing import content_hash
 
 #: Grows whenever the same seed would give another layout.
 VERSION = "1"
-LENGTH = 200.0  # m, issue 3, item 6
+LENGTH = 200.0  # m, the length that the engines are designed for
 #: Streets with different ground; further layouts repeat them, so that ground meshes are shared as houses are.
 SECTIONS = 16
 #: Records of a leaf that are used: keeps the file of a bank small.

@@ -53,7 +53,7 @@ def test_the_papers_categories_and_more_than_sixty_others_have_pages() -> None:
     [("length", 0.06, 70), ("width", 0.06, 60), ("height", 0.06, 60), ("mass", 0.15, 95)],
 )
 def test_mean_errors_stay_within_the_goal(medians, quantity: str, most: float, leaves: int) -> None:
-    """The goal of issue 4: 6 % in each dimension and 15 % in mass (the paper's: 6.1, 7.0, 5.9 and 19.6 %)."""
+    """The aim: 6 % in each dimension and 15 % in mass (the paper's: 6.1, 7.0, 5.9 and 19.6 %)."""
     found = errors(published(), medians)[quantity]
     assert len(found) >= leaves
     assert sum(found.values()) / len(found) <= most

@@ -13,7 +13,7 @@ from urbanverse_mjx.scene import library
 from . import composed
 
 IDS = list(BUILDERS)
-#: The ids of the authors' release (facts/reference_systems.md b.1).
+#: The ids of the authors' release (docs/sources/reference_systems.md b.1).
 PUBLISHED = {
     "01_residential_street_dual_sidewalks_dense_bollards_trash_bags",
     "02_residential_street_single_sidewalk_door_to_street_buildings",

@@ -15,7 +15,7 @@ from urbanverse_mjx.datatypes import RobotSpec, ValidationError
 from urbanverse_mjx.robots import coco, coco_body, make_coco
 
 DRIVES = ("differential", "ackermann")
-# facts/coco.json, written here anew: geometry_from_model, mass_properties, friction, camera, steer.
+# docs/sources/coco.json, written here anew: geometry_from_model, mass_properties, friction, camera, steer.
 WHEEL_CENTRE = {
     "front_left": (0.221, 0.236, -0.166),
     "front_right": (0.221, -0.236, -0.166),

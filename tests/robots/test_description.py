@@ -161,7 +161,7 @@ def test_what_is_wrong_in_the_mjcf_is_said(folder: pathlib.Path) -> None:
 
 
 def test_the_wheelchair_is_as_the_planner_has_it() -> None:
-    """facts/reference_systems.md b.2: radius 0.45 m, height 1.4 m, step 0.05 m."""
+    """docs/sources/reference_systems.md b.2: radius 0.45 m, height 1.4 m, step 0.05 m."""
     robot = load(WHEELCHAIR)
     assert (robot.planner_radius, robot.planner_height, robot.step_height) == (0.45, 1.4, 0.05)
     model = mujoco.MjModel.from_xml_string(robot.mjcf)

@@ -9,7 +9,7 @@ from typing import Literal
 
 from ..datatypes import GroundRegion
 
-KERB = 0.15  # m, issue 2, "Six streets"
+KERB = 0.15  # m, of the six hand-made streets
 RAMP_RUN = 1.5  # m: 1:10, gentler than the 1:8 that a dropped kerb may have
 RAMP_HALF_WIDTH = 1.0  # m
 FLARE = 1.0  # m, length of the tapered kerb on each side of a ramp

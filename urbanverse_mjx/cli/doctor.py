@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from .. import __version__
 from .doctor_checks import CHECKS, Finding, reinstall
 
-#: s; the first frame on a machine compiles the renderer's kernels (20 s on a GPU, facts/measured.md).
+#: s; the first frame on a machine compiles the renderer's kernels (20 s on a GPU, docs/sources/measured.md).
 TIMEOUT = 300.0
 
 

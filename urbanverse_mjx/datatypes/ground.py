@@ -1,7 +1,7 @@
 """Kinds of ground and what they mean to physics and to a robot on the pavement.
 
 The numbers index `SceneBank.map_kind` and `maps.npz`; the names are those of CraftBench-Nav's maps
-(facts/reference_systems.md b.2), so that its routes and maps can be exchanged.
+(docs/sources/reference_systems.md b.2), so that its routes and maps can be exchanged.
 """
 
 import itertools

@@ -16,7 +16,7 @@ from ..datatypes import ValidationError
 from ..datatypes.policy_file import METADATA_KEY, NEXT, PolicyRecord, memories
 from .external import IMAGE, OBSERVATIONS, ExternalPolicy
 
-#: Names that others give to observations (facts/reference_systems.md b.7: `rgb`, `goal_vector`).
+#: Names that others give to observations (docs/sources/reference_systems.md b.7: `rgb`, `goal_vector`).
 ALIASES = {"rgb": IMAGE, "image": IMAGE, "pixels": IMAGE, "goal_vector": "goal"}
 _DTYPES: dict[str, Any] = {"tensor(float)": np.float32, "tensor(double)": np.float64, "tensor(uint8)": np.uint8}
 

@@ -4,8 +4,8 @@ In:   the drive.
 Out:  `RobotSpec`: MJCF and the mappings waypoint -> (v, omega) -> wheel commands.
 When: once, at construction; the mappings run under jit.
 
-The two drives are the two readings of the public sources (facts/reference_systems.md b.5): the paper drives COCO as
-a differential robot by (v, omega), the authors' asset steers its front axle by at most 20 degrees.
+The two drives are the two readings of the public sources (docs/sources/reference_systems.md b.5): the paper drives COCO
+as a differential robot by (v, omega), the authors' asset steers its front axle by at most 20 degrees.
 
 * `differential`: the two wheels of a side turn at the speed of that side. Four gripping tyres could only turn by
   skidding, with a yaw rate that depends on load, heading and what the robot pushes. The paper's model is kinematic, so
@@ -28,8 +28,8 @@ Drive = Literal["differential", "ackermann"]
 
 MAX_SPEED = 2.0  # m/s, design section 4; coco.json coco2play_kinematics.max_speed_mps
 MAX_YAW_RATE = 1.0  # rad/s, design section 4; coco.json suggested_numbers_for_a_model.max_yaw_rate
-PHYSICS_TIMESTEP = 0.010  # s, facts/measured.md: sphere wheels over prism seams, 0.6 mm at 10 ms, 12 mm at 20 ms
-PLANNER_HEIGHT = 1.0  # m, facts/reference_systems.md b.5: the planner's disc needs this height (flag)
+PHYSICS_TIMESTEP = 0.010  # s, docs/sources/measured.md: sphere wheels over prism seams, 0.6 mm at 10 ms, 12 mm at 20 ms
+PLANNER_HEIGHT = 1.0  # m, docs/sources/reference_systems.md b.5: the planner's disc needs this height (flag)
 STEP_HEIGHT = 0.02  # m, tests/robots/test_coco_drive.py drives both robots over a step of this height
 
 

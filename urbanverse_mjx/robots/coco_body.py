@@ -4,7 +4,7 @@ In:   the drive.
 Out:  MJCF text of one free body without ground and light.
 When: once, at construction.
 
-Sources of the numbers: "coco.json" = facts/coco.json (public facts on the robot, with its own list of sources).
+Sources of the numbers: "coco.json" = docs/sources/coco.json (public facts on the robot, with its own list of sources).
 """
 
 import dataclasses

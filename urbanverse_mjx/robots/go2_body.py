@@ -4,9 +4,9 @@ In:   nothing.
 Out:  MJCF text of one free body without ground and light.
 When: once, at construction.
 
-Sources of the numbers, as facts/go2.json lists them: "urdf" = unitree_ros go2_description.urdf at d6f13aa, "menagerie"
-= mujoco_menagerie unitree_go2/go2.xml at 2ffe3e3, "rl_lab" = unitree_rl_lab's Go2 velocity task at e72a072, "rl_mjlab"
-= unitree_rl_mjlab go2_constants.py at 5b7e396. Left and right, front and rear mirror each other.
+Sources of the numbers, as docs/sources/go2.json lists them: "urdf" = unitree_ros go2_description.urdf at d6f13aa,
+"menagerie" = mujoco_menagerie unitree_go2/go2.xml at 2ffe3e3, "rl_lab" = unitree_rl_lab's Go2 velocity task at e72a072,
+"rl_mjlab" = unitree_rl_mjlab go2_constants.py at 5b7e396. Left and right, front and rear mirror each other.
 """
 
 import dataclasses

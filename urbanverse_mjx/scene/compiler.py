@@ -27,7 +27,7 @@ from .planner import RobotSize, free_space
 from .routes import RoutePlanner
 from .stability import displacements
 
-#: Sliding friction of every ground (URBAN-SIM's ground: 1.0 static and dynamic, facts/reference_systems.md b.5).
+#: Sliding friction of every ground (URBAN-SIM's ground: 1.0 static and dynamic, docs/sources/reference_systems.md b.5).
 GROUND_FRICTION = 1.0
 
 

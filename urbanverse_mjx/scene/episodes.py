@@ -19,7 +19,7 @@ DriveAll = Callable[[np.ndarray, Sequence[np.ndarray]], list[Drive]]
 
 @dataclasses.dataclass(frozen=True)
 class EpisodeRules:
-    """What a table holds (paper: goals 10-30 m away; issue 2, item 6: 256 rows, 32 goals, waypoints every 5 m).
+    """What a table holds (paper: goals 10-30 m away; here 256 rows, 32 goals, waypoints every 5 m).
 
     Attributes:
       rows, goals: how many. distance: (low, high) m, straight from start to goal.

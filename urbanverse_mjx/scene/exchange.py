@@ -1,4 +1,4 @@
-"""Maps in the files of CraftBench-Nav (facts/reference_systems.md b.2): `map.json` and `layers.npz`, both ways.
+"""Maps in the files of CraftBench-Nav (docs/sources/reference_systems.md b.2): `map.json` and `layers.npz`, both ways.
 
 Theirs are images: row 0 at y_max, column 0 at x_min. Ours count from the lower corner, x first.
 """

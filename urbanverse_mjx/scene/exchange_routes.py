@@ -1,4 +1,4 @@
-"""Route files of CraftBench-Nav, format 1 (facts/reference_systems.md b.2), read and written.
+"""Route files of CraftBench-Nav, format 1 (docs/sources/reference_systems.md b.2), read and written.
 
 `<scene>.json` holds what was annotated; the folder `<scene>/` what was planned from it for one robot: `routes.json`,
 `<id>.npy` (N x 4 float64: x, y, z, yaw) and `routes.txt`.

@@ -18,7 +18,7 @@ from ..datatypes import AssetMesh
 from .geometry import SceneGeometry, Sky
 from .hulls import convex_part
 
-#: Physics step, s: at 20 ms sphere wheels bump 12 mm on skewed seams, at 10 ms 0.6 mm (facts/measured.md).
+#: Physics step, s: at 20 ms sphere wheels bump 12 mm on skewed seams, at 10 ms 0.6 mm (docs/sources/measured.md).
 TIMESTEP = 0.01
 #: Side of a face of the skybox, pixels.
 _SKY_FACE = 64

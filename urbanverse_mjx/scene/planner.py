@@ -16,9 +16,9 @@ from ..geometry.geodesics import extra_near
 from ..geometry.grids import cell_of, closed, pooled
 from .geometry import SceneMap
 
-#: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm (issue 2, item 6).
+#: Cells of the 5 cm map along a side of a planning cell of our episodes: 20 cm.
 POOL = 4
-#: Cost per metre by kind; near objects up to 1.0 more within 0.5 m (facts/reference_systems.md b.2).
+#: Cost per metre by kind; near objects up to 1.0 more within 0.5 m (docs/sources/reference_systems.md b.2).
 KIND_COST = {"sidewalk": 1.0, "ground": 1.2, "crosswalk": 1.5}
 NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
 #: A step (m) between neighbouring cells from which on it counts as a kerb (same source).
@@ -31,7 +31,7 @@ _PULLS = 2
 
 @dataclasses.dataclass(frozen=True)
 class RobotSize:
-    """What routes are made for; defaults are navbench's `delivery` robot (facts/reference_systems.md b.2).
+    """What routes are made for; defaults are navbench's `delivery` robot (docs/sources/reference_systems.md b.2).
 
     Attributes:
       radius: m, half of what it needs across; margin: m, kept free beyond it while driving.

@@ -1,4 +1,5 @@
-"""Routes in the manner of CraftBench-Nav (facts/reference_systems.md b.2): planned between given points or chosen ones.
+"""Routes in the manner of CraftBench-Nav (docs/sources/reference_systems.md b.2): planned between given points or
+chosen ones.
 
 A `Wanted` route is what a person clicked (or `RoutePlanner.choose` did); a `Route` is planned from it for one robot.
 """

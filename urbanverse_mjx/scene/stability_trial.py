@@ -19,7 +19,7 @@ from .stability import Displacement, displacements
 HANGS = 0.3
 #: How objects rest (`assets.categories.priors`) that are not let go.
 HELD = frozenset({"fixed", "alive", "hangs"})
-#: m and rad below which an object counts as still (issue 6).
+#: m and rad below which an object counts as still.
 SHIFT, TILT = 0.05, np.radians(5.0)
 
 

@@ -2,7 +2,7 @@
 
 `jax.device_put_replicated` left JAX with 0.10, and Brax's PPO still calls it. The replacement goes through
 `jax.pmap`, so that its result has the very sharding that pmap returns: with any other the training epoch would
-be compiled twice (facts/brax_over_warp.md, Q7).
+be compiled twice (docs/sources/brax_over_warp.md, Q7).
 
 Newer JAX's `pmap` returns one array over all hosts, and `x[0]` of it is a computation that all processes must join.
 Brax takes the parameters out in the first process alone, and training over several hosts stands still: each process now

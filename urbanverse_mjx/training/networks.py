@@ -2,7 +2,7 @@
 
 Pixels arrive as uint8 and are scaled here, nowhere else. Convolutions are written as space-to-depth and matrix
 products: XLA's CPU convolutions have gradients that run 13-20 times slower inside `lax.scan`, where Brax does its
-SGD (facts/brax_over_warp.md, Q2). They are exact: tested against `flax.linen.Conv` with the same parameters.
+SGD (docs/sources/brax_over_warp.md, Q2). They are exact: tested against `flax.linen.Conv` with the same parameters.
 """
 
 import functools

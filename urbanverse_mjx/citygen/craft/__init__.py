@@ -1,6 +1,6 @@
 """CraftBench: twelve scenes composed by hand, one module `sNN_...` each with a `build() -> Canvas`.
 
-Their ids and themes are those of the authors' release (facts/reference_systems.md b.1).
+Their ids and themes are those of the authors' release (docs/sources/reference_systems.md b.1).
 """
 
 from ...datatypes import SceneGraph

@@ -17,7 +17,7 @@ from ..generation.run_folder import key_of
 if TYPE_CHECKING:
     from ...materialisation import Cousin
 
-#: Rows of the episode tables (issue 6, item 5).
+#: Rows of the episode tables.
 ROWS = 512
 #: The record of a scene; one with other fields was written by another version, and its scene is built again.
 RECORD_FIELDS = (

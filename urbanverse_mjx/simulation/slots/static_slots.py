@@ -5,7 +5,7 @@ Out:  `Slots`, a fixed number of hulls with their poses, and how many within rea
 When: once per control step, per env, inside jit.
 
 Nearest means the distance from the robot's centre to the hull's oriented box. (Ranked by bounding spheres, long slabs
-push small posts out, and the robot drives through them: facts/measured.md.)
+push small posts out, and the robot drives through them: docs/sources/measured.md.)
 """
 
 from typing import Any, NamedTuple
