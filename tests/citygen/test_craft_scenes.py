@@ -50,7 +50,7 @@ def test_every_scene_is_one_of_the_published_ids():
 
 
 @pytest.mark.parametrize("scene_id", IDS)
-def test_an_eye_finds_nothing_to_object_to(scene_id):
+def test_a_scene_has_no_faults(scene_id):
     assert BUILDERS[scene_id]().problems() == []
 
 

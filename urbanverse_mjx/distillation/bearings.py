@@ -30,9 +30,11 @@ _GATES = (6.0, 6.0, 4.0, 3.0, 3.0, 3.0)
 _STEPS = 2  # of each round
 #: Poses stay unless the median squared misfit of directions falls below this share of what it was.
 _GAIN = 0.7
-#: Depth that says next to nothing, and the fewest views of an object whose directions then tell where it is.
+#: Noise of depth that hardly constrains a place, and the fewest views of an object whose directions then tell where it
+#: is.
 _LOOSE, _FEW_VIEWS = 0.3, 4
-#: Places that directions tell to this share of the distance, and how many views of such things it takes to judge depth.
+#: Places that directions tell to this share of the distance, and how many views of such objects it takes to judge
+#: depth.
 _SETTLED, _MIN_SETTLED = 0.03, 30
 #: Distances differ by less where depth is perfect (0.8 % seen); of what they differ otherwise so much is depth's own:
 #: with 5 % put in and drifting poses 8.8 % came out, the ground said 4.2 %.

@@ -23,7 +23,8 @@ class TrainOptions:
     """Added to a new run folder's name."""
     resume: pathlib.Path | None = None
     """A run folder to go on with after a kill: environment, configs and seed are those of its config.json, and options
-    that say otherwise are refused, but for --num-timesteps. Adam's moments and running episodes start anew."""
+    that say otherwise are refused, but for --num-timesteps. The optimizer's state is not restored, running episodes
+    begin again."""
     start_from: pathlib.Path | None = None
     """A policy or run folder whose networks a new run begins with, e.g. one trained with another robot."""
     num_episodes: int = 100

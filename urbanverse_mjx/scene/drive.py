@@ -1,4 +1,5 @@
-"""Drives every episode once in C MuJoCo over the ground alone: whoever fails here has a route no robot can take."""
+"""Drives every episode once in C MuJoCo over the ground alone: an episode that fails here has a route no robot can
+drive."""
 
 import dataclasses
 from collections.abc import Callable, Sequence

@@ -2,7 +2,7 @@
 
 Ground is laid first (later pieces are cut out of earlier ones), then objects are put down, by coordinates or along an
 `Edge` (a kerb, a wall, a path). Nothing here fills a street: every object is one call or one row of a table. `problems`
-says what an eye would object to; `graph` makes the scene graph.
+lists faults of the composition; `graph` makes the scene graph.
 """
 
 import dataclasses
@@ -255,7 +255,7 @@ class Canvas(Stage):
             s += width
 
     def problems(self, clear_width: float = faults.CLEARANCE) -> list[str]:
-        """What an eye would object to, a sentence each; see `faults`."""
+        """Faults of the composition, a sentence each; see `faults`."""
         self.settle()
         return faults.problems(self, self.trajectory, clear_width)
 

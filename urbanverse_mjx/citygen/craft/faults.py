@@ -1,4 +1,4 @@
-"""What an eye would object to in a composed scene: objects off the ground or in one another, gaps, a blocked way."""
+"""Faults of a composed scene: objects off the ground or in one another, gaps, a blocked way."""
 
 from collections.abc import Sequence
 

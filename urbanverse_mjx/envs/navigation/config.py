@@ -169,7 +169,7 @@ def _cpu() -> ConfigDict:
 
 
 def go2_nav_config(preset: str = "paper") -> ConfigDict:
-    """COCO's task of a preset for the Go2: other legs under the same eyes.
+    """COCO's task of a preset for the Go2, with the same camera.
 
     Raises:
       ValidationError: unknown preset.
