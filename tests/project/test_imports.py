@@ -12,8 +12,8 @@ import pytest
 ROOT = pathlib.Path(__file__).parents[2]
 PACKAGE = ROOT / "urbanverse_mjx"
 HEAVY = ("jax", "warp", "brax", "mujoco", "numpy", "flax", "trimesh")
-#: Rooms (each package below urbanverse_mjx) and the modules that importing the room must not load.
-ROOMS = sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
+#: Packages below urbanverse_mjx, and the modules that importing one must not load.
+PACKAGES = sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
 
 
 def loaded_after(statement: str) -> tuple[set[str], float]:
@@ -28,9 +28,9 @@ def loaded_after(statement: str) -> tuple[set[str], float]:
 
 
 @functools.cache
-def loaded_by(room: str) -> set[str]:
-    """Top-level modules that importing a room loads."""
-    return loaded_after(f"import urbanverse_mjx.{room}")[0]
+def loaded_by(package: str) -> set[str]:
+    """Top-level modules that importing a package loads."""
+    return loaded_after(f"import urbanverse_mjx.{package}")[0]
 
 
 @pytest.mark.parametrize("module", ["urbanverse_mjx", "urbanverse_mjx.settings", "urbanverse_mjx.cli.main"])
@@ -41,17 +41,17 @@ def test_package_imports_nothing_heavy_within_a_second(module: str) -> None:
     assert not runs[0][0] & set(HEAVY)
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_no_room_loads_warp_or_brax_when_imported(room: str) -> None:
-    names = loaded_by(room)
-    # Warp is simulation's own library: the room must set its log level before MJX starts it. Capture films with it.
-    allowed = {"warp"} if room in ("simulation", "capture") else set()
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_package_loads_warp_or_brax_when_imported(package: str) -> None:
+    names = loaded_by(package)
+    # Warp is simulation's own library: the package must set its log level before MJX starts it. Capture films with it.
+    allowed = {"warp"} if package in ("simulation", "capture") else set()
     assert not names & ({"warp", "brax", "mujoco_warp", "mujoco_warp_pbr"} - allowed)
 
 
-@pytest.mark.parametrize("room", ["datatypes", "assets", "citygen", "materialisation", "scene"])
-def test_what_makes_scenes_loads_no_jax(room: str) -> None:
-    names = loaded_by(room)
+@pytest.mark.parametrize("package", ["datatypes", "assets", "citygen", "materialisation", "scene"])
+def test_what_makes_scenes_loads_no_jax(package: str) -> None:
+    names = loaded_by(package)
     assert "jax" not in names
 
 

@@ -42,8 +42,8 @@ def privates(tree: ast.AST) -> list[str]:
 
 def test_adapters_alone_import_private_modules() -> None:
     found = {}
-    for room in OURS:
-        for path in (ROOT / room).rglob("*.py"):
+    for package in OURS:
+        for path in (ROOT / package).rglob("*.py"):
             text = path.read_text(encoding="utf-8")
             # Parsing takes seconds for all; the letters are looked for first.
             if re.search(r"_src\b|import.*[. ]_[a-z]|\._[a-z]\w* import", text) and (

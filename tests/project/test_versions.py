@@ -51,18 +51,18 @@ def test_what_a_number_stands_for_holds_all_that_it_imports() -> None:
 
 def test_imports_are_followed_to_the_module_that_defines_a_name(tmp_path: pathlib.Path) -> None:
     package = tmp_path / "urbanverse_mjx"
-    (package / "room").mkdir(parents=True)
-    (package / "room" / "__init__.py").write_text("from .deep import thing\nfrom . import other\n")
+    (package / "folder").mkdir(parents=True)
+    (package / "folder" / "__init__.py").write_text("from .deep import value\nfrom . import other\n")
     for name in ("deep", "other", "third", "typing_alone"):
-        (package / "room" / f"{name}.py").write_text("")
+        (package / "folder" / f"{name}.py").write_text("")
     module = package / "module.py"
     module.write_text(
-        "import numpy\nimport urbanverse_mjx.room.other\n"
-        "from typing import TYPE_CHECKING\nfrom .room import thing\n"
-        "if TYPE_CHECKING:\n    from .room import typing_alone\n"
-        "def f():\n    from urbanverse_mjx.room import third\n    from .room.deep import thing\n"
+        "import numpy\nimport urbanverse_mjx.folder.other\n"
+        "from typing import TYPE_CHECKING\nfrom .folder import value\n"
+        "if TYPE_CHECKING:\n    from .folder import typing_alone\n"
+        "def f():\n    from urbanverse_mjx.folder import third\n    from .folder.deep import value\n"
     )
-    assert code_digests.imports_of(module, tmp_path) == {"room.other", "room.deep", "room.third"}
+    assert code_digests.imports_of(module, tmp_path) == {"folder.other", "folder.deep", "folder.third"}
 
 
 # Digests -------------------------------------------------------------------------------------------------------------
@@ -113,27 +113,27 @@ def test_a_digest_is_the_same_under_every_python(tmp_path: pathlib.Path) -> None
 @pytest.fixture
 def small(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
     """A package of two modules and a table behind two numbers; returns its folder."""
-    room = tmp_path / "urbanverse_mjx" / "room"
-    room.mkdir(parents=True)
-    (room / "__init__.py").write_text("")
-    (room / "walls.py").write_text(CODE)
-    (room / "table.csv").write_text("1,2")
-    (room / "test.py").write_text("")
-    apart = versions.Code(3, ("room",), (), ("room.test",))
-    monkeypatch.setattr(versions, "CODE", {"rooms": apart, "walls": versions.Code(7, ("room.walls",))})
+    folder = tmp_path / "urbanverse_mjx" / "folder"
+    folder.mkdir(parents=True)
+    (folder / "__init__.py").write_text("")
+    (folder / "walls.py").write_text(CODE)
+    (folder / "table.csv").write_text("1,2")
+    (folder / "test.py").write_text("")
+    apart = versions.Code(3, ("folder",), (), ("folder.test",))
+    monkeypatch.setattr(versions, "CODE", {"folder": apart, "walls": versions.Code(7, ("folder.walls",))})
     return tmp_path
 
 
 def test_a_change_of_meaning_is_named_with_its_numbers_and_both_ways_out(small: pathlib.Path) -> None:
     known = code_digests.digests(small)
     assert [path.rpartition("/")[2] for path in known] == ["__init__.py", "table.csv", "walls.py"]
-    walls = small / "urbanverse_mjx" / "room" / "walls.py"
+    walls = small / "urbanverse_mjx" / "folder" / "walls.py"
     walls.write_text(SAME[1])
     (walls.parent / "test.py").write_text("changed = 1")
     assert code_digests.complaints(known, small) == []
     walls.write_text(OTHER[0])
-    now, name = code_digests.meaning_of(walls).digest, "urbanverse_mjx/room/walls.py"
-    line = f"{name}: found the digest \"{now}\", needed \"{known[name]}\"; belongs to 'rooms' (3) and 'walls' (7)."
+    now, name = code_digests.meaning_of(walls).digest, "urbanverse_mjx/folder/walls.py"
+    line = f"{name}: found the digest \"{now}\", needed \"{known[name]}\"; belongs to 'folder' (3) and 'walls' (7)."
     assert code_digests.complaints(known, small) == [line]
     assert code_digests.complaints({**known, name: now}, small) == []
     for words in ("raise the version", "urbanverse_mjx/versions.py", "does not", "tests/project/code_digests.json"):
@@ -142,17 +142,17 @@ def test_a_change_of_meaning_is_named_with_its_numbers_and_both_ways_out(small: 
 
 def test_changed_data_and_new_and_vanished_modules_are_noticed(small: pathlib.Path) -> None:
     known = code_digests.digests(small)
-    room = small / "urbanverse_mjx" / "room"
-    (room / "table.csv").write_text("1,3")
-    (room / "new.py").write_text("")
-    data, new = code_digests.complaints({**known, "urbanverse_mjx/room/new.py": "none"}, small)
-    assert data.startswith("urbanverse_mjx/room/new.py: found the digest ")
-    assert "needed \"none\"; belongs to 'rooms' (3)." in data
-    assert new.startswith("urbanverse_mjx/room/table.csv: found the digest ")
-    (room / "new.py").unlink()
-    (room / "table.csv").write_text("1,2")
-    (line,) = code_digests.complaints({**known, "urbanverse_mjx/room/new.py": "0"}, small)
-    assert line == "urbanverse_mjx/room/new.py: found no such file behind a version number, needed it."
+    folder = small / "urbanverse_mjx" / "folder"
+    (folder / "table.csv").write_text("1,3")
+    (folder / "new.py").write_text("")
+    data, new = code_digests.complaints({**known, "urbanverse_mjx/folder/new.py": "none"}, small)
+    assert data.startswith("urbanverse_mjx/folder/new.py: found the digest ")
+    assert "needed \"none\"; belongs to 'folder' (3)." in data
+    assert new.startswith("urbanverse_mjx/folder/table.csv: found the digest ")
+    (folder / "new.py").unlink()
+    (folder / "table.csv").write_text("1,2")
+    (line,) = code_digests.complaints({**known, "urbanverse_mjx/folder/new.py": "0"}, small)
+    assert line == "urbanverse_mjx/folder/new.py: found no such file behind a version number, needed it."
 
 
 # Keys ----------------------------------------------------------------------------------------------------------------
