@@ -12,31 +12,47 @@ from .bearings import Bearings
 #: Views used for one box, the nearest first; more add nothing but time.
 MAX_VIEWS = 24
 _COARSE, _FINE = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
-#: Extents farther apart than this factor settle which of two sides is the heading.
-_CLEAR = 1.12
-#: Depth blurred by more than this share of an object's footprint hides its shape.
-_BLURRED = 0.04
-#: m; longer objects still show their sides then.
-_SIDES = 3.0
-#: A heading that is none of the sides' has at most this much of their misfit from the known shapes.
-_MUCH = 0.9
-#: Objects farther than this (sum of log ratios) from every known size of their label are left as they were seen.
-_UNLIKE = 0.5
-#: What a house lacks (log) of its known depth, width and height counts so much.
-_HOPE = (0.25, 1.0, 0.25)
-#: By how much a roof is higher than the edge that one sees of it from below.
-_ROOF = 1.12
-_LACKING = 0.75
-#: By how much an object may be longer than every known one of its label.
-_LONGEST = 1.3
 _MIN_SIDE = 0.01  # m
 #: How much better (misfit of the rims) a heading askew to all around must fit: 85 of 100 objects stand within 6° of it.
 ASKEW = 4.0
 _BINS = 128
-#: Points that a direction is taken from.
-_FLAT_POINTS = 800
-#: Sine of the flattest angle at which a face is looked at rather than along (12°).
-_GRAZING = 0.2
+
+
+@dataclasses.dataclass(frozen=True)
+class BoxOptions:
+    """How the box of an object follows from its points and from the known sizes of its label.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      side_ratio: known extents farther apart than this factor tell which of two sides is the heading.
+      shape_blur: depth blurred by more than this share of an object's footprint hides its shape.
+      min_shown_side: m; objects at least as long still show their sides then.
+      heading_gain: a heading that is none of the sides' has at most this share of their misfit from the known shapes.
+      max_distance: objects farther (sum of log ratios of the sides) from every known size of their label are left as
+        they were seen.
+      missing_weight: what the depth, width and height lack (log) of a known size counts so much.
+      roof_ratio: by how much a roof is higher than the edge that is seen of it from below.
+      side_share: a side seen to less than this share of the known one is completed.
+      max_length_ratio: by how much an object may be longer than every known one of its label.
+      direction_points: points that a direction is taken from, at most.
+      grazing_sine: sine of the flattest angle at which a face is looked at rather than along (12°).
+    """
+
+    side_ratio: float = 1.12
+    shape_blur: float = 0.04
+    min_shown_side: float = 3.0
+    heading_gain: float = 0.9
+    max_distance: float = 0.5
+    missing_weight: tuple[float, float, float] = (0.25, 1.0, 0.25)
+    roof_ratio: float = 1.12
+    side_share: float = 0.75
+    max_length_ratio: float = 1.3
+    direction_points: int = 800
+    grazing_sine: float = 0.2
+
+
+_OPTIONS = BoxOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -160,11 +176,11 @@ def fit(
     nearest = float(np.linalg.norm(viewpoints - points.mean(0), axis=1).min())
     blur = noise * nearest
     footprint = _footprint(points, prior)
-    blurred = footprint < _SIDES and blur > _BLURRED * footprint
+    blurred = footprint < _OPTIONS.min_shown_side and blur > _OPTIONS.shape_blur * footprint
     if blurred and axis is not None:
         yaw = axis
     else:
-        yaw = direction(points[:: max(1, len(points) // _FLAT_POINTS), :2], 0.5 * blur)
+        yaw = direction(points[:: max(1, len(points) // _OPTIONS.direction_points), :2], 0.5 * blur)
     low, high, seen_from = _seen_along(yaw, points, viewpoints, noise, top)
     quarter = _heading(high - low, (low + high) / 2, seen_from, prior)
     sides = yaw + np.arange(quarter, quarter + 4) * np.pi / 2
@@ -208,13 +224,13 @@ def _facing(points: np.ndarray, sides: np.ndarray, prior: LabelPrior, blur: floa
       sides: (4,) rad, normals of the sides, first the one that is taken for the front. Sides are sharp where there are
         any: another direction has to fit much better than theirs, and another front than the first.
     """
-    if not prior.shapes or blur > _BLURRED * np.ptp(points[:, :2], axis=0).max():
+    if not prior.shapes or blur > _OPTIONS.shape_blur * np.ptp(points[:, :2], axis=0).max():
         return None
     laid = shapes.lay(points, prior, sides)
     along = np.array([laid.at(side) for side in sides])
-    if laid.misfit.min() >= _MUCH * along[0]:
+    if laid.misfit.min() >= _OPTIONS.heading_gain * along[0]:
         return None
-    return float(sides[along.argmin()]) if laid.misfit.min() >= _MUCH * along.min() else laid.best
+    return float(sides[along.argmin()]) if laid.misfit.min() >= _OPTIONS.heading_gain * along.min() else laid.best
 
 
 def _outlined(fit: silhouettes.Fit, sides: np.ndarray, axis: float | None) -> float | None:
@@ -259,7 +275,7 @@ def _heading(size: np.ndarray, middle: np.ndarray, viewpoints: np.ndarray, prior
     if len(prior.extents):
         known = _front_misfit if prior.faces_road else misfit
         fits = [known(size[[0, 1, 2]], prior), known(size[[1, 0, 2]], prior)]
-        if abs(fits[0] - fits[1]) > np.log(_CLEAR):
+        if abs(fits[0] - fits[1]) > np.log(_OPTIONS.side_ratio):
             axis = int(np.argmin(fits))
     return axis if facing[axis] >= 0 else axis + 2
 
@@ -273,14 +289,14 @@ def misfit(size: np.ndarray, prior: LabelPrior) -> float:
 def _front_misfit(size: np.ndarray, prior: LabelPrior) -> float:
     """`misfit` of what one walks past the front of: the front is seen whole, the depth behind it hardly ever."""
     ratio = np.log(prior.extents / size)
-    return float(np.where(ratio > 0, ratio * _HOPE, -1.3 * ratio).sum(1).min())
+    return float(np.where(ratio > 0, ratio * _OPTIONS.missing_weight, -1.3 * ratio).sum(1).min())
 
 
 def _bounded(low: np.ndarray, high: np.ndarray, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
     """No side much longer than any known one: blurred depth and masks that bleed draw boxes out. Feet stay."""
     if not len(prior.extents):
         return low, high
-    excess = np.maximum(high - low - _LONGEST * prior.extents.max(0), 0.0)
+    excess = np.maximum(high - low - _OPTIONS.max_length_ratio * prior.extents.max(0), 0.0)
     return low + excess * [0.5, 0.5, 0.0], high - excess * [0.5, 0.5, 1.0]
 
 
@@ -291,8 +307,8 @@ def _complete(
 
     What is measured is the face that was looked at most. The far end behind it is hidden if no camera looked at that,
     too; the top if every view was cut off there, or no camera was above it (what stands back on a roof is not seen
-    from the street; such a top rises by `_ROOF` at most). The other sides choose the known size; a hidden side may be
-    longer than what was seen of it, not shorter.
+    from the street; such a top rises by `roof_ratio` at most). The other sides choose the known size; a hidden side may
+    be longer than what was seen of it, not shorter.
     """
     size = high - low
     offset = viewpoints[:, :2] - ((low + high) / 2)[:2]
@@ -302,7 +318,7 @@ def _complete(
     hidden = np.array([False, False, topless or viewpoints[:, 2].max() < high[2]])
     for axis in (0, 1):
         beyond = low[axis] - viewpoints[:, axis] if towards[axis] > 0 else viewpoints[:, axis] - high[axis]
-        hidden[axis] = not (beyond > _GRAZING * away).any()
+        hidden[axis] = not (beyond > _OPTIONS.grazing_sine * away).any()
     if not (len(prior.extents) and hidden.any()):
         return low, high, (False, False, False)
     ratio = np.log(prior.extents / size)
@@ -311,15 +327,15 @@ def _complete(
     best = int(np.argmin(lack.sum(1)))
     known = prior.extents[best]
     longer = hidden & (known > size)
-    if lack[best, ~hidden | [False, False, not topless]].sum() > _UNLIKE:
+    if lack[best, ~hidden | [False, False, not topless]].sum() > _OPTIONS.max_distance:
         # Like none that is known, or several in one: a house has a depth all the same.
         if not prior.faces_road:
             return low, high, (False, False, False)
         known = np.median(prior.extents, axis=0)
         longer = (np.arange(3) == front) & hidden & (known > size)
     # Along the face that was looked at a hidden end shows as a gross lack alone.
-    longer[1 - front] &= size[1 - front] < _LACKING * known[1 - front]
-    if not topless and known[2] > _ROOF * size[2]:
+    longer[1 - front] &= size[1 - front] < _OPTIONS.side_share * known[1 - front]
+    if not topless and known[2] > _OPTIONS.roof_ratio * size[2]:
         longer[2] = False
     grow = np.where(longer, known - size, 0.0)
     away_from = np.append(towards > 0, False)

@@ -17,16 +17,35 @@ from . import control_points
 from .fusion import Placed
 from .lifting import Views
 
-#: Frames without a view after which seeing an object is a new pass.
-_GAP = 15
-#: m; from round to round, how far apart two sightings of one object may be.
-_GATES = (8.0, 6.0, 4.0, 3.0)
-#: m; larger objects show another middle from another side.
-_LARGEST = 2.5
-_SIGHTING = 0.3  # m, error of a sighting
-_ALIKE = 0.9
-#: Fewer pairs that agree (to `_AGREED` m) in the end, or pairs that were this near (m) before: poses stay as they are.
-_MIN_PAIRS, _OPEN, _AGREED = 8, 0.4, 1.5
+
+@dataclasses.dataclass(frozen=True)
+class LoopOptions:
+    """When sightings of an object in two passes close a loop, and how far they are believed.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      pass_gap: frames without a view after which seeing an object is a new pass.
+      gates: m; from round to round, how far apart two sightings of one object may be.
+      max_size: m; larger objects show another middle from another side and are not used.
+      sighting_sigma: m, standard error of a sighting.
+      min_similarity: of two labels that may mean one object.
+      min_pairs: pairs that must agree in the end, else poses stay as they are.
+      agreement: m, within which a pair agrees in the end.
+      min_opening: m; poses also stay where half of the agreeing pairs were nearer than this before.
+    """
+
+    pass_gap: int = 15
+    gates: tuple[float, ...] = (8.0, 6.0, 4.0, 3.0)
+    max_size: float = 2.5
+    sighting_sigma: float = 0.3
+    min_similarity: float = 0.9
+    min_pairs: int = 8
+    agreement: float = 1.5
+    min_opening: float = 0.4
+
+
+_OPTIONS = LoopOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,43 +58,50 @@ class _Sightings:
 
 
 def close_loops(
-    views: Views, placed: Placed, object_of_view: np.ndarray, poses: np.ndarray, alike: np.ndarray
+    views: Views,
+    placed: Placed,
+    object_of_view: np.ndarray,
+    poses: np.ndarray,
+    alike: np.ndarray,
+    options: LoopOptions = _OPTIONS,
 ) -> np.ndarray | None:
     """(m, 4, 4) corrected poses, or None where no loop was found or none was open.
 
     Args:
-      views, placed: of the trajectory. object: (n,) what each view shows, as far as it was found without loops.
+      views, placed: of the trajectory. object_of_view: (n,) what each view shows, as far as it was found without loops.
       poses: (m, 4, 4) T_world_camera.
       alike: (L, L) similarity of labels.
     """
-    seen = _sightings(views, placed, object_of_view)
+    seen = _sightings(views, placed, object_of_view, options)
     at = control_points.weights(len(poses))
     correction = np.zeros((at.shape[1], 4))
     pairs = np.zeros((0, 2), np.int64)
-    for gate in _GATES:
+    for gate in options.gates:
         moved = _moved(seen, at, correction, poses)
-        pairs = _pairs(seen, moved, alike, gate)
-        if len(pairs) < _MIN_PAIRS:
+        pairs = _pairs(seen, moved, alike, gate, options)
+        if len(pairs) < options.min_pairs:
             return None
         for _ in range(3):
-            correction = _solve(seen, pairs, at, correction, poses, gate)
+            correction = _solve(seen, pairs, at, correction, poses, gate, options.sighting_sigma)
     moved = _moved(seen, at, correction, poses)
     after = np.linalg.norm(moved[pairs[:, 0]] - moved[pairs[:, 1]], axis=1)
     before = np.linalg.norm(seen.center[pairs[:, 0]] - seen.center[pairs[:, 1]], axis=1)
-    agree = after < _AGREED
+    agree = after < options.agreement
     # Sightings from two sides differ by some centimetres even where poses are perfect.
-    if agree.sum() < _MIN_PAIRS or np.median(before[agree]) < max(_OPEN, 2.0 * float(np.median(after[agree]))):
+    if agree.sum() < options.min_pairs or np.median(before[agree]) < max(
+        options.min_opening, 2.0 * float(np.median(after[agree]))
+    ):
         return None
     return control_points.corrected(poses, at @ correction)
 
 
-def _sightings(views: Views, placed: Placed, object_of_view: np.ndarray) -> _Sightings:
+def _sightings(views: Views, placed: Placed, object_of_view: np.ndarray, options: LoopOptions) -> _Sightings:
     size = (placed.high - placed.low)[:, :2].max(1)
-    usable = np.flatnonzero((size < _LARGEST) & ~views.clipped.any(1))
+    usable = np.flatnonzero((size < options.max_size) & ~views.clipped.any(1))
     order = usable[np.lexsort((views.frame[usable], object_of_view[usable]))]
     if not len(order):
         return _Sightings(np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
-    same = (np.diff(object_of_view[order]) == 0) & (np.diff(views.frame[order]) <= _GAP)
+    same = (np.diff(object_of_view[order]) == 0) & (np.diff(views.frame[order]) <= options.pass_gap)
     group = np.r_[0, np.cumsum(~same)]
     weight = 1.0 / placed.sigma[order] ** 2
     total = np.bincount(group, weight)
@@ -108,14 +134,14 @@ def _moved(seen: _Sightings, at: np.ndarray, correction: np.ndarray, poses: np.n
     return seen.center + change[:, :3] + np.c_[turned, np.zeros(len(arm))]
 
 
-def _pairs(seen: _Sightings, moved: np.ndarray, alike: np.ndarray, gate: float) -> np.ndarray:
+def _pairs(seen: _Sightings, moved: np.ndarray, alike: np.ndarray, gate: float, options: LoopOptions) -> np.ndarray:
     """(p, 2) sightings of one label in different passes that are each other's nearest."""
     if len(moved) < 2:
         return np.zeros((0, 2), np.int64)
     tree = scipy.spatial.cKDTree(moved)
     pairs = tree.query_pairs(gate, output_type="ndarray").astype(np.int64)
-    apart = np.abs(seen.frame[pairs[:, 0]] - seen.frame[pairs[:, 1]]) > _GAP
-    pairs = pairs[apart & (alike[seen.label[pairs[:, 0]], seen.label[pairs[:, 1]]] >= _ALIKE)]
+    apart = np.abs(seen.frame[pairs[:, 0]] - seen.frame[pairs[:, 1]]) > options.pass_gap
+    pairs = pairs[apart & (alike[seen.label[pairs[:, 0]], seen.label[pairs[:, 1]]] >= options.min_similarity)]
     distance = np.linalg.norm(moved[pairs[:, 0]] - moved[pairs[:, 1]], axis=1)
     nearest = np.full(len(moved), np.inf)
     np.minimum.at(nearest, pairs[:, 0], distance)
@@ -124,9 +150,16 @@ def _pairs(seen: _Sightings, moved: np.ndarray, alike: np.ndarray, gate: float) 
 
 
 def _solve(
-    seen: _Sightings, pairs: np.ndarray, at: np.ndarray, correction: np.ndarray, poses: np.ndarray, gate: float
+    seen: _Sightings,
+    pairs: np.ndarray,
+    at: np.ndarray,
+    correction: np.ndarray,
+    poses: np.ndarray,
+    gate: float,
+    sigma: float,
 ) -> np.ndarray:
-    """(k, 4) the correction after one step of Gauss-Newton with Geman-McClure weights of scale gate / 2."""
+    """(k, 4) the correction after one step of Gauss-Newton with Geman-McClure weights of scale gate / 2; sigma: m, of a
+    sighting."""
     count = len(correction)
     weights, arm = _rows(seen, at), _arms(seen, poses)
     moved = _moved(seen, at, correction, poses)
@@ -136,7 +169,7 @@ def _solve(
     slope = np.stack([-s * arm[:, 0] - c * arm[:, 1], c * arm[:, 0] - s * arm[:, 1], np.zeros(len(arm))], -1)
     i, j = pairs.T
     misfit = moved[i] - moved[j]
-    trust = 1.0 / (1.0 + (misfit**2).sum(1) / (gate / 2) ** 2) / _SIGHTING
+    trust = 1.0 / (1.0 + (misfit**2).sum(1) / (gate / 2) ** 2) / sigma
     blocks, values = [], []
     for axis in range(3):
         block = np.zeros((len(pairs), count, 4))

@@ -27,9 +27,30 @@ _REACH, _BELOW, _ABOVE = 40.0, 1.1, 5.0
 _COARSE, _FINE = (np.radians(2.0), np.pi, 0.5, 0.5), (np.radians(0.5), np.radians(4.0), 0.25, 0.125)
 #: m that the meeting place is off at once, and for every frame in between.
 _SHIFT, _SHIFT_FRAME, _MOST_SHIFT = 0.5, 0.25, 3.0
-#: Share of a piece's cells that must be found again, how much better than at any other turn (by `_OTHER` rad), and how
-#: much better than at the turn that the model itself says (to `_SAME` rad).
-_FOUND, _DISTINCT, _OTHER, _SURE, _SAME = 0.25, 1.7, np.radians(35.0), 1.5, np.radians(10.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class JoinOptions:
+    """When two pieces are joined by what both saw.
+
+    Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
+
+    Attributes:
+      min_share: share of a piece's occupied cells that must be found again.
+      other_turn_ratio: how many times better the best turn must be than any turn farther away than `other_turn`.
+      other_turn: rad.
+      model_turn_ratio: how many times better it must be than the turn that the model itself says, to `model_turn`.
+      model_turn: rad.
+    """
+
+    min_share: float = 0.25
+    other_turn_ratio: float = 1.7
+    other_turn: float = float(np.radians(35.0))
+    model_turn_ratio: float = 1.5
+    model_turn: float = float(np.radians(10.0))
+
+
+_JOIN = JoinOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -161,10 +182,10 @@ def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | Non
         cells = np.unique(np.round(own / 0.3).astype(int), axis=0) * 0.3
         turns, scores, shifts = _search(known, cells, goes_on, 0.0, np.zeros(2), _COARSE, grown)
         best = int(scores.argmax())
-        rival = _DISTINCT * scores[_away(turns, turns[best]) > _OTHER].max()
+        rival = _JOIN.other_turn_ratio * scores[_away(turns, turns[best]) > _JOIN.other_turn].max()
         if turned is not None:
-            rival = max(rival, _SURE * scores[_away(turns, turned) < _SAME].max())
-        if scores[best] > max(_FOUND, rival):
+            rival = max(rival, _JOIN.model_turn_ratio * scores[_away(turns, turned) < _JOIN.model_turn].max())
+        if scores[best] > max(_JOIN.min_share, rival):
             fine = _search(known, cells, goes_on, turns[best], shifts[best], _FINE, _COARSE[3])
             best = int(fine[1].argmax())
             angle, shift = float(fine[0][best]), fine[2][best]
