@@ -11,8 +11,7 @@ from .depth_scale import DepthScale
 from .lifting import COARSE, Views
 
 #: How much less likely an object is for every frame that should show it and does not: detectors miss a quarter to a
-# half
-#: of what they could find, and leaves and railings hide more than one ray tells.
+#: half of what they could find, and leaves and railings hide more than one ray tells.
 _MISSED = 0.7
 #: An object is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
 #: spread that partly hidden objects have.

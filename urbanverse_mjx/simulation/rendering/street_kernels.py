@@ -18,8 +18,7 @@ from .street_native import BUILD_OPTIONS, Hit, as_hit, load, make_walks
 wp.set_module_options({"enable_backward": False, "extra_build_options": BUILD_OPTIONS})
 
 #: Rows of an object (one of the street or a part of the robot): three of T_object_world, colour and the root of its
-# tree, then
-#: texture, texels along its longer side, roughness and metalness.
+#: tree, then texture, texels along its longer side, roughness and metalness.
 OBJECT = 5
 #: Rows of a part of the robot: centre and radius of the ball around it in its frame; reflectance and emission.
 PART = 2
