@@ -177,7 +177,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("--layouts", type=int, default=defaults.layouts, help="streets (16 or 160)")
     parser.add_argument("--first", type=int, default=defaults.first, help="number of the first one")
-    parser.add_argument("--objects", type=_range, default=defaults.objects, help="things a street, LOW-HIGH")
+    parser.add_argument("--objects", type=_range, default=defaults.objects, help="objects a street, LOW-HIGH")
     parser.add_argument("--hulls", type=_range, default=defaults.hulls, help="hulls an object, LOW-HIGH (at most 16)")
     parser.add_argument("--hulls-per-scene", type=int, help="keep at most so many hulls a street (50 to 2000)")
     parser.add_argument("--map-cell", type=float, default=defaults.map_cell, help="m, a multiple of 0.05")

@@ -112,7 +112,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--env-steps", type=int, default=20, help="control steps in one timed run of --environment")
     parser.add_argument("--preset", default="paper", help="of --environment")
     parser.add_argument("--impl", default="auto", help="engine of --environment")
-    parser.add_argument("--movable", type=int, default=0, help="things that can be pushed, of --environment")
+    parser.add_argument("--movable", type=int, default=0, help="objects that can be pushed, of --environment")
     parser.add_argument("--awake", type=int, default=3, help="how many of them can move at once")
     parser.add_argument("--push", action="store_true", help="hits end no episode of --environment")
     parser.add_argument("--minutes", type=float, default=0.0, help="agent-minutes of crowds without robot")

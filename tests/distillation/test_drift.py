@@ -1,4 +1,4 @@
-"""A trajectory that drifts is pulled together where it passes the same things again."""
+"""A trajectory that drifts is pulled together where it passes the same objects again."""
 
 import numpy as np
 

@@ -66,7 +66,7 @@ def object_scene(objects: Sequence[MovableObject]) -> SceneGeometry:
     hulls = [np.asarray(h, np.float32) for t in objects for h in t.hulls]
     count = len(objects)
     order = np.argsort([t.place[0] for t in objects], kind="stable")
-    assert (order == np.arange(count)).all(), "things in the order of x"
+    assert (order == np.arange(count)).all(), "objects in the order of x"
     yaw = np.array([t.yaw for t in objects])
     return dataclasses.replace(
         base,

@@ -131,7 +131,7 @@ class EngineBase:
         wanted = self.num_bodies
         given = wanted if objects is None else len(objects)
         if given != wanted:
-            raise v.fail("engine.init: things", f"{given} of them", f"as many as the engine has body slots ({wanted})")
+            raise v.fail("engine.init: objects", f"{given} of them", f"as many as the engine has body slots ({wanted})")
         if self.movable is None:
             return None
         objects = jnp.full(wanted, -1, jnp.int32) if objects is None else jnp.asarray(objects, jnp.int32)
