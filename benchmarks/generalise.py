@@ -4,10 +4,10 @@
     python -m benchmarks.generalise student --train procedural/bank.npz --test craftbench/bank.npz --out runs/student \
         --teacher runs/teacher
 
-The last `--holdout` streets of the first bank to train on are validation streets, as is a bank to test named
-`validation`; other banks to test are driven at the end alone, by their frozen protocols. A bank's name is that of its
-folder. A student that is started beside its teacher compiles while it waits for it. Writes log.jsonl, result.json and
-policy folders to `--out`.
+The last `--holdout` streets of each bank to train on are validation streets, as is a bank to test named `validation`;
+other banks to test are driven at the end alone, by their frozen protocols. A bank's name is that of its folder. A
+student that is started beside its teacher compiles while it waits for it. Writes log.jsonl, result.json and policy
+folders to `--out`.
 """
 
 import argparse
@@ -25,8 +25,6 @@ from benchmarks.lib.held_out import Suite
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
-
-ENVIRONMENT = "CocoNav"
 
 
 class TimeUp(Exception):
@@ -83,7 +81,7 @@ def train_teacher(args: argparse.Namespace, env: Any, log: Log) -> pathlib.Path:
 
     training.save_policy = limited
     try:
-        training.train(ENVIRONMENT, env, teacher_config(args), args.out / "training", quiet=True)
+        training.train(args.environment, env, teacher_config(args), args.out / "training", quiet=True)
     except TimeUp:
         pass
     finally:
@@ -117,8 +115,8 @@ class StudentTraining:
 
         make = ppo_networks.make_inference_fn(network_factory(teacher)(sizes, env.action_size))
 
-        def teach(params: Any, obs: Any, key: Any) -> Any:
-            return make((None, params, None), deterministic=True)(obs, key)[0]
+        def teach(params: Any, state: Any, key: Any) -> Any:
+            return make((None, params, None), deterministic=True)(state.obs, key)[0]
 
         _, actor, _ = initial_params(sizes, env.action_size, teacher, 0)
         wrapped = wrap_for_training(env, env.config.episode_length)
@@ -176,7 +174,7 @@ class StudentTraining:
 
         said = ConfigDict(self.dagger_config.to_dict() | {"finetune": self.finetune_config.to_dict()})
         config = said if name == "finetuned" else self.dagger_config
-        save_student(self.args.out / name, params, PolicySpec.of(ENVIRONMENT, self.env, config, self.steps))
+        save_student(self.args.out / name, params, PolicySpec.of(self.args.environment, self.env, config, self.steps))
 
     def start(self) -> Any:
         """The parameters that `--start` names, or None."""
@@ -237,7 +235,10 @@ def arguments() -> argparse.Namespace:
     cli.add_argument("--train", nargs="+", type=pathlib.Path, required=True, help="banks to train on")
     cli.add_argument("--test", nargs="*", type=pathlib.Path, default=[], help="banks of frozen benchmarks")
     cli.add_argument("--out", type=pathlib.Path, required=True)
-    cli.add_argument("--holdout", type=int, default=16)
+    cli.add_argument("--environment", default="CocoNav")
+    cli.add_argument(
+        "--holdout", nargs="+", type=int, default=[16], help="of each bank to train on; 0 where none stands"
+    )
     cli.add_argument("--teacher", type=pathlib.Path, help="its --out; waited for until it is done; none: no anchor")
     cli.add_argument("--no-map", dest="map", action="store_false", help="a teacher without the map of its surroundings")
     cli.add_argument("--seconds", type=float, default=300.0, help="of training")
@@ -265,11 +266,14 @@ def load(args: argparse.Namespace, log: Log) -> tuple[SceneBank, list[str], Suit
     test = {path.parent.name: SceneBank.load(path) for path in args.test}
     bank = bank_join.join([*train, *test.values()]) if len(train) + len(test) > 1 else train[0]
     ids = [name for part in train for name in part.scene_ids]
-    first = list(train[0].scene_ids)
-    held = {"validation_procedural": first[-args.holdout :]}
+    held = {
+        f"validation_{path.parent.name}": list(part.scene_ids)[-count:]
+        for path, part, count in zip(args.train, train, args.holdout, strict=False)
+        if count > 0
+    }
+    chosen = [name for name in ids if not any(name in names for names in held.values())]
     if "validation" in test:
         held["validation_composed"] = list(test.pop("validation").scene_ids)
-    chosen = [name for name in ids if name not in held["validation_procedural"]]
     frozen = [name for name in test if (settings.protocol_root() / f"{name}.json").is_file()]
     log(loaded=bank.num_scenes, trained=len(chosen), held={k: len(x) for k, x in held.items()}, frozen=frozen)
     return bank, chosen, Suite.of(bank, held, args.validation_episodes, frozen)
@@ -295,7 +299,7 @@ def main() -> int:
         "vision_config.width": width,
     }
     overrides |= {name: json.loads(value) for name, value in (text.split("=") for text in args.env)}
-    env = registry.load(ENVIRONMENT, config_overrides=overrides, bank=bank)
+    env = registry.load(args.environment, config_overrides=overrides, bank=bank)
     log(environment=args.role)
     result: dict[str, Any] = {}
     if args.role == "teacher":

@@ -150,6 +150,11 @@ def user_bank_path(
     return _bank_path("user", {"graphs": rows, "seed": seed, "cousins": cousins})
 
 
+def quick_bank_path(graphs: dict[str, str]) -> pathlib.Path:
+    """File in the cache of the shipped streets' bank with more scenes; graphs: the content hash of each one's graph."""
+    return _bank_path("quick", {"shipped": bank_key(shipped_bank_path()), "graphs": graphs})
+
+
 def bank_key(path: pathlib.Path) -> str:
     """The key in the name of a bank in the cache; the bank holds it too (`SceneBank.meta["key"]`)."""
     return path.stem.rpartition("-")[2]

@@ -66,8 +66,9 @@ class Session:
 
     def killed(self, *argv: str) -> pathlib.Path:
         """The folder of a run that was killed after 1,000 steps."""
+        preset = [] if "--preset" in argv else ["--preset", "cpu"]
         with pytest.raises(KeyboardInterrupt):
-            self.train(*argv)
+            self.train(*argv, *preset)
         (folder,) = self.folder.iterdir()
         return folder
 

@@ -1,6 +1,6 @@
 """PPO of a student: advantages, likelihood ratios, and an iteration that teaches what rewards ask for."""
 
-from collections.abc import Mapping
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -54,9 +54,9 @@ def test_the_actor_waits_for_the_critic_and_then_earns_more(small_bank: SceneBan
     config.update({"critic_only": 3 * 256, "imitation": 0.0, "final_imitation": 0.0, "noise": 0.3, "light": 0.0})
     config.update({"map_layers": (), "critic_hidden": (32, 32), "reward_scaling": 1.0})
 
-    def teach(params: None, obs: Mapping[str, jax.Array], key: jax.Array) -> jax.Array:
+    def teach(params: None, state: State[Any], key: jax.Array) -> jax.Array:
         del params, key
-        return jnp.zeros_like(obs["goal"])
+        return jnp.zeros_like(state.obs["goal"])
 
     learner = finetune.Finetune(wrap_for_training(env, env.config.episode_length), teach, imitation, config)
     first = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, imitation).begin().params
@@ -94,8 +94,10 @@ def test_a_mirrored_student_drives_as_its_mirror_image(small_bank: SceneBank) ->
     config = finetune.default_finetune_config()
     config.update({"num_envs": 4, "unroll_length": 2, "minibatches": 1, "epochs": 1, "noise": 1e-6, "light": 0.0})
     config.update({"map_layers": (), "critic_hidden": (8,), "pixel_noise": 0.0})
-    learner = finetune.Finetune(Recorded(), lambda params, obs, key: jnp.zeros_like(obs["goal"]), imitation, config)
-    actor = dagger.Dagger(wrapped, lambda params, obs, key: obs["goal"], imitation).begin().params
+    learner = finetune.Finetune(
+        Recorded(), lambda params, state, key: jnp.zeros_like(state.obs["goal"]), imitation, config
+    )
+    actor = dagger.Dagger(wrapped, lambda params, state, key: state.obs["goal"], imitation).begin().params
     # A student that always turns left.
     actor = jax.tree.map(jnp.zeros_like, actor)
     actor["params"]["action"]["bias"] = jnp.array([0.1, 0.5])

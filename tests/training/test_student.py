@@ -1,7 +1,6 @@
 """The student's network, its mirror and an iteration of DAgger."""
 
 import pathlib
-from collections.abc import Mapping
 from typing import Any
 
 import jax
@@ -11,7 +10,7 @@ import pytest
 
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.envs import NavEnv, wrap_for_training
+from urbanverse_mjx.envs import NavEnv, State, wrap_for_training
 from urbanverse_mjx.envs.navigation.env import MAP_PROBES
 from urbanverse_mjx.envs.staged import observed_size
 from urbanverse_mjx.evaluation import Rollout, blank_image, fixed_episodes
@@ -124,8 +123,9 @@ def test_a_student_learns_what_its_teacher_does_and_is_loaded_as_saved(
     config.update({"num_envs": 8, "unroll_length": 8, "minibatches": 2, "learning_rate": 3e-3, "warm_up": 0})
     config.network.update({"layers": LAYERS, "hidden": 32, "memory": 8, "bfloat16": False})
 
-    def teach(params: None, obs: Mapping[str, jax.Array], key: jax.Array) -> jax.Array:
+    def teach(params: None, state: State[Any], key: jax.Array) -> jax.Array:
         del params, key
+        obs = state.obs
         return obs["goal"] / jnp.maximum(jnp.linalg.norm(obs["goal"], axis=-1, keepdims=True), 1e-6)
 
     losses = []
@@ -170,8 +170,9 @@ def test_a_training_cut_in_two_ends_with_the_digits_of_one(small_bank: SceneBank
     config.update({"num_envs": 4, "unroll_length": 4, "minibatches": 2, "warm_up": 100})
     config.network.update({"layers": LAYERS, "hidden": 16, "memory": 8, "bfloat16": False})
 
-    def teach(params: None, obs: Mapping[str, jax.Array], key: jax.Array) -> jax.Array:
+    def teach(params: None, state: State[Any], key: jax.Array) -> jax.Array:
         del params
+        obs = state.obs
         return jnp.clip(obs["goal"] + jax.random.normal(key, obs["goal"].shape), -1.0, 1.0)
 
     learner = dagger.Dagger(wrap_for_training(env, env.config.episode_length), teach, config)

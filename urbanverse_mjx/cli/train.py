@@ -21,7 +21,8 @@ class TrainArgs(TrainOptions):
     env_name: str | None = None
     """Registered environment; default CocoNav."""
     preset: str | None = None
-    """cpu (a laptop, the default), fast (a GPU); to navigate also paper and urbansim_v0_1."""
+    """To navigate: quick (imitation on a laptop, the default), cpu (PPO on a laptop), fast (a GPU), paper and
+    urbansim_v0_1; to walk: cpu (the default) and fast."""
     num_timesteps: int | None = None
     """Env-steps in all; default of the preset."""
     num_envs: int | None = None

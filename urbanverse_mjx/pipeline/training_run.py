@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ..datatypes import SceneBank
     from ..training.record import RunRequest
+    from ..training.run import TrainingResult
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,10 +56,10 @@ def train(
     Raises:
       ValidationError: unknown names or keys, or a request that differs from the record of the run that goes on.
     """
+    from ..datatypes import ValidationError
     from ..envs import NavEnv, registry
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
-    from ..training.run import train as run
     from .banks import chosen_bank
     from .evaluation import evaluate_policy
 
@@ -72,11 +73,22 @@ def train(
     else:
         folder = options.resume
         name, config, ppo = resumed_configs(folder, request)
-    bank = bank_of(name, quiet) if options.bank is None else chosen_bank(options.bank)
+    imitates = ppo.get("algorithm") == "dagger"
+    if imitates and (options.start_from is not None or options.coordinator is not None):
+        raise ValidationError(
+            f"preset {config.preset!r}: found --start-from or --coordinator, needed neither: it imitates a scripted "
+            "controller from random weights, in one process; take another preset."
+        )
+    bank = bank_of(name, quiet, config.get("preset")) if options.bank is None else chosen_bank(options.bank)
     _say(f"run folder: {folder}", quiet)
     env = registry.load(name, config=config, bank=bank)
     built = time.monotonic()
-    result = run(name, env, ppo, folder, options.resume is not None, quiet, options.start_from)
+    if imitates:
+        result = _imitate(name, env, ppo, folder, options.resume is not None, quiet)
+    else:
+        from ..training.run import train as run
+
+        result = run(name, env, ppo, folder, options.resume is not None, quiet, options.start_from)
     trained = time.monotonic()
     _say(f"trained {result.steps:,} steps, {result.steps_per_second:,.0f} env-steps/s", quiet)
     summary: dict[str, Any] = {}
@@ -101,19 +113,33 @@ def train(
     }
 
 
-def bank_of(environment: str, quiet: bool = False) -> "SceneBank":
+def _imitate(name: str, env: Any, config: Any, folder: pathlib.Path, resume: bool, quiet: bool) -> "TrainingResult":
+    """A student that imitates `RouteFollower`, which knows the route and what stands around the robot."""
+    import jax
+
+    from ..evaluation.route_follower import RouteFollower
+    from ..training.distil import distil
+
+    follower = RouteFollower(env)
+    return distil(
+        name, env, config, folder, lambda _, state, key: jax.vmap(follower.act)(state.data), resume, quiet
+    )  # fmt: skip
+
+
+def bank_of(environment: str, quiet: bool = False, preset: str | None = None) -> "SceneBank":
     """The bank that an environment is registered with; the package's own are built into the cache where they are
-    missing or wrong.
+    missing or wrong. The preset `quick` has more streets than the shipped ones.
 
     Raises:
       ValidationError: no environment has this name, or its own loader refuses.
     """
     from ..envs import registry
     from .banks import ensure_default_bank, ensure_terrain_bank
+    from .quick_bank import ensure_quick_bank
 
     load = registry.bank_loader(environment)
     if load is registry.load_default_bank:
-        return ensure_default_bank(quiet=quiet)
+        return ensure_quick_bank(quiet) if preset == "quick" else ensure_default_bank(quiet=quiet)
     return ensure_terrain_bank() if load is registry.load_terrain_bank else load()
 
 

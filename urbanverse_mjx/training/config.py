@@ -59,6 +59,8 @@ def brax_ppo_config(environment: str, preset: str | None = None) -> ConfigDict:
       ValidationError: unknown environment or preset.
     """
     env, own = registry.get_default_config(environment, preset), registry.get_ppo_config(environment, preset)
+    if "algorithm" in own:
+        raise ValidationError(f"preset: found {preset!r}, which trains by {own.algorithm}, needed one of PPO.")
     sizes = {"policy_hidden_layer_sizes": (128, 128, 128), "value_hidden_layer_sizes": (256, 256, 256)}
     return ConfigDict(
         {

@@ -7,7 +7,7 @@ teacher what it would have done in each visited state, and fits the student to t
 Half of the envs are seen in a mirror (`sequences`).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -20,8 +20,9 @@ from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
 from .student import SEEN, Student
 
-#: (parameters, observations of n envs, key) -> actions (n, action_size): a teacher.
-Teacher = Callable[[Any, Mapping[str, jax.Array], jax.Array], jax.Array]
+#: (parameters, `State` of n envs, key) -> actions (n, action_size): a teacher. A network asks for the observations
+#: alone, a planner for where the robot stands.
+Teacher = Callable[[Any, Any, jax.Array], jax.Array]
 
 
 def default_dagger_config() -> ConfigDict:
@@ -112,7 +113,7 @@ class Dagger:
 
     Args:
       env: batched and auto-resetting; its observations hold `SEEN`, `privileged_map` and what the teacher sees.
-      teacher: (parameters, observations, key) -> actions.
+      teacher: (parameters, state of the envs, key) -> actions.
       config: see `default_dagger_config`.
       teacher_params: its parameters; may be set later, as long as shapes stay what they were.
     """
@@ -173,7 +174,7 @@ class Dagger:
         def step(carry: Any, key: jax.Array) -> Any:
             env, memory, begins = carry
             key_teacher, key_noise = jax.random.split(key)
-            label = self.teacher(teacher, env.obs, key_teacher)
+            label = self.teacher(teacher, env, key_teacher)
             seen = mirrored_view(env.obs, state.mirrored)
             one = {name: x[None] for name, x in seen.items()}
             own, memory, _ = self.student.apply(state.params, one, memory, begins[None])  # type: ignore[misc]

@@ -140,7 +140,7 @@ class Finetune:
     Args:
       env: batched and auto-resetting; its observations hold `student.SEEN`, `privileged`, `privileged_map` and what
         the teacher sees.
-      teacher: (parameters, observations, key) -> actions.
+      teacher: (parameters, state of the envs, key) -> actions.
       dagger_config: the student was trained by; names its network. config: see `default_finetune_config`.
       teacher_params: its parameters; may be set later, as long as shapes stay what they were.
     """
@@ -196,7 +196,7 @@ class Finetune:
         def step(carry: Any, key: jax.Array) -> Any:
             env, memory, begins = carry
             key_teacher, key_noise, key_light = jax.random.split(key, 3)
-            label = mirror_lateral(self.teacher(teacher, env.obs, key_teacher), state.mirrored, LATERAL_ACTION)
+            label = mirror_lateral(self.teacher(teacher, env, key_teacher), state.mirrored, LATERAL_ACTION)
             seen = mirrored_view(env.obs, state.mirrored)
             # Here and not in the loss: the actions' probabilities belong to what was seen.
             seen[PIXELS] = relit(seen[PIXELS][None], key_light, config.light, config.pixel_noise)[0]

@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import sys
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -10,6 +11,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from tensorboardX import SummaryWriter
 
+#: s between two lines about the progress where standard error is no terminal, in which a bar would draw nothing.
+LINE_EVERY = 10.0
+
 
 class TrainingLog:
     """Receives Brax's two kinds of progress calls and writes them down.
@@ -17,7 +21,7 @@ class TrainingLog:
     Args:
       folder: run folder; `log.jsonl` and TensorBoard's event file go there.
       total: env-steps of the whole run, start: steps already done by earlier segments.
-      quiet: no progress bar.
+      quiet: no progress bar, and no lines in its place.
     """
 
     def __init__(self, folder: pathlib.Path, total: int, start: int = 0, quiet: bool = False):
@@ -36,8 +40,10 @@ class TrainingLog:
             TextColumn("left"),
             TimeRemainingColumn(),
             console=Console(stderr=True),
-            disable=quiet,
+            disable=quiet or not sys.stderr.isatty(),
         )
+        self._lines = not quiet and not sys.stderr.isatty()
+        self._said, self._total = self._begin, total
         self._task = self._bar.add_task("training", total=total, completed=start, note="compiling")
         self._bar.start()
 
@@ -61,12 +67,20 @@ class TrainingLog:
                 values["steps_per_second"] = rate
                 note = f"{rate:,.0f} steps/s  {_how_it_goes(values)}"
                 self._bar.update(self._task, completed=done, note=note)
+                self._say(done, note, now)
             self._last = (now, done)
         record = {"step": done, "seconds": round(now - self._begin, 3), **values}
         self._file.write(json.dumps(record) + "\n")
         self._file.flush()
         for name, value in values.items():
             self._board.add_scalar(name, value, done)
+
+    def _say(self, done: int, note: str, now: float) -> None:
+        """A line, where there is no bar and the last line is `LINE_EVERY` ago."""
+        if self._lines and now - self._said >= LINE_EVERY:
+            self._said = now
+            sys.stderr.write(f"{done:,}/{self._total:,} steps  {now - self._begin:.0f} s  {note}\n")
+            sys.stderr.flush()
 
     def close(self) -> None:
         self._bar.stop()

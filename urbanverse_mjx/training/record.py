@@ -91,14 +91,16 @@ class RunRecord:
 
 
 def configs_of(
-    request: RunRequest, preset: str = "cpu", environment: str = "CocoNav"
+    request: RunRequest, preset: str | None = None, environment: str = "CocoNav"
 ) -> tuple[str, ConfigDict, ConfigDict]:
-    """Environment, its config and PPO's for a new run; `preset` and `environment` where the request names none.
+    """Environment, its config and its training's for a new run; `preset` and `environment` where the request names
+    none. Without either the preset is `quick`, or `cpu` for an environment that has no `quick`.
 
     Raises:
       ValidationError: an unknown name, or an override that does not fit.
     """
-    preset, environment = request.preset or preset, request.environment or environment
+    environment = request.environment or environment
+    preset = request.preset or preset or ("quick" if "quick" in registry.presets(environment) else "cpu")
     overrides = dict(request.env_overrides)
     # As in `registry.load`: this key picks the config that the others change.
     base = registry.get_default_config(environment, overrides.pop("preset", preset))

@@ -71,7 +71,10 @@ class Returns:
         return float(self.value[list(DISTANCES).index(distance), list(SPEEDS).index(speed)])
 
 
-@pytest.mark.parametrize("preset", [p for p in PRESETS if p not in PUBLISHED])
+# A preset that learns by imitation has no discount; its rewards are those of `cpu`.
+@pytest.mark.parametrize(
+    "preset", [p for p in PRESETS if p not in PUBLISHED and "algorithm" not in default_ppo_config(p)]
+)
 def test_driving_to_the_goal_pays_most_and_neither_crawling_nor_standing_short(
     preset: str, small_bank: SceneBank
 ) -> None:

@@ -11,7 +11,7 @@ from ml_collections import ConfigDict
 from ...datatypes import ValidationError
 from .draws import OFF
 
-PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu")
+PRESETS = ("paper", "urbansim_v0_1", "fast", "cpu", "quick")
 
 
 def _paper() -> ConfigDict:
@@ -168,6 +168,16 @@ def _cpu() -> ConfigDict:
     return config
 
 
+def _quick() -> ConfigDict:
+    """As `cpu` with a larger picture, for a training by imitation: it drives by proprioception too, and predicts a map
+    of distances."""
+    config = _cpu()
+    config.preset = "quick"
+    config.vision_config.height, config.vision_config.width = 36, 64
+    config.observations.proprio = config.observations.privileged_map = True
+    return config
+
+
 def go2_nav_config(preset: str = "paper") -> ConfigDict:
     """COCO's task of a preset for the Go2, with the same camera.
 
@@ -189,7 +199,7 @@ def default_config(preset: str = "paper") -> ConfigDict:
     Raises:
       ValidationError: unknown preset.
     """
-    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu}
+    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu, "quick": _quick}
     if preset not in makers:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(PRESETS)}.")
     return makers[preset]().lock()

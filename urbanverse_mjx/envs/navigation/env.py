@@ -252,13 +252,13 @@ class NavEnv(StagedBase[NavState]):
             ]
         )
         probes = position[:2] + terms.to_world(jnp.asarray(PROBES), yaw)
-        around = self._distances(nav, probes).reshape(-1)
+        around = self.distances(nav, probes).reshape(-1)
         privileged = jnp.concatenate([*to, speed, nav.sim.qvel[5:6], left, around, nav.last_action])
         obs = {"goal": goal.astype(jnp.float32), "privileged": privileged.astype(jnp.float32)}
         if self._sees_proprio:
             obs["proprio"] = self._proprio(nav)
         if self._sees_map:
-            metres = self._distances(nav, position[:2] + terms.to_world(jnp.asarray(MAP_PROBES), yaw))
+            metres = self.distances(nav, position[:2] + terms.to_world(jnp.asarray(MAP_PROBES), yaw))
             obs["privileged_map"] = jnp.clip(jnp.rint(metres * 100.0), 0.0, 255.0).astype(jnp.uint8).reshape(-1)
         if self.renderer is not None:
             obs["pixels/front"] = self._pixels(nav)
@@ -326,7 +326,7 @@ class NavEnv(StagedBase[NavState]):
             "velocity_cosine": terms.reward_velocity_cosine(velocity, to_goal),
             "velocity_dot": terms.reward_velocity_dot(velocity, to_goal),
             "progress": terms.reward_progress(old.goal_distance, new.goal_distance),
-            "near_object": terms.reward_near_object(self._distances(new, position[:2])[0]),
+            "near_object": terms.reward_near_object(self.distances(new, position[:2])[0]),
         }
         factor = self.dt if self._config.reward_config.multiply_by_dt else 1.0
         return {
@@ -352,7 +352,7 @@ class NavEnv(StagedBase[NavState]):
             "slot_overflow": nav.sim.slot_overflow.astype(jnp.float32),
         }
 
-    def _distances(self, nav: NavState, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
+    def distances(self, nav: NavState, p_xy: Float[Array, "*n 2"]) -> Float[Array, "*n 2"]:
         """(..., 2) m from places (..., 2) to the next hull or agent and to the edge of the walkable ground."""
         found = self._surroundings.distances(nav.sim.scene, p_xy)
         if self.dynamic is None or nav.crowd is None:

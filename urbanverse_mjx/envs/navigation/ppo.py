@@ -81,13 +81,46 @@ def _cpu() -> ConfigDict:
     return config
 
 
+def _quick() -> ConfigDict:
+    """Imitation of a scripted controller on a CPU; fields as in `training.dagger.default_dagger_config`."""
+    return ConfigDict(
+        {
+            "algorithm": "dagger",
+            "num_timesteps": 230_400,
+            "num_checkpoints": 4,
+            "num_envs": 64,
+            "unroll_length": 16,
+            "epochs": 4,
+            "minibatches": 4,
+            "learning_rate": 1e-3,
+            "final_learning_rate": 1e-4,
+            "max_grad_norm": 1.0,
+            "teacher_share": 0.2,
+            "warm_up": 20_000,
+            "noise": 0.05,
+            "auxiliary": 0.5,
+            "mirror": True,
+            "light": 0.2,
+            "pixel_noise": 0.01,
+            "seed": 0,
+            "network": {
+                "layers": ((16, 4, 4), (32, 2, 2), (64, 2, 1)),
+                "hidden": 128,
+                "memory": 0,
+                "bfloat16": False,  # slow on a CPU
+                "convolution": "auto",
+            },
+        }
+    )
+
+
 def ppo_config(preset: str = "paper") -> ConfigDict:
-    """A fresh configuration.
+    """A fresh configuration; of another `algorithm` where it says so, as that of `quick` does.
 
     Raises:
       ValidationError: unknown preset.
     """
-    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu}
+    makers = {"paper": _paper, "urbansim_v0_1": _urbansim_v0_1, "fast": _fast, "cpu": _cpu, "quick": _quick}
     if preset not in makers:
         raise ValidationError(f"preset: found {preset!r}, needed one of {', '.join(makers)}.")
     return makers[preset]().lock()

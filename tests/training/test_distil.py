@@ -1,0 +1,68 @@
+"""A training by imitation as a run folder: its record, its policy, and that a resumed one is exact."""
+
+import json
+import pathlib
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import pytest
+from ml_collections import ConfigDict
+
+from tests.training.test_student import LAYERS, seeing_env
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.envs import State
+from urbanverse_mjx.envs.navigation.ppo import ppo_config
+from urbanverse_mjx.training import distil as distilling
+from urbanverse_mjx.training.distil import distil
+from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy
+from urbanverse_mjx.training.record import RunRecord
+
+
+def small_config() -> ConfigDict:
+    config = ConfigDict(ppo_config("quick").to_dict())
+    config.update({"num_envs": 4, "unroll_length": 4, "epochs": 1, "minibatches": 2, "num_timesteps": 96})
+    config.network.update({"layers": LAYERS, "hidden": 16})
+    return config
+
+
+def teach(parameters: Any, state: State[Any], key: jax.Array) -> jax.Array:
+    del parameters, key
+    return jnp.clip(state.obs["goal"], -1.0, 1.0)
+
+
+def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
+    small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    env, config = seeing_env(small_bank), small_config()
+    whole = distil("CocoNav", env, config, tmp_path / "whole", teach, quiet=True)
+    assert whole.steps == 96
+    with pytest.raises(ValidationError, match="needed a new folder"):
+        distil("CocoNav", env, config, tmp_path / "whole", teach, quiet=True)
+    with pytest.raises(ValidationError, match="done already; ask for more"):
+        distil("CocoNav", env, config, tmp_path / "whole", teach, resume=True, quiet=True)
+
+    save, saved = distilling.save_student, []
+
+    def killed(*given: Any) -> pathlib.Path:
+        saved.append(save(*given))
+        if len(saved) == 2:
+            raise KeyboardInterrupt
+        return saved[-1]
+
+    monkeypatch.setattr(distilling, "save_student", killed)
+    with pytest.raises(KeyboardInterrupt):
+        distil("CocoNav", env, config, tmp_path / "cut", teach, quiet=True)
+    monkeypatch.undo()
+    done = PolicySpec.load(latest_policy(tmp_path / "cut")).steps
+    assert 0 < done < 96
+    distil("CocoNav", env, config, tmp_path / "cut", teach, resume=True, quiet=True)
+    states = [(tmp_path / name / distilling.STATE).read_bytes() for name in ("whole", "cut")]
+    assert states[0] == states[1]
+
+    record = RunRecord.load(tmp_path / "cut")
+    assert [s["from_steps"] for s in record.segments] == [0, done]
+    assert record.ppo["algorithm"] == "dagger"
+    steps = [json.loads(line)["step"] for line in (tmp_path / "cut" / "log.jsonl").read_text().splitlines()]
+    assert steps == [16 * k for k in range(1, 7)]
+    assert load_policy(tmp_path / "cut")[1].environment == "CocoNav"

@@ -1,0 +1,156 @@
+"""`RouteFollower`: a scripted controller that knows the reference route and the distances to hulls and edges.
+
+A dynamic window (Fox, Burgard and Thrun, "The Dynamic Window Approach to Collision Avoidance", 1997): of some dozen
+commands held for a while it takes the one whose arc keeps clear of hulls and edges and ends nearest to a point of the
+route ahead. It looks up distances that the environment holds anyway and prepares nothing, so it labels states for
+imitation at a fraction of what `Planner` costs, which plans better. It knows no moving agents but for their distance.
+"""
+
+import itertools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..datatypes import ValidationError
+from ..envs import NavEnv, NavState
+from ..envs.navigation import terms
+from ..geometry import rotations
+from .planner import DEFAULT, MOTIONS, footprint, waypoint_of
+
+#: Shares of top speed and of top yaw rate that a command combines.
+SPEEDS = (0.0, 0.2, 0.4, 0.7, 1.0)
+TURNS = (-1.0, -0.6, -0.35, -0.2, -0.1, 0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
+#: s into the future at which a drive is checked, with the command held.
+TIMES = (0.2, 0.4, 0.6, 0.9, 1.2, 1.6)
+#: m of clearance below which a drive costs more and more, and below which it counts as a contact: the looked-up
+#: distances are off by half a cell of 0.2 m.
+SHY, TOUCH = 0.4, 0.02
+#: m that the feet may be nearer to an edge than hulls to the body: the edge's distance is that of the nearest cell
+#: that is not wholly walkable.
+EDGE = 0.12
+#: Cost in metres of no clearance at all for the whole drive; of a contact.
+SHY_COST, TOUCH_COST = 5.0, 30.0
+#: (X, Y, 2) m in the heading frame: nodes of the cost to go, and their distance.
+STEP = 0.3
+NODES = np.stack(np.meshgrid(np.arange(-4, 17) * STEP, np.arange(-10, 11) * STEP, indexing="ij"), -1).astype(np.float32)
+#: m along the route from the point nearest to the robot to the one to go for.
+AHEAD = 3.5
+#: What a metre costs beyond itself where the robot just does not fit, and sweeps of the cost to go over the nodes.
+CLOSED, SWEEPS = 20.0, 26
+_NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
+
+
+def route_point(start: Any, waypoints: Any, position: Any) -> Any:
+    """(2,) m, the point of the polyline start (3,), waypoints (W, 3) at an arc length (m); its end beyond it."""
+    points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
+    span = points[1:] - points[:-1]
+    length = jnp.sqrt((span**2).sum(-1) + 1e-12)
+    share = jnp.clip((position - (jnp.cumsum(length) - length)) / length, 0.0, 1.0)
+    # Segments behind the place count whole, those before it not at all.
+    return points[0] + (share[:, None] * span).sum(0)
+
+
+class RouteFollower:
+    """The controller; `act` wants the env's whole state, see `agents.Privileged`.
+
+    Args:
+      env: with `action_mode="waypoint"`.
+
+    Raises:
+      ValidationError: another action mode.
+    """
+
+    def __init__(self, env: NavEnv) -> None:
+        robot, mode = env.robot, env.config.action_mode
+        if mode != "waypoint":
+            raise ValidationError(
+                f"route follower: found action_mode {mode!r}, needed 'waypoint'; take a preset of PPO."
+            )
+        motion = MOTIONS.get(robot.name, DEFAULT)
+        commands = np.array(list(itertools.product(SPEEDS, TURNS))) * [robot.max_speed, robot.max_yaw_rate]
+        if np.isfinite(motion.curvature):
+            commands = commands[np.abs(commands[:, 1]) <= commands[:, 0] * motion.curvature + 1e-9]
+        self._commands = jnp.asarray(commands, jnp.float32)
+        self._env, self._robot, self._motion, self._body = env, robot, motion, footprint(robot)
+        self._root = env.mj_model.body(robot.root_body).id
+
+    def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> None:
+        """Nothing; the state tells the route."""
+
+    def act(self, nav: NavState, known: None = None) -> Any:
+        """(2,) waypoint in [-1, 1]."""
+        xy, yaw = nav.sim.xpos[self._root, :2], rotations.yaw_of(nav.sim.xquat[self._root])
+        here = terms.route_position(xy, nav.start, nav.waypoints)
+        target = terms.to_body(route_point(nav.start, nav.waypoints, here + AHEAD) - xy, yaw)
+        speed = terms.to_body(nav.sim.qvel[:2], yaw)[0]
+        pose = jnp.nan_to_num(jnp.stack([xy[0], xy[1], yaw]))
+        to_go = self._cost_to_go(nav, pose, target)
+        act = nav, pose, speed, nav.sim.qvel[5], to_go
+        costs = jax.vmap(lambda command: self._cost(*act, command))(self._commands)
+        v, omega = self._commands[costs.argmin()]
+        return waypoint_of(v, omega, self._robot.max_speed, self._env.dt)
+
+    def _cost_to_go(self, nav: NavState, pose: Any, target: Any) -> Any:
+        """(X, Y) metres, made dear by what is near, from each of the `NODES` around a pose (3,) to a target (2,)."""
+        found = self._env.distances(nav, pose[:2] + terms.to_world(jnp.asarray(NODES), pose[2]))
+        room = jnp.minimum(found[..., 0] - self._body.half_width, found[..., 1])
+        dear = 1.0 + CLOSED * jnp.clip((SHY - room) / SHY, 0.0, 1.0) ** 2
+        far = jnp.sqrt(((NODES - target) ** 2).sum(-1) + 1e-9)
+        x, y = far.shape
+
+        def sweep(_: int, cost: Any) -> Any:
+            wide = jnp.pad(cost, 1, constant_values=1e3)
+            for i, j in _NEIGHBOURS:
+                moved = wide[1 + i : 1 + i + x, 1 + j : 1 + j + y] + STEP * np.hypot(i, j) * dear
+                cost = jnp.minimum(cost, moved)
+            return cost
+
+        return jax.lax.fori_loop(0, SWEEPS, sweep, jnp.where(far < 1.5 * STEP, far, 1e3))
+
+    def _cost(self, nav: NavState, start: Any, speed: Any, turn: Any, to_go: Any, command: Any) -> Any:
+        """Metres that are left after a drive and during it, and what it costs to come near to things."""
+        motion = self._motion
+        told_v, told_w = motion.obeyed(command[0], command[1])
+        pose, v, w, before, poses = start, speed, turn, 0.0, []
+        for time in TIMES:
+            dt, before = time - before, time
+            new_v = told_v + (v - told_v) * np.exp(-dt / motion.speed_lag)
+            lag = motion.turn_lag / (1.0 + 0.5 * jnp.abs(v + new_v) / motion.eases)
+            new_w = told_w + (w - told_w) * jnp.exp(-dt / lag)
+            mean_v, mean_w = 0.5 * (v + new_v), 0.5 * (w + new_w)
+            heading, side = pose[2] + 0.5 * mean_w * dt, motion.pivot * mean_w
+            c, s = jnp.cos(heading), jnp.sin(heading)
+            pose = pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w])
+            v, w = new_v, new_w
+            poses.append(pose)
+        drive = jnp.stack(poses)
+        gaps, times = self._gaps(nav, drive), np.array(TIMES)
+        steps = np.diff(times, prepend=0.0) / times[-1]
+        shy = (steps * jnp.clip((SHY - gaps) / SHY, 0.0, 1.0) ** 2).sum()
+        # A contact soon is worse than one later, which the next command can still avoid.
+        touched = ((gaps < TOUCH) * (2.0 - times / times[-1])).max()
+        nose = drive[:, :2] + 0.6 * jnp.stack([jnp.cos(drive[:, 2]), jnp.sin(drive[:, 2])], -1)
+        local = terms.to_world(nose - start[:2], -start[2])
+        left = _at(to_go, local)
+        return left[-1] + (steps * left).sum() + SHY_COST * shy + TOUCH_COST * touched
+
+    def _gaps(self, nav: NavState, drive: Any) -> Any:
+        """(T,) m, how near the robot at poses (T, 3) is to hulls, or its feet to an edge."""
+        c, s = jnp.cos(drive[:, 2:]), jnp.sin(drive[:, 2:])
+
+        def places(points: np.ndarray) -> Any:
+            x, y = points[:, 0].astype(np.float32), points[:, 1].astype(np.float32)
+            return jnp.stack([drive[:, :1] + c * x - s * y, drive[:, 1:2] + s * x + c * y], -1)
+
+        discs, feet = self._body.discs, self._body.feet
+        found = self._env.distances(nav, jnp.concatenate([places(discs), places(feet)], 1))
+        to_hull = found[:, : len(discs), 0] - discs[:, 2].astype(np.float32)
+        return jnp.minimum(to_hull.min(-1), found[:, len(discs) :, 1].min(-1) + EDGE)
+
+
+def _at(values: Any, points: Any) -> Any:
+    """(n,) values of the `NODES` at points (n, 2) in the heading frame, bilinear; those of the border beyond it."""
+    place = (points - NODES[0, 0]) / STEP
+    return jax.scipy.ndimage.map_coordinates(values, [place[:, 0], place[:, 1]], order=1, mode="nearest")

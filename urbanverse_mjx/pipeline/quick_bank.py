@@ -1,0 +1,41 @@
+"""The bank of the preset `quick`: more streets than the shipped ones, few enough to be built in minutes."""
+
+from collections.abc import Sequence
+
+from .. import settings
+from ..datatypes import SceneBank
+from ..datatypes.bank_join import join
+from ..scene import library
+from ..work_folder import work_folder
+from . import banks
+from .library.building import graph_of
+
+#: Procedural scenes that the preset `quick` has beside the shipped streets, so that it trains on as many streets as a
+#: few minutes allow, and is judged on eight that it has never seen.
+QUICK_TRAIN = tuple(f"procedural_{k:03d}" for k in range(8))
+QUICK_TEST = tuple(f"procedural_{k:03d}" for k in range(144, 150))
+
+
+def ensure_quick_bank(quiet: bool = False) -> SceneBank:
+    """The bank of the preset `quick`, built into the cache where it is missing or wrong: the shipped streets and some
+    procedural ones.
+
+    Raises:
+      ValidationError: `URBANVERSE_BANK` names a file that is no bank.
+    """
+    if settings.chosen_bank_path() is not None:
+        return banks.ensure_default_bank(quiet)
+    wanted = QUICK_TRAIN + QUICK_TEST
+    known = library.shipped_hashes("procedural")
+    path = settings.quick_bank_path({name: known[name]["graph"] for name in wanted})
+    return banks.cached_bank(path, lambda: _build_quick_bank(wanted, quiet))
+
+
+def _build_quick_bank(wanted: Sequence[str], quiet: bool) -> SceneBank:
+    scenes = library.scene_set("procedural")
+    with work_folder("urbanverse-graphs-") as work:
+        graphs = [work / f"{name}.json" for name in wanted]
+        for name, path in zip(wanted, graphs, strict=True):
+            graph_of(scenes, name).save(path)
+        more = banks.build_bank(graphs, ["train" if name in QUICK_TRAIN else "test" for name in wanted], quiet=quiet)
+    return join([banks.ensure_default_bank(quiet), more])

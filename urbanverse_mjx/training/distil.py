@@ -1,0 +1,86 @@
+"""A training by imitation as a run folder: `dagger.Dagger` with logs, checkpoints and exact resumption."""
+
+import pathlib
+import time
+from typing import Any
+
+import jax
+from ml_collections import ConfigDict
+
+from ..datatypes import ValidationError
+from ..envs import wrap_for_training
+from . import sequences, snapshot
+from .dagger import Dagger, DaggerState, Teacher
+from .policy import PolicySpec, latest_policy, save_student
+from .progress import TrainingLog
+from .record import begin_segment, check_scenes
+from .run import TrainingResult
+
+#: The whole state of the training at the newest checkpoint, beside the checkpoints.
+STATE = "state.npz"
+
+
+def distil(
+    environment: str,
+    env: Any,
+    config: ConfigDict,
+    folder: pathlib.Path,
+    teacher: Teacher,
+    resume: bool = False,
+    quiet: bool = False,
+) -> TrainingResult:
+    """Trains a student by DAgger and returns where its policy is.
+
+    Args:
+      environment: the name the env is registered under.
+      env: not wrapped; its observations hold `student.SEEN` and `privileged_map`.
+      config: see `dagger.default_dagger_config`, with `num_timesteps` and `num_checkpoints`.
+      folder: run folder; checkpoints/<steps>/, state.npz, log.jsonl and TensorBoard events go there.
+      teacher: asked in every visited state.
+      resume: go on from the newest checkpoint there, to the digits of a run that never stopped, as long as
+        `num_timesteps` stays what it was.
+
+    Raises:
+      ValidationError: a folder in use, nothing to resume or nothing left to do, or a resumed run that would train
+        something else.
+    """
+    folder = folder.absolute()
+    learner = Dagger(wrap_for_training(env, env.config.episode_length), teacher, config)
+    each, total = learner.steps_per_iteration, int(config.num_timesteps)
+    iterations = max(total // each, 1)
+    state = _first_state(learner, env, folder, resume)
+    done = int(state.steps)
+    if done >= iterations:
+        raise ValidationError(f"num_timesteps: found {total}, but {done * each} are done already; ask for more.")
+    begin_segment(folder, environment, env.config, config, done * each).save(folder)
+    log = TrainingLog(folder, iterations * each, done * each, quiet)
+    begin = time.monotonic()
+    last: list[pathlib.Path] = []
+    every = max(iterations // max(int(config.num_checkpoints), 1), 1)
+
+    def on_iteration(number: int, state: DaggerState, said: dict[str, float]) -> None:
+        ended = said.pop("ended")
+        # Shares of no episodes say nothing.
+        shares = {f"episode/{k}": said.pop(k) for k in ("success", "hit", "off_traversable", "timeout")}
+        log((number - done) * each, {**(shares if ended else {}), **{f"training/{k}": x for k, x in said.items()}})
+        if number % every == 0 or number == iterations:
+            snapshot.save_state(folder / STATE, state)
+            spec = PolicySpec.of(environment, env, config, number * each)
+            last.append(save_student(folder / "checkpoints", state.params, spec))
+
+    try:
+        sequences.run(learner, iterations, float("inf"), on_iteration, state)
+    finally:
+        log.close()
+    return TrainingResult(last[-1], iterations * each, time.monotonic() - begin, log.steps_per_second)
+
+
+def _first_state(learner: Dagger, env: Any, folder: pathlib.Path, resume: bool) -> DaggerState:
+    if resume:
+        check_scenes(PolicySpec.load(latest_policy(folder / "checkpoints")), env)
+        return snapshot.load_state(folder / STATE, jax.eval_shape(learner.begin))
+    checkpoints = folder / "checkpoints"
+    if checkpoints.exists() and any(checkpoints.iterdir()):
+        raise ValidationError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
+    folder.mkdir(parents=True, exist_ok=True)
+    return learner.begin()
