@@ -1,4 +1,4 @@
-"""The README's Python runs as it stands, and its commands exist."""
+"""The README's Python runs as it stands, its commands exist, and its scores are those of the reports that it names."""
 
 import json
 import pathlib
@@ -18,6 +18,7 @@ from urbanverse_mjx.scene import library
 
 ROOT = pathlib.Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+INCLUDED = (ROOT / "docs" / "included.md").read_text(encoding="utf-8")
 
 
 def blocks(language: str) -> list[str]:
@@ -35,8 +36,8 @@ def test_the_python_example_runs_and_sees_eight_images(bank: SceneBank) -> None:
 
 
 def test_every_command_and_target_that_the_readme_names_exists() -> None:
-    for command in re.findall(r"`urbanverse ([a-z-]+)", TEXT):
-        assert command in COMMANDS
+    for command in re.findall(r"`urbanverse ([a-z-]+)|^urbanverse ([a-z-]+)", TEXT + INCLUDED, flags=re.MULTILINE):
+        assert "".join(command) in COMMANDS
     targets = set(re.findall(r"^([a-z-]+):.*## ", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
     # In code alone: "make the" in prose is no target.
     code = "\n".join([*blocks(""), *re.findall(r"`[^`\n]+`", TEXT)])
@@ -55,8 +56,8 @@ def test_links_lead_to_files_of_the_repository(link: str) -> None:
 
 
 def counted(what: str) -> list[int]:
-    """The numbers of the README's table of assets in the row that begins with `what`."""
-    (row,) = re.findall(rf"^\| {what}[^\n]*", TEXT, flags=re.MULTILINE)
+    """The numbers of the table of assets in the row that begins with `what`."""
+    (row,) = re.findall(rf"^\| {what}[^\n]*", INCLUDED, flags=re.MULTILINE)
     return [int(n.replace(",", "")) for n in re.findall(r"\b\d[\d,]*\b", row)]
 
 
@@ -70,17 +71,37 @@ def test_the_counts_are_those_of_the_tables() -> None:
     sets = {name: library.scene_set(name) for name in library.sets()}
     layouts = {name: len(s.graphs()) for name, s in sets.items()}
     procedural_scenes, by_hand = procedural.COUNT, len(craft.BUILDERS) + len(validation.BUILDERS)
-    assert f"{layouts['urbanverse160']} layouts after the paper's cities" in TEXT
-    assert f"{procedural_scenes} procedural scenes" in TEXT
-    assert f"{places.COUNT} procedural places" in TEXT
+    assert f"{layouts['urbanverse160']} layouts after the paper's cities" in INCLUDED
+    assert f"{procedural_scenes} procedural scenes" in INCLUDED
+    assert f"{places.COUNT} procedural places" in INCLUDED
     made = procedural_scenes + places.COUNT + by_hand
     total = sum(s.cousins * layouts[name] for name, s in sets.items() if not s.builder) + made
-    assert f"`make scenes` all {total}" in TEXT
+    assert f"`make scenes` all {total}" in INCLUDED
 
 
-def test_scores_stand_in_reports_that_name_their_bank() -> None:
-    """A score depends on streets, machine and versions: here it would be out of date with the next of them."""
+def test_scores_are_those_of_the_report_beside_them() -> None:
+    """A score depends on streets, machine and versions: each row names the report that says which."""
     assert "URBANVERSE_BANK" in TEXT
-    assert re.findall(r"\d[\d.]* ?%", TEXT) == ["95 %"], "the level of the intervals alone"
-    assert not re.findall(r"\d \[\d", TEXT), "means with intervals"
+    rows = [line for line in TEXT.splitlines() if re.search(r"\d (?:±|\[)", line)]
+    for row in rows:
+        (report,) = re.findall(r"\]\((docs/[^)]+)\)", row)
+        scores = re.findall(r"[\d.]+ (?:± [\d.]+|\[[^]]+\])", row)
+        (policy,) = re.findall(r"`(?:benchmarks/policies/)?([a-z0-9_]+)`", row)
+        robot = row.split("|")[2].strip()
+        text = (ROOT / report).read_text(encoding="utf-8").replace("*", "")
+        theirs = [
+            line for line in text.splitlines() if policy in line and (robot in line or report.endswith("results.md"))
+        ]
+        assert scores
+        assert any(all(score in line for score in scores) for line in theirs), (policy, scores)
+    assert len(rows) == 5
+
+
+def test_no_other_score_or_speed_stands_in_the_readme() -> None:
+    assert set(re.findall(r"\d[\d.]* ?%", TEXT)) == {"95 %"}, "the level of the intervals alone"
     assert not re.findall(r"\d[\d,.]* env-steps/s|\d+ min\b", TEXT), "speeds and times of a machine"
+
+
+def test_the_readme_stays_short() -> None:
+    assert len(TEXT.splitlines()) <= 150
+    assert (ROOT / "docs" / "go2_street.gif").stat().st_size < 3 * 10**6
