@@ -30,7 +30,7 @@ def test_towards_discs_they_are_the_published_ones(dtype: type) -> None:
     places, own, theirs = ((x + 1j * y).tolist() for x, y in (apart, velocity, other))
     columns = zip(own, places, theirs, reach.tolist(), horizon.tolist(), share.tolist(), strict=True)
     lines = [reference.agent_line(0j, v, 0.0, p, o, r, h, 0.1, s) for v, p, o, r, h, s in columns]
-    normal = np.array([complex(-line.direction.imag, line.direction.real) for line in lines])
+    normal = np.array([complex(-line.direction.imag, line.direction.real) for line in lines], np.complex128)
     offset = [reference.cross(line.direction, line.point) for line in lines]
     expected = np.stack([normal.real, normal.imag, offset])
     np.testing.assert_allclose(found, expected, atol=1e-12 if dtype == np.float64 else 2e-5)
