@@ -94,8 +94,12 @@ def names(entry: Any) -> list[str]:
     return [name for child in children for name in names(child)]
 
 
-def test_the_navigation_names_pages_that_exist() -> None:
+def test_the_navigation_holds_every_page_and_no_other() -> None:
     config = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    reached: set[pathlib.Path] = set()
     for name in names(config["nav"]):
         if name != "CHANGELOG.md":  # a hook takes it from the root
-            assert list(DOCS.glob(name)), name
+            found = set(DOCS.glob(name))
+            assert found, name
+            reached |= found
+    assert set(DOCS.rglob("*.md")) - reached == set(), "pages without a place in mkdocs.yml"
