@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 EnvMaker = Callable[[ConfigDict, SceneBank], StagedEnv[Any]]
 ConfigMaker = Callable[[str], ConfigDict]
 BankLoader = Callable[[], SceneBank]
-type DomainRandomizer = Callable[[mjx.Model, jax.Array], tuple[mjx.Model, mjx.Model]]
+# Quoted, since beartype resolves unquoted names when the tests of shapes import this module.
+type DomainRandomizer = Callable[["mjx.Model", jax.Array], tuple["mjx.Model", "mjx.Model"]]
 
 
 class _Entry(NamedTuple):
