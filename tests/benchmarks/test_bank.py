@@ -120,10 +120,11 @@ def test_the_same_seed_makes_the_same_street(bench_bank: SceneBank) -> None:
     assert again.meta["hashes"]["bank"] != bench_bank.meta["hashes"]["bank"]
 
 
-def test_robots_drive_in_it(bench_bank: SceneBank) -> None:
+@pytest.mark.parametrize("impl", [pytest.param("jax", marks=pytest.mark.slow), "warp"])
+def test_robots_drive_in_it(bench_bank: SceneBank, impl: str) -> None:
     """On the real engine: dropped at its first start a robot rests on the ground, and it drives off when told to."""
     robot = make_coco()
-    engine = make_engine(bench_bank, robot, impl="jax")
+    engine = make_engine(bench_bank, robot, impl=impl)
     start = bench_bank.episode_start[:, 0]
     qpos = np.zeros((2, engine.physics.model.nq))
     qpos[:, :3] = start[:, :3] + (0.0, 0.0, robot.spawn_height)
