@@ -26,6 +26,9 @@ from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank, bank_join
 from urbanverse_mjx.envs import registry, wrap_for_training
 
+SAVED_AS = {"student": "student", "finetune": "finetuned"}
+"""Folder of `--out` that the parameters of a stage are written to whenever they are the best so far."""
+
 
 class TimeUp(Exception):
     """The seconds of a stage are over."""
@@ -152,6 +155,7 @@ class StudentTraining:
             mean = sum(rates.values()) / len(rates)
             if mean > best[0]:
                 best[:] = mean, jax.device_get(actor_of(state))
+                self.save(SAVED_AS[name], best[1], self.steps + number * learner.steps_per_iteration)
             self.log(stage=name, iteration=number, **_rounded(rates), best=round(best[0], 4))
 
         def on_iteration(number: int, state: Any, reported: dict[str, float]) -> None:
@@ -169,12 +173,12 @@ class StudentTraining:
         self.steps += int(state.steps) * learner.steps_per_iteration
         return best[1]
 
-    def save(self, name: str, params: Any) -> None:
+    def save(self, name: str, params: Any, steps: int) -> None:
         from urbanverse_mjx.training.policy import PolicySpec, save_student
 
         said = ConfigDict(self.dagger_config.to_dict() | {"finetune": self.finetune_config.to_dict()})
-        config = said if name == "finetuned" else self.dagger_config
-        save_student(self.args.out / name, params, PolicySpec.of(self.args.environment, self.env, config, self.steps))
+        config = said if name == SAVED_AS["finetune"] else self.dagger_config
+        save_student(self.args.out / name, params, PolicySpec.of(self.args.environment, self.env, config, steps))
 
     def start(self) -> Any:
         """The parameters that `--start` names, or None."""
@@ -215,7 +219,6 @@ class StudentTraining:
             state = self.imitation.begin(start)
             best = self.stage("student", self.imitation, state, args.seconds, args.steps or 100_000)
             del state
-            self.save("student", best)
             made["student"] = best
             if thread is not None:
                 thread.join()
@@ -225,7 +228,6 @@ class StudentTraining:
             state = self.ppo.begin(best)
             iterations = args.finetune_steps or 100_000
             made["finetuned"] = self.stage("finetune", self.ppo, state, args.finetune_seconds, iterations)
-            self.save("finetuned", made["finetuned"])
         return made
 
 
