@@ -29,8 +29,8 @@ from urbanverse_mjx.envs.navigation.dynamic import slot_appearances
 from urbanverse_mjx.envs.navigation.encounters import route_pose
 from urbanverse_mjx.geometry import rotations
 from urbanverse_mjx.geometry.grids import cell_of
+from urbanverse_mjx.simulation.rendering.cameras import look_at
 from urbanverse_mjx.simulation.rendering.renderer import Renderer
-from urbanverse_mjx.viz.images import look_at
 from urbanverse_mjx.viz.video import write_video
 
 HEIGHT, WIDTH, FOV = 180, 320, 0.9

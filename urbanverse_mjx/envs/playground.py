@@ -3,6 +3,8 @@
 Physics runs in our engines. Of a randomised model they take the friction and the mass of the robot, as factors.
 """
 
+import contextlib
+import functools
 import hashlib
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +24,15 @@ if TYPE_CHECKING:
 #: Factors that `domain_randomize` draws, uniform: the ranges of the navigation task's preset `paper`.
 FRICTION, MASS = (0.7, 1.3), (0.8, 1.25)
 _TAKEN = ("geom_friction", "body_mass", "body_inertia", "body_subtreemass")
+
+
+@functools.cache
+def register_with_playground(cls: type) -> None:
+    """Where Playground is installed, makes environments of a class instances of `mujoco_playground.MjxEnv`."""
+    with contextlib.suppress(ImportError):
+        from mujoco_playground import MjxEnv
+
+        MjxEnv.register(cls)
 
 
 class ModelNames:

@@ -1,15 +1,19 @@
 """`StagedBase`: what every environment of stages has alike, from its config and its stages."""
 
 import abc
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Self
 
 import jax
 import jax.numpy as jnp
+import mujoco
+import numpy as np
 from jaxtyping import Array, Float, Int, Key, PRNGKeyArray
 from ml_collections import ConfigDict
 
-from ..datatypes import SceneBank
-from .playground import ModelNames
+from ..datatypes import AgentMotion, SceneBank, ValidationError
+from .playground import ModelNames, register_with_playground
+from .rendering import StateRenderer
 from .types import Result, StagedEnv, State
 
 
@@ -23,6 +27,16 @@ class StagedBase[C](ModelNames, abc.ABC):
 
     bank: SceneBank
     _config: ConfigDict
+    #: How many objects may stand elsewhere than in the bank, see `Bodies`.
+    num_bodies: int = 0
+    _state_renderers: dict[tuple[int, int, str | None], StateRenderer]
+
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
+        # Here and not on import, which is to load neither Playground nor what it loads (Brax, Warp).
+        register_with_playground(StagedBase)
+        env = super().__new__(cls)
+        env._state_renderers = {}
+        return env
 
     @abc.abstractmethod
     def begin(self, key: PRNGKeyArray) -> C: ...
@@ -46,6 +60,15 @@ class StagedBase[C](ModelNames, abc.ABC):
         """What `reset` and `step` give beside the observations `obs`, under the names of Playground's PPO configs:
         `state` for a policy without a camera and `privileged_state` for a critic, where an environment has them."""
         return {}
+
+    @property
+    def agent_appearances(self) -> tuple[int, ...]:
+        """Row of the bank's agents that each moving agent looks like."""
+        return ()
+
+    def agents_of(self, carried: C, /) -> AgentMotion | None:
+        """Where the moving agents of a state are, to be drawn; None where there are none."""
+        return None
 
     @property
     def config(self) -> ConfigDict:
@@ -112,6 +135,41 @@ class StagedBase[C](ModelNames, abc.ABC):
             info = {name: x for name, x in info.items() if name not in ("steps", "truncation")}
         obs = self._all_of(carried)
         return State(carried, obs, reward, done, {**state.metrics, **metrics}, {**state.info, **info})
+
+    def render(
+        self,
+        trajectory: Sequence[State[C]] | State[C],
+        height: int = 240,
+        width: int = 320,
+        camera: str | None = None,
+        scene_option: mujoco.MjvOption | None = None,
+        modify_scene_fns: Sequence[Callable[[mujoco.MjvScene], None]] | None = None,
+    ) -> list[np.ndarray] | np.ndarray:
+        """Images of states: the street of each with the robot in it, by this package's renderer.
+
+        Args:
+          trajectory: states of one env, as `reset` and `step` return them, or one state.
+          height, width: pixels.
+          camera: a camera of the robot by its name in the MJCF; None follows the robot from behind.
+          scene_option: of MuJoCo's visualiser, which does not draw here; without effect.
+          modify_scene_fns: None; the same.
+
+        Returns:
+          (height, width, 3) uint8 for each state, or for the one state.
+
+        Raises:
+          ValidationError: a batch of envs, an unknown camera, or `modify_scene_fns`.
+        """
+        del scene_option
+        if modify_scene_fns is not None:
+            raise ValidationError(
+                "modify_scene_fns: found functions for MuJoCo's visualiser, needed None; draw on the returned images."
+            )
+        shape = height, width, camera
+        if shape not in self._state_renderers:
+            self._state_renderers[shape] = StateRenderer(self, height, width, camera)
+        draw = self._state_renderers[shape]
+        return draw([trajectory])[0] if isinstance(trajectory, State) else draw(trajectory)
 
     def _all_of(self, carried: C) -> dict[str, Array]:
         obs = self.observe(carried)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import jax
+import numpy as np
 from jaxtyping import Array, Float, Int, Key, PRNGKeyArray
 from ml_collections import ConfigDict
 
@@ -112,6 +113,21 @@ class Carried:
     def xquat(self) -> Float[Array, "*batch nbody 4"]:
         """wxyz, see `SimState`."""
         return self.sim.xquat
+
+    @property
+    def mocap_pos(self) -> Float[np.ndarray, "0 3"]:
+        """None: the robots have no mocap bodies."""
+        return np.zeros((0, 3), np.float32)
+
+    @property
+    def mocap_quat(self) -> Float[np.ndarray, "0 4"]:
+        """None: the robots have no mocap bodies."""
+        return np.zeros((0, 4), np.float32)
+
+    @property
+    def xfrc_applied(self) -> Float[np.ndarray, "*batch nbody 6"]:
+        """N and N m, all 0: nothing pushes the robot but the street."""
+        return np.zeros((*self.sim.xpos.shape[:-1], 6), np.float32)
 
     def replace(self, **changes: Any) -> Any:
         """A copy with some fields changed, of its own or of `sim` (qpos, qvel, xpos, xquat). As in MJX, what follows

@@ -10,27 +10,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..datatypes import RobotSpec, SceneBank, ValidationError
+from ..simulation.rendering.cameras import look_at
 from ..simulation.rendering.renderer import Renderer
 
 EYE_HEIGHT = 1.6
 #: rad; a normal lens sees about this much from top to bottom on a wide picture.
 FOV = np.radians(55.0)
-
-
-def look_at(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.ndarray:
-    """(4,) wxyz rotation R_world_camera of a camera at `eye` that looks at `target` with `up` upwards (3,) each.
-
-    Raises:
-      ValidationError: eye and target coincide, or the camera would look along `up`.
-    """
-    back = np.asarray(eye, np.float64) - np.asarray(target, np.float64)
-    right = np.cross(np.asarray(up, np.float64), back)
-    if np.linalg.norm(back) < 1e-9 or np.linalg.norm(right) < 1e-9 * np.linalg.norm(back):
-        raise ValidationError(
-            f"camera: found eye {eye}, target {target}; needed two points not above one another; move one"
-        )
-    back, right = back / np.linalg.norm(back), right / np.linalg.norm(right)
-    return Rotation.from_matrix(np.column_stack([right, np.cross(back, right), back])).as_quat(scalar_first=True)
 
 
 def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:

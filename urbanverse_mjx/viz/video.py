@@ -6,18 +6,15 @@ from typing import Any
 
 import imageio.v2 as imageio
 import jax
-import jax.numpy as jnp
 import numpy as np
 from PIL import Image, ImageDraw
 
 from ..datatypes import AgentMotion, RobotSpec, SceneBank
 from ..datatypes import validation as v
-from ..geometry import rotations
+from ..simulation.rendering.cameras import FOLLOWING_FOV, following_cameras, in_batches
 from ..simulation.rendering.renderer import Renderer
-from .images import look_at
 
 HEIGHT, WIDTH = 180, 320
-_BATCH = 16
 #: How an episode ended, of `datatypes.RESULTS`, in words.
 OUTCOMES = {
     "goal": "at the goal",
@@ -28,42 +25,6 @@ OUTCOMES = {
     "non_finite": "not finite",
     "timeout": "out of time",
 }
-#: Of a robot 1 m high; one half as high is seen from three quarters of that.
-_CHASE_BACK, _CHASE_UP, _CHASE_FOV = 3.2, 1.9, 1.05  # m, m, rad
-_CHASE_SMOOTH = 1.8  # s
-
-
-def _chase_cameras(
-    xpos: np.ndarray, xquat: np.ndarray, frames_per_second: float, height: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Position (T, 3) and quaternion (T, 4) of a camera behind the root body, its heading smoothed over two
-    seconds.
-
-    Args:
-      height: m, of the robot.
-    """
-    heading = rotations.matrix(xquat[:, 1])[:, :2, 0]
-    window = min(round(_CHASE_SMOOTH * frames_per_second) // 2 * 2 + 1, len(heading))
-    smooth = np.stack(
-        [np.convolve(np.pad(h, window // 2, "edge"), np.ones(window) / window, "valid")[: len(h)] for h in heading.T],
-        -1,
-    )
-    smooth /= np.maximum(np.linalg.norm(smooth, axis=-1, keepdims=True), 1e-6)
-    root = xpos[:, 1]
-    near = 0.5 + 0.5 * height
-    eye = root + near * (np.array([0.0, 0.0, _CHASE_UP]) - _CHASE_BACK * np.pad(smooth, ((0, 0), (0, 1))))
-    target = root + 1.5 * np.pad(smooth, ((0, 0), (0, 1)))
-    return eye, np.stack([look_at(e, t) for e, t in zip(eye, target, strict=True)])
-
-
-def _batched(function: Any, *columns: np.ndarray) -> np.ndarray:
-    """Runs a vmapped function over (T, ...) columns in batches of one size, so that it is compiled once."""
-    total = len(columns[0])
-    out = []
-    for i in range(0, total, _BATCH):
-        part = [np.resize(c[i : i + _BATCH], (_BATCH, *c.shape[1:])) for c in columns]
-        out.append(np.asarray(function(*map(jnp.asarray, part)))[: total - i])
-    return np.concatenate(out)
 
 
 def _agents(fields: Sequence[Any]) -> AgentMotion | None:
@@ -141,16 +102,18 @@ def write_rollout_video(
     """
     renderer = Renderer(bank, robot, *size, shadows=True, agents=appearances, samples=samples)
     front = jax.jit(jax.vmap(lambda s, p, q, *a: renderer(s, p, q, 0, _agents(a))["rgb"]))
-    chase = jax.jit(jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, _CHASE_FOV, p, q, 0, _agents(a))["rgb"]))
+    chase = jax.jit(
+        jax.vmap(lambda s, e, t, p, q, *a: renderer.view(s, e, t, FOLLOWING_FOV, p, q, 0, _agents(a))["rgb"])
+    )
     frames: list[np.ndarray] = []
     for column, scene, goal, outcome in zip(columns, scenes, goals, outcomes, strict=True):
         length = int(trajectory.running[:, column].sum())
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
-        eye, turn = (x.astype(np.float32) for x in _chase_cameras(xpos, xquat, frames_per_second, robot.planner_height))
+        eye, turn = following_cameras(xpos, xquat, frames_per_second, robot.planner_height)
         moving = [] if trajectory.agents is None else [x[:length, column] for x in trajectory.agents]
-        left = _batched(chase, where, eye, turn, xpos, xquat, *moving)
-        right = _batched(front, where, xpos, xquat, *moving)
+        left = in_batches(chase, where, eye, turn, xpos, xquat, *moving)
+        right = in_batches(front, where, xpos, xquat, *moving)
         for t in range(length):
             away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))
             both = np.concatenate([left[t], right[t]], axis=1)

@@ -8,14 +8,14 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 from ml_collections import ConfigDict
 
 from ...crowds import open_ground
-from ...datatypes import Renderer, RobotSpec, SceneBank, Simulator, ValidationError, traversable
+from ...datatypes import AgentMotion, Renderer, RobotSpec, SceneBank, Simulator, ValidationError, traversable
 from ...geometry import rotations
 from ...precision import full_precision
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
 from . import terms
 from .draws import Randomization
-from .dynamic import PEOPLE_METRICS, DynamicStreet
+from .dynamic import PEOPLE_METRICS, DynamicStreet, slot_appearances
 from .movables import MOVABLE_METRICS, Movables
 from .scenarios import scenario_of, select_scenes
 from .schedule import EpisodeSchedule
@@ -114,6 +114,7 @@ class NavEnv(StagedBase[NavState]):
         self.movables: Movables | None = None
         if engine.body_rows is not None:
             self.movables = Movables(bank, engine.body_rows, engine.num_bodies)
+            self.num_bodies = engine.num_bodies
 
     # What users of Playground and Brax ask an environment.
 
@@ -269,6 +270,17 @@ class NavEnv(StagedBase[NavState]):
         """`state`, (5 + action_size,) f32: goal and `proprio`; `privileged_state`: `privileged`."""
         return {"state": jnp.concatenate([obs["goal"], self._proprio(nav)]), "privileged_state": obs["privileged"]}
 
+    @property
+    def agent_appearances(self) -> tuple[int, ...]:
+        """Row of the bank's agents that each moving agent looks like."""
+        return () if self.dynamic is None else slot_appearances(self.dynamic.kinds, self.bank)
+
+    def agents_of(self, nav: NavState) -> AgentMotion | None:
+        """Where people and vehicles are, to be drawn; None without a crowd."""
+        if self.dynamic is None or nav.crowd is None:
+            return None
+        return self.dynamic.places(nav.crowd, nav.sim.scene)
+
     # The environment as a whole.
 
     def info_of(self, nav: NavState) -> dict[str, Array]:
@@ -361,14 +373,8 @@ class NavEnv(StagedBase[NavState]):
 
     def _pixels(self, nav: NavState) -> jax.Array:
         assert self.renderer is not None
-        sim, appearance_seed, agents = (
-            nav.sim,
-            nav.appearance_seed if self._randomization.varies_appearance else 0,
-            None,
-        )
-        if self.dynamic is not None and nav.crowd is not None:
-            agents = self.dynamic.places(nav.crowd, sim.scene)
-        frame = self.renderer(sim.scene, sim.xpos, sim.xquat, appearance_seed, agents, sim.bodies)
+        sim, seed = nav.sim, nav.appearance_seed if self._randomization.varies_appearance else 0
+        frame = self.renderer(sim.scene, sim.xpos, sim.xquat, seed, self.agents_of(nav), sim.bodies)
         if not self._config.vision_config.depth:
             return frame["rgb"]
         # The renderer writes 0 where nothing was hit: as far as one can say.

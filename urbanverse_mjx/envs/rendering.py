@@ -1,0 +1,96 @@
+"""Images of an environment's states for people: the street, the robot in it and what moves around them."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..datatypes import ValidationError
+from .types import State
+
+if TYPE_CHECKING:
+    from .staged import StagedBase
+
+#: m; a robot that is further away one state later has begun another episode.
+_ANOTHER_EPISODE = 2.0
+
+
+class StateRenderer:
+    """Draws states of one environment, with sun shadows and four rays a pixel.
+
+    Args:
+      env: the environment.
+      height, width: pixels.
+      camera: a camera of the robot by its name in the MJCF; None follows the robot from behind.
+
+    Raises:
+      ValidationError: the robot has no such camera, or a size is below one.
+    """
+
+    def __init__(self, env: "StagedBase[Any]", height: int, width: int, camera: str | None) -> None:
+        from ..simulation.rendering.cameras import FOLLOWING_FOV
+        from ..simulation.rendering.renderer import Renderer
+
+        self._follows = camera is None
+        self._frames_per_second, self._height = 1.0 / env.dt, env.robot.planner_height
+        renderer = Renderer(
+            env.bank,
+            env.robot,
+            height,
+            width,
+            shadows=True,
+            samples=2,
+            camera=camera,
+            agents=env.agent_appearances,
+            bodies=env.num_bodies,
+        )
+
+        def through_robot(carried: Any) -> jax.Array:
+            sim = carried.sim
+            return renderer(sim.scene, sim.xpos, sim.xquat, 0, env.agents_of(carried), sim.bodies)["rgb"]
+
+        def following(carried: Any, eye: jax.Array, turn: jax.Array) -> jax.Array:
+            sim, agents = carried.sim, env.agents_of(carried)
+            view = renderer.view(sim.scene, eye, turn, FOLLOWING_FOV, sim.xpos, sim.xquat, 0, agents, sim.bodies)
+            return view["rgb"]
+
+        self._draw = jax.jit(jax.vmap(following if self._follows else through_robot))
+
+    def __call__(self, states: Sequence[State[Any]]) -> list[np.ndarray]:
+        """(height, width, 3) uint8 for each state of one env, in their order.
+
+        Raises:
+          ValidationError: a batch of envs, or states without the simulation's.
+        """
+        from ..simulation.rendering.cameras import in_batches
+
+        if not states:
+            return []
+        for state in states:
+            scene = getattr(getattr(state.data, "sim", None), "scene", None)
+            if scene is None:
+                raise ValidationError(
+                    "trajectory: found a state without its sim, needed whole states as step returns them."
+                )
+            if jnp.ndim(scene):
+                raise ValidationError(
+                    f"trajectory: found a state of {len(scene)} envs, needed one env's; take "
+                    "jax.tree.map(lambda x: x[i], state)."
+                )
+        carried = jax.tree.map(lambda *x: jnp.stack(x), *[state.data for state in states])
+        cameras = self._following(carried) if self._follows else ()
+        return list(in_batches(self._draw, carried, *cameras))
+
+    def _following(self, carried: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Places (T, 3) and rotations (T, 4) of the camera; it follows smoothly within an episode."""
+        from ..simulation.rendering.cameras import following_cameras
+
+        scene, xpos, xquat = (np.asarray(x) for x in (carried.sim.scene, carried.sim.xpos, carried.sim.xquat))
+        apart = np.linalg.norm(np.diff(xpos[:, 1], axis=0), axis=-1) > _ANOTHER_EPISODE
+        starts = np.flatnonzero((np.diff(scene) != 0) | apart) + 1
+        parts = zip(np.split(xpos, starts), np.split(xquat, starts), strict=True)
+        found = [following_cameras(p, q, self._frames_per_second, self._height) for p, q in parts]
+        eye, turn = (np.concatenate(x) for x in zip(*found, strict=True))
+        return eye, turn
