@@ -11,7 +11,7 @@ from urbanverse_mjx.assets.categories.priors import prior
 from urbanverse_mjx.assets.exporting.export import export_glb
 from urbanverse_mjx.assets.meshes.glb import read_glb
 from urbanverse_mjx.assets.meshes.recipe import all_recipes
-from urbanverse_mjx.assets.records.index import build_index, make_record, save_index
+from urbanverse_mjx.assets.records.index import build_index, make_record, save_index, uid_of
 from urbanverse_mjx.datatypes import ValidationError
 
 INDEX = load_index()
@@ -25,8 +25,10 @@ def test_sampled_records_are_what_the_recipes_build() -> None:
     assert [r.uid for r in found if r != INDEX.get(r.uid)] == []
 
 
-def test_every_variant_of_every_recipe_has_a_record() -> None:
-    assert len(INDEX.records) == sum(r.variants for r in all_recipes())
+def test_every_variant_of_every_recipe_has_its_frozen_uid() -> None:
+    """A recipe that is renamed, or that is not found where it was moved, changes what layouts name and its own seed."""
+    named = {uid_of(r, k): (r.name, r.leaf, k) for r in all_recipes() for k in range(r.variants)}
+    assert named == {r.uid: (r.recipe, r.leaf, r.params["variant"]) for r in INDEX.records}
     assert set(INDEX.leaves) == set(categories()), "all 659 leaves"
 
 

@@ -47,6 +47,7 @@ class Recipe:
     """One registered recipe.
 
     Attributes:
+      name: frozen; where the function stands and what it is called have no part in it.
       physics: None takes mass, matter and friction from the leaf's row of `assets_index/priors.csv`.
       hulls: caps the convex decomposition (None: chosen by size).
     """
@@ -68,12 +69,14 @@ _REGISTER: dict[tuple[str, str], Recipe] = {}
 
 
 def recipe(
-    leaf: str, variants: int, physics: Physics | None = None, hulls: int | None = None
+    leaf: str, variants: int, physics: Physics | None = None, hulls: int | None = None, *, name: str
 ) -> Callable[[RecipeFunction], RecipeFunction]:
     """Decorator: registers the function for an ontology leaf. One function may serve several leaves (stack decorators).
 
     Args:
       leaf: exact leaf name of the ontology.
+      name: part of every variant's uid and seed, so it stays as it is when the function or its file is renamed; unique
+        for the leaf.
       variants: how many the index holds.
       physics: the recipe's own physical priors; None takes those of the leaf's row of `assets_index/priors.csv`.
       hulls: most convex hulls of the decomposition, 1 to 16; None lets the asset's size decide; 1 means its convex
@@ -85,10 +88,9 @@ def recipe(
     ontology.category_of(leaf)
 
     def register(function: RecipeFunction) -> RecipeFunction:
-        name = f"{function.__module__.rsplit('.', 1)[-1]}.{function.__name__}"
         if (name, leaf) in _REGISTER:
             raise ValidationError(
-                f"recipe {name!r}: found it registered twice for {leaf!r}, needed one; rename one function."
+                f"recipe {name!r}: found it registered twice for {leaf!r}, needed one; give one another name."
             )
         _REGISTER[name, leaf] = Recipe(name, leaf, variants, physics, function, hulls)
         return function

@@ -41,7 +41,7 @@ def _leaf(b: MeshBuilder, y0: float, y1: float, height: float, kind: str, color:
             )
 
 
-@recipe("gate", 4)
+@recipe("gate", 4, name="access_barriers.gate")
 def gate(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     kind, color, width, height = (
@@ -88,7 +88,7 @@ def gate(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"kind": kind}), size)
 
 
-@recipe("lift gate", 3)
+@recipe("lift gate", 3, name="access_barriers.lift_gate")
 def lift_gate(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A boom barrier; its boom lies along y."""
     b = MeshBuilder(roughness=0.5)
@@ -132,7 +132,7 @@ def lift_gate(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"boom": boom}), size)
 
 
-@recipe("full-height turnstile", 3)
+@recipe("full-height turnstile", 3, name="access_barriers.full_height_turnstile")
 def full_height_turnstile(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A rotor of arms in a cage; one walks through along x."""
     b = MeshBuilder(roughness=0.4, metallic=0.2)
@@ -168,7 +168,7 @@ def full_height_turnstile(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"color": str(color)}), size)
 
 
-@recipe("toll booth", 3)
+@recipe("toll booth", 3, name="access_barriers.toll_booth")
 def toll_booth(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color = ("signal blue", "#2f8f52", "safety orange")[variant]

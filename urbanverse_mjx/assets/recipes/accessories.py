@@ -16,7 +16,7 @@ def dome(size: tuple[float, float, float], share: float = 0.5, power: float = 0.
     return Shape(np.column_stack([body.vertices[:, :2], lifted]), body.faces)
 
 
-@recipe("hat", 3)
+@recipe("hat", 3, name="accessories.hat")
 def hat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A felt fedora, a baseball cap, a wide straw sun hat."""
     b = MeshBuilder(roughness=0.95)
@@ -63,7 +63,7 @@ def hat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style}", size, rng, {"style": style})
 
 
-@recipe("helmet", 3)
+@recipe("helmet", 3, name="accessories.helmet")
 def helmet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Motorcycle full-face with its visor, bicycle with vents, hard hat of a building site."""
     b = MeshBuilder(roughness=0.3)
@@ -116,7 +116,7 @@ def helmet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} helmet", size, rng, {"style": style})
 
 
-@recipe("gloves", 3)
+@recipe("gloves", 3, name="accessories.gloves")
 def gloves(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pair lying flat, fingers to the front: leather, knitted mittens, padded work gloves."""
     b = MeshBuilder(roughness=0.9)
@@ -191,7 +191,7 @@ def shoe(b: MeshBuilder, upper: Color, sole: Color, style: str) -> None:
         b.box((0.8, 3, 3.4), (-13.2, 0, 4.6), "white", bevel=0.3)
 
 
-@recipe("shoes", 3)
+@recipe("shoes", 3, name="accessories.shoes")
 def shoes(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pair of sneakers, of laced leather shoes, of boots; toes to the front."""
     b = MeshBuilder(roughness=0.6)
@@ -205,7 +205,7 @@ def shoes(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a pair of {style}s", size, rng, {"style": style})
 
 
-@recipe("umbrella", 3)
+@recipe("umbrella", 3, name="accessories.umbrella")
 def umbrella(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Open umbrellas: a black one with a crook, one in rainbow panels, one lying on its rim to dry."""
     b = MeshBuilder(roughness=0.8)

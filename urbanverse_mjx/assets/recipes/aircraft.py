@@ -39,7 +39,7 @@ def landing_wheel(b: MeshBuilder, at: Point3, radius: float, top: float) -> None
     b.rod((x, y, radius), (x, y, top), radius * 0.2, "aluminium", sides=5)
 
 
-@recipe("airplane", 3)
+@recipe("airplane", 3, name="aircraft.airplane")
 def airplane(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.35)
     if variant == 1:
@@ -171,7 +171,7 @@ def _light_plane(b: MeshBuilder) -> BuiltAsset:
     return b.build("A white high-winged light aircraft", {"kind": "light"})
 
 
-@recipe("helicopter", 3)
+@recipe("helicopter", 3, name="aircraft.helicopter")
 def helicopter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     color, band, words = (
@@ -220,7 +220,7 @@ def helicopter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"words": words}), size)
 
 
-@recipe("drone", 3)
+@recipe("drone", 3, name="aircraft.drone")
 def drone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     color, accent = (("light grey", "charcoal"), ("black", "signal red"), ("white", "signal blue"))[variant]
@@ -275,7 +275,7 @@ def drone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"arms": arms}), size)
 
 
-@recipe("hot-air balloon", 3)
+@recipe("hot-air balloon", 3, name="aircraft.hot_air_balloon")
 def hot_air_balloon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.85)
     colors = (("signal red", "signal yellow"), ("signal blue", "white"), ("#7a3f98", "orange"))[variant]

@@ -45,7 +45,7 @@ def hoarding(b: MeshBuilder, at: Point3, size: tuple[float, float], face: np.nda
     b.box((0.3, *size), at, color, skins={"+x": face})
 
 
-@recipe("cinema", 3, hulls=8)
+@recipe("cinema", 3, hulls=8, name="amusements.cinema")
 def cinema(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A windowless hall behind a lit canopy with the programme, an upright sign and a row of film posters."""
     size, b = size_of("cinema", variant), MeshBuilder(roughness=0.7)
@@ -95,7 +95,7 @@ def cinema(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "cinema", size)
 
 
-@recipe("casino", 3, hulls=8)
+@recipe("casino", 3, hulls=8, name="amusements.casino")
 def casino(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A hall with a front of bulbs, giant dice and cards, a gilded entrance."""
     size, b = size_of("casino", variant), MeshBuilder(roughness=0.5)
@@ -138,7 +138,7 @@ def casino(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "casino", size)
 
 
-@recipe("department store", 3, hulls=8)
+@recipe("department store", 3, hulls=8, name="amusements.department_store")
 def department_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Four storeys of large windows over a row of show windows, corner tower with a globe, banners."""
     size, b = size_of("department store", variant), MeshBuilder(roughness=0.75)
@@ -190,7 +190,7 @@ def department_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"name": name}), "department store", size)
 
 
-@recipe("shopping mall", 2, hulls=8)
+@recipe("shopping mall", 2, hulls=8, name="amusements.shopping_mall")
 def shopping_mall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Broad boxes round a glass vault, with the names of many shops on the front."""
     size, b = size_of("shopping mall", variant), MeshBuilder(roughness=0.6)
@@ -255,7 +255,7 @@ def display_car(b: MeshBuilder, at: Point3, k: float, color: Color, turn: float 
             b.box((0.06, 0.35, 0.14), (2.14, s * 0.6, 0.62), "lamp")
 
 
-@recipe("car store", 3, hulls=8)
+@recipe("car store", 3, hulls=8, name="amusements.car_store")
 def car_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A glass hall with cars behind the panes and before the door, flags and a name on the roof's edge."""
     size, b = size_of("car store", variant), MeshBuilder(roughness=0.4)
@@ -299,7 +299,7 @@ def tyre_stack(b: MeshBuilder, at: Point3, count: int) -> None:
         b.ring(0.24, 0.11, (at[0], at[1], at[2] + 0.11 + 0.21 * k), "rubber", segments=12, sides=6)
 
 
-@recipe("auto repair shop", 3, hulls=8)
+@recipe("auto repair shop", 3, hulls=8, name="amusements.auto_repair_shop")
 def auto_repair_shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Bays with roller doors, one open on a lifted car; stacks of tyres; an office; a sign with a wrench."""
     size, b = size_of("auto repair shop", variant), MeshBuilder(roughness=0.75)

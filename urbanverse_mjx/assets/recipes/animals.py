@@ -184,7 +184,7 @@ def _head(b: MeshBuilder, s: float, at: np.ndarray, muzzle: float, coat: _Coat, 
                 )
 
 
-@recipe("dog", 4, _DOG, hulls=3)
+@recipe("dog", 4, _DOG, hulls=3, name="animals.dog")
 def dog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     s, leg, body, girth, muzzle, coat, stride, mass = (
@@ -206,7 +206,7 @@ def dog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return dataclasses.replace(built, volume=mass / 1000.0)
 
 
-@recipe("cat", 3, _CAT, hulls=2)
+@recipe("cat", 3, _CAT, hulls=2, name="animals.cat")
 def cat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     coat = (
@@ -267,7 +267,7 @@ def _oval(x: float, rx: float, ry: float, points: int = 12) -> np.ndarray:
     return np.stack([x + rx * np.cos(a), ry * np.sin(a)], 1)
 
 
-@recipe("bird", 3, _BIRD, hulls=1)
+@recipe("bird", 3, _BIRD, hulls=1, name="animals.bird")
 def bird(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     back, belly, head, beak, legs, s = (

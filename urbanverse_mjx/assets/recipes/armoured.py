@@ -34,7 +34,7 @@ def tracks(b: MeshBuilder, length: float, height: float, width: float, gauge: fl
             b.box((0.05, width * 1.02, 0.035), (x, y, 2 * r - 0.012), "black")
 
 
-@recipe("combat tactical  vehicle", 3)
+@recipe("combat tactical  vehicle", 3, name="armoured.combat_vehicle")
 def combat_vehicle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.85)
     paint_color = ("#5d6a42", "#a8946a", "#4c5540")[variant]

@@ -25,7 +25,7 @@ def wheels(b: MeshBuilder, half_x: float, half_y: float, radius: float) -> None:
             b.box((radius * 1.2, 2.2, radius * 1.3), (x, y, radius * 0.9), "dark grey")
 
 
-@recipe("backpack", 3)
+@recipe("backpack", 3, name="bags.backpack")
 def backpack(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A day pack, a tall trekking pack with its mat, a round school bag; straps at the back."""
     b = MeshBuilder(roughness=0.9)
@@ -72,7 +72,7 @@ def hard_case(b: MeshBuilder, size: tuple[float, float, float], color: Color, at
             b.box((x + 1.0, y * 0.06, z * 0.8), (0, across, z * 0.1), shade(color, 0.86), bevel=0.5)
 
 
-@recipe("suitcase", 3)
+@recipe("suitcase", 3, name="bags.suitcase")
 def suitcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ribbed shell with its handle drawn out, an aluminium cabin case, a soft case with pockets; upright."""
     b = MeshBuilder(roughness=0.5 if variant % 3 != 2 else 0.9)
@@ -103,7 +103,7 @@ def suitcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} suitcase", size, rng, {"style": style})
 
 
-@recipe("luggage", 3)
+@recipe("luggage", 3, name="bags.luggage")
 def luggage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two cases and a bag side by side, a holdall, a stack of old leather trunks."""
     b = MeshBuilder(roughness=0.7)
@@ -144,7 +144,7 @@ def luggage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"luggage: a {style}", size, rng, {"style": style})
 
 
-@recipe("briefcase", 3)
+@recipe("briefcase", 3, name="bags.briefcase")
 def briefcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A leather attaché case with locks, a ribbed aluminium case, a satchel with flap and buckles."""
     b = MeshBuilder(roughness=0.5)
@@ -174,7 +174,7 @@ def briefcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} briefcase", size, rng, {"style": style})
 
 
-@recipe("handbag", 3)
+@recipe("handbag", 3, name="bags.handbag")
 def handbag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A tote with two handles, a flap bag on a chain, a round-topped bowling bag."""
     b = MeshBuilder(roughness=0.55)
@@ -210,7 +210,7 @@ def handbag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} handbag", size, rng, {"style": style})
 
 
-@recipe("grocery bag", 3)
+@recipe("grocery bag", 3, name="bags.grocery_bag")
 def grocery_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A paper sack with bread and greens, a knotted-handle plastic bag, a cloth tote."""
     b = MeshBuilder(roughness=0.9)
@@ -246,7 +246,7 @@ def grocery_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} grocery bag", size, rng, {"style": style})
 
 
-@recipe("picnic basket", 3)
+@recipe("picnic basket", 3, name="bags.picnic_basket")
 def picnic_basket(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Oblong wicker with two lids and a bow, a strapped hamper, an oval basket under a checked cloth."""
     b = MeshBuilder(roughness=0.9)
@@ -284,7 +284,7 @@ def picnic_basket(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} picnic basket", size, rng, {"style": style})
 
 
-@recipe("wallet", 3)
+@recipe("wallet", 3, name="bags.wallet")
 def wallet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bifold with cards showing, one standing open, a long zipped purse; upright, fold to one side."""
     b = MeshBuilder(roughness=0.5)

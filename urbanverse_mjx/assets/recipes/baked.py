@@ -29,7 +29,7 @@ def wavy_disc(radius: float, thick: float, wave: float, count: int, rng: np.rand
     return disc
 
 
-@recipe("bread", 3)
+@recipe("bread", 3, name="baked.bread")
 def bread(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An oval loaf with cuts, a baguette, a tin loaf."""
     b = MeshBuilder(roughness=0.9)
@@ -59,7 +59,7 @@ def bread(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"bread: a {style}", size_cm, rng, {"style": style})
 
 
-@recipe("croissant", 3)
+@recipe("croissant", 3, name="baked.croissant")
 def croissant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A crescent of layers, a straight one, a chocolate-striped one; horns to the front."""
     b = MeshBuilder(roughness=0.6)
@@ -86,7 +86,7 @@ def croissant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} croissant", size, rng, {"style": style})
 
 
-@recipe("donuts", 3)
+@recipe("donuts", 3, name="baked.donuts")
 def donuts(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ring with pink icing and sprinkles, with chocolate, with sugar."""
     b = MeshBuilder(roughness=0.5)
@@ -119,7 +119,7 @@ def donuts(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} donut", size, rng, {"style": style})
 
 
-@recipe("muffin", 3)
+@recipe("muffin", 3, name="baked.muffin")
 def muffin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A blueberry muffin in its pleated cup, a chocolate one, a cupcake with a swirl."""
     b = MeshBuilder(roughness=0.8)
@@ -164,7 +164,7 @@ def muffin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} muffin", size, rng, {"style": style})
 
 
-@recipe("cake", 3)
+@recipe("cake", 3, name="baked.cake")
 def cake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A round cream cake with cherries and a cut, a chocolate birthday cake with candles, one slice."""
     b = MeshBuilder(roughness=0.6)
@@ -215,7 +215,7 @@ def cake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} cake", (size[0], size[1] * 0.98, size[2]), rng, {"style": style})
 
 
-@recipe("pancake", 3)
+@recipe("pancake", 3, name="baked.pancake")
 def pancake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A stack with butter and syrup, one with berries, a folded crêpe-like single stack with sugar."""
     b = MeshBuilder(roughness=0.6)

@@ -135,7 +135,7 @@ def _ball(
     return sized(b, rng, (across, across, across), words, style, jitter=0.0)
 
 
-@recipe("basketball", 3, hulls=1)
+@recipe("basketball", 3, hulls=1, name="balls.basketball")
 def basketball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Orange, brown leather, red-white-blue."""
     p = _tilted(directions(), 18.0)
@@ -148,7 +148,7 @@ def basketball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _ball(rng, painted(ground, layers), (0.243, 0.24, 0.2445)[variant], f"a basketball, {style}", style, 0.7)
 
 
-@recipe("football", 3, hulls=1)
+@recipe("football", 3, hulls=1, name="balls.football")
 def football(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White with black pentagons, yellow with blue ones, white with red ones: balls of association football."""
     p = _tilted(directions(), 11.0)
@@ -159,7 +159,7 @@ def football(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _ball(rng, picture, (0.22, 0.2165, 0.2225)[variant], f"a football, {style}", style, 0.5)
 
 
-@recipe("volleyball", 3, hulls=1)
+@recipe("volleyball", 3, hulls=1, name="balls.volleyball")
 def volleyball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White, yellow and blue, white with red and green."""
     p = _tilted(directions(), 24.0)
@@ -174,7 +174,7 @@ def volleyball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("baseball", 2, hulls=1)
+@recipe("baseball", 2, hulls=1, name="balls.baseball")
 def baseball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """New white ball, scuffed one; red stitches along the seam."""
     p = _tilted(directions(), 30.0)
@@ -187,7 +187,7 @@ def baseball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _ball(rng, painted("white", layers), (0.0738, 0.0748)[variant], f"a {style} baseball", style, 0.7)
 
 
-@recipe("sports ball", 3, hulls=1)
+@recipe("sports ball", 3, hulls=1, name="balls.sports_ball")
 def sports_ball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Handball in two colours, tennis ball, bowling ball with its three holes."""
     style = ("handball", "tennis ball", "bowling ball")[variant]

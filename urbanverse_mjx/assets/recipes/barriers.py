@@ -11,7 +11,7 @@ from ..meshes.recipe import Physics, recipe
 CONE = Physics(("rubber", "plastic"), 500.0, (1.0, 7.0), 0.7, True, "45-90 cm road cones weigh 1-6 kg")
 
 
-@recipe("traffic cone", 4, CONE, hulls=2)
+@recipe("traffic cone", 4, CONE, hulls=2, name="barriers.traffic_cone")
 def traffic_cone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Square-based cones with one or two reflective bands, a tall channeliser, a small one."""
     b = MeshBuilder(roughness=0.6)
@@ -46,7 +46,7 @@ BARRICADE = Physics(
 )
 
 
-@recipe("traffic barricade", 4, BARRICADE, hulls=6)
+@recipe("traffic barricade", 4, BARRICADE, hulls=6, name="barriers.traffic_barricade")
 def traffic_barricade(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A-frame with striped rails, crowd-control barrier, European board on rubber feet, plastic pedestrian barrier."""
     b = MeshBuilder(roughness=0.55)
@@ -139,7 +139,7 @@ JERSEY = Physics(
 )
 
 
-@recipe("jersey barrier", 3, JERSEY, hulls=2)
+@recipe("jersey barrier", 3, JERSEY, hulls=2, name="barriers.jersey_barrier")
 def jersey_barrier(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Concrete element, striped concrete, red or white plastic water-filled one; long side along y."""
     b = MeshBuilder(roughness=0.9)
@@ -174,7 +174,7 @@ FENCE = Physics(
 )
 
 
-@recipe("fence", 4, FENCE, hulls=4)
+@recipe("fence", 4, FENCE, hulls=4, name="barriers.fence")
 def fence(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wrought-iron railing, wooden pickets, board fence, construction mesh panel; the panel runs along y."""
     b = MeshBuilder(roughness=0.7)
@@ -251,7 +251,7 @@ RAIL = Physics(
 )
 
 
-@recipe("guard rail", 3, RAIL, hulls=5)
+@recipe("guard rail", 3, RAIL, hulls=5, name="barriers.guard_rail")
 def guard_rail(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """W-beam on posts, tubular pedestrian rail, timber rail; runs along y, its front (+x) faces the traffic."""
     b = MeshBuilder(roughness=0.4, metallic=0.2)
@@ -305,7 +305,7 @@ RACK = Physics(
 )
 
 
-@recipe("bicycle parking", 3, RACK, hulls=5)
+@recipe("bicycle parking", 3, RACK, hulls=5, name="barriers.bicycle_parking")
 def bicycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Sheffield hoops, a wave rack, wheel-holder row; bicycles enter along x."""
     b = MeshBuilder(roughness=0.35, metallic=0.3)
@@ -355,7 +355,13 @@ def bicycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(text, {"style": style})
 
 
-@recipe("rock", 4, Physics(("stone",), 2600.0, (40.0, 4000.0), 0.8, False, "granite of 2,600 kg/m3"), hulls=1)
+@recipe(
+    "rock",
+    4,
+    Physics(("stone",), 2600.0, (40.0, 4000.0), 0.8, False, "granite of 2,600 kg/m3"),
+    hulls=1,
+    name="barriers.rock",
+)
 def rock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Boulders of a split look: points on a lumpy ellipsoid, cut flat below."""
     b = MeshBuilder(roughness=1.0)
@@ -375,6 +381,7 @@ def rock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     3,
     Physics(("cast iron",), 5500.0, (40.0, 160.0), 0.6, False, "ductile iron covers weigh 40-120 kg with their frame"),
     hulls=1,
+    name="barriers.manhole_cover",
 )
 def manhole_cover(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat iron lid, 12 mm proud: round with ribs, round with squares, square telecom cover."""

@@ -155,7 +155,7 @@ def mane(b: MeshBuilder, m: Beast, s: float, color: Color, rise: float = 0.05) -
     b.profile([(x * s, z * s) for x, z in (*outer, *inner)], 0.045 * s, (0, 0, 0), color)
 
 
-@recipe("horse", 3)
+@recipe("horse", 3, name="beasts.horse")
 def horse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
     coat, dark = (("#7a4526", "#1d1612"), ("#d8d3ca", "#8f8a84"), ("#241d1a", "#0f0c0b"))[variant]
@@ -179,7 +179,7 @@ def horse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("donkey", 2)
+@recipe("donkey", 2, name="beasts.donkey")
 def donkey(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     coat = ("#8d867d", "#6b4d38")[variant]
@@ -196,7 +196,7 @@ def donkey(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"coat": coat}), ((1.65, 0.46, 1.40), (1.8, 0.5, 1.5))[variant])
 
 
-@recipe("cow", 3)
+@recipe("cow", 3, name="beasts.cow")
 def cow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.85)
     coat, spot, nose = (
@@ -229,7 +229,7 @@ def cow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"coat": coat}), size)
 
 
-@recipe("sheep", 3)
+@recipe("sheep", 3, name="beasts.sheep")
 def sheep(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=1.0)
     wool, face = (("#e6dfd0", "#2b2724"), ("#efe9dc", "#e0cdb8"), ("#4a4038", "#2b2522"))[variant]
@@ -273,7 +273,7 @@ def antlers(b: MeshBuilder, m: Beast, s: float, reach: float) -> None:
             b.tube([beam[k] * s, tip * s], [0.016 * s, 0.006 * s], "bark", sides=5)
 
 
-@recipe("deer", 3)
+@recipe("deer", 3, name="beasts.deer")
 def deer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     coat, s = (("#a0673a", 0.95), ("#8a5a34", 1.15), ("#b4753f", 0.85))[variant]
@@ -291,7 +291,7 @@ def deer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"coat": coat}), size)
 
 
-@recipe("wildlife", 3)
+@recipe("wildlife", 3, name="beasts.wildlife")
 def wildlife(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     if variant == 0:  # a wild boar

@@ -180,7 +180,7 @@ BIKES = (
 )
 
 
-@recipe("bicycle", 4, _BICYCLE, hulls=4)
+@recipe("bicycle", 4, _BICYCLE, hulls=4, name="bicycles.bicycle")
 def bicycle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45, metallic=0.2)
     build_bicycle(b, BIKES[variant])

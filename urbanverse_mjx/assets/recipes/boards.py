@@ -81,7 +81,7 @@ def _stand(b: MeshBuilder, width: float, height: float, color: Color) -> None:
     b.rod((-0.02, -width / 2 - 0.04, 0.24), (-0.02, width / 2 + 0.04, 0.24), 0.018, color)
 
 
-@recipe("blackboard", 3)
+@recipe("blackboard", 3, name="boards.blackboard")
 def blackboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wall board with chalk writing, green board on wheels, small easel of a cafe."""
     b = MeshBuilder(roughness=0.85)
@@ -111,7 +111,7 @@ def blackboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} blackboard", style)
 
 
-@recipe("whiteboard", 3)
+@recipe("whiteboard", 3, name="boards.whiteboard")
 def whiteboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wall board with a plan, wheeled one with a sum, flip chart on three legs."""
     b = MeshBuilder(roughness=0.4)
@@ -148,7 +148,7 @@ def whiteboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} whiteboard", style)
 
 
-@recipe("tripod", 3)
+@recipe("tripod", 3, name="boards.tripod")
 def tripod(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Photo tripod with a pan handle, yellow wooden one of surveyors, low video tripod."""
     b = MeshBuilder(roughness=0.45)

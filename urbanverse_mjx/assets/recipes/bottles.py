@@ -194,15 +194,14 @@ def register(leaf: str) -> None:
         round_bottle(b, bottle)
         return finished(b, f"a {name}", size, rng, {"style": name})
 
-    build.__name__ = f"round_{leaf.replace(' ', '_')}"
-    recipe(leaf, len(kinds))(build)
+    recipe(leaf, len(kinds), name=f"bottles.round_{leaf.replace(' ', '_')}")(build)
 
 
 for _leaf in ("bottle", "wine", "bottled water"):
     register(_leaf)
 
 
-@recipe("beer", 3)
+@recipe("beer", 3, name="bottles.beer")
 def beer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bottle of lager, a can, a mug with its handle and froth."""
     b = MeshBuilder(roughness=0.25)

@@ -10,7 +10,7 @@ from .facade import BUILDING, Facade, bays_over, finish_block, stoop
 from .foliage import leaf_picture, leafy, potted_bush
 
 
-@recipe("apartment building", 4, BUILDING, hulls=8)
+@recipe("apartment building", 4, BUILDING, hulls=8, name="buildings.apartment_building")
 def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, width, floors, style = (
         ("plaster", "#d8c08f", "off white", 11.0, 5, "casement"),
@@ -68,7 +68,7 @@ def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finish_block(f, names[variant], {"wall": kind, "floors": floors})
 
 
-@recipe("house", 4, BUILDING, hulls=8)
+@recipe("house", 4, BUILDING, hulls=8, name="buildings.house")
 def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, trim, roof, width, along = (
         ("plaster", "#e6dcc4", "white", "#8e4431", 8.5, True),
@@ -139,7 +139,7 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finish_block(f, names[variant], {"wall": kind, "roof": str(roof)})
 
 
-@recipe("office building", 3, BUILDING, hulls=6)
+@recipe("office building", 3, BUILDING, hulls=6, name="buildings.office_building")
 def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     wall, color, trim, width, floors = (
         ("panel", "#8f99a3", "aluminium", 14.0, 5),
@@ -190,7 +190,7 @@ def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finish_block(f, names[variant], {"wall": wall, "floors": floors, "name": name})
 
 
-@recipe("garage", 3, BUILDING, hulls=6)
+@recipe("garage", 3, BUILDING, hulls=6, name="buildings.garage")
 def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, doors, width = (
         ("plaster", "#cfc6b4", 1, 6.0),

@@ -32,7 +32,7 @@ def door_picture(width: int, height: int, color: Color, doors: int = 1) -> Image
     return image
 
 
-@recipe("street cabinet", 4, CABINET, hulls=1)
+@recipe("street cabinet", 4, CABINET, hulls=1, name="cabinets.street_cabinet")
 def street_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Telecom, traffic-signal, electricity and graffiti-covered double cabinets; doors at +x."""
     b = MeshBuilder(roughness=0.7)
@@ -82,7 +82,7 @@ def _bottles(rng: np.random.Generator, width: int, height: int, rows: int, colum
     return image
 
 
-@recipe("vending machine", 3, VENDING, hulls=1)
+@recipe("vending machine", 3, VENDING, hulls=1, name="cabinets.vending_machine")
 def vending_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Drinks machine with lit display, snack machine with glass front, bright branded cooler; front +x."""
     b = MeshBuilder(roughness=0.35)
@@ -126,7 +126,7 @@ LETTERS = Physics(
 )
 
 
-@recipe("mailbox", 3, LETTERS, hulls=2)
+@recipe("mailbox", 3, LETTERS, hulls=2, name="cabinets.mailbox")
 def mailbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Tunnel-shaped rural mailbox on a post, blue collection box, wall-style box on a stand. Door +x."""
     b = MeshBuilder(roughness=0.45)
@@ -176,7 +176,7 @@ def mailbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} mailbox", {"style": style})
 
 
-@recipe("postbox", 3, LETTERS, hulls=2)
+@recipe("postbox", 3, LETTERS, hulls=2, name="cabinets.postbox")
 def postbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red pillar box, yellow box on a stand, blue-grey modern box; slot at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -236,7 +236,7 @@ def front_page(width: int, height: int, rng: np.random.Generator, title: str = "
     return image
 
 
-@recipe("newspaper stand", 3, STAND, hulls=2)
+@recipe("newspaper stand", 3, STAND, hulls=2, name="cabinets.newspaper_stand")
 def newspaper_stand(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Coin box with window, twin boxes, sloped display rack; front +x."""
     b = MeshBuilder(roughness=0.5)
@@ -298,7 +298,7 @@ def poster(width: int, height: int, rng: np.random.Generator, style: int) -> Ima
     return image
 
 
-@recipe("advertising board", 4, BOARD, hulls=2)
+@recipe("advertising board", 4, BOARD, hulls=2, name="cabinets.advertising_board")
 def advertising_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Chalk sandwich board, white A-board, poster column, illuminated poster totem; faces +x."""
     b = MeshBuilder(roughness=0.6)

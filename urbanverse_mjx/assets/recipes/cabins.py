@@ -31,7 +31,7 @@ def people_mark(back: Color = "signal blue") -> Image.Image:
     return paint.shrunk(image, (48, 48))
 
 
-@recipe("public toilets", 3)
+@recipe("public toilets", 3, name="cabins.public_toilets")
 def public_toilets(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An oval automatic cabin, a plastic site cabin, a brick house with two doors."""
     b = MeshBuilder(roughness=0.6)
@@ -100,7 +100,7 @@ def public_toilets(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a brick house with public toilets", (3.8, 5.0, 3.5), style="house")
 
 
-@recipe("photo booth", 3)
+@recipe("photo booth", 3, name="cabins.photo_booth")
 def photo_booth(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A booth with a half curtain over a stool, sample strips and a slot; the seat's opening at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -139,7 +139,7 @@ def photo_booth(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {color} photo booth", (x, y, z), 0.8, title=title)
 
 
-@recipe("pumping station", 3)
+@recipe("pumping station", 3, name="cabins.pumping_station")
 def pumping_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A brick pump house with a hipped roof and pipes, a concrete kiosk with a valve, a long one with three pumps."""
     b = MeshBuilder(roughness=0.85)
@@ -185,7 +185,7 @@ def pumping_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {kind} pumping station", size, wall=kind)
 
 
-@recipe("transformer tower", 3)
+@recipe("transformer tower", 3, name="cabins.transformer_tower")
 def transformer_tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A plastered tower with a tent roof and insulators, a brick one with a gable, a bare concrete one."""
     b = MeshBuilder(roughness=0.85)
@@ -235,7 +235,7 @@ def transformer_tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {kind} transformer tower", size, wall=kind)
 
 
-@recipe("elevator", 3)
+@recipe("elevator", 3, name="cabins.elevator")
 def elevator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A glass lift in a steel frame, a clad one with an L-shaped canopy, a tall glass tower; doors at +x."""
     b = MeshBuilder(roughness=0.35)

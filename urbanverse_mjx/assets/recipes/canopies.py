@@ -120,7 +120,7 @@ def _stall(b: MeshBuilder, style: str, rng: np.random.Generator) -> None:
         b.lathe([(0.08, 0), (0.17, 0.25), (0.12, 0.42), (0.02, 0.45)], (0, 0.5, 0.92), "brown", segments=14)
 
 
-@recipe("street food stall", 4, STALL, hulls=8)
+@recipe("street food stall", 4, STALL, hulls=8, name="canopies.street_food_stall")
 def street_food_stall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Hot-dog cart with parasol, market stall with fruit, taco stand with canopy, ice-cream cart; customers at +x."""
     b = MeshBuilder(roughness=0.6)
@@ -142,7 +142,7 @@ AWNING = Physics(
 )
 
 
-@recipe("awning", 4, AWNING, hulls=6)
+@recipe("awning", 4, AWNING, hulls=6, name="canopies.awning")
 def awning(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Sloped and round-fronted wall awnings (no posts: place them at their height), and two on posts."""
     b = MeshBuilder(roughness=0.9)

@@ -36,7 +36,7 @@ def _sedan_style(variant: int) -> tuple[BodyShape, CarStyle]:
     return SEDAN.stretched(along, 1.0 + 0.5 * (along - 1), up), CarStyle(color, rim, grille, plate)
 
 
-@recipe("sedan", 4, CAR, hulls=7)
+@recipe("sedan", 4, CAR, hulls=7, name="cars.sedan")
 def sedan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     shape, style = _sedan_style(variant)
     style = dataclasses.replace(style, doors=(-1.02, -0.30, 0.84))
@@ -50,7 +50,7 @@ def sedan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "sedan", "color": str(style.color), "plate": style.plate})
 
 
-@recipe("hatchback car", 4, CAR, hulls=7)
+@recipe("hatchback car", 4, CAR, hulls=7, name="cars.hatchback")
 def hatchback(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("red", "#6fb3d2", "signal yellow", "charcoal")[variant]
     along, up = ((1.0, 1.0), (0.88, 1.04), (0.95, 1.0), (1.05, 0.99))[variant]
@@ -71,7 +71,7 @@ def hatchback(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "hatchback", "color": str(color)})
 
 
-@recipe("suv", 4, CAR, hulls=7)
+@recipe("suv", 4, CAR, hulls=7, name="cars.suv")
 def suv(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("black", "white", "#4c5d46", "#9b3f2b")[variant]
     along, up = ((1.05, 1.02), (1.0, 1.0), (0.92, 1.06), (0.94, 0.96))[variant]
@@ -100,7 +100,7 @@ def suv(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "suv", "color": str(color)})
 
 
-@recipe("van", 4, CAR, hulls=4)
+@recipe("van", 4, CAR, hulls=4, name="cars.van")
 def van(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color, letters, ink, band = (
         ("white", "CITY PARCEL", "signal blue", "signal blue"),
@@ -131,7 +131,7 @@ def van(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "van", "letters": letters})
 
 
-@recipe("minivan", 3, CAR, hulls=7)
+@recipe("minivan", 3, CAR, hulls=7, name="cars.minivan")
 def minivan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("#7a2f3a", "#b9c0c4", "#2f5d62")[variant]
     style = CarStyle(
@@ -155,7 +155,7 @@ def minivan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "minivan", "color": str(color)})
 
 
-@recipe("pickup truck", 3, CAR, hulls=7)
+@recipe("pickup truck", 3, CAR, hulls=7, name="cars.pickup")
 def pickup(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("dark red", "white", "#5b6b78")[variant]
     style = CarStyle(

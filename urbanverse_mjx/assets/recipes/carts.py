@@ -50,7 +50,7 @@ def solid_wheel(
     b.cylinder(radius * 0.28, width * 0.9, (at[0], y0 - width * 0.05, at[2]), "dark grey", (90, 0, 0), segments=8)
 
 
-@recipe("wheelchair", 3, _WHEELCHAIR, hulls=4)
+@recipe("wheelchair", 3, _WHEELCHAIR, hulls=4, name="carts.wheelchair")
 def wheelchair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6, metallic=0.1)
     cloth = ("dark blue", "black", "dark red")[variant]
@@ -91,7 +91,7 @@ def wheelchair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return dataclasses.replace(built, volume=0.05)
 
 
-@recipe("stroller", 3, _STROLLER, hulls=4)
+@recipe("stroller", 3, _STROLLER, hulls=4, name="carts.stroller")
 def stroller(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
     cloth = ("teal", "charcoal", "#a33b4a")[variant]
@@ -165,7 +165,7 @@ def _slab(x: float, half: float, z0: float, z1: float) -> np.ndarray:
     return np.array([(x, y, z) for y, z in points])
 
 
-@recipe("handcart", 3, _HANDCART, hulls=4)
+@recipe("handcart", 3, _HANDCART, hulls=4, name="carts.handcart")
 def handcart(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.85)
     if variant == 0:  # sack truck with boxes
@@ -223,7 +223,7 @@ def handcart(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return dataclasses.replace(built, volume=(0.12, 0.25, 0.15)[variant])
 
 
-@recipe("tricycle", 3, _TRICYCLE, hulls=5)
+@recipe("tricycle", 3, _TRICYCLE, hulls=5, name="carts.tricycle")
 def tricycle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     if variant == 0:  # a child's tricycle
@@ -302,7 +302,7 @@ def _logo(words: str, back: Color, ink: Color) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (64, 16)))
 
 
-@recipe("delivery robot", 3, _ROBOT, hulls=2)
+@recipe("delivery robot", 3, _ROBOT, hulls=2, name="carts.delivery_robot")
 def delivery_robot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     color, accent, name = (("white", "orange", "DASHBOT"), ("charcoal", "lime", "CURIO"), ("pink", "white", "HELLO"))[

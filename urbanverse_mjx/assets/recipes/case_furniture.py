@@ -84,7 +84,7 @@ def books(
         y += thick + 0.002
 
 
-@recipe("bookcase", 3)
+@recipe("bookcase", 3, name="case_furniture.bookcase")
 def bookcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Five shelves of books, a white cube shelf, a low one with a ladder of steps."""
     b = MeshBuilder(roughness=0.6)
@@ -115,7 +115,7 @@ def bookcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a bookcase of {rows} shelves", (d, w, h), rows=rows)
 
 
-@recipe("cabinet or shelf", 3)
+@recipe("cabinet or shelf", 3, name="case_furniture.cabinet")
 def cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A cupboard with two doors below and open shelves above, a sideboard on legs, a tall glass-fronted one."""
     b = MeshBuilder(roughness=0.55)
@@ -159,7 +159,7 @@ def cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("cabinetry", 3)
+@recipe("cabinetry", 3, name="case_furniture.cabinetry")
 def cabinetry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A run of kitchen units with worktop, sink tap and hob; with and without wall units."""
     b = MeshBuilder(roughness=0.45)
@@ -203,7 +203,7 @@ def cabinetry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a run of kitchen units", (0.62, w, 2.15 if wall else 1.25), wall_units=wall)
 
 
-@recipe("chest of drawers", 3)
+@recipe("chest of drawers", 3, name="case_furniture.chest_of_drawers")
 def chest_of_drawers(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Four wide drawers with bars, an old one with knobs and bowed top, six white ones in two columns."""
     b = MeshBuilder(roughness=0.55)
@@ -225,7 +225,7 @@ def chest_of_drawers(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a chest of {rows * columns} drawers", (d, w, h), drawers=rows * columns)
 
 
-@recipe("nightstand", 3)
+@recipe("nightstand", 3, name="case_furniture.nightstand")
 def nightstand(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A drawer over an open shelf, two drawers on tall legs, a door and a drawer."""
     b = MeshBuilder(roughness=0.55)
@@ -257,13 +257,13 @@ def nightstand(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a nightstand", (d, w, h))
 
 
-@recipe("wardrobe", 3)
+@recipe("wardrobe", 3, name="case_furniture.wardrobe")
 def wardrobe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three free-standing wardrobes."""
     return _wardrobe(variant, (1.25, 1.9, 1.1)[variant % 3], ("wood", "white", "light wood")[variant % 3], rng)
 
 
-@recipe("closet", 3)
+@recipe("closet", 3, name="case_furniture.closet")
 def closet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three built-in ones, wider."""
     return _wardrobe(variant, (1.5, 2.2, 1.3)[variant % 3], ("#d9d4c6", "#6b4a34", "#c9d2d6")[variant % 3], rng)

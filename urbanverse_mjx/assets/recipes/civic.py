@@ -25,7 +25,7 @@ def water_disc(b: MeshBuilder, radius: float, z: float, rng: np.random.Generator
         b.plate(outline, 0.004, (0, 0, 0), image, "water")
 
 
-@recipe("fountain", 3, MASONRY, hulls=6)
+@recipe("fountain", 3, MASONRY, hulls=6, name="civic.fountain")
 def fountain(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two-bowl round basin, square modern pool with jets, wall-like drinking fountain trough."""
     b = MeshBuilder(roughness=0.6)
@@ -124,7 +124,7 @@ def _statue(b: MeshBuilder, color: Color, h: float, arm_up: bool) -> None:
         b.ball(0.03 * h, arm[-1], color, segments=8, rings=6)
 
 
-@recipe("sculpture", 4, MASONRY, hulls=6)
+@recipe("sculpture", 4, MASONRY, hulls=6, name="civic.sculpture")
 def sculpture(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Bronze figure on a plinth, abstract twisted column, stacked spheres, marble bust."""
     b = MeshBuilder(roughness=0.5)
@@ -235,7 +235,7 @@ def leaf_blade(
     b.sheet(np.array(rows), color, both_sides=True)
 
 
-@recipe("plant pot", 4, POT, hulls=1)
+@recipe("plant pot", 4, POT, hulls=1, name="civic.plant_pot")
 def plant_pot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Terracotta pot, concrete bowl, corten cube, timber trough; soil but no plant."""
     b = MeshBuilder(roughness=0.9)
@@ -247,7 +247,7 @@ def plant_pot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} filled with soil", {"style": style, "size": round(size, 3)})
 
 
-@recipe("potted plant", 4, POT, hulls=3)
+@recipe("potted plant", 4, POT, hulls=3, name="civic.potted_plant")
 def potted_plant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Box ball, arching grass, flowers in a trough, small clipped tree on a stem."""
     b = MeshBuilder(roughness=0.95)

@@ -78,7 +78,7 @@ def _scales(b: MeshBuilder, at: Point3, height: float) -> None:
         )
 
 
-@recipe("courthouse", 3, hulls=10)
+@recipe("courthouse", 3, hulls=10, name="civic_halls.courthouse")
 def courthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Heavy stone with columns, a pediment and steps; the second under a dome, the third of red stone."""
     size = size_of("courthouse", variant)
@@ -121,7 +121,7 @@ def courthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "courthouse", size)
 
 
-@recipe("government building", 3, hulls=10)
+@recipe("government building", 3, hulls=10, name="civic_halls.government_building")
 def government_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A capitol with a high dome; a palace front with flags; a ministry of glass and stone."""
     size = size_of("government building", variant)
@@ -187,7 +187,7 @@ def government_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "government building", size)
 
 
-@recipe("town hall", 3, hulls=10)
+@recipe("town hall", 3, hulls=10, name="civic_halls.town_hall")
 def town_hall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A gabled front with a clock turret; a belfry in the middle; a timber-framed hall on arches."""
     size = size_of("town hall", variant)

@@ -23,7 +23,7 @@ def fan_grille(b: MeshBuilder, at: tuple[float, float, float], radius: float, gu
         b.rod((x + 0.02, y, z), (x + 0.02, y + p[0], z + p[1]), 0.004, guard, sides=4)
 
 
-@recipe("air conditioner", 3, hulls=1)
+@recipe("air conditioner", 3, hulls=1, name="climate.air_conditioner")
 def air_conditioner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Outdoor unit with its fan, indoor wall unit with louvres, window unit."""
     b = MeshBuilder(roughness=0.5)
@@ -64,7 +64,7 @@ def air_conditioner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"the {style} of an air conditioner", style)
 
 
-@recipe("radiator", 3, hulls=1)
+@recipe("radiator", 3, hulls=1, name="climate.radiator")
 def radiator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Ribbed steel panel, cast-iron columns, ladder for towels; each with its valve."""
     b = MeshBuilder(roughness=0.45)
@@ -106,7 +106,7 @@ def radiator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} radiator", style)
 
 
-@recipe("range hood", 2)
+@recipe("range hood", 2, name="climate.range_hood")
 def range_hood(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steel canopy under a chimney; slanting black glass under a chimney."""
     b = MeshBuilder(roughness=0.3)
@@ -141,7 +141,7 @@ def range_hood(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a range hood with a {style}", style)
 
 
-@recipe("electric fan", 3)
+@recipe("electric fan", 3, name="climate.electric_fan")
 def electric_fan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Table fan, pedestal fan, box fan; each blows along +x."""
     b = MeshBuilder(roughness=0.4)
@@ -178,7 +178,7 @@ def electric_fan(variant: int, rng: np.random.Generator) -> BuiltAsset:
 _MOTOR = ((-0.1, 0.02), (-0.08, 0.05), (0.0, 0.06), (0.05, 0.05), (0.06, 0.02))
 
 
-@recipe("hair drier", 2)
+@recipe("hair drier", 2, name="climate.hair_drier")
 def hair_drier(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Barrel and handle with a nozzle along +x; folding one in another colour."""
     b = MeshBuilder(roughness=0.35)
@@ -206,7 +206,7 @@ def _oval(x: float, half_y: float, half_z: float, z: float) -> np.ndarray:
     return np.array([(x, half_y * np.cos(a), z + half_z * np.sin(a)) for a in np.arange(14) * (2 * np.pi / 14)])
 
 
-@recipe("hand dryer", 2, hulls=1)
+@recipe("hand dryer", 2, hulls=1, name="climate.hand_dryer")
 def hand_dryer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wall box with a nozzle below and the sign of drying hands; tall one that hands dip into."""
     b = MeshBuilder(roughness=0.35)

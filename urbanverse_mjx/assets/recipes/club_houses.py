@@ -26,7 +26,7 @@ def mural(kinds: tuple[str, ...], back: Color, ink: Color, size: tuple[int, int]
     return np.asarray(paint.shrunk(image, size))
 
 
-@recipe("fitness center", 3, hulls=6)
+@recipe("fitness center", 3, hulls=6, name="club_houses.fitness_center")
 def fitness_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A glazed hall with people training behind the panes and a giant dumb-bell on its roof."""
     size, b = size_of("fitness center", variant), MeshBuilder(roughness=0.5)
@@ -84,7 +84,7 @@ def fitness_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "fitness center", size)
 
 
-@recipe("sports center", 3, hulls=6)
+@recipe("sports center", 3, hulls=6, name="club_houses.sports_center")
 def sports_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A great hall under an arched, a flat or a pitched roof, with sports painted on its front."""
     size, b = size_of("sports center", variant), MeshBuilder(roughness=0.7)
@@ -125,7 +125,7 @@ def sports_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "sports center", size)
 
 
-@recipe("community center", 3, hulls=8)
+@recipe("community center", 3, hulls=8, name="club_houses.community_center")
 def community_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A hall with a gabled porch, notice boards, benches and a painted wall of people holding hands."""
     size, b = size_of("community center", variant), MeshBuilder(roughness=0.85)

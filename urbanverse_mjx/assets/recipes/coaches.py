@@ -123,7 +123,7 @@ def pantograph(b: MeshBuilder, x: float, low: float, high: float) -> None:
     b.box((0.9, 0.9, 0.08), (x - 0.2, 0, low - 0.02), "dark grey")
 
 
-@recipe("tram", 3)
+@recipe("tram", 3, name="coaches.tram")
 def tram(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.35)
     length, modules, color, band, low = (
@@ -167,7 +167,7 @@ def tram(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(built, ((27.0, 2.42, 3.50), (32.0, 2.62, 3.55), (14.2, 2.3, 3.65))[variant])
 
 
-@recipe("trolleybus", 3)
+@recipe("trolleybus", 3, name="coaches.trolleybus")
 def trolleybus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     length, color, band = ((12.0, "#3b8f5a", "white"), (11.0, "signal blue", "white"), (17.9, "white", "signal red"))[
@@ -213,7 +213,7 @@ _SCHOOL_LINE = (
 )
 
 
-@recipe("school bus", 3)
+@recipe("school bus", 3, name="coaches.school_bus")
 def school_bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     stretch = (1.10, 0.86, 1.22)[variant]
@@ -276,7 +276,7 @@ def school_bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(built, ((10.8, 2.5, 3.1), (8.4, 2.42, 3.05), (12.2, 2.55, 3.15))[variant])
 
 
-@recipe("trolley", 2)
+@recipe("trolley", 2, name="coaches.trolley")
 def trolley(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A heritage streetcar: wooden sides, open platforms, a raised lantern roof."""
     b = MeshBuilder(roughness=0.55)
@@ -322,7 +322,7 @@ def _boards(color: Color, trim: Color) -> Picture:
     return np.asarray(image)
 
 
-@recipe("train", 3)
+@recipe("train", 3, name="coaches.train")
 def train(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     if variant == 2:

@@ -11,7 +11,7 @@ from .handheld import arc, finished, painted, pillow, skin, softened, stadium, v
 from .tableware import STEEL
 
 
-@recipe("chopping board", 3)
+@recipe("chopping board", 3, name="cookware.chopping_board")
 def chopping_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Beech strips with a groove, a round-cornered paddle with a hole, white plastic."""
     b = MeshBuilder(roughness=0.7)
@@ -57,7 +57,7 @@ def chopping_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a chopping board: {style}", size, rng, {"style": style})
 
 
-@recipe("frying pan", 3)
+@recipe("frying pan", 3, name="cookware.frying_pan")
 def frying_pan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black non-stick, cast iron with its short handle and lips, steel with a fried egg in it."""
     b = MeshBuilder(roughness=0.4)
@@ -97,7 +97,7 @@ def frying_pan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a frying pan: {style}", size, rng, {"style": style})
 
 
-@recipe("wok", 2)
+@recipe("wok", 2, name="cookware.wok")
 def wok(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Carbon steel with a long wooden handle, an iron one with two ears and vegetables in it."""
     b = MeshBuilder(roughness=0.5)
@@ -134,7 +134,7 @@ def wok(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} wok", size, rng, {"style": style})
 
 
-@recipe("teapot", 3)
+@recipe("teapot", 3, name="cookware.teapot")
 def teapot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Round porcelain, black cast iron with a bail handle, tall brown glazed; spout to the front."""
     b = MeshBuilder(roughness=0.4)
@@ -174,7 +174,7 @@ def teapot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} teapot", size, rng, {"style": style})
 
 
-@recipe("spice rack", 3)
+@recipe("spice rack", 3, name="cookware.spice_rack")
 def spice_rack(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wooden shelf of three tiers, a wire rack of two, a stepped stand; jars with labels and powder."""
     b = MeshBuilder(roughness=0.6)

@@ -100,7 +100,7 @@ def _framed_bridge(b: MeshBuilder, size: Size, stone: Color, timber: bool) -> No
             b.rod((t * x, -0.46 * y, deck + top), (t * x, 0.46 * y, deck + top), 0.025 * z, stone, 5)
 
 
-@recipe("bridge", 3, hulls=10)
+@recipe("bridge", 3, hulls=10, name="crossings.bridge")
 def bridge(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A stone bridge of two arches, a timber foot bridge, a steel truss; one crosses along x."""
     size, b = size_of("bridge", variant), MeshBuilder(roughness=0.85)
@@ -113,7 +113,7 @@ def bridge(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "bridge", size)
 
 
-@recipe("tunnel", 3, hulls=8)
+@recipe("tunnel", 3, hulls=8, name="crossings.tunnel")
 def tunnel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A portal in a green slope with the road going in; stone for trains, concrete for cars."""
     size, b = size_of("tunnel", variant), MeshBuilder(roughness=0.9)
@@ -161,7 +161,7 @@ def tunnel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "tunnel", size)
 
 
-@recipe("train station", 3, hulls=10)
+@recipe("train station", 3, hulls=10, name="crossings.train_station")
 def train_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An entrance hall with a great arched window and clock; wings; a platform roof and a train behind."""
     size, b = size_of("train station", variant), MeshBuilder(roughness=0.8)

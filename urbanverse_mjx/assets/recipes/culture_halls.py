@@ -13,7 +13,7 @@ from .fitting import Size, fitted, size_of
 Point3 = tuple[float, float, float]
 
 
-@recipe("library", 3, hulls=8)
+@recipe("library", 3, hulls=8, name="culture_halls.library")
 def library(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A columned reading house; a glass cube with shelves behind it; a hall like a row of giant books."""
     size = size_of("library", variant)
@@ -69,7 +69,7 @@ def _mask(b: MeshBuilder, at: Point3, size: float, happy: bool) -> None:
     b.panel(pictures.paint.shrunk(image, (40, 40)), at, size, size)
 
 
-@recipe("theater", 3, hulls=8)
+@recipe("theater", 3, hulls=8, name="culture_halls.theater")
 def theater(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A columned opera front before a fly tower; a playhouse with a marquee; a modern house of folded walls."""
     size: Size = size_of("theater", variant)
@@ -115,7 +115,7 @@ def theater(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "theater", size)
 
 
-@recipe("university", 3, hulls=10)
+@recipe("university", 3, hulls=10, name="culture_halls.university")
 def university(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two wings either side of a clock tower; a columned hall; a glass faculty with a lecture hall."""
     size = size_of("university", variant)

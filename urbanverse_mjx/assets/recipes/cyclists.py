@@ -20,7 +20,7 @@ _CYCLIST = Physics(
 )
 
 
-@recipe("cyclist", 3, _CYCLIST, hulls=4)
+@recipe("cyclist", 3, _CYCLIST, hulls=4, name="cyclists.cyclist")
 def cyclist(variant: int, rng: np.random.Generator) -> BuiltAsset:
     bike = (BIKES[0], BIKES[1], dataclasses.replace(BIKES[3], color="light blue"))[variant]
     look = (

@@ -52,7 +52,7 @@ def heap_of_noodles(
         b.tube(path, thick, colors[k % len(colors)], sides=3)
 
 
-@recipe("pasta", 3)
+@recipe("pasta", 3, name="dishes.pasta")
 def pasta(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Spaghetti with tomato sauce and basil, tubes with pesto, meatballs; on a plate."""
     b = MeshBuilder(roughness=0.6)
@@ -84,7 +84,7 @@ def pasta(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a plate of {style}", size, rng, {"style": style})
 
 
-@recipe("ramen", 3)
+@recipe("ramen", 3, name="dishes.ramen")
 def ramen(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bowl of noodle soup with egg halves, pork, spring onions, seaweed; chopsticks across the third."""
     b = MeshBuilder(roughness=0.45)
@@ -127,7 +127,7 @@ def ramen(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a bowl of ramen, {style}", size, rng, {"style": style})
 
 
-@recipe("dumplings", 3)
+@recipe("dumplings", 3, name="dishes.dumplings")
 def dumplings(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steamed ones in a bamboo basket, fried crescents on a plate, one big bun-like pair."""
     b = MeshBuilder(roughness=0.6)
@@ -176,7 +176,7 @@ def ribbed_bun(radius: float) -> shapes.Shape:
     return shapes.Shape(body.vertices * np.stack([pleat, pleat, np.ones_like(pleat)], 1), body.faces)
 
 
-@recipe("spring rolls", 3)
+@recipe("spring rolls", 3, name="dishes.spring_rolls")
 def spring_rolls(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Golden rolls on a plate with a dip, a stacked handful, translucent summer rolls."""
     b = MeshBuilder(roughness=0.5)
@@ -207,7 +207,7 @@ def spring_rolls(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"spring rolls: {style}", size, rng, {"style": style})
 
 
-@recipe("sushi", 3)
+@recipe("sushi", 3, name="dishes.sushi")
 def sushi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wooden board with nigiri and rolls, one nigiri, a row of rolls on slate."""
     b = MeshBuilder(roughness=0.55)

@@ -47,7 +47,7 @@ def citrus_wheel(b: MeshBuilder, at: tuple[float, float, float], radius: float, 
             )
 
 
-@recipe("bubble tea", 3)
+@recipe("bubble tea", 3, name="drinks.bubble_tea")
 def bubble_tea(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A clear cup with pearls at its ground, a domed lid or sealed film, a fat straw: milk tea, matcha, taro."""
     b = MeshBuilder(roughness=0.3)
@@ -70,7 +70,7 @@ def bubble_tea(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} bubble tea", size, rng, {"style": style})
 
 
-@recipe("cocktail", 3)
+@recipe("cocktail", 3, name="drinks.cocktail")
 def cocktail(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A martini with an olive, a tumbler with ice and orange, a tall curved glass with umbrella and straw."""
     b = MeshBuilder(roughness=0.2)
@@ -110,7 +110,7 @@ def cocktail(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} cocktail", size, rng, {"style": style})
 
 
-@recipe("juice", 3)
+@recipe("juice", 3, name="drinks.juice")
 def juice(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A carton with a straw, a glass with orange on its rim, a bottle of red juice."""
     b = MeshBuilder(roughness=0.5)
@@ -135,7 +135,7 @@ def juice(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"juice: a {style}", size, rng, {"style": style})
 
 
-@recipe("milkshake", 3)
+@recipe("milkshake", 3, name="drinks.milkshake")
 def milkshake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A fluted glass with whipped cream and a cherry: strawberry, chocolate; a paper cup with a dome, vanilla."""
     b = MeshBuilder(roughness=0.35)
@@ -165,7 +165,7 @@ def milkshake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} milkshake", size, rng, {"style": style})
 
 
-@recipe("whisky", 3)
+@recipe("whisky", 3, name="drinks.whisky")
 def whisky(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A round bottle, a square one with a black label, a tumbler with ice."""
     b = MeshBuilder(roughness=0.2)
@@ -222,7 +222,7 @@ def handle(b: MeshBuilder, at: tuple[float, float], tall: float, out: float, rad
     )
 
 
-@recipe("cup", 3)
+@recipe("cup", 3, name="drinks.cup")
 def cup(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A mug with its ear, a paper cup with lid and sleeve, a tea cup on its saucer."""
     b = MeshBuilder(roughness=0.4)

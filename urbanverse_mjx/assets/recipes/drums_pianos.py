@@ -22,7 +22,7 @@ def _drum(b: MeshBuilder, radius: float, deep: float, color: Color, lugs: int = 
         b.rod((x, y, 0.01), (x, y, deep - 0.01), 0.005, "aluminium", sides=4)
 
 
-@recipe("drum", 3)
+@recipe("drum", 3, name="drums_pianos.drum")
 def drum(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Floor tom with its sticks, drum kit with cymbals, wooden hand drum with ropes."""
     b = MeshBuilder(roughness=0.35)
@@ -160,7 +160,7 @@ def _grand(b: MeshBuilder, wood: Color) -> None:
     b.box((0.06, 0.2, 0.5), (0.3, 0, 0.12), wood)
 
 
-@recipe("piano", 3)
+@recipe("piano", 3, name="drums_pianos.piano")
 def piano(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black upright, black grand with its lid up, brown upright with candle holders; who plays sits at +x."""
     b = MeshBuilder(roughness=0.25)

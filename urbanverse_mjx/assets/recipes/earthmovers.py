@@ -38,7 +38,7 @@ def arm(
     b.profile([tuple(v) for v in outline], width, (0, y, 0), color)
 
 
-@recipe("excavator", 3)
+@recipe("excavator", 3, name="earthmovers.excavator")
 def excavator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.55)
     color = ("#f0b01c", "safety orange", "#e8c020")[variant]
@@ -85,7 +85,7 @@ def excavator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"kind": ("tracked", "wheeled", "mini")[variant]}), size)
 
 
-@recipe("bulldozer", 3)
+@recipe("bulldozer", 3, name="earthmovers.bulldozer")
 def bulldozer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.55)
     color = ("#f0b01c", "#e8c020", "#d98a1e")[variant]
@@ -126,7 +126,7 @@ def drum(b: MeshBuilder, x: float, radius: float, width: float, color: Color = "
         )
 
 
-@recipe("road roller", 3)
+@recipe("road roller", 3, name="earthmovers.road_roller")
 def road_roller(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color = ("#f0b01c", "safety orange", "#3f8f5a")[variant]
@@ -171,7 +171,7 @@ def road_roller(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"kind": "single drum"}), size)
 
 
-@recipe("forklift", 3)
+@recipe("forklift", 3, name="earthmovers.forklift")
 def forklift(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color = ("signal yellow", "signal red", "#2f8f46")[variant]
@@ -217,7 +217,7 @@ def forklift(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"color": str(color)}), size)
 
 
-@recipe("tractor", 3)
+@recipe("tractor", 3, name="earthmovers.tractor")
 def tractor(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, rim = (("signal red", "off white"), ("#2f7d3a", "signal yellow"), ("#2d62a8", "off white"))[variant]
@@ -271,7 +271,7 @@ def lattice(
             b.rod(p + (a if k % 2 else c), q + (c if k % 2 else a), radius * 0.6, color, sides=3)
 
 
-@recipe("crane", 3)
+@recipe("crane", 3, name="earthmovers.crane")
 def crane(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     if variant == 1:

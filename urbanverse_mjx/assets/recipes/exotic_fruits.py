@@ -45,7 +45,7 @@ def cut_half(
         b.extrude([(x, y) for x, y in cut], 0.02 * radius, (0, 0, radius * (0.99 + 0.006 * k)), color)
 
 
-@recipe("avocado", 3)
+@recipe("avocado", 3, name="exotic_fruits.avocado")
 def avocado(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dark and warty, cut in half with its stone, smooth green."""
     b = MeshBuilder(roughness=0.6)
@@ -73,7 +73,7 @@ def finger(length: float, bend: float, fat: float = 1.9) -> tuple[np.ndarray, li
     return line, radii.tolist()
 
 
-@recipe("banana", 3)
+@recipe("banana", 3, name="exotic_fruits.banana")
 def banana(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One lying on its side, a bunch of five, a green one."""
     b = MeshBuilder(roughness=0.6)
@@ -103,7 +103,7 @@ def banana(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} banana" if style != "bunch" else "a bunch of bananas", size, rng, {"style": style})
 
 
-@recipe("kiwi", 3)
+@recipe("kiwi", 3, name="exotic_fruits.kiwi")
 def kiwi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Brown and furry, halved with its green star of seeds, a smooth golden one."""
     b = MeshBuilder(roughness=0.95)
@@ -132,7 +132,7 @@ def kiwi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} kiwi", size, rng, {"style": style})
 
 
-@recipe("lemon", 3)
+@recipe("lemon", 3, name="exotic_fruits.lemon")
 def lemon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Yellow with its two tips, halved, a round lime-green one with a leaf."""
     b = MeshBuilder(roughness=0.5)
@@ -165,7 +165,7 @@ def lemon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} lemon", size, rng, {"style": style})
 
 
-@recipe("papaya", 3)
+@recipe("papaya", 3, name="exotic_fruits.papaya")
 def papaya(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Yellow-green, cut in half with its black seeds, a long orange one."""
     b = MeshBuilder(roughness=0.6)
@@ -190,7 +190,7 @@ def papaya(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} papaya", size, rng, {"style": style})
 
 
-@recipe("pineapple", 3)
+@recipe("pineapple", 3, name="exotic_fruits.pineapple")
 def pineapple(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Golden with a tall crown, a green one, a small baby pineapple; scales in spirals."""
     b = MeshBuilder(roughness=0.8)
@@ -254,7 +254,7 @@ def melon_skin(rng: np.random.Generator, light: Color, dark: Color) -> np.ndarra
     return np.clip(picture + rng.normal(0, 6, (64, 96, 1)), 0, 255).astype(np.uint8)
 
 
-@recipe("watermelon", 3)
+@recipe("watermelon", 3, name="exotic_fruits.watermelon")
 def watermelon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Striped oval, cut open in half, a round dark one."""
     b = MeshBuilder(roughness=0.45)

@@ -56,7 +56,7 @@ def gambrel(b: MeshBuilder, length: float, width: float, low: float, high: float
         b.profile(top, length, color=roof)
 
 
-@recipe("barn", 3, hulls=8)
+@recipe("barn", 3, hulls=8, name="farms.barn")
 def barn(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red with a gambrel roof; weathered boards under a gable; stone below and black boards above."""
     size, b = size_of("barn", variant), MeshBuilder(roughness=0.9)
@@ -116,7 +116,7 @@ def _cow(b: MeshBuilder, at: Point3, k: float, spots: Color) -> None:
                 b.cylinder(0.08, 0.75, (px, s * 0.2, 0), "white", segments=6)
 
 
-@recipe("cowshed", 3, hulls=8)
+@recipe("cowshed", 3, hulls=8, name="farms.cowshed")
 def cowshed(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Long and low, open at the sides behind a feed rail with cows, a vent along the ridge."""
     size, b = size_of("cowshed", variant), MeshBuilder(roughness=0.9)
@@ -174,7 +174,7 @@ def _panes(bays: int, rows: int, frame: Color, rng: np.random.Generator) -> np.n
     return np.asarray(paint.shrunk(image, (96, 64)))
 
 
-@recipe("greenhouse", 3, hulls=6)
+@recipe("greenhouse", 3, hulls=6, name="farms.greenhouse")
 def greenhouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Glass over plants: a small gabled house, a rounded tunnel, a long orangery with a raised middle."""
     size, b = size_of("greenhouse", variant), MeshBuilder(roughness=0.3)
@@ -245,7 +245,7 @@ def silo(b: MeshBuilder, at: Point3, radius: float, height: float, color: Color)
         )
 
 
-@recipe("farm", 3, hulls=12)
+@recipe("farm", 3, hulls=12, name="farms.farm")
 def farm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dwelling, barn and silo round a yard."""
     size, b = size_of("farm", variant), MeshBuilder(roughness=0.9)

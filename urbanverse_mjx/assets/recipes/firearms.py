@@ -25,7 +25,7 @@ def trigger(b: MeshBuilder, x: float, z: float, radius: float, color: Color) -> 
     )
 
 
-@recipe("handgun", 3, hulls=1)
+@recipe("handgun", 3, hulls=1, name="firearms.handgun")
 def handgun(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black pistol, silver pistol with wooden grips, revolver."""
     b = MeshBuilder(roughness=0.35, metallic=0.2)
@@ -103,7 +103,7 @@ _STOCK: list[Point2] = [
 ]
 
 
-@recipe("rifle", 3)
+@recipe("rifle", 3, name="firearms.rifle")
 def rifle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Assault rifle with wooden furniture and a curved magazine, black carbine, hunting rifle with a telescope."""
     b = MeshBuilder(roughness=0.5)
@@ -165,7 +165,7 @@ def rifle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} rifle", style)
 
 
-@recipe("shotgun", 2)
+@recipe("shotgun", 2, name="firearms.shotgun")
 def shotgun(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Double-barrelled gun with a wooden stock; black pump gun with a grooved fore-end."""
     b = MeshBuilder(roughness=0.45)
@@ -194,7 +194,7 @@ def shotgun(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} shotgun", style)
 
 
-@recipe("machine gun", 2)
+@recipe("machine gun", 2, name="firearms.machine_gun")
 def machine_gun(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Belt-fed gun on a bipod with its belt; submachine gun with a drum."""
     b = MeshBuilder(roughness=0.5)
@@ -229,7 +229,7 @@ def machine_gun(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} machine gun", style)
 
 
-@recipe("bomb", 2)
+@recipe("bomb", 2, name="firearms.bomb")
 def bomb(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Aircraft bomb with fins lying with its nose along +x; round black bomb with a fuse."""
     b = MeshBuilder(roughness=0.5)

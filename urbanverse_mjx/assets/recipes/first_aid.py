@@ -28,7 +28,7 @@ def _heart() -> Image.Image:
     return paint.shrunk(image, (40, 40))
 
 
-@recipe("fire extinguisher", 3)
+@recipe("fire extinguisher", 3, name="first_aid.fire_extinguisher")
 def fire_extinguisher(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Powder with hose, carbon dioxide with a black horn, a stout foam one; the label at +x."""
     b = MeshBuilder(roughness=0.35)
@@ -73,7 +73,7 @@ def fire_extinguisher(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, ("a powder", "a carbon dioxide", "a foam")[variant % 3] + " fire extinguisher", size)
 
 
-@recipe("defibrillator (aed)", 3)
+@recipe("defibrillator (aed)", 3, name="first_aid.defibrillator")
 def defibrillator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A portable unit with handle and shock button, a flat one with its lid, a white wall cabinet; the face at +x."""
     b = MeshBuilder(roughness=0.45)
@@ -97,7 +97,7 @@ def defibrillator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a portable defibrillator", ((0.13, 0.3, 0.28), (0.1, 0.26, 0.25))[variant % 3], style="portable")
 
 
-@recipe("fire alarm box", 3)
+@recipe("fire alarm box", 3, name="first_aid.fire_alarm_box")
 def fire_alarm_box(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A break-glass call point, an American pull station, a cast street box with a gabled top; the face at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -139,7 +139,7 @@ def fire_alarm_box(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a cast-iron street fire alarm", (0.2, 0.3, 0.4), style="street box")
 
 
-@recipe("first-aid kit", 3)
+@recipe("first-aid kit", 3, name="first_aid.first_aid_kit")
 def first_aid_kit(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A red soft bag, a white metal case, a green wall box; the cross at +x."""
     b = MeshBuilder(roughness=0.7)
@@ -166,7 +166,7 @@ def first_aid_kit(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("smoke alarm", 2)
+@recipe("smoke alarm", 2, name="first_aid.smoke_alarm")
 def smoke_alarm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A round puck with slots and a test button, a domed one with a ring of vents; drawn face up."""
     b = MeshBuilder(roughness=0.5)
@@ -187,7 +187,7 @@ def smoke_alarm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a smoke alarm", ((0.11, 0.11, 0.045), (0.125, 0.125, 0.055))[variant % 2], domed=domed)
 
 
-@recipe("medicine", 2)
+@recipe("medicine", 2, name="first_aid.medicine")
 def medicine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A folding box with a blister pack of tablets, an amber jar with a white cap and label."""
     b = MeshBuilder(roughness=0.5)
@@ -222,7 +222,7 @@ def medicine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a jar of pills", (0.046, 0.046, 0.08), form="jar")
 
 
-@recipe("stretcher", 3)
+@recipe("stretcher", 3, name="first_aid.stretcher")
 def stretcher(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An ambulance stretcher on scissors and castors, a hospital trolley, a cloth between two poles; head +x."""
     b = MeshBuilder(roughness=0.5)

@@ -33,7 +33,7 @@ def lettered(words: str, back: Color, ink: Color, band: Color, size: tuple[int, 
     return paint.shrunk(image, size)
 
 
-@recipe("banner", 3)
+@recipe("banner", 3, name="flags.banner")
 def banner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Cloth with eyelets and ropes, a tall one between two rods, a wide one across a street."""
     b = MeshBuilder(roughness=0.9)
@@ -81,7 +81,7 @@ def field(style: str, size: tuple[int, int] = (72, 48)) -> Image.Image:
     return paint.shrunk(image, size)
 
 
-@recipe("flag", 3, hulls=4)
+@recipe("flag", 3, hulls=4, name="flags.flag")
 def flag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two flags on masts with truck, rope and foot; a tall feather flag on a cross base. The cloth flies towards +y."""
     b = MeshBuilder(roughness=0.7)
@@ -126,7 +126,7 @@ def _feather(b: MeshBuilder, rng: np.random.Generator) -> None:
     b.sheet(np.array(grid), picture=paint.shrunk(image, (48, 192)), both_sides=True)
 
 
-@recipe("pennant", 3)
+@recipe("pennant", 3, name="flags.pennant")
 def pennant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A lettered triangle with a sleeve, a string of many colours, a swallow-tailed one on a stick."""
     b = MeshBuilder(roughness=0.9)
@@ -179,7 +179,7 @@ def _mapped(b: MeshBuilder, grid: np.ndarray, picture: Picture, width: float, he
     b.add(cloth.flipped(), picture=picture)
 
 
-@recipe("windsock", 3)
+@recipe("windsock", 3, name="flags.windsock")
 def windsock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A striped sleeve blown towards +x from a swivel on a mast: orange and white, red and white, plain orange."""
     b = MeshBuilder(roughness=0.8)

@@ -133,15 +133,14 @@ def register(leaf: str) -> None:
             leaf_blade(b, (0.1, 0, foot + height * 0.5), profile[-1][1] * 0.6, float(rng.uniform(40, 80)))
         return finished(b, f"a {look.name}", look.size, rng, {"kind": look.name})
 
-    build.__name__ = f"round_{leaf}"
-    recipe(leaf, len(looks))(build)
+    recipe(leaf, len(looks), name=f"fruits.round_{leaf}")(build)
 
 
 for _leaf in ROUND_FRUITS:
     register(_leaf)
 
 
-@recipe("blueberry", 3)
+@recipe("blueberry", 3, name="fruits.blueberry")
 def blueberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A berry with its crown: dusty blue, nearly black, a flat reddish one."""
     b = MeshBuilder(roughness=0.7)
@@ -166,7 +165,7 @@ def blueberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "a blueberry", size, rng, {"kind": variant % 3})
 
 
-@recipe("cherry", 3)
+@recipe("cherry", 3, name="fruits.cherry")
 def cherry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One on its stalk, a pair on joined stalks, a yellow-red one with a leaf."""
     b = MeshBuilder(roughness=0.25)
@@ -199,7 +198,7 @@ def cherry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} cherry", size, rng, {"style": style})
 
 
-@recipe("coconut", 3)
+@recipe("coconut", 3, name="fruits.coconut")
 def coconut(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A hairy brown nut with its three eyes, an opened half, a green drinking nut with a straw."""
     b = MeshBuilder(roughness=0.95)
@@ -248,7 +247,7 @@ def hair(b: MeshBuilder, rng: np.random.Generator, radius: float, middle: float,
         )
 
 
-@recipe("strawberry", 3)
+@recipe("strawberry", 3, name="fruits.strawberry")
 def strawberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red with pale seeds and a green calyx on top: conical, round, long with its stalk."""
     b = MeshBuilder(roughness=0.4)
@@ -276,7 +275,7 @@ def strawberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} strawberry", size, rng, {"style": style})
 
 
-@recipe("grapes", 3)
+@recipe("grapes", 3, name="fruits.grapes")
 def grapes(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bunch lying down, tapering to its tip: dark, green, red; stalk to the back."""
     b = MeshBuilder(roughness=0.35)

@@ -56,7 +56,7 @@ def leafy_head(
     b.cylinder(2.2, 2.0, (0, 0, -9.2), "#e2e0c4", segments=10)
 
 
-@recipe("cabbage", 3)
+@recipe("cabbage", 3, name="greens.cabbage")
 def cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White cabbage, a pointed one, a dark savoy with ruffled leaves."""
     b = MeshBuilder(roughness=0.6)
@@ -69,7 +69,7 @@ def cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} cabbage", size, rng, {"style": style})
 
 
-@recipe("red cabbage", 2)
+@recipe("red cabbage", 2, name="greens.red_cabbage")
 def red_cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Violet-red with pale veins: whole, cut in half with its white pattern towards +x."""
     b = MeshBuilder(roughness=0.5)
@@ -104,7 +104,7 @@ def red_cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "half a red cabbage", (12.6, 18, 17), rng, {"style": "half"})
 
 
-@recipe("lettuce", 3)
+@recipe("lettuce", 3, name="greens.lettuce")
 def lettuce(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Butterhead, frilly red-edged, tall romaine."""
     b = MeshBuilder(roughness=0.7)
@@ -121,7 +121,7 @@ def lettuce(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} lettuce", size, rng, {"style": style})
 
 
-@recipe("artichoke", 2)
+@recipe("artichoke", 2, name="greens.artichoke")
 def artichoke(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A globe of overlapping scales on its stalk: green, violet."""
     b = MeshBuilder(roughness=0.7)
@@ -161,7 +161,7 @@ def artichoke(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "an artichoke", size_cm, rng, {"color": str(color)})
 
 
-@recipe("asparagus", 3)
+@recipe("asparagus", 3, name="greens.asparagus")
 def asparagus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bundle of green spears with bands, white ones, a single spear; tips to the front."""
     b = MeshBuilder(roughness=0.6)
@@ -193,7 +193,7 @@ def asparagus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"asparagus: a {style}", size, rng, {"style": style})
 
 
-@recipe("broccoli", 3)
+@recipe("broccoli", 3, name="greens.broccoli")
 def broccoli(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A head of florets on a thick stem, a flatter one, a violet one."""
     b = MeshBuilder(roughness=0.9)
@@ -213,7 +213,7 @@ def broccoli(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "a head of broccoli", size, rng, {"color": str(color)})
 
 
-@recipe("mushroom", 3)
+@recipe("mushroom", 3, name="greens.mushroom")
 def mushroom(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A white champignon, a brown bolete with its fat stem, a red one with white spots."""
     b = MeshBuilder(roughness=0.7)

@@ -11,7 +11,7 @@ from ..meshes.recipe import recipe
 from .handheld import bead, finished, painted, pillow, skin, stadium
 
 
-@recipe("sausage", 3)
+@recipe("sausage", 3, name="groceries.sausage")
 def sausage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A grilled one with cuts, a chain of three, a salami with its net."""
     b = MeshBuilder(roughness=0.45)
@@ -50,7 +50,7 @@ def sausage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"sausage: {style}", size, rng, {"style": style})
 
 
-@recipe("steak", 2)
+@recipe("steak", 2, name="groceries.steak")
 def steak(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A raw ribeye with its marbling and rim of fat, a grilled T-bone with its bars."""
     b = MeshBuilder(roughness=0.55)
@@ -95,7 +95,7 @@ def steak(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} steak", size, rng, {"style": style})
 
 
-@recipe("cheese", 3)
+@recipe("cheese", 3, name="groceries.cheese")
 def cheese(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wedge with holes, a round soft cheese cut open, a red-waxed ball-like wheel."""
     b = MeshBuilder(roughness=0.6)
@@ -129,7 +129,7 @@ def cheese(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"cheese: a {style}", size, rng, {"style": style})
 
 
-@recipe("egg", 3)
+@recipe("egg", 3, name="groceries.egg")
 def egg(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Lying: brown, white, speckled."""
     b = MeshBuilder(roughness=0.6)
@@ -154,7 +154,7 @@ def wrapper(words: str, color: Color, ink: Color, size: tuple[int, int]) -> np.n
     return np.asarray(paint.shrunk(image, size))
 
 
-@recipe("snacks", 3)
+@recipe("snacks", 3, name="groceries.snacks")
 def snacks(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A chocolate bar in its wrapper, a bag of crisps, a box of biscuits."""
     b = MeshBuilder(roughness=0.35)

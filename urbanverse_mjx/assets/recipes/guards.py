@@ -10,7 +10,7 @@ from .uniforms import STEP, badge_words, belt, dressed, finished
 from .worn import backpack, cap, vest
 
 
-@recipe("security guard", 3)
+@recipe("security guard", 3, name="guards.security_guard")
 def security_guard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     look = Look(
         (1.78, 1.72, 1.86)[variant],
@@ -53,7 +53,7 @@ _TIE_LEFT = ((0.295, 0.052, 0.012), (0.12, 0.070, 0.02), (0.10, 0.068, 0.004))
 _TIE = (*((z, x, side * y) for z, x, y in _TIE_LEFT for side in (-1, 1)), (0.2, 0.078, 0.0))
 
 
-@recipe("traffic controller", 3)
+@recipe("traffic controller", 3, name="guards.traffic_controller")
 def traffic_controller(variant: int, rng: np.random.Generator) -> BuiltAsset:
     look = Look(
         (1.74, 1.70, 1.80)[variant],

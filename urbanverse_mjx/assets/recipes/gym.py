@@ -20,7 +20,7 @@ def disc(b: MeshBuilder, y: float, z: float, radius: float, thick: float, color:
         b.cylinder(radius * 0.2, thick * 1.16, (0, 0, -thick * 0.58), "aluminium", segments=8)
 
 
-@recipe("barbell", 2)
+@recipe("barbell", 2, name="gym.barbell")
 def barbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Long bar with coloured discs; short bar with small iron ones. It lies on its discs, the bar along y."""
     b = MeshBuilder(roughness=0.45)
@@ -44,7 +44,7 @@ def barbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a barbell with {style}", style, jitter=0.0)
 
 
-@recipe("dumbbell", 3)
+@recipe("dumbbell", 3, name="gym.dumbbell")
 def dumbbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Six-sided rubber heads, iron discs, small vinyl ones; the handle along y."""
     b = MeshBuilder(roughness=0.5)
@@ -79,7 +79,7 @@ def dumbbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} dumbbell", style, jitter=0.0)
 
 
-@recipe("punching bag", 3, hulls=1)
+@recipe("punching bag", 3, hulls=1, name="gym.punching_bag")
 def punching_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black bag on chains, red one with a white band, brown leather one; hung from their ring above."""
     b = MeshBuilder(roughness=0.55)
@@ -123,7 +123,7 @@ def _fist(ground: Color, ink: Color) -> Image.Image:
     return image
 
 
-@recipe("training bench", 3)
+@recipe("training bench", 3, name="gym.training_bench")
 def training_bench(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Bench with an upright back, flat bench with a rack and bar, inclined board."""
     b = MeshBuilder(roughness=0.5)
@@ -169,7 +169,7 @@ def training_bench(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a training bench: {style}", style)
 
 
-@recipe("treadmill", 2)
+@recipe("treadmill", 2, name="gym.treadmill")
 def treadmill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Home treadmill, gym treadmill with long rails; the runner looks along +x at its screen."""
     b = MeshBuilder(roughness=0.5)
@@ -201,7 +201,7 @@ def treadmill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} treadmill", style)
 
 
-@recipe("indoor rower", 2)
+@recipe("indoor rower", 2, name="gym.indoor_rower")
 def indoor_rower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Air rower with its fan cage, wooden water rower; the flywheel at +x, a seat on the rail."""
     b = MeshBuilder(roughness=0.45)

@@ -24,7 +24,7 @@ def haft(b: MeshBuilder, path: Points3, widths: Sequence[float], depth: float, c
     )
 
 
-@recipe("axe", 3)
+@recipe("axe", 3, name="hand_tools.axe")
 def axe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Felling axe with a curved haft, red-headed hatchet, double-bitted axe; lying, the head at +x."""
     b = MeshBuilder(roughness=0.5)
@@ -60,7 +60,7 @@ def axe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("hammer", 3)
+@recipe("hammer", 3, name="hand_tools.hammer")
 def hammer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Claw hammer, sledge hammer, rubber mallet; lying, the head at +x."""
     b = MeshBuilder(roughness=0.45)
@@ -114,7 +114,7 @@ def hammer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("bottle opener", 2, hulls=1)
+@recipe("bottle opener", 2, hulls=1, name="hand_tools.bottle_opener")
 def bottle_opener(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat steel one with its eye; wing corkscrew with levers and screw. Both lie, the working end at +x."""
     b = MeshBuilder(roughness=0.25, metallic=0.4)
@@ -176,7 +176,7 @@ _JAW: list[Point2] = [
 ]
 
 
-@recipe("pliers", 3, hulls=1)
+@recipe("pliers", 3, hulls=1, name="hand_tools.pliers")
 def pliers(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Combination, long-nosed and water-pump pliers with coloured grips; lying, the jaws at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -211,7 +211,7 @@ def pliers(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a pair of {style} pliers", style)
 
 
-@recipe("scissors", 3, hulls=1)
+@recipe("scissors", 3, hulls=1, name="hand_tools.scissors")
 def scissors(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Half-open household scissors with orange loops, all-steel ones, small blunt green ones; the points at +x."""
     b = MeshBuilder(roughness=0.3, metallic=0.2)
@@ -243,7 +243,7 @@ def scissors(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"{style} scissors", style)
 
 
-@recipe("screwdriver", 3, hulls=1)
+@recipe("screwdriver", 3, hulls=1, name="hand_tools.screwdriver")
 def screwdriver(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red and black slotted one, yellow cross-headed one, old one with a wooden handle; the tip at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -285,7 +285,7 @@ def _open_jaw(radius: float, gap: float, at: Point2, turn: float, count: int = 1
     return [(at[0] + c * x - s * y, at[1] + s * x + c * y) for x, y in (*rim, *slot)]
 
 
-@recipe("wrench", 3, hulls=1)
+@recipe("wrench", 3, hulls=1, name="hand_tools.wrench")
 def wrench(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Combination spanner, adjustable wrench, red pipe wrench; lying, the jaw at +x."""
     b = MeshBuilder(roughness=0.3, metallic=0.4)

@@ -11,7 +11,7 @@ from .fitted import fitted
 from .small_vehicles import handlebar
 
 
-@recipe("horse carriage", 3)
+@recipe("horse carriage", 3, name="hired_rides.horse_carriage")
 def horse_carriage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.55)
     color, wheel_color, seat = (
@@ -73,7 +73,7 @@ def horse_carriage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"hood": variant != 2}), size)
 
 
-@recipe("rickshaw", 3)
+@recipe("rickshaw", 3, name="hired_rides.rickshaw")
 def rickshaw(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     if variant == 2:

@@ -13,7 +13,7 @@ from .foliage import leafy
 from .greenery import small_leaves
 
 
-@recipe("bungalow", 3, hulls=8)
+@recipe("bungalow", 3, hulls=8, name="homes.bungalow")
 def bungalow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One storey under a low hipped or gabled roof, with a porch."""
     size = size_of("bungalow", variant)
@@ -61,7 +61,7 @@ def bungalow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"wall": kind}), "bungalow", size)
 
 
-@recipe("cabin", 3, hulls=8)
+@recipe("cabin", 3, hulls=8, name="homes.cabin")
 def cabin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Logs with crossing ends under a steep roof; a plank hut with a porch; an A-frame."""
     size, b = size_of("cabin", variant), MeshBuilder(roughness=0.92)
@@ -132,7 +132,7 @@ def cabin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "cabin", size)
 
 
-@recipe("hostel", 3, hulls=8)
+@recipe("hostel", 3, hulls=8, name="homes.hostel")
 def hostel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A four-storey town house with a bright sign, flags and a bunk bed on its shield."""
     size = size_of("hostel", variant)
@@ -180,7 +180,7 @@ def hostel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(f.builder.build(names[variant], {"name": name}), "hostel", size)
 
 
-@recipe("motel", 3, hulls=10)
+@recipe("motel", 3, hulls=10, name="homes.motel")
 def motel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two floors of doors along a gallery, a stair, parked cars before them and a tall sign with an arrow."""
     size, b = size_of("motel", variant), MeshBuilder(roughness=0.8)
@@ -248,7 +248,7 @@ def motel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"rooms": rooms * floors}), "motel", size)
 
 
-@recipe("trullo", 3, hulls=4)
+@recipe("trullo", 3, hulls=4, name="homes.trullo")
 def trullo(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White round or square walls under a cone of grey stone with a ball on its tip and a painted sign."""
     size, b = size_of("trullo", variant), MeshBuilder(roughness=0.92)

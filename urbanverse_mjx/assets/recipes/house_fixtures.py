@@ -47,7 +47,7 @@ def dial(b: MeshBuilder, picture: Image.Image, at: tuple[float, float, float], r
     b.add(Shape(points, faces, uv), at=at, picture=picture)
 
 
-@recipe("clock", 3, hulls=1)
+@recipe("clock", 3, hulls=1, name="house_fixtures.clock")
 def clock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Round wall clock, alarm clock with two bells, wooden mantel clock."""
     b = MeshBuilder(roughness=0.35)
@@ -97,7 +97,7 @@ def clock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} clock", style)
 
 
-@recipe("sconce", 3)
+@recipe("sconce", 3, name="house_fixtures.sconce")
 def sconce(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Brass arm with a shade, black lantern, two candles on scrolls; the wall plate is at -x."""
     b = MeshBuilder(roughness=0.4)
@@ -149,7 +149,7 @@ def sconce(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} wall lamp", style)
 
 
-@recipe("sewing machine", 2)
+@recipe("sewing machine", 2, name="house_fixtures.sewing_machine")
 def sewing_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White electric machine with thread, black cast-iron one with gold lines; who sews sits at +x, needle left."""
     b = MeshBuilder(roughness=0.35)
@@ -217,7 +217,7 @@ def sewing_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} sewing machine", style)
 
 
-@recipe("robot arm", 2)
+@recipe("robot arm", 2, name="house_fixtures.robot_arm")
 def robot_arm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Orange welding robot with a torch, white collaborative arm with a two-finger gripper; it reaches along +x."""
     b = MeshBuilder(roughness=0.4)

@@ -8,7 +8,7 @@ from ..meshes.recipe import recipe
 from .proportions import made, soft
 
 
-@recipe("broom", 3)
+@recipe("broom", 3, name="household.broom")
 def broom(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A push broom with its stick, a besom of twigs, a plastic one with slanted bristles; standing on its bristles."""
     b = MeshBuilder(roughness=0.85)
@@ -38,7 +38,7 @@ def broom(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a broom", ((0.12, 0.36, 1.32), (0.13, 0.4, 1.36))[variant // 2], style=color)
 
 
-@recipe("dustpan", 2)
+@recipe("dustpan", 2, name="household.dustpan")
 def dustpan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A hand pan with a rim and a brush beside it, a lobby pan on a long stick; the lip at +x."""
     b = MeshBuilder(roughness=0.5)
@@ -86,7 +86,7 @@ def dustpan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a dustpan on a stick", (0.3, 0.26, 0.82), style="lobby")
 
 
-@recipe("toilet plunger", 2)
+@recipe("toilet plunger", 2, name="household.toilet_plunger")
 def toilet_plunger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A rubber cup on a wooden stick: a red bell, a black ribbed one."""
     b = MeshBuilder(roughness=0.7)
@@ -108,7 +108,7 @@ def toilet_plunger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a plunger", ((0.14, 0.14, 0.46), (0.125, 0.125, 0.4))[variant % 2], color=cup)
 
 
-@recipe("vacuum cleaner", 3)
+@recipe("vacuum cleaner", 3, name="household.vacuum_cleaner")
 def vacuum_cleaner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A cylinder cleaner with hose and floor head, an upright one, a drum for wet and dry; forward is +x."""
     b = MeshBuilder(roughness=0.4)
@@ -168,7 +168,7 @@ def vacuum_cleaner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a cylinder vacuum cleaner", (0.42, 0.29, 0.34), style="cylinder")
 
 
-@recipe("clothes iron", 2)
+@recipe("clothes iron", 2, name="household.clothes_iron")
 def clothes_iron(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A steam iron with its dial and cord, an old solid iron with a wooden grip; the tip at +x."""
     b = MeshBuilder(roughness=0.35)
@@ -215,7 +215,7 @@ def clothes_iron(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "an old solid iron", (0.24, 0.105, 0.15), style="solid")
 
 
-@recipe("curtain", 3)
+@recipe("curtain", 3, name="household.curtain")
 def curtain(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two wings on a rod with finials, one drawn and tied back, a short pair with a frill; folds along y."""
     b = MeshBuilder(roughness=0.95)
@@ -244,7 +244,7 @@ def curtain(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a pair of {color} curtains", (depth, w, h), 0.35, color=color)
 
 
-@recipe("towel", 3)
+@recipe("towel", 3, name="household.towel")
 def towel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A folded bath towel, a rolled one with stripes, a small stack of three."""
     b = MeshBuilder(roughness=1.0)

@@ -12,7 +12,7 @@ from .fitting import fitted, size_of
 from .services import roller_door
 
 
-@recipe("warehouse", 3, hulls=6)
+@recipe("warehouse", 3, hulls=6, name="industry.warehouse")
 def warehouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A long hall of ribbed sheet with loading docks; an old brick store; a big box in two colours."""
     size, b = size_of("warehouse", variant), MeshBuilder(roughness=0.7)
@@ -59,7 +59,7 @@ def warehouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "warehouse", size)
 
 
-@recipe("factory building", 3, hulls=10)
+@recipe("factory building", 3, hulls=10, name="industry.factory_building")
 def factory_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A saw-tooth roof with glass to the north and chimneys above."""
     size, b = size_of("factory building", variant), MeshBuilder(roughness=0.85)
@@ -105,7 +105,7 @@ def factory_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "factory building", size)
 
 
-@recipe("storage tank", 3, hulls=4)
+@recipe("storage tank", 3, hulls=4, name="industry.storage_tank")
 def storage_tank(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An upright steel tank with a spiral stair; a tank on legs; a broad oil tank with a flat cone."""
     size, b = size_of("storage tank", variant), MeshBuilder(roughness=0.5)

@@ -51,7 +51,7 @@ def _kick_scooter(b: MeshBuilder, color: Color, accent: Color) -> None:
     b.box((0.012, 0.05, 0.03), (rear - 0.125, 0, r + 0.02), "red")
 
 
-@recipe("scooter", 4, _SCOOTER, hulls=4)
+@recipe("scooter", 4, _SCOOTER, hulls=4, name="kick_scooters.scooter")
 def scooter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color, accent = (("charcoal", "lime"), ("white", "orange"), ("black", "teal"), ("dark grey", "signal red"))[variant]
     b = MeshBuilder(roughness=0.5, metallic=0.2)

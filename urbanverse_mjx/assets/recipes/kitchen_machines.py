@@ -9,7 +9,7 @@ from ..meshes.recipe import recipe
 from .outlines import curve, desk_panel, level, pairs, rounded, section, sized
 
 
-@recipe("kettle", 3)
+@recipe("kettle", 3, name="kitchen_machines.kettle")
 def kettle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steel electric jug on its base, enamelled stove kettle with a hoop handle, tall plastic jug; spout along +x."""
     b = MeshBuilder(roughness=0.3, metallic=0.2)
@@ -51,7 +51,7 @@ def kettle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} kettle", style)
 
 
-@recipe("toaster", 3, hulls=1)
+@recipe("toaster", 3, hulls=1, name="kitchen_machines.toaster")
 def toaster(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steel, red and rounded, white four-slice; the slices stand in their slots, the lever is at one end."""
     b = MeshBuilder(roughness=0.3, metallic=0.1)
@@ -84,7 +84,7 @@ def toaster(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} toaster", style)
 
 
-@recipe("coffee machine", 3)
+@recipe("coffee machine", 3, name="kitchen_machines.coffee_machine")
 def coffee_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Espresso machine with a filter handle, filter machine with its jug, two-group machine of a bar."""
     b = MeshBuilder(roughness=0.3)
@@ -187,7 +187,7 @@ def _hand_mixer(b: MeshBuilder) -> None:
     b.tube(curve([(-0.1, 0, 0.23), (-0.13, 0.02, 0.15), (-0.1, 0.06, 0.1)], 3), 0.005, "black", sides=6)
 
 
-@recipe("mixer", 3)
+@recipe("mixer", 3, name="kitchen_machines.mixer")
 def mixer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Stand mixer over its bowl, hand mixer with two beaters, jug blender; the bowl is at +x."""
     b = MeshBuilder(roughness=0.3)
@@ -219,7 +219,7 @@ def mixer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} mixer", style)
 
 
-@recipe("induction cooker", 2, hulls=1)
+@recipe("induction cooker", 2, hulls=1, name="kitchen_machines.induction_cooker")
 def induction_cooker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Portable plate with one ring; hob with four. The keys are at the front, +x."""
     b = MeshBuilder(roughness=0.15)

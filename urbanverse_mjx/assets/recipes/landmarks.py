@@ -48,7 +48,7 @@ def battlements(b: MeshBuilder, size: tuple[float, float], z: float, tooth: floa
                 b.box((tooth, 0.5 * tooth, tooth) if axis == 0 else (0.5 * tooth, tooth, tooth), at, color)
 
 
-@recipe("tower", 3, hulls=6)
+@recipe("tower", 3, hulls=6, name="landmarks.tower")
 def tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A battlemented keep; a round tower with a cone roof; a brick tower with a loggia."""
     size, b = size_of("tower", variant), MeshBuilder(roughness=0.9)
@@ -92,7 +92,7 @@ def tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("clock tower", 3, hulls=6)
+@recipe("clock tower", 3, hulls=6, name="landmarks.clock_tower")
 def clock_tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A square shaft with four dials under a spire, a dome or battlements."""
     size, b = size_of("clock tower", variant), MeshBuilder(roughness=0.85)
@@ -131,7 +131,7 @@ def clock_tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "clock tower", size)
 
 
-@recipe("lighthouse", 3, hulls=6)
+@recipe("lighthouse", 3, hulls=6, name="landmarks.lighthouse")
 def lighthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A tapering shaft in bands under a gallery and a glazed lantern."""
     size, b = size_of("lighthouse", variant), MeshBuilder(roughness=0.6)
@@ -174,7 +174,7 @@ def lighthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "lighthouse", size)
 
 
-@recipe("triumphal arch", 3, hulls=8)
+@recipe("triumphal arch", 3, hulls=8, name="landmarks.triumphal_arch")
 def triumphal_arch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One or three passages between columns under a tall attic with an inscription."""
     size, b = size_of("triumphal arch", variant), MeshBuilder(roughness=0.9)
@@ -210,7 +210,7 @@ def triumphal_arch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "triumphal arch", size)
 
 
-@recipe("gatehouse", 3, hulls=14)
+@recipe("gatehouse", 3, hulls=14, name="landmarks.gatehouse")
 def gatehouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A passage under rooms: between round towers, under a steep roof, or timber-framed."""
     size, b = size_of("gatehouse", variant), MeshBuilder(roughness=0.9)

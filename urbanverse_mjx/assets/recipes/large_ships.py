@@ -54,7 +54,7 @@ def decks(
     return z
 
 
-@recipe("ferry", 2)
+@recipe("ferry", 2, name="large_ships.ferry")
 def ferry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, band = (("signal blue", "white"), ("#1f6a4a", "#f0ead8"))[variant]
@@ -108,7 +108,7 @@ def sail(b: MeshBuilder, corners: Points3, belly: float, color: Color = "off whi
     b.sheet(grid + across * (belly * 4 * u * (1 - u) * (1 - 0.5 * v))[..., None], color, both_sides=True)
 
 
-@recipe("ship", 2)
+@recipe("ship", 2, name="large_ships.ship")
 def ship(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     if variant == 1:
@@ -181,7 +181,7 @@ def _tall_ship(b: MeshBuilder) -> BuiltAsset:
     return b.build("An old sailing ship with three masts under sail", {"kind": "tall ship"})
 
 
-@recipe("yacht", 2)
+@recipe("yacht", 2, name="large_ships.yacht")
 def yacht(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.3)
     if variant == 0:

@@ -77,7 +77,7 @@ def portico(
     )
 
 
-@recipe("museum", 3)
+@recipe("museum", 3, name="leisure_places.museum")
 def museum(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A temple front with banners, one with a dome, a modern white box museum on pillars."""
     b = MeshBuilder(roughness=0.8)
@@ -127,7 +127,7 @@ def _modern_museum(b: MeshBuilder, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a modern museum", (28, 42, 15.0), 0.8, style="modern")
 
 
-@recipe("arts center", 3)
+@recipe("arts center", 3, name="leisure_places.arts_center")
 def arts_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Shifted coloured cubes about a glass foyer, a hall with a sail roof, a brick hall with a tall sign."""
     b = MeshBuilder(roughness=0.7)
@@ -214,7 +214,7 @@ def _shoal(rng: np.random.Generator) -> Image.Image:
     return paint.shrunk(mural, (176, 66))
 
 
-@recipe("aquarium", 3)
+@recipe("aquarium", 3, name="leisure_places.aquarium")
 def aquarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wave-roofed building with a fish mural and a leaping dolphin, a round tank building, a wedge with a shark."""
     b = MeshBuilder(roughness=0.5)
@@ -304,7 +304,7 @@ def battlements(
         b.box((length, thick, 1.1), (x, y, z), color, turn_deg=(0, 0, yaw))
 
 
-@recipe("castle", 3)
+@recipe("castle", 3, name="leisure_places.castle")
 def castle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A moatless fortress with round towers, a fairy-tale one with pointed roofs, a square keep in a curtain wall."""
     b = MeshBuilder(roughness=0.9)

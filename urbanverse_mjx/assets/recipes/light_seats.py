@@ -10,7 +10,7 @@ from ..meshes.recipe import recipe
 from .proportions import arc, made, pouch, soft
 
 
-@recipe("beach chair", 3)
+@recipe("beach chair", 3, name="light_seats.beach_chair")
 def beach_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A folding deck chair with striped cloth, a white plastic lounger, a low aluminium chair with webbing."""
     b = MeshBuilder(roughness=0.8)
@@ -63,7 +63,7 @@ def beach_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a low beach chair", (0.82, 0.6, 0.74), 0.3, style="low")
 
 
-@recipe("swivel chair", 3)
+@recipe("swivel chair", 3, name="light_seats.swivel_chair")
 def swivel_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A task chair with a mesh back, a high leather chair, a bucket shell; on a five-star foot with castors."""
     b = MeshBuilder(roughness=0.6)
@@ -109,7 +109,7 @@ def swivel_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a swivel chair", ((0.66, 0.64, 1.05), (0.72, 0.7, 1.22), (0.62, 0.62, 0.86))[variant % 3])
 
 
-@recipe("rocking chair", 2)
+@recipe("rocking chair", 2, name="light_seats.rocking_chair")
 def rocking_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Turned wood with a slatted back, painted with broad slats and a cushion; on two curved runners."""
     b = MeshBuilder(roughness=0.6)
@@ -136,7 +136,7 @@ def rocking_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a rocking chair", ((0.92, 0.64, 1.06), (0.98, 0.68, 1.12))[variant % 2])
 
 
-@recipe("high chair", 2)
+@recipe("high chair", 2, name="light_seats.high_chair")
 def high_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A child's chair with tray: splayed wooden legs with a footrest, a padded one on a steel frame."""
     b = MeshBuilder(roughness=0.55)
@@ -160,7 +160,7 @@ def high_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a high chair", ((0.58, 0.54, 0.97), (0.66, 0.56, 1.02))[variant % 2])
 
 
-@recipe("hammock", 3)
+@recipe("hammock", 3, name="light_seats.hammock")
 def hammock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Cloth hung in a steel stand, in an arched wooden stand, a net on a frame; along y."""
     b = MeshBuilder(roughness=0.85)
@@ -221,7 +221,7 @@ def _bars(
         )
 
 
-@recipe("infant bed", 2)
+@recipe("infant bed", 2, name="light_seats.infant_bed")
 def infant_bed(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A cot with barred sides, its mattress and a teddy; a white one with solid ends and a lower drawer."""
     b = MeshBuilder(roughness=0.6)
@@ -254,7 +254,7 @@ def infant_bed(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a cot", ((0.7, 1.28, 0.92), (0.74, 1.34, 1.0))[variant % 2])
 
 
-@recipe("cradle", 2)
+@recipe("cradle", 2, name="light_seats.cradle")
 def cradle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wooden cradle on rockers with a hood, a swinging barred one between two stands; along y."""
     b = MeshBuilder(roughness=0.7)

@@ -39,7 +39,7 @@ def cobra_head(b: MeshBuilder, color: str) -> None:
     b.box((0.42, 0.22, 0.02), (0.37, 0, -0.058), "lamp")
 
 
-@recipe("street light", 4, POLE, hulls=3)
+@recipe("street light", 4, POLE, hulls=3, name="lights.street_light")
 def street_light(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Curved single arm, double arm, straight LED arm, mast with a wooden pole; arms reach over the road along +x."""
     b = MeshBuilder(roughness=0.45)
@@ -84,7 +84,7 @@ def lantern(b: MeshBuilder, z: float, color: str, size: float = 1.0) -> None:
     b.ball(0.035 * s, (0, 0, z + 0.66 * s), color, segments=8, rings=6)
 
 
-@recipe("lamppost", 4, POLE, hulls=3)
+@recipe("lamppost", 4, POLE, hulls=3, name="lights.lamppost")
 def lamppost(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Heritage lantern, globe, twin globes, modern bollard-like column."""
     b = MeshBuilder(roughness=0.45)
@@ -152,7 +152,7 @@ def walker_head(b: MeshBuilder, walk: bool) -> None:
     b.panel(image, (0.073, 0, 0), 0.2, 0.42)
 
 
-@recipe("traffic light", 4, POLE, hulls=6)
+@recipe("traffic light", 4, POLE, hulls=6, name="lights.traffic_light")
 def traffic_light(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Post-mounted, mast arm over the road, pedestrian signal, post with two heads."""
     b = MeshBuilder(roughness=0.5)
@@ -198,7 +198,7 @@ TIMBER = Physics(
 )
 
 
-@recipe("utility pole", 3, TIMBER, hulls=4)
+@recipe("utility pole", 3, TIMBER, hulls=4, name="lights.utility_pole")
 def utility_pole(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wooden pole with crossarm, with transformer, and a concrete pole; crossarms lie along y."""
     b = MeshBuilder(roughness=0.9)

@@ -21,7 +21,7 @@ def boulder(rng: np.random.Generator, size: tuple[float, float, float], points: 
     return shapes.convex(p * np.asarray(size) / 2 + [0, 0, flat * size[2] / 2])
 
 
-@recipe("wall", 4)
+@recipe("wall", 4, name="loose_matter.wall")
 def wall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     width, height, depth = ((3.6, 1.9, 0.28), (5.0, 2.4, 0.25), (3.0, 1.1, 0.45), (4.2, 1.5, 0.24))[variant]
@@ -102,7 +102,7 @@ def brick_picture(size: tuple[int, int], color: Color) -> np.ndarray:
     return np.asarray(paint.shrunk(image, size))
 
 
-@recipe("concrete tetrapod", 3)
+@recipe("concrete tetrapod", 3, name="loose_matter.tetrapod")
 def tetrapod(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     color = ("concrete", "dark concrete", "sandstone")[variant]
@@ -116,7 +116,7 @@ def tetrapod(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"legs": 4}), size)
 
 
-@recipe("debris", 3)
+@recipe("debris", 3, name="loose_matter.debris")
 def debris(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     tones = (
@@ -162,7 +162,7 @@ def debris(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("stone", 4)
+@recipe("stone", 4, name="loose_matter.stone")
 def stone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     color = ("granite", "sandstone", "#7c7468", "dark grey")[variant]
@@ -174,7 +174,7 @@ def stone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"stone": color}), flat)
 
 
-@recipe("stone block", 3)
+@recipe("stone block", 3, name="loose_matter.stone_block")
 def stone_block(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     size = ((0.62, 0.42, 0.36), (0.95, 0.50, 0.45), (0.42, 0.40, 0.40))[variant]
@@ -200,7 +200,7 @@ def stone_block(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"stone": color}), (x, y, z if variant < 2 else 0.44))
 
 
-@recipe("tree debris", 3)
+@recipe("tree debris", 3, name="loose_matter.tree_debris")
 def tree_debris(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     if variant == 1:  # three cut logs in a heap

@@ -11,7 +11,7 @@ from ..meshes.recipe import recipe
 from .proportions import arc, made
 
 
-@recipe("pole", 3)
+@recipe("pole", 3, name="masts.pole")
 def pole(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A galvanised tube on a bolted flange, a wooden post with bands, a painted one with rings and a ball on top."""
     b = MeshBuilder(roughness=0.6)
@@ -42,7 +42,7 @@ def pole(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {style} pole", size, style=style)
 
 
-@recipe("surveillance camera", 3)
+@recipe("surveillance camera", 3, name="masts.surveillance_camera")
 def surveillance_camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bullet camera under its shade, a dome on a wall arm, a box camera in a housing; they look along +x."""
     b = MeshBuilder(roughness=0.4)
@@ -93,7 +93,7 @@ def surveillance_camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {style} surveillance camera", size, style=style)
 
 
-@recipe("horizontal bar", 3)
+@recipe("horizontal bar", 3, name="masts.horizontal_bar")
 def horizontal_bar(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A steel frame, wooden posts with two heights, a low bent hoop with stay feet; the bar lies along y."""
     b = MeshBuilder(roughness=0.5)
@@ -137,7 +137,7 @@ def _shade(b: MeshBuilder, z: float, low: float, high: float, height: float, col
         b.ring(radius, 0.004, (0, 0, level), "charcoal", segments=24, sides=4)
 
 
-@recipe("lamp", 3)
+@recipe("lamp", 3, name="masts.lamp")
 def lamp(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A table lamp with a ceramic foot, a floor lamp on a tripod, a jointed desk lamp."""
     b = MeshBuilder(roughness=0.5)
@@ -173,7 +173,7 @@ def lamp(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {style} lamp", size, style=style)
 
 
-@recipe("lantern", 3)
+@recipe("lantern", 3, name="masts.lantern")
 def lantern(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A square glass lantern with a candle, a round paper lantern, a storm lantern with its bail."""
     b = MeshBuilder(roughness=0.5)

@@ -12,7 +12,7 @@ from .proportions import arc, made
 CARS: tuple[Color, ...] = ("signal red", "signal yellow", "signal blue", "green", "orange", "purple")
 
 
-@recipe("windmill", 3)
+@recipe("windmill", 3, name="mills.windmill")
 def windmill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A brick tower mill with a gallery, a white one with a conical cap, a wooden post mill; four sails at +x."""
     b = MeshBuilder(roughness=0.85)
@@ -78,7 +78,7 @@ def windmill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a windmill", size, 0.5, style=("tower", "white tower", "post mill")[variant % 3])
 
 
-@recipe("watermill", 3)
+@recipe("watermill", 3, name="mills.watermill")
 def watermill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A mill house with a paddle wheel at its gable over a strip of water; stone, half-timbered, boarded."""
     b = MeshBuilder(roughness=0.9)
@@ -182,7 +182,7 @@ def big_wheel(
         )
 
 
-@recipe("ferris wheel", 3)
+@recipe("ferris wheel", 3, name="mills.ferris_wheel")
 def ferris_wheel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Travelling wheels of 12 to 20 cars on their platform with a ticket booth."""
     b = MeshBuilder(roughness=0.5)
@@ -274,7 +274,7 @@ def gate(b: MeshBuilder, x: float, width: float, height: float, words: str, colo
     )
 
 
-@recipe("amusement park", 2)
+@recipe("amusement park", 2, name="mills.amusement_park")
 def amusement_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wheel, a roller coaster, a carousel, a swing tower and stalls behind a gate on one ground."""
     b = MeshBuilder(roughness=0.7)
@@ -296,7 +296,7 @@ def amusement_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "an amusement park", ((65, 90, 18), (55, 78, 17))[variant % 2], 0.15, rides=4)
 
 
-@recipe("theme park", 2)
+@recipe("theme park", 2, name="mills.theme_park")
 def theme_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A fairy-tale castle above a lake with a coaster round a mountain, a pirate ship, a carousel and a gate."""
     b = MeshBuilder(roughness=0.7)

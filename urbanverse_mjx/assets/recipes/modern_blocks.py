@@ -32,7 +32,7 @@ def glass_skin(
     return np.clip(picture, 0, 255).astype(np.uint8)
 
 
-@recipe("skyscraper", 3, hulls=6)
+@recipe("skyscraper", 3, hulls=6, name="modern_blocks.skyscraper")
 def skyscraper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A stepped stone tower with a spire; a glass slab with a sloped crown; a twisted tower of glass."""
     size, b = size_of("skyscraper", variant), MeshBuilder(roughness=0.35)
@@ -98,7 +98,7 @@ def skyscraper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "skyscraper", size)
 
 
-@recipe("planetarium", 3, hulls=4)
+@recipe("planetarium", 3, hulls=4, name="modern_blocks.planetarium")
 def planetarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A great dome over a low ring with an entrance, stars on its sign and a planet with rings before it."""
     size, b = size_of("planetarium", variant), MeshBuilder(roughness=0.4)
@@ -149,7 +149,7 @@ def planetarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "planetarium", size)
 
 
-@recipe("kindergarten", 3, hulls=8)
+@recipe("kindergarten", 3, hulls=8, name="modern_blocks.kindergarten")
 def kindergarten(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Low coloured pavilions with paintings on the windows, a sand pit, a slide, a fence of crayons."""
     size, b = size_of("kindergarten", variant), MeshBuilder(roughness=0.8)
@@ -204,7 +204,7 @@ def kindergarten(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "kindergarten", size)
 
 
-@recipe("research institute", 3, hulls=8)
+@recipe("research institute", 3, hulls=8, name="modern_blocks.research_institute")
 def research_institute(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A laboratory block with flues on its roof, a dish aerial or an observatory dome, an atom before the door."""
     size, b = size_of("research institute", variant), MeshBuilder(roughness=0.55)
@@ -262,7 +262,7 @@ def research_institute(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "research institute", size)
 
 
-@recipe("conference center", 3, hulls=6)
+@recipe("conference center", 3, hulls=6, name="modern_blocks.conference_center")
 def conference_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A long glass foyer under a sweeping roof on slender columns, halls behind it, flags before it."""
     size, b = size_of("conference center", variant), MeshBuilder(roughness=0.4)

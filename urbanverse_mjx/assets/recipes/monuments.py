@@ -23,7 +23,7 @@ def inscription(words: str, stone: Color, ink: Color, size: tuple[int, int], lin
     return paint.shrunk(image, size)
 
 
-@recipe("obelisk", 3)
+@recipe("obelisk", 3, name="monuments.obelisk")
 def obelisk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A granite shaft on steps, a white one with a gilded tip, a squat sandstone one with ball feet."""
     b = MeshBuilder(roughness=0.8)
@@ -100,7 +100,7 @@ def _bed(b: MeshBuilder, x0: float, x1: float, y: float, width: float, rng: np.r
         )
 
 
-@recipe("grave yard", 3)
+@recipe("grave yard", 3, name="monuments.grave_yard")
 def grave_yard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A headstone with its kerbed bed, a cross on a plinth with a lantern, a plot of six stones on grass."""
     b = MeshBuilder(roughness=0.85)
@@ -125,7 +125,7 @@ def grave_yard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a plot of six graves", (3.2, 4.4, 1.3), stones=6)
 
 
-@recipe("water point", 3)
+@recipe("water point", 3, name="monuments.water_point")
 def water_point(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pillar fountain with bowl and bubbler, a cast-iron hand pump, a stone post with tap and basin; user at +x."""
     b = MeshBuilder(roughness=0.5)
@@ -181,7 +181,7 @@ def water_point(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {style}", size, style=style)
 
 
-@recipe("water well", 3)
+@recipe("water well", 3, name="monuments.water_well")
 def water_well(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A round stone well under a roof with windlass and bucket, one with an iron arch, a square brick one, covered."""
     b = MeshBuilder(roughness=0.9)
@@ -229,7 +229,7 @@ def water_well(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a roofed well of {stone}", size, stone=stone)
 
 
-@recipe("snowman", 3)
+@recipe("snowman", 3, name="monuments.snowman")
 def snowman(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three balls with a top hat, two with a bucket, a small lopsided one in a bobble hat; all with a carrot."""
     b = MeshBuilder(roughness=0.95)

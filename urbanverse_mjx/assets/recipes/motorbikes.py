@@ -135,7 +135,7 @@ def motorbike(b: MeshBuilder, bike: Motorbike) -> dict[str, np.ndarray]:
 _FENDER = ((-0.30, 0.06), (0.10, 0.10), (0.36, -0.02), (0.34, -0.04), (0.08, 0.07), (-0.28, 0.03))
 
 
-@recipe("dirt bike", 3, hulls=5)
+@recipe("dirt bike", 3, hulls=5, name="motorbikes.dirt_bike")
 def dirt_bike(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, accent = (("safety orange", "black"), ("#1f5fbf", "white"), ("#8fc31f", "black"))[variant]
@@ -157,7 +157,7 @@ def full_helmet(f: Figure, color: Color) -> None:
         b.ball((0.6 * rx, 0.9 * ry, 0.35 * rz), (0.85 * rx, 0, -0.62 * rz), color, segments=10, rings=6)
 
 
-@recipe("motorcycle rider", 3, hulls=5)
+@recipe("motorcycle rider", 3, hulls=5, name="motorbikes.motorcycle_rider")
 def motorcycle_rider(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     bike = (

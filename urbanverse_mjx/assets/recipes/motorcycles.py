@@ -25,7 +25,7 @@ def _thick_wheel(b: MeshBuilder, x: float, radius: float, width: float) -> None:
     b.cylinder(radius * 0.45, width * 0.62, (x, width * 0.31, radius), "dark grey", (90, 0, 0), segments=12)
 
 
-@recipe("motorcycle", 4, _MOTORCYCLE, hulls=5)
+@recipe("motorcycle", 4, _MOTORCYCLE, hulls=5, name="motorcycles.motorcycle")
 def motorcycle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4, metallic=0.2)
     if variant in (0, 2):

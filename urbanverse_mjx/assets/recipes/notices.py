@@ -65,7 +65,7 @@ def town_map(size: tuple[int, int], rng: np.random.Generator) -> Image.Image:
     return paint.shrunk(image, size)
 
 
-@recipe("bulletin board", 3)
+@recipe("bulletin board", 3, name="notices.bulletin_board")
 def bulletin_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A glazed aluminium case, a roofed one on two posts, a cork board in a wooden frame."""
     b = MeshBuilder(roughness=0.6)
@@ -122,7 +122,7 @@ def info_mark(back: Color = "signal blue", ink: Color = "white") -> Image.Image:
     return paint.shrunk(image, (48, 48))
 
 
-@recipe("information point", 3)
+@recipe("information point", 3, name="notices.information_point")
 def information_point(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A map board with an i on top, a dark stele with map and screen, a staffed booth."""
     b = MeshBuilder(roughness=0.5)
@@ -205,7 +205,7 @@ def _drum(b: MeshBuilder, z: float, radius: float, depth: float, color: Color, p
         b.ring(radius * 0.94, radius * 0.07, (x, 0, z), color, (0, 90, 0), segments=28, sides=6)
 
 
-@recipe("street clock", 3)
+@recipe("street clock", 3, name="notices.street_clock")
 def street_clock(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A cast-iron column with a round head, a lantern of four dials, a modern disc on a slender mast."""
     b = MeshBuilder(roughness=0.5)

@@ -10,7 +10,7 @@ from .facade_pictures import sign
 from .proportions import made
 
 
-@recipe("desk", 3)
+@recipe("desk", 3, name="office_furniture.desk")
 def desk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A steel-framed desk with a drawer unit, an old one with two pedestals, a standing one; the user at +x."""
     b = MeshBuilder(roughness=0.5)
@@ -41,7 +41,7 @@ def desk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a desk" if variant % 3 < 2 else "a standing desk", (d, w, h))
 
 
-@recipe("drawer", 2)
+@recipe("drawer", 2, name="office_furniture.drawer")
 def drawer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One pulled-out drawer with folded cloth in it, a small box of three drawers."""
     b = MeshBuilder(roughness=0.55)
@@ -69,7 +69,7 @@ def drawer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a box of drawers", (0.36, 0.36, 0.42), style="box")
 
 
-@recipe("filing cabinet", 3)
+@recipe("filing cabinet", 3, name="office_furniture.filing_cabinet")
 def filing_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three steel drawers with label holders, a tall one of four, a pedestal with one drawer pulled out."""
     b = MeshBuilder(roughness=0.4, metallic=0.1)
@@ -100,7 +100,7 @@ def filing_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a filing cabinet of {rows} drawers", size, drawers=rows)
 
 
-@recipe("counter", 3)
+@recipe("counter", 3, name="office_furniture.counter")
 def counter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A shop counter with a till, a reception desk with a raised front, a stone-topped bar; the customer at +x."""
     b = MeshBuilder(roughness=0.45)

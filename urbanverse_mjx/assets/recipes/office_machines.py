@@ -19,7 +19,7 @@ def _keys(
             b.box((pitch * 0.78, pitch * 0.78, pitch * 0.35), place, inks[c % len(inks)], taper=(0.85, 0.85))
 
 
-@recipe("cash register", 3)
+@recipe("cash register", 3, name="office_machines.cash_register")
 def cash_register(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Electronic till with a receipt, touch-screen till, old brass till with flags and round keys; on a drawer."""
     b = MeshBuilder(roughness=0.4)
@@ -91,7 +91,7 @@ def _paper(b: MeshBuilder, points: list[tuple[float, float, float]], width: floa
     b.sheet(np.stack([path + [0, -width / 2, 0], path + [0, width / 2, 0]], 1), "white", both_sides=True)
 
 
-@recipe("printer", 3, hulls=1)
+@recipe("printer", 3, hulls=1, name="office_machines.printer")
 def printer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White inkjet with paper behind, dark laser printer, office copier on its paper drawers."""
     b = MeshBuilder(roughness=0.45)
@@ -145,7 +145,7 @@ def printer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"an {style} printer" if variant != 1 else "a laser printer", style)
 
 
-@recipe("fax machine", 2, hulls=1)
+@recipe("fax machine", 2, hulls=1, name="office_machines.fax_machine")
 def fax_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Grey machine, black machine: handset at the left, keys at the right, paper rising out of the back."""
     b = MeshBuilder(roughness=0.5)
@@ -176,7 +176,7 @@ def fax_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} fax machine", style)
 
 
-@recipe("router or modem", 3, hulls=1)
+@recipe("router or modem", 3, hulls=1, name="office_machines.router_or_modem")
 def router_or_modem(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black router with two bent aerials, white one with three, upright modem with lights."""
     b = MeshBuilder(roughness=0.4)
@@ -227,7 +227,7 @@ def router_or_modem(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} network router", style)
 
 
-@recipe("other electronics", 3)
+@recipe("other electronics", 3, name="office_machines.other_electronics")
 def other_electronics(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Game console with its controller, power bank with cable and charger, remote-controlled toy-like receiver."""
     b = MeshBuilder(roughness=0.4)
@@ -307,7 +307,7 @@ def _bench_meter(b: MeshBuilder) -> None:
             b.cylinder(0.012, 0.016, (x, y, 0), "black", segments=8)
 
 
-@recipe("stapler", 2, hulls=1)
+@recipe("stapler", 2, hulls=1, name="office_machines.stapler")
 def stapler(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black desk stapler, long-armed red one; its mouth is at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -330,7 +330,7 @@ def stapler(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} stapler", style)
 
 
-@recipe("envelope", 3, hulls=1)
+@recipe("envelope", 3, hulls=1, name="office_machines.envelope")
 def envelope(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Addressed white letter with a stamp, airmail letter with its striped rim, brown one seen from its flap."""
     b = MeshBuilder(roughness=0.9)

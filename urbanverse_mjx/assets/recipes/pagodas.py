@@ -15,7 +15,7 @@ def _eaves(b: MeshBuilder, side: tuple[float, float], z: float, rise: float, col
     m.hip_roof(b, (side[0], side[1], rise), (0, 0, z), color, ridge, 0.35 * rise)
 
 
-@recipe("pagoda", 3, hulls=10)
+@recipe("pagoda", 3, hulls=10, name="pagodas.pagoda")
 def pagoda(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Five or seven roofs over each other: red and grey, white stone, or dark wood."""
     size = size_of("pagoda", variant)
@@ -111,7 +111,7 @@ def _south_temple(b: MeshBuilder, size: Size) -> None:
             b.cone(0.02 * y, 0.04 * z, (0, j * y, 0.06 * z), "gold", segments=6)
 
 
-@recipe("temple", 3, hulls=12)
+@recipe("temple", 3, hulls=12, name="pagodas.temple")
 def temple(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A hall under sweeping tiled roofs; a columned temple; a stepped tower of many colours."""
     size, b = size_of("temple", variant), MeshBuilder(roughness=0.8)
@@ -125,7 +125,7 @@ def temple(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "temple", size)
 
 
-@recipe("shrine", 3, hulls=8)
+@recipe("shrine", 3, hulls=8, name="pagodas.shrine")
 def shrine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A small wooden shrine behind a red gate; a roadside shrine with a statue; a spirit house on a post."""
     size, b = size_of("shrine", variant), MeshBuilder(roughness=0.8)

@@ -41,7 +41,7 @@ def terminal(b: MeshBuilder, at: tuple[float, float], color: Color, name: str) -
     b.panel(np.asarray(paint.shrunk(image, (43, 96))), (x + 0.162, y, 0.72), 0.58, 1.3, "+x")
 
 
-@recipe("bicycle rental", 3)
+@recipe("bicycle rental", 3, name="parking_places.bicycle_rental")
 def bicycle_rental(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     color, name = (("signal red", "CITY BIKE"), ("#1f8a5a", "VELO GO"), ("signal blue", "BIKE SHARE"))[variant]
@@ -61,7 +61,7 @@ def bicycle_rental(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"docks": docks}), size)
 
 
-@recipe("bicycle repair station", 3)
+@recipe("bicycle repair station", 3, name="parking_places.bicycle_repair_station")
 def bicycle_repair_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color = ("signal blue", "#2f8f52", "safety orange")[variant]
@@ -119,7 +119,7 @@ def corrugated(color: Color, words: str, ink: Color, ribs: int) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (192, 75)))
 
 
-@recipe("container", 4)
+@recipe("container", 4, name="parking_places.container")
 def container(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     color, words, length = (
@@ -167,7 +167,7 @@ def bay(b: MeshBuilder, at: tuple[float, float], size: tuple[float, float], line
     b.box((0.10, size[1], 0.008), (x - size[0] / 2, y, 0.0), lines)
 
 
-@recipe("motorcycle parking", 3)
+@recipe("motorcycle parking", 3, name="parking_places.motorcycle_parking")
 def motorcycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     width = (4.5, 6.0, 3.2)[variant]
@@ -208,7 +208,7 @@ def motorcycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"bays": count}), size)
 
 
-@recipe("parking", 3)
+@recipe("parking", 3, name="parking_places.parking")
 def parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
     colors = ("white", "signal red", "#5b7fa6", "grey", "black", "#b9b9b4")
@@ -249,7 +249,7 @@ def parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"bays": rows * count}), ((17.0, 26.0, 3.0), (8.0, 15.0, 2.9))[variant])
 
 
-@recipe("platform", 3)
+@recipe("platform", 3, name="parking_places.platform")
 def platform(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     width, depth, high = ((26.0, 3.4, 0.76), (30.0, 3.2, 0.30), (40.0, 5.0, 0.55))[variant]

@@ -73,7 +73,7 @@ _ADULTS = (
 )
 
 
-@recipe("pedestrian adult", 6, ADULT, hulls=3)
+@recipe("pedestrian adult", 6, ADULT, hulls=3, name="people.pedestrian_adult")
 def pedestrian_adult(variant: int, rng: np.random.Generator) -> BuiltAsset:
     description, look, pose = _ADULTS[variant]
     figure = _figure(look, pose)
@@ -99,7 +99,7 @@ def pedestrian_adult(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("pedestrian child", 4, CHILD, hulls=2)
+@recipe("pedestrian child", 4, CHILD, hulls=2, name="people.pedestrian_child")
 def pedestrian_child(variant: int, rng: np.random.Generator) -> BuiltAsset:
     description, look, pose = (
         (
@@ -159,7 +159,7 @@ def pedestrian_child(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(figure, description, {"height": look.height}, 1.0)
 
 
-@recipe("elderly person", 3, ADULT, hulls=3)
+@recipe("elderly person", 3, ADULT, hulls=3, name="people.elderly_person")
 def elderly_person(variant: int, rng: np.random.Generator) -> BuiltAsset:
     bent = Pose((9, -6), (12, 16), (10, 34), (18, 34), 14.0)
     description, look, pose = (
@@ -209,7 +209,7 @@ def elderly_person(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(figure, description, {"height": look.height}, 2.0)
 
 
-@recipe("construction worker", 3, ADULT, hulls=3)
+@recipe("construction worker", 3, ADULT, hulls=3, name="people.construction_worker")
 def construction_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     description, look, pose, hat = (
         (
@@ -259,7 +259,7 @@ def construction_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(figure, description, {"height": look.height}, 5.0)
 
 
-@recipe("police officer", 3, ADULT, hulls=3)
+@recipe("police officer", 3, ADULT, hulls=3, name="people.police_officer")
 def police_officer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color, trousers = (("#1e2a48", "#1a2238"), ("#9db6d0", "#1d2740"), ("#23262c", "#23262c"))[variant]
     look = Look(
@@ -302,7 +302,7 @@ def _word(words: str, ink: Color, back: Color) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (64, 16)))
 
 
-@recipe("jogger", 3, ADULT, hulls=3)
+@recipe("jogger", 3, ADULT, hulls=3, name="people.jogger")
 def jogger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     look = (
         Look(1.69, 0.9, "skin light", "bun", "#7a4a24", "shirt", "#e0507a", "trousers", "black", "lime", "short"),
@@ -325,7 +325,7 @@ def jogger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return _done(figure, names[variant], {"height": look.height})
 
 
-@recipe("delivery worker", 3, ADULT, hulls=3)
+@recipe("delivery worker", 3, ADULT, hulls=3, name="people.delivery_worker")
 def delivery_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     look, pose = (
         (

@@ -10,7 +10,7 @@ from ..meshes.recipe import recipe
 from .handheld import arc, finished, painted, pillow, skin, stadium
 
 
-@recipe("a pair of glasses", 3)
+@recipe("a pair of glasses", 3, name="pocket_things.glasses")
 def glasses(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black frames, round wire ones, dark aviators; lenses at +x, temples to the back."""
     b = MeshBuilder(roughness=0.3)
@@ -63,7 +63,7 @@ def spine(title: str, color: Color, ink: Color) -> Image.Image:
     return paint.shrunk(image, (120, 20)).rotate(-90, expand=True)
 
 
-@recipe("book", 3)
+@recipe("book", 3, name="pocket_things.book")
 def book(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Upright, spine to the front: a bound novel, a thick dictionary, one standing ajar."""
     b = MeshBuilder(roughness=0.7)
@@ -101,7 +101,7 @@ def book(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style}", size, rng, {"style": style})
 
 
-@recipe("cigarette", 3)
+@recipe("cigarette", 3, name="pocket_things.cigarette")
 def cigarette(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Filter cigarettes: a fresh one, one that burns, a brown slim one; mouth end at the back."""
     b = MeshBuilder(roughness=0.95)
@@ -133,7 +133,7 @@ def cut_stone(b: MeshBuilder, radius: float, at: tuple[float, float, float], col
     b.lathe(profile, at, color, segments=8, crease_deg=5.0)
 
 
-@recipe("jewelry", 3)
+@recipe("jewelry", 3, name="pocket_things.jewelry")
 def jewelry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A flower brooch, a ring with a brilliant, a pearl necklace laid down."""
     b = MeshBuilder(roughness=0.2, metallic=0.4)
@@ -187,7 +187,7 @@ def dial(color: Color, ink: Color, digital: bool) -> Image.Image:
     return paint.shrunk(image, (64, 64))
 
 
-@recipe("watches", 3)
+@recipe("watches", 3, name="pocket_things.watches")
 def watches(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Closed on their sides, dial to the front: steel band, leather strap, square digital."""
     b = MeshBuilder(roughness=0.25, metallic=0.5 if variant == 0 else 0.1)

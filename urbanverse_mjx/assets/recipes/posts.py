@@ -10,7 +10,13 @@ from ..meshes.recipe import Physics, recipe
 CAST_IN = "set in the ground: heavy solid steel, stone or concrete, never shifted by hand"
 
 
-@recipe("bollard", 4, Physics(("steel", "concrete"), 3000.0, (20.0, 220.0), 0.6, False, CAST_IN), hulls=1)
+@recipe(
+    "bollard",
+    4,
+    Physics(("steel", "concrete"), 3000.0, (20.0, 220.0), 0.6, False, CAST_IN),
+    hulls=1,
+    name="posts.bollard",
+)
 def bollard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steel post with bands, cast-iron ball top, concrete dome, flexible delineator."""
     b = MeshBuilder(roughness=0.5)
@@ -40,7 +46,13 @@ def bollard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(f"a {style} bollard", {"style": style})
 
 
-@recipe("guard stone", 4, Physics(("granite",), 2600.0, (60.0, 900.0), 0.7, False, CAST_IN), hulls=1)
+@recipe(
+    "guard stone",
+    4,
+    Physics(("granite",), 2600.0, (60.0, 900.0), 0.7, False, CAST_IN),
+    hulls=1,
+    name="posts.guard_stone",
+)
 def guard_stone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Low stones that keep wheels off a corner: cone, post with rounded head, ball, obelisk-like block."""
     b = MeshBuilder(roughness=0.95)
@@ -80,7 +92,7 @@ def _outlet(b: MeshBuilder, z: float, yaw: float, radius: float, reach: float, c
         b.box((0.03, 0.035, 0.035), (reach + 0.05, 0, 0), cap, centered=True)
 
 
-@recipe("fire hydrant", 4, HYDRANT, hulls=2)
+@recipe("fire hydrant", 4, HYDRANT, hulls=2, name="posts.fire_hydrant")
 def fire_hydrant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """North American barrels in three liveries and a slim European pillar."""
     b = MeshBuilder(roughness=0.45)
@@ -122,7 +134,7 @@ METER = Physics(
 )
 
 
-@recipe("parking meter", 3, METER, hulls=2)
+@recipe("parking meter", 3, METER, hulls=2, name="posts.parking_meter")
 def parking_meter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Domed single-space meter, twin-headed meter, solar pay station."""
     b = MeshBuilder(roughness=0.4)
@@ -168,7 +180,7 @@ CHARGER = Physics(
 )
 
 
-@recipe("charging station", 3, CHARGER, hulls=3)
+@recipe("charging station", 3, CHARGER, hulls=3, name="posts.charging_station")
 def charging_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Round AC post, slab AC charger with cable, DC fast charger."""
     b = MeshBuilder(roughness=0.4)

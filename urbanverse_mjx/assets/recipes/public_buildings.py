@@ -10,7 +10,7 @@ from .facade import BUILDING, Facade, bays_over, finish_block, stoop
 from .foliage import potted_bush
 
 
-@recipe("hotel", 3, BUILDING, hulls=8)
+@recipe("hotel", 3, BUILDING, hulls=8, name="public_buildings.hotel")
 def hotel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, name, back, ink, width = (
         ("ashlar", "#d9ccb3", "GRAND HOTEL", "dark red", "gold", 13.0),
@@ -71,7 +71,7 @@ def _vertical(words: str, back: Color, ink: Color) -> pictures.Image.Image:
     return image
 
 
-@recipe("bank", 3, BUILDING, hulls=8)
+@recipe("bank", 3, BUILDING, hulls=8, name="public_buildings.bank")
 def bank(variant: int, rng: np.random.Generator) -> BuiltAsset:
     name, color, width = (
         ("FIRST BANK", "#d8d2c2", 11.0),
@@ -131,7 +131,7 @@ def bank(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finish_block(f, names[variant], {"name": name})
 
 
-@recipe("school", 3, BUILDING, hulls=8)
+@recipe("school", 3, BUILDING, hulls=8, name="public_buildings.school")
 def school(variant: int, rng: np.random.Generator) -> BuiltAsset:
     kind, color, width, name = (
         ("brick", "#9a5843", 14.0, "PRIMARY SCHOOL"),

@@ -14,7 +14,7 @@ from .terrain import ripples
 Point3 = tuple[float, float, float]
 
 
-@recipe("stool", 3, hulls=4)
+@recipe("stool", 3, hulls=4, name="public_places.stool")
 def stool(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bar stool on one foot, a wooden stool on four legs, a round metal stool with rungs."""
     size, b = size_of("stool", variant), MeshBuilder(roughness=0.5)
@@ -63,7 +63,7 @@ def _slide(b: MeshBuilder, x: float, y: float, top: float, reach: float, color: 
         b.tube([(px, y + s, pz + 0.28) for px, pz in path], 0.04, shade(color, 0.8), 6)
 
 
-@recipe("playground", 3, hulls=10)
+@recipe("playground", 3, hulls=10, name="public_places.playground")
 def playground(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A tower with a roof, ladder and slide, and swings beside it; a climbing net; a see-saw in front."""
     size, b = size_of("playground", variant), MeshBuilder(roughness=0.6)
@@ -136,7 +136,7 @@ _MAZE = (
 )
 
 
-@recipe("maze", 2, hulls=16)
+@recipe("maze", 2, hulls=16, name="public_places.maze")
 def maze(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Clipped hedges, or low walls, on gravel with a goal in the middle."""
     size, b = size_of("maze", variant), MeshBuilder(roughness=0.95)
@@ -172,7 +172,7 @@ def maze(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(("hedge maze", "dark yew maze")[variant]), "maze", size)
 
 
-@recipe("beer garden", 3, hulls=12)
+@recipe("beer garden", 3, hulls=12, name="public_places.beer_garden")
 def beer_garden(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Long tables and benches under a light roof with strings of lamps, a counter with barrels and a sign."""
     size, b = size_of("beer garden", variant), MeshBuilder(roughness=0.85)
@@ -219,7 +219,7 @@ def beer_garden(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "beer garden", size)
 
 
-@recipe("water park", 2, hulls=12)
+@recipe("water park", 2, hulls=12, name="public_places.water_park")
 def water_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Blue pools with winding tube slides from a tower, a mushroom fountain, palms and sun shades."""
     size, b = size_of("water park", variant), MeshBuilder(roughness=0.4)

@@ -106,7 +106,7 @@ def _obelisk(b: MeshBuilder, size: Size, stone: Color) -> None:
         b.rod((s * 0.42 * x, -0.42 * y, 0.1 * z), (s * 0.42 * x, 0.42 * y, 0.1 * z), 0.006 * z, "black", 5)
 
 
-@recipe("historical attractions", 3, hulls=10)
+@recipe("historical attractions", 3, hulls=10, name="relics.historical_attractions")
 def historical_attractions(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ruined castle with a broken tower; standing columns of a temple; an obelisk on steps. A plate explains each."""
     size, b = size_of("historical attractions", variant), MeshBuilder(roughness=0.95)
@@ -126,7 +126,7 @@ def historical_attractions(variant: int, rng: np.random.Generator) -> BuiltAsset
     return fitted(b.build(names[variant]), "historical attractions", size)
 
 
-@recipe("bonsai", 3, hulls=6)
+@recipe("bonsai", 3, hulls=6, name="relics.bonsai")
 def bonsai(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bent trunk with pads of leaves in a shallow glazed tray: an old pine, a slanting maple, an upright juniper."""
     size, b = size_of("bonsai", variant), MeshBuilder(roughness=0.7)

@@ -9,7 +9,7 @@ from ..meshes.recipe import recipe
 from .outlines import curve, ellipse, section, sized
 
 
-@recipe("skateboard", 3, hulls=1)
+@recipe("skateboard", 3, hulls=1, name="riding_gear.skateboard")
 def skateboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Popsicle deck with upturned ends, long pointed cruiser, small plastic board; wheels down, nose at +x."""
     b = MeshBuilder(roughness=0.7)
@@ -64,7 +64,7 @@ def skateboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} skateboard", style)
 
 
-@recipe("paddle", 3)
+@recipe("paddle", 3, name="riding_gear.paddle")
 def paddle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wooden canoe paddle, yellow plastic one, double kayak paddle; lying, a blade at +x."""
     b = MeshBuilder(roughness=0.45)
@@ -108,7 +108,7 @@ def paddle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} paddle", style)
 
 
-@recipe("skis", 2)
+@recipe("skis", 2, name="riding_gear.skis")
 def skis(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pair of carving skis with bindings; narrow wooden ones. Side by side, tips at +x."""
     b = MeshBuilder(roughness=0.3)
@@ -143,7 +143,7 @@ def skis(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a pair of {style} skis", style)
 
 
-@recipe("surfboard", 3, hulls=1)
+@recipe("surfboard", 3, hulls=1, name="riding_gear.surfboard")
 def surfboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White short board with stripes, long yellow one, blue one with a rounded nose; deck up, nose at +x."""
     b = MeshBuilder(roughness=0.2)
@@ -194,7 +194,7 @@ def surfboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} surfboard", style)
 
 
-@recipe("kite", 3)
+@recipe("kite", 3, name="riding_gear.kite")
 def kite(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Diamond with a tail of bows, delta, box-like octopus of ribbons; upright, its face towards +x."""
     b = MeshBuilder(roughness=0.8)

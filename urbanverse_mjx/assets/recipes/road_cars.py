@@ -157,7 +157,7 @@ WEDGE = outlined(
 )
 
 
-@recipe("car", 4)
+@recipe("car", 4, name="road_cars.car")
 def car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     trim = (
         Trim("#5b7fa6", "slim", "mesh", "spokes10", "UV 204"),
@@ -177,7 +177,7 @@ def car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(body.finish(names[variant], {"body": ("sedan", "hatchback", "suv", "sedan")[variant]}), size)
 
 
-@recipe("coupe car", 3)
+@recipe("coupe car", 3, name="road_cars.coupe")
 def coupe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     trim = (
         Trim("#2c4f8f", "slim", "mesh", "spokes10", "CP 220", (-0.62, 0.98)),
@@ -196,7 +196,7 @@ def coupe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(body.finish(names[variant], {"body": "coupe", "color": str(trim.color)}), size)
 
 
-@recipe("sports car", 3)
+@recipe("sports car", 3, name="road_cars.sports_car")
 def sports_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     trim = (
         Trim("signal red", "slim", None, "spokes10", "GT 458", (-0.55, 1.02), "black", 0.27),
@@ -229,7 +229,7 @@ def _seat(b: MeshBuilder, x: float, y: float, color: Color) -> None:
     b.box((0.09, 0.24, 0.17), (x - 0.10, y, 1.10), color, (0, -14, 0), bevel=0.03)
 
 
-@recipe("convertible car", 3)
+@recipe("convertible car", 3, name="road_cars.convertible")
 def convertible(variant: int, rng: np.random.Generator) -> BuiltAsset:
     trim = (
         Trim("dark red", "pair", "mesh", "spokes10", "CB 330", (-0.75, 0.62)),
@@ -265,7 +265,7 @@ def convertible(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(body.finish(names[variant], {"body": "convertible", "color": str(trim.color)}), size)
 
 
-@recipe("electric car", 3)
+@recipe("electric car", 3, name="road_cars.electric_car")
 def electric_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     trim = (
         Trim("white", "bar", None, "spokes10", "E 2026", lower="charcoal"),
@@ -296,7 +296,7 @@ def electric_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(body.finish(names[variant], {"body": "electric", "color": str(trim.color)}), size)
 
 
-@recipe("limousine", 3)
+@recipe("limousine", 3, name="road_cars.limousine")
 def limousine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     extra = (2.15, 1.0, 3.3)[variant]
     color = ("black", "#23304a", "white")[variant]

@@ -15,7 +15,7 @@ from .trucks import forward_cab
 from .wheels import number_plate, rim_picture, wheel
 
 
-@recipe("roadside assistance vehicle", 3)
+@recipe("roadside assistance vehicle", 3, name="road_service.roadside_assistance")
 def roadside_assistance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         trim = Trim("signal yellow", "pair", "bars", "steel", "AID 24", (-0.35, 0.62, 1.62), "charcoal")
@@ -104,7 +104,7 @@ def _old_bus() -> BuiltAsset:
     return b.build("An old turquoise and cream camper bus", {"kind": "bus"})
 
 
-@recipe("camper", 3)
+@recipe("camper", 3, name="road_service.camper")
 def camper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 0:
         trim = Trim("off white", "pair", "bars", "cap", "CAMP 1", (0.62, 1.62), "charcoal")
@@ -146,7 +146,7 @@ def camper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(_old_bus(), (5.0, 1.95, 2.42))
 
 
-@recipe("caravan", 3)
+@recipe("caravan", 3, name="road_service.caravan")
 def caravan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45)
     color, band = (("white", "signal blue"), ("#d9d2b8", "orange"), ("aluminium", "dark grey"))[variant]
@@ -203,7 +203,7 @@ def caravan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"axles": 1}), size)
 
 
-@recipe("trailer", 3)
+@recipe("trailer", 3, name="road_service.trailer")
 def trailer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     if variant == 2:  # a curtain-sided semi-trailer on three axles
@@ -275,7 +275,7 @@ def farm_wheel(b: MeshBuilder, at: tuple[float, float, float], radius: float, wi
         b.box((0.09, width, 0.07), (x, at[1], z), "rubber", (0, 90 - float(np.degrees(a)), 0), centered=True)
 
 
-@recipe("snowplow", 3)
+@recipe("snowplow", 3, name="road_service.snowplow")
 def snowplow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     if variant == 1:  # a municipal tractor for pavements

@@ -22,7 +22,7 @@ def _limb(
         b.ball(r * 0.92, p, joint, segments=8, rings=6)
 
 
-@recipe("humanoid robot", 3)
+@recipe("humanoid robot", 3, name="robots.humanoid_robot")
 def humanoid_robot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.35, metallic=0.15)
     if variant == 1:
@@ -109,7 +109,7 @@ def _toy_robot(b: MeshBuilder) -> BuiltAsset:
     return b.build("A boxy toy robot with dials on its chest", {"shell": "tin"})
 
 
-@recipe("robot dog", 3)
+@recipe("robot dog", 3, name="robots.robot_dog")
 def robot_dog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     color, joint = (("light grey", "charcoal"), ("signal yellow", "black"), ("signal red", "charcoal"))[variant]

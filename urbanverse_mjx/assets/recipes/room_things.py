@@ -10,7 +10,7 @@ from .facade_pictures import sign
 from .proportions import arc, made, soft
 
 
-@recipe("mirror", 3)
+@recipe("mirror", 3, name="room_things.mirror")
 def mirror(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A gilt frame with a crest, a round one in black steel, a tall cheval glass on its stand; the glass at +x."""
     b = MeshBuilder(roughness=0.25)
@@ -62,7 +62,7 @@ def mirror(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a cheval glass", (0.38, 0.68, 1.7), shape="standing")
 
 
-@recipe("coatrack", 3)
+@recipe("coatrack", 3, name="room_things.coatrack")
 def coatrack(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bentwood stand with curled hooks, a steel tree with a hat and a coat, a wall rail with a shelf."""
     b = MeshBuilder(roughness=0.6)
@@ -105,7 +105,7 @@ def coatrack(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a coat stand", ((0.46, 0.43, 1.72), (0.5, 0.5, 1.8))[variant % 3], style="stand")
 
 
-@recipe("hanger", 2)
+@recipe("hanger", 2, name="room_things.hanger")
 def hanger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A shaped wooden hanger with a trouser bar, a wire one; the shoulders along y."""
     b = MeshBuilder(roughness=0.5)
@@ -130,7 +130,7 @@ def hanger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a wire hanger", (0.012, 0.4, 0.2), material="wire")
 
 
-@recipe("safe box", 2)
+@recipe("safe box", 2, name="room_things.safe_box")
 def safe_box(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A heavy safe with dial and spoked wheel, a small hotel safe with keypad; the door at +x."""
     b = MeshBuilder(roughness=0.4, metallic=0.2)
@@ -169,7 +169,7 @@ def safe_box(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a hotel safe", (0.32, 0.36, 0.26), style="keypad")
 
 
-@recipe("serving tray", 2)
+@recipe("serving tray", 2, name="room_things.serving_tray")
 def serving_tray(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wooden tray with two cut handles, a round steel one with a rim."""
     b = MeshBuilder(roughness=0.4)
@@ -201,7 +201,7 @@ def serving_tray(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a wooden tray", (0.42, 0.31, 0.033), shape="rectangular")
 
 
-@recipe("chessboard", 2)
+@recipe("chessboard", 2, name="room_things.chessboard")
 def chessboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A board with pieces in play: wood, marble."""
     b = MeshBuilder(roughness=0.4)
@@ -243,7 +243,7 @@ def chessboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a chessboard with its pieces", ((0.4, 0.4, 0.09), (0.5, 0.5, 0.11))[variant % 2])
 
 
-@recipe("sleeping bag", 2)
+@recipe("sleeping bag", 2, name="room_things.sleeping_bag")
 def sleeping_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A rolled bag held by two straps, one in its stuff sack with a drawstring; lying along x."""
     b = MeshBuilder(roughness=0.9)
@@ -309,7 +309,7 @@ def sleeping_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a sleeping bag in its sack", (0.38, 0.24, 0.24), style="sack")
 
 
-@recipe("billiard table", 2)
+@recipe("billiard table", 2, name="room_things.billiard_table")
 def billiard_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A slate table with green or blue cloth, six pockets, balls in play and a cue; long side along y."""
     b = MeshBuilder(roughness=0.6)

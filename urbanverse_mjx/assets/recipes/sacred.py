@@ -33,7 +33,7 @@ def _nave(
             b.box((0.05 * size[1], 0.08 * size[1], 0.82 * size[2]), at, shade(wall[1], 0.9), taper=(1.0, 0.5))
 
 
-@recipe("church", 3, hulls=10)
+@recipe("church", 3, hulls=10, name="sacred.church")
 def church(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A nave behind a west tower: with a pointed spire, a pyramid roof, or a white wooden steeple."""
     size = size_of("church", variant)
@@ -72,7 +72,7 @@ def church(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"wall": wall[0]}), "church", size)
 
 
-@recipe("chapel", 3, hulls=6)
+@recipe("chapel", 3, hulls=6, name="sacred.chapel")
 def chapel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One nave with a bell turret on its ridge, or a bell gable over the door."""
     size = size_of("chapel", variant)
@@ -109,7 +109,7 @@ def chapel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"wall": wall[0]}), "chapel", size)
 
 
-@recipe("cathedral", 2, hulls=12)
+@recipe("cathedral", 2, hulls=12, name="sacred.cathedral")
 def cathedral(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Twin west towers, a rose window, three portals, transept, apse and flying buttresses; the second with a dome."""
     size = size_of("cathedral", variant)
@@ -163,7 +163,7 @@ def cathedral(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"towers": 2}), "cathedral", size)
 
 
-@recipe("monastery", 2, hulls=12)
+@recipe("monastery", 2, hulls=12, name="sacred.monastery")
 def monastery(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Four wings round a cloister garden, with a church on one side and its tower."""
     size = size_of("monastery", variant)
@@ -227,7 +227,7 @@ def minaret(b: MeshBuilder, at: Sequence[float], height: float, radius: float, s
     m.finial(b, (x, y, 0.95 * h), 0.05 * h, "crescent")
 
 
-@recipe("mosque", 3, hulls=10)
+@recipe("mosque", 3, hulls=10, name="sacred.mosque")
 def mosque(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A domed prayer hall behind a portico, with one or two minarets."""
     size = size_of("mosque", variant)

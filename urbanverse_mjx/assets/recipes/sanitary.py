@@ -79,7 +79,7 @@ def tap(
             )
 
 
-@recipe("toilets", 3)
+@recipe("toilets", 3, name="sanitary.toilets")
 def toilets(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A close-coupled bowl with its cistern, one with the lid up, a whole cubicle with the bowl inside."""
     b = MeshBuilder(roughness=0.25)
@@ -122,7 +122,7 @@ def toilets(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, ("a toilet", "a toilet with its lid up", "a toilet cubicle")[variant % 3], size)
 
 
-@recipe("urinal", 2)
+@recipe("urinal", 2, name="sanitary.urinal")
 def urinal(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ceramic bowl with a tall back, a long steel stall."""
     b = MeshBuilder(roughness=0.25)
@@ -153,7 +153,7 @@ def urinal(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {color} urinal", ((0.33, 0.36, 0.6), (0.3, 0.4, 0.95))[variant % 2], color=color)
 
 
-@recipe("bidet", 2)
+@recipe("bidet", 2, name="sanitary.bidet")
 def bidet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ceramic bowl on its foot with a mixer, rounded and squared."""
     b = MeshBuilder(roughness=0.25)
@@ -175,7 +175,7 @@ def bidet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a bidet", ((0.56, 0.365, 0.4), (0.54, 0.38, 0.42))[variant % 2], squared=variant % 2 == 1)
 
 
-@recipe("sink", 3)
+@recipe("sink", 3, name="sanitary.sink")
 def sink(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ceramic wash basin with its tap, a steel kitchen sink with a drainer, a basin on a pedestal."""
     b = MeshBuilder(roughness=0.25)
@@ -206,7 +206,7 @@ def sink(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a wash basin", (0.47, 0.58, 0.225), style="basin")
 
 
-@recipe("faucet", 3)
+@recipe("faucet", 3, name="sanitary.faucet")
 def faucet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A lever mixer, a tall kitchen arch, a brass garden tap with a cross handle; the spout at +x."""
     b = MeshBuilder(roughness=0.2, metallic=0.6)
@@ -241,7 +241,7 @@ def faucet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a kitchen mixer", (0.25, 0.16, 0.43), style="kitchen")
 
 
-@recipe("shower head", 2)
+@recipe("shower head", 2, name="sanitary.shower_head")
 def shower_head(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A hand shower with its handle, a square rain head on a wall arm; towards +x and down."""
     b = MeshBuilder(roughness=0.25, metallic=0.4)
@@ -262,7 +262,7 @@ def shower_head(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a rain shower head", (0.3, 0.22, 0.13), style="rain")
 
 
-@recipe("bathtub", 2)
+@recipe("bathtub", 2, name="sanitary.bathtub")
 def bathtub(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A free-standing oval tub on claw feet, a built-in one with panels; the taps at one end of y."""
     b = MeshBuilder(roughness=0.25)
@@ -309,7 +309,7 @@ def bathtub(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("jacuzzi", 2)
+@recipe("jacuzzi", 2, name="sanitary.jacuzzi")
 def jacuzzi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A square acrylic spa in a timber skirt, a round wooden tub; filled, with jets, pillows and a step."""
     b = MeshBuilder(roughness=0.4)

@@ -38,7 +38,7 @@ _SWEEPING: list[Point2] = [
 ]
 
 
-@recipe("arcade game cabinet", 3, hulls=1)
+@recipe("arcade game cabinet", 3, hulls=1, name="screens.arcade_game_cabinet")
 def arcade_game_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Space game with two sticks, racing game with a wheel, white one with a big screen."""
     b = MeshBuilder(roughness=0.45)
@@ -101,7 +101,7 @@ def _controls(b: MeshBuilder, edge: tuple[Point2, Point2, Point2], style: str) -
                 b.cylinder(0.018, 0.014, (0.03 - 0.06 * (k % 2), y + 0.09 + 0.05 * (k // 2), 0.008), ink, segments=10)
 
 
-@recipe("television", 3)
+@recipe("television", 3, name="screens.television")
 def television(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat set on two feet, wooden set with a tube, large one on a pedestal."""
     b = MeshBuilder(roughness=0.3)
@@ -144,7 +144,7 @@ def television(variant: int, rng: np.random.Generator) -> BuiltAsset:
 _ARC = np.linspace(-1, 1, 7)
 
 
-@recipe("computer monitor", 3)
+@recipe("computer monitor", 3, name="screens.computer_monitor")
 def computer_monitor(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black office screen, very wide screen on a V foot, white all-in-one with a chin."""
     b = MeshBuilder(roughness=0.35)
@@ -213,7 +213,7 @@ _COMPACT = [
 ]
 
 
-@recipe("keyboard", 3, hulls=1)
+@recipe("keyboard", 3, hulls=1, name="screens.keyboard")
 def keyboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Full-size black, compact white with coloured keys, old beige; the typist sits at +x."""
     b = MeshBuilder(roughness=0.6)
@@ -233,7 +233,7 @@ def keyboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} keyboard", style)
 
 
-@recipe("laptop", 3)
+@recipe("laptop", 3, name="screens.laptop")
 def laptop(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Closed aluminium machine, open silver one, open black one; the user sits at +x."""
     b = MeshBuilder(roughness=0.35, metallic=0.2)
@@ -262,7 +262,7 @@ def laptop(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} laptop computer", style)
 
 
-@recipe("mobile phone", 3, hulls=1)
+@recipe("mobile phone", 3, hulls=1, name="screens.mobile_phone")
 def mobile_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dark smartphone, white one with a photograph, old one with keys; standing, screen at +x."""
     b = MeshBuilder(roughness=0.25)
@@ -296,7 +296,7 @@ def mobile_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} mobile phone", style, jitter=0.005)
 
 
-@recipe("tablet", 2, hulls=1)
+@recipe("tablet", 2, hulls=1, name="screens.tablet")
 def tablet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dark tablet with icons, white one with a chart; standing on its long side, screen at +x."""
     b = MeshBuilder(roughness=0.25)
@@ -315,7 +315,7 @@ def tablet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} tablet computer", style, jitter=0.005)
 
 
-@recipe("projector", 3, hulls=1)
+@recipe("projector", 3, hulls=1, name="screens.projector")
 def projector(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White conference projector, black cinema one, slide projector with its carousel; the lens looks along +x."""
     b = MeshBuilder(roughness=0.4)

@@ -133,7 +133,7 @@ def shrimp(b: MeshBuilder, shell: np.ndarray, color: Color) -> None:
         )
 
 
-@recipe("crustacean", 3)
+@recipe("crustacean", 3, name="seafood.crustacean")
 def crustacean(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A crab with two claws and eight legs, a lobster, a curled shrimp."""
     b = MeshBuilder(roughness=0.4)
@@ -150,7 +150,7 @@ def crustacean(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style}", size, rng, {"style": style})
 
 
-@recipe("oyster", 2)
+@recipe("oyster", 2, name="seafood.oyster")
 def oyster(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An opened half shell with its meat, a closed one."""
     b = MeshBuilder(roughness=0.6)

@@ -33,7 +33,7 @@ def slats(
         b.box((size[0], length, size[1]), (x, 0, z), color, turn_deg=(0, tilt, 0), centered=True)
 
 
-@recipe("bench", 4, BENCH, hulls=6)
+@recipe("bench", 4, BENCH, hulls=6, name="seating.bench")
 def bench(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Slatted with iron arms, backless timber, bent steel bars, concrete with timber top. Sitters face +x."""
     b = MeshBuilder(roughness=0.7)
@@ -83,7 +83,7 @@ def _legs(
             b.rod(foot, (x, y, height), radius, color, sides=6)
 
 
-@recipe("chair", 4, CHAIR, hulls=3)
+@recipe("chair", 4, CHAIR, hulls=3, name="seating.chair")
 def chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Bistro chair, stacking plastic chair with arms, wooden folding chair, wicker chair. Sitters face +x."""
     b = MeshBuilder(roughness=0.6)
@@ -140,7 +140,7 @@ TABLE = Physics(
 )
 
 
-@recipe("table", 4, TABLE, hulls=4)
+@recipe("table", 4, TABLE, hulls=4, name="seating.table")
 def table(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Round bistro table on a pedestal, square cafe table, long dining table, high table."""
     b = MeshBuilder(roughness=0.55)
@@ -176,7 +176,7 @@ PICNIC = Physics(
 )
 
 
-@recipe("picnic table", 3, PICNIC, hulls=6)
+@recipe("picnic table", 3, PICNIC, hulls=6, name="seating.picnic_table")
 def picnic_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A-frame timber, round steel with four seats, recycled plastic; benches along y."""
     b = MeshBuilder(roughness=0.8)
@@ -208,7 +208,7 @@ def picnic_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
 SHADE = Physics(("fabric", "aluminium"), 300.0, (18.0, 90.0), 0.6, False, "frame 8-25 kg plus a 30-60 kg base")
 
 
-@recipe("sunshade", 4, SHADE, hulls=4)
+@recipe("sunshade", 4, SHADE, hulls=4, name="seating.sunshade")
 def sunshade(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Octagonal parasols in two liveries, a square market shade, a closed one."""
     b = MeshBuilder(roughness=0.9)

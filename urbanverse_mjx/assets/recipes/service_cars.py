@@ -24,7 +24,7 @@ def _roof_sign(words: str, back: Color, ink: Color) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (64, 20)))
 
 
-@recipe("taxi", 3, CAR, hulls=7)
+@recipe("taxi", 3, CAR, hulls=7, name="service_cars.taxi")
 def taxi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("signal yellow", "#e8e2c8", "black")[variant]
     base, places, glass = (
@@ -62,7 +62,7 @@ def taxi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return body.finish(names[variant], {"body": "taxi", "color": str(color)})
 
 
-@recipe("police car", 3, CAR, hulls=7)
+@recipe("police car", 3, CAR, hulls=7, name="service_cars.police_car")
 def police_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("white", "black", "white")[variant]
     base, places, glass = (

@@ -47,7 +47,7 @@ def tall_van(trim: Trim, along: float, up: float, windows: float = 0.55) -> tupl
     return assembled(shape, VAN_PLACES, trim, glass)
 
 
-@recipe("ambulance", 3)
+@recipe("ambulance", 3, name="service_trucks.ambulance")
 def ambulance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         return fitted(_box_ambulance(), (6.6, 2.32, 2.85))
@@ -113,7 +113,7 @@ def ladder(b: MeshBuilder, start: np.ndarray, end: np.ndarray, width: float, col
         b.rod(at - side, at + side, 0.02, color, sides=4)
 
 
-@recipe("fire truck", 3)
+@recipe("fire truck", 3, name="service_trucks.fire_truck")
 def fire_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     length, color, band = (
         (8.6, "signal red", "white"),
@@ -176,7 +176,7 @@ def chassis(b: MeshBuilder, front: float, back: float, rears: tuple[float, ...],
             b.box((1.0, 0.34, 0.04), (x, side * 0.97, 0.94), "black")
 
 
-@recipe("garbage truck", 3)
+@recipe("garbage truck", 3, name="service_trucks.garbage_truck")
 def garbage_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, cab, words = (
@@ -227,7 +227,7 @@ def garbage_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"words": words}), size)
 
 
-@recipe("cement mixer", 3)
+@recipe("cement mixer", 3, name="service_trucks.cement_mixer")
 def cement_mixer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     cab, drum, stripe = (
@@ -288,7 +288,7 @@ def blade(b: MeshBuilder, x: float, width: float, height: float, color: Color, y
             )
 
 
-@recipe("plow truck", 3)
+@recipe("plow truck", 3, name="service_trucks.plow_truck")
 def plow_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, edge = (

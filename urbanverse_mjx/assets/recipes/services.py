@@ -46,7 +46,7 @@ def vehicle_hall(
         b.panel(gate, (where[0] + 0.03, where[1], where[2]), wide, 0.72 * z)
 
 
-@recipe("hospital", 3, hulls=10)
+@recipe("hospital", 3, hulls=10, name="services.hospital")
 def hospital(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ward block over a broad base, red crosses, an emergency canopy, a helicopter pad."""
     size, b = size_of("hospital", variant), MeshBuilder(roughness=0.7)
@@ -90,7 +90,7 @@ def hospital(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "hospital", size)
 
 
-@recipe("clinic", 3, hulls=8)
+@recipe("clinic", 3, hulls=8, name="services.clinic")
 def clinic(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Doctors' house with a cross, a glazed porch and a ramp."""
     size, b = size_of("clinic", variant), MeshBuilder(roughness=0.75)
@@ -120,7 +120,7 @@ def clinic(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "clinic", size)
 
 
-@recipe("police station", 3, hulls=8)
+@recipe("police station", 3, hulls=8, name="services.police_station")
 def police_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """POLICE in white on blue, a blue lamp by the door, a shield, aerials on the roof, a car gate."""
     size, b = size_of("police station", variant), MeshBuilder(roughness=0.8)
@@ -158,7 +158,7 @@ def police_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "police station", size)
 
 
-@recipe("fire station", 3, hulls=8)
+@recipe("fire station", 3, hulls=8, name="services.fire_station")
 def fire_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Large red doors side by side and a hose tower."""
     size, b = size_of("fire station", variant), MeshBuilder(roughness=0.8)
@@ -193,7 +193,7 @@ def fire_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "fire station", size)
 
 
-@recipe("ambulance station", 3, hulls=8)
+@recipe("ambulance station", 3, hulls=8, name="services.ambulance_station")
 def ambulance_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A vehicle hall with white doors, a star of life and a lit sign; one ambulance before it."""
     size, b = size_of("ambulance station", variant), MeshBuilder(roughness=0.75)
@@ -229,7 +229,7 @@ def ambulance_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "ambulance station", size)
 
 
-@recipe("post office", 3, hulls=8)
+@recipe("post office", 3, hulls=8, name="services.post_office")
 def post_office(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A high counter hall with an envelope or a horn's colours, and letter boxes by the door."""
     size, b = size_of("post office", variant), MeshBuilder(roughness=0.8)
@@ -272,7 +272,7 @@ def post_office(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "post office", size)
 
 
-@recipe("prison", 2, hulls=10)
+@recipe("prison", 2, hulls=10, name="services.prison")
 def prison(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Cell blocks with barred windows behind a wall with wire, towers at its corners and a barred gate."""
     size, b = size_of("prison", variant), MeshBuilder(roughness=0.9)

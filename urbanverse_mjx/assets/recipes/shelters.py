@@ -50,7 +50,7 @@ def glass_wall(
         b.box((0.03, length, z[1] - z[0]), color=frame, skins={"+x": picture, "-x": picture})
 
 
-@recipe("bus shelter", 3, SHELTER, hulls=10)
+@recipe("bus shelter", 3, SHELTER, hulls=10, name="shelters.bus_shelter")
 def bus_shelter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat roof with poster end, vaulted roof, heritage hipped roof; open to +x, bench inside."""
     b = MeshBuilder(roughness=0.4)
@@ -108,7 +108,7 @@ KIOSK = Physics(
 )
 
 
-@recipe("kiosk", 4, KIOSK, hulls=8)
+@recipe("kiosk", 4, KIOSK, hulls=8, name="shelters.kiosk")
 def kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Hexagonal heritage newspaper kiosk, flat-roofed snack kiosk, timber hut, modern glazed cube; hatch at +x."""
     b = MeshBuilder(roughness=0.65)
@@ -190,7 +190,7 @@ BOOTH = Physics(
 )
 
 
-@recipe("telephone booth", 3, BOOTH, hulls=2)
+@recipe("telephone booth", 3, BOOTH, hulls=2, name="shelters.telephone_booth")
 def telephone_booth(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red domed box, blue-grey aluminium booth, open hooded payphone; door at +x."""
     b = MeshBuilder(roughness=0.45)

@@ -140,7 +140,7 @@ def build_shop(shop: Shop, leaf: str, variant: int, rng: np.random.Generator) ->
 
 
 def _register(leaf: str) -> None:
-    @recipe(leaf, 3, BUILDING, hulls=8)
+    @recipe(leaf, 3, BUILDING, hulls=8, name="shops.shop")
     def shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
         return build_shop(SHOPS[leaf][variant], leaf, variant, rng)
 

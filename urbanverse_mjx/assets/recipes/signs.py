@@ -77,7 +77,7 @@ def stop_face() -> Image.Image:
     return done(image)
 
 
-@recipe("stop sign", 3, SIGN, hulls=3)
+@recipe("stop sign", 3, SIGN, hulls=3, name="signs.stop_sign")
 def stop_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red octagon with white rim; round, square and wooden posts; the third with an all-way plate."""
     b = MeshBuilder(roughness=0.45)
@@ -106,7 +106,7 @@ def round_sign(
     return b.build(f"{name} on a {kind} post", {"post": kind, "side": round(side, 3)})
 
 
-@recipe("no parking sign", 3, SIGN, hulls=3)
+@recipe("no parking sign", 3, SIGN, hulls=3, name="signs.no_parking_sign")
 def no_parking_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Blue disc, red rim and bar (Vienna convention), or the North American white plate."""
     n = PX * SCALE
@@ -131,7 +131,7 @@ def no_parking_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build("a no parking plate on a square post", {"post": "square", "side": 0.32})
 
 
-@recipe("do not enter sign", 3, SIGN, hulls=3)
+@recipe("do not enter sign", 3, SIGN, hulls=3, name="signs.do_not_enter_sign")
 def do_not_enter_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red disc with a white bar; the second on a white square with its words."""
     n = PX * SCALE
@@ -148,7 +148,7 @@ def do_not_enter_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build("a do not enter sign on a square post", {"post": "square", "side": 0.7})
 
 
-@recipe("speed limit sign 30 km", 3, SIGN, hulls=3)
+@recipe("speed limit sign 30 km", 3, SIGN, hulls=3, name="signs.speed_limit_30")
 def speed_limit_30(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White disc with red rim and 30; the second one is a zone plate."""
     n = PX * SCALE
@@ -186,7 +186,7 @@ def arrow_plate(words: str, color: Color, ink: Color) -> Image.Image:
     return done(image)
 
 
-@recipe("directional sign", 4, SIGN, hulls=6)
+@recipe("directional sign", 4, SIGN, hulls=6, name="signs.directional_sign")
 def directional_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Fingerpost, street names at a corner, a large lane guide, a heritage fingerpost."""
     b = MeshBuilder(roughness=0.5)
@@ -232,7 +232,7 @@ def plain(words: str, color: Color, ink: Color) -> Image.Image:
     return done(image)
 
 
-@recipe("road work detour ahead sign", 3, PORTABLE, hulls=4)
+@recipe("road work detour ahead sign", 3, PORTABLE, hulls=4, name="signs.road_work_detour")
 def road_work_detour(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Orange diamond on a spring stand, orange board on legs, yellow diversion board."""
     b = MeshBuilder(roughness=0.55)

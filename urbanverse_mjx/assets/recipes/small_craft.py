@@ -59,7 +59,7 @@ def paddle(
         b.beam(tuple(p - way * 0.02), tuple(p + way * 0.40), 0.16, 0.02, color, bevel=0.008)
 
 
-@recipe("canoe", 3)
+@recipe("canoe", 3, name="small_craft.canoe")
 def canoe(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, inside = (("signal red", "#8a2020"), ("#9a6a3a", "light wood"), ("#2f6f44", "#254f36"))[variant]
@@ -104,7 +104,7 @@ def _kayak(b: MeshBuilder, variant: int, color: Color, deck: Color) -> None:
     paddle(b, (-0.75, 0.16, 0.335), (0.95, 0.02, 0.335), "black", True)
 
 
-@recipe("kayak", 3)
+@recipe("kayak", 3, name="small_craft.kayak")
 def kayak(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     color, deck = (("safety orange", "#f08a30"), ("signal yellow", "signal yellow"), ("signal blue", "white"))[variant]
@@ -118,7 +118,7 @@ def kayak(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("gondola", 2)
+@recipe("gondola", 2, name="small_craft.gondola")
 def gondola(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.3)
     black: Color = ("#17171a", "#1c2238")[variant]
@@ -149,7 +149,7 @@ def gondola(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"cushions": red}), ((10.85, 1.42, 1.55), (11.0, 1.46, 1.7))[variant])
 
 
-@recipe("boat", 3)
+@recipe("boat", 3, name="small_craft.boat")
 def boat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     color, inside = (("white", "#d9d4c4"), ("#3a6f8f", "light wood"), ("signal red", "light grey"))[variant]
@@ -210,7 +210,7 @@ def boat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"oars": variant == 1}), size)
 
 
-@recipe("jet ski", 2)
+@recipe("jet ski", 2, name="small_craft.jet_ski")
 def jet_ski(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.35)
     color, accent = (("#2a8fc0", "white"), ("signal red", "black"))[variant]
@@ -256,7 +256,7 @@ def jet_ski(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"color": color}), ((3.2, 1.15, 1.08), (3.3, 1.22, 1.12))[variant])
 
 
-@recipe("raft", 3)
+@recipe("raft", 3, name="small_craft.raft")
 def raft(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     if variant == 1:  # logs under lashed poles

@@ -48,7 +48,7 @@ def paws(b: MeshBuilder, places: tuple[tuple[float, float], ...], top: float, ra
             )
 
 
-@recipe("hedgehog", 2)
+@recipe("hedgehog", 2, name="small_creatures.hedgehog")
 def hedgehog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=1.0)
     spine, face = (("#5b4632", "#c9a983"), ("#3f342a", "#a98a68"))[variant]
@@ -82,7 +82,7 @@ def hedgehog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"coat": spine}), ((0.23, 0.14, 0.13), (0.27, 0.16, 0.15))[variant])
 
 
-@recipe("rabbit", 3)
+@recipe("rabbit", 3, name="small_creatures.rabbit")
 def rabbit(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     coat, belly = (("#8f7556", "#d9cdb9"), ("#eeeae2", "#eeeae2"), ("#6d6a68", "#bdb8b2"))[variant]
@@ -119,7 +119,7 @@ def rabbit(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"coat": coat}), size)
 
 
-@recipe("squirrel", 2)
+@recipe("squirrel", 2, name="small_creatures.squirrel")
 def squirrel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Sitting up with a nut, its tail over the back."""
     b = MeshBuilder(roughness=0.95)
@@ -159,7 +159,7 @@ def squirrel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"coat": coat}), ((0.27, 0.092, 0.21), (0.31, 0.105, 0.25))[variant])
 
 
-@recipe("raccoon", 2)
+@recipe("raccoon", 2, name="small_creatures.raccoon")
 def raccoon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     coat = ("#7b766e", "#6a5b4a")[variant]
@@ -240,7 +240,7 @@ def webbed_feet(b: MeshBuilder, x: float, y: float, top: float, size: float, col
             )
 
 
-@recipe("duck", 3)
+@recipe("duck", 3, name="small_creatures.duck")
 def duck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     body, wing, head, bill = (
@@ -279,7 +279,7 @@ def duck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"plumage": head}), size)
 
 
-@recipe("swan", 2)
+@recipe("swan", 2, name="small_creatures.swan")
 def swan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     body, bill = (("#f3f1ea", "safety orange"), ("#26262a", "signal red"))[variant]
@@ -311,7 +311,7 @@ def swan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"plumage": body}), ((1.25, 0.44, 0.88), (1.15, 0.42, 0.85))[variant])
 
 
-@recipe("chicken", 3)
+@recipe("chicken", 3, name="small_creatures.chicken")
 def chicken(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
     body, tail = (("#a8582c", "#6d3418"), ("#efe9dc", "#d8d0c0"), ("#8a3a1c", "#1f3a34"))[variant]

@@ -18,7 +18,7 @@ def handlebar(b: MeshBuilder, x: float, z: float, half: float, back: float = 0.1
         b.rod((x - back * 0.5, side * half * 0.78, z), (x - back, side * half * 1.02, z), 0.02, "black", sides=6)
 
 
-@recipe("all-terrain vehicle", 3)
+@recipe("all-terrain vehicle", 3, name="small_vehicles.all_terrain_vehicle")
 def all_terrain_vehicle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color = ("signal red", "#4f6b3c", "safety orange")[variant]
@@ -86,7 +86,7 @@ def all_terrain_vehicle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"seats": 2 if wide else 1}), size)
 
 
-@recipe("barrow", 3)
+@recipe("barrow", 3, name="small_vehicles.barrow")
 def barrow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     tray, frame = (("#2f6f44", "galvanised"), ("signal red", "black"), ("wood", "dark wood"))[variant]
@@ -131,7 +131,7 @@ def barrow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"wheels": 2 if two else 1}), size)
 
 
-@recipe("hoverboard", 3)
+@recipe("hoverboard", 3, name="small_vehicles.hoverboard")
 def hoverboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.35)
     color = ("black", "signal red", "white")[variant]
@@ -167,7 +167,7 @@ def hoverboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"color": color}), size)
 
 
-@recipe("segway", 3)
+@recipe("segway", 3, name="small_vehicles.segway")
 def segway(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45)
     color = ("light grey", "black", "white")[variant]
@@ -213,7 +213,7 @@ def segway(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"wheel_radius": r}), size)
 
 
-@recipe("snowmobile", 2)
+@recipe("snowmobile", 2, name="small_vehicles.snowmobile")
 def snowmobile(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45)
     color = ("signal yellow", "#2468b0")[variant]
@@ -258,7 +258,7 @@ def snowmobile(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"color": color}), ((3.0, 1.15, 1.25), (3.2, 1.2, 1.32))[variant])
 
 
-@recipe("unicycle", 3)
+@recipe("unicycle", 3, name="small_vehicles.unicycle")
 def unicycle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color: Color = ("signal red", "aluminium", "signal blue")[variant]

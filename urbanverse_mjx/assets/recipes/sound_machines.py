@@ -18,7 +18,7 @@ def loudspeaker(b: MeshBuilder, at: tuple[float, float, float], radius: float, c
         b.ball((radius * 0.3, radius * 0.3, radius * 0.18), (0, 0, 0.003), "grey", segments=8, rings=4)
 
 
-@recipe("stereo sound system", 3)
+@recipe("stereo sound system", 3, name="sound_machines.stereo_sound_system")
 def stereo_sound_system(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Components between two boxes, one tall floor loudspeaker, a portable boom box."""
     b = MeshBuilder(roughness=0.5)
@@ -64,7 +64,7 @@ def stereo_sound_system(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a stereo sound system, {style}", style)
 
 
-@recipe("radio receiver", 3, hulls=1)
+@recipe("radio receiver", 3, hulls=1, name="sound_machines.radio_receiver")
 def radio_receiver(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Portable set with handle and aerial, wooden set with cloth and a dial, small red one."""
     b = MeshBuilder(roughness=0.5)
@@ -108,7 +108,7 @@ def radio_receiver(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} radio receiver", style)
 
 
-@recipe("record player", 3)
+@recipe("record player", 3, name="sound_machines.record_player")
 def record_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wooden deck, black deck with its lid up, suitcase player; the tone arm is at the right."""
     b = MeshBuilder(roughness=0.4)
@@ -156,7 +156,7 @@ def record_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} record player", style)
 
 
-@recipe("cd player", 2, hulls=1)
+@recipe("cd player", 2, hulls=1, name="sound_machines.cd_player")
 def cd_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Hi-fi deck with its tray out and a disc on it; round portable one with its lid open."""
     b = MeshBuilder(roughness=0.3)
@@ -198,7 +198,7 @@ def cd_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} CD player with a disc", style)
 
 
-@recipe("camera", 3, hulls=1)
+@recipe("camera", 3, hulls=1, name="sound_machines.camera")
 def camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Black single-lens reflex, silver rangefinder with leather, instant camera; the lens looks along +x."""
     b = MeshBuilder(roughness=0.4)
@@ -267,7 +267,7 @@ def camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} camera", style)
 
 
-@recipe("corded phone", 3)
+@recipe("corded phone", 3, name="sound_machines.corded_phone")
 def corded_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red dial telephone, office telephone with keys, black dial one; who calls sits at +x."""
     b = MeshBuilder(roughness=0.3)
@@ -317,7 +317,7 @@ def corded_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} telephone", style)
 
 
-@recipe("megaphone", 3)
+@recipe("megaphone", 3, name="sound_machines.megaphone")
 def megaphone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Horn along +x with a pistol grip below and a strap: white and red, grey and blue, yellow."""
     b = MeshBuilder(roughness=0.4)

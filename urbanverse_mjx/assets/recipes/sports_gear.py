@@ -8,7 +8,7 @@ from ..meshes.recipe import recipe
 from .outlines import curve, ellipse, pairs, rounded, section, sized
 
 
-@recipe("baseball bat", 3, hulls=1)
+@recipe("baseball bat", 3, hulls=1, name="sports_gear.baseball_bat")
 def baseball_bat(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Light wooden bat, dark wooden bat, blue metal bat; lying, the barrel at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -76,7 +76,7 @@ def _glove(b: MeshBuilder, leather: Color, lace: Color) -> None:
     b.tube([(-0.12, 0.065, 0.045), (-0.135, 0.0, 0.06), (-0.12, -0.065, 0.045)], 0.014, lace, sides=6)
 
 
-@recipe("baseball glove", 2)
+@recipe("baseball glove", 2, name="sports_gear.baseball_glove")
 def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Tan and dark brown gloves lying on their backs, the open palm towards +x; the dark one holds a ball."""
     b = MeshBuilder(roughness=0.75)
@@ -92,7 +92,7 @@ def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} baseball glove", style)
 
 
-@recipe("tennis racket", 3)
+@recipe("tennis racket", 3, name="sports_gear.tennis_racket")
 def tennis_racket(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red and white, black and lime, old wooden one; lying, the head at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -130,7 +130,7 @@ def tennis_racket(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} tennis racket", style)
 
 
-@recipe("table tennis", 2, hulls=1)
+@recipe("table tennis", 2, hulls=1, name="sports_gear.table_tennis")
 def table_tennis(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bat with its ball; two bats crossed with a ball."""
     b = MeshBuilder(roughness=0.6)
@@ -178,7 +178,7 @@ def table_tennis(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"table tennis: {style}", style)
 
 
-@recipe("frisbee", 3, hulls=1)
+@recipe("frisbee", 3, hulls=1, name="sports_gear.frisbee")
 def frisbee(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White disc with a star, orange one with rings, small blue one; hollow below."""
     b = MeshBuilder(roughness=0.4)
@@ -207,7 +207,7 @@ def frisbee(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a flying disc, {style}", style, jitter=0.004)
 
 
-@recipe("fishing rod", 2)
+@recipe("fishing rod", 2, name="sports_gear.fishing_rod")
 def fishing_rod(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Spinning rod with its reel, short rod with a red float on the line; lying, the tip at +x."""
     b = MeshBuilder(roughness=0.35)

@@ -60,7 +60,7 @@ def _hoop(b: MeshBuilder, x: float, height: float, sense: float, color: Color) -
         b.rod(top, (ring[0] + 0.13 * np.cos(a), 0.13 * np.sin(a), ring[2] - 0.4), 0.012, "white", 3)
 
 
-@recipe("basketball court", 3, hulls=6)
+@recipe("basketball court", 3, hulls=6, name="sports_grounds.basketball_court")
 def basketball_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A whole court in two colours with both baskets; a smaller one; a street court behind wire."""
     size, b = size_of("basketball court", variant), MeshBuilder(roughness=0.8)
@@ -100,7 +100,7 @@ def basketball_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "basketball court", size)
 
 
-@recipe("football field", 2, hulls=6)
+@recipe("football field", 2, hulls=6, name="sports_grounds.football_field")
 def football_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Mown stripes, white lines, two goals, corner flags; the second on artificial turf with dugouts."""
     size, b = size_of("football field", variant), MeshBuilder(roughness=0.95)
@@ -145,7 +145,7 @@ def football_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "football field", size)
 
 
-@recipe("tennis court", 3, hulls=6)
+@recipe("tennis court", 3, hulls=6, name="sports_grounds.tennis_court")
 def tennis_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Clay, green hard court or grass, with the net and an umpire's chair."""
     size, b = size_of("tennis court", variant), MeshBuilder(roughness=0.85)
@@ -175,7 +175,7 @@ def tennis_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "tennis court", size)
 
 
-@recipe("paddle court", 2, hulls=8)
+@recipe("paddle court", 2, hulls=8, name="sports_grounds.paddle_court")
 def paddle_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A blue or green court inside glass and wire mesh, with a net and lamps; its length lies along y."""
     size, b = size_of("paddle court", variant), MeshBuilder(roughness=0.5)
@@ -207,7 +207,7 @@ def paddle_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(("blue padel court in glass", "green padel court in glass")[variant]), "paddle court", size)
 
 
-@recipe("stadium", 2, hulls=12)
+@recipe("stadium", 2, hulls=12, name="sports_grounds.stadium")
 def stadium(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An oval of stepped stands in coloured seats round a pitch, under a ring of roof or between light masts."""
     size, b = size_of("stadium", variant), MeshBuilder(roughness=0.8)

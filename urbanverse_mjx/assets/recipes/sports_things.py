@@ -10,7 +10,7 @@ from ..meshes.recipe import recipe
 from .outlines import sized
 
 
-@recipe("trampoline", 3)
+@recipe("trampoline", 3, name="sports_things.trampoline")
 def trampoline(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Garden trampoline with a net on poles, one without, small one of a gym."""
     b = MeshBuilder(roughness=0.7)
@@ -157,7 +157,7 @@ def _exercise_bicycle(b: MeshBuilder, post: Color) -> None:
         b.box((0.1, 0.09, 0.025), (0.12 * s, 0.14 * s, 0.19 if s > 0 else 0.39), "black", bevel=0.006)
 
 
-@recipe("fitness equipments", 3)
+@recipe("fitness equipments", 3, name="sports_things.fitness_equipments")
 def fitness_equipments(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Outdoor air walker, outdoor chest press with a seat, exercise bicycle."""
     b = MeshBuilder(roughness=0.5)
@@ -173,7 +173,7 @@ def fitness_equipments(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a fitness machine: {style}", style)
 
 
-@recipe("hurdle", 2)
+@recipe("hurdle", 2, name="sports_things.hurdle")
 def hurdle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Athletics hurdle with a striped bar on an L foot, low yellow training hurdle; runners come from -x."""
     b = MeshBuilder(roughness=0.45)
@@ -200,7 +200,7 @@ def hurdle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"an {style} hurdle" if variant == 0 else f"a {style} hurdle", style, jitter=0.003)
 
 
-@recipe("table-tennis table", 3)
+@recipe("table-tennis table", 3, name="sports_things.table_tennis_table")
 def table_tennis_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Blue table on wheeled legs with its net, green concrete table of a park, grey weatherproof one on steel bows."""
     b = MeshBuilder(roughness=0.6)

@@ -33,7 +33,7 @@ def seeds(
         )
 
 
-@recipe("hamburger", 3)
+@recipe("hamburger", 3, name="street_food.hamburger")
 def hamburger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Bun, patty, cheese and salad: a single, a double, one in a dark bun."""
     b = MeshBuilder(roughness=0.6)
@@ -75,7 +75,7 @@ def hamburger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style}", size, rng, {"style": style})
 
 
-@recipe("hot dog", 3)
+@recipe("hot dog", 3, name="street_food.hot_dog")
 def hot_dog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A sausage in a split bun with a zigzag of mustard, of ketchup, with onions and gherkins."""
     b = MeshBuilder(roughness=0.6)
@@ -102,7 +102,7 @@ def hot_dog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a hot dog with {style}", size, rng, {"style": style})
 
 
-@recipe("sandwich", 3)
+@recipe("sandwich", 3, name="street_food.sandwich")
 def sandwich(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A triangle of toast, a filled baguette, a club of three layers on sticks."""
     b = MeshBuilder(roughness=0.8)
@@ -140,7 +140,7 @@ def sandwich(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} sandwich", size, rng, {"style": style})
 
 
-@recipe("pizza", 3)
+@recipe("pizza", 3, name="street_food.pizza")
 def pizza(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Salami, margherita with basil, one with mushrooms and olives; a slice cut free."""
     b = MeshBuilder(roughness=0.8)
@@ -191,7 +191,7 @@ def pizza(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} pizza", size, rng, {"style": style})
 
 
-@recipe("french fries", 3)
+@recipe("french fries", 3, name="street_food.french_fries")
 def french_fries(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Chips standing in a red box, in a paper cone, heaped in a tray with ketchup."""
     b = MeshBuilder(roughness=0.8)

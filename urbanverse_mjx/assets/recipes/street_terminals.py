@@ -34,7 +34,7 @@ def keypad(b: MeshBuilder, at: tuple[float, float, float], size: float, tilt: fl
             b.box((0.012, size * 0.2, size * 0.17), (0.008, y, z - size * 0.08), "light grey")
 
 
-@recipe("parcel locker", 3)
+@recipe("parcel locker", 3, name="street_terminals.parcel_locker")
 def parcel_locker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wall of doors of three heights with a screen in one column; a roof with its name. Doors at +x."""
     b = MeshBuilder(roughness=0.45)
@@ -71,7 +71,7 @@ def parcel_locker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a parcel locker of {columns} columns", (min(depth + reach, 0.8) if variant else 0.66, *size[1:]))
 
 
-@recipe("atm", 3)
+@recipe("atm", 3, name="street_terminals.atm")
 def atm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A lobby machine with a hood and a sloped desk, a slim one under a lit sign, a broad wall module; user at +x."""
     b = MeshBuilder(roughness=0.4)
@@ -99,7 +99,7 @@ def atm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {color} cash machine", size, band=band)
 
 
-@recipe("self-service payment kiosk or terminal", 3)
+@recipe("self-service payment kiosk or terminal", 3, name="street_terminals.payment_kiosk")
 def payment_kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Column with a leaning screen and card reader, a car-park machine with coin slot, a slim order terminal."""
     b = MeshBuilder(roughness=0.4)
@@ -139,7 +139,7 @@ def payment_kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {style}", size, style=style)
 
 
-@recipe("control cabinets", 3)
+@recipe("control cabinets", 3, name="street_terminals.control_cabinets")
 def control_cabinets(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A tall switchgear cabinet with lamps and an isolator, a wall-height pair with meters, a low desk; doors +x."""
     b = MeshBuilder(roughness=0.5)
@@ -211,7 +211,7 @@ def bolt_picture() -> Image.Image:
     return paint.shrunk(image, (40, 40))
 
 
-@recipe("storage locker", 3)
+@recipe("storage locker", 3, name="street_terminals.storage_locker")
 def storage_locker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three tall doors, a wall of small ones, a two-door one on a bench; louvres and locks at +x."""
     b = MeshBuilder(roughness=0.45)

@@ -120,7 +120,7 @@ def _guitar_head(b: MeshBuilder, nut: float, head: float, z: float, electric: bo
         )
 
 
-@recipe("guitar", 3)
+@recipe("guitar", 3, name="string_instruments.guitar")
 def guitar(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Classical guitar, red electric guitar, dark steel-stringed guitar."""
     b = MeshBuilder(roughness=0.35)
@@ -225,7 +225,7 @@ def _violin(b: MeshBuilder, varnish: Color, deep: float, bridge: float) -> None:
     strings(b, 4, (-0.022, 0.0155, top + bridge), (0.305, 0.007, top + 0.006), 0.0009)
 
 
-@recipe("violin", 2)
+@recipe("violin", 2, name="string_instruments.violin")
 def violin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Amber violin with its chin rest; dark one with its bow beside it."""
     b = MeshBuilder(roughness=0.25)
@@ -242,7 +242,7 @@ def violin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a violin, {style}", style)
 
 
-@recipe("cello", 2)
+@recipe("cello", 2, name="string_instruments.cello")
 def cello(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Reddish cello, honey-coloured one; lying on its back with its end pin out."""
     b = MeshBuilder(roughness=0.25)
@@ -254,7 +254,7 @@ def cello(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} cello", style)
 
 
-@recipe("harp", 2)
+@recipe("harp", 2, name="string_instruments.harp")
 def harp(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Gilded pedal harp with its fluted column; small wooden lever harp. The column stands at +x."""
     b = MeshBuilder(roughness=0.35)

@@ -12,7 +12,7 @@ from .handheld import finished, pillow, softened, vessel
 STEEL = "#bcc2c6"
 
 
-@recipe("bowl", 3)
+@recipe("bowl", 3, name="tableware.bowl")
 def bowl(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White with a blue rim, wood, a steel mixing bowl."""
     b = MeshBuilder(roughness=0.4, metallic=0.6 if variant % 3 == 2 else 0.0)
@@ -36,7 +36,7 @@ def bowl(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} bowl", size, rng, {"style": style})
 
 
-@recipe("plate", 3)
+@recipe("plate", 3, name="tableware.plate")
 def plate(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White with a gold line, blue glazed, a patterned dessert plate."""
     b = MeshBuilder(roughness=0.35)
@@ -74,7 +74,7 @@ def plate(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "a plate", size, rng, {"color": str(color)})
 
 
-@recipe("wine glass", 3)
+@recipe("wine glass", 3, name="tableware.wine_glass")
 def wine_glass(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Empty tulip, red wine in a balloon, a champagne flute."""
     b = MeshBuilder(roughness=0.15)
@@ -117,7 +117,7 @@ def cutlery_handle(b: MeshBuilder, color: Color, wide: float = 1.9, wooden: bool
     b.loft(rows, color, crease_deg=50)
 
 
-@recipe("fork", 3)
+@recipe("fork", 3, name="tableware.fork")
 def fork(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Four tines of steel, a three-tined one with a wooden handle, a short cake fork; tines to the front."""
     b = MeshBuilder(roughness=0.25, metallic=0.7)
@@ -144,7 +144,7 @@ def fork(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} fork", size, rng, {"style": style})
 
 
-@recipe("spoon", 3)
+@recipe("spoon", 3, name="tableware.spoon")
 def spoon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A table spoon, a wooden one, a ladle; bowl to the front."""
     b = MeshBuilder(roughness=0.3, metallic=0.0 if variant % 3 == 1 else 0.7)
@@ -176,7 +176,7 @@ def spoon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} spoon", size, rng, {"style": style})
 
 
-@recipe("knife or sword", 3)
+@recipe("knife or sword", 3, name="tableware.knife_or_sword")
 def knife_or_sword(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A cleaver-broad carving knife, a straight sword with its guard, a curved sabre; lying, points to the front."""
     b = MeshBuilder(roughness=0.25, metallic=0.6)
@@ -219,7 +219,7 @@ def _inward(rows: list[np.ndarray]) -> bool:
     return float(np.sum(y * np.roll(z, -1) - z * np.roll(y, -1))) < 0
 
 
-@recipe("chopsticks", 2)
+@recipe("chopsticks", 2, name="tableware.chopsticks")
 def chopsticks(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pair, tapering to the front: lacquered red with gold rings on a rest, plain bamboo."""
     b = MeshBuilder(roughness=0.4)

@@ -10,7 +10,7 @@ from .facade_pictures import sign
 from .proportions import arc, made
 
 
-@recipe("shelter", 3)
+@recipe("shelter", 3, name="tents.shelter")
 def shelter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A timber one with a gabled roof and bench, a steel one with a curved glass roof, a hexagonal pavilion."""
     b = MeshBuilder(roughness=0.75)
@@ -95,7 +95,7 @@ def _pyramid(b: MeshBuilder, half: float, low: float, high: float, color: Color,
         b.sheet(np.array([lower, upper]), shade(cloth, 0.92), both_sides=True)
 
 
-@recipe("canopy", 3)
+@recipe("canopy", 3, name="tents.canopy")
 def canopy(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A folding gazebo, a wooden pergola with cloth, a striped market canopy."""
     b = MeshBuilder(roughness=0.85)
@@ -133,7 +133,7 @@ def canopy(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {cloth} canopy on four posts", (2 * half + 0.04, 2 * half - 0.06, high), 0.7, style="gazebo")
 
 
-@recipe("tent", 3)
+@recipe("tent", 3, name="tents.tent")
 def tent(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A walled family tent, a ridge tent, a dome tent; the door at +x."""
     b = MeshBuilder(roughness=0.9)
@@ -230,7 +230,7 @@ def _ridge_tent(b: MeshBuilder) -> BuiltAsset:
     return made(b, "a ridge tent", (3.1, 2.15, 1.2), style="ridge")
 
 
-@recipe("stage", 3)
+@recipe("stage", 3, name="tents.stage")
 def stage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A concert stage under a truss roof with screens and loudspeakers, a round-roofed band shell, a low fair stage."""
     b = MeshBuilder(roughness=0.7)

@@ -88,7 +88,7 @@ def reeds(b: MeshBuilder, spots: np.ndarray, height: float, blade: float, rng: n
         b.add(merged(leaves[k]), green)
 
 
-@recipe("mud patch", 3)
+@recipe("mud patch", 3, name="terrain.mud_patch")
 def mud_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wet earth with puddles, footprints or the ruts of a wheel."""
     size, b = size_of("mud patch", variant), MeshBuilder(roughness=0.35)
@@ -119,7 +119,7 @@ def mud_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "mud patch", size)
 
 
-@recipe("sand patch", 3)
+@recipe("sand patch", 3, name="terrain.sand_patch")
 def sand_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A flat dome of sand: rippled by wind, heaped, or with a bucket and a spade."""
     size, b = size_of("sand patch", variant), MeshBuilder(roughness=0.95)
@@ -153,7 +153,7 @@ def sand_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "sand patch", size)
 
 
-@recipe("rocky field", 3, hulls=10)
+@recipe("rocky field", 3, hulls=10, name="terrain.rocky_field")
 def rocky_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Outcrop and loose stones in thin grass, on red earth, or in moss."""
     size, b = size_of("rocky field", variant), MeshBuilder(roughness=0.95)
@@ -197,7 +197,7 @@ def rocky_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "rocky field", size)
 
 
-@recipe("wetland area", 3)
+@recipe("wetland area", 3, name="terrain.wetland_area")
 def wetland_area(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Shallow water with reeds and bulrushes, islets of grass and lily pads."""
     size, b = size_of("wetland area", variant), MeshBuilder(roughness=0.4)

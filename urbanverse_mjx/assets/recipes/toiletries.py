@@ -34,7 +34,7 @@ def flip_cap(b: MeshBuilder, z: float, radius: float, height: float, color: Colo
     b.cylinder(radius * 1.01, 0.12, (0, 0, z + height * 0.62), shade(color, 0.7), segments=20)
 
 
-@recipe("shampoo", 3)
+@recipe("shampoo", 3, name="toiletries.shampoo")
 def shampoo(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An oval bottle with its cap, one with a pump, one standing on its lid."""
     b = MeshBuilder(roughness=0.35)
@@ -54,7 +54,7 @@ def shampoo(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} bottle of shampoo", size, rng, {"style": style})
 
 
-@recipe("lotion", 3)
+@recipe("lotion", 3, name="toiletries.lotion")
 def lotion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pump bottle, a jar of cream, a tube standing on its cap."""
     b = MeshBuilder(roughness=0.4)
@@ -87,7 +87,7 @@ def lotion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"lotion: a {style}", size, rng, {"style": style})
 
 
-@recipe("perfume", 3)
+@recipe("perfume", 3, name="toiletries.perfume")
 def perfume(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A square flacon with a gold cap, a round one with a faceted stopper, a tall slim spray."""
     b = MeshBuilder(roughness=0.15)
@@ -120,7 +120,7 @@ def perfume(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} bottle of perfume", size, rng, {"style": style})
 
 
-@recipe("soap", 3)
+@recipe("soap", 3, name="toiletries.soap")
 def soap(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pressed bar, a bar with bubbles on its dish, a liquid dispenser."""
     b = MeshBuilder(roughness=0.4)
@@ -148,7 +148,7 @@ def soap(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"soap: a {style}", size, rng, {"style": style})
 
 
-@recipe("lipstick", 3)
+@recipe("lipstick", 3, name="toiletries.lipstick")
 def lipstick(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Turned out, without its cap: red in gold, pink in black, a dark square-shouldered one."""
     b = MeshBuilder(roughness=0.25)
@@ -172,7 +172,7 @@ def lipstick(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "a lipstick", size, rng, {"color": color})
 
 
-@recipe("toothbrush", 3)
+@recipe("toothbrush", 3, name="toiletries.toothbrush")
 def toothbrush(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Blue and white, bamboo, an electric one; lying, bristles up at the front."""
     b = MeshBuilder(roughness=0.4)
@@ -216,7 +216,7 @@ def toothbrush(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} toothbrush", size, rng, {"style": style})
 
 
-@recipe("toothpaste", 3)
+@recipe("toothpaste", 3, name="toiletries.toothpaste")
 def toothpaste(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A lying tube, round at its cap, flat at its crimp: blue on white, green, one rolled up and used."""
     b = MeshBuilder(roughness=0.35)
@@ -270,7 +270,7 @@ def toothpaste(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} tube of toothpaste", size, rng, {"style": style})
 
 
-@recipe("band-aid", 2)
+@recipe("band-aid", 2, name="toiletries.band_aid")
 def band_aid(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A strip with its perforated pad, two strips crossed."""
     b = MeshBuilder(roughness=0.8)
@@ -290,7 +290,7 @@ def band_aid(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "a plaster" if variant % 2 == 0 else "two plasters, crossed", size, rng, {"kind": variant % 2})
 
 
-@recipe("diaper", 2)
+@recipe("diaper", 2, name="toiletries.diaper")
 def diaper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Laid out flat with wings and tapes, folded up as if worn."""
     b = MeshBuilder(roughness=0.9)

@@ -124,7 +124,7 @@ def _baby_body(b: MeshBuilder, skin: Color, dress: Color, head: float, z: float)
     )
 
 
-@recipe("doll", 3)
+@recipe("doll", 3, name="toys.doll")
 def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Rag doll with plaits and a checked apron, fashion doll in a long dress, baby doll in a romper."""
     b = MeshBuilder(roughness=0.6)
@@ -159,7 +159,7 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} doll", style)
 
 
-@recipe("stuffed toy", 3)
+@recipe("stuffed toy", 3, name="toys.stuffed_toy")
 def stuffed_toy(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Sitting teddy bear with a bow, rabbit with long ears, panda; fur in two tones."""
     b = MeshBuilder(roughness=0.95)
@@ -218,7 +218,7 @@ def stuffed_toy(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a stuffed {style}", style)
 
 
-@recipe("water gun", 3)
+@recipe("water gun", 3, name="toys.water_gun")
 def water_gun(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Pump-action gun with its tank on top, clear green pistol, large one with a pack of two tanks; mouth at +x."""
     b = MeshBuilder(roughness=0.25)

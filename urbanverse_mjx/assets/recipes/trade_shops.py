@@ -117,7 +117,7 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
 
 
 def _register(leaf: str) -> None:
-    @recipe(leaf, 3, hulls=8)
+    @recipe(leaf, 3, hulls=8, name="trade_shops.trade_shop")
     def trade_shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
         return build_trade(leaf, variant, rng)
 

@@ -64,7 +64,7 @@ def price_pylon(b: MeshBuilder, at: tuple[float, float, float], height: float, n
         b.panel(face, (x + sign * 0.18, y, z + height * 0.58), 1.4, height * 0.78, facing)
 
 
-@recipe("gas station", 3)
+@recipe("gas station", 3, name="transit_places.gas_station")
 def gas_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     color, name, islands = (("signal red", "FUEL", 2), ("#1f7a45", "ECO OIL", 3), ("#1b4f9c", "PETROL", 1))[variant]
@@ -96,7 +96,7 @@ def gas_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"islands": islands}), size)
 
 
-@recipe("car wash", 3)
+@recipe("car wash", 3, name="transit_places.car_wash")
 def car_wash(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     color, bays = (("#1f6fb5", 1), ("signal red", 3), ("#2a8f7a", 1))[variant]
@@ -170,7 +170,7 @@ def flat_car(b: MeshBuilder, at: tuple[float, float], yaw: float, color: Color) 
                 b.cylinder(0.30, 0.2, (x, side * 0.76 + 0.10, 0.30), "rubber", (90, 0, 0), segments=10)
 
 
-@recipe("car rental", 3)
+@recipe("car rental", 3, name="transit_places.car_rental")
 def car_rental(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     color, ink, name = (
@@ -213,7 +213,7 @@ def car_rental(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"name": name}), size)
 
 
-@recipe("bus station", 2)
+@recipe("bus station", 2, name="transit_places.bus_station")
 def bus_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     color, bays = (("signal blue", 4), ("dark red", 6))[variant]
@@ -269,7 +269,7 @@ def _bus_block(b: MeshBuilder, at: tuple[float, float], color: Color) -> None:
             b.cylinder(0.45, 0.25, (at[0] + x, at[1] + s * 1.13 + 0.125, 0.6), "rubber", (90, 0, 0), segments=10)
 
 
-@recipe("ferry terminal", 2)
+@recipe("ferry terminal", 2, name="transit_places.ferry_terminal")
 def ferry_terminal(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     color = ("signal blue", "teal")[variant]

@@ -76,7 +76,7 @@ def _big_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_wi
             wheel(b, (x, side * (half_width - 0.17), radius), radius, 0.32, rim, side, segments=18)
 
 
-@recipe("bus", 3, _BUS, hulls=6)
+@recipe("bus", 3, _BUS, hulls=6, name="trucks.bus")
 def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4, metallic=0.05)
     color, band, line, length = (
@@ -180,7 +180,7 @@ def forward_cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) 
         b.box((0.10, 0.18, 0.42), (x + 0.82, side * 1.22, 1.72), "black", bevel=0.03)
 
 
-@recipe("truck", 3, _TRUCK, hulls=5)
+@recipe("truck", 3, _TRUCK, hulls=5, name="trucks.truck")
 def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5, metallic=0.1)
     color, plate, front = (
@@ -248,7 +248,7 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return dataclasses.replace(built, volume=float(np.prod(built.mesh.extent)) * 0.7)
 
 
-@recipe("food truck", 3, _FOOD_TRUCK, hulls=6)
+@recipe("food truck", 3, _FOOD_TRUCK, hulls=6, name="trucks.food_truck")
 def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     color, accent, name, menu = (

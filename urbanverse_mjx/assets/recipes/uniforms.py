@@ -73,7 +73,7 @@ def cross_picture(ground: Color, ink: Color) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (24, 24)))
 
 
-@recipe("doctor", 3)
+@recipe("doctor", 3, name="uniforms.doctor")
 def doctor(variant: int, rng: np.random.Generator) -> BuiltAsset:
     look, pose = (
         (Look(1.70, 1.05, "skin dark", "short", "#15100d", "coat", "white", "trousers", "#2c2f3a", "black"), STANDING),
@@ -116,7 +116,7 @@ def _stethoscope(out: float) -> list[tuple[float, float, float]]:
     ]
 
 
-@recipe("emergency worker", 3)
+@recipe("emergency worker", 3, name="uniforms.emergency_worker")
 def emergency_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     jacket, trousers, stripe = (
         ("#c8d820", "dark green", "light grey"),
@@ -153,7 +153,7 @@ def emergency_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(f, names[variant], ((0.42, 0.60, 1.77), (0, 0, 1.70), (0.77, 0, 1.88))[variant])
 
 
-@recipe("firefighter", 3)
+@recipe("firefighter", 3, name="uniforms.firefighter")
 def firefighter(variant: int, rng: np.random.Generator) -> BuiltAsset:
     coat, stripe, hat = (
         ("#c2a25a", "lime", "signal red"),
@@ -219,7 +219,7 @@ def fire_helmet(f: Figure, color: Color) -> None:
         )
 
 
-@recipe("gardener", 3)
+@recipe("gardener", 3, name="uniforms.gardener")
 def gardener(variant: int, rng: np.random.Generator) -> BuiltAsset:
     look, pose = (
         (
@@ -276,7 +276,7 @@ def straw_hat(f: Figure, color: Color, ribbon: Color) -> None:
         b.cylinder(1.36 * ry, 0.18 * rz, (0, 0, 0.06 * rz), ribbon, segments=14, top_radius=1.30 * ry)
 
 
-@recipe("maintenance worker", 3)
+@recipe("maintenance worker", 3, name="uniforms.maintenance_worker")
 def maintenance_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     overall, top = (("#2c5aa0", "#2c5aa0"), ("#d8742a", "#d8742a"), ("#5a6068", "#b9452f"))[variant]
     look = Look(

@@ -57,7 +57,7 @@ def settee(
         )
 
 
-@recipe("armchair", 3)
+@recipe("armchair", 3, name="upholstery.armchair")
 def armchair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A padded club chair, a wing chair with high sides, a wooden-armed lounge chair."""
     b = MeshBuilder(roughness=0.85)
@@ -92,14 +92,14 @@ def armchair(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "an armchair", ((0.82, 0.8, 0.88), (0.86, 0.78, 1.08), (0.84, 0.7, 0.92))[variant % 3])
 
 
-@recipe("sofa", 3)
+@recipe("sofa", 3, name="upholstery.sofa")
 def sofa(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """In grey or olive, brick or teal cloth, and in brown leather."""
     cloths = ("#6f7d8c", "#8a8f7a")[int(rng.integers(2))], ("#b5533c", "#35606b")[int(rng.integers(2))], "#5d3a26"
     return _settee_with_cushions(variant, cloths[variant % 3], ("amber", "cream", "beige")[variant % 3])
 
 
-@recipe("couch", 3)
+@recipe("couch", 3, name="upholstery.couch")
 def couch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """In navy, mustard or sage cloth, and in black leather."""
     cloths = "#2f4467", ("#c79a3b", "#7f9a7d")[int(rng.integers(2))], "#2b2a2a"
@@ -117,7 +117,7 @@ def _settee_with_cushions(variant: int, cloth: Color, spot: Color) -> BuiltAsset
     return made(b, f"a {w:.1f} m sofa of {seats} seats", (d, w, h), seats=seats)
 
 
-@recipe("lounge", 3)
+@recipe("lounge", 3, name="upholstery.lounge")
 def lounge(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A corner suite, an outdoor set of rattan with pale cushions, a rounded modular one."""
     b = MeshBuilder(roughness=0.85)
@@ -144,7 +144,7 @@ def lounge(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a corner lounge suite", (d, w, h))
 
 
-@recipe("chaise", 2)
+@recipe("chaise", 2, name="upholstery.chaise")
 def chaise(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A long chair with a scrolled head and one arm, a low modern one with a raised back; the head at -x."""
     b = MeshBuilder(roughness=0.8)
@@ -165,7 +165,7 @@ def chaise(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a chaise longue", ((1.66, 0.76, 0.83), (1.75, 0.72, 0.86))[variant % 2])
 
 
-@recipe("ottoman", 3)
+@recipe("ottoman", 3, name="upholstery.ottoman")
 def ottoman(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A square tufted stool on legs, a round knitted pouffe, a long bench with a lid."""
     b = MeshBuilder(roughness=0.9)
@@ -193,7 +193,7 @@ def ottoman(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "an upholstered stool", (d, w, h), style="tufted")
 
 
-@recipe("recliner", 2)
+@recipe("recliner", 2, name="upholstery.recliner")
 def recliner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A leather armchair with a lever; upright, and leaning back with its footrest out."""
     b = MeshBuilder(roughness=0.5)
@@ -220,7 +220,7 @@ def recliner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("cushion", 3)
+@recipe("cushion", 3, name="upholstery.cushion")
 def cushion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A square scatter cushion with a button, a round one, a striped oblong one."""
     b = MeshBuilder(roughness=0.95)
@@ -255,7 +255,7 @@ def cushion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a {color} cushion", (x, y, h)) if variant % 3 else made(b, f"a {color} cushion", (0.46, 0.44, h))
 
 
-@recipe("pillow", 2)
+@recipe("pillow", 2, name="upholstery.pillow")
 def pillow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A white bed pillow, a square one in a coloured cover with a flap."""
     b = MeshBuilder(roughness=0.95)
@@ -287,7 +287,7 @@ def _pad(b: MeshBuilder, size: Point3, at: Point3, color: Color) -> None:
         b.tube(ring + np.array([at[0], at[1], 0.0]), 0.008, shade(color, 0.8), 5, closed=True)
 
 
-@recipe("mattress", 3)
+@recipe("mattress", 3, name="upholstery.mattress")
 def mattress(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A double with a quilted top, a thin striped single, a bare stained one; lying flat."""
     b = MeshBuilder(roughness=0.95)
@@ -309,7 +309,7 @@ def mattress(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a mattress", size)
 
 
-@recipe("bed", 3)
+@recipe("bed", 3, name="upholstery.bed")
 def bed(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A double with a wooden headboard, an iron single, an upholstered king-size; the head at -x."""
     b = MeshBuilder(roughness=0.85)

@@ -21,7 +21,7 @@ BULB = ((0, 0), (1.4, 0.1), (2.5, 0.9), (2.75, 1.9), (2.2, 3.0), (1.0, 3.9), (0.
 GOURD = ((0, 1.0), (4, 0.2), (9, 0.0), (13.5, 5), (14.5, 10.5), (13, 16), (8, 20), (3, 20.2), (0, 18.5))
 
 
-@recipe("carrot", 3)
+@recipe("carrot", 3, name="vegetables.carrot")
 def carrot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Orange with a tuft, a bunch of three with their greens, a long bare purple one."""
     b = MeshBuilder(roughness=0.6)
@@ -72,21 +72,21 @@ def long_gourd(
     return finished(b, f"a {kind} {name}", size, rng, {"kind": kind})
 
 
-@recipe("cucumber", 3)
+@recipe("cucumber", 3, name="vegetables.cucumber")
 def cucumber(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dark green, a long light one, a short pickling one."""
     colors: Sequence[Color] = (["#1f4a22", "#2a5a2a"], ["#3a6a30", "#4a7d3a"], ["#4f7a2c", "#86a04a"])[variant % 3]
     return long_gourd("cucumber", variant, rng, colors, ((30, 4.6, 4.6), (36, 4.4, 4.4), (17.5, 4.4, 4.4))[variant % 3])
 
 
-@recipe("zucchini", 3)
+@recipe("zucchini", 3, name="vegetables.zucchini")
 def zucchini(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Green, pale green, yellow; with their angular stalks."""
     colors: Sequence[Color] = (["#2f5a26", "#3d6e2f"], ["#8aa85a", "#9cb86a"], ["#e0b020", "#ecc438"])[variant % 3]
     return long_gourd("zucchini", variant, rng, colors, ((20, 4.6, 4.6), (25, 5.2, 5.2), (16.5, 4.2, 4.2))[variant % 3])
 
 
-@recipe("eggplant", 3)
+@recipe("eggplant", 3, name="vegetables.eggplant")
 def eggplant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Nearly black, striped violet and white, a slim long one; green calyx and stalk."""
     b = MeshBuilder(roughness=0.2)
@@ -108,7 +108,7 @@ def eggplant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} eggplant", size, rng, {"style": style})
 
 
-@recipe("onion", 3)
+@recipe("onion", 3, name="vegetables.onion")
 def onion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Brown, red, white; dry tip above, beard of roots below."""
     b = MeshBuilder(roughness=0.5)
@@ -137,7 +137,7 @@ def onion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} onion", size, rng, {"style": style})
 
 
-@recipe("garlic", 2)
+@recipe("garlic", 2, name="vegetables.garlic")
 def garlic(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A white bulb of cloves, a violet-striped one; dry stalk, roots."""
     b = MeshBuilder(roughness=0.7)
@@ -152,7 +152,7 @@ def garlic(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "a bulb of garlic", size, rng, {"color": str(color)})
 
 
-@recipe("ginger", 2)
+@recipe("ginger", 2, name="vegetables.ginger")
 def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A knobbly hand of rhizomes with rings and a cut end."""
     b = MeshBuilder(roughness=0.8)
@@ -179,7 +179,7 @@ def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, "a hand of ginger", size, rng, {"kind": variant % 2})
 
 
-@recipe("potato", 3)
+@recipe("potato", 3, name="vegetables.potato")
 def potato(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Yellow, red-skinned, a large baker; uneven, with eyes."""
     b = MeshBuilder(roughness=0.85)
@@ -195,7 +195,7 @@ def potato(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} potato", size, rng, {"style": style})
 
 
-@recipe("tomato", 3)
+@recipe("tomato", 3, name="vegetables.tomato")
 def tomato(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Round red, ribbed beefsteak, small cherry; green star on top."""
     b = MeshBuilder(roughness=0.2)
@@ -219,7 +219,7 @@ def tomato(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(b, f"a {style} tomato", size, rng, {"style": style})
 
 
-@recipe("pumpkin", 3)
+@recipe("pumpkin", 3, name="vegetables.pumpkin")
 def pumpkin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Orange with ribs and a curled stalk, a carved lantern, a flat green-grey one; the face at +x."""
     b = MeshBuilder(roughness=0.5)

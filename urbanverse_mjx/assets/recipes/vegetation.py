@@ -166,7 +166,7 @@ def _palm(b: MeshBuilder, height: float, rng: np.random.Generator) -> None:
         )
 
 
-@recipe("tree", 8, _TREE, hulls=5)
+@recipe("tree", 8, _TREE, hulls=5, name="vegetation.tree")
 def tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     if variant < 6:
@@ -185,7 +185,7 @@ def tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return dataclasses.replace(built, volume=float(wood))
 
 
-@recipe("shrub", 4, _SHRUB, hulls=3)
+@recipe("shrub", 4, _SHRUB, hulls=3, name="vegetation.shrub")
 def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     if variant == 0:  # a rounded bush
@@ -264,7 +264,7 @@ def _blossom(b: MeshBuilder, at: np.ndarray, radius: float, color: Color, kind: 
         b.ball((radius * 0.3, radius * 0.3, radius * 0.2), (0, 0, radius * 0.08), "amber", segments=6, rings=4)
 
 
-@recipe("flower", 4, _FLOWER, hulls=1)
+@recipe("flower", 4, _FLOWER, hulls=1, name="vegetation.flower")
 def flower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.9)
     color, kind = (("red", "tulip"), ("yellow", "daisy"), ("purple", "daisy"), ("pink", "tulip"))[variant]
@@ -322,7 +322,7 @@ def flower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(names[variant], {"kind": kind, "color": color})
 
 
-@recipe("grass patch", 3, _GRASS, hulls=1)
+@recipe("grass patch", 3, _GRASS, hulls=1, name="vegetation.grass_patch")
 def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat enough to roll over: at most 3 cm."""
     b = MeshBuilder(roughness=1.0)
@@ -355,7 +355,7 @@ def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return b.build(names[variant], {"color": str(color)})
 
 
-@recipe("christmas tree", 3, _TREE, hulls=3)
+@recipe("christmas tree", 3, _TREE, hulls=3, name="vegetation.christmas_tree")
 def christmas_tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
     height, radius = ((3.2, 1.05), (2.2, 0.75), (5.2, 1.6))[variant]

@@ -10,7 +10,7 @@ from ..meshes.shapes import Point2
 from .proportions import arc, hollow, made
 
 
-@recipe("barrel or bucket", 3)
+@recipe("barrel or bucket", 3, name="vessels.barrel")
 def barrel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A steel drum with rolling hoops, a wooden cask with iron bands, a bucket with its bail."""
     b = MeshBuilder(roughness=0.5)
@@ -67,7 +67,7 @@ def _label(words: str, back: Color, ink: Color) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (96, 60)))
 
 
-@recipe("discarded can", 3)
+@recipe("discarded can", 3, name="vessels.discarded_can")
 def discarded_can(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An upright dented drinks can, one crushed in the middle and lying, an open food tin with its lid bent up."""
     b = MeshBuilder(roughness=0.35, metallic=0.3)
@@ -118,7 +118,7 @@ def discarded_can(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
 
 
-@recipe("ashtray", 3)
+@recipe("ashtray", 3, name="vessels.ashtray")
 def ashtray(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A glass bowl with notches and stubs, a round ceramic one, a street column with a sand tray."""
     b = MeshBuilder(roughness=0.3)
@@ -159,7 +159,7 @@ def ashtray(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "an ashtray with stubs", size, style=("glass", "ceramic", "column")[variant % 3])
 
 
-@recipe("vase", 3)
+@recipe("vase", 3, name="vessels.vase")
 def vase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A blue-and-white baluster, a two-handled clay amphora, a tall fluted glass."""
     b = MeshBuilder(roughness=0.35)
@@ -229,7 +229,7 @@ def vase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, ("a blue-and-white vase", "a clay amphora", "a glass vase with tulips")[variant % 3], size)
 
 
-@recipe("candle", 2)
+@recipe("candle", 2, name="vessels.candle")
 def candle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A pillar candle with runs of wax, a taper in a brass holder with a ring; both burn."""
     b = MeshBuilder(roughness=0.6)
@@ -256,7 +256,7 @@ def candle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a burning candle", size, color=color)
 
 
-@recipe("balloon", 3)
+@recipe("balloon", 3, name="vessels.balloon")
 def balloon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One balloon with its knot and string, a bunch of seven, a heart of foil."""
     b = MeshBuilder(roughness=0.2)

@@ -76,7 +76,7 @@ def _caution_plate(words: str) -> Image.Image:
     return done(image)
 
 
-@recipe("caution sign", 4)
+@recipe("caution sign", 4, name="warning_signs.caution_sign")
 def caution_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45)
     side, height = ((0.84, 2.50), (0.95, 2.75), (0.88, 2.65), (0.72, 2.35))[variant]
@@ -144,7 +144,7 @@ def _one_way_face() -> Image.Image:
     return done(image)
 
 
-@recipe("traffic sign", 4)
+@recipe("traffic sign", 4, name="warning_signs.traffic_sign")
 def traffic_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.45)
     side, height = ((0.68, 2.50), (0.90, 2.60), (0.62, 2.30), (0.80, 2.75))[variant]

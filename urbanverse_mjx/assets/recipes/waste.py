@@ -46,7 +46,7 @@ def _wheelie(b: MeshBuilder, color: Color, lid: Color, height: float) -> None:
     b.panel(recycle_mark(48, color, "white"), (0.243, 0, height * 0.5), 0.2, 0.2, tilt_deg=-3.0)
 
 
-@recipe("trash bin", 4, BIN, hulls=2)
+@recipe("trash bin", 4, BIN, hulls=2, name="waste.trash_bin")
 def trash_bin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wheelie bin, slatted park bin, steel drum with hood, post-mounted basket. Front +x."""
     b = MeshBuilder(roughness=0.6)
@@ -89,7 +89,7 @@ DUMPSTER = Physics(
 )
 
 
-@recipe("dumpster", 3, DUMPSTER, hulls=3)
+@recipe("dumpster", 3, DUMPSTER, hulls=3, name="waste.dumpster")
 def dumpster(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Slant-topped front loader, 1,100-litre roll container, open skip. Lids open towards +x."""
     b = MeshBuilder(roughness=0.6)
@@ -144,7 +144,7 @@ def dumpster(variant: int, rng: np.random.Generator) -> BuiltAsset:
 BAG = Physics(("plastic",), 110.0, (3.0, 16.0), 0.6, True, "a full household bag of 40-100 l weighs 4-15 kg")
 
 
-@recipe("garbage bag", 4, BAG, hulls=3)
+@recipe("garbage bag", 4, BAG, hulls=3, name="waste.garbage_bag")
 def garbage_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One bag, or a heap of two or three, knotted at the top."""
     b = MeshBuilder(roughness=0.35)
@@ -180,7 +180,7 @@ CRATE = Physics(
 )
 
 
-@recipe("storage box", 4, CRATE, hulls=2)
+@recipe("storage box", 4, CRATE, hulls=2, name="waste.storage_box")
 def storage_box(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Wooden crate, stacked plastic crates, steel-cornered chest, yellow grit box."""
     b = MeshBuilder(roughness=0.75)
@@ -247,7 +247,7 @@ def _grit_box(b: MeshBuilder) -> None:
 PARCEL = Physics(("cardboard",), 140.0, (0.5, 25.0), 0.5, True, "cardboard parcels of 5-100 l weigh 0.5-20 kg")
 
 
-@recipe("parcels", 4, PARCEL, hulls=3)
+@recipe("parcels", 4, PARCEL, hulls=3, name="waste.parcels")
 def parcels(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One box or a small stack, taped and labelled."""
     b = MeshBuilder(roughness=0.9)

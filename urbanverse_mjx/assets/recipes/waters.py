@@ -13,7 +13,7 @@ from .terrain import blob, boulder, dome_patch, reeds, ripples
 from .ways import kerb
 
 
-@recipe("a shallow pool of water", 3)
+@recipe("a shallow pool of water", 3, name="waters.shallow_pool")
 def shallow_pool(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A puddle that mirrors the sky, with a dark wet rim; leaves float on it, drops ring it."""
     size, b = size_of("a shallow pool of water", variant), MeshBuilder(roughness=0.08)
@@ -47,7 +47,7 @@ def _lilies(b: MeshBuilder, x: float, y: float, z: float, size: float, count: in
             b.cone(0.4 * size, 0.5 * size, (at[0], at[1], z + 0.1 * size), ("pink", "white")[k // 2 % 2], segments=6)
 
 
-@recipe("pond", 3, hulls=6)
+@recipe("pond", 3, hulls=6, name="waters.pond")
 def pond(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Water in a ring of stones with lilies and reeds; a formal round basin; a wild pond in grass with ducks."""
     size, b = size_of("pond", variant), MeshBuilder(roughness=0.25)
@@ -108,7 +108,7 @@ def pond(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "pond", size)
 
 
-@recipe("lake", 2, hulls=4)
+@recipe("lake", 2, hulls=4, name="waters.lake")
 def lake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wide water with a shore of sand or grass, trees on it, an islet and a rowing boat."""
     size, b = size_of("lake", variant), MeshBuilder(roughness=0.2)
@@ -160,7 +160,7 @@ def lake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(("lake with a green shore", "lake with a sandy shore")[variant]), "lake", size)
 
 
-@recipe("canal", 3, hulls=6)
+@recipe("canal", 3, hulls=6, name="waters.canal")
 def canal(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Water between quay walls with bollards and rails; grass banks; a narrow boat on it."""
     size, b = size_of("canal", variant), MeshBuilder(roughness=0.3)
@@ -219,7 +219,7 @@ def canal(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "canal", size)
 
 
-@recipe("sea", 2, hulls=2)
+@recipe("sea", 2, hulls=2, name="waters.sea")
 def sea(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A square of waves: long swell with foaming crests, or a calm green sea running up a beach."""
     size, b = size_of("sea", variant), MeshBuilder(roughness=0.15)
@@ -259,7 +259,7 @@ def sea(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(("sea with foaming waves", "shallow green sea at a beach")[variant]), "sea", size)
 
 
-@recipe("dam", 3, hulls=6)
+@recipe("dam", 3, hulls=6, name="waters.dam")
 def dam(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A gravity wall with spillways and a road along its crest; an earth dam in grass; an old stone weir dam."""
     size, b = size_of("dam", variant), MeshBuilder(roughness=0.85)
@@ -334,7 +334,7 @@ def _falls(
             )
 
 
-@recipe("waterfall", 3, hulls=8)
+@recipe("waterfall", 3, hulls=8, name="waters.waterfall")
 def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Water over a step of rock into a pool: one broad fall, two steps, or a thin long fall."""
     size, b = size_of("waterfall", variant), MeshBuilder(roughness=0.5)

@@ -77,7 +77,7 @@ def kerb(b: MeshBuilder, length: float, y: float, width: float, height: float, c
         b.box((step - 0.012, width, height), ((k + 0.5) * step - length / 2, y, 0), tone)
 
 
-@recipe("road", 3)
+@recipe("road", 3, name="ways.road")
 def road(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two lanes with a dashed middle line; a one-way street between kerbs; a dual carriageway with a planted strip."""
     size, b = size_of("road", variant), MeshBuilder(roughness=0.9)
@@ -123,7 +123,7 @@ def road(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "road", size)
 
 
-@recipe("cycleway", 3)
+@recipe("cycleway", 3, name="ways.cycleway")
 def cycleway(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red or green asphalt with bicycles painted on it, or a two-way path with a dashed line between edgings."""
     size, b = size_of("cycleway", variant), MeshBuilder(roughness=0.9)
@@ -146,7 +146,7 @@ def cycleway(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "cycleway", size)
 
 
-@recipe("sidewalk", 3)
+@recipe("sidewalk", 3, name="ways.sidewalk")
 def sidewalk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Square slabs, herringbone bricks or large granite flags along a kerb."""
     size, b = size_of("sidewalk", variant), MeshBuilder(roughness=0.9)
@@ -181,7 +181,7 @@ def sidewalk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "sidewalk", size)
 
 
-@recipe("pedestrian crosswalk", 3)
+@recipe("pedestrian crosswalk", 3, name="ways.pedestrian_crosswalk")
 def pedestrian_crosswalk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Zebra bars, plain, between stop lines, or on a raised red table; one walks along y."""
     size, b = size_of("pedestrian crosswalk", variant), MeshBuilder(roughness=0.85)
@@ -206,7 +206,7 @@ def pedestrian_crosswalk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "pedestrian crosswalk", size)
 
 
-@recipe("roundabout", 3, hulls=6)
+@recipe("roundabout", 3, hulls=6, name="ways.roundabout")
 def roundabout(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A ring road about a planted island with the stubs of three or four arms."""
     size, b = size_of("roundabout", variant), MeshBuilder(roughness=0.9)
@@ -261,7 +261,7 @@ def roundabout(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant]), "roundabout", size)
 
 
-@recipe("railway track", 3)
+@recipe("railway track", 3, name="ways.railway_track")
 def railway_track(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Two rails on sleepers in ballast: wood, concrete, or tram rails sunk in paving."""
     size, b = size_of("railway track", variant), MeshBuilder(roughness=0.8)

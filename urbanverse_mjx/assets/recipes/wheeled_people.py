@@ -28,7 +28,7 @@ def _scooter(b: MeshBuilder, color: Color, accent: Color, deck: float) -> None:
     b.cylinder(0.03, 0.03, (0.305, 0, 1.0), "lamp", (0, 90, 0), segments=8)
 
 
-@recipe("electric scooter rider", 3)
+@recipe("electric scooter rider", 3, name="wheeled_people.electric_scooter_rider")
 def electric_scooter_rider(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     deck = 0.17
@@ -54,7 +54,7 @@ def electric_scooter_rider(variant: int, rng: np.random.Generator) -> BuiltAsset
     return fitted(b.build(names[variant], {"rider": look.height}), size)
 
 
-@recipe("wheelchair user", 3)
+@recipe("wheelchair user", 3, name="wheeled_people.wheelchair_user")
 def wheelchair_user(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.7)
     frame, cloth = (("aluminium", "dark blue"), ("signal red", "black"), ("charcoal", "dark grey"))[variant]
@@ -113,7 +113,7 @@ def _skate(f: Figure, k: int, color: Color) -> None:
             f.builder.cylinder(0.036, 0.026, (x * h, 0.013, low - 0.042), "lime", (90, 0, 0), segments=9)
 
 
-@recipe("roller skater", 3)
+@recipe("roller skater", 3, name="wheeled_people.roller_skater")
 def roller_skater(variant: int, rng: np.random.Generator) -> BuiltAsset:
     look = (
         Look(1.66, 0.95, "skin light", "bun", "#7a4a24", "shirt", "#d8508a", "shorts", "#2c3550", "white", "short"),
@@ -138,7 +138,7 @@ def roller_skater(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return finished(f, names[variant], ((0.60, 0.66, 1.76), (1.22, 0, 1.70), (0, 0, 0))[variant])
 
 
-@recipe("infant", 3)
+@recipe("infant", 3, name="wheeled_people.infant")
 def infant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     romper = ("#7fb2d9", "signal yellow", "pink")[variant]
     height, hair = (0.54, 0.70, 0.72)[variant], ("bald", "bald", "curly")[variant]

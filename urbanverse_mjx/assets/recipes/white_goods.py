@@ -25,7 +25,7 @@ def knobs(b: MeshBuilder, x: float, ys: list[float], z: float, radius: float, co
         b.box((0.003, 0.004, radius), (x + 0.0225, y, z), "white")
 
 
-@recipe("refrigerator", 3, hulls=1)
+@recipe("refrigerator", 3, hulls=1, name="white_goods.refrigerator")
 def refrigerator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White fridge-freezer, steel American doors with a dispenser, round-shouldered red one."""
     b = MeshBuilder(roughness=0.35)
@@ -72,7 +72,7 @@ def porthole(b: MeshBuilder, x: float, z: float, radius: float, rim: Color) -> N
     b.box((0.03, 0.03, 0.09), (x + 0.03, radius * 0.86, z - 0.045), "dark grey", bevel=0.006)
 
 
-@recipe("washing machine", 3, hulls=1)
+@recipe("washing machine", 3, hulls=1, name="white_goods.washing_machine")
 def washing_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White front loader, top loader with a console, dark front loader with a large door."""
     b = MeshBuilder(roughness=0.4)
@@ -101,7 +101,7 @@ def washing_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} washing machine", style)
 
 
-@recipe("dishwasher", 2, hulls=1)
+@recipe("dishwasher", 2, hulls=1, name="white_goods.dishwasher")
 def dishwasher(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steel machine with its door ajar on the crockery, compact white one for a worktop."""
     b = MeshBuilder(roughness=0.35)
@@ -132,7 +132,7 @@ def _crockery(b: MeshBuilder) -> None:
         b.cylinder(0.11, 0.012, (-0.02, -0.23 + 0.065 * k, 0.63), ink, (90, 12, 0), segments=12)
 
 
-@recipe("oven", 3, hulls=1)
+@recipe("oven", 3, hulls=1, name="white_goods.oven")
 def oven(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White cooker with four hotplates, built-in steel oven, wide range with gas burners."""
     b = MeshBuilder(roughness=0.4)
@@ -177,7 +177,7 @@ def _keypad(size: tuple[int, int], color: Color, clock: str) -> Image.Image:
     return image
 
 
-@recipe("microwave", 3, hulls=1)
+@recipe("microwave", 3, hulls=1, name="white_goods.microwave")
 def microwave(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """White with keypad, steel with a bar handle, retro with two dials."""
     b = MeshBuilder(roughness=0.35)
@@ -209,7 +209,7 @@ def microwave(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} microwave oven", style)
 
 
-@recipe("water cooler", 3, hulls=1)
+@recipe("water cooler", 3, hulls=1, name="white_goods.water_cooler")
 def water_cooler(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Dispenser with its bottle upside down on top (white; steel and black), black one without a bottle."""
     b = MeshBuilder(roughness=0.3)
@@ -256,7 +256,7 @@ def _snowflake(draw: ImageDraw.ImageDraw, centre: tuple[float, float], radius: f
             draw.line((*mid, *end), fill=rgb(ink), width=1)
 
 
-@recipe("ice maker", 2, hulls=1)
+@recipe("ice maker", 2, hulls=1, name="white_goods.ice_maker")
 def ice_maker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Steel bar machine with a window on its ice; tall head on a bin with a slanting door."""
     b = MeshBuilder(roughness=0.3)
@@ -291,7 +291,7 @@ def ice_maker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} ice maker", style)
 
 
-@recipe("rice cooker", 2, hulls=1)
+@recipe("rice cooker", 2, hulls=1, name="white_goods.rice_cooker")
 def rice_cooker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Domed pot with a glass lid and one lever; rounded box with a keypad and a carrying handle."""
     b = MeshBuilder(roughness=0.4)

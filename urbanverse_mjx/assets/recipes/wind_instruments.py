@@ -9,7 +9,7 @@ from ..meshes.shapes import Shape
 from .outlines import curve, sized
 
 
-@recipe("flute", 3, hulls=1)
+@recipe("flute", 3, hulls=1, name="wind_instruments.flute")
 def flute(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Silver concert flute with keys, wooden recorder, black piccolo; lying, the open end at +x."""
     b = MeshBuilder(roughness=0.2, metallic=0.4)
@@ -56,7 +56,7 @@ def flute(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("saxophone", 2)
+@recipe("saxophone", 2, name="wind_instruments.saxophone")
 def saxophone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Golden alto saxophone, dark one with golden keys; lying on its side, the bow at -x."""
     b = MeshBuilder(roughness=0.2, metallic=0.5)
@@ -116,7 +116,7 @@ def _dark_mouth(at: np.ndarray, axis: np.ndarray, radius: float) -> Shape:
     return Shape(points, faces if normal @ n > 0 else faces[:, ::-1])
 
 
-@recipe("trumpet", 2)
+@recipe("trumpet", 2, name="wind_instruments.trumpet")
 def trumpet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Golden trumpet, silver one with a mute; upright, the bell along +x."""
     b = MeshBuilder(roughness=0.15, metallic=0.5)
@@ -192,7 +192,7 @@ def trumpet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} trumpet", style)
 
 
-@recipe("accordion", 2, hulls=1)
+@recipe("accordion", 2, hulls=1, name="wind_instruments.accordion")
 def accordion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red piano accordion, black button accordion with pearl: keys at the left of who looks, bellows, bass buttons."""
     b = MeshBuilder(roughness=0.25)

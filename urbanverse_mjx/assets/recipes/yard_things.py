@@ -21,7 +21,7 @@ def _wires(b: MeshBuilder, corners: np.ndarray, across: int, up: int, color: Col
         b.rod(a + (e - a) * s, c + (d - c) * s, radius, color, sides=4)
 
 
-@recipe("shopping cart", 3)
+@recipe("shopping cart", 3, name="yard_things.shopping_cart")
 def shopping_cart(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A wire basket tapering to the front on a wheeled frame, with a coloured handle; the user pushes from -x."""
     b = MeshBuilder(roughness=0.4, metallic=0.2)
@@ -66,7 +66,7 @@ def shopping_cart(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a shopping cart with a {accent} handle", size, 0.5, handle=accent)
 
 
-@recipe("vehicle wheel", 3)
+@recipe("vehicle wheel", 3, name="yard_things.vehicle_wheel")
 def vehicle_wheel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A car wheel with alloy spokes, a steel one with a cap, a lorry's; standing, axle along y."""
     b = MeshBuilder(roughness=0.7)
@@ -111,7 +111,7 @@ def _grill_cart(b: MeshBuilder) -> None:
         b.box((0.05, 0.05, 0.15), (0.2, side * 0.26, 0), "charcoal")
 
 
-@recipe("barbecue grill", 3)
+@recipe("barbecue grill", 3, name="yard_things.barbecue_grill")
 def barbecue_grill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A gas cart with a hood and side shelves, a kettle on three legs, a park grill on a post."""
     b = MeshBuilder(roughness=0.4)
@@ -159,7 +159,7 @@ def barbecue_grill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a park grill on a post", (0.46, 0.85, 0.9), style="park")
 
 
-@recipe("waste station", 3)
+@recipe("waste station", 3, name="yard_things.waste_station")
 def waste_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Three igloos for glass and paper, four square banks with slots, an underground point with columns; front +x."""
     b = MeshBuilder(roughness=0.6)
@@ -211,7 +211,7 @@ def waste_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, f"a recycling point of {count} containers", size, containers=count)
 
 
-@recipe("solar energy infrastructure", 3)
+@recipe("solar energy infrastructure", 3, name="yard_things.solar_panels")
 def solar_panels(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """One tilted panel on its frame, a ground array of two rows, a panel on a mast with its battery box; sun at +x."""
     b = MeshBuilder(roughness=0.25)
@@ -255,7 +255,7 @@ def solar_panels(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a solar panel on a mast", (0.6, 1.2, 3.2), panels=1)
 
 
-@recipe("air pump", 3)
+@recipe("air pump", 3, name="yard_things.air_pump")
 def air_pump(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bicycle floor pump, a forecourt tyre inflator on a post, a foot pump with two barrels."""
     b = MeshBuilder(roughness=0.45)
@@ -310,7 +310,7 @@ def air_pump(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return made(b, "a foot pump", (0.3, 0.2, 0.23), style="foot pump")
 
 
-@recipe("easel", 3)
+@recipe("easel", 3, name="yard_things.easel")
 def easel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """An A-frame with a landscape on canvas, a studio easel with a portrait, a chalk board easel; picture +x."""
     b = MeshBuilder(roughness=0.75)

@@ -9,7 +9,7 @@ from .outlines import curve, ellipse, pairs, section, sized
 from .wheels import rim_picture, wheel
 
 
-@recipe("ladder", 3)
+@recipe("ladder", 3, name="yard_tools.ladder")
 def ladder(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Aluminium step ladder, timber double ladder, single rung ladder; climbers come from +x."""
     b = MeshBuilder(roughness=0.5)
@@ -49,7 +49,7 @@ def ladder(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("shovel", 3)
+@recipe("shovel", 3, name="yard_tools.shovel")
 def shovel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Round-point shovel with a T grip, square yellow snow shovel, spade with a D grip; standing on the blade."""
     b = MeshBuilder(roughness=0.6)
@@ -85,7 +85,7 @@ def shovel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("pitchfork", 2)
+@recipe("pitchfork", 2, name="yard_tools.pitchfork")
 def pitchfork(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Hay fork of four curved tines, digging fork with a D grip; standing on the tines."""
     b = MeshBuilder(roughness=0.6)
@@ -120,7 +120,7 @@ def pitchfork(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style}", style)
 
 
-@recipe("toolbox", 3)
+@recipe("toolbox", 3, name="yard_tools.toolbox")
 def toolbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Red steel box with an arched handle, black and yellow plastic one, open wooden tray with tools."""
     b = MeshBuilder(roughness=0.5)
@@ -170,7 +170,7 @@ def toolbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} toolbox", style)
 
 
-@recipe("crutch", 3)
+@recipe("crutch", 3, name="yard_tools.crutch")
 def crutch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Forearm crutch with cuff and grip, wooden and aluminium underarm crutches; standing."""
     b = MeshBuilder(roughness=0.5)
@@ -209,7 +209,7 @@ def crutch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"an {style} crutch" if variant == 2 else f"a {style} crutch", style)
 
 
-@recipe("lawn mower", 3)
+@recipe("lawn mower", 3, name="yard_tools.lawn_mower")
 def lawn_mower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Petrol mower with a grass bag, electric one, hand mower with a reel; it drives along +x."""
     b = MeshBuilder(roughness=0.5)
@@ -268,7 +268,7 @@ def lawn_mower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} lawn mower", style)
 
 
-@recipe("chainsaw", 3)
+@recipe("chainsaw", 3, name="yard_tools.chainsaw")
 def chainsaw(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Orange petrol saw, green electric saw, yellow one with a long bar; the bar points along +x."""
     b = MeshBuilder(roughness=0.45)
@@ -311,7 +311,7 @@ def chainsaw(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"an {style} chainsaw" if variant == 0 else f"a {style} chainsaw", style)
 
 
-@recipe("electric drill", 3)
+@recipe("electric drill", 3, name="yard_tools.electric_drill")
 def electric_drill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Yellow drill driver on its battery, blue one, grey corded drill; the bit points along +x."""
     b = MeshBuilder(roughness=0.45)
@@ -353,7 +353,7 @@ def electric_drill(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return sized(b, rng, size, f"a {style} drill", style)
 
 
-@recipe("grinder", 2)
+@recipe("grinder", 2, name="yard_tools.grinder")
 def grinder(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Blue angle grinder, large red one; the disc lies below the head at +x under its guard."""
     b = MeshBuilder(roughness=0.45)

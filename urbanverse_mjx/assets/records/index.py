@@ -117,14 +117,19 @@ class AssetIndex:
         return content_hash([r.to_json() for r in self.records])
 
 
+def uid_of(recipe: Recipe, variant: int) -> str:
+    """The uid of a variant's record, made of the leaf, the recipe's name and the number alone."""
+    slug = recipe.leaf.replace(" ", "-")
+    family = recipe.name.replace("_", "-").replace(".", "-")
+    return f"{slug}/{family}/{variant:03d}"
+
+
 def make_record(recipe: Recipe, variant: int, built: BuiltAsset | None = None) -> AssetRecord:
     """Builds one variant and measures it."""
     built = built or recipe.build(variant)
     x, y, z = (round(float(e), 4) for e in built.mesh.extent)
     volume = max(built.volume, 0.02 * float(np.prod(built.mesh.extent)), 1e-6)
-    slug = recipe.leaf.replace(" ", "-")
-    family = recipe.name.replace("_", "-").replace(".", "-")
-    uid = f"{slug}/{family}/{variant:03d}"
+    uid = uid_of(recipe, variant)
     return AssetRecord(
         uid=uid,
         category=ontology.category_of(recipe.leaf),
