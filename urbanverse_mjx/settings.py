@@ -42,11 +42,16 @@ def cache_dir(*parts: str) -> pathlib.Path:
     return base.expanduser().absolute().joinpath(*parts)
 
 
-def use_compilation_cache() -> None:
+def use_compilation_cache() -> pathlib.Path:
     """Lets JAX keep what it compiles in the cache folder, at most 4 GiB of it, and take it from there in later
-    processes. To be called before anything imports JAX; what the environment says already stays."""
+    processes. To be called before anything imports JAX; what the environment says already stays.
+
+    Returns:
+      the folder that JAX uses.
+    """
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache_dir("jax")))
     os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", str(4 * 2**30))
+    return pathlib.Path(os.environ["JAX_COMPILATION_CACHE_DIR"])
 
 
 def asset_root() -> pathlib.Path:

@@ -21,7 +21,7 @@ from urbanverse_mjx.assets.collision.decompose import (
 from urbanverse_mjx.assets.collision.hulls import HullStore, hull_budget, mesh_key, store_path
 from urbanverse_mjx.assets.meshes.mesh_builder import MeshBuilder
 from urbanverse_mjx.assets.meshes.recipe import all_recipes, get_recipe
-from urbanverse_mjx.datatypes import AssetRecord, ValidationError
+from urbanverse_mjx.datatypes import AssetRecord, ValidationError, array_file
 
 INDEX = load_index()
 #: The leaves of the shipped and the benchmark streets: their recipes have physical priors of their own.
@@ -145,6 +145,21 @@ def test_the_store_survives_its_file(tmp_path) -> None:
     assert list(again.hulls) == sorted(store.hulls)
     for key, hulls in store.hulls.items():
         assert all(np.array_equal(a, b) for a, b in zip(hulls, again.hulls[key], strict=True))
+
+
+def test_a_damaged_store_is_one_sentence(tmp_path) -> None:
+    rng = np.random.default_rng(0)
+    parts = tuple(rng.integers(0, 1000, (n, 3), dtype=np.int32) for n in (8, 5, 12))
+    path = HullStore({"ab" * 16: parts[:2], "cd" * 16: parts[2:]}).save(tmp_path / "hulls.npz")
+    whole = array_file.load(path, "", "")
+    path.write_bytes(path.read_bytes()[:-30])
+    with pytest.raises(ValidationError, match="damaged"):
+        HullStore.load(path)
+    for name in ("keys", "hulls_per_key", "corners_per_hull", "corners_mm"):
+        for wrong in ({**whole, name: whole[name][:-1]}, {k: x for k, x in whole.items() if k != name}):
+            array_file.save(path, wrong)
+            with pytest.raises(ValidationError, match=r"needed (counts that add up|hulls)"):
+                HullStore.load(path)
 
 
 def test_missing_hulls_name_the_command(monkeypatch) -> None:

@@ -269,9 +269,12 @@ def test_the_shipped_weights_are_small_and_belong_to_this_network(variables):
 def test_missing_and_foreign_weights_are_named(tmp_path: pathlib.Path, variables, monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(ValidationError, match="found no weights of the perception model"):
         weights.load(tmp_path / "none.npz")
-    (tmp_path / "text.npz").write_text("no weights")
-    with pytest.raises(ValidationError, match="unreadable"):
-        weights.load(tmp_path / "text.npz")
+    body = bytearray(weights.shipped().read_bytes())
+    body[len(body) // 2] ^= 8
+    for bad in (b"no weights", body[:-100], body):
+        (tmp_path / "bad.npz").write_bytes(bad)
+        with pytest.raises(ValidationError, match=r"bad\.npz: found an unreadable or damaged file"):
+            weights.load(tmp_path / "bad.npz")
     path = weights.save(tmp_path / "w.npz", variables, {})
     monkeypatch.setattr(classes, "names", lambda: NAMES[:-1])
     with pytest.raises(ValidationError, match="other classes"):

@@ -32,8 +32,12 @@ def teach(parameters: Any, state: State[Any], key: jax.Array) -> jax.Array:
 
 
 def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
-    small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+    small_bank: SceneBank,
+    tmp_path: pathlib.Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
+    """Also where the newest state and an older policy are damaged: it goes on from the state before."""
     env, config = seeing_env(small_bank), small_config()
     whole = distil("CocoNav", env, config, tmp_path / "whole", teach, quiet=True)
     assert whole.steps == 96
@@ -54,9 +58,17 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     with pytest.raises(KeyboardInterrupt):
         distil("CocoNav", env, config, tmp_path / "cut", teach, quiet=True)
     monkeypatch.undo()
-    done = PolicySpec.load(latest_policy(tmp_path / "cut")).steps
-    assert 0 < done < 96
+    newest = PolicySpec.load(latest_policy(tmp_path / "cut")).steps
+    state, first = tmp_path / "cut" / distilling.STATE, saved[0]
+    done = PolicySpec.load(first).steps
+    assert 0 < done < newest < 96
+    state.write_bytes(state.read_bytes()[:-1000])
+    (first / "policy.json").unlink()
+    capsys.readouterr()
     distil("CocoNav", env, config, tmp_path / "cut", teach, resume=True, quiet=True)
+    (said,) = [line for line in capsys.readouterr().err.splitlines() if "state.npz" in line]
+    assert said.endswith("going on from the state of the checkpoint before it")
+    assert PolicySpec.load(latest_policy(first)).steps == done
     states = [(tmp_path / name / distilling.STATE).read_bytes() for name in ("whole", "cut")]
     assert states[0] == states[1]
 
@@ -64,5 +76,5 @@ def test_a_run_that_was_cut_ends_with_the_bytes_of_one_that_was_not(
     assert [s["from_steps"] for s in record.segments] == [0, done]
     assert record.ppo["algorithm"] == "dagger"
     steps = [json.loads(line)["step"] for line in (tmp_path / "cut" / "log.jsonl").read_text().splitlines()]
-    assert steps == [16 * k for k in range(1, 7)]
+    assert steps == [16, 32, 32, 48, 64, 80, 96], "the second iteration was lost, and is done again"
     assert load_policy(tmp_path / "cut")[1].environment == "CocoNav"

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 from .. import __version__, settings
 from ..pipeline.errors import refusal
+from .compilation_cache import replace_damaged_entries
 from .packages import MAKERS, missing
 
 #: Command -> (module below `urbanverse_mjx.cli`, one line for --help).
@@ -56,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command line (`sys.argv` by default) and returns the exit status."""
     if argv is None:
         # A process of its own, in which nothing has imported JAX yet.
-        settings.use_compilation_cache()
+        replace_damaged_entries(settings.use_compilation_cache())
     try:
         return _choose(list(sys.argv[1:] if argv is None else argv))
     except BrokenPipeError:

@@ -73,7 +73,7 @@ class ModelNames:
         """A file of the cache with the robot's MJCF."""
         digest = hashlib.sha256(self.robot.mjcf.encode()).hexdigest()[:16]
         path = settings.cache_dir("robots", f"{self.robot.name}-{digest}.xml")
-        if not path.is_file():
+        if not path.is_file() or path.read_bytes() != self.robot.mjcf.encode():
             write_atomically(path, lambda temporary: temporary.write_text(self.robot.mjcf, encoding="utf-8"))
         return str(path)
 

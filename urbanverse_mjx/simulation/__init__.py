@@ -1,10 +1,14 @@
 """The engines and the renderer: what happens in a scene, and what it looks like, one env at a time under `jax.vmap`."""
 
+import pathlib
+
 import warp
 
+from .kernel_cache import check_kernels
 from .warp_start import start_warp
 
 # Warp, which MJX starts too, tells standard output what it finds and loads. Standard output belongs to commands, whose
 # last line programs read. This must stand before whatever starts Warp.
 warp.config.log_level = warp.LOG_WARNING
 start_warp()
+check_kernels(pathlib.Path(warp.config.kernel_cache_dir))

@@ -1,6 +1,8 @@
 """A training by imitation as a run folder: `dagger.Dagger` with logs, checkpoints and exact resumption."""
 
+import contextlib
 import pathlib
+import sys
 import time
 from typing import Any
 
@@ -11,13 +13,13 @@ from ..datatypes import ValidationError
 from ..envs import wrap_for_training
 from . import sequences, snapshot
 from .dagger import Dagger, DaggerState, Teacher
-from .policy import PolicySpec, latest_policy, save_student
+from .policy import PolicySpec, latest_policy, policy_path, save_student
 from .progress import TrainingLog
 from .record import begin_segment, check_scenes
 from .run import TrainingResult
 
-#: The whole state of the training at the newest checkpoint, beside the checkpoints.
-STATE = "state.npz"
+#: The whole state of the training at the newest checkpoint, beside the checkpoints, and at the checkpoint before it.
+STATE, STATE_BEFORE = "state.npz", "state-before.npz"
 
 
 def distil(
@@ -35,10 +37,11 @@ def distil(
       environment: the name the env is registered under.
       env: not wrapped; its observations hold `student.SEEN` and `privileged_map`.
       config: see `dagger.default_dagger_config`, with `num_timesteps` and `num_checkpoints`.
-      folder: run folder; checkpoints/<steps>/, state.npz, log.jsonl and TensorBoard events go there.
+      folder: run folder; checkpoints/<steps>/, state.npz, state-before.npz, log.jsonl and TensorBoard events go there.
       teacher: asked in every visited state.
       resume: go on from the newest checkpoint there, to the digits of a run that never stopped, as long as
-        `num_timesteps` stays what it was.
+        `num_timesteps` stays what it was. Where that checkpoint is damaged, from the one before it, with a line on
+        standard error.
 
     Raises:
       ValidationError: a folder in use, nothing to resume or nothing left to do, or a resumed run that would train
@@ -50,6 +53,8 @@ def distil(
     iterations = max(total // each, 1)
     state = _first_state(learner, env, folder, resume)
     done = int(state.steps)
+    if resume:
+        _replace_missing_policy(environment, env, config, folder, state.params, done * each)
     if done >= iterations:
         raise ValidationError(f"num_timesteps: found {total}, but {done * each} are done already; ask for more.")
     begin_segment(folder, environment, env.config, config, done * each).save(folder)
@@ -64,6 +69,8 @@ def distil(
         shares = {f"episode/{k}": said.pop(k) for k in ("success", "hit", "off_traversable", "timeout")}
         log((number - done) * each, {**(shares if ended else {}), **{f"training/{k}": x for k, x in said.items()}})
         if number % every == 0 or number == iterations:
+            if (folder / STATE).is_file():
+                (folder / STATE).replace(folder / STATE_BEFORE)
             snapshot.save_state(folder / STATE, state)
             spec = PolicySpec.of(environment, env, config, number * each)
             last.append(save_student(folder / "checkpoints", state.params, spec))
@@ -78,9 +85,37 @@ def distil(
 def _first_state(learner: Dagger, env: Any, folder: pathlib.Path, resume: bool) -> DaggerState:
     if resume:
         check_scenes(PolicySpec.load(latest_policy(folder / "checkpoints")), env)
-        return snapshot.load_state(folder / STATE, jax.eval_shape(learner.begin))
+        return _newest_state(folder, jax.eval_shape(learner.begin))
     checkpoints = folder / "checkpoints"
     if checkpoints.exists() and any(checkpoints.iterdir()):
         raise ValidationError(f"run folder: found checkpoints in {folder}, needed a new folder; or pass --resume.")
     folder.mkdir(parents=True, exist_ok=True)
     return learner.begin()
+
+
+def _newest_state(folder: pathlib.Path, like: DaggerState) -> DaggerState:
+    """The newest state in a run folder that is whole.
+
+    Raises:
+      ValidationError: there is none, or it is one of another training.
+    """
+    try:
+        return snapshot.load_state(folder / STATE, like)
+    except ValidationError as error:
+        if not (folder / STATE_BEFORE).is_file():
+            raise
+        state = snapshot.load_state(folder / STATE_BEFORE, like)
+        sys.stderr.write(f"{str(error).rstrip('.')}; going on from the state of the checkpoint before it\n")
+        return state
+
+
+def _replace_missing_policy(
+    environment: str, env: Any, config: ConfigDict, folder: pathlib.Path, params: Any, steps: int
+) -> None:
+    """Writes the policy of the state that a run goes on from, where a kill or damage took it."""
+    checkpoints = folder / "checkpoints"
+    path = policy_path(checkpoints, steps)
+    with contextlib.suppress(ValidationError):
+        if latest_policy(path) == path:
+            return
+    save_student(checkpoints, params, PolicySpec.of(environment, env, config, steps))

@@ -89,12 +89,17 @@ def _version(package: str) -> str:
         return "not installed"
 
 
+def policy_path(checkpoints: pathlib.Path, steps: int) -> pathlib.Path:
+    """The folder of the policy of so many env-steps."""
+    return checkpoints / f"{steps:012d}"
+
+
 def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.Path:
     """Writes a policy folder named by its steps under `folder`; returns it. `policy.json` comes last."""
     import flax.serialization
     import orbax.checkpoint as ocp
 
-    path = folder / f"{spec.steps:012d}"
+    path = policy_path(folder, spec.steps)
     # Orbax would wait for all processes of a training over several hosts, of which the others write nothing.
     me = jax.process_index()
     alone = ocp.options.MultiprocessingOptions(me, {me}, "policy" if jax.process_count() > 1 else None)

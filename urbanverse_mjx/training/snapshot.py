@@ -10,7 +10,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..datatypes import ValidationError
+from ..datatypes import ValidationError, array_file
 from ..datatypes import validation as v
 
 
@@ -36,13 +36,13 @@ def load_state(path: pathlib.Path, like: Any) -> Any:
       like: a state of the same training, such as the one that it began with; its values are not used.
 
     Raises:
-      ValidationError: no such file, or one of a training with other shapes.
+      ValidationError: no such file, a damaged one, or one of a training with other shapes.
     """
     if not path.is_file():
         raise ValidationError(f"training state: found no file {path}, needed one that a training wrote.")
     leaves, structure = jax.tree.flatten(like)
-    with np.load(path) as file:
-        found = [file[name] for name in sorted(file.files)]
+    arrays_by_name = array_file.load(path, "a training state", "begin a new run with --start-from")
+    found = [arrays_by_name[name] for name in sorted(arrays_by_name)]
     keys = [_is_key(leaf) for leaf in leaves]
     needed = [jax.eval_shape(jax.random.key_data, x) if k else x for x, k in zip(leaves, keys, strict=True)]
     if [(x.shape, x.dtype) for x in found] != [(x.shape, np.dtype(x.dtype)) for x in needed]:

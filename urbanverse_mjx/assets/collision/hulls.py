@@ -13,8 +13,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, ValidationError
-from urbanverse_mjx.datatypes.validation import write_atomically
+from urbanverse_mjx.datatypes import AssetMesh, AssetRecord, HullSet, ValidationError, array_file
+from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.settings import asset_root
 
 from ..meshes import instances
@@ -54,26 +54,40 @@ class HullStore:
             "corners_per_hull": np.array([len(h) for h in flat], np.uint8),
             "corners_mm": np.concatenate(flat).astype(np.int32) if flat else np.zeros((0, 3), np.int32),
         }
-
-        def write(temporary: pathlib.Path) -> None:
-            with temporary.open("wb") as file:
-                np.savez_compressed(file, **arrays)
-
-        return write_atomically(path, write)
+        return array_file.save(path, arrays)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> "HullStore":
-        """Reads the store; a missing file is an empty store."""
+        """Reads the store; a missing file is an empty store.
+
+        Raises:
+          ValidationError: a damaged file, or one whose counts and corners do not fit together.
+        """
         if not pathlib.Path(path).is_file():
             return HullStore({})
-        with np.load(path) as data:
-            ends = np.cumsum(data["corners_per_hull"].astype(int))
-            hulls = np.split(data["corners_mm"], ends[:-1]) if len(ends) else []
-            stops = np.cumsum(data["hulls_per_key"].astype(int))
-            keys = [row.tobytes().hex() for row in data["keys"]]
+        data = array_file.load(path, "collision hulls", "copy it again from where it is whole")
+        _check_store(str(path), data)
+        ends = np.cumsum(data["corners_per_hull"].astype(int))
+        hulls = np.split(data["corners_mm"], ends[:-1]) if len(ends) else []
+        stops = np.cumsum(data["hulls_per_key"].astype(int))
+        keys = [row.tobytes().hex() for row in data["keys"]]
         return HullStore(
             {k: tuple(hulls[b - n : b]) for k, b, n in zip(keys, stops, np.diff(stops, prepend=0), strict=True)}
         )
+
+
+def _check_store(path: str, data: Mapping[str, np.ndarray]) -> None:
+    """Whether a file's arrays are those of a store, and its counts say how many hulls and corners there are."""
+    hint = f"build it again with `{BUILD_COMMAND}`"
+    names = {"keys", "hulls_per_key", "corners_per_hull", "corners_mm"}
+    if set(data) != names:
+        raise v.fail(path, f"other arrays than expected ({', '.join(sorted(names ^ set(data)))})", "hulls", hint)
+    keys, per_key, per_hull, corners = (
+        data[name] for name in ("keys", "hulls_per_key", "corners_per_hull", "corners_mm")
+    )
+    fits = keys.shape == (len(per_key), 16) and corners.shape == (int(per_hull.sum()), 3)
+    if not fits or int(per_key.sum()) != len(per_hull):
+        raise v.fail(path, "counts that are not those of its hulls and corners", "counts that add up", hint)
 
 
 def store_path() -> pathlib.Path:

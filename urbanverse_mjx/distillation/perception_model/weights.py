@@ -15,8 +15,8 @@ import jax
 import numpy as np
 from flax import traverse_util
 
-from ...datatypes import ValidationError
-from ...datatypes.validation import write_atomically
+from ...datatypes import ValidationError, array_file
+from ...datatypes import validation as v
 from . import classes
 from .network import PerceptionNetwork
 
@@ -41,14 +41,14 @@ def save(path: str | os.PathLike[str], variables: Any, record: dict[str, Any]) -
         body |= _packed(name, np.asarray(x))
     meta = {"schema": SCHEMA, "classes": _told_apart(), "record": record}
     body[_META] = np.frombuffer(json.dumps(meta).encode("utf-8"), np.uint8)
-    return write_atomically(path, lambda temporary: np.savez_compressed(temporary, allow_pickle=False, **body))
+    return array_file.save(path, body)
 
 
 def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any]]:
     """Variables of `PerceptionNetwork` as float32, and the record of their training.
 
     Raises:
-      ValidationError: no such file, or weights for other classes or another network.
+      ValidationError: no such file, a damaged one, or weights for other classes or another network.
     """
     path = pathlib.Path(path or shipped())
     if not path.is_file():
@@ -56,14 +56,8 @@ def load(path: str | os.PathLike[str] | None = None) -> tuple[Any, dict[str, Any
             f"{path}: found no weights of the perception model, needed them; train them with "
             "`python -m urbanverse_mjx.distillation.train_perception`."
         )
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            body = {name: file[name] for name in file.files}
-        meta = json.loads(body.pop(_META).tobytes().decode("utf-8"))
-    except (OSError, ValueError, KeyError) as error:
-        raise ValidationError(
-            f"{path}: found an unreadable file ({error}), needed weights of the perception model."
-        ) from error
+    body = array_file.load(path, "weights of the perception model", "copy it again from where it is whole")
+    meta = v.parse_json(body.pop(_META, np.zeros(0, np.uint8)).tobytes(), f"{path}: meta")
     if meta.get("schema") != SCHEMA or meta.get("classes") != _told_apart():
         raise ValidationError(f"{path}: found weights for other classes, needed this version's; train them again.")
     return traverse_util.unflatten_dict(_unpacked(body), sep="/"), meta["record"]
