@@ -10,7 +10,7 @@ import os
 import pathlib
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 #: The file that its owner locks.
 OWNER = ".urbanverse-owner"
@@ -43,14 +43,9 @@ def replacing_folder(target: pathlib.Path) -> Iterator[pathlib.Path]:
 
     Where an earlier call was killed between the two renames, the folder that it had put aside comes back first.
     """
-
-    def put_back(left: pathlib.Path) -> None:
-        if not target.exists() and (left / _OLD).is_dir():
-            (left / _OLD).rename(target)
-
     prefix = f".{target.name}-"
     target.parent.mkdir(parents=True, exist_ok=True)
-    sweep(target.parent, prefix, put_back)
+    sweep(target.parent, prefix)
     with work_folder(prefix, target.parent) as work:
         fresh, old = work / "new", work / _OLD
         fresh.mkdir()
@@ -60,13 +55,13 @@ def replacing_folder(target: pathlib.Path) -> Iterator[pathlib.Path]:
         fresh.rename(target)
 
 
-def sweep(
-    parent: pathlib.Path, prefix: str = "", rescue: Callable[[pathlib.Path], object] = lambda folder: None
-) -> None:
+def sweep(parent: pathlib.Path, prefix: str = "") -> None:
     """Removes the folders that this user's `work_folder` made in processes that have ended.
 
+    A folder that `replacing_folder` had put aside, with no other in its place yet, comes back.
+
     Args:
-      prefix: of the folders; "" for all in `parent`. rescue: called with each one before it is removed.
+      prefix: of the folders; "" for all in `parent`.
     """
     for folder in list(parent.iterdir()):
         if prefix and not (folder.name.startswith(prefix) and len(folder.name) == len(prefix) + _RANDOM):
@@ -77,10 +72,36 @@ def sweep(
             lock = os.open(folder / OWNER, os.O_RDWR | os.O_NOFOLLOW)
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                rescue(folder)
+                _put_back(folder)
                 shutil.rmtree(folder, ignore_errors=True)
             finally:
                 os.close(lock)
+
+
+def recover(target: pathlib.Path) -> None:
+    """Brings back a folder that is not there because a killed `replacing_folder` had put it aside."""
+    if not target.exists() and target.parent.is_dir():
+        sweep(target.parent, f".{target.name}-")
+
+
+def recover_below(place: pathlib.Path) -> None:
+    """`recover` for a folder, and for all folders at any depth in it."""
+    recover(place)
+    for parent in {owner.parent.parent for owner in place.rglob(f".*/{OWNER}")}:
+        sweep(parent)
+
+
+def is_unfinished(folder: pathlib.Path, place: pathlib.Path) -> bool:
+    """Whether a folder below `place` lies in one that `work_folder` made there: half made, or put aside."""
+    between = [parent for parent in folder.parents if parent != place and parent.is_relative_to(place)]
+    return any((parent / OWNER).exists() for parent in between)
+
+
+def _put_back(left: pathlib.Path) -> None:
+    """What `replacing_folder` put aside in its folder `.NAME-xxxxxxxx`, as NAME."""
+    target = left.with_name(left.name[1 : -_RANDOM - 1])
+    if left.name.startswith(".") and not target.exists() and (left / _OLD).is_dir():
+        (left / _OLD).rename(target)
 
 
 def _make(prefix: str, parent: pathlib.Path) -> tuple[pathlib.Path, int]:

@@ -1,7 +1,9 @@
 """Worker processes end with the process that started them; what a killed run left is removed by the next."""
 
+import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,7 +13,12 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
+from urbanverse_mjx.datatypes import ValidationError
+from urbanverse_mjx.pipeline.generation.run_folder import RunFolder
 from urbanverse_mjx.process_pool import results_as_completed
+from urbanverse_mjx.scene import metadata
+from urbanverse_mjx.scene.compiler import CompiledScene
+from urbanverse_mjx.scene.folders import scene_folders
 from urbanverse_mjx.work_folder import OWNER, replacing_folder, sweep, work_folder
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -160,3 +167,50 @@ def test_a_folder_put_aside_comes_back_after_a_kill_between_the_renames(tmp_path
     assert sorted(p.name for p in tmp_path.iterdir()) == ["g", "g-2"]
     assert (scene / "a").read_text() == "new"
     assert [p.name for p in scene.iterdir()] == ["a"]
+
+
+def left_behind(parent: pathlib.Path, name: str) -> pathlib.Path:
+    """What a process leaves that was killed between the renames that replace a folder: the old one put aside."""
+    left = parent / f".{name}-abcd1234"
+    for part in ("old", "new"):
+        (left / part).mkdir(parents=True)
+        (left / part / "metadata.json").write_text(
+            json.dumps({"schema": metadata.SCHEMA, "id": name, "statistics": part})
+        )
+    (left / OWNER).touch()
+    return left
+
+
+def test_whoever_opens_scenes_finds_the_one_that_was_put_aside(tmp_path: pathlib.Path) -> None:
+    for place in (tmp_path / "a" / "g", tmp_path / "a"):
+        left = left_behind(tmp_path / "a", "g")
+        assert scene_folders([place]) == [tmp_path / "a" / "g"]
+        assert json.loads((tmp_path / "a" / "g" / "metadata.json").read_text())["statistics"] == "old"
+        assert not left.exists()
+        shutil.rmtree(tmp_path / "a" / "g")
+    left = left_behind(tmp_path, "g")
+    with pytest.raises(ValidationError, match="layout"):
+        CompiledScene.load(tmp_path / "g")
+    assert (tmp_path / "g").is_dir()
+    assert not left.exists()
+    # The scene has come back: what is left beside it goes.
+    left = left_behind(tmp_path, "g")
+    assert scene_folders([tmp_path]) == [tmp_path / "g"]
+    assert not left.exists()
+
+
+def test_a_scene_that_is_being_compiled_is_left_alone(tmp_path: pathlib.Path) -> None:
+    left_behind(tmp_path, "g")
+    with replacing_folder(tmp_path / "h") as half, replacing_folder(tmp_path / "g"):
+        shutil.copy(tmp_path / "g" / "metadata.json", half)
+        assert scene_folders([tmp_path]) == [tmp_path / "g"]
+        assert half.is_dir()
+
+
+def test_a_run_gets_back_the_stage_that_was_put_aside(tmp_path: pathlib.Path) -> None:
+    with RunFolder.open(tmp_path, "walk.mp4") as run:
+        run.finish("graph", "key", 1.0)
+    left_behind(tmp_path, "cousins")
+    with RunFolder.open(tmp_path, "walk.mp4"):
+        assert json.loads((tmp_path / "cousins" / "metadata.json").read_text())["statistics"] == "old"
+    assert sorted(p.name for p in tmp_path.iterdir()) == [".lock", "cousins", "run.json"]

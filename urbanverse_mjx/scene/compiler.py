@@ -14,7 +14,7 @@ from ..assets.appearances.skies import build_sky
 from ..datatypes import AssetMesh, AssetRecord, HullSet, PlacedObject, SceneLayout, Source
 from ..datatypes import validation as v
 from ..geometry import rotations
-from ..work_folder import replacing_folder
+from ..work_folder import recover, replacing_folder
 from . import ground, maps
 from .drive import Controller, drive_all, ground_model
 from .episodes import EpisodeRules, build_episodes
@@ -49,12 +49,13 @@ class CompiledScene:
 
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> "CompiledScene":
-        """Reads a folder that `compile_scene` wrote.
+        """Reads a folder that `compile_scene` wrote, or had put aside when it was killed.
 
         Raises:
           ValidationError: the folder is none.
         """
         folder = pathlib.Path(folder)
+        recover(folder)
         metadata = v.read_json(folder / "metadata.json", "compiled scene's metadata")
         v.choice(metadata.get("schema") if isinstance(metadata, dict) else None, f"{folder}: schema", (SCHEMA,))
         layout = SceneLayout.load(folder / "layout.json")

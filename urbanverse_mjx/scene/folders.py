@@ -4,19 +4,25 @@ import pathlib
 from collections.abc import Sequence
 
 from ..datatypes import validation as v
+from ..work_folder import is_unfinished, recover_below
 from .metadata import SCHEMA
 
 
 def scene_folders(places: Sequence[pathlib.Path]) -> list[pathlib.Path]:
     """Compiled scenes among folders and, one or more levels down, in them; each once, sorted by name.
 
+    A scene that a killed compilation had put aside comes back first; one that is being compiled does not count.
+
     Raises:
       ValidationError: there are none, or two have one name.
     """
     found: dict[str, pathlib.Path] = {}
     for place in places:
+        recover_below(place)
         inside = [place] if (place / "metadata.json").is_file() else [p.parent for p in place.rglob("metadata.json")]
         for folder in inside:
+            if is_unfinished(folder, place):
+                continue
             body = v.read_json(folder / "metadata.json", "scene's metadata")
             if not isinstance(body, dict) or body.get("schema") != SCHEMA:
                 continue
