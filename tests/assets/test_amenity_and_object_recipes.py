@@ -9,7 +9,7 @@ import pytest
 from urbanverse_mjx.assets.categories import ontology, priors
 from urbanverse_mjx.assets.meshes import recipe, shapes
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
-from urbanverse_mjx.assets.recipes import proportions
+from urbanverse_mjx.assets.recipes.shared import proportions
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow

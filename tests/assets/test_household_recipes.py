@@ -9,7 +9,7 @@ from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.categories.priors import Prior, prior
 from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset
-from urbanverse_mjx.assets.recipes.balls import _folded_seam, directions
+from urbanverse_mjx.assets.recipes.urban_object.sports.balls import _folded_seam, directions
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow

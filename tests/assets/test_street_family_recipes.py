@@ -12,7 +12,9 @@ import pytest
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
-from urbanverse_mjx.assets.recipes import fitted, limbs, speed_limits
+from urbanverse_mjx.assets.recipes.amenity import speed_limits
+from urbanverse_mjx.assets.recipes.shared import fitted
+from urbanverse_mjx.assets.recipes.street_user import limbs
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
 

@@ -8,10 +8,10 @@ import pytest
 from urbanverse_mjx.assets.collision import decompose
 from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
-from urbanverse_mjx.assets.recipes import car_shapes
-from urbanverse_mjx.assets.recipes.facade import Facade
-from urbanverse_mjx.assets.recipes.figure import STANDING, Figure, Look
-from urbanverse_mjx.assets.recipes.vehicle_body import Body
+from urbanverse_mjx.assets.recipes.building.facade import Facade
+from urbanverse_mjx.assets.recipes.street_user.figure import STANDING, Figure, Look
+from urbanverse_mjx.assets.recipes.vehicle import car_shapes
+from urbanverse_mjx.assets.recipes.vehicle.vehicle_body import Body
 
 #: Least and greatest (length along x, width along y, height) of real objects, m.
 SIZES = {

@@ -101,8 +101,8 @@ def recipe(
 @functools.cache
 def _load_all() -> None:
     package = importlib.import_module("urbanverse_mjx.assets.recipes")
-    for module in sorted(m.name for m in pkgutil.iter_modules(package.__path__)):
-        importlib.import_module(f"{package.__name__}.{module}")
+    for module in sorted(m.name for m in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")):
+        importlib.import_module(module)
 
 
 def all_recipes() -> list[Recipe]:

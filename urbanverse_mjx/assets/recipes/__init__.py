@@ -1,1 +1,4 @@
-"""Parametric recipes, one module per family; every module here is imported by `assets.meshes.recipe`."""
+"""Parametric recipes, in folders by the top category of the ontology; `shared` holds what several folders use.
+
+Every module here is imported by `assets.meshes.recipe`. A recipe's identity is its `name`, so files may move.
+"""

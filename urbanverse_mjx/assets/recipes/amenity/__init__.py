@@ -1,0 +1,1 @@
+"""Recipes of amenities: what a street offers for use, its signs, lights and transport."""

@@ -1,0 +1,1 @@
+"""Recipes of buildings, and the facades and masonry that they are put together from."""

@@ -1,0 +1,1 @@
+"""Recipes of terrain, plants and water."""

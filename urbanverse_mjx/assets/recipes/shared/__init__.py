@@ -1,0 +1,1 @@
+"""What recipes of several folders share: sizes, outlines, soft and painted shapes, images of fronts."""

@@ -1,0 +1,1 @@
+"""Recipes of people, animals and walking robots."""

@@ -1,0 +1,76 @@
+"""People riding bicycles."""
+
+import dataclasses
+
+import numpy as np
+
+from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ...meshes.recipe import Physics, recipe
+from ..vehicle.bicycles import BIKES, build_bicycle
+from .figure import ANKLE_HEIGHT, FOREARM, SHANK, THIGH, UPPER_ARM, Figure, Look, Pose
+from .worn_items import cap
+
+_CYCLIST = Physics(
+    ("flesh", "aluminium", "rubber"),
+    500.0,
+    (60.0, 130.0),
+    0.6,
+    False,
+    "rider and bicycle together 75-110 kg; people are not shoved about",
+)
+
+
+@recipe("cyclist", 3, _CYCLIST, hulls=4, name="cyclists.cyclist")
+def cyclist(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    bike = (BIKES[0], BIKES[1], dataclasses.replace(BIKES[3], color="light blue"))[variant]
+    look = (
+        Look(1.78, 1.0, "skin light", "short", "#4a3524", "jacket", "#8a2f2f", "trousers", "#2d3a55", "white"),
+        Look(
+            1.76, 0.92, "skin medium", "short", "#1e1612", "shirt", "signal yellow", "shorts", "black", "white", "short"
+        ),
+        Look(1.66, 0.95, "skin dark", "long", "#17100c", "shirt", "#d8e0e4", "trousers", "#5a6b4a", "#8a5a30", "long"),
+    )[variant]
+    b = MeshBuilder(roughness=0.7)
+    touch = build_bicycle(b, bike)
+    lean = (24.0, 44.0, 18.0)[variant]
+    hip = tuple(touch["saddle"] + [0.02, 0, 0.10])
+    pose = Pose((78, 42), (84, 42), (40, 40), (14, 14), lean, (6, 6))
+    figure = Figure(b, look, pose, hip)
+    _reach(figure, touch)
+    figure.build()
+    if variant < 2:
+        cap(figure, ("white", "black")[variant], "helmet")
+    names = (
+        "A commuter riding a city bicycle",
+        "A racing cyclist in yellow",
+        "A woman riding a blue step-through bicycle",
+    )
+    built = b.build(names[variant], {"kind": bike.kind}, mass=(95.0, 82.0, 78.0)[variant])
+    return dataclasses.replace(built, volume=0.10)
+
+
+def _reach(figure: Figure, touch: dict[str, np.ndarray]) -> None:
+    """Moves feet onto the pedals and hands onto the grips, bending knees forwards and elbows downwards."""
+    h = figure.look.height
+    for k, side in ((0, "left"), (1, "right")):
+        hip = figure.hip + [0, (1 if k == 0 else -1) * 0.052 * h, 0]
+        ankle = touch[f"{side}_pedal"] + [-0.07, 0, ANKLE_HEIGHT * h + 0.015]
+        figure.knees[k], figure.ankles[k] = _two_bones(hip, ankle, THIGH * h, SHANK * h, np.array([1.0, 0, 0.35]))
+        wrist = touch[side] + [-0.05, 0, 0.03]
+        elbow, wrist = _two_bones(
+            figure.shoulders[k], wrist, UPPER_ARM * h, FOREARM * h, np.array([-0.4, 0.3 if k == 0 else -0.3, -1.0])
+        )
+        figure.elbows[k], figure.wrists[k] = elbow, wrist
+
+
+def _two_bones(
+    start: np.ndarray, end: np.ndarray, first: float, second: float, bend: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Joint and end of two bones that reach from start towards end, bent towards a direction."""
+    axis = end - start
+    distance = min(float(np.linalg.norm(axis)), 0.995 * (first + second))
+    axis = axis / np.linalg.norm(axis)
+    along = (first**2 - second**2 + distance**2) / (2 * distance)
+    out = bend - axis * (bend @ axis)
+    out /= np.linalg.norm(out)
+    return start + axis * along + out * np.sqrt(max(first**2 - along**2, 0.0)), start + axis * distance

@@ -1,0 +1,1 @@
+"""Recipes of what people own, use, eat and leave in a street."""

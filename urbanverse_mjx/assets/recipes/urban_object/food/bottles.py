@@ -1,0 +1,223 @@
+"""Bottles, cans, cartons and flacons: lathed or blocky vessels with caps and labels; label to the front (+x)."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ....meshes.palette import Color, rgb, shade
+from ....meshes.recipe import recipe
+from ....meshes.shapes import Point2, lathe
+from ...shared.handheld import finished, label, painted, patch
+
+BORDEAUX = ((3.6, 0), (3.8, 0.4), (3.8, 18.5), (3.5, 20.2), (1.9, 22.6), (1.45, 24), (1.4, 29.5))
+BURGUNDY = ((4.0, 0), (4.2, 0.5), (4.2, 12), (3.6, 16), (2.0, 21), (1.45, 24), (1.4, 29.5))
+FLUTE = ((3.5, 0), (3.7, 0.4), (3.7, 15), (3.0, 20), (1.7, 27), (1.4, 30), (1.4, 33))
+LONGNECK = ((3.0, 0), (3.05, 0.3), (3.05, 12.5), (2.7, 14.5), (1.5, 17.5), (1.25, 19), (1.25, 22))
+PET = (
+    (2.6, 0),
+    (3.2, 0.6),
+    (3.2, 3),
+    (3.0, 3.5),
+    (3.2, 4),
+    (3.2, 6.5),
+    (3.0, 7),
+    (3.2, 7.5),
+    (3.2, 13.5),
+    (2.9, 15.5),
+    (1.7, 18.8),
+    (1.3, 19.6),
+    (1.3, 20.6),
+)
+CAN = ((2.5, 0), (3.2, 0.9), (3.3, 1.4), (3.3, 10.8), (2.7, 12.0), (2.7, 12.3))
+FLASK = ((3.3, 0), (3.5, 0.4), (3.5, 20), (3.1, 21.5), (2.6, 22.4))
+
+
+@dataclasses.dataclass(frozen=True)
+class Bottle:
+    """How a round bottle looks.
+
+    Attributes:
+      profile: (radius, z) of the body, cm.
+      color: of the body; fill: of what shows inside above the body's own colour, from the ground to `level`.
+      cap: colour, radius, height; paper: words, ground, ink of the label; band: its heights from and to.
+      neck: colour and lower edge of a capsule round the neck.
+    """
+
+    profile: Sequence[Point2]
+    color: Color
+    cap: tuple[Color, float, float]
+    paper: tuple[str, Color, Color] | None = None
+    band: tuple[float, float] = (6.0, 13.0)
+    arc_deg: float = 170.0
+    neck: tuple[Color, float] | None = None
+    fill: tuple[Color, float] | None = None
+
+
+def radius_at(profile: Sequence[Point2], z: float) -> float:
+    return float(np.interp(z, [p[1] for p in profile], [p[0] for p in profile]))
+
+
+def tinted(color: Color, fill: tuple[Color, float] | None, top: float) -> np.ndarray:
+    """A skin for glass with something in it up to a level, light on its shoulder."""
+    picture = np.empty((48, 16, 3))
+    heights = (np.arange(48)[::-1] + 0.5) / 48 * top
+    for row, z in enumerate(heights):
+        picture[row] = rgb(fill[0]) if fill and z < fill[1] else rgb(color)
+    glint = 1.0 + 0.25 * np.exp(-(((np.arange(16) - 5) / 1.2) ** 2))
+    return np.clip(picture * glint[None, :, None], 0, 255).astype(np.uint8)
+
+
+def round_bottle(b: MeshBuilder, it: Bottle) -> None:
+    top = it.profile[-1][1]
+    body = lathe([(0.0, 0.0), *it.profile, (0.0, top)], 24)
+    b.add(painted(body), picture=tinted(it.color, it.fill, top))
+    color, radius, height = it.cap
+    b.cylinder(radius, height, (0, 0, top - 0.15), color, segments=20)
+    b.ring(radius_at(it.profile, top - 0.9) + 0.05, 0.16, (0, 0, top - 0.9), shade(it.color, 0.9), segments=20, sides=5)
+    if it.neck:
+        around = [(radius_at(it.profile, z) + 0.07, z) for z in np.linspace(it.neck[1], top + 0.05, 5)]
+        b.lathe(around, color=it.neck[0], segments=20)
+    if it.paper:
+        words, ground, ink = it.paper
+        low, high = it.band
+        picture = label(words, ground, ink, (64, 48), band=ink)
+        patch(b, picture, radius_at(it.profile, (low + high) / 2) + 0.07, low, high, it.arc_deg)
+
+
+BOTTLES: dict[str, tuple[tuple[str, Bottle, tuple[float, float, float]], ...]] = {
+    "bottle": (
+        ("green glass bottle", Bottle(BORDEAUX, "#3f7a4f", ("#b8874f", 1.1, 1.2)), (7.8, 7.7, 26)),
+        ("blue plastic bottle", Bottle(PET, "#8ec3e0", ("blue", 1.5, 1.6)), (7.2, 7.2, 22)),
+        ("steel flask", Bottle(FLASK, "#b64a38", ("black", 2.7, 3.4), neck=("aluminium", 21.0)), (8.2, 8.2, 29)),
+    ),
+    "wine": (
+        (
+            "red wine",
+            Bottle(
+                BORDEAUX,
+                "#24301f",
+                ("#6e1423", 1.5, 0.3),
+                ("CHATEAU\nROUGE", "#f1ead8", "#6e1423"),
+                (5, 14),
+                neck=("#6e1423", 23.5),
+            ),
+            (7.7, 7.7, 30.5),
+        ),
+        (
+            "white wine",
+            Bottle(
+                FLUTE, "#8fa552", ("gold", 1.5, 0.3), ("RIESLING", "white", "#3d6a34"), (4, 12), neck=("gold", 27.0)
+            ),
+            (7.6, 7.6, 34),
+        ),
+        (
+            "rosé",
+            Bottle(
+                BURGUNDY,
+                "#e8d8d2",
+                ("#d8a0a4", 1.5, 0.3),
+                ("ROSE", "white", "#b8485c"),
+                (3.5, 10),
+                neck=("#d8a0a4", 24.0),
+                fill=("#e39a94", 22.5),
+            ),
+            (8.4, 8.4, 29.6),
+        ),
+    ),
+    "bottled water": (
+        (
+            "bottle of still water",
+            Bottle(PET, "#b8d6e4", ("white", 1.5, 1.5), ("AQUA", "#1f6fb2", "white"), (8, 13), 350),
+            (6.8, 6.8, 22.8),
+        ),
+        (
+            "bottle of spring water",
+            Bottle(PET, "#a9d3c9", ("green", 1.5, 1.5), ("SPRING", "#e8f3ea", "#2d7d4a"), (8, 13), 350),
+            (6.5, 6.5, 20.5),
+        ),
+        (
+            "large bottle of water",
+            Bottle(
+                (
+                    *PET[:2],
+                    (3.2, 5),
+                    (3.0, 5.4),
+                    (3.2, 5.8),
+                    (3.2, 9),
+                    (3.0, 9.4),
+                    (3.2, 9.8),
+                    (3.2, 17),
+                    (2.6, 20),
+                    (1.2, 23),
+                    (1.0, 24),
+                ),
+                "#bfe0ef",
+                ("red", 1.2, 1.3),
+                ("VOLCANO", "#d8e9f2", "#c8362f"),
+                (10.5, 16.5),
+                350,
+            ),
+            (9, 9, 31.5),
+        ),
+    ),
+    "beer": (
+        (
+            "bottle of lager",
+            Bottle(
+                LONGNECK,
+                "#6b3d16",
+                ("gold", 1.45, 0.6),
+                ("PILS", "#f3ecd8", "#1f5a34"),
+                (3.5, 10.5),
+                neck=("gold", 18.6),
+            ),
+            (7.0, 6.8, 19),
+        ),
+        (
+            "can of beer",
+            Bottle(CAN, "#c9a63c", ("light grey", 2.6, 0.2), ("HOP\nBREW", "#c9a63c", "#6e1f1b"), (2, 10.4), 330),
+            (6.6, 6.6, 12.2),
+        ),
+    ),
+}
+
+
+def register(leaf: str) -> None:
+    """Registers the round bottles of a leaf that has nothing but those."""
+    kinds = BOTTLES[leaf]
+
+    def build(variant: int, rng: np.random.Generator) -> BuiltAsset:
+        name, bottle, size = kinds[variant % len(kinds)]
+        b = MeshBuilder(roughness=0.25)
+        round_bottle(b, bottle)
+        return finished(b, f"a {name}", size, rng, {"style": name})
+
+    recipe(leaf, len(kinds), name=f"bottles.round_{leaf.replace(' ', '_')}")(build)
+
+
+for _leaf in ("bottle", "wine", "bottled water"):
+    register(_leaf)
+
+
+@recipe("beer", 3, name="bottles.beer")
+def beer(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    """A bottle of lager, a can, a mug with its handle and froth."""
+    b = MeshBuilder(roughness=0.25)
+    if variant % 3 < 2:
+        name, bottle, size = BOTTLES["beer"][variant % 3]
+        round_bottle(b, bottle)
+        return finished(b, f"a {name}", size, rng, {"style": name})
+    b.lathe([(0, 0), (4.2, 0), (4.4, 0.6), (4.4, 12.4), (0, 12.4)], color="#e0a02e", segments=20)
+    for k in range(10):
+        with b.frame(turn_deg=(0, 0, 36 * k)):
+            b.box((0.5, 1.6, 9), (4.25, 0, 1.8), "#eab653", bevel=0.2)
+    b.lathe(
+        [(4.6, 11.2), (4.7, 12.5), (4.5, 13.8), (3.2, 14.9), (0, 15.3)], color="#fbf6e6", segments=20, crease_deg=70
+    )
+    for k, y in enumerate((-2.6, 0.2, 2.4)):
+        b.ball(1.7, (0.8 * (-1) ** k, y, 14.3), "#fbf6e6", segments=10, rings=6)
+    b.tube([(0, 4.2, 2), (0, 7.2, 2.6), (0, 7.8, 6), (0, 7.2, 10), (0, 4.2, 10.8)], 0.65, "#d9e4e6", sides=8)
+    b.cylinder(4.5, 0.8, (0, 0, -0.6), "#d9e4e6", segments=20)
+    return finished(b, "a mug of beer", (9.4, 13.4, 16), rng, {"style": "mug"})

@@ -1,0 +1,1 @@
+"""Recipes of kitchenware, vessels and cleaning equipment."""

@@ -1,0 +1,1 @@
+"""Recipes of the remaining urban objects: toys, tents, boards, weapons."""

@@ -1,0 +1,1 @@
+"""Recipes of what people wear, carry and care for themselves with."""

@@ -1,0 +1,1 @@
+"""Recipes of vehicles, and the bodies and wheels that they share."""

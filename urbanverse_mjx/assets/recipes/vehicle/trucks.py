@@ -1,0 +1,321 @@
+"""Large vehicles: bus, truck, food truck."""
+
+import dataclasses
+
+import numpy as np
+
+from ...meshes import paint
+from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ...meshes.palette import Color, rgb, shade
+from ...meshes.recipe import Physics, recipe
+from ..shared.facade_images import awning
+from .vehicle_body import Body, BodyShape
+from .wheels import number_plate, rim_picture, wheel
+
+_BUS = Physics(
+    ("steel", "glass", "rubber"), 130.0, (6000.0, 18000.0), 0.6, False, "a 10 m city bus weighs 8-12 t empty"
+)
+_TRUCK = Physics(
+    ("steel", "aluminium", "rubber"), 150.0, (3000.0, 16000.0), 0.6, False, "two-axle box trucks weigh 4-8 t empty"
+)
+_FOOD_TRUCK = Physics(
+    ("steel", "glass", "rubber"), 170.0, (2200.0, 5000.0), 0.6, False, "step vans with a kitchen weigh 2.5-4.5 t"
+)
+
+_BOX_SECTION = ((0.25, 0.965), (0.55, 0.99), (1.0, 1.0), (1.35, 0.995), (2.75, 0.965), (3.3, 0.94))
+
+
+def box_shape(
+    length: float, height: float, nose: float, wheel_radius: float, axles: tuple[float, ...], belt: float
+) -> BodyShape:
+    """A bus-like outline: upright back, flat roof, a windscreen that leans back by `nose` metres."""
+    r, f = -length / 2, length / 2
+    return BodyShape(
+        upper=(
+            (r + 0.10, 0.34, 0.02),
+            (r, 0.50, 0.04),
+            (r, 1.10, 0.04),
+            (r + 0.02, 1.75, 0.03),
+            (r + 0.04, height - 0.32, 0.03),
+            (r + 0.14, height - 0.08, 0.03),
+            (r + 0.55, height, 0.03),
+            (0.0, height + 0.02, 0.03),
+            (f - nose - 0.55, height, 0.03),
+            (f - nose - 0.12, height - 0.10, 0.05),
+            (f - nose, height - 0.36, 0.08),
+            (f - 0.10, 1.22, 0.10),
+            (f - 0.03, 1.02, 0.10),
+            (f, 0.75, 0.10),
+            (f, 0.50, 0.10),
+            (f - 0.08, 0.32, 0.07),
+        ),
+        width=2.5,
+        section=_BOX_SECTION,
+        axles=axles,
+        wheel_radius=wheel_radius,
+        sill=0.30,
+        belt=belt,
+        taper=(0.01, 0.03),
+        taper_length=0.8,
+        arch=0.07,
+        rounding=0.07,
+    )
+
+
+def _words(text: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16)) -> np.ndarray:
+    big = paint.smooth(size, 3)
+    image, pen = paint.canvas(big, back)
+    paint.text(pen, text, (big[0] * 0.04, big[1] * 0.12, big[0] * 0.96, big[1] * 0.88), ink, 0.02)
+    return np.asarray(paint.shrunk(image, size))
+
+
+def _big_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_width: float) -> None:
+    rim = rim_picture("truck", "light grey")
+    for x in axles:
+        for side in (-1.0, 1.0):
+            wheel(b, (x, side * (half_width - 0.17), radius), radius, 0.32, rim, side, segments=18)
+
+
+@recipe("bus", 3, _BUS, hulls=6, name="trucks.bus")
+def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    b = MeshBuilder(roughness=0.4, metallic=0.05)
+    color, band, line, length = (
+        ("signal red", "white", "12 CENTRAL STATION", 12.0),
+        ("#3f7fae", "white", "7 HARBOUR", 10.5),
+        ("#e8e4d6", "dark green", "104 UNIVERSITY", 12.0),
+    )[variant]
+    axles = (-length * 0.25, length * 0.29)
+    shape = box_shape(length, 3.0, 0.22, 0.47, axles, 1.42)
+    body = Body(b, shape)
+    body.shell(color)
+    f, r = length / 2, -length / 2
+    pillars = [(x, 0.10) for x in np.arange(r + 1.6, f - 1.0, 1.45)]
+    body.glasshouse(pillars, (r + 0.25, f - 0.30), frame=0.16, top=2.72)
+    body.side([(r + 0.08, 1.16), (f - 0.06, 1.16), (f - 0.06, 1.28), (r + 0.08, 1.28)], band, 0.006)
+    # Doors on the right: two wings of glass each.
+    for x in (f - 1.05, -0.35):
+        body.side([(x - 0.62, 0.36), (x + 0.62, 0.36), (x + 0.62, 2.50), (x - 0.62, 2.50)], "charcoal", 0.014, "r")
+        for k in (-1, 1):
+            body.side(
+                [
+                    (x + k * 0.31 - 0.25, 0.50),
+                    (x + k * 0.31 + 0.25, 0.50),
+                    (x + k * 0.31 + 0.25, 2.40),
+                    (x + k * 0.31 - 0.25, 2.40),
+                ],
+                "glass",
+                0.022,
+                "r",
+            )
+    body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
+    body.across(9.35, 9.95, -0.80, 0.80, picture=_words(line, "black", "amber", (128, 16)), lift=0.02)
+    body.across(3.1, 4.2, -0.85, 0.85, "dark glass", lift=0.01)
+    body.across(4.3, 4.75, -0.35, 0.35, picture=_words(line.split()[0], "black", "amber", (48, 16)), lift=0.02)
+    for side in (-1, 1):
+        t0, t1 = sorted((side * 0.62, side * 0.94))
+        body.across(12.9, 13.5, t0, t1, "lamp", lift=0.014)
+        body.across(1.35, 2.0, t0 if side < 0 else t0 + 0.12, t1 if side > 0 else t1 - 0.12, "red", lift=0.014)
+        # Mirrors on arms like ears.
+        y = side * 1.25
+        b.tube(
+            [(f - 0.40, y * 0.85, 2.72), (f + 0.12, y * 1.02, 2.66), (f + 0.14, y * 1.04, 2.30)],
+            0.025,
+            "black",
+            sides=6,
+        )
+        b.box((0.12, 0.20, 0.36), (f + 0.14, y * 1.04, 2.00), "black", bevel=0.03)
+    plate = number_plate("BUS 204")
+    body.across(14.1, 14.6, -0.12, 0.12, picture=plate, lift=0.02)
+    body.across(1.0, 1.2, -0.12, 0.12, picture=plate, lift=0.02)
+    body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
+    b.box((2.2, 1.6, 0.22), (r + 2.4, 0, 3.02), shade(color, 0.85), bevel=0.06)
+    _big_wheels(b, axles, 0.47, 1.25)
+    names = ("A red city bus of line 12", "A blue midi bus of line 7", "A cream and green city bus")
+    return body.finish(names[variant], {"line": line, "length": length})
+
+
+def forward_cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) -> None:
+    """A forward-control truck cab whose back is at x - 0.95 and whose front is at x + 0.95."""
+    shape = BodyShape(
+        upper=(
+            (x - 0.94, low + 0.10, 0.0),
+            (x - 0.95, low + 0.3, 0.0),
+            (x - 0.95, 1.2, 0.0),
+            (x - 0.95, 1.8, 0.0),
+            (x - 0.93, 2.45, 0.0),
+            (x - 0.80, 2.62, 0.03),
+            (x - 0.2, 2.70, 0.03),
+            (x + 0.35, 2.66, 0.04),
+            (x + 0.55, 2.52, 0.06),
+            (x + 0.80, 1.58, 0.10),
+            (x + 0.88, 1.40, 0.10),
+            (x + 0.95, 1.05, 0.10),
+            (x + 0.96, 0.75, 0.10),
+            (x + 0.92, low, 0.08),
+        ),
+        width=2.2,
+        section=((0.3, 0.97), (0.8, 1.0), (1.3, 1.0), (1.5, 0.985), (2.7, 0.88), (3.0, 0.85)),
+        axles=(x + 0.05,),
+        wheel_radius=0.43,
+        sill=low + 0.02,
+        belt=1.52,
+        taper=(0.0, 0.05),
+        taper_length=0.6,
+        arch=0.07,
+        rounding=0.05,
+    )
+    body = Body(b, shape)
+    body.shell(color)
+    body.glasshouse([(x - 0.42, 0.10)], (x - 0.85, x + 0.75), frame=0.10)
+    body.across(8.1, 8.95, -0.92, 0.92, "dark glass", lift=0.012)
+    body.across(10.1, 11.0, -0.6, 0.6, picture=_words("= = =", "black", "light grey", (48, 12)), lift=0.014)
+    body.across(12.0, 12.95, -0.97, 0.97, "charcoal", lift=0.010)
+    body.across(12.35, 12.75, -0.24, 0.24, picture=number_plate(plate), lift=0.025)
+    body.line([(x - 0.60, low + 0.35), (x - 0.60, 1.5)])
+    body.line([(x + 0.62, 1.1), (x + 0.62, 1.5)])
+    for side in (-1, 1):
+        t0, t1 = sorted((side * 0.68, side * 0.95))
+        body.across(11.1, 11.8, t0, t1, "lamp", lift=0.016)
+        b.rod((x + 0.70, side * 0.98, 2.1), (x + 0.82, side * 1.20, 2.1), 0.018, "black", sides=5)
+        b.box((0.10, 0.18, 0.42), (x + 0.82, side * 1.22, 1.72), "black", bevel=0.03)
+
+
+@recipe("truck", 3, _TRUCK, hulls=5, name="trucks.truck")
+def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    b = MeshBuilder(roughness=0.5, metallic=0.1)
+    color, plate, front = (
+        ("white", "LKW 55", 2.35),
+        ("safety orange", "TP 810", 2.05),
+        ("dark blue", "MV 7002", 2.55),
+    )[variant]
+    forward_cab(b, front, color, 0.45, plate)
+    back = -front - 0.55
+    deck = front - 1.05
+    length = deck - back
+    middle = (deck + back) / 2
+    for side in (-1, 1):
+        b.box((length + 0.4, 0.10, 0.22), (middle + 0.2, side * 0.42, 0.62), "charcoal")
+        b.box((0.8, 0.06, 0.30), (middle + 0.3, side * 1.08, 0.42), "dark grey")
+    b.box((0.55, 0.42, 0.40), (deck - 0.7, 0.85, 0.42), "galvanised", bevel=0.05)
+    if variant == 1:  # a tipper with gravel
+        b.box((length, 2.3, 0.12), (middle, 0, 0.95), "dark grey")
+        for side in (-1, 1):
+            b.box((length, 0.08, 0.75), (middle, side * 1.11, 1.05), color)
+            for k in range(5):
+                b.box((0.10, 0.06, 0.72), (back + 0.2 + k * (length - 0.4) / 4, side * 1.17, 1.05), shade(color, 0.75))
+            b.box((0.08, 2.14, 0.75 if side < 0 else 1.1), (middle + side * (length / 2 - 0.04), 0, 1.05), color)
+        heap = np.array(
+            [
+                [
+                    (
+                        back + 0.1 + (length - 0.2) * u,
+                        (v - 0.5) * 2.1,
+                        1.55 + 0.45 * np.sin(np.pi * u) * np.sin(np.pi * v) + 0.04 * rng.normal(),
+                    )
+                    for u in np.linspace(0, 1, 9)
+                ]
+                for v in np.linspace(0, 1, 6)
+            ]
+        )
+        b.sheet(heap, picture=np.asarray(paint.speckled((48, 32), "#8d8375", rng, 18)))
+    else:
+        box_color = ("off white", "#d9dde0")[variant // 2]
+        b.box((length, 2.4, 2.3), (middle, 0, 0.90), box_color, bevel=0.03)
+        back_color, ink, name = (
+            ("signal blue", "white", "NORDIC LOGISTICS"),
+            ("dark blue", "signal yellow", "MOVE & STORE"),
+        )[variant // 2]
+        picture = _words(name, back_color, ink, (192, 32))
+        for side, facing in ((1, "+y"), (-1, "-y")):
+            b.panel(picture, (middle, side * 1.205, 2.15), length * 0.82, length * 0.82 / 6, facing)
+            b.box((length, 0.03, 0.12), (middle, side * 1.19, 0.92), shade(back_color, 0.8))
+        b.box((0.02, 2.1, 2.05), (back - 0.008, 0, 1.0), shade(box_color, 0.92))
+        for y in (-0.02, 0.5, -0.5):
+            b.rod((back - 0.03, y, 1.05), (back - 0.03, y, 3.0), 0.018 if y != -0.02 else 0.012, "dark grey", sides=5)
+        b.box((0.35, 1.6, 0.7), (deck - 0.05, 0, 2.35), "light grey", bevel=0.05)
+    for side in (-1, 1):
+        b.box((0.05, 0.34, 0.12), (back - 0.02, side * 0.85, 0.62), "red")
+    b.panel(number_plate(plate), (back - 0.05, 0, 0.66), 0.5, 0.12, "-x", back="black")
+    b.box((0.08, 2.2, 0.12), (back + 0.02, 0, 0.50), "dark grey")
+    rear = back + length * 0.28
+    _big_wheels(b, (front + 0.05, rear), 0.43, 1.12)
+    for side in (-1, 1):
+        b.box((1.05, 0.36, 0.04), (rear, side * 0.95, 0.90), "black")
+    names = ("A white box truck", "An orange tipper with gravel", "A dark blue removal truck")
+    built = b.build(
+        names[variant], {"kind": ("box", "tipper", "removal")[variant]}, mass=(5200.0, 7800.0, 6100.0)[variant]
+    )
+    return dataclasses.replace(built, volume=float(np.prod(built.mesh.extent)) * 0.7)
+
+
+@recipe("food truck", 3, _FOOD_TRUCK, hulls=6, name="trucks.food_truck")
+def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    b = MeshBuilder(roughness=0.5)
+    color, accent, name, menu = (
+        ("#d8423a", "cream", "TACOS", "TACO 3.50\nBURRITO 6\nNACHOS 4"),
+        ("#4fa79b", "white", "ICE CREAM", "SCOOP 2\nCONE 3\nSHAKE 5"),
+        ("#e8c24a", "charcoal", "BURGERS", "BURGER 7\nFRIES 3\nCOLA 2"),
+    )[variant]
+    length = 6.2
+    shape = box_shape(length, 2.75, 0.55, 0.37, (-1.75, 1.95), 1.45)
+    body = Body(b, dataclasses.replace(shape, width=2.1, sill=0.32))
+    body.shell(color)
+    f, r = length / 2, -length / 2
+    body.across(9.98, 10.98, -0.93, 0.93, "dark glass", lift=0.01)
+    body.glasshouse([], (f - 1.75, f - 0.55), frame=0.14, top=2.35)
+    body.side([(r + 0.05, 0.62), (f - 0.06, 0.62), (f - 0.06, 0.86), (r + 0.05, 0.86)], accent, 0.006)
+    for side in (-1, 1):
+        t0, t1 = sorted((side * 0.62, side * 0.92))
+        body.across(12.5, 13.2, t0, t1, "lamp", lift=0.014)
+        body.across(1.1, 1.6, t0, t1, "red", lift=0.014)
+        b.box((0.10, 0.10, 0.28), (f - 0.65, side * 1.16, 1.55), "black", bevel=0.02)
+    body.across(11.9, 12.6, -0.5, 0.5, picture=_words("= = =", "black", "light grey", (48, 12)), lift=0.014)
+    body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
+    body.across(14.1, 14.55, -0.16, 0.16, picture=number_plate("FT 2026"), lift=0.02)
+    body.across(2.1, 4.0, -0.4, 0.4, shade(color, 0.85), lift=0.008)
+    # The serving hatch on the right: a dark opening with a lit kitchen, a counter, a raised flap as an awning.
+    x0, x1, low, high, y = -2.05, 0.75, 1.15, 2.15, -1.045
+    kitchen, pen = paint.canvas((192, 80), "#5a4a38")
+    for k in range(8):
+        pen.rectangle((10 + 22 * k, 12, 24 + 22 * k, 30), fill=rgb(("red", "amber", "lime", "light grey")[k % 4]))
+    pen.ellipse((86, 22, 108, 46), fill=rgb("skin medium"))
+    pen.rectangle((78, 46, 116, 80), fill=rgb("white"))
+    pen.rectangle((80, 14, 114, 26), fill=rgb("white"))
+    pen.rectangle((10, 34, 182, 37), fill=rgb("light wood"))
+    b.panel(paint.shrunk(kitchen, (96, 40)), ((x0 + x1) / 2, y - 0.012, (low + high) / 2), x1 - x0, high - low, "-y")
+    b.box((x1 - x0 + 0.1, 0.34, 0.04), ((x0 + x1) / 2, y - 0.17, low - 0.04), "aluminium")
+    for x in (x0, x1):
+        b.box((0.06, 0.05, high - low + 0.06), (x, y - 0.01, low - 0.03), "aluminium")
+    cloth = awning(accent, color, (96, 16), 14)
+    flap = np.array(
+        [
+            [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)],
+            [(x0 - 0.1, y, high + 0.35), (x1 + 0.1, y, high + 0.35)],
+        ]
+    )
+    b.sheet(flap, picture=cloth, both_sides=True)
+    hang = np.array(
+        [
+            [(x0 - 0.1, y - 0.95, high - 0.06), (x1 + 0.1, y - 0.95, high - 0.06)],
+            [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)],
+        ]
+    )
+    b.sheet(hang, picture=cloth, both_sides=True)
+    for x in (x0, x1):
+        b.rod((x, y, low + 0.6), (x, y - 0.92, high + 0.1), 0.012, "aluminium", sides=5)
+    sign = _words(name, accent, shade(color, 0.7), (128, 24))
+    b.box((2.6, 0.10, 0.5), (-0.65, -0.85, 2.76), accent, skins={"-y": sign})
+    body.side_picture(-2.2, 0.6, 1.25, 1.78, sign, lift=0.008)
+    lines = menu.split("\n")
+    board, pen = paint.canvas((96, 112), "#23302a")
+    for k, text in enumerate(lines):
+        paint.text(pen, text, (8, 10 + 32 * k, 88, 36 + 32 * k), "white")
+    b.panel(paint.shrunk(board, (32, 38)), (1.15, y - 0.02, 1.55), 0.55, 0.66, "-y")
+    b.cylinder(0.14, 0.35, (-1.6, 0.3, 2.74), "galvanised", segments=10)
+    b.cylinder(0.22, 0.08, (-1.6, 0.3, 3.06), "galvanised", segments=10)
+    rim = rim_picture("steel")
+    for x in shape.axles:
+        for side in (-1.0, 1.0):
+            wheel(b, (x, side * 0.90, 0.37), 0.37, 0.24, rim, side)
+    names = ("A red taco truck with its hatch open", "A turquoise ice cream truck", "A yellow burger truck")
+    return body.finish(names[variant], {"name": name})
