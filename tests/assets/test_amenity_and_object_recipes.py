@@ -14,12 +14,13 @@ from urbanverse_mjx.assets.recipes.shared import proportions
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow
 
-MODULES = (
+#: First parts of the recipes' names.
+FAMILIES = (
     *("cabins", "case_furniture", "first_aid", "flags", "household", "leisure_places", "light_seats", "masts", "mills"),
     *("monuments", "notices", "office_furniture", "room_things", "sanitary", "street_terminals", "tents"),
     *("upholstery", "vessels", "yard_things"),
 )
-RECIPES = [r for r in recipe.all_recipes() if r.name.split(".")[0] in MODULES]
+RECIPES = [r for r in recipe.all_recipes() if r.name.split(".")[0] in FAMILIES]
 IDS = [r.leaf for r in RECIPES]
 MEDIAN_SHARE = 0.06  # how far the first variant may lie from the median of its leaf
 

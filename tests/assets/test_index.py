@@ -32,6 +32,12 @@ def test_every_variant_of_every_recipe_has_its_frozen_uid() -> None:
     assert set(INDEX.leaves) == set(categories()), "all 659 leaves"
 
 
+def test_every_recipe_lies_in_the_folder_of_its_category() -> None:
+    folders = {r.leaf: r.function.__module__.removeprefix("urbanverse_mjx.assets.recipes.") for r in all_recipes()}
+    top = {leaf: categories()[leaf][0].replace(" ", "_") for leaf in folders}
+    assert {leaf: f for leaf, f in folders.items() if f.split(".")[0] != top[leaf]} == {}
+
+
 @pytest.mark.slow
 def test_the_committed_index_is_what_the_recipes_build() -> None:
     rebuilt = build_index()

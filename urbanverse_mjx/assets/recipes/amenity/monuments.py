@@ -1,4 +1,4 @@
-"""Stone of squares, parks and churchyards: obelisks, graves, drinking fountains, wells, snowmen."""
+"""Stone of squares, parks and churchyards: obelisks, graves, drinking fountains, wells."""
 
 import numpy as np
 from PIL import Image
@@ -227,75 +227,3 @@ def water_well(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.rod((0, -0.87, 2.19), (0, 0.87, 2.19), 0.04, "dark red", sides=8)
     size = (1.55, 1.65, 2.2) if variant % 3 == 0 else (1.5, 1.8, 2.5)
     return made(b, f"a roofed well of {stone}", size, stone=stone)
-
-
-@recipe("snowman", 3, name="monuments.snowman")
-def snowman(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Three balls with a top hat, two with a bucket, a small lopsided one in a bobble hat; all with a carrot."""
-    b = MeshBuilder(roughness=0.95)
-    radii, height = (
-        ((0.42, 0.31, 0.21), 1.55),
-        ((0.5, 0.34), 1.4),
-        ((0.3, 0.22, 0.16), 0.98),
-    )[variant % 3]
-    z, tops = 0.0, []
-    for k, r in enumerate(radii):
-        lean = 0.0 if variant % 3 != 2 else 0.02 * k
-        b.ball((r, r, r * 0.95), (0, lean, z + r * 0.95 - 0.03 * (k > 0)), "white", segments=20, rings=12)
-        tops.append((lean, z + r * 0.95, r))
-        z += 1.62 * r
-    y, middle, r = tops[-1]
-    b.lathe([(r * 0.17, 0), (0, r * 1.1)], (r * 0.9, y, middle), "orange", turn_deg=(0, 95, 0), segments=10)
-    for side in (-1, 1):
-        b.ball(r * 0.12, (r * 0.88, y + side * r * 0.35, middle + r * 0.3), "black", segments=8, rings=5)
-        arm = tops[-2]
-        reach = arm[2] * (1.25 if len(radii) == 2 else 1.65)
-        foot = (0, arm[0] + side * arm[2] * 0.9, arm[1] + arm[2] * 0.2)
-        hand = (0.1, side * reach, arm[1] + arm[2] * 0.9)
-        b.tube([foot, (0.05, side * reach * 0.8, arm[1] + arm[2] * 0.45), hand], [0.02, 0.014, 0.01], "bark", sides=6)
-        b.rod(
-            (0.05, side * reach * 0.8, arm[1] + arm[2] * 0.45),
-            (0.12, side * reach * 0.75, arm[1] + arm[2] * 0.9),
-            0.008,
-            "bark",
-            sides=5,
-        )
-    for k in range(5):
-        a = np.radians(-50 + 25 * k)
-        b.ball(
-            r * 0.06,
-            (r * 0.9, y + r * 0.5 * float(np.sin(a)), middle - r * 0.42 * float(np.cos(a))),
-            "black",
-            segments=6,
-            rings=4,
-        )
-    yb, zb, rb = tops[-2]
-    for k in range(3):
-        a = np.radians(-15 + 25 * k)
-        b.ball(rb * 0.09, (rb * float(np.cos(a)), yb, zb + rb * 0.93 * float(np.sin(a))), "black", segments=8, rings=5)
-    b.ring(
-        r * 0.86,
-        r * 0.2,
-        (0, y, middle - r * 0.72),
-        ("signal red", "green", "signal blue")[variant % 3],
-        segments=18,
-        sides=8,
-    )
-    top = middle + r * 0.72
-    if variant % 3 == 0:
-        b.lathe(
-            [(r * 1.15, 0), (r * 1.15, 0.02), (r * 0.75, 0.03), (r * 0.78, r * 1.3)], (0, y, top), "black", segments=18
-        )
-        b.cylinder(r * 0.79, r * 0.25, (0, y, top + 0.03), "signal red", segments=18)
-    elif variant % 3 == 1:
-        b.lathe([(r * 0.95, 0), (r * 0.65, r * 1.1)], (0, y, top - 0.04), "galvanised", segments=18)
-    else:
-        b.lathe(
-            [(r * 0.85, 0), (r * 0.88, r * 0.25), (r * 0.6, r * 0.6), (0, r * 0.8)],
-            (0, y, top - 0.04),
-            "signal red",
-            segments=16,
-        )
-        b.ball(r * 0.25, (0, y, top + r * 0.8), "white", segments=10, rings=6)
-    wide = (0.85, 1.1, 0.6)[variant % 3]
-    return made(b, f"a snowman of {len(radii)} balls", (wide, wide, height), balls=len(radii))

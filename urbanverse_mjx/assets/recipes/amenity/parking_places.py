@@ -1,11 +1,11 @@
-"""Where vehicles stand or are borrowed: bicycle hire, repair post, containers, parking bays, platforms."""
+"""Where vehicles stand or are borrowed: bicycle stands and hire, repair posts, containers, parking bays, platforms."""
 
 import numpy as np
 
 from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
-from ...meshes.recipe import recipe
+from ...meshes.recipe import Physics, recipe
 from ..shared.fitted import fitted
 from ..vehicle.coaches import lettering
 from ..vehicle.motorbikes import Motorbike, motorbike
@@ -282,3 +282,58 @@ def platform(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
         return fitted(b.build("A low tram platform with a shelter and signs", {"height": high}), (3.2, 35.0, 3.2))
     return fitted(b.build("A station platform with a roof and signs", {"height": high}), (5.0, 40.0, 3.5))
+
+
+RACK = Physics(
+    ("steel",), 2500.0, (12.0, 90.0), 0.5, False, "a Sheffield stand of 50 mm tube weighs 12 kg; cast into the pavement"
+)
+
+
+@recipe("bicycle parking", 3, RACK, hulls=5, name="barriers.bicycle_parking")
+def bicycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    """Sheffield hoops, a wave rack, wheel-holder row; bicycles enter along x."""
+    b = MeshBuilder(roughness=0.35, metallic=0.3)
+    style = ("hoops", "wave", "wheel holders")[variant % 3]
+    if style == "hoops":
+        count = int(rng.integers(2, 4))
+        for k in range(count):
+            y = 0.8 * (k - (count - 1) / 2)
+            hoop = [
+                (-0.38, y, 0),
+                (-0.38, y, 0.62),
+                (-0.3, y, 0.74),
+                (-0.18, y, 0.78),
+                (0.18, y, 0.78),
+                (0.3, y, 0.74),
+                (0.38, y, 0.62),
+                (0.38, y, 0),
+            ]
+            b.tube(hoop, 0.025, "galvanised")
+            for x in (-0.38, 0.38):
+                b.cylinder(0.07, 0.012, (x, y, 0), "grey", segments=12)
+        text = f"{count} bicycle hoops"
+    elif style == "wave":
+        t = np.linspace(0, 1, 41)
+        w = 1.8
+        path = [(0.0, w * (s - 0.5), 0.48 - 0.38 * np.cos(2 * np.pi * 3 * s) if 0 < s < 1 else 0.0) for s in t]
+        b.tube(path, 0.03, "charcoal")
+        for y in (-w / 2, w / 2):
+            b.cylinder(0.08, 0.012, (0, y, 0), "charcoal", segments=12)
+        text = "a wave bicycle rack"
+    else:
+        for x in (-0.2, 0.2):
+            b.box((0.05, 1.8, 0.05), (x, 0, 0), "galvanised")
+        for k in range(5):
+            for side in (-0.04, 0.04):
+                y = -0.72 + 0.36 * k + side
+                loop = [
+                    (0.2, y, 0.04),
+                    (0.22, y, 0.3),
+                    (0.1, y, 0.48),
+                    (-0.1, y, 0.48),
+                    (-0.2, y, 0.3),
+                    (-0.2, y, 0.04),
+                ]
+                b.tube(loop, 0.01, "galvanised", sides=6)
+        text = "a bicycle rack of five wheel holders"
+    return b.build(text, {"style": style})

@@ -1,4 +1,4 @@
-"""Roofed things of the pavement: bus shelters, kiosks, phone booths; open or glazed side at +x."""
+"""Bus shelters and telephone booths; open or glazed side at +x."""
 
 import numpy as np
 from PIL import Image
@@ -7,7 +7,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import Physics, recipe
-from .cabinets import front_page, poster
+from .cabinets import poster
 
 SHELTER = Physics(
     ("steel", "glass"),
@@ -96,88 +96,6 @@ def bus_shelter(variant: int, rng: np.random.Generator) -> BuiltAsset:
         draw.line((6, 24 + 4 * k, 34, 24 + 4 * k), fill=(90, 90, 90))
     b.panel(timetable, (back + 0.02, w * 0.38, 1.5), 0.4, 0.56)
     return b.build(f"a {style}-roofed bus shelter {w:.1f} m long", {"style": style, "width": round(w, 3)})
-
-
-KIOSK = Physics(
-    ("wood", "steel"),
-    110.0,
-    (500.0, 3500.0),
-    0.6,
-    False,
-    "prefabricated kiosks weigh 0.6-3 t and stand on levelling feet",
-)
-
-
-@recipe("kiosk", 4, KIOSK, hulls=8, name="shelters.kiosk")
-def kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Hexagonal heritage newspaper kiosk, flat-roofed snack kiosk, timber hut, modern glazed cube; hatch at +x."""
-    b = MeshBuilder(roughness=0.65)
-    style = ("heritage", "snack", "timber hut", "modern")[variant % 4]
-    color = ("dark green", "red", "wood", "charcoal")[variant % 4]
-    if style == "heritage":
-        r, h = 1.35, 2.5
-        b.cylinder(r, 0.3, color="dark concrete", segments=8, turn_deg=(0, 0, 22.5))
-        b.cylinder(r * 0.95, h - 0.3, (0, 0, 0.3), color, segments=8, turn_deg=(0, 0, 22.5))
-        side = 2 * r * 0.95 * np.sin(np.pi / 8)
-        flat = r * 0.95 * np.cos(np.pi / 8)
-        for k in (-2, -1, 0, 1, 2):
-            picture = (
-                front_page(48, 48, rng, ("NEWS", "SPORT", "CITY")[k % 3])
-                if k
-                else glazing(48, 48, 2, 1, "dark green", "dark glass")
-            )
-            yaw = 45.0 * k
-            at = (flat + 0.01) * np.array([np.cos(np.radians(yaw)), np.sin(np.radians(yaw)), 0.0])
-            b.panel(picture, at + np.array([0, 0, 1.55]), side * 0.82, 1.0, yaw)
-        b.box((0.4, 1.0, 0.05), (flat + 0.1, 0, 1.0), "dark wood")
-        b.lathe(
-            [(r + 0.35, h), (r + 0.3, h + 0.12), (0.5, h + 0.5), (0.5, h + 0.7)],
-            color=shade(color, 1.2),
-            segments=8,
-            turn_deg=(0, 0, 22.5),
-        )
-        b.lathe([(0.58, h + 0.7), (0.3, h + 1.0), (0, h + 1.2)], color="verdigris", segments=8, turn_deg=(0, 0, 22.5))
-        sign, draw = paint.canvas((96, 20), color)
-        paint.text(draw, "KIOSK", (4, 2, 92, 18), "gold", bold=0.03)
-        b.panel(sign, (r + 0.31, 0, h - 0.12), 1.2, 0.25, back=color)
-        return b.build("a heritage octagonal newspaper kiosk", {"style": style})
-    w, d, h = (float(v) for v in rng.uniform((2.4, 1.8, 2.35), (3.2, 2.2, 2.6)))
-    title = {"snack": "SNACKS", "timber hut": "MARKT", "modern": "NEWS + COFFEE"}[style]
-    image, draw = paint.canvas((128, 104), color)
-    draw.rectangle((12, 22, 116, 66), fill=rgb("dark glass"))
-    for k in range(9):
-        tall = int(rng.uniform(8, 22))
-        ink = rgb(("signal yellow", "red", "green", "white", "orange")[int(rng.integers(5))])
-        draw.rectangle((16 + 11 * k, 66 - tall, 24 + 11 * k, 65), fill=ink)
-    if style == "timber hut":
-        for y in range(70, 104, 8):
-            draw.line((0, y, 128, y), fill=rgb(shade(color, 0.7)), width=2)
-    b.box(
-        (d, w, h),
-        color=color,
-        skins={"+x": image, "-y": glazing(64, 64, 2, 1, color, "dark glass")} if style == "modern" else {"+x": image},
-    )
-    b.box((0.35, w * 0.86, 0.05), (d / 2 + 0.15, 0, h * 0.36), "light wood")
-    if style == "timber hut":
-        b.profile([(-d / 2 - 0.25, h), (d / 2 + 0.5, h), (0, h + 0.7)], w + 0.4, color="brick")
-    else:
-        b.box((d + 0.6, w + 0.3, 0.14), (0.15, 0, h), "white" if style == "snack" else "aluminium", bevel=0.02)
-        rows = [[(d / 2, y, h - 0.1) for y in (w / 2, -w / 2)], [(d / 2 + 0.8, y, h - 0.5) for y in (w / 2, -w / 2)]]
-        awning = (
-            paint.stripes((128, 16), (color, "white"), 14) if style == "snack" else paint.canvas((16, 16), "teal")[0]
-        )
-        b.sheet(np.array(rows), picture=awning, both_sides=True)
-    sign, draw = paint.canvas((128, 24), "cream" if style != "modern" else "white")
-    paint.text(draw, title, (6, 3, 122, 21), "dark red", bold=0.03)
-    z = h + (0.28 if style != "timber hut" else -0.22)
-    b.box(
-        (0.06, w * 0.7, 0.34),
-        (d / 2 + (0.3 if style != "timber hut" else 0.04), 0, z),
-        "cream",
-        centered=True,
-        skins={"+x": sign},
-    )
-    return b.build(f"a {style} kiosk", {"style": style})
 
 
 BOOTH = Physics(

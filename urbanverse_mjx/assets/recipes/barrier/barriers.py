@@ -1,4 +1,4 @@
-"""What keeps wheels and feet away: cones, barricades, barriers, fences, rails; rocks, bicycle stands, manholes."""
+"""What keeps wheels and feet away: cones, barricades, barriers, fences, rails, rocks; and manhole covers."""
 
 import numpy as np
 from PIL import Image
@@ -298,61 +298,6 @@ def guard_rail(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for y in (*ends, 0.0):
             b.cylinder(0.09, 0.85, (-0.16, y, 0), "dark wood", segments=12)
     return b.build(f"a {style} guard rail {w:.1f} m long", {"style": style, "width": round(w, 3)})
-
-
-RACK = Physics(
-    ("steel",), 2500.0, (12.0, 90.0), 0.5, False, "a Sheffield stand of 50 mm tube weighs 12 kg; cast into the pavement"
-)
-
-
-@recipe("bicycle parking", 3, RACK, hulls=5, name="barriers.bicycle_parking")
-def bicycle_parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Sheffield hoops, a wave rack, wheel-holder row; bicycles enter along x."""
-    b = MeshBuilder(roughness=0.35, metallic=0.3)
-    style = ("hoops", "wave", "wheel holders")[variant % 3]
-    if style == "hoops":
-        count = int(rng.integers(2, 4))
-        for k in range(count):
-            y = 0.8 * (k - (count - 1) / 2)
-            hoop = [
-                (-0.38, y, 0),
-                (-0.38, y, 0.62),
-                (-0.3, y, 0.74),
-                (-0.18, y, 0.78),
-                (0.18, y, 0.78),
-                (0.3, y, 0.74),
-                (0.38, y, 0.62),
-                (0.38, y, 0),
-            ]
-            b.tube(hoop, 0.025, "galvanised")
-            for x in (-0.38, 0.38):
-                b.cylinder(0.07, 0.012, (x, y, 0), "grey", segments=12)
-        text = f"{count} bicycle hoops"
-    elif style == "wave":
-        t = np.linspace(0, 1, 41)
-        w = 1.8
-        path = [(0.0, w * (s - 0.5), 0.48 - 0.38 * np.cos(2 * np.pi * 3 * s) if 0 < s < 1 else 0.0) for s in t]
-        b.tube(path, 0.03, "charcoal")
-        for y in (-w / 2, w / 2):
-            b.cylinder(0.08, 0.012, (0, y, 0), "charcoal", segments=12)
-        text = "a wave bicycle rack"
-    else:
-        for x in (-0.2, 0.2):
-            b.box((0.05, 1.8, 0.05), (x, 0, 0), "galvanised")
-        for k in range(5):
-            for side in (-0.04, 0.04):
-                y = -0.72 + 0.36 * k + side
-                loop = [
-                    (0.2, y, 0.04),
-                    (0.22, y, 0.3),
-                    (0.1, y, 0.48),
-                    (-0.1, y, 0.48),
-                    (-0.2, y, 0.3),
-                    (-0.2, y, 0.04),
-                ]
-                b.tube(loop, 0.01, "galvanised", sides=6)
-        text = "a bicycle rack of five wheel holders"
-    return b.build(text, {"style": style})
 
 
 @recipe(

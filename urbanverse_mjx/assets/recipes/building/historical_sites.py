@@ -1,12 +1,10 @@
-"""Historical attractions and bonsai trees: old things that people look at."""
+"""Historical attractions: a castle, a colonnade, an obelisk."""
 
 import numpy as np
 
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..nature.foliage import leafy
-from ..nature.greenery import small_leaves
 from ..nature.terrain import boulder
 from ..shared.fitting import Size, fitted, size_of
 from . import masonry as m
@@ -124,75 +122,3 @@ def historical_attractions(variant: int, rng: np.random.Generator) -> BuiltAsset
     m.board(b, "HISTORIC SITE", (plate[0], plate[1], 0.95), 1.8, 0.7, "#5b3a24", "white")
     names = ("ruined castle", "standing columns of an ancient temple", "obelisk on steps")
     return fitted(b.build(names[variant]), "historical attractions", size)
-
-
-@recipe("bonsai", 3, hulls=6, name="relics.bonsai")
-def bonsai(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """A bent trunk with pads of leaves in a shallow glazed tray: an old pine, a slanting maple, an upright juniper."""
-    size, b = size_of("bonsai", variant), MeshBuilder(roughness=0.7)
-    x, y, z = size
-    glaze: Color = ("#2f5a7a", "#7a3a2a", "#3f5f4a")[variant]
-    pot = 0.17 * z
-    if variant == 1:
-        with b.frame((0, 0, 0), scale=(x / y, 1.0, 1.0)):
-            b.lathe(
-                [(0.3 * y, 0.03 * z), (0.38 * y, pot), (0.42 * y, pot), (0.42 * y, 1.15 * pot), (0.36 * y, 1.15 * pot)],
-                (0, 0, 0),
-                glaze,
-                segments=18,
-            )
-    else:
-        b.box((0.66 * x, 0.62 * y, pot), (0, 0, 0.03 * z), glaze, taper=(1.14, 1.14))
-        b.box((0.8 * x, 0.76 * y, 0.04 * z), (0, 0, pot), shade(glaze, 1.15))
-    for sx in (-1, 1):
-        for sy in (-1, 1):
-            b.box((0.1 * x, 0.1 * y, 0.04 * z), (sx * 0.22 * x, sy * 0.2 * y, 0), shade(glaze, 0.8))
-    b.ball((0.3 * x, 0.28 * y, 0.05 * z), (0, 0, pot + 0.03 * z), "#6f8a48", segments=12, rings=6)
-    bend = (0.16, 0.3, -0.05)[variant] * y
-    base = pot + 0.04 * z
-    spine = [
-        (0, -0.12 * y, base),
-        (0.02 * x, 0.06 * y, 0.38 * z),
-        (0, -0.4 * bend, 0.52 * z),
-        (0, bend, 0.68 * z),
-        (0, 0.7 * bend, 0.84 * z),
-    ]
-    b.tube(spine, [0.09 * y, 0.065 * y, 0.05 * y, 0.035 * y, 0.015 * y], ("bark", "#8a7a68", "#7a4f38")[variant], 8)
-    for k in range(4):
-        a = 1.5 * k + 0.4
-        b.tube(
-            [
-                (0, -0.12 * y, base + 0.03 * z),
-                (0.14 * x * np.cos(a), -0.12 * y + 0.14 * y * np.sin(a), base - 0.01 * z),
-            ],
-            [0.05 * y, 0.015 * y],
-            "bark",
-            6,
-        )
-    leaves = small_leaves(("dark leaf", "#c8502a", "#5f8f4a")[variant], rng)
-    pads = (
-        (0.0, -0.30, 0.46, 0.9),
-        (0.04, 0.32, 0.56, 1.0),
-        (-0.1, -0.22, 0.66, 0.8),
-        (0.06, 0.12, 0.78, 0.9),
-        (0.0, 0.0, 0.92, 0.7),
-    )
-    for px, py, pz, k in pads:
-        end = (px * x, py * y + 0.4 * bend, pz * z)
-        b.tube([(0, 0.3 * bend, (pz - 0.1) * z), (end[0], end[1], end[2] - 0.02 * z)], [0.03 * y, 0.012 * y], "bark", 6)
-        leafy(b, end, (0.24 * k * x, 0.19 * k * y, 0.075 * z), leaves, rng, 10, 5, 0.12, 0.3 + 0.5 * pz)
-        leafy(
-            b,
-            (end[0], end[1] + 0.09 * y, end[2] + 0.03 * z),
-            (0.15 * k * x, 0.12 * k * y, 0.06 * z),
-            leaves,
-            rng,
-            8,
-            4,
-            0.14,
-            0.4 + 0.5 * pz,
-        )
-    if variant == 0:
-        b.ball((0.06 * x, 0.07 * y, 0.05 * z), (0.18 * x, 0.24 * y, pot + 0.06 * z), "granite", segments=7, rings=4)
-    names = ("pine bonsai in a blue tray", "maple bonsai in an oval red tray", "juniper bonsai in a green tray")
-    return fitted(b.build(names[variant]), "bonsai", size)

@@ -10,7 +10,7 @@ from ...meshes.recipe import Physics, recipe
 from ...meshes.shapes import Shape
 from .foliage import leaf_picture, leafy
 
-_TREE = Physics(
+TREE = Physics(
     ("wood", "leaves"),
     700.0,
     (80.0, 4000.0),
@@ -107,7 +107,7 @@ def _broadleaf(b: MeshBuilder, s: _Species, rng: np.random.Generator) -> None:
     leafy(b, (0, 0, middle), core, picture, rng, 9, 6, 0.1, 0.15)
 
 
-def _conifer(b: MeshBuilder, height: float, radius: float, color: Color, rng: np.random.Generator) -> None:
+def conifer(b: MeshBuilder, height: float, radius: float, color: Color, rng: np.random.Generator) -> None:
     """Layers of drooping skirts with ragged edges."""
     b.tube([(0, 0, -0.02), (0, 0, 0.2), (0, 0, height * 0.9)], [0.17, 0.13, 0.03], "bark", sides=8)
     picture = leaf_picture(color, rng, None, 0.7)
@@ -166,7 +166,7 @@ def _palm(b: MeshBuilder, height: float, rng: np.random.Generator) -> None:
         )
 
 
-@recipe("tree", 8, _TREE, hulls=5, name="vegetation.tree")
+@recipe("tree", 8, TREE, hulls=5, name="vegetation.tree")
 def tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     if variant < 6:
@@ -174,7 +174,7 @@ def tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
         _broadleaf(b, species, rng)
         name, trunk, height = species.name, species.trunk, species.crown[2]
     elif variant == 6:
-        _conifer(b, 7.2, 1.75, "#2f5a3c", rng)
+        conifer(b, 7.2, 1.75, "#2f5a3c", rng)
         name, trunk, height = "dark green fir", 0.14, 7.2
     else:
         _palm(b, 5.6, rng)
@@ -353,30 +353,3 @@ def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
     names = ("A round patch of grass", "A patch of grass with daisies", "A patch of dry grass")
     return b.build(names[variant], {"color": str(color)})
-
-
-@recipe("christmas tree", 3, _TREE, hulls=3, name="vegetation.christmas_tree")
-def christmas_tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    b = MeshBuilder(roughness=0.8)
-    height, radius = ((3.2, 1.05), (2.2, 0.75), (5.2, 1.6))[variant]
-    _conifer(b, height, radius, "#2f5f3a", rng)
-    b.lathe([(0.32, 0), (0.36, 0.35), (0.30, 0.35)], color=("red", "dark wood", "concrete")[variant], segments=14)
-    for k in range(34):
-        f = (k + 0.5) / 34
-        a, z = k * 2.39996, 0.55 + (height - 1.0) * f
-        r = (radius * (1 - f) ** 0.85 + 0.12) * 0.93
-        b.ball(
-            0.055, (r * np.cos(a), r * np.sin(a), z), ("red", "gold", "lamp", "signal blue")[k % 4], segments=7, rings=5
-        )
-    star = [
-        ((0.16 if k % 2 == 0 else 0.07) * np.sin(np.pi * k / 5), (0.16 if k % 2 == 0 else 0.07) * np.cos(np.pi * k / 5))
-        for k in range(10)
-    ]
-    with b.frame((0, 0, b.bounds[1][2] + 0.06), (90, 0, 90)):
-        b.extrude(star, 0.04, (0, 0, -0.02), "gold")
-    names = (
-        "A tall decorated Christmas tree in a red pot",
-        "A small decorated Christmas tree",
-        "A large public Christmas tree",
-    )
-    return b.build(names[variant], {"height": height}, mass=(60.0, 30.0, 220.0)[variant])

@@ -1,10 +1,9 @@
-"""Small things on wheels that people push or that drive themselves."""
+"""Small vehicles that people push or pedal: handcarts, strollers, wheelchairs, tricycles."""
 
 import dataclasses
 
 import numpy as np
 
-from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics, recipe
@@ -29,14 +28,6 @@ _TRICYCLE = Physics(
     0.7,
     True,
     "children's tricycles 5-8 kg, cargo tricycles 35-60 kg plus load",
-)
-_ROBOT = Physics(
-    ("plastic", "aluminium", "rubber"),
-    350.0,
-    (20.0, 80.0),
-    0.6,
-    True,
-    "pavement delivery robots weigh 23-60 kg and roll when pushed",
 )
 
 
@@ -294,83 +285,3 @@ def _cargo_trike(b: MeshBuilder, color: Color, box_front: bool) -> None:
             "aluminium",
         )
         b.box((0.09, 0.09, 0.02), (crank[0] + s * 0.12, s * 0.13, crank[1] - s * 0.08), "black", centered=True)
-
-
-def _logo(words: str, back: Color, ink: Color) -> np.ndarray:
-    image, pen = paint.canvas((192, 48), back)
-    paint.text(pen, words, (6, 4, 186, 44), ink, 0.03)
-    return np.asarray(paint.shrunk(image, (64, 16)))
-
-
-@recipe("delivery robot", 3, _ROBOT, hulls=2, name="carts.delivery_robot")
-def delivery_robot(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    b = MeshBuilder(roughness=0.4)
-    color, accent, name = (("white", "orange", "DASHBOT"), ("charcoal", "lime", "CURIO"), ("pink", "white", "HELLO"))[
-        variant
-    ]
-    if variant == 1:  # a taller four-wheeler with a screen
-        length, width, low, high, wheels = 0.80, 0.56, 0.18, 0.98, ((-0.27, 0.15), (0.27, 0.15))
-    else:
-        length, width, low, high, wheels = 0.70, 0.52, 0.14, 0.52, ((-0.25, 0.11), (0.0, 0.11), (0.25, 0.11))
-    for x, r in wheels:
-        for s in (-1, 1):
-            solid_wheel(b, (x, s * (width / 2 - 0.02), r), r, 0.075, accent)
-    with_taper = (0.88, 0.86)
-    b.box(
-        (length, width * 0.86, (high - low) * 0.55),
-        (0, 0, low),
-        shade(color, 0.72) if variant != 1 else "dark grey",
-        bevel=0.04,
-    )
-    b.box((length, width, (high - low) * 0.62), (0, 0, low + (high - low) * 0.38), color, bevel=0.05, taper=with_taper)
-    b.box((length * 0.9, width * 0.88, 0.012), (0, 0, low + (high - low) * 0.74), "black")
-    for s, facing in ((1, "+y"), (-1, "-y")):
-        b.panel(
-            _logo(name, color, accent if variant != 2 else "white"),
-            (0, s * (width / 2 * 0.985 + 0.003), low + (high - low) * 0.60),
-            length * 0.5,
-            length * 0.125,
-            facing,
-            tilt_deg=2.0,
-        )
-    # Face: cameras and headlights in front, tail lights behind, an orange flag on a rod.
-    x = length / 2
-    b.box((0.02, width * 0.55, 0.07), (x - 0.005, 0, low + (high - low) * 0.62), "black", bevel=0.01)
-    for s in (-1, 1):
-        b.cylinder(
-            0.022,
-            0.02,
-            (x + 0.005, s * width * 0.18, low + (high - low) * 0.62 + 0.035),
-            "light blue",
-            (0, 90, 0),
-            segments=10,
-        )
-        b.cylinder(
-            0.03, 0.02, (x - 0.012, s * width * 0.33, low + (high - low) * 0.30), "lamp", (0, 90, 0), segments=10
-        )
-        b.box((0.02, 0.09, 0.03), (-x + 0.002, s * width * 0.30, low + (high - low) * 0.5), "red")
-    if variant == 1:
-        image, pen = paint.canvas((128, 96), "black")
-        for k in (-1, 1):
-            pen.ellipse((64 + k * 26 - 12, 30, 64 + k * 26 + 12, 58), fill=paint.rgb("light green"))
-        pen.arc((44, 44, 84, 78), 20, 160, fill=paint.rgb("light green"), width=6)
-        b.panel(paint.shrunk(image, (32, 24)), (x * 0.94 + 0.008, 0, high - 0.16), 0.30, 0.2, "+x", tilt_deg=4.0)
-        b.cylinder(0.05, 0.06, (0, 0, high - 0.005), "black", segments=12)
-    b.rod((-x + 0.06, width * 0.3, high - 0.05), (-x + 0.06, width * 0.3, high + 0.62), 0.006, "black", sides=5)
-    b.quad(
-        [
-            (-x + 0.06, width * 0.3, high + 0.48),
-            (-x - 0.10, width * 0.3, high + 0.50),
-            (-x - 0.10, width * 0.3, high + 0.58),
-            (-x + 0.06, width * 0.3, high + 0.61),
-        ],
-        "safety orange",
-        both_sides=True,
-    )
-    names = (
-        "A white six-wheeled delivery robot with a flag",
-        "A dark four-wheeled delivery robot with a face on its screen",
-        "A pink six-wheeled delivery robot",
-    )
-    built = b.build(names[variant], {"wheels": 2 * len(wheels), "name": name}, mass=(32.0, 55.0, 30.0)[variant])
-    return dataclasses.replace(built, volume=(0.12, 0.28, 0.12)[variant])

@@ -1,4 +1,4 @@
-"""Large vehicles: bus, truck, food truck."""
+"""Buses and trucks."""
 
 import dataclasses
 
@@ -6,9 +6,8 @@ import numpy as np
 
 from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
-from ...meshes.palette import Color, rgb, shade
+from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics, recipe
-from ..shared.facade_images import awning
 from .vehicle_body import Body, BodyShape
 from .wheels import number_plate, rim_picture, wheel
 
@@ -17,9 +16,6 @@ _BUS = Physics(
 )
 _TRUCK = Physics(
     ("steel", "aluminium", "rubber"), 150.0, (3000.0, 16000.0), 0.6, False, "two-axle box trucks weigh 4-8 t empty"
-)
-_FOOD_TRUCK = Physics(
-    ("steel", "glass", "rubber"), 170.0, (2200.0, 5000.0), 0.6, False, "step vans with a kitchen weigh 2.5-4.5 t"
 )
 
 _BOX_SECTION = ((0.25, 0.965), (0.55, 0.99), (1.0, 1.0), (1.35, 0.995), (2.75, 0.965), (3.3, 0.94))
@@ -62,7 +58,7 @@ def box_shape(
     )
 
 
-def _words(text: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16)) -> np.ndarray:
+def lettered_panel(text: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16)) -> np.ndarray:
     big = paint.smooth(size, 3)
     image, pen = paint.canvas(big, back)
     paint.text(pen, text, (big[0] * 0.04, big[1] * 0.12, big[0] * 0.96, big[1] * 0.88), ink, 0.02)
@@ -108,9 +104,9 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 "r",
             )
     body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
-    body.across(9.35, 9.95, -0.80, 0.80, picture=_words(line, "black", "amber", (128, 16)), lift=0.02)
+    body.across(9.35, 9.95, -0.80, 0.80, picture=lettered_panel(line, "black", "amber", (128, 16)), lift=0.02)
     body.across(3.1, 4.2, -0.85, 0.85, "dark glass", lift=0.01)
-    body.across(4.3, 4.75, -0.35, 0.35, picture=_words(line.split()[0], "black", "amber", (48, 16)), lift=0.02)
+    body.across(4.3, 4.75, -0.35, 0.35, picture=lettered_panel(line.split()[0], "black", "amber", (48, 16)), lift=0.02)
     for side in (-1, 1):
         t0, t1 = sorted((side * 0.62, side * 0.94))
         body.across(12.9, 13.5, t0, t1, "lamp", lift=0.014)
@@ -168,7 +164,7 @@ def forward_cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) 
     body.shell(color)
     body.glasshouse([(x - 0.42, 0.10)], (x - 0.85, x + 0.75), frame=0.10)
     body.across(8.1, 8.95, -0.92, 0.92, "dark glass", lift=0.012)
-    body.across(10.1, 11.0, -0.6, 0.6, picture=_words("= = =", "black", "light grey", (48, 12)), lift=0.014)
+    body.across(10.1, 11.0, -0.6, 0.6, picture=lettered_panel("= = =", "black", "light grey", (48, 12)), lift=0.014)
     body.across(12.0, 12.95, -0.97, 0.97, "charcoal", lift=0.010)
     body.across(12.35, 12.75, -0.24, 0.24, picture=number_plate(plate), lift=0.025)
     body.line([(x - 0.60, low + 0.35), (x - 0.60, 1.5)])
@@ -225,7 +221,7 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ("signal blue", "white", "NORDIC LOGISTICS"),
             ("dark blue", "signal yellow", "MOVE & STORE"),
         )[variant // 2]
-        picture = _words(name, back_color, ink, (192, 32))
+        picture = lettered_panel(name, back_color, ink, (192, 32))
         for side, facing in ((1, "+y"), (-1, "-y")):
             b.panel(picture, (middle, side * 1.205, 2.15), length * 0.82, length * 0.82 / 6, facing)
             b.box((length, 0.03, 0.12), (middle, side * 1.19, 0.92), shade(back_color, 0.8))
@@ -246,76 +242,3 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
         names[variant], {"kind": ("box", "tipper", "removal")[variant]}, mass=(5200.0, 7800.0, 6100.0)[variant]
     )
     return dataclasses.replace(built, volume=float(np.prod(built.mesh.extent)) * 0.7)
-
-
-@recipe("food truck", 3, _FOOD_TRUCK, hulls=6, name="trucks.food_truck")
-def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    b = MeshBuilder(roughness=0.5)
-    color, accent, name, menu = (
-        ("#d8423a", "cream", "TACOS", "TACO 3.50\nBURRITO 6\nNACHOS 4"),
-        ("#4fa79b", "white", "ICE CREAM", "SCOOP 2\nCONE 3\nSHAKE 5"),
-        ("#e8c24a", "charcoal", "BURGERS", "BURGER 7\nFRIES 3\nCOLA 2"),
-    )[variant]
-    length = 6.2
-    shape = box_shape(length, 2.75, 0.55, 0.37, (-1.75, 1.95), 1.45)
-    body = Body(b, dataclasses.replace(shape, width=2.1, sill=0.32))
-    body.shell(color)
-    f, r = length / 2, -length / 2
-    body.across(9.98, 10.98, -0.93, 0.93, "dark glass", lift=0.01)
-    body.glasshouse([], (f - 1.75, f - 0.55), frame=0.14, top=2.35)
-    body.side([(r + 0.05, 0.62), (f - 0.06, 0.62), (f - 0.06, 0.86), (r + 0.05, 0.86)], accent, 0.006)
-    for side in (-1, 1):
-        t0, t1 = sorted((side * 0.62, side * 0.92))
-        body.across(12.5, 13.2, t0, t1, "lamp", lift=0.014)
-        body.across(1.1, 1.6, t0, t1, "red", lift=0.014)
-        b.box((0.10, 0.10, 0.28), (f - 0.65, side * 1.16, 1.55), "black", bevel=0.02)
-    body.across(11.9, 12.6, -0.5, 0.5, picture=_words("= = =", "black", "light grey", (48, 12)), lift=0.014)
-    body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
-    body.across(14.1, 14.55, -0.16, 0.16, picture=number_plate("FT 2026"), lift=0.02)
-    body.across(2.1, 4.0, -0.4, 0.4, shade(color, 0.85), lift=0.008)
-    # The serving hatch on the right: a dark opening with a lit kitchen, a counter, a raised flap as an awning.
-    x0, x1, low, high, y = -2.05, 0.75, 1.15, 2.15, -1.045
-    kitchen, pen = paint.canvas((192, 80), "#5a4a38")
-    for k in range(8):
-        pen.rectangle((10 + 22 * k, 12, 24 + 22 * k, 30), fill=rgb(("red", "amber", "lime", "light grey")[k % 4]))
-    pen.ellipse((86, 22, 108, 46), fill=rgb("skin medium"))
-    pen.rectangle((78, 46, 116, 80), fill=rgb("white"))
-    pen.rectangle((80, 14, 114, 26), fill=rgb("white"))
-    pen.rectangle((10, 34, 182, 37), fill=rgb("light wood"))
-    b.panel(paint.shrunk(kitchen, (96, 40)), ((x0 + x1) / 2, y - 0.012, (low + high) / 2), x1 - x0, high - low, "-y")
-    b.box((x1 - x0 + 0.1, 0.34, 0.04), ((x0 + x1) / 2, y - 0.17, low - 0.04), "aluminium")
-    for x in (x0, x1):
-        b.box((0.06, 0.05, high - low + 0.06), (x, y - 0.01, low - 0.03), "aluminium")
-    cloth = awning(accent, color, (96, 16), 14)
-    flap = np.array(
-        [
-            [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)],
-            [(x0 - 0.1, y, high + 0.35), (x1 + 0.1, y, high + 0.35)],
-        ]
-    )
-    b.sheet(flap, picture=cloth, both_sides=True)
-    hang = np.array(
-        [
-            [(x0 - 0.1, y - 0.95, high - 0.06), (x1 + 0.1, y - 0.95, high - 0.06)],
-            [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)],
-        ]
-    )
-    b.sheet(hang, picture=cloth, both_sides=True)
-    for x in (x0, x1):
-        b.rod((x, y, low + 0.6), (x, y - 0.92, high + 0.1), 0.012, "aluminium", sides=5)
-    sign = _words(name, accent, shade(color, 0.7), (128, 24))
-    b.box((2.6, 0.10, 0.5), (-0.65, -0.85, 2.76), accent, skins={"-y": sign})
-    body.side_picture(-2.2, 0.6, 1.25, 1.78, sign, lift=0.008)
-    lines = menu.split("\n")
-    board, pen = paint.canvas((96, 112), "#23302a")
-    for k, text in enumerate(lines):
-        paint.text(pen, text, (8, 10 + 32 * k, 88, 36 + 32 * k), "white")
-    b.panel(paint.shrunk(board, (32, 38)), (1.15, y - 0.02, 1.55), 0.55, 0.66, "-y")
-    b.cylinder(0.14, 0.35, (-1.6, 0.3, 2.74), "galvanised", segments=10)
-    b.cylinder(0.22, 0.08, (-1.6, 0.3, 3.06), "galvanised", segments=10)
-    rim = rim_picture("steel")
-    for x in shape.axles:
-        for side in (-1.0, 1.0):
-            wheel(b, (x, side * 0.90, 0.37), 0.37, 0.24, rim, side)
-    names = ("A red taco truck with its hatch open", "A turquoise ice cream truck", "A yellow burger truck")
-    return body.finish(names[variant], {"name": name})

@@ -1,13 +1,17 @@
-"""People riding bicycles."""
+"""People riding bicycles and motorcycles."""
 
 import dataclasses
 
 import numpy as np
 
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ...meshes.palette import Color
 from ...meshes.recipe import Physics, recipe
+from ..shared.fitted import fitted
 from ..vehicle.bicycles import BIKES, build_bicycle
+from ..vehicle.motorbikes import Motorbike, motorbike
 from .figure import ANKLE_HEIGHT, FOREARM, SHANK, THIGH, UPPER_ARM, Figure, Look, Pose
+from .limbs import reach_foot, reach_hand
 from .worn_items import cap
 
 _CYCLIST = Physics(
@@ -74,3 +78,41 @@ def _two_bones(
     out = bend - axis * (bend @ axis)
     out /= np.linalg.norm(out)
     return start + axis * along + out * np.sqrt(max(first**2 - along**2, 0.0)), start + axis * distance
+
+
+def full_helmet(f: Figure, color: Color) -> None:
+    """A full-face helmet with a dark visor."""
+    rx, ry, rz = f.head_radii
+    b = f.builder
+    with b.frame(tuple(f.head_center), (0, f.pose.lean * 0.3, f.pose.turn)):
+        b.ball((1.32 * rx, 1.42 * ry, 1.20 * rz), (0, 0, 0.02 * rz), color, segments=12, rings=8)
+        b.ball((1.05 * rx, 1.30 * ry, 0.42 * rz), (0.34 * rx, 0, 0.14 * rz), "black", segments=12, rings=6)
+        b.ball((0.6 * rx, 0.9 * ry, 0.35 * rz), (0.85 * rx, 0, -0.62 * rz), color, segments=10, rings=6)
+
+
+@recipe("motorcycle rider", 3, hulls=5, name="motorbikes.motorcycle_rider")
+def motorcycle_rider(variant: int, rng: np.random.Generator) -> BuiltAsset:
+    b = MeshBuilder(roughness=0.5)
+    bike = (
+        Motorbike("cruiser", "dark blue", "black", 0.76, 1.02),
+        Motorbike("sport", "signal red", "black", 0.80, 0.93),
+        Motorbike("cruiser", "black", "dark grey", 0.66, 1.06, (0.32, 0.31), 1.62),
+    )[variant]
+    touch = motorbike(b, bike)
+    look = (
+        Look(1.74, 1.1, "skin light", "bald", "black", "jacket", "#3a3f47", "trousers", "#2d3a55", "black"),
+        Look(1.72, 1.0, "skin light", "bald", "black", "jacket", "signal red", "trousers", "charcoal", "black"),
+        Look(1.78, 1.25, "skin medium", "bald", "black", "jacket", "#4a3020", "trousers", "#232833", "black"),
+    )[variant]
+    lean = (16.0, 42.0, 2.0)[variant]
+    f = Figure(b, look, Pose(lean=lean, spread=(12, 12)), tuple(touch["hip"]))
+    for k, side in enumerate((1.0, -1.0)):
+        mirror = np.array([1.0, side, 1.0])
+        peg = touch["peg"] + ([0.34, 0, 0.02] if variant == 2 else [0.0, 0, 0])
+        reach_hand(f, k, touch["grip"] * mirror + [-0.04, 0, 0.03])
+        reach_foot(f, k, peg * mirror + [-0.02, 0, 0.0], (1.0, side * 0.3, 0.4))
+    f.build()
+    full_helmet(f, ("white", "black", "charcoal")[variant])
+    names = ("A rider on a blue motorcycle", "A rider crouched on a red sport motorcycle", "A rider on a black cruiser")
+    size = ((2.10, 0.80, 1.52), (2.04, 0.74, 1.40), (2.36, 0.86, 1.50))[variant]
+    return fitted(b.build(names[variant], {"bike": bike.style}), size)
