@@ -3,6 +3,9 @@
 import dataclasses
 import json
 import pathlib
+import subprocess
+import sys
+import time
 from typing import Any
 
 import jax
@@ -177,3 +180,43 @@ def test_an_override_of_the_preset_picks_the_config_that_the_others_change(sessi
         2000.0,
     )
     assert config.vision_config.height == 135
+
+
+def test_trainings_of_one_second_have_folders_of_their_own(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(time, "strftime", lambda form: "20260101-000000")
+    first = session.killed("--seed", "3")
+    session.train("--preset", "cpu", "--seed", "4")
+    assert [p.name for p in sorted(session.folder.iterdir())] == [first.name, f"{first.name}-2"]
+    seeds = [RunRecord.load(folder).ppo["seed"] for folder in sorted(session.folder.iterdir())]
+    assert seeds == [3, 4]
+
+
+def test_a_run_that_another_process_is_at_is_refused(session: Session) -> None:
+    folder = session.killed()
+    code = (
+        "import pathlib, sys; from urbanverse_mjx.training.run_folder import at_work\n"
+        "with at_work(pathlib.Path(sys.argv[1])): print('in', flush=True); sys.stdin.read()"
+    )
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert other.stdout is not None
+    assert other.stdout.readline() == "in\n"
+    before = (folder / "config.json").read_bytes()
+    with pytest.raises(ValidationError, match=f"process {other.pid} at work"):
+        session.train("--resume", str(folder))
+    assert (folder / "config.json").read_bytes() == before
+    assert len(session.trainer.calls) == 1
+    other.kill()
+    other.wait()
+    half = folder / "checkpoints" / "000000002000.orbax-checkpoint-tmp-17"
+    half.mkdir()
+    (half / "_METADATA").touch()
+    session.train("--resume", str(folder))
+    assert not half.exists(), "what a killed process left half written"
+
+
+def test_a_run_that_fails_before_it_begins_leaves_no_folder(session: Session) -> None:
+    with pytest.raises(ValidationError, match="no such file"):
+        session.train("--preset", "cpu", "--bank", str(session.folder / "nowhere.npz"))
+    assert list(session.folder.iterdir()) == []

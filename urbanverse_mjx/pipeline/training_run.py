@@ -1,9 +1,11 @@
 """One training: bank, environment, PPO, and the evaluation on streets that the policy has never seen."""
 
+import contextlib
 import dataclasses
 import pathlib
 import sys
 import time
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -56,23 +58,44 @@ def train(
     Raises:
       ValidationError: unknown names or keys, or a request that differs from the record of the run that goes on.
     """
-    from ..datatypes import ValidationError
-    from ..envs import NavEnv, registry
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
+
+    request, options = request or RunRequest(), options or TrainOptions()
+    if options.coordinator is not None:
+        join_processes(options.coordinator, options.num_processes, options.process_id)
+    configs = configs_of(request) if options.resume is None else resumed_configs(options.resume, request)
+    with _folder(configs[0], options) as folder:
+        return _train(*configs, folder, options, quiet)
+
+
+@contextlib.contextmanager
+def _folder(environment: str, options: TrainOptions) -> Iterator[pathlib.Path]:
+    """The run's folder, held by the one process that writes into it."""
+    import jax
+
+    from ..training.run_folder import at_work, new_run
+
+    name = f"{environment}-{time.strftime('%Y%m%d-%H%M%S')}" + (f"-{options.suffix}" if options.suffix else "")
+    if jax.process_index() > 0:
+        yield options.resume or options.logdir / name
+    elif options.resume is None:
+        with new_run(options.logdir, name) as folder:
+            yield folder
+    else:
+        with at_work(options.resume):
+            yield options.resume
+
+
+def _train(
+    name: str, config: Any, ppo: Any, folder: pathlib.Path, options: TrainOptions, quiet: bool
+) -> dict[str, Any]:
+    from ..datatypes import ValidationError
+    from ..envs import NavEnv, registry
     from .banks import chosen_bank
     from .evaluation import evaluate_policy
 
-    request, options = request or RunRequest(), options or TrainOptions()
     begin = time.monotonic()
-    if options.coordinator is not None:
-        join_processes(options.coordinator, options.num_processes, options.process_id)
-    if options.resume is None:
-        name, config, ppo = configs_of(request)
-        folder = options.logdir / _folder_name(name, options)
-    else:
-        folder = options.resume
-        name, config, ppo = resumed_configs(folder, request)
     imitates = ppo.get("algorithm") == "dagger"
     if imitates and (options.start_from is not None or options.coordinator is not None):
         raise ValidationError(
@@ -141,11 +164,6 @@ def bank_of(environment: str, quiet: bool = False, preset: str | None = None) ->
     if load is registry.load_default_bank:
         return ensure_quick_bank(quiet) if preset == "quick" else ensure_default_bank(quiet=quiet)
     return ensure_terrain_bank() if load is registry.load_terrain_bank else load()
-
-
-def _folder_name(environment: str, options: TrainOptions) -> str:
-    stamp = time.strftime("%Y%m%d-%H%M%S")
-    return f"{environment}-{stamp}" + (f"-{options.suffix}" if options.suffix else "")
 
 
 def _say(text: str, quiet: bool) -> None:
