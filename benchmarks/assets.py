@@ -9,7 +9,6 @@ builds the catalogue into a temporary file, so its time is measured; renders are
 import collections
 import json
 import pathlib
-import tempfile
 import time
 from typing import Annotated, Any
 
@@ -27,6 +26,7 @@ from urbanverse_mjx.assets.records.catalogue import disagreements, leaf_counts
 from urbanverse_mjx.assets.records.store import build_store, forget, load_store, recorded_content
 from urbanverse_mjx.assets.selection.matching import Matcher
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
+from urbanverse_mjx.work_folder import work_folder
 
 from .lib import asset_steps
 from .lib.report import machine
@@ -138,7 +138,7 @@ def filter_latencies(objects: ObjectLibrary, repeats: int = 5) -> dict[str, Any]
 
 def measure(renders: int, matches: int) -> dict[str, Any]:
     """All figures."""
-    with tempfile.TemporaryDirectory() as folder:
+    with work_folder("urbanverse-assets-") as folder:
         start = time.perf_counter()
         path = build_store(pathlib.Path(folder) / "catalogue.parquet", show_progress=False)
         built = time.perf_counter() - start

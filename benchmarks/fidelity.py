@@ -34,7 +34,6 @@ import os
 import pathlib
 import resource
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -54,6 +53,7 @@ from urbanverse_mjx.distillation import Describe, DistilOptions, distil
 from urbanverse_mjx.pipeline import ensure_default_bank
 from urbanverse_mjx.pipeline.generation.distilling import DESCRIBE
 from urbanverse_mjx.process_pool import worker_pool
+from urbanverse_mjx.work_folder import work_folder
 
 #: The paper's table (45 sequences of KITTI-360, MASt3R and YoWorldSAM2); other streets, shown without a claim.
 PAPER = {"cat_percent": 93.1, "dist_m": 1.4, "ori_deg": 19.8, "scale_m3": 0.8, "map25": 28.2, "ast_percent": 75.1}
@@ -176,7 +176,7 @@ def street_rows(street: Street) -> Work:
     for plan in street.plans():
         if plan.row in rows:
             continue
-        with tempfile.TemporaryDirectory(prefix="urbanverse-fidelity-") as work:
+        with work_folder("urbanverse-fidelity-") as work:
             try:
                 given = plan.recording_of(filmed, pathlib.Path(work))
                 rows[plan.row] = judge(given, filmed, priors, plan.options, plan.describe)
@@ -251,7 +251,7 @@ def streets_of(arguments: argparse.Namespace, captures: pathlib.Path) -> list[St
 def main(argv: list[str] | None = None) -> int:
     arguments = parse(argv)
     try:
-        with tempfile.TemporaryDirectory(prefix="urbanverse-capture-") as work:
+        with work_folder("urbanverse-capture-") as work:
             folder = arguments.captures or pathlib.Path(work)
             streets = streets_of(arguments, folder)
             result = (

@@ -13,7 +13,6 @@ import json
 import os
 import pathlib
 import sys
-import tempfile
 import time
 from typing import Any
 
@@ -27,6 +26,7 @@ from urbanverse_mjx.citygen.cities.block import LENGTH
 from urbanverse_mjx.datatypes import Recording, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.process_pool import results_as_completed
+from urbanverse_mjx.work_folder import work_folder
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -77,7 +77,7 @@ def _figures(name: str, layout: str, out: pathlib.Path, keep: bool, length: floa
 
     graph_file, score_file = _files(out, name, layout)
     begin, processor = time.monotonic(), time.process_time()
-    with tempfile.TemporaryDirectory(prefix="urbanverse-capture-") as work:
+    with work_folder("urbanverse-capture-") as work:
         folder = out / "recordings" / layout if keep else pathlib.Path(work)
         made = film(cities.layouts(name)[layout], cities.SEEDS[name], layout, folder, length)
         ground_truth = SceneGraph.load(folder / "truth.json").objects

@@ -20,7 +20,6 @@ import dataclasses
 import json
 import pathlib
 import sys
-import tempfile
 from collections.abc import Sequence
 from typing import Any
 
@@ -31,6 +30,7 @@ from urbanverse_mjx.datatypes import RobotSpec, SceneBank, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.reference import c_mujoco
+from urbanverse_mjx.work_folder import work_folder
 
 CONTROL_DT = 0.2
 TOLERANCES = {"before_contact_max_mm": 1.0, "onset_max_steps": 1, "after_1s_median_mm": 5.0, "after_1s_max_mm": 50.0}
@@ -111,7 +111,7 @@ def street_suite(arguments: argparse.Namespace, robot: RobotSpec) -> Suite:
     graphs, splits = shipped_scenes()
     if arguments.graphs:
         graphs, splits = arguments.graphs, ["train"] * len(arguments.graphs)
-    with tempfile.TemporaryDirectory(prefix="urbanverse-parity-") as work:
+    with work_folder("urbanverse-parity-") as work:
         folders = [pathlib.Path(work) / str(i) for i in range(len(graphs))]
         for graph, folder in zip(graphs, folders, strict=True):
             compile_graph(graph, folder, arguments.seed)

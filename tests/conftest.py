@@ -1,10 +1,10 @@
 """Fixtures shared by all packages."""
 
+import contextlib
 import fcntl
 import os
 import pathlib
 import sys
-import tempfile
 
 import pytest
 
@@ -12,6 +12,7 @@ from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.pipeline import ensure_default_bank
+from urbanverse_mjx.work_folder import work_folder
 
 TESTS = pathlib.Path(__file__).parent
 #: Folders whose tests take a second each, and longer, by what they take in all.
@@ -30,11 +31,12 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     if hasattr(config, "workerinput") or "not slow" not in config.option.markexpr:
         return
-    folder = tempfile.TemporaryDirectory(prefix="urbanverse-xla-")
-    config.add_cleanup(folder.cleanup)
+    stack = contextlib.ExitStack()
+    folder = stack.enter_context(work_folder("urbanverse-xla-"))
+    config.add_cleanup(stack.close)
     options = {
         "jax_disable_most_optimizations": True,
-        "jax_compilation_cache_dir": folder.name,
+        "jax_compilation_cache_dir": str(folder),
         "jax_persistent_cache_min_compile_time_secs": 0.1,
     }
     for name, value in options.items():

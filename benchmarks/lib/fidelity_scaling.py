@@ -3,11 +3,11 @@
 import dataclasses
 import pathlib
 import resource
-import tempfile
 import time
 
 from urbanverse_mjx.datatypes import Recording
 from urbanverse_mjx.pipeline import GenerationOptions, generate
+from urbanverse_mjx.work_folder import work_folder
 
 FRAMES = (10, 40, 80, 180, 720)
 #: What `urbanverse gen` does of a recording, up to MJCF, USD and the bank; the report draws pictures beside.
@@ -22,7 +22,7 @@ def scaling(recording: Recording, frames: tuple[int, ...] = FRAMES) -> list[dict
     `processor_s` counts this process and its workers, with the report.
     """
     table = []
-    with tempfile.TemporaryDirectory(prefix="urbanverse-scaling-") as work:
+    with work_folder("urbanverse-scaling-") as work:
         counts = [n for n in frames if n <= len(recording)]
         for k, count in enumerate([min(FRAMES[0], len(recording)), *counts]):
             folder = pathlib.Path(work) / str(k)

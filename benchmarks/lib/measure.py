@@ -1,7 +1,6 @@
 """The measurements of one configuration: the whole step, its parts, the dearest physics, the policy, the training."""
 
 import dataclasses
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from benchmarks.lib import placing, timing
 from benchmarks.lib.cases import Case
 from urbanverse_mjx.envs import registry, wrap_for_training
 from urbanverse_mjx.geometry import rotations
+from urbanverse_mjx.work_folder import work_folder
 
 
 @dataclasses.dataclass
@@ -224,7 +224,7 @@ def learn(case: Case, env: Any) -> dict[str, Any]:
     from urbanverse_mjx.training.run import train
 
     config = ppo_config(case)
-    with tempfile.TemporaryDirectory(prefix="urbanverse-throughput-") as folder:
+    with work_folder("urbanverse-throughput-") as folder:
         result = train(case.env, env, config, Path(folder) / "run", quiet=True)
     return {
         "env_steps_per_s": result.steps_per_second,

@@ -119,6 +119,22 @@ def test_an_interrupted_writer_leaves_no_recording(tmp_path: pathlib.Path) -> No
         writer.add(1.0, np.zeros((4, 7, 3), np.uint8))
 
 
+def test_pictures_that_are_of_no_recording_are_never_removed(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "rgb").mkdir()
+    (tmp_path / "rgb" / "holiday.jpg").write_text("mine")
+    with pytest.raises(ValidationError, match="files of somebody else"):
+        RecordingWriter(tmp_path, "tour", SOURCE, CAMERA)
+    assert [p.name for p in tmp_path.rglob("*")] == ["rgb", "holiday.jpg"]
+
+
+def test_a_recording_takes_the_place_of_a_whole_and_of_an_interrupted_one(tmp_path: pathlib.Path) -> None:
+    write(tmp_path, frames=3)
+    RecordingWriter(tmp_path, "tour", SOURCE, CAMERA).add(0.0, np.zeros((4, 6, 3), np.uint8))
+    write(tmp_path, frames=2)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["depth", "masks", "recording.json", "rgb", "surfaces"]
+    assert len(list((tmp_path / "rgb").iterdir())) == 2
+
+
 def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path: pathlib.Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(ValidationError, match="cannot be written"):

@@ -2,6 +2,9 @@
 
 import json
 import os
+import subprocess
+import sys
+import time
 
 import pytest
 from hypothesis import given, settings
@@ -110,3 +113,23 @@ def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):
         v.write_atomically(path, fails)
     assert os.listdir(tmp_path) == ["graph.json"]
     assert json.loads(path.read_text()) == {"whole": True}
+
+
+def test_what_a_killed_process_left_half_written_goes_after_a_day(tmp_path):
+    code = (
+        "import os, pathlib, sys; from urbanverse_mjx.datatypes import validation as v\n"
+        "v.write_atomically(pathlib.Path(sys.argv[1]), lambda p: (p.write_text('half'), os.kill(os.getpid(), 9)))"
+    )
+    for name in ("bank-0.npz", "report"):
+        subprocess.run([sys.executable, "-c", code, str(tmp_path / name)], check=False)
+    halves = list(tmp_path.iterdir())
+    assert len(halves) == 2
+    (tmp_path / ".notes-urbanverse-mine").write_text("mine")
+    (tmp_path / ".bank-0-abcd1234.npz").write_text("mine")
+    old = time.time() - 90_000
+    for path in tmp_path.iterdir():
+        os.utime(path, (old, old) if path != halves[1] else None)
+    v._sweep_parts.cache_clear()
+    v.write_atomically(tmp_path / "a.txt", lambda p: p.write_text("new"))
+    left = {path.name for path in tmp_path.iterdir()}
+    assert left == {"a.txt", ".notes-urbanverse-mine", ".bank-0-abcd1234.npz", halves[1].name}

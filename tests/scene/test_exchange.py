@@ -195,9 +195,13 @@ def test_route_files_come_back_the_same(street: ExchangeMap, tmp_path: pathlib.P
     planned = plan_all(RoutePlanner(street.map, "quadruped"), "toy", street.grid, wanted)
     folder = tmp_path / "toy"
     folder.mkdir()
-    np.save(folder / "r009.npy", np.zeros((2, 4)))  # of a route that is no longer wanted
+    np.save(folder / "mine.npy", np.zeros((2, 4)))
+    first = next(r for r in planned.planned if r.id == "r001")
+    save_planned(folder, dataclasses.replace(planned, routes=(dataclasses.replace(first, id="r009"),)))
+    assert (folder / "r009.npy").is_file()
     save_planned(folder, planned)
-    assert sorted(p.name for p in folder.iterdir()) == ["r001.npy", "r003.npy", "routes.json", "routes.txt"]
+    names = ["mine.npy", "r001.npy", "r003.npy", "routes.json", "routes.txt"]
+    assert sorted(p.name for p in folder.iterdir()) == names, "of what was there the route no longer wanted went"
     again = load_planned(folder)
     assert (again.scene, again.robot, again.grid) == ("toy", "quadruped", street.grid)
     assert again.size == ROBOTS["quadruped"]

@@ -14,6 +14,9 @@ from .recording import DEPTH_UNIT, FILE, Camera, Detection, Frame, Recording
 from .scene_graph import Source
 
 _JPEG_QUALITY = 92
+_KINDS = ("rgb", "depth", "masks", "surfaces")
+#: Stands in the folder as long as a recording is not whole: whose pictures these are.
+_UNFINISHED = ".unfinished-recording"
 
 
 class RecordingWriter:
@@ -25,7 +28,7 @@ class RecordingWriter:
       lossless: RGB as PNG instead of JPEG.
 
     Raises:
-      ValidationError: the folder cannot be written.
+      ValidationError: the folder cannot be written, or holds pictures that are not of a recording.
     """
 
     def __init__(
@@ -48,16 +51,26 @@ class RecordingWriter:
         self._suffix = "png" if lossless else "jpg"
         self._frames: list[Frame] = []
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            (self.folder / FILE).unlink(missing_ok=True)
-            for kind in ("rgb", "depth", "masks", "surfaces"):
-                shutil.rmtree(self.folder / kind, ignore_errors=True)
-                (self.folder / kind).mkdir()
+            self._empty()
         except OSError as error:
             hint = "choose another folder"
             raise v.fail(
                 str(self.folder), f"a folder that cannot be written ({error})", "write access", hint
             ) from error
+
+    def _empty(self) -> None:
+        """Makes the folder, without what an earlier recording or one that was interrupted left there."""
+        ours = any((self.folder / name).is_file() for name in (FILE, _UNFINISHED))
+        for kind in () if ours else _KINDS:
+            if (self.folder / kind).exists():
+                needed = "an empty folder, or one with a recording"
+                raise v.fail(str(self.folder / kind), "files of somebody else", needed, "choose another folder")
+        self.folder.mkdir(parents=True, exist_ok=True)
+        (self.folder / _UNFINISHED).touch()
+        (self.folder / FILE).unlink(missing_ok=True)
+        for kind in _KINDS:
+            shutil.rmtree(self.folder / kind, ignore_errors=True)
+            (self.folder / kind).mkdir()
 
     def add(
         self,
@@ -112,4 +125,5 @@ class RecordingWriter:
         """Writes `recording.json`; at least one frame must have been added."""
         recording = Recording(frames=tuple(self._frames), folder=self.folder, **self._parts)
         recording.save()
+        (self.folder / _UNFINISHED).unlink()
         return recording

@@ -4,18 +4,24 @@ Every datatype validates itself when it is made, so one that exists is a valid o
 return the checked value in its canonical Python type and raise `ValidationError` otherwise.
 """
 
+import contextlib
 import errno
+import functools
 import gzip
 import json
 import math
 import os
 import pathlib
+import re
 import tempfile
+import time
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 MAX_FILE_BYTES = 64 * 2**20
+#: In the names of files that are being written.
+_PART = "-urbanverse-"
 MAX_TEXT = 2_000  # characters: the longest address a browser takes
 
 
@@ -219,11 +225,12 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
     """Calls `write(temporary_path)` beside `path`, then renames: readers never see half a file.
 
     The content is on the disk before the name is, and both are when this returns: a power failure leaves the old file
-    or the new one.
+    or the new one. What killed processes left in the folder half written goes after a day.
     """
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    _sweep_parts(path.parent.absolute())
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}{_PART}", suffix=path.suffix)
     os.close(handle)
     temporary = pathlib.Path(name)
     try:
@@ -235,6 +242,18 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[pathlib.Path
         temporary.unlink(missing_ok=True)
     sync(path.parent)
     return path
+
+
+@functools.cache  # once for each folder: listing a large one takes as long as writing a small file
+def _sweep_parts(folder: pathlib.Path) -> None:
+    """Removes what `write_atomically` left half written in a folder, by its name and of more than a day ago."""
+    for path in folder.glob(f".*{_PART}*"):
+        with contextlib.suppress(OSError):
+            if (
+                re.fullmatch(rf"\..*{_PART}\w{{8}}(\.\w+)?", path.name)
+                and time.time() - path.stat().st_mtime > 86_400.0
+            ):
+                path.unlink()
 
 
 def sync(path: pathlib.Path) -> None:

@@ -87,10 +87,11 @@ def load_annotations(path: str | os.PathLike[str]) -> tuple[str, list[Wanted]]:
 
 
 def save_planned(folder: str | os.PathLike[str], planned: PlannedRoutes) -> None:
-    """Writes `routes.json`, `routes.txt` and the waypoints into the scene's folder; waypoints of routes that are no
-    longer there go."""
+    """Writes `routes.json`, `routes.txt` and the waypoints into the scene's folder; waypoints of an earlier
+    `routes.json` there go."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
+    stale = _waypoint_files(folder)
     for route in planned.planned:
         v.write_atomically(
             folder / f"{route.id}.npy",
@@ -112,10 +113,16 @@ def save_planned(folder: str | os.PathLike[str], planned: PlannedRoutes) -> None
     v.write_json(folder / "routes.json", body)
     lines = ["\t".join(COLUMNS), *("\t".join(_cells(r)) for r in planned.planned)]
     v.write_atomically(folder / "routes.txt", lambda p: p.write_text("\n".join(lines) + "\n", encoding="utf-8"))
-    names = {f"{r.id}.npy" for r in planned.planned}
-    for stale in folder.glob("*.npy"):
-        if stale.name not in names:
-            stale.unlink()
+    for name in stale - {f"{r.id}.npy" for r in planned.planned}:
+        (folder / name).unlink(missing_ok=True)
+
+
+def _waypoint_files(folder: pathlib.Path) -> set[str]:
+    """Names of the waypoints that a folder's `routes.json` lists; none where there is none that can be read."""
+    try:
+        return {f"{route.id}.npy" for route in load_planned(folder).planned}
+    except v.ValidationError:
+        return set()
 
 
 def load_planned(folder: str | os.PathLike[str]) -> PlannedRoutes:

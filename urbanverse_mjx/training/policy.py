@@ -3,9 +3,7 @@
 import dataclasses
 import functools
 import pathlib
-import shutil
 import sys
-import tempfile
 from collections.abc import Callable
 from importlib import metadata
 from typing import Any
@@ -18,6 +16,7 @@ from ml_collections import ConfigDict
 from ..datatypes import ValidationError
 from ..datatypes import validation as v
 from ..envs.staged import observed_size
+from ..work_folder import work_folder
 from . import policy_files
 from .policy_files import FILE
 
@@ -136,10 +135,8 @@ def export_actor(source: pathlib.Path, out: pathlib.Path) -> pathlib.Path:
         raise ValidationError(f"export-policy: found files in {out}, needed a new or empty folder.")
     normaliser, actor, _ = load_params(folder)
     out.absolute().parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.absolute().parent, prefix=".policy-") as work:
-        made = save_policy(pathlib.Path(work), (normaliser, actor, {}), PolicySpec.load(folder))
-        shutil.rmtree(out, ignore_errors=True)
-        made.rename(out)
+    with work_folder(".policy-", out.absolute().parent) as work:
+        save_policy(work, (normaliser, actor, {}), PolicySpec.load(folder)).replace(out)
     return out
 
 

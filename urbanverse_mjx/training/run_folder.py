@@ -2,7 +2,6 @@
 
 import contextlib
 import fcntl
-import itertools
 import os
 import pathlib
 import shutil
@@ -19,12 +18,7 @@ _HALF_A_CHECKPOINT = "checkpoints/[0-9]*.orbax-checkpoint-tmp*"
 @contextlib.contextmanager
 def new_run(parent: pathlib.Path, name: str) -> Iterator[pathlib.Path]:
     """A folder of its own, NAME or NAME-2 and so on; it goes again where the block fails before anything is in it."""
-    parent.mkdir(parents=True, exist_ok=True)
-    for number in itertools.count(1):
-        folder = parent / (name if number == 1 else f"{name}-{number}")
-        with contextlib.suppress(FileExistsError):
-            folder.mkdir()
-            break
+    folder = _make(parent, name)
     try:
         with at_work(folder):
             yield folder
@@ -33,6 +27,18 @@ def new_run(parent: pathlib.Path, name: str) -> Iterator[pathlib.Path]:
             if [path.name for path in folder.iterdir()] == [LOCK]:
                 (folder / LOCK).unlink()
                 folder.rmdir()
+
+
+def _make(parent: pathlib.Path, name: str) -> pathlib.Path:
+    parent.mkdir(parents=True, exist_ok=True)
+    folder, number = parent / name, 1
+    while True:
+        try:
+            folder.mkdir()
+            return folder
+        except FileExistsError:
+            number += 1
+            folder = parent / f"{name}-{number}"
 
 
 @contextlib.contextmanager

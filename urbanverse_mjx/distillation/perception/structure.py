@@ -8,7 +8,6 @@ them once they are metric.
 
 import dataclasses
 import pathlib
-import tempfile
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from ... import settings
 from ...datatypes import Camera, ValidationError
+from ...work_folder import work_folder
 from .frames import Frames
 from .pieces import cut
 
@@ -135,8 +135,8 @@ def reconstruct(
     """
     options = options or StructureOptions()
     most, best, best_score = 0, None, (np.inf, 0)
-    with tempfile.TemporaryDirectory() as work:
-        for found in _maps(frames, options, pathlib.Path(work), progress or (lambda done, total: None)):
+    with work_folder("urbanverse-structure-") as work:
+        for found in _maps(frames, options, work, progress or (lambda done, total: None)):
             models = sorted(filter(_has_a_possible_lens, found), key=lambda model: -model.num_reg_images())
             count = models[0].num_reg_images() if models else 0
             most = max(most, count)

@@ -113,7 +113,8 @@ class RunFolder:
 
 #: What writing a file of a run atomically calls it before it is whole.
 _HALF_A_FILE = re.compile(
-    r"\.((run|materialisation|assets|layout|check)-\w{8}\.json|bank-\w{8}\.npz|report-\w{8}\.html)"
+    r"\.((run|materialisation|assets|layout|check)-(urbanverse-)?\w{8}\.json"
+    r"|bank-(urbanverse-)?\w{8}\.npz|report-(urbanverse-)?\w{8}\.html)"
 )
 
 
