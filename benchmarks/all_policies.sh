@@ -36,4 +36,4 @@ for name in autobench craftbench; do
   done
 done
 for pid in "${pids[@]}"; do wait "$pid" 2> /dev/null; done
-grep -H -E "^\| (policy|planner|zero|random|go_to_goal|coco_paper|go2_nav) " "$out"/*/report.md
+grep -H -E "^\| (policy|planner|zero|random|go_to_goal|coco_paper|coco_best|go2_best) " "$out"/*/report.md
