@@ -9,7 +9,7 @@ import pytest
 from urbanverse_mjx.assets.categories import ontology, priors
 from urbanverse_mjx.assets.meshes import recipe, shapes
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
-from urbanverse_mjx.assets.recipes.shared import proportions
+from urbanverse_mjx.assets.recipes.shared import proportions, sizes
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow
@@ -32,7 +32,7 @@ def built() -> Built:
     return {r.leaf: [r.build(k) for k in range(r.variants)] for r in RECIPES}
 
 
-def sizes(leaf: str, asset: BuiltAsset) -> np.ndarray:
+def sides(leaf: str, asset: BuiltAsset) -> np.ndarray:
     """(length, width, height) m, named as the leaf's prior names them."""
     x, y, z = (float(v) for v in asset.mesh.extent)
     front = priors.prior(leaf).front
@@ -53,10 +53,10 @@ def test_sizes_lie_in_the_range_of_the_kind(leaf: str, built: Built) -> None:
     prior = priors.prior(leaf)
     low, median, high = np.array([prior.length, prior.width, prior.height]).T
     for k, asset in enumerate(built[leaf]):
-        found = sizes(leaf, asset)
+        found = sides(leaf, asset)
         assert (found >= low - 1e-6).all(), f"{leaf} {k}: {found.round(3)} below {low}"
         assert (found <= high + 1e-6).all(), f"{leaf} {k}: {found.round(3)} above {high}"
-    first = sizes(leaf, built[leaf][0])
+    first = sides(leaf, built[leaf][0])
     assert np.abs(first / median - 1).max() <= MEDIAN_SHARE, f"{leaf}: {first.round(3)} far from {median}"
 
 
@@ -93,12 +93,12 @@ def test_the_same_variant_is_the_same_mesh_again(built: Built) -> None:
 def test_made_brings_a_drawing_to_its_size() -> None:
     b = MeshBuilder()
     b.box((2.0, 1.0, 0.5), (3.0, 0.0, 1.0), "red")
-    asset = proportions.made(b, "a box", (1.0, None, 0.5), style="plain")
+    asset = sizes.made(b, "a box", (1.0, None, 0.5), style="plain")
     # Half as long, as high as drawn; what is not asked for takes the mean of the two scales.
     assert np.allclose(asset.mesh.extent, (1.0, 0.75, 0.5))
     assert asset.volume == pytest.approx(1.0 * 0.75 * 0.5)
     assert asset.params == {"style": "plain"}
-    assert proportions.made(b, "a box", (1.0, 1.0, 1.0), 0.3).volume == pytest.approx(0.3)
+    assert sizes.made(b, "a box", (1.0, 1.0, 1.0), 0.3).volume == pytest.approx(0.3)
 
 
 def test_padded_forms_have_the_size_asked_for_and_are_closed() -> None:

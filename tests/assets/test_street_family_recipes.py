@@ -13,7 +13,7 @@ from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes.amenity import speed_limits
-from urbanverse_mjx.assets.recipes.shared import fitted
+from urbanverse_mjx.assets.recipes.shared import sizes
 from urbanverse_mjx.assets.recipes.street_user import limbs
 from urbanverse_mjx.datatypes import ValidationError
 from urbanverse_mjx.settings import asset_root
@@ -189,11 +189,11 @@ def test_fitted_scales_to_a_box_and_refuses_to_squash() -> None:
     b = MeshBuilder()
     b.box((1.0, 2.0, 3.0))
     built = b.build("a block")
-    grown = fitted.fitted(built, (1.1, 0, 3.3))
+    grown = sizes.fitted(built, (1.1, 0, 3.3))
     np.testing.assert_allclose(grown.mesh.extent, (1.1, 2.2, 3.3), rtol=1e-5)
     assert grown.volume == pytest.approx(6 * 1.1**3, rel=1e-5)
     with pytest.raises(ValidationError, match="same proportions"):
-        fitted.fitted(built, (1.0, 2.0, 6.0))
+        sizes.fitted(built, (1.0, 2.0, 6.0))
 
 
 def test_two_links_keep_their_lengths_and_reach_the_end() -> None:

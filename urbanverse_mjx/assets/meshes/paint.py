@@ -72,3 +72,11 @@ def stripes(size: Size, colors: Sequence[Color], count: int, slant: float = 0.0)
     phase = (x + slant * (height - y)) / width * count
     table = np.array([rgb(c) for c in colors], np.uint8)
     return Image.fromarray(table[np.floor(phase).astype(int) % len(colors)], "RGB")
+
+
+def lettering(words: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16), bold: float = 0.03) -> np.ndarray:
+    """(h, w, 3) uint8 image of words on a plain ground, of size = (w, h) pixels."""
+    width, height = big = smooth(size, 3)
+    image, pen = canvas(big, back)
+    text(pen, words, (width * 0.04, height * 0.12, width * 0.96, height * 0.88), ink, bold)
+    return np.asarray(shrunk(image, size))

@@ -7,7 +7,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..shared.proportions import made
+from ..shared.sizes import made
 
 #: Share of the convex hull of rippled cloth that lies between its two faces; our estimate of a few shallow folds.
 FOLDED = 0.4

@@ -8,7 +8,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import Physics, recipe
 from ..shared.facade_images import sign
-from ..shared.proportions import made
+from ..shared.sizes import made
 
 BIN = Physics(
     ("plastic", "steel"),

@@ -8,7 +8,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ..shared.facade_images import door, sign, wall, window
-from ..shared.proportions import made
+from ..shared.sizes import made
 from .shelters import glazing
 from .street_terminals import bolt_picture
 

@@ -6,7 +6,8 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.recipe import recipe
 from ..shared.facade_images import sign
-from ..shared.proportions import arc, made
+from ..shared.outlines import arc, pairs
+from ..shared.sizes import made
 
 
 def _grill_cart(b: MeshBuilder) -> None:
@@ -18,7 +19,7 @@ def _grill_cart(b: MeshBuilder) -> None:
     b.box((0.52, 0.64, 0.16), (0, 0, 0.7), "aluminium", bevel=0.01)
     for k in range(3):
         b.cylinder(0.03, 0.03, (0.26, -0.18 + 0.18 * k, 0.78), "black", turn_deg=(0, 90, 0))
-    b.profile([(-0.26, 0.86), (0.26, 0.86), *arc((0, 0.9), 0.26, 0, 180, 9, 0.75)], 0.62, color="black")
+    b.profile([(-0.26, 0.86), (0.26, 0.86), *pairs(arc(0.26, 0, 180, 9, (0, 0.9), 0.75))], 0.62, color="black")
     b.tube([(0.25, -0.22, 0.95), (0.31, -0.22, 0.97), (0.31, 0.22, 0.97), (0.25, 0.22, 0.95)], 0.012, "aluminium")
     b.cylinder(0.04, 0.012, (0.2, 0, 1.01), "white", turn_deg=(0, 55, 0))
     for side in (-1, 1):

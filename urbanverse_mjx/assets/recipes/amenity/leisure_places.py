@@ -9,7 +9,8 @@ from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Point3
 from ..shared.facade_images import door, sign, wall, window
-from ..shared.proportions import arc, made
+from ..shared.outlines import arc, pairs
+from ..shared.sizes import made
 from .shelters import glazing
 
 SIDES = ("+x", "-x", "+y", "-y")
@@ -333,7 +334,7 @@ def castle(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
     b.box((6, 10, 11), (hx, 0, 0), stone, skins={"+x": wall("ashlar", (10, 11), stone, rng, 64)})
     battlements(b, (hx + 2.5, -5), (hx + 2.5, 5), 11, stone, 5)
-    arch = [(-1.9, 0), (1.9, 0), *arc((0, 3.4), 1.9, 0, 180, 9)]
+    arch = [(-1.9, 0), (1.9, 0), *pairs(arc(1.9, 0, 180, 9, (0, 3.4)))]
     b.extrude(arch, 0.3, (hx + 2.9, 0, 0), "dark wood", turn_deg=(90, 0, 90))
     for y in (-1.0, 0, 1.0):
         b.box((0.1, 0.15, 4.6), (hx + 3.2, y, 0.2), "black")

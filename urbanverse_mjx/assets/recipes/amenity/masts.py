@@ -8,7 +8,8 @@ from ...meshes import shapes
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color
 from ...meshes.recipe import recipe
-from ..shared.proportions import arc, made
+from ..shared.outlines import arc, pairs
+from ..shared.sizes import made
 
 
 @recipe("pole", 3, name="masts.pole")
@@ -57,9 +58,8 @@ def surveillance_camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for k in range(6):
                 a = np.pi * k / 3
                 b.cylinder(0.0035, 0.003, (0.023 * np.cos(a), 0.023 * np.sin(a), 0.147), "light red", segments=6)
-        hood = [(*p, 0.0) for p in arc((0, 0), 0.042, 10, 170, 11)]
-        outer = [(*p, 0.0) for p in arc((0, 0), 0.046, 170, 10, 11)]
-        b.extrude([p[:2] for p in hood + outer], 0.19, (-0.07, 0, 0.062), "off white", turn_deg=(90, 0, 90))
+        hood = pairs(arc(0.042, 10, 170, 11)) + pairs(arc(0.046, 170, 10, 11))
+        b.extrude(hood, 0.19, (-0.07, 0, 0.062), "off white", turn_deg=(90, 0, 90))
         size = (0.22, 0.1, 0.11)
     elif style == "dome":
         b.box((0.02, 0.11, 0.14), (-0.16, 0, 0.06), "light grey", bevel=0.006)

@@ -6,7 +6,8 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared.facade_images import door, sign, wall, window
-from ..shared.proportions import arc, made
+from ..shared.outlines import arc, pairs
+from ..shared.sizes import made
 from .leisure_places import SIDES, windowed
 
 CARS: tuple[Color, ...] = ("signal red", "signal yellow", "signal blue", "green", "orange", "purple")
@@ -307,7 +308,7 @@ def theme_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.cylinder(13, 0.15, (-2, 24 * flip, 0.3), "water", segments=24)
     with b.frame((-22, 0, 0.3)):
         b.box((14, 18, 8), color="off white", skins={"+x": wall("ashlar", (18, 8), "off white", rng, 72)})
-        arch = [(-2, 0), (2, 0), *arc((0, 4), 2, 0, 180, 9)]
+        arch = [(-2, 0), (2, 0), *pairs(arc(2, 0, 180, 9, (0, 4)))]
         b.extrude(arch, 0.3, (6.9, 0, 0), "dark wood", turn_deg=(90, 0, 90))
         for x, y, r, top in ((6, -9, 2, 11), (6, 9, 2, 11), (-4, -7, 1.7, 14), (-4, 7, 1.7, 14), (-2, 0, 2.6, 16)):
             b.cylinder(r, top, (x, y, 0), "off white", segments=10)

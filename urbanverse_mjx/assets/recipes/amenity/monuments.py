@@ -8,7 +8,9 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ..shared.facade_images import wall
-from ..shared.proportions import arc, hollow, made
+from ..shared.outlines import arc, pairs
+from ..shared.proportions import hollow
+from ..shared.sizes import made
 
 
 def inscription(words: str, stone: Color, ink: Color, size: tuple[int, int], lines: int = 3) -> Image.Image:
@@ -66,7 +68,7 @@ def _headstone(b: MeshBuilder, kind: str, at: tuple[float, float], words: str, s
         ink = "gold" if stone in ("charcoal", "black") else "charcoal"
         picture = inscription(words, stone, ink, (48, 48))
         if kind == "round":
-            outline = [(-0.36, 0.1), (0.36, 0.1), *arc((0, 0.68), 0.36, 0, 180, 13)]
+            outline = [(-0.36, 0.1), (0.36, 0.1), *pairs(arc(0.36, 0, 180, 13, (0, 0.68)))]
             b.extrude(outline, 0.14, (-0.07, 0, 0), stone, turn_deg=(90, 0, 90))
             b.box((0.3, 0.86, 0.12), color=shade(stone, 0.85), bevel=0.015)
             b.panel(picture, (0.073, 0, 0.62), 0.52, 0.5)
@@ -204,7 +206,7 @@ def water_well(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.06, 0.9, 0.03), (0.3, 0, 0.94), "cast iron")
     if variant % 3 == 1:
         b.tube(
-            [(0, y, 0.85 + z) for y, z in [(-0.62, 0), *arc((0, 0.55), 0.62, 180, 0, 13), (0.62, 0)]],
+            [(0, y, 0.85 + z) for y, z in [(-0.62, 0), *pairs(arc(0.62, 180, 0, 13, (0, 0.55))), (0.62, 0)]],
             0.025,
             "cast iron",
         )

@@ -8,7 +8,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb
 from ...meshes.recipe import recipe
 from ..shared.facade_images import sign
-from ..shared.proportions import made
+from ..shared.sizes import made
 
 
 def notices(size: tuple[int, int], back: Color, rng: np.random.Generator, count: int = 9) -> Image.Image:

@@ -5,7 +5,8 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.recipe import recipe
 from ..shared.facade_images import sign
-from ..shared.proportions import arc, made
+from ..shared.outlines import arc
+from ..shared.sizes import made
 
 
 @recipe("shelter", 3, name="tents.shelter")
@@ -82,7 +83,7 @@ def stage(variant: int, rng: np.random.Generator) -> BuiltAsset:
         rows = []
         for s in np.linspace(0, 1, 7):
             r = 3.9 * (1 - 0.55 * s**1.6)
-            rows.append([(-2.6 * s + 0.6, y, 0.9 + z) for y, z in arc((0, 0), r, 0, 180, 15)])
+            rows.append([(-2.6 * s + 0.6, y, 0.9 + z) for y, z in arc(r, 0, 180, 15)])
         b.sheet(np.array(rows), "off white", both_sides=True)
         b.sheet(np.array([rows[-1], [(-2.05, y * 0.02, 0.92) for _, y, _ in rows[-1]]]), "cream", both_sides=True)
         b.tube(rows[0], 0.16, "verdigris", sides=8)

@@ -6,8 +6,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import Physics, recipe
-from ..shared.fitted import fitted
-from ..vehicle.coaches import lettering
+from ..shared.sizes import fitted
 from ..vehicle.motorbikes import Motorbike, motorbike
 from .transit_places import flat_car
 
@@ -224,10 +223,10 @@ def parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 for x in (-8.6, 0, 8.6):
                     b.box((0.45, 0.45, 2.5), (x, -15.0 + 6 * j, 2.75 * k + 0.3), "dark concrete")
         b.box((4.5, 4.0, 11.5), (-6.5, 13.5, 0), "signal blue")
-        b.panel(lettering("P", "signal blue", "white", (32, 32)), (-4.24, 13.5, 9.3), 3.2, 3.2, "+x")
+        b.panel(paint.lettering("P", "signal blue", "white", (32, 32)), (-4.24, 13.5, 9.3), 3.2, 3.2, "+x")
         for k in range(4):
             flat_car(b, (6.5, -12.0 + 5.0 * k), 0, colors[k])
-        b.panel(lettering("PARKING", "light grey", "signal blue", (96, 16)), (9.02, 0, 3.2), 6.0, 0.8, "+x")
+        b.panel(paint.lettering("PARKING", "light grey", "signal blue", (96, 16)), (9.02, 0, 3.2), 6.0, 0.8, "+x")
         return fitted(b.build("A concrete parking garage of four decks", {"decks": 4}), (18.0, 32.0, 11.5))
     width, rows = ((26.0, 2), (15.0, 1))[variant]
     depth = (17.0, 8.0)[variant]
@@ -243,7 +242,9 @@ def parking(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 flat_car(b, (x, y), 0 if row else 180, colors[int(rng.integers(6))])
     y = width / 2 - 0.35
     b.cylinder(0.05, 2.9, (depth / 2 - 0.4, y, 0), "galvanised", segments=8)
-    b.panel(lettering("P", "signal blue", "white", (32, 32)), (depth / 2 - 0.34, y, 2.5), 0.7, 0.7, "+x", back="grey")
+    b.panel(
+        paint.lettering("P", "signal blue", "white", (32, 32)), (depth / 2 - 0.34, y, 2.5), 0.7, 0.7, "+x", back="grey"
+    )
     b.box((0.35, 0.4, 1.5), (depth / 2 - 0.4, y - 1.3, 0), "signal blue", bevel=0.03)
     names = ("A car park with two rows of bays", "A row of parking bays")
     return fitted(b.build(names[variant], {"bays": rows * count}), ((17.0, 26.0, 3.0), (8.0, 15.0, 2.9))[variant])
@@ -262,7 +263,7 @@ def platform(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((0.14, width, 0.006), (edge + 0.06, 0, high), "white")
     if variant == 0:
         return fitted(b.build("A railway platform with a yellow safety line", {"height": high}), (depth, width, 0.77))
-    sign = lettering("CENTRAL", "signal blue", "white", (96, 20))
+    sign = paint.lettering("CENTRAL", "signal blue", "white", (96, 20))
     for y in (-width * 0.3, width * 0.3):
         for dy in (-0.9, 0.9):
             b.cylinder(0.04, 2.6, (-depth * 0.35, y + dy, high), "grey", segments=7)

@@ -7,7 +7,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .signs import PX, SCALE, disc, done, face, ngon, rectangle
 
 #: km/h -> (width of the plate, height of its upper edge) of the first variant, m: the leaf's medians.

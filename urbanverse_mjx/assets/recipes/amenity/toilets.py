@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import shade
 from ...meshes.recipe import recipe
 from ..shared.facade_images import door, sign
-from ..shared.proportions import made
+from ..shared.sizes import made
 from ..urban_object.furniture.bathroom import basin, egg
 
 

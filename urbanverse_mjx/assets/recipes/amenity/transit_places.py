@@ -6,8 +6,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
-from ..vehicle.coaches import lettering
+from ..shared.sizes import fitted
 
 
 def glass_front(width: int, height: int, columns: int, frame: Color, door: bool = True) -> np.ndarray:
@@ -74,11 +73,11 @@ def gas_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((4.0, shop, 3.4), (-3.9, 0, 0.14), "off white")
     b.panel(glass_front(480, 120, 8, "grey"), (-1.885, 0, 1.65), shop * 0.92, 2.8, "+x")
     b.box((0.5, shop + 0.2, 0.7), (-1.95, 0, 3.2), color)
-    b.panel(lettering("SHOP  24h", color, "white", (96, 16)), (-1.69, 0, 3.55), shop * 0.5, 0.6, "+x")
+    b.panel(paint.lettering("SHOP  24h", color, "white", (96, 16)), (-1.69, 0, 3.55), shop * 0.5, 0.6, "+x")
     low = 4.55
     b.box((6.6, width * 0.92, 0.9), (2.3, 0, low), color, bevel=0.04)
     b.box((6.64, width * 0.922, 0.28), (2.3, 0, low + 0.2), "white")
-    words = lettering(name, color, "white", (96, 20))
+    words = paint.lettering(name, color, "white", (96, 20))
     for sign, facing in ((1, "+x"), (-1, "-x")):
         b.panel(words, (2.3 + sign * 3.33, 0, low + 0.45), 4.0, 0.8, facing)
     for sign, facing in ((1, "+y"), (-1, "-y")):
@@ -116,7 +115,7 @@ def car_wash(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 facing,
             )
     b.box((length, width, 0.7), (0, 0, high - 0.6), color, bevel=0.03)
-    words = lettering("CAR WASH", color, "white", (96, 16))
+    words = paint.lettering("CAR WASH", color, "white", (96, 16))
     for side, facing in ((1, "+x"), (-1, "-x")):
         b.panel(words, (side * (length / 2 + 0.006), 0, high - 0.25), min(width * 0.8, 5.0), 0.6, facing)
     for side, facing in ((1, "+y"), (-1, "-y")):
@@ -186,10 +185,10 @@ def car_rental(variant: int, rng: np.random.Generator) -> BuiltAsset:
     front = x + office / 2
     b.panel(glass_front(600, 120, 9, "charcoal"), (front + 0.006, 0, 1.6), width * 0.90, 2.8, "+x")
     b.box((0.6, width, 1.1), (front - 0.1, 0, 3.3), color)
-    b.panel(lettering(name, color, ink, (128, 16)), (front + 0.207, 0, 3.85), width * 0.6, 0.85, "+x")
+    b.panel(paint.lettering(name, color, ink, (128, 16)), (front + 0.207, 0, 3.85), width * 0.6, 0.85, "+x")
     for side, facing in ((1, "+y"), (-1, "-y")):
         b.panel(
-            lettering(name, "white", "black", (96, 16)),
+            paint.lettering(name, "white", "black", (96, 16)),
             (x, side * (width * 0.48 + 0.006), 2.4),
             office * 0.8,
             0.7,
@@ -206,7 +205,7 @@ def car_rental(variant: int, rng: np.random.Generator) -> BuiltAsset:
         (0.2, 1.0, 1.0),
         (depth / 2 - 0.4, width / 2 - 0.5, 3.7),
         color,
-        skins={"+x": lettering("RENT", color, ink, (32, 32))},
+        skins={"+x": paint.lettering("RENT", color, ink, (32, 32))},
     )
     names = ("A car hire office in yellow with its lot", "A large green car rental", "A small red car hire office")
     size = ((10.0, 15.0, 4.7), (12.5, 19.0, 4.9), (8.2, 11.0, 4.5))[variant]
@@ -224,7 +223,7 @@ def bus_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.panel(glass_front(600, 160, 8, "charcoal"), (depth * 0.076, -width / 2 + hall / 2, 2.1), hall * 0.9, 3.6, "+x")
     b.box((0.5, hall, 0.9), (depth * 0.08, -width / 2 + hall / 2, 4.2), color)
     b.panel(
-        lettering("BUS STATION", color, "white", (128, 16)),
+        paint.lettering("BUS STATION", color, "white", (128, 16)),
         (depth * 0.08 + 0.256, -width / 2 + hall / 2, 4.65),
         hall * 0.8,
         0.8,
@@ -245,7 +244,7 @@ def bus_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
             (0.3, 1.2, 0.9),
             (depth * 0.38, y, 3.4),
             "black",
-            skins={"+x": lettering("ABCDEFG"[k], "signal yellow", "black", (32, 24))},
+            skins={"+x": paint.lettering("ABCDEFG"[k], "signal yellow", "black", (32, 24))},
         )
         for x in (-2.0, 3.0):
             b.box((1.8, 0.45, 0.08), (x, y, 0.75), "wood")
@@ -279,7 +278,7 @@ def ferry_terminal(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.panel(glass_front(600, 150, 10, "charcoal"), (0.006, 0, 3.2), width * 0.7, 3.8, "+x")
     roof = [(-10.0, 6.0), (0.5, 6.4), (3.5, 7.9), (3.6, 8.1), (0.3, 6.9), (-10.0, 6.4)]
     b.profile(roof, width * 0.82, (0, 0, 0), color)
-    b.panel(lettering("FERRY TERMINAL", "white", color, (160, 16)), (0.03, 0, 5.75), width * 0.5, 0.9, "+x")
+    b.panel(paint.lettering("FERRY TERMINAL", "white", color, (160, 16)), (0.03, 0, 5.75), width * 0.5, 0.9, "+x")
     for y in (-width * 0.3, 0, width * 0.3):
         b.cylinder(0.18, 6.2, (2.8, y, 1.2), "light grey", segments=8)
     # The gangway, a pontoon with its piles, mooring bollards, a mast with a light.

@@ -8,7 +8,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Point2
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .signs import PX, SCALE, done, face, ngon, rectangle
 from .speed_limits import sign_post
 

@@ -6,8 +6,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
-from ..vehicle.coaches import lettering
+from ..shared.sizes import fitted
 
 
 def _leaf(b: MeshBuilder, y0: float, y1: float, height: float, kind: str, color: Color) -> None:
@@ -76,7 +75,7 @@ def gate(variant: int, rng: np.random.Generator) -> BuiltAsset:
             (0.01, 0.6, 0.4),
             (0.05, 0.9, 0.5),
             "white",
-            skins={"+x": lettering("KEEP\nCLEAR", "white", "signal red", (48, 32))},
+            skins={"+x": paint.lettering("KEEP\nCLEAR", "white", "signal red", (48, 32))},
         )
     names = (
         "A two-leaved steel gate",
@@ -181,7 +180,7 @@ def toll_booth(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.07, 0.07, 1.1), (x, y, 1.13), "white")
     b.box((1.5, 2.1, 0.26), (0, 0, 2.2), color, bevel=0.03)
     for side, facing in ((1, "+x"), (-1, "-x")):
-        b.panel(lettering("TOLL", color, "white", (64, 20)), (side * 0.753, 0, 2.335), 1.2, 0.23, facing)
+        b.panel(paint.lettering("TOLL", color, "white", (64, 20)), (side * 0.753, 0, 2.335), 1.2, 0.23, facing)
     b.box((0.30, 0.5, 0.05), (0.65, 0.4, 1.13), "aluminium")  # the shelf at the window
     b.box((0.03, 0.62, 0.9), (0.56, 0.42, 1.18), "glass")
     b.box((0.65, 0.03, 1.75), (-0.1, -0.885, 0.2), shade(color, 0.7))

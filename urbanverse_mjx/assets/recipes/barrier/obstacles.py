@@ -9,7 +9,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Shape
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 
 
 def boulder(rng: np.random.Generator, size: tuple[float, float, float], points: int = 26, flat: float = 0.4) -> Shape:

@@ -7,7 +7,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, mix, rgb, shade
 from ...meshes.recipe import recipe
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .civic_halls import wing
 from .services import roller_door
@@ -92,7 +92,7 @@ def cinema(variant: int, rng: np.random.Generator) -> BuiltAsset:
     clap = icons.drawn("clapper", 48, "white", mix(accent, "black", 0.4))
     b.panel(clap, (front + 0.03, 0, 0.6 * z), 0.2 * z, 0.2 * z)
     names = ("cinema palace with a lit canopy", "brick picture palace", "modern multiplex")
-    return fitted(b.build(names[variant]), "cinema", size)
+    return fitted_as(b.build(names[variant]), "cinema", size)
 
 
 @recipe("casino", 3, hulls=8, name="amusements.casino")
@@ -135,7 +135,7 @@ def casino(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         m.dome(b, (-0.15 * x, 0, high), 0.13 * y, "verdigris", 0.8)
     names = ("purple casino with a sign of bulbs", "domed casino", "blue casino with neon signs")
-    return fitted(b.build(names[variant]), "casino", size)
+    return fitted_as(b.build(names[variant]), "casino", size)
 
 
 @recipe("department store", 3, hulls=8, name="amusements.department_store")
@@ -187,7 +187,7 @@ def department_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(4):
         m.flag(b, (front - 0.03 * x, (k - 1.5) * 0.16 * y, high), 0.16 * z, (accent, "white"))
     names = ("stone department store", "modern department store", "brick department store")
-    return fitted(b.build(names[variant], {"name": name}), "department store", size)
+    return fitted_as(b.build(names[variant], {"name": name}), "department store", size)
 
 
 @recipe("shopping mall", 2, hulls=8, name="amusements.shopping_mall")
@@ -239,7 +239,7 @@ def shopping_mall(variant: int, rng: np.random.Generator) -> BuiltAsset:
             0.5 * z,
             ("signal red", "signal yellow", "signal blue"),
         )
-    return fitted(b.build(f"shopping mall named {name} with a glass vault", {"name": name}), "shopping mall", size)
+    return fitted_as(b.build(f"shopping mall named {name} with a glass vault", {"name": name}), "shopping mall", size)
 
 
 def display_car(b: MeshBuilder, at: Point3, k: float, color: Color, turn: float = 0.0) -> None:
@@ -291,7 +291,7 @@ def car_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for j in range(4):
         m.flag(b, (0.48 * x, (j - 1.5) * 0.24 * y, 0.03 * z), 0.9 * z, (accent, "white"))
     names = ("car showroom with blue sign", "car centre with red sign", "dark car showroom")
-    return fitted(b.build(names[variant]), "car store", size)
+    return fitted_as(b.build(names[variant]), "car store", size)
 
 
 def tyre_stack(b: MeshBuilder, at: Point3, count: int) -> None:
@@ -353,4 +353,4 @@ def auto_repair_shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
         tyre_stack(b, (0.44 * x, (0.14 + 0.06 * k) * y, 0), (4, 3, 5, 2)[k])
     display_car(b, (0.36 * x, -0.2 * y, 0), 0.26 * x / 4.4, ("green", "orange", "light blue")[variant])
     names = ("car repair shop of three bays", "brick garage with tyres", "car service of four bays")
-    return fitted(b.build(names[variant], {"bays": bays}), "auto repair shop", size)
+    return fitted_as(b.build(names[variant], {"bays": bays}), "auto repair shop", size)

@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
 Point3 = tuple[float, float, float]
@@ -118,7 +118,7 @@ def courthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "domed county courthouse",
         "red stone law courts with columns",
     )
-    return fitted(b.build(names[variant]), "courthouse", size)
+    return fitted_as(b.build(names[variant]), "courthouse", size)
 
 
 @recipe("government building", 3, hulls=10, name="civic_halls.government_building")
@@ -184,7 +184,7 @@ def government_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
         at = (0.46 * x, y0 if abs(y0) > 0.01 else 0.3 * y, 0.0)
         m.flag(b, at, 0.34 * z, ("signal blue", "white", "signal red"))
     names = ("capitol with a high dome", "ministry in a palace", "modern government office building")
-    return fitted(b.build(names[variant]), "government building", size)
+    return fitted_as(b.build(names[variant]), "government building", size)
 
 
 @recipe("town hall", 3, hulls=10, name="civic_halls.town_hall")
@@ -252,4 +252,4 @@ def town_hall(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "brick city hall with a belfry",
         "town hall with an arcade and stepped gable",
     )
-    return fitted(b.build(names[variant]), "town hall", size)
+    return fitted_as(b.build(names[variant]), "town hall", size)

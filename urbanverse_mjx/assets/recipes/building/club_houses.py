@@ -6,9 +6,8 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..nature.foliage import leafy
-from ..nature.greenery import small_leaves
-from ..shared.fitting import fitted, size_of
+from ..nature.foliage import leafy, small_leaves
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .civic_halls import wing
 from .shops import icons
@@ -81,7 +80,7 @@ def fitness_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
         b.box((0.1 * x, 0.04 * y, at - high), (0.2 * x, s * 0.1 * y, high), "dark grey")
     names = ("dark fitness centre with a dumb-bell", "grey gym with a dumb-bell", "blue gym with a dumb-bell")
-    return fitted(b.build(names[variant]), "fitness center", size)
+    return fitted_as(b.build(names[variant]), "fitness center", size)
 
 
 @recipe("sports center", 3, hulls=6, name="club_houses.sports_center")
@@ -122,7 +121,7 @@ def sports_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for turn in (0, 90):
         b.ring(0.121 * z, 0.005 * z, (0.42 * x, -0.3 * y, 0.12 * z), "black", (90, 0, turn), segments=20, sides=4)
     names = ("sports hall with a blue arched roof", "brick sports hall", "sports centre of three halls")
-    return fitted(b.build(names[variant]), "sports center", size)
+    return fitted_as(b.build(names[variant]), "sports center", size)
 
 
 @recipe("community center", 3, hulls=8, name="club_houses.community_center")
@@ -174,4 +173,4 @@ def community_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for s in (-0.46, 0.2, 0.46):
         leafy(b, (front + 0.05 * x, s * y, 0.08 * z), (0.05 * x, 0.05 * x, 0.1 * z), leaves, rng, 8, 5)
     names = ("cream community centre with a porch", "brick community centre", "wooden community centre")
-    return fitted(b.build(names[variant]), "community center", size)
+    return fitted_as(b.build(names[variant]), "community center", size)

@@ -7,7 +7,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared.fitting import Size, fitted, size_of
+from ..shared.sizes import Size, fitted_as, size_of
 from . import masonry as m
 from .civic_halls import wing
 from .landmarks import arched_wall
@@ -110,7 +110,7 @@ def bridge(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         _framed_bridge(b, size, stone, timber=variant == 1)
     names = ("stone bridge of two arches", "arched timber foot bridge", "green steel truss bridge")
-    return fitted(b.build(names[variant]), "bridge", size)
+    return fitted_as(b.build(names[variant]), "bridge", size)
 
 
 @recipe("tunnel", 3, hulls=8, name="crossings.tunnel")
@@ -158,7 +158,7 @@ def tunnel(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "white",
         )
     names = ("concrete road tunnel", "stone railway tunnel", "brick road tunnel")
-    return fitted(b.build(names[variant]), "tunnel", size)
+    return fitted_as(b.build(names[variant]), "tunnel", size)
 
 
 @recipe("train station", 3, hulls=10, name="crossings.train_station")
@@ -213,4 +213,4 @@ def train_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.11 * x, 0.245 * y, 0.26 * z), at, ("signal red", "dark green", "signal blue")[variant], bevel=0.3)
         b.box((0.112 * x, 0.22 * y, 0.09 * z), (at[0], at[1], 0.19 * z), "dark glass")
     names = ("sandstone railway station", "brick railway station", "modern station with a clock tower")
-    return fitted(b.build(names[variant]), "train station", size)
+    return fitted_as(b.build(names[variant]), "train station", size)

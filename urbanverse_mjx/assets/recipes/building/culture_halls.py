@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared import facade_images as pictures
-from ..shared.fitting import Size, fitted, size_of
+from ..shared.sizes import Size, fitted_as, size_of
 from . import masonry as m
 from .civic_halls import portico, wing
 
@@ -56,7 +56,7 @@ def library(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "glass-fronted library full of shelves",
         "library whose sides are giant book spines",
     )
-    return fitted(b.build(names[variant]), "library", size)
+    return fitted_as(b.build(names[variant]), "library", size)
 
 
 def _mask(b: MeshBuilder, at: Point3, size: float, happy: bool) -> None:
@@ -112,7 +112,7 @@ def theater(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "brick playhouse with a canopy",
         "modern theatre of folded walls",
     )
-    return fitted(b.build(names[variant]), "theater", size)
+    return fitted_as(b.build(names[variant]), "theater", size)
 
 
 @recipe("university", 3, hulls=10, name="culture_halls.university")
@@ -176,4 +176,4 @@ def university(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "domed university hall with columns",
         "modern faculty with a lecture hall",
     )
-    return fitted(b.build(names[variant]), "university", size)
+    return fitted_as(b.build(names[variant]), "university", size)

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from scipy.spatial import ConvexHull
 
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics
 from ...meshes.shapes import Shape
+from ..shared.sizes import hull_volume
 
 #: kg per m^3 of a town building's outer volume (masonry walls and floors: 200-350).
 BUILDING_DENSITY = 250.0
@@ -31,7 +31,7 @@ BUILDING = Physics(
 def finish(builder: MeshBuilder, description: str, params: dict, mass: float, fill: float) -> BuiltAsset:
     """The asset with its mass, and as its volume a share of its convex hull (its skin is open, so it encloses none)."""
     built = builder.build(description, params, mass=mass)
-    return dataclasses.replace(built, volume=float(ConvexHull(built.mesh.vertices).volume) * fill)
+    return dataclasses.replace(built, volume=hull_volume(built) * fill)
 
 
 class Facade:

@@ -6,10 +6,9 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..nature.foliage import leafy
-from ..nature.greenery import small_leaves
+from ..nature.foliage import leafy, small_leaves
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
 Point3 = tuple[float, float, float]
@@ -99,7 +98,7 @@ def barn(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 segments=12,
             )
     names = ("red barn with a gambrel roof", "weathered wooden barn", "black barn on a stone base")
-    return fitted(b.build(names[variant]), "barn", size)
+    return fitted_as(b.build(names[variant]), "barn", size)
 
 
 def _cow(b: MeshBuilder, at: Point3, k: float, spots: Color) -> None:
@@ -152,7 +151,7 @@ def cowshed(variant: int, rng: np.random.Generator) -> BuiltAsset:
     _cow(b, (0.05 * x, 0.44 * y, 0), k, ("#6b3a20", "black", "#6b3a20")[variant])
     _cow(b, (-0.2 * x, -0.44 * y, 0), k, "black")
     names = ("plastered cowshed with cows", "brick cowshed with cows", "boarded cowshed with cows")
-    return fitted(b.build(names[variant]), "cowshed", size)
+    return fitted_as(b.build(names[variant]), "cowshed", size)
 
 
 def _panes(bays: int, rows: int, frame: Color, rng: np.random.Generator) -> np.ndarray:
@@ -227,7 +226,7 @@ def greenhouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for s in (-1, 1):
         leafy(b, (0.495 * x - 0.1, s * 0.36 * y, 0.2 * z), (0.12, 0.1 * y, 0.14 * z), leaves, rng, 7, 4)
     names = ("white gabled greenhouse", "tunnel greenhouse", "green orangery on a stone base")
-    return fitted(b.build(names[variant]), "greenhouse", size)
+    return fitted_as(b.build(names[variant]), "greenhouse", size)
 
 
 def silo(b: MeshBuilder, at: Point3, radius: float, height: float, color: Color) -> None:
@@ -272,4 +271,4 @@ def farm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(3):
         b.cylinder(0.5, 0.9, (0.3 * x, (0.02 - 0.05 * k) * y, 0.02 * z), "#d6b765", segments=12)
     names = ("farm with a red barn and silos", "old farm with a wooden barn", "brick farm with a blue silo")
-    return fitted(b.build(names[variant]), "farm", size)
+    return fitted_as(b.build(names[variant]), "farm", size)

@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..nature.terrain import boulder
-from ..shared.fitting import Size, fitted, size_of
+from ..shared.sizes import Size, fitted_as, size_of
 from . import masonry as m
 
 
@@ -121,4 +121,4 @@ def historical_attractions(variant: int, rng: np.random.Generator) -> BuiltAsset
     b.box((0.08, 0.08, 1.0), plate, "dark grey")
     m.board(b, "HISTORIC SITE", (plate[0], plate[1], 0.95), 1.8, 0.7, "#5b3a24", "white")
     names = ("ruined castle", "standing columns of an ancient temple", "obelisk on steps")
-    return fitted(b.build(names[variant]), "historical attractions", size)
+    return fitted_as(b.build(names[variant]), "historical attractions", size)

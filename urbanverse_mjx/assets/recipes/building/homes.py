@@ -5,10 +5,9 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..nature.foliage import leafy
-from ..nature.greenery import small_leaves
+from ..nature.foliage import leafy, small_leaves
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .facade import Facade, bays_over
 
@@ -58,7 +57,7 @@ def bungalow(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if k != by:
             leafy(b, (f.front + 0.4, k, 0.35), (0.36, 0.16 * f.width / 2, 0.4), leaves, rng, 8, 5)
     names = ("cream bungalow with a hipped roof", "blue wooden bungalow", "brick bungalow")
-    return fitted(b.build(names[variant], {"wall": kind}), "bungalow", size)
+    return fitted_as(b.build(names[variant], {"wall": kind}), "bungalow", size)
 
 
 @recipe("cabin", 3, hulls=8, name="homes.cabin")
@@ -129,7 +128,7 @@ def cabin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for h in (0.08, 0.2, 0.32):  # stacked firewood
         b.rod((0.24 * x, 0.47 * y, h), (-0.3 * x, 0.47 * y, h), 0.06, "light wood", 6)
     names = ("log cabin with a porch", "plank hut with a porch", "A-frame cabin")
-    return fitted(b.build(names[variant]), "cabin", size)
+    return fitted_as(b.build(names[variant]), "cabin", size)
 
 
 @recipe("hostel", 3, hulls=8, name="homes.hostel")
@@ -177,7 +176,7 @@ def hostel(variant: int, rng: np.random.Generator) -> BuiltAsset:
         f.cornice(f.height - 0.35, 0.25)
         f.flat_roof(roof)
     names = ("yellow hostel", "brick youth hostel", "turquoise backpackers' hostel")
-    return fitted(f.builder.build(names[variant], {"name": name}), "hostel", size)
+    return fitted_as(f.builder.build(names[variant], {"name": name}), "hostel", size)
 
 
 @recipe("motel", 3, hulls=10, name="homes.motel")
@@ -245,7 +244,7 @@ def motel(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "signal yellow",
         )
     names = ("cream motel with red doors", "small orange motel", "grey motel with purple doors")
-    return fitted(b.build(names[variant], {"rooms": rooms * floors}), "motel", size)
+    return fitted_as(b.build(names[variant], {"rooms": rooms * floors}), "motel", size)
 
 
 @recipe("trullo", 3, hulls=4, name="homes.trullo")
@@ -290,4 +289,4 @@ def trullo(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.06 * r, 0.34 * r, 0.09 * r), (0.06 * r, 0, 0.28 * r), "white")
     b.box((0.12 * r, 0.12 * r, 0.3 * z), (-0.5 * r, 0.55 * r, wall * 0.9), "white")
     names = ("round trullo", "square trullo", "round trullo with a blue door")
-    return fitted(b.build(names[variant]), "trullo", size)
+    return fitted_as(b.build(names[variant]), "trullo", size)

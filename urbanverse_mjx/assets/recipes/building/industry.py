@@ -7,7 +7,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .services import roller_door
 
@@ -56,7 +56,7 @@ def warehouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "brick warehouse with four gables",
         "white logistics warehouse",
     )
-    return fitted(b.build(names[variant]), "warehouse", size)
+    return fitted_as(b.build(names[variant]), "warehouse", size)
 
 
 @recipe("factory building", 3, hulls=10, name="industry.factory_building")
@@ -102,7 +102,7 @@ def factory_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "sheet-metal factory with three flues",
         "old factory with two chimneys",
     )
-    return fitted(b.build(names[variant]), "factory building", size)
+    return fitted_as(b.build(names[variant]), "factory building", size)
 
 
 @recipe("storage tank", 3, hulls=4, name="industry.storage_tank")
@@ -149,4 +149,4 @@ def storage_tank(variant: int, rng: np.random.Generator) -> BuiltAsset:
         6,
     )
     names = ("white storage tank with a stair", "steel tank on legs", "broad oil tank")
-    return fitted(b.build(names[variant]), "storage tank", size)
+    return fitted_as(b.build(names[variant]), "storage tank", size)

@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
 
@@ -66,7 +66,7 @@ def tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
             with b.frame((0, 0, (0.16 + 0.13 * k) * z), (0, 0, 60.0 * k - 60)):
                 b.box((0.1, 0.07 * w, 0.04 * z), (0.41 * w, 0, 0), "black")
         m.gate(b, (0.43 * w, 0, 0), 0.22 * w, 0.1 * z, "dark wood")
-        return fitted(b.build("round tower with a cone roof"), "tower", size)
+        return fitted_as(b.build("round tower with a cone roof"), "tower", size)
     picture = pictures.wall("ashlar" if variant == 0 else "brick", (w, z), stone, rng, 64)
     shaft = (0.84 * w, 0.84 * w, (0.88, 0.74)[variant // 2] * z)
     m.block(b, shaft, (0, 0, 0), picture, stone)
@@ -87,7 +87,7 @@ def tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.box((0.18 * w, 0.18 * w, 0.1 * z), (sx * 0.35 * w, sy * 0.35 * w, shaft[2] + 0.05 * z), stone)
         b.box((0.5 * w, 0.5 * w, 0.1 * z), (0, 0, shaft[2] + 0.05 * z), "charcoal")
         m.hip_roof(b, (1.04 * w, 1.04 * w, 0.11 * z), (0, 0, shaft[2] + 0.15 * z), "#8a4a34", 0.0)
-    return fitted(
+    return fitted_as(
         b.build(("square keep with battlements", "", "brick tower with an open loggia")[variant]), "tower", size
     )
 
@@ -128,7 +128,7 @@ def clock_tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "brick clock tower with battlements",
         "white clock tower with a dome",
     )
-    return fitted(b.build(names[variant]), "clock tower", size)
+    return fitted_as(b.build(names[variant]), "clock tower", size)
 
 
 @recipe("lighthouse", 3, hulls=6, name="landmarks.lighthouse")
@@ -171,7 +171,7 @@ def lighthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         plain = pictures.wall("plaster", (3, 3), "white", rng, 24)
         m.hall(b, (0.3 * w, 0.5 * w, 0.1 * z), (0.28 * w, 0, 0), 0.05 * z, plain, plain, "signal red", "white")
     names = ("red and white banded lighthouse", "black and white banded lighthouse", "white eight-sided lighthouse")
-    return fitted(b.build(names[variant]), "lighthouse", size)
+    return fitted_as(b.build(names[variant]), "lighthouse", size)
 
 
 @recipe("triumphal arch", 3, hulls=8, name="landmarks.triumphal_arch")
@@ -207,7 +207,7 @@ def triumphal_arch(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 for dx in (-0.1, 0.1):
                     b.box((0.03 * x, 0.02 * y, 0.06 * z), (dx * x, 0, 0), "verdigris")
     names = ("triumphal arch of one passage", "triumphal arch of three passages", "white arch with four bronze horses")
-    return fitted(b.build(names[variant]), "triumphal arch", size)
+    return fitted_as(b.build(names[variant]), "triumphal arch", size)
 
 
 @recipe("gatehouse", 3, hulls=14, name="landmarks.gatehouse")
@@ -246,4 +246,4 @@ def gatehouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         m.hip_roof(b, (x, 1.04 * y, z - high), (0, 0, high), ("", "#5a4038", "#8a4a34")[variant], 0.45)
         m.flag(b, (0, 0, 0.86 * z), 0.18 * z, ("signal red", "white"))
     names = ("stone gatehouse between two round towers", "brick gatehouse with a steep roof", "timber-framed gatehouse")
-    return fitted(b.build(names[variant]), "gatehouse", size)
+    return fitted_as(b.build(names[variant]), "gatehouse", size)

@@ -6,7 +6,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .civic_halls import wing
 from .shops.icons import ICONS, Ink
@@ -95,7 +95,7 @@ def skyscraper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((0.04 * x, 0.4 * y, 0.02 * z), (0.48 * x, 0, 0.01 * z), "charcoal")
     m.gate(b, (0.5 * x, 0, 0), 0.2 * y, 0.016 * z, "charcoal")
     names = ("stepped stone skyscraper with a spire", "glass skyscraper with a sloped top", "twisted glass skyscraper")
-    return fitted(b.build(names[variant]), "skyscraper", size)
+    return fitted_as(b.build(names[variant]), "skyscraper", size)
 
 
 @recipe("planetarium", 3, hulls=4, name="modern_blocks.planetarium")
@@ -146,7 +146,7 @@ def planetarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.ball(0.075 * z, planet, "amber", segments=12, rings=8)
     b.ring(0.12 * z, 0.01 * z, planet, "cream", (20, 0, 0), segments=20, sides=4)
     names = ("white-domed planetarium", "blue-domed planetarium", "copper-domed planetarium")
-    return fitted(b.build(names[variant]), "planetarium", size)
+    return fitted_as(b.build(names[variant]), "planetarium", size)
 
 
 @recipe("kindergarten", 3, hulls=8, name="modern_blocks.kindergarten")
@@ -201,7 +201,7 @@ def kindergarten(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "blue kindergarten of three pavilions",
         "cream kindergarten of three pavilions",
     )
-    return fitted(b.build(names[variant]), "kindergarten", size)
+    return fitted_as(b.build(names[variant]), "kindergarten", size)
 
 
 @recipe("research institute", 3, hulls=8, name="modern_blocks.research_institute")
@@ -259,7 +259,7 @@ def research_institute(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "brick institute with an observatory dome",
         "dark institute with a dish aerial",
     )
-    return fitted(b.build(names[variant]), "research institute", size)
+    return fitted_as(b.build(names[variant]), "research institute", size)
 
 
 @recipe("conference center", 3, hulls=6, name="modern_blocks.conference_center")
@@ -321,4 +321,4 @@ def conference_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "conference centre under a waved roof",
         "convention hall with a copper egg",
     )
-    return fitted(b.build(names[variant]), "conference center", size)
+    return fitted_as(b.build(names[variant]), "conference center", size)

@@ -5,7 +5,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared.fitting import Size, fitted, size_of
+from ..shared.sizes import Size, fitted_as, size_of
 from . import masonry as m
 
 
@@ -48,7 +48,7 @@ def pagoda(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.05 * side * (1 - 0.13 * k), 0.008 * z, (0, 0, top + (0.03 + 0.022 * k) * z), "gold", segments=10)
     m.steps(b, 0.48 * side, 0.3 * side, 2, 0.02 * z, 0.01 * side, "granite")
     names = ("red pagoda of five roofs", "white stone pagoda of seven roofs", "dark wooden pagoda of five roofs")
-    return fitted(b.build(names[variant], {"roofs": count}), "pagoda", size)
+    return fitted_as(b.build(names[variant], {"roofs": count}), "pagoda", size)
 
 
 def _east_temple(b: MeshBuilder, size: Size, roof: Color, body: Color) -> None:
@@ -122,7 +122,7 @@ def temple(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         _greek_temple(b, size)
     names = ("temple hall under two tiled roofs", "stepped temple tower of many colours", "columned stone temple")
-    return fitted(b.build(names[variant]), "temple", size)
+    return fitted_as(b.build(names[variant]), "temple", size)
 
 
 @recipe("shrine", 3, hulls=8, name="pagodas.shrine")
@@ -180,4 +180,4 @@ def shrine(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "wayside shrine with a statue under a gable",
         "gilt spirit house on a post",
     )
-    return fitted(b.build(names[variant]), "shrine", size)
+    return fitted_as(b.build(names[variant]), "shrine", size)

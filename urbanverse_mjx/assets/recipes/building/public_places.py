@@ -5,10 +5,10 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..nature.greenery import small_leaves
+from ..nature.foliage import small_leaves
 from ..nature.terrain import ripples
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
 Point3 = tuple[float, float, float]
@@ -49,7 +49,7 @@ def stool(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.lathe([(r, 0), (1.04 * r, 0.03 * z), (r, 0.06 * z), (0.0, 0.05 * z)], (0, 0, 0.92 * z), top, segments=20)
             b.ring(0.12 * d, 0.01 * d, (0, 0, 0.972 * z), "light grey", segments=12, sides=4)
     names = ("red bar stool on one foot", "square wooden stool", "round metal stool")
-    return fitted(b.build(names[variant]), "stool", size)
+    return fitted_as(b.build(names[variant]), "stool", size)
 
 
 def _slide(b: MeshBuilder, x: float, y: float, top: float, reach: float, color: Color) -> None:
@@ -116,7 +116,7 @@ def playground(variant: int, rng: np.random.Generator) -> BuiltAsset:
         post,
     )
     names = ("wooden playground with slide and swings", "blue playground with a domed tower", "colourful playground")
-    return fitted(b.build(names[variant]), "playground", size)
+    return fitted_as(b.build(names[variant]), "playground", size)
 
 
 _MAZE = (
@@ -169,7 +169,7 @@ def maze(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "marble",
         segments=10,
     )
-    return fitted(b.build(("hedge maze", "dark yew maze")[variant]), "maze", size)
+    return fitted_as(b.build(("hedge maze", "dark yew maze")[variant]), "maze", size)
 
 
 @recipe("beer garden", 3, hulls=12, name="public_places.beer_garden")
@@ -216,7 +216,7 @@ def beer_garden(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "beer garden under a wooden roof",
         "beer garden under a cream roof",
     )
-    return fitted(b.build(names[variant]), "beer garden", size)
+    return fitted_as(b.build(names[variant]), "beer garden", size)
 
 
 @recipe("water park", 2, hulls=12, name="public_places.water_park")
@@ -264,6 +264,6 @@ def water_park(variant: int, rng: np.random.Generator) -> BuiltAsset:
     m.board(b, "WATER PARK", (0.48 * x, -0.1 * y, 0.24 * z), 0.42 * y, 0.16 * z, "signal blue", "signal yellow")
     for s in (-1, 1):
         b.cylinder(0.01 * x, 0.4 * z, (0.47 * x, -0.1 * y + s * 0.2 * y, 0), "signal blue", segments=8)
-    return fitted(
+    return fitted_as(
         b.build(("water park with slides and pools", "water park with a blue tower")[variant]), "water park", size
     )

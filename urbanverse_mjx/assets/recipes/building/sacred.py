@@ -8,7 +8,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared import facade_images as pictures
-from ..shared.fitting import Size, fitted, size_of
+from ..shared.sizes import Size, fitted_as, size_of
 from . import masonry as m
 
 
@@ -69,7 +69,7 @@ def church(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "brick church with a square tower",
         "white wooden church with a steeple",
     )
-    return fitted(b.build(names[variant], {"wall": wall[0]}), "church", size)
+    return fitted_as(b.build(names[variant], {"wall": wall[0]}), "church", size)
 
 
 @recipe("chapel", 3, hulls=6, name="sacred.chapel")
@@ -106,7 +106,7 @@ def chapel(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "stone chapel with a bell gable",
         "white chapel with a blue dome",
     )
-    return fitted(b.build(names[variant], {"wall": wall[0]}), "chapel", size)
+    return fitted_as(b.build(names[variant], {"wall": wall[0]}), "chapel", size)
 
 
 @recipe("cathedral", 2, hulls=12, name="sacred.cathedral")
@@ -160,7 +160,7 @@ def cathedral(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.cone(0.05 * y, 0.3 * z, (-0.14 * x, 0, 0.56 * z), roof, segments=8)
     names = ("gothic cathedral with two spires and a rose window", "domed baroque cathedral with two towers")
-    return fitted(b.build(names[variant], {"towers": 2}), "cathedral", size)
+    return fitted_as(b.build(names[variant], {"towers": 2}), "cathedral", size)
 
 
 @recipe("monastery", 2, hulls=12, name="sacred.monastery")
@@ -195,7 +195,7 @@ def monastery(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in np.linspace(-0.26, 0.3, 8):
         m.columns(b, x / 2 - deep - 0.6, [k * y], 0.0, 0.18 * z, 0.12, "marble", 6)
     b.cylinder(0.8, 0.7, (0, 0.05 * y, 0.1), "granite", segments=10)
-    return fitted(
+    return fitted_as(
         b.build(
             f"{('plastered', 'stone')[variant]} monastery of four wings round a cloister garden", {"wall": wall[0]}
         ),
@@ -263,4 +263,4 @@ def mosque(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "mosque with a turquoise dome and one minaret",
         "white mosque with golden domes",
     )
-    return fitted(b.build(names[variant], {"minarets": (2, 1, 2)[variant]}), "mosque", size)
+    return fitted_as(b.build(names[variant], {"minarets": (2, 1, 2)[variant]}), "mosque", size)

@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ..shared import facade_images as pictures
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .civic_halls import wing
 from .shops import icons
@@ -87,7 +87,7 @@ def hospital(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "brick hospital of two ward towers",
         "hospital with a glazed ward block",
     )
-    return fitted(b.build(names[variant]), "hospital", size)
+    return fitted_as(b.build(names[variant]), "hospital", size)
 
 
 @recipe("clinic", 3, hulls=8, name="services.clinic")
@@ -117,7 +117,7 @@ def clinic(variant: int, rng: np.random.Generator) -> BuiltAsset:
     sign_box(b, "cross", (0.32 * x, -porch if porch else 0.36 * y, 0.42 * z), 0.36 * z, color, "white")
     b.beam((0.4 * x, porch - 0.34 * y, 0.05), (0.4 * x, porch - 0.14 * y, 0.3), 0.16 * x, 0.1, "concrete")
     names = ("white clinic with a green cross", "brick medical centre", "modern clinic with a blue cross")
-    return fitted(b.build(names[variant]), "clinic", size)
+    return fitted_as(b.build(names[variant]), "clinic", size)
 
 
 @recipe("police station", 3, hulls=8, name="services.police_station")
@@ -155,7 +155,7 @@ def police_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.06, (0.14, 0.1, 0.08)[k] * z, (-0.2 * x, (0.1 * k - 0.1) * y, high), "galvanised", segments=6)
     m.flag(b, (0.46 * x, 0.4 * y, 0), 0.5 * z, ("signal blue", "white"))
     names = ("three-storey police station", "brick police station with blue lamps", "modern police station")
-    return fitted(b.build(names[variant]), "police station", size)
+    return fitted_as(b.build(names[variant]), "police station", size)
 
 
 @recipe("fire station", 3, hulls=8, name="services.fire_station")
@@ -190,7 +190,7 @@ def fire_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
     sign_box(b, "flame", (at[0] + t / 2, at[1], 0.66 * z), 0.75 * t, "signal red", "white")
     b.box((0.12 * x, 0.78 * y, 0.02), (0.44 * x, -side * 0.1 * y, 0), "dark grey")
     names = ("brick fire station with four red doors", "small fire station with a roofed tower", "modern fire station")
-    return fitted(b.build(names[variant]), "fire station", size)
+    return fitted_as(b.build(names[variant]), "fire station", size)
 
 
 @recipe("ambulance station", 3, hulls=8, name="services.ambulance_station")
@@ -226,7 +226,7 @@ def ambulance_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.3 * k, 1.5 * k, 0.18 * k), (0.5 * k, 0, 2.5 * k), "#2a6fe0")
         b.box((0.9 * k, 1.7 * k, 0.5 * k), (2.05 * k, 0, 1.3 * k), "dark glass", taper=(0.5, 0.95))
     names = ("ambulance station of three bays", "small brick ambulance station", "yellow ambulance station")
-    return fitted(b.build(names[variant]), "ambulance station", size)
+    return fitted_as(b.build(names[variant]), "ambulance station", size)
 
 
 @recipe("post office", 3, hulls=8, name="services.post_office")
@@ -269,7 +269,7 @@ def post_office(variant: int, rng: np.random.Generator) -> BuiltAsset:
         m.dome(b, (at[0], at[1], 1.5), 0.043 * y, shade(color, 0.9), 0.5, sides=12)
         b.box((0.05, 0.05 * y, 0.06), (at[0] + 0.04 * y, at[1], 1.25 + 0.01 * k), "black")
     names = ("brick post office with a red sign", "stone post office with a yellow sign", "modern postal building")
-    return fitted(b.build(names[variant]), "post office", size)
+    return fitted_as(b.build(names[variant]), "post office", size)
 
 
 @recipe("prison", 2, hulls=10, name="services.prison")
@@ -301,7 +301,7 @@ def prison(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(9):
         b.box((0.1, 0.006 * y, 0.32 * z), (0.495 * x, (k - 4) * 0.011 * y, 0), "black")
     m.board(b, ("STATE PRISON", "PRISON")[variant], (0.49 * x, 0, 0.42 * z), 0.15 * y, 0.08 * z, "charcoal", "white")
-    return fitted(
+    return fitted_as(
         b.build(f"{('concrete', 'brick')[variant]} prison with cell blocks and watch towers", {"wall": wall[0]}),
         "prison",
         size,

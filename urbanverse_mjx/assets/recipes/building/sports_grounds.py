@@ -7,7 +7,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..road.roads import Surface
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 
 Point3 = tuple[float, float, float]
 
@@ -97,7 +97,7 @@ def basketball_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.box((0.35 * x, 0.35, 0.45), (0, -0.485 * y, 0.12), "wood")
     names = ("orange and blue basketball court", "small green basketball court", "fenced street basketball court")
-    return fitted(b.build(names[variant]), "basketball court", size)
+    return fitted_as(b.build(names[variant]), "basketball court", size)
 
 
 @recipe("football field", 2, hulls=6, name="sports_grounds.football_field")
@@ -142,7 +142,7 @@ def football_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in (-0.1, 0.1) if variant else ():
         b.box((0.1 * x, 0.02 * y, 1.6), (k * x, -0.485 * y, 0.12), "signal blue")
     names = ("football field of mown grass", "football field of artificial turf with dugouts")
-    return fitted(b.build(names[variant]), "football field", size)
+    return fitted_as(b.build(names[variant]), "football field", size)
 
 
 @recipe("tennis court", 3, hulls=6, name="sports_grounds.tennis_court")
@@ -172,7 +172,7 @@ def tennis_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for side in (-1, 1):
         b.box((0.4, 0.1 * y, 0.3), (side * 0.2 * x, -hy - 0.1 * y, 0.1), "wood")
     names = ("clay tennis court", "blue hard tennis court", "grass tennis court")
-    return fitted(b.build(names[variant]), "tennis court", size)
+    return fitted_as(b.build(names[variant]), "tennis court", size)
 
 
 @recipe("paddle court", 2, hulls=8, name="sports_grounds.paddle_court")
@@ -204,7 +204,9 @@ def paddle_court(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 lamp = (px * length, side * hy, 0.1)
                 b.cylinder(0.06, max(z - 0.3, high), lamp, steel, segments=6)
                 b.box((0.5, 0.3, 0.12), (lamp[0], side * (hy - 0.2), max(z - 0.2, high)), "lamp")
-    return fitted(b.build(("blue padel court in glass", "green padel court in glass")[variant]), "paddle court", size)
+    return fitted_as(
+        b.build(("blue padel court in glass", "green padel court in glass")[variant]), "paddle court", size
+    )
 
 
 @recipe("stadium", 2, hulls=12, name="sports_grounds.stadium")
@@ -258,4 +260,4 @@ def stadium(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.box((0.05 * x, 0.012 * x, 0.1 * z), (at[0], at[1], 0.9 * z), "lamp", (0, 0, -45 * sx * sy))
     b.box((0.02 * x, 0.14 * y, 0.12 * z), (-0.36 * x, 0, 0.6 * z), "black")
     names = ("roofed football stadium with blue seats", "open stadium with four light masts")
-    return fitted(b.build(names[variant]), "stadium", size)
+    return fitted_as(b.build(names[variant]), "stadium", size)

@@ -6,9 +6,8 @@ from ...meshes import shapes
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics, recipe
-from ..shared.fitting import fitted, size_of
-from .foliage import leafy
-from .greenery import small_leaves
+from ..shared.sizes import fitted_as, size_of
+from .foliage import leafy, small_leaves
 
 
 @recipe("bonsai", 3, hulls=6, name="relics.bonsai")
@@ -80,7 +79,7 @@ def bonsai(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 0:
         b.ball((0.06 * x, 0.07 * y, 0.05 * z), (0.18 * x, 0.24 * y, pot + 0.06 * z), "granite", segments=7, rings=4)
     names = ("pine bonsai in a blue tray", "maple bonsai in an oval red tray", "juniper bonsai in a green tray")
-    return fitted(b.build(names[variant]), "bonsai", size)
+    return fitted_as(b.build(names[variant]), "bonsai", size)
 
 
 POT = Physics(

@@ -7,9 +7,8 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, mix, rgb, shade
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Shape, merged
-from ..shared.fitting import fitted, size_of
-from .foliage import leafy, lump
-from .greenery import small_leaves
+from ..shared.sizes import fitted_as, size_of
+from .foliage import leafy, lump, small_leaves
 
 Point3 = tuple[float, float, float]
 
@@ -116,7 +115,7 @@ def mud_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
         at = (r * np.cos(a) * size[0] / 2, r * np.sin(a) * size[1] / 2, 0.6 * size[2])
         b.add(lump((0.04 * size[0], 0.04 * size[0], 0.3 * size[2]), rng, 6, 4), shade(color, 1.15), at)
     names = ("mud with puddles", "mud with footprints", "mud with a wheel's ruts")
-    return fitted(b.build(names[variant]), "mud patch", size)
+    return fitted_as(b.build(names[variant]), "mud patch", size)
 
 
 @recipe("sand patch", 3, name="terrain.sand_patch")
@@ -150,7 +149,7 @@ def sand_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
             at = (r * np.cos(a) * size[0] / 2, r * np.sin(a) * size[1] / 2, 0.55 * k * (1.2 - r))
             b.add(lump((0.02 * size[0], 0.018 * size[0], 0.12 * k), rng, 6, 4), shade(color, 0.8), at)
     names = ("rippled sand", "heap of builder's sand", "play sand with a bucket and spade")
-    return fitted(b.build(names[variant]), "sand patch", size)
+    return fitted_as(b.build(names[variant]), "sand patch", size)
 
 
 @recipe("rocky field", 3, hulls=10, name="terrain.rocky_field")
@@ -194,7 +193,7 @@ def rocky_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
             0.25,
         )
     names = ("grey rocks in thin grass", "red rocks on bare earth", "mossy rocks")
-    return fitted(b.build(names[variant]), "rocky field", size)
+    return fitted_as(b.build(names[variant]), "rocky field", size)
 
 
 @recipe("wetland area", 3, name="terrain.wetland_area")
@@ -221,4 +220,4 @@ def wetland_area(variant: int, rng: np.random.Generator) -> BuiltAsset:
         at = (float(rng.uniform(-0.45, 0.45)) * x, float(rng.uniform(-0.45, 0.45)) * y, level)
         b.cylinder(0.025 * x, 0.015 * z, at, "#4f8a4a", segments=9)
     names = ("wetland with reeds and lily pads", "marsh full of reeds", "wetland with islets")
-    return fitted(b.build(names[variant]), "wetland area", size)
+    return fitted_as(b.build(names[variant]), "wetland area", size)

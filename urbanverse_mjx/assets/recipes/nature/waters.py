@@ -7,9 +7,8 @@ from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..building import masonry as m
 from ..road.roads import kerb
-from ..shared.fitting import Size, fitted, size_of
-from .foliage import leafy
-from .greenery import small_leaves
+from ..shared.sizes import Size, fitted_as, size_of
+from .foliage import leafy, small_leaves
 from .terrain import blob, boulder, dome_patch, reeds, ripples
 
 
@@ -34,7 +33,7 @@ def shallow_pool(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for r in (0.05, 0.09):
                 b.ring(r * k, 0.1 * size[2], at, "#cfdde6", segments=16, sides=3)
     names = ("puddle with fallen leaves", "puddle with leaves in the rain", "puddle in the rain")
-    return fitted(b.build(names[variant]), "a shallow pool of water", size)
+    return fitted_as(b.build(names[variant]), "a shallow pool of water", size)
 
 
 def _lilies(b: MeshBuilder, x: float, y: float, z: float, size: float, count: int, rng: np.random.Generator) -> None:
@@ -105,7 +104,7 @@ def pond(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.rod((0.38, 0, 0.2), (0.44, 0, 0.5), 0.1, ("#3f6f4a", "#8a6a4a")[k], 6)
             b.box((0.2, 0.12, 0.06), (0.66, 0, 0.47), "orange")
     names = ("garden pond with stones and lilies", "round basin with a fountain", "wild pond with ducks")
-    return fitted(b.build(names[variant]), "pond", size)
+    return fitted_as(b.build(names[variant]), "pond", size)
 
 
 @recipe("lake", 2, hulls=4, name="waters.lake")
@@ -157,7 +156,7 @@ def lake(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(
             0.004 * x, 0.2 * z, (jetty[0] - 0.07 * x + 0.045 * x * k, jetty[1], 0.4 * z), "dark wood", segments=5
         )
-    return fitted(b.build(("lake with a green shore", "lake with a sandy shore")[variant]), "lake", size)
+    return fitted_as(b.build(("lake with a green shore", "lake with a sandy shore")[variant]), "lake", size)
 
 
 @recipe("canal", 3, hulls=6, name="waters.canal")
@@ -216,7 +215,7 @@ def canal(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "canal between green banks with a boat",
         "canal between brick quays with a boat",
     )
-    return fitted(b.build(names[variant]), "canal", size)
+    return fitted_as(b.build(names[variant]), "canal", size)
 
 
 @recipe("sea", 2, hulls=2, name="waters.sea")
@@ -256,7 +255,7 @@ def sea(variant: int, rng: np.random.Generator) -> BuiltAsset:
     ]
     b.sheet(np.array(rim).transpose(1, 0, 2), "#1f4f66" if variant == 0 else "#3f8a90")
     b.quad([(x / 2, y / 2, 0), (x / 2, -y / 2, 0), (-x / 2, -y / 2, 0), (-x / 2, y / 2, 0)], "#16384a")
-    return fitted(b.build(("sea with foaming waves", "shallow green sea at a beach")[variant]), "sea", size)
+    return fitted_as(b.build(("sea with foaming waves", "shallow green sea at a beach")[variant]), "sea", size)
 
 
 @recipe("dam", 3, hulls=6, name="waters.dam")
@@ -298,7 +297,7 @@ def dam(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "#7a4034",
         )
     names = ("concrete gravity dam with five spillways", "grassed earth dam", "stone dam with four spillways")
-    return fitted(b.build(names[variant], {"slope_deg": round(float(slope), 1)}), "dam", size)
+    return fitted_as(b.build(names[variant], {"slope_deg": round(float(slope), 1)}), "dam", size)
 
 
 def _falls(
@@ -388,4 +387,4 @@ def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 4,
             )
     names = ("broad waterfall into a pool", "waterfall in two steps", "thin high waterfall")
-    return fitted(b.build(names[variant]), "waterfall", size)
+    return fitted_as(b.build(names[variant]), "waterfall", size)

@@ -7,7 +7,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..shared.fitting import fitted, size_of
+from ..shared.sizes import fitted_as, size_of
 
 Pen = ImageDraw.ImageDraw
 
@@ -120,7 +120,7 @@ def road(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "one-way street between kerbs",
         "dual carriageway with a green strip",
     )
-    return fitted(b.build(names[variant]), "road", size)
+    return fitted_as(b.build(names[variant]), "road", size)
 
 
 @recipe("cycleway", 3, name="ways.cycleway")
@@ -143,7 +143,7 @@ def cycleway(variant: int, rng: np.random.Generator) -> BuiltAsset:
         _arrow(s, k * x + 2.3 * (1 if across <= 0 else -1), across * y, 1.0 if across <= 0 else -1.0)
     s.lay(b, 0.85 * z + 0.003)
     names = ("red two-way cycleway", "asphalt cycleway with a dashed line", "green cycle lane")
-    return fitted(b.build(names[variant]), "cycleway", size)
+    return fitted_as(b.build(names[variant]), "cycleway", size)
 
 
 @recipe("sidewalk", 3, name="ways.sidewalk")
@@ -178,7 +178,7 @@ def sidewalk(variant: int, rng: np.random.Generator) -> BuiltAsset:
     with b.frame((0, 0.04 * y, 0)):
         s.lay(b, 0.965 * z)
     names = ("pavement of square slabs with a guiding strip", "brick pavement", "pavement of granite flags")
-    return fitted(b.build(names[variant]), "sidewalk", size)
+    return fitted_as(b.build(names[variant]), "sidewalk", size)
 
 
 @recipe("pedestrian crosswalk", 3, name="ways.pedestrian_crosswalk")
@@ -203,7 +203,7 @@ def pedestrian_crosswalk(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 tooth = [(side * 0.5 * x, y0 - 0.04 * y), (side * 0.5 * x, y0 + 0.04 * y), (side * 0.42 * x, y0)]
                 b.extrude(tooth, 0.4 * z, (0, 0, 0.5 * z), "white")
     names = ("zebra crossing", "zebra crossing between stop lines", "raised red zebra crossing")
-    return fitted(b.build(names[variant]), "pedestrian crosswalk", size)
+    return fitted_as(b.build(names[variant]), "pedestrian crosswalk", size)
 
 
 @recipe("roundabout", 3, hulls=6, name="ways.roundabout")
@@ -258,7 +258,7 @@ def roundabout(variant: int, rng: np.random.Generator) -> BuiltAsset:
         with b.frame((0, 0, 0), (0, 0, 360 / arms * k)):
             b.box((0.05, 0.16 * d, 0.3 * z), (0.95 * isle, 0, low + 0.3 * z), "white", skins={"+x": chevrons})
     names = ("roundabout with a flower bed", "roundabout with a monument", "three-armed roundabout with boulders")
-    return fitted(b.build(names[variant]), "roundabout", size)
+    return fitted_as(b.build(names[variant]), "roundabout", size)
 
 
 @recipe("railway track", 3, name="ways.railway_track")
@@ -309,4 +309,4 @@ def railway_track(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.profile([(u, v * (z - low)) for u, v in section], x, color="rust" if variant == 0 else "dark grey")
         b.box((x, 0.05, 0.01 * z), (0, side * half, z - 0.01 * z), "galvanised")
     names = ("railway track on wooden sleepers", "railway track on concrete sleepers", "tram track in paving")
-    return fitted(b.build(names[variant]), "railway track", size)
+    return fitted_as(b.build(names[variant]), "railway track", size)

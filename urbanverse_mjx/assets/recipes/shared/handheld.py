@@ -4,34 +4,17 @@ Small things are drawn in centimetres, near enough to their proportions; `finish
 in metres.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image
 from scipy.interpolate import PchipInterpolator
 
 from ...meshes import paint, shapes
-from ...meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ...meshes.mesh_builder import MeshBuilder, Picture
 from ...meshes.palette import Color, rgb
 from ...meshes.shapes import Point2, Point3, Points3, Shape
-
-#: How far copies of one variant spread about its size, relative: no two apples are alike, but the kind keeps its size.
-SPREAD = 0.015
-
-
-def finished(
-    b: MeshBuilder,
-    description: str,
-    size_cm: Point3,
-    rng: np.random.Generator,
-    params: Mapping[str, Any] | None = None,
-) -> BuiltAsset:
-    """The asset of what was drawn, its bounding box brought to `size_cm` = (x, y, z), give or take `SPREAD`."""
-    asset = b.build(description, params)
-    size = 0.01 * np.asarray(size_cm, float) * rng.uniform(1 - SPREAD, 1 + SPREAD)
-    return asset.to_box(size)
-
+from .outlines import arc
 
 # Shapes ---------------------------------------------------------------------------------------------------------------
 
@@ -94,14 +77,11 @@ def pillow(size: Point3, plan: float = 0.5, side: float = 0.5, segments: int = 2
     return Shape(skin.vertices / half * (np.asarray(size, float) / 2) + [0, 0, size[2] / 2], skin.faces)
 
 
-def arc(radius: float, start_deg: float, end_deg: float, count: int = 12) -> np.ndarray:
-    """(count, 2) points on a circle about the origin."""
-    angles = np.radians(np.linspace(start_deg, end_deg, count))
-    return radius * np.stack([np.cos(angles), np.sin(angles)], 1)
-
-
 def stadium(length: float, width: float, corner: float, count: int = 5) -> list[Point2]:
-    """Outline of a rectangle with round corners about the origin, `length` along x, counter-clockwise."""
+    """Outline of a rectangle with round corners about the origin, `length` along x, counter-clockwise.
+
+    `outlines.rounded` has other last bits, and these outlines' meshes are frozen.
+    """
     points = []
     for k, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
         turn = arc(corner, 90 * k, 90 * k + 90, count)

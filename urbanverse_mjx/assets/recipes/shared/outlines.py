@@ -5,11 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image
 
-from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ...meshes.mesh_builder import MeshBuilder
 from ...meshes.shapes import Point2, Point3
-
-# Relative, to either side: how far two copies of one product differ in a side, so that no two meshes are alike.
-JITTER = 0.012
 
 
 def rounded(width: float, height: float, radius: float, steps: int = 4, at: Point2 = (0.0, 0.0)) -> list[Point2]:
@@ -30,6 +27,14 @@ def ellipse(
     whole = abs(end - start) >= 360.0
     angles = np.radians(np.linspace(start, end, count, endpoint=not whole))
     return [(float(at[0] + radius_x * np.cos(a)), float(at[1] + radius_y * np.sin(a))) for a in angles]
+
+
+def arc(
+    radius: float, start_deg: float, end_deg: float, count: int = 12, at: Point2 = (0.0, 0.0), squash: float = 1.0
+) -> np.ndarray:
+    """(count, 2) points of an arc about `at`, both ends among them; `squash` scales its second coordinate."""
+    angles = np.radians(np.linspace(start_deg, end_deg, count))
+    return np.stack([at[0] + radius * np.cos(angles), at[1] + squash * radius * np.sin(angles)], 1)
 
 
 def curve(points: Sequence[Point3], steps: int = 4, closed: bool = False) -> np.ndarray:
@@ -75,16 +80,3 @@ def level(z: float, half_x: float, half_y: float, x: float = 0.0, count: int = 1
 def desk_panel(b: MeshBuilder, picture: Image.Image, at: Point3, across: float, depth: float) -> None:
     """A picture lying face up, read by who sits at +x: `across` along y, `depth` along x."""
     b.panel(picture.rotate(180), at, across, depth, "+z")
-
-
-def sized(
-    b: MeshBuilder,
-    rng: np.random.Generator,
-    size: tuple[float, float, float],
-    description: str,
-    style: str,
-    jitter: float = JITTER,
-) -> BuiltAsset:
-    """Builds what was drawn and stretches it to size (x, y, z), m, give or take `jitter`; params hold the style."""
-    built = b.build(description, {"style": style})
-    return built.to_box(np.asarray(size) * (1.0 + rng.uniform(-jitter, jitter, 3)))

@@ -1,38 +1,13 @@
 """Finishing touches shared by many recipes: a drawing brought to the size asked for, upholstered and lathed forms."""
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from ...meshes import shapes
-from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
+from ...meshes.mesh_builder import MeshBuilder
 from ...meshes.palette import Color
 from ...meshes.shapes import Point2, Point3
-
-
-def made(
-    b: MeshBuilder,
-    words: str,
-    size: tuple[float | None, float | None, float | None],
-    fill: float | None = None,
-    /,
-    **params: object,
-) -> BuiltAsset:
-    """The asset brought to `size`.
-
-    Args:
-      words: what it is, without a full stop.
-      size: m along (x, y, z); None is scaled by the mean of the others.
-      fill: for open skins, the share of the convex hull that counts as the volume; else the closed parts count.
-      params: recorded in the index.
-    """
-    built = b.build(words, params)
-    boxed = built.to_box(size)
-    if fill is None:
-        return boxed
-    return dataclasses.replace(boxed, volume=float(ConvexHull(boxed.mesh.vertices).volume) * fill)
 
 
 def soft(
@@ -72,14 +47,6 @@ def pouch(
     half = np.asarray(size, float) / 2
     points = np.column_stack([x * square, y * square, plump]) * half + np.array([0.0, 0.0, half[2]])
     b.add(shapes.Shape(points, ball.faces), color, at, turn_deg, crease_deg=75.0)
-
-
-def arc(
-    center: Point2, radius: float, start_deg: float, end_deg: float, count: int, squash: float = 1.0
-) -> list[tuple[float, float]]:
-    """Points on an arc, counter-clockwise for end > start; `squash` scales its second coordinate."""
-    angles = np.radians(np.linspace(start_deg, end_deg, count))
-    return [(center[0] + radius * float(np.cos(a)), center[1] + squash * radius * float(np.sin(a))) for a in angles]
 
 
 def hollow(

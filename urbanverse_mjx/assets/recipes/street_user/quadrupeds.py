@@ -7,7 +7,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, mix, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .animals import ring
 
 Row = tuple[float, float, float, float]

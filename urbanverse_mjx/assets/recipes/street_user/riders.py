@@ -7,7 +7,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color
 from ...meshes.recipe import Physics, recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from ..vehicle.bicycles import BIKES, build_bicycle
 from ..vehicle.motorbikes import Motorbike, motorbike
 from .figure import ANKLE_HEIGHT, FOREARM, SHANK, THIGH, UPPER_ARM, Figure, Look, Pose

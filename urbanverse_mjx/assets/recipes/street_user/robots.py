@@ -9,7 +9,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics, recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from ..vehicle.carts import solid_wheel
 
 

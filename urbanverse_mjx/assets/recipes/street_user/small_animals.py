@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, mix, shade
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Point3, Points3
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .animals import ring
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from ..vehicle.bicycles import spoked_wheel
 from .figure import Figure, Look, Pose
 from .limbs import reach_foot, reach_hand

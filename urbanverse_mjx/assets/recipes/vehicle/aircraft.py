@@ -7,7 +7,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Point2, Point3
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from ..street_user.animals import ring
 
 

@@ -33,7 +33,7 @@ def _sedan_style(variant: int) -> tuple[BodyShape, CarStyle]:
     grille = ("bars", "mesh", "twin", "bars")[variant]
     along, up = ((1.0, 1.0), (1.07, 0.99), (0.97, 1.0), (1.0, 1.03))[variant]
     plate = ("UV 204", "KR 8812", "B 3071", "7ATX52")[variant]
-    return SEDAN.stretched(along, 1.0 + 0.5 * (along - 1), up), CarStyle(color, rim, grille, plate)
+    return SEDAN.stretched(along, 1.0 + 0.5 * (along - 1), up), CarStyle(color, rim=rim, grille=grille, plate=plate)
 
 
 @recipe("sedan", 4, CAR, hulls=7, name="cars.sedan")
@@ -56,9 +56,9 @@ def hatchback(variant: int, rng: np.random.Generator) -> BuiltAsset:
     along, up = ((1.0, 1.0), (0.88, 1.04), (0.95, 1.0), (1.05, 0.99))[variant]
     style = CarStyle(
         color,
-        ("spokes5", "cap", "spokes10", "spokes10")[variant],
-        ("mesh", "bars", "mesh", "twin")[variant],
-        ("HX 51", "MN 7734", "E 902", "5KLM33")[variant],
+        rim=("spokes5", "cap", "spokes10", "spokes10")[variant],
+        grille=("mesh", "bars", "mesh", "twin")[variant],
+        plate=("HX 51", "MN 7734", "E 902", "5KLM33")[variant],
         doors=(-0.98, -0.28, 0.76),
     )
     _, body = build_car(
@@ -77,10 +77,10 @@ def suv(variant: int, rng: np.random.Generator) -> BuiltAsset:
     along, up = ((1.05, 1.02), (1.0, 1.0), (0.92, 1.06), (0.94, 0.96))[variant]
     style = CarStyle(
         color,
-        ("spokes10", "spokes5", "cap", "spokes5")[variant],
-        ("twin", "bars", "mesh", "mesh")[variant],
-        ("SUV 900", "WR 415", "G 4412", "8XYZ10")[variant],
-        "charcoal",
+        rim=("spokes10", "spokes5", "cap", "spokes5")[variant],
+        grille=("twin", "bars", "mesh", "mesh")[variant],
+        plate=("SUV 900", "WR 415", "G 4412", "8XYZ10")[variant],
+        lower="charcoal",
         doors=(-1.05, -0.22, 0.82),
     )
     shape = SUV.stretched(along, 1.0, up)
@@ -109,7 +109,12 @@ def van(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("light grey", "", "black", "dark grey"),
     )[variant]
     style = CarStyle(
-        color, "steel", "bars", ("VN 330", "GG 12", "P 2424", "TX 818")[variant], "charcoal", doors=(-0.35, 0.62, 1.62)
+        color,
+        rim="steel",
+        grille="bars",
+        plate=("VN 330", "GG 12", "P 2424", "TX 818")[variant],
+        lower="charcoal",
+        doors=(-0.35, 0.62, 1.62),
     )
     along, up = ((1.0, 1.0), (0.94, 0.97), (1.12, 1.14), (1.0, 1.0))[variant]
     shape = VAN.stretched(along, 1.0, up)
@@ -136,9 +141,9 @@ def minivan(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("#7a2f3a", "#b9c0c4", "#2f5d62")[variant]
     style = CarStyle(
         color,
-        ("spokes10", "cap", "spokes5")[variant],
-        ("bars", "mesh", "twin")[variant],
-        ("MV 771", "F 66 02", "3ABC90")[variant],
+        rim=("spokes10", "cap", "spokes5")[variant],
+        grille=("bars", "mesh", "twin")[variant],
+        plate=("MV 771", "F 66 02", "3ABC90")[variant],
         doors=(-1.0, 0.05, 1.15),
     )
     along, up = ((1.0, 1.0), (0.95, 1.03), (1.06, 1.0))[variant]
@@ -160,10 +165,10 @@ def pickup(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color = ("dark red", "white", "#5b6b78")[variant]
     style = CarStyle(
         color,
-        ("spokes5", "steel", "spokes10")[variant],
-        ("twin", "bars", "mesh")[variant],
-        ("PU 150", "WK 77", "4TRK22")[variant],
-        "charcoal",
+        rim=("spokes5", "steel", "spokes10")[variant],
+        grille=("twin", "bars", "mesh")[variant],
+        plate=("PU 150", "WK 77", "4TRK22")[variant],
+        lower="charcoal",
         doors=(-0.80, 0.10, 1.0),
     )
     along = (1.0, 1.0, 1.06)[variant]

@@ -8,25 +8,10 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .trucks import box_shape
 from .vehicle_body import Body, BodyShape
-from .wheels import number_plate, rim_picture, wheel
-
-
-def lettering(text: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16)) -> np.ndarray:
-    big = paint.smooth(size, 3)
-    image, pen = paint.canvas(big, back)
-    paint.text(pen, text, (big[0] * 0.04, big[1] * 0.12, big[0] * 0.96, big[1] * 0.88), ink, 0.03)
-    return np.asarray(paint.shrunk(image, size))
-
-
-def road_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_width: float, tyre: float = 0.30) -> None:
-    rim = rim_picture("truck", "light grey")
-    for x in axles:
-        for side in (-1.0, 1.0):
-            at = (x, side * (half_width - tyre / 2), radius)
-            wheel(b, at, radius, tyre, rim, side, segments=14)
+from .wheels import number_plate, road_wheels
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,7 +58,9 @@ def carriage(b: MeshBuilder, c: Coach) -> Body:
     if c.cabs[0]:
         body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
         if c.line:
-            body.across(9.35, 9.95, -0.80, 0.80, picture=lettering(c.line, "black", "amber", (128, 16)), lift=0.02)
+            body.across(
+                9.35, 9.95, -0.80, 0.80, picture=paint.lettering(c.line, "black", "amber", (128, 16)), lift=0.02
+            )
         body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
     body.across(3.1, 4.2, -0.85, 0.85, "dark glass", lift=0.01)
     for t0, t1 in ((-0.92, -0.62), (0.62, 0.92)):
@@ -244,18 +231,18 @@ def school_bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     for z in (0.78, 1.10, 1.50):  # the black rub rails
         body.line([(r + 0.05, z), (2.9 * stretch, z)], "black", 0.05)
-    body.side_picture(r + 0.9, r + 5.4, 2.70, 2.93, lettering("SCHOOL BUS", yellow, "black", (128, 8)))
-    body.side_picture(-1.0, 2.0, 1.16, 1.42, lettering("DISTRICT 12", yellow, "black", (96, 10)))
+    body.side_picture(r + 0.9, r + 5.4, 2.70, 2.93, paint.lettering("SCHOOL BUS", yellow, "black", (128, 8)))
+    body.side_picture(-1.0, 2.0, 1.16, 1.42, paint.lettering("DISTRICT 12", yellow, "black", (96, 10)))
     door = [(2.45, 0.5), (3.15, 0.5), (3.15, 2.5), (2.45, 2.5)]
     body.side([(x * stretch, z) for x, z in door], "charcoal", 0.014, "r")
     for k in (0.0, 0.35):
         pane = [(2.5 + k, 0.62), (2.78 + k, 0.62), (2.78 + k, 2.4), (2.5 + k, 2.4)]
         body.side([(x * stretch, z) for x, z in pane], "glass", 0.022, "r")
     body.across(10.1, 10.95, -0.9, 0.9, "dark glass", lift=0.01)
-    body.across(9.15, 9.95, -0.6, 0.6, picture=lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
-    body.across(4.15, 4.8, -0.6, 0.6, picture=lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
+    body.across(9.15, 9.95, -0.6, 0.6, picture=paint.lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
+    body.across(4.15, 4.8, -0.6, 0.6, picture=paint.lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
     body.across(2.6, 3.9, -0.45, 0.45, "dark glass", lift=0.01)
-    body.across(14.9, 16.3, -0.5, 0.5, picture=lettering("= = =", "black", "light grey", (48, 16)), lift=0.014)
+    body.across(14.9, 16.3, -0.5, 0.5, picture=paint.lettering("= = =", "black", "light grey", (48, 16)), lift=0.014)
     body.across(16.8, 18.0, -0.98, 0.98, "black", lift=0.02)
     body.across(0.0, 1.0, -0.98, 0.98, "black", lift=0.02)
     for side in (-1, 1):
@@ -268,7 +255,7 @@ def school_bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.06, 0.18, 0.26), (f - 0.4, side * 1.12, 1.66), "black", bevel=0.02)
     if variant != 1:  # the stop arm, folded out on the left
         outline = [(0.24 * np.cos(a), 0.24 * np.sin(a)) for a in np.radians(22.5 + 45 * np.arange(8))]
-        sign = lettering("STOP", "signal red", "white", (32, 32))
+        sign = paint.lettering("STOP", "signal red", "white", (32, 32))
         b.plate(outline, 0.01, (1.9 * stretch, 1.40, 1.35), sign, "signal red", both_faces=True)
     road_wheels(b, shape.axles, 0.47, 1.16)
     names = ("A yellow school bus with its stop arm out", "A short yellow school bus", "A long yellow school bus")
@@ -297,7 +284,7 @@ def trolley(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.10, 1.9, 0.95), (end * (half - 0.06), 0, 0.55), color, bevel=0.03)
         b.cylinder(0.14, 0.12, (end * (half - 0.02), 0, 1.05), "lamp", (0, 90 * end, 0), segments=12)
         b.box((0.06, 1.2, 0.28), (end * (half - 0.12), 0, 2.52), "black")
-        picture = lettering("CITY LOOP", "black", "amber", (64, 16))
+        picture = paint.lettering("CITY LOOP", "black", "amber", (64, 16))
         b.panel(picture, (end * (half - 0.085), 0, 2.66), 1.15, 0.24, "+x" if end > 0 else "-x")
         b.box((0.5, 1.5, 0.08), (end * (half + 0.05), 0, 0.22), "black")  # the lifeguard at the front of the track
     b.box((length, 2.3, 0.14), (0, 0, 2.46), trim, bevel=0.05)

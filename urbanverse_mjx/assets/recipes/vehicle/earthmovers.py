@@ -2,15 +2,16 @@
 
 import numpy as np
 
+from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .armoured_vehicles import tracks
 from .carts import solid_wheel
-from .coaches import lettering, road_wheels
 from .road_service import farm_wheel
 from .service_trucks import blade, light_bar
+from .wheels import road_wheels
 
 
 def glass_cab(b: MeshBuilder, at: tuple[float, float, float], size: tuple[float, float, float], color: Color) -> None:
@@ -61,7 +62,7 @@ def excavator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     glass_cab(b, (0.35, 0.72, 1.28), (1.35, 0.9, 1.45), color)
     b.cylinder(0.07, 0.45, (-1.3, -0.5, 2.05), "black", segments=8)
     for side, facing in ((1, "+y"), (-1, "-y")):
-        b.panel(lettering("DIGGER 210", color, "black", (64, 12)), (-1.1, side * 1.205, 1.65), 1.2, 0.24, facing)
+        b.panel(paint.lettering("DIGGER 210", color, "black", (64, 12)), (-1.1, side * 1.205, 1.65), 1.2, 0.24, facing)
     boom = [(0.55, 1.45), (1.3, 2.75), (2.2, 3.35), (3.2, 3.25), (4.4, 2.55)]
     arm(b, boom, [0.35, 0.45, 0.62, 0.45, 0.28], 0.36, color)
     stick = [(4.15, 3.05), (4.5, 2.55), (4.2, 0.85)]

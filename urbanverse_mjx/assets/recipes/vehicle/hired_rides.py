@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .bicycles import spoked_wheel
 from .carts import solid_wheel
-from .coaches import lettering
 from .small_vehicles import handlebar
 
 
@@ -128,7 +128,7 @@ def rickshaw(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((0.3, 0.5, 0.1), (0.02, 0, 0.86), "black", bevel=0.03)
     b.rod((0.95, 0, 0.5), (0.6, 0, 0.98), 0.025, "black", sides=6)
     handlebar(b, 0.62, 0.98, 0.28, 0.06)
-    b.panel(lettering("TAXI", hood, color, (32, 12)), (-1.31, 0, 1.25), 0.5, 0.18, "-x")
+    b.panel(paint.lettering("TAXI", hood, color, (32, 12)), (-1.31, 0, 1.25), 0.5, 0.18, "-x")
     names = ("A yellow and black auto rickshaw", "A green and yellow tuk-tuk")
     return fitted(b.build(names[variant], {"kind": "auto"}), ((2.65, 1.28, 1.75), (2.7, 1.32, 1.8))[variant])
 

@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Points3
-from ..shared.fitted import fitted
-from .coaches import lettering, panes
+from ..shared.sizes import fitted
+from .coaches import panes
 from .small_craft import hull
 
 
@@ -70,7 +71,7 @@ def ferry(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(8):
             b.box((3.0, 0.62, 1.6), (-20 + 5.7 * k, side * 6.22, 5.6), "dark glass")
         b.panel(
-            lettering("ISLAND FERRIES", band, color, (128, 12)),
+            paint.lettering("ISLAND FERRIES", band, color, (128, 12)),
             (0, side * 6.53, 5.0),
             22.0,
             1.0,
@@ -133,7 +134,7 @@ def ship(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.rod((34.0, 0, 9.0), (34.0, 0, 16.0), 0.22, "white", sides=6)
     for side in (-1, 1):
         b.panel(
-            lettering("NORDHAV", "#1f3a5c", "white", (96, 16)),
+            paint.lettering("NORDHAV", "#1f3a5c", "white", (96, 16)),
             (22.0, side * 6.56, 5.6),
             10.0,
             1.5,

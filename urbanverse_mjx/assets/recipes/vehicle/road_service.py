@@ -2,34 +2,36 @@
 
 import numpy as np
 
+from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
+from .car_build import CarStyle, build_car
 from .car_shapes import PICKUP, PICKUP_PLACES
 from .carts import solid_wheel
-from .coaches import lettering, road_wheels
-from .road_cars import Trim, assembled
 from .service_trucks import blade, chassis, chequer, light_bar, tall_van
 from .trucks import forward_cab
-from .wheels import number_plate, rim_picture, wheel
+from .wheels import number_plate, rim_picture, road_wheels, wheel
 
 
 @recipe("roadside assistance vehicle", 3, name="road_service.roadside_assistance")
 def roadside_assistance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
-        trim = Trim("signal yellow", "pair", "bars", "steel", "AID 24", (-0.35, 0.62, 1.62), "charcoal")
-        b, body = tall_van(trim, 1.0, 1.0)
+        style = CarStyle("signal yellow", "pair", "bars", "steel", "AID 24", (-0.35, 0.62, 1.62), "charcoal")
+        b, body = tall_van(style, 1.0, 1.0)
         body.side_picture(-2.5, 1.6, 0.66, 0.92, chequer("signal yellow", "charcoal", 14, 1))
-        words = lettering("ROAD ASSISTANCE", "signal yellow", "black", (128, 24))
+        words = paint.lettering("ROAD ASSISTANCE", "signal yellow", "black", (128, 24))
         body.side_picture(-2.4, 0.3, 1.15, 1.65, words)
-        body.across(4.2, 5.2, -0.6, 0.6, picture=lettering("24h AID", "signal yellow", "black", (64, 24)), lift=0.02)
+        body.across(
+            4.2, 5.2, -0.6, 0.6, picture=paint.lettering("24h AID", "signal yellow", "black", (64, 24)), lift=0.02
+        )
         light_bar(b, 0.4, 2.22, 1.3, "amber")
         return fitted(body.finish("A yellow breakdown patrol van", {"kind": "van"}), (5.3, 2.05, 2.35))
     if variant == 2:
-        trim = Trim("signal red", "pair", "mesh", "steel", "TOW 1", (-0.8, 0.1, 1.0), "charcoal")
-        b, body = assembled(
-            PICKUP.stretched(1.1, 1.05, 1.1), PICKUP_PLACES, trim, {"pillars": ((0.0, 0.09),), "span": (-0.95, 1.1)}
+        style = CarStyle("signal red", "pair", "mesh", "steel", "TOW 1", (-0.8, 0.1, 1.0), "charcoal")
+        b, body = build_car(
+            PICKUP.stretched(1.1, 1.05, 1.1), PICKUP_PLACES, style, {"pillars": ((0.0, 0.09),), "span": (-0.95, 1.1)}
         )
         b.box((1.9, 1.8, 0.25), (-1.95, 0, 1.15), "white", bevel=0.04)
         for side in (-1, 1):
@@ -47,7 +49,7 @@ def roadside_assistance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for side, facing in ((1, "+y"), (-1, "-y")):
         b.box((4.9, 0.06, 0.2), (-0.95, side * 1.13, 0.92), "signal yellow")
         b.panel(
-            lettering("ROADSIDE ASSISTANCE 24h", "signal yellow", "black", (160, 8)),
+            paint.lettering("ROADSIDE ASSISTANCE 24h", "signal yellow", "black", (160, 8)),
             (-0.95, side * 1.163, 1.02),
             4.0,
             0.19,
@@ -107,8 +109,8 @@ def _old_bus() -> BuiltAsset:
 @recipe("camper", 3, name="road_service.camper")
 def camper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 0:
-        trim = Trim("off white", "pair", "bars", "cap", "CAMP 1", (0.62, 1.62), "charcoal")
-        b, body = tall_van(trim, 1.12, 1.16)
+        style = CarStyle("off white", "pair", "bars", "cap", "CAMP 1", (0.62, 1.62), "charcoal")
+        b, body = tall_van(style, 1.12, 1.16)
         for x0, x1 in ((-2.5, -1.6), (-0.9, 0.0)):
             body.side([(x0, 1.55), (x1, 1.55), (x1, 2.0), (x0, 2.0)], "dark glass", 0.012)
         body.side([(-2.9, 0.95), (1.9, 1.05), (1.9, 1.2), (-2.9, 1.15)], "teal", 0.006)
@@ -120,8 +122,8 @@ def camper(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.06, 1.3, 0.06), (-3.08, 0, 0.9), "aluminium")
         return fitted(body.finish("A white van camper with an awning", {"kind": "van"}), (6.15, 2.15, 2.78))
     if variant == 1:  # a coachbuilt one: the cabin hangs over the cab
-        trim = Trim("white", "pair", "bars", "steel", "CAMP 2", (0.62, 1.62))
-        b, body = tall_van(trim, 1.2, 0.92)
+        style = CarStyle("white", "pair", "bars", "steel", "CAMP 2", (0.62, 1.62))
+        b, body = tall_van(style, 1.2, 0.92)
         outline = [
             (-3.7, 0.75),
             (0.85, 0.75),
@@ -134,7 +136,7 @@ def camper(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ]
         b.profile(outline, 2.2, (0, 0, 0), "white")
         for side, facing in ((1, "+y"), (-1, "-y")):
-            band = lettering("WANDERER", "white", "#7a5a3a", (96, 16))
+            band = paint.lettering("WANDERER", "white", "#7a5a3a", (96, 16))
             b.panel(band, (-1.6, side * 1.106, 1.3), 3.6, 0.4, facing)
             for x, w in ((-2.8, 0.9), (-1.2, 1.0), (0.3, 0.5), (1.5, 0.5)):
                 b.box((w, 0.03, 0.45), (x, side * 1.105, 2.0 if x < 1 else 2.35), "dark glass")
@@ -208,7 +210,7 @@ def trailer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.6)
     if variant == 2:  # a curtain-sided semi-trailer on three axles
         b.box((12.6, 2.48, 2.75), (0, 0, 1.2), "signal blue", bevel=0.02)
-        words = lettering("TRANS EUROPA", "signal blue", "white", (192, 32))
+        words = paint.lettering("TRANS EUROPA", "signal blue", "white", (192, 32))
         for side, facing in ((1, "+y"), (-1, "-y")):
             b.panel(words, (0, side * 1.246, 2.6), 9.0, 1.5, facing)
             for k in range(14):

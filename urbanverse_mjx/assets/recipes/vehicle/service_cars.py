@@ -38,7 +38,11 @@ def taxi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant]
     doors = (-1.02, -0.30, 0.84) if variant != 2 else (-1.0, 0.05, 1.1)
     style = CarStyle(
-        color, ("cap", "spokes5", "spokes10")[variant], "bars", ("TX 1010", "TX 88", "TX 402")[variant], doors=doors
+        color,
+        rim=("cap", "spokes5", "spokes10")[variant],
+        grille="bars",
+        plate=("TX 1010", "TX 88", "TX 402")[variant],
+        doors=doors,
     )
     builder, body = build_car(base, places, style, glass)
     z = base.upper[9][1] + 0.02
@@ -71,7 +75,7 @@ def police_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
         (SUV, SUV_PLACES, {"pillars": ((-0.24, 0.08), (-1.10, 0.10)), "span": (-2.1, 0.9)}),
     )[variant]
     doors = (-1.02, -0.28, 0.84)
-    style = CarStyle(color, "steel", "mesh", ("POL 01", "POL 17", "POL 33")[variant], doors=doors)
+    style = CarStyle(color, rim="steel", grille="mesh", plate=("POL 01", "POL 17", "POL 33")[variant], doors=doors)
     builder, body = build_car(base, places, style, glass)
     low, high = base.sill + 0.14, base.belt - 0.06
     if variant == 1:  # black and white: the doors are white

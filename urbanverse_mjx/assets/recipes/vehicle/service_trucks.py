@@ -8,13 +8,12 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
+from .car_build import CarStyle, build_car
 from .car_shapes import PICKUP, PICKUP_PLACES, VAN, VAN_PLACES
-from .coaches import lettering, road_wheels
-from .road_cars import Trim, assembled
 from .trucks import box_shape, forward_cab
 from .vehicle_body import Body
-from .wheels import number_plate
+from .wheels import number_plate, road_wheels
 
 
 def chequer(first: Color, second: Color, columns: int = 12, rows: int = 2) -> np.ndarray:
@@ -41,10 +40,10 @@ def star_of_life(size: int = 32) -> np.ndarray:
     return np.asarray(paint.shrunk(image, (size, size)))
 
 
-def tall_van(trim: Trim, along: float, up: float, windows: float = 0.55) -> tuple[MeshBuilder, Body]:
+def tall_van(style: CarStyle, along: float, up: float, windows: float = 0.55) -> tuple[MeshBuilder, Body]:
     shape = VAN.stretched(along, 1.0, up)
     glass = {"pillars": ((0.62, 0.10),), "span": (windows * along, 1.72 * along), "top": 1.95 * up}
-    return assembled(shape, VAN_PLACES, trim, glass)
+    return build_car(shape, VAN_PLACES, style, glass)
 
 
 @recipe("ambulance", 3, name="service_trucks.ambulance")
@@ -52,17 +51,19 @@ def ambulance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         return fitted(_box_ambulance(), (6.6, 2.32, 2.85))
     color, ink = (("#f4e23a", "dark green"), ("", ""), ("white", "signal red"))[variant]
-    trim = Trim(color, "pair", "bars", "steel", "EMS 112", (-0.35, 0.62, 1.62), "charcoal")
-    b, body = tall_van(trim, 1.14, 1.20)
+    style = CarStyle(color, "pair", "bars", "steel", "EMS 112", (-0.35, 0.62, 1.62), "charcoal")
+    b, body = tall_van(style, 1.14, 1.20)
     if variant == 0:
         body.side_picture(-2.9, 1.9, 0.72, 1.22, chequer("#f4e23a", "dark green", 10))
     else:
-        body.side_picture(-2.9, 1.9, 0.86, 1.12, lettering("", "signal red", "white"))
+        body.side_picture(-2.9, 1.9, 0.86, 1.12, paint.lettering("", "signal red", "white"))
         body.side([(-2.9, 0.62), (1.9, 0.62), (1.9, 0.72), (-2.9, 0.72)], "signal blue", 0.006)
-    body.side_picture(-2.6, 0.35, 1.72, 2.12, lettering("AMBULANCE", color, ink, (128, 20)))
+    body.side_picture(-2.6, 0.35, 1.72, 2.12, paint.lettering("AMBULANCE", color, ink, (128, 20)))
     body.side_picture(-0.1, 0.45, 1.22, 1.72, star_of_life(), lift=0.016)
-    body.across(12.0, 13.6, -0.55, 0.55, picture=lettering("AMBULANCE", color, ink, (96, 20))[:, ::-1], lift=0.014)
-    body.across(4.2, 5.2, -0.6, 0.6, picture=lettering("AMBULANCE", color, ink, (96, 20)), lift=0.02)
+    body.across(
+        12.0, 13.6, -0.55, 0.55, picture=paint.lettering("AMBULANCE", color, ink, (96, 20))[:, ::-1], lift=0.014
+    )
+    body.across(4.2, 5.2, -0.6, 0.6, picture=paint.lettering("AMBULANCE", color, ink, (96, 20)), lift=0.02)
     light_bar(b, 0.75, 2.60, 1.35, "blue")
     light_bar(b, -2.7, 2.60, 1.2, "blue")
     names = ("A yellow ambulance with green chequers", "", "A white ambulance with a red band")
@@ -72,9 +73,9 @@ def ambulance(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 def _box_ambulance() -> BuiltAsset:
     """A cab with a square box behind it, the American kind."""
-    trim = Trim("white", "pair", "bars", "steel", "EMS 911", (0.10, 1.0), "charcoal")
+    style = CarStyle("white", "pair", "bars", "steel", "EMS 911", (0.10, 1.0), "charcoal")
     shape = PICKUP.stretched(1.25, 1.0, 1.12)
-    b, body = assembled(shape, PICKUP_PLACES, trim, {"pillars": (), "span": (0.06, 1.25)})
+    b, body = build_car(shape, PICKUP_PLACES, style, {"pillars": (), "span": (0.06, 1.25)})
     x0, x1, low, high = -3.30, -0.30, 0.72, 2.62
     b.box((x1 - x0, 2.1, high - low), ((x0 + x1) / 2, 0, low), "white", bevel=0.05)
     picture, pen = paint.canvas((384, 240), "white")
@@ -131,9 +132,9 @@ def fire_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     body.side([(r + 0.06, 0.72), (f - 0.06, 0.72), (f - 0.06, 1.0), (r + 0.06, 1.0)], band, 0.006)
     x0, x1 = r + 0.25, f - 2.75
     body.side_picture(x0, x1, 1.08, 2.35, shutters(color, round((x1 - x0) / 1.3)), lift=0.014)
-    body.side_picture(x0, x1, 2.40, 2.72, lettering("FIRE BRIGADE  112", color, "white", (128, 10)), lift=0.014)
+    body.side_picture(x0, x1, 2.40, 2.72, paint.lettering("FIRE BRIGADE  112", color, "white", (128, 10)), lift=0.014)
     body.line([(f - 2.6, 0.5), (f - 2.6, 2.6)])
-    body.across(12.0, 12.8, -0.62, 0.62, picture=lettering("FIRE", color, "white", (64, 20)), lift=0.016)
+    body.across(12.0, 12.8, -0.62, 0.62, picture=paint.lettering("FIRE", color, "white", (64, 20)), lift=0.016)
     body.across(2.2, 4.2, -0.75, 0.75, picture=shutters(color, 1), lift=0.014)
     body.across(14.0, 15.0, -0.98, 0.98, "white", lift=0.01)
     for t0, t1 in ((-0.93, -0.64), (0.64, 0.93)):
@@ -206,7 +207,7 @@ def garbage_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(5):
             b.box((0.10, 0.08, 2.1), (-2.2 + 1.05 * k, side * 1.22, 0.98), shade(color, 0.8))
         b.panel(
-            lettering(words, color, "white" if variant < 2 else "signal blue", (96, 20)),
+            paint.lettering(words, color, "white" if variant < 2 else "signal blue", (96, 20)),
             (-0.1, side * 1.275, 2.3),
             3.4,
             0.7,

@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ...meshes.shapes import Shape, sheet
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 
 Station = tuple[float, float, float, float, float]
 

@@ -5,7 +5,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared.fitted import fitted
+from ..shared.sizes import fitted
 from .bicycles import spoked_wheel
 from .carts import solid_wheel
 from .road_service import farm_wheel

@@ -9,7 +9,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics, recipe
 from .vehicle_body import Body, BodyShape
-from .wheels import number_plate, rim_picture, wheel
+from .wheels import number_plate, road_wheels
 
 _BUS = Physics(
     ("steel", "glass", "rubber"), 130.0, (6000.0, 18000.0), 0.6, False, "a 10 m city bus weighs 8-12 t empty"
@@ -58,20 +58,6 @@ def box_shape(
     )
 
 
-def lettered_panel(text: str, back: Color, ink: Color, size: tuple[int, int] = (96, 16)) -> np.ndarray:
-    big = paint.smooth(size, 3)
-    image, pen = paint.canvas(big, back)
-    paint.text(pen, text, (big[0] * 0.04, big[1] * 0.12, big[0] * 0.96, big[1] * 0.88), ink, 0.02)
-    return np.asarray(paint.shrunk(image, size))
-
-
-def _big_wheels(b: MeshBuilder, axles: tuple[float, ...], radius: float, half_width: float) -> None:
-    rim = rim_picture("truck", "light grey")
-    for x in axles:
-        for side in (-1.0, 1.0):
-            wheel(b, (x, side * (half_width - 0.17), radius), radius, 0.32, rim, side, segments=18)
-
-
 @recipe("bus", 3, _BUS, hulls=6, name="trucks.bus")
 def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4, metallic=0.05)
@@ -104,9 +90,18 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 "r",
             )
     body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
-    body.across(9.35, 9.95, -0.80, 0.80, picture=lettered_panel(line, "black", "amber", (128, 16)), lift=0.02)
+    body.across(
+        9.35, 9.95, -0.80, 0.80, picture=paint.lettering(line, "black", "amber", (128, 16), bold=0.02), lift=0.02
+    )
     body.across(3.1, 4.2, -0.85, 0.85, "dark glass", lift=0.01)
-    body.across(4.3, 4.75, -0.35, 0.35, picture=lettered_panel(line.split()[0], "black", "amber", (48, 16)), lift=0.02)
+    body.across(
+        4.3,
+        4.75,
+        -0.35,
+        0.35,
+        picture=paint.lettering(line.split()[0], "black", "amber", (48, 16), bold=0.02),
+        lift=0.02,
+    )
     for side in (-1, 1):
         t0, t1 = sorted((side * 0.62, side * 0.94))
         body.across(12.9, 13.5, t0, t1, "lamp", lift=0.014)
@@ -125,7 +120,7 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     body.across(1.0, 1.2, -0.12, 0.12, picture=plate, lift=0.02)
     body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
     b.box((2.2, 1.6, 0.22), (r + 2.4, 0, 3.02), shade(color, 0.85), bevel=0.06)
-    _big_wheels(b, axles, 0.47, 1.25)
+    road_wheels(b, axles, 0.47, 1.24, 0.32, 18)
     names = ("A red city bus of line 12", "A blue midi bus of line 7", "A cream and green city bus")
     return body.finish(names[variant], {"line": line, "length": length})
 
@@ -164,7 +159,9 @@ def forward_cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) 
     body.shell(color)
     body.glasshouse([(x - 0.42, 0.10)], (x - 0.85, x + 0.75), frame=0.10)
     body.across(8.1, 8.95, -0.92, 0.92, "dark glass", lift=0.012)
-    body.across(10.1, 11.0, -0.6, 0.6, picture=lettered_panel("= = =", "black", "light grey", (48, 12)), lift=0.014)
+    body.across(
+        10.1, 11.0, -0.6, 0.6, picture=paint.lettering("= = =", "black", "light grey", (48, 12), bold=0.02), lift=0.014
+    )
     body.across(12.0, 12.95, -0.97, 0.97, "charcoal", lift=0.010)
     body.across(12.35, 12.75, -0.24, 0.24, picture=number_plate(plate), lift=0.025)
     body.line([(x - 0.60, low + 0.35), (x - 0.60, 1.5)])
@@ -221,7 +218,7 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ("signal blue", "white", "NORDIC LOGISTICS"),
             ("dark blue", "signal yellow", "MOVE & STORE"),
         )[variant // 2]
-        picture = lettered_panel(name, back_color, ink, (192, 32))
+        picture = paint.lettering(name, back_color, ink, (192, 32), bold=0.02)
         for side, facing in ((1, "+y"), (-1, "-y")):
             b.panel(picture, (middle, side * 1.205, 2.15), length * 0.82, length * 0.82 / 6, facing)
             b.box((length, 0.03, 0.12), (middle, side * 1.19, 0.92), shade(back_color, 0.8))
@@ -234,7 +231,7 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.panel(number_plate(plate), (back - 0.05, 0, 0.66), 0.5, 0.12, "-x", back="black")
     b.box((0.08, 2.2, 0.12), (back + 0.02, 0, 0.50), "dark grey")
     rear = back + length * 0.28
-    _big_wheels(b, (front + 0.05, rear), 0.43, 1.12)
+    road_wheels(b, (front + 0.05, rear), 0.43, 1.11, 0.32, 18)
     for side in (-1, 1):
         b.box((1.05, 0.36, 0.04), (rear, side * 0.95, 0.90), "black")
     names = ("A white box truck", "An orange tipper with gravel", "A dark blue removal truck")

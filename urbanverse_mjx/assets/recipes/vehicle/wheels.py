@@ -1,6 +1,7 @@
 """Wheels with pictures of rims, number plates and stands, shared by the vehicles."""
 
 import functools
+from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image
@@ -93,6 +94,21 @@ def two_legged_stand(b: MeshBuilder, top: Point3, foot: Point2, radius: float) -
 
 
 @functools.cache
+def road_wheels(
+    b: MeshBuilder,
+    axles: Sequence[float],
+    radius: float,
+    half_width: float,
+    tyre: float = 0.30,
+    segments: int = 14,
+) -> None:
+    """Pairs of truck wheels whose outsides are `half_width` from the middle; `tyre` is their width, m."""
+    rim = rim_picture("truck", "light grey")
+    for x in axles:
+        for side in (-1.0, 1.0):
+            wheel(b, (x, side * (half_width - tyre / 2), radius), radius, tyre, rim, side, segments=segments)
+
+
 def number_plate(
     text: str, back: Color = "white", ink: Color = "black", size: tuple[int, int] = (64, 16)
 ) -> Image.Image:

@@ -6,8 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ....meshes.palette import Color
-from ...nature.foliage import leafy
-from ...nature.greenery import small_leaves
+from ...nature.foliage import leafy, small_leaves
 from ..facade import Facade
 
 

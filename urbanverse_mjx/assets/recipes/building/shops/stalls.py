@@ -11,7 +11,7 @@ from ....meshes.recipe import Physics, recipe
 from ...amenity.cabinets import front_page
 from ...amenity.shelters import glazing
 from ...shared.facade_images import awning
-from ...vehicle.trucks import box_shape, lettered_panel
+from ...vehicle.trucks import box_shape
 from ...vehicle.vehicle_body import Body
 from ...vehicle.wheels import number_plate, rim_picture, wheel
 
@@ -41,7 +41,9 @@ def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body.across(12.5, 13.2, t0, t1, "lamp", lift=0.014)
         body.across(1.1, 1.6, t0, t1, "red", lift=0.014)
         b.box((0.10, 0.10, 0.28), (f - 0.65, side * 1.16, 1.55), "black", bevel=0.02)
-    body.across(11.9, 12.6, -0.5, 0.5, picture=lettered_panel("= = =", "black", "light grey", (48, 12)), lift=0.014)
+    body.across(
+        11.9, 12.6, -0.5, 0.5, picture=paint.lettering("= = =", "black", "light grey", (48, 12), bold=0.02), lift=0.014
+    )
     body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
     body.across(14.1, 14.55, -0.16, 0.16, picture=number_plate("FT 2026"), lift=0.02)
     body.across(2.1, 4.0, -0.4, 0.4, shade(color, 0.85), lift=0.008)
@@ -75,7 +77,7 @@ def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.sheet(hang, picture=cloth, both_sides=True)
     for x in (x0, x1):
         b.rod((x, y, low + 0.6), (x, y - 0.92, high + 0.1), 0.012, "aluminium", sides=5)
-    sign = lettered_panel(name, accent, shade(color, 0.7), (128, 24))
+    sign = paint.lettering(name, accent, shade(color, 0.7), (128, 24), bold=0.02)
     b.box((2.6, 0.10, 0.5), (-0.65, -0.85, 2.76), accent, skins={"-y": sign})
     body.side_picture(-2.2, 0.6, 1.25, 1.78, sign, lift=0.008)
     lines = menu.split("\n")

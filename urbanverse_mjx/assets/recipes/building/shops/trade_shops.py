@@ -6,7 +6,7 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
 from ...shared import facade_images as pictures
-from ...shared.fitting import fitted, size_of
+from ...shared.sizes import fitted_as, size_of
 from ..facade import Facade
 from .shop_front import Front, emblem, roof_board, wall_plaque
 from .shop_outside import set_out
@@ -113,7 +113,7 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
         f"{leaf} named {name} in a house of {floors + 1} storeys",
         {"name": name, "wall": wall[0], "floors": floors, "front": trade.fronts[variant], "roof": kind},
     )
-    return fitted(built, leaf, size)
+    return fitted_as(built, leaf, size)
 
 
 def _register(leaf: str) -> None:

@@ -6,7 +6,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, ellipse, level, pairs, sized
+from ...shared.outlines import curve, ellipse, level, pairs
+from ...shared.sizes import varied
 
 
 def fan_grille(b: MeshBuilder, at: tuple[float, float, float], radius: float, guard: Color, blade: Color) -> None:
@@ -61,7 +62,7 @@ def air_conditioner(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.cylinder(0.035, 0.02, (0.216, 0.22, z), "cream", (0, 90, 0), segments=14)
             b.box((0.004, 0.006, 0.035), (0.237, 0.22, z), "brown")
     size = ((0.3, 0.83, 0.56), (0.21, 0.9, 0.29), (0.41, 0.64, 0.42))[variant]
-    return sized(b, rng, size, f"the {style} of an air conditioner", style)
+    return varied(b, rng, size, f"the {style} of an air conditioner", style)
 
 
 @recipe("radiator", 3, hulls=1, name="climate.radiator")
@@ -103,7 +104,7 @@ def radiator(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.cylinder(0.022, 0.07, (0, y + 0.04, 0.035), "off white", segments=10)
     b.rod((0, y + 0.04, 0.0), (0, y + 0.04, 0.05), 0.009, "bronze", sides=6)
     size = ((0.11, 0.97, 0.6), (0.2, 0.86, 0.75), (0.075, 0.52, 1.06))[variant]
-    return sized(b, rng, size, f"a {style} radiator", style)
+    return varied(b, rng, size, f"a {style} radiator", style)
 
 
 @recipe("range hood", 2, name="climate.range_hood")
@@ -138,7 +139,7 @@ def range_hood(variant: int, rng: np.random.Generator) -> BuiltAsset:
             segments=8,
         )
     size = ((0.48, 0.75, 0.62), (0.46, 0.88, 0.95))[variant]
-    return sized(b, rng, size, f"a range hood with a {style}", style)
+    return varied(b, rng, size, f"a range hood with a {style}", style)
 
 
 @recipe("electric fan", 3, name="climate.electric_fan")
@@ -172,7 +173,7 @@ def electric_fan(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(3):
             b.box((0.016, 0.022, 0.012), (0.1, -0.04 + 0.04 * k, 0.03), ("light grey", "light grey", "signal red")[k])
     size = ((0.3, 0.4, 0.53), (0.44, 0.48, 1.32), (0.2, 0.55, 0.56))[variant]
-    return sized(b, rng, size, f"a {style} fan", style)
+    return varied(b, rng, size, f"a {style} fan", style)
 
 
 _MOTOR = ((-0.1, 0.02), (-0.08, 0.05), (0.0, 0.06), (0.05, 0.05), (0.06, 0.02))
@@ -199,7 +200,7 @@ def hair_drier(variant: int, rng: np.random.Generator) -> BuiltAsset:
         curve([(-0.026, 0, 0.02), (-0.026, 0.0, 0.005), (-0.05, 0.02, 0.004), (-0.075, 0.03, 0.004)], 3), 0.004, "black"
     )
     size = ((0.23, 0.088, 0.22), (0.19, 0.078, 0.17))[variant]
-    return sized(b, rng, size, f"a {style} hair drier", style)
+    return varied(b, rng, size, f"a {style} hair drier", style)
 
 
 def _oval(x: float, half_y: float, half_z: float, z: float) -> np.ndarray:
@@ -231,4 +232,4 @@ def hand_dryer(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(6):
             b.box((0.004, 0.2, 0.006), (0.116, 0, 0.12 + 0.018 * k), "charcoal")
     size = ((0.19, 0.27, 0.3), (0.25, 0.3, 0.68))[variant]
-    return sized(b, rng, size, f"a {style} hand dryer", style)
+    return varied(b, rng, size, f"a {style} hand dryer", style)

@@ -8,7 +8,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.outlines import curve, ellipse, level, rounded, section, sized
+from ...shared.outlines import curve, ellipse, level, rounded, section
+from ...shared.sizes import varied
 
 
 def clock_face(size: int, ground: Color, ink: Color, hour: int, minute: int) -> Image.Image:
@@ -94,7 +95,7 @@ def clock(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 segments=10,
             )
     size = ((0.055, 0.265, 0.275), (0.065, 0.115, 0.17), (0.13, 0.34, 0.32))[variant]
-    return sized(b, rng, size, f"a {style} clock", style)
+    return varied(b, rng, size, f"a {style} clock", style)
 
 
 @recipe("sconce", 3, name="house_fixtures.sconce")
@@ -146,7 +147,7 @@ def sconce(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.lathe([(0.004, 0.0), (0.012, 0.016), (0.007, 0.034), (0.0, 0.05)], (0, 0, 0.104), "lamp", segments=10)
         b.ball((0.01, 0.02, 0.03), (-0.07, 0, 0.2), metal, segments=10, rings=6)
     size = ((0.168, 0.195, 0.3), (0.19, 0.2, 0.36), (0.15, 0.28, 0.27))[variant]
-    return sized(b, rng, size, f"a {style} wall lamp", style)
+    return varied(b, rng, size, f"a {style} wall lamp", style)
 
 
 @recipe("sewing machine", 2, name="house_fixtures.sewing_machine")
@@ -214,7 +215,7 @@ def sewing_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.003, 0.004, 0.05), (0.045, 0.13, 0.13), "gold")
         b.cylinder(0.01, 0.04, (0.02, 0.2, 0.2), "dark wood", (-90, 0, 0), segments=8)
     size = ((0.19, 0.42, 0.3), (0.21, 0.44, 0.32))[variant]
-    return sized(b, rng, size, f"a {style} sewing machine", style)
+    return varied(b, rng, size, f"a {style} sewing machine", style)
 
 
 @recipe("robot arm", 2, name="house_fixtures.robot_arm")
@@ -259,4 +260,4 @@ def robot_arm(variant: int, rng: np.random.Generator) -> BuiltAsset:
         a = np.radians(60 * k)
         b.cylinder(0.014, 0.02, (0.18 * np.cos(a), 0.18 * np.sin(a), 0.025), "aluminium", segments=6)
     size = ((0.63, 0.41, 1.0), (0.7, 0.36, 1.2))[variant]
-    return sized(b, rng, size, f"an {style} robot arm" if variant == 0 else f"a {style} robot arm", style)
+    return varied(b, rng, size, f"an {style} robot arm" if variant == 0 else f"a {style} robot arm", style)

@@ -6,7 +6,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, desk_panel, level, pairs, rounded, section, sized
+from ...shared.outlines import curve, desk_panel, level, pairs, rounded, section
+from ...shared.sizes import varied
 
 
 @recipe("kettle", 3, name="kitchen_machines.kettle")
@@ -48,7 +49,7 @@ def kettle(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if not steel:
             b.box((0.006, 0.022, 0.13), (0.0, 0.068, 0.08), "light blue", turn_deg=(0, 0, 0))
     size = ((0.225, 0.165, 0.23), (0.25, 0.19, 0.225), (0.22, 0.15, 0.27))[variant]
-    return sized(b, rng, size, f"a {style} kettle", style)
+    return varied(b, rng, size, f"a {style} kettle", style)
 
 
 @recipe("toaster", 3, hulls=1, name="kitchen_machines.toaster")
@@ -81,7 +82,7 @@ def toaster(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.cylinder(0.014, 0.014, (0.04, 0.138, 0.06), "black", (-90, 0, 0), segments=12)
     b.box((0.003, 0.12, 0.03), (0.084, 0, 0.08), shade(body, 0.8))
     size = ((0.175, 0.29, 0.2), (0.19, 0.3, 0.21), (0.26, 0.36, 0.2))[variant]
-    return sized(b, rng, size, f"a {style} toaster", style)
+    return varied(b, rng, size, f"a {style} toaster", style)
 
 
 @recipe("coffee machine", 3, name="kitchen_machines.coffee_machine")
@@ -125,7 +126,7 @@ def coffee_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(int(width / 0.085)):
             b.lathe([(0.026, 0), (0.036, 0.045)], (-0.07, -width / 2 + 0.055 + 0.085 * k, 0.38), "white", segments=10)
     size = ((0.345, 0.28, 0.39), (0.3, 0.22, 0.37), (0.62, 0.61, 0.5))[variant]
-    return sized(b, rng, size, f"a {style} coffee machine", style)
+    return varied(b, rng, size, f"a {style} coffee machine", style)
 
 
 def _stand_mixer(b: MeshBuilder) -> None:
@@ -216,7 +217,7 @@ def mixer(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(3):
             b.box((0.004, 0.03, 0.003), (0.067 + 0.006 * k, 0.0, 0.2 + 0.03 * k), "white")
     size = ((0.345, 0.21, 0.34), (0.25, 0.145, 0.3), (0.21, 0.18, 0.42))[variant]
-    return sized(b, rng, size, f"a {style} mixer", style)
+    return varied(b, rng, size, f"a {style} mixer", style)
 
 
 @recipe("induction cooker", 2, hulls=1, name="kitchen_machines.induction_cooker")
@@ -246,4 +247,4 @@ def induction_cooker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(8):
         b.box((0.004, 0.014, 0.02), (0.1645, -0.12 + 0.034 * k, 0.022), "grey")
     size = ((0.34, 0.38, 0.065), (0.52, 0.58, 0.06))[variant]
-    return sized(b, rng, size, f"a {style} induction cooker", style)
+    return varied(b, rng, size, f"a {style} induction cooker", style)

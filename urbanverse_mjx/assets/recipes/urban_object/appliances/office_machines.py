@@ -6,7 +6,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, desk_panel, pairs, rounded, sized
+from ...shared.outlines import curve, desk_panel, pairs, rounded
+from ...shared.sizes import varied
 
 
 def _keys(
@@ -82,7 +83,7 @@ def cash_register(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 paint.text(pen, "TOTAL 18.40", (4, 62, 104, 75), "white")
                 b.panel(screen, (0.0165, 0, 0.13), 0.33, 0.235)
     size = ((0.42, 0.4, 0.34), (0.43, 0.41, 0.4), (0.48, 0.46, 0.52))[variant]
-    return sized(b, rng, size, f"an {style} cash register" if variant != 1 else f"a {style} cash register", style)
+    return varied(b, rng, size, f"an {style} cash register" if variant != 1 else f"a {style} cash register", style)
 
 
 def _paper(b: MeshBuilder, points: list[tuple[float, float, float]], width: float) -> None:
@@ -142,7 +143,7 @@ def printer(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.profile([(-0.15, 0.16), (0.1, 0.16), (0.1, 0.17), (-0.02, 0.2), (-0.15, 0.21)], 0.38, color="charcoal")
             _paper(b, [(-0.1, 0, 0.205), (0.0, 0, 0.225), (0.06, 0, 0.215)], 0.21)
     size = ((0.37, 0.43, 0.24), (0.4, 0.42, 0.27), (0.56, 0.585, 1.06))[variant]
-    return sized(b, rng, size, f"an {style} printer" if variant != 1 else "a laser printer", style)
+    return varied(b, rng, size, f"an {style} printer" if variant != 1 else "a laser printer", style)
 
 
 @recipe("fax machine", 2, hulls=1, name="office_machines.fax_machine")
@@ -173,7 +174,7 @@ def fax_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     _paper(b, [(0.14, 0.03, 0.052), (0.19, 0.03, 0.05), (0.21, 0.03, 0.02)], 0.21)
     b.box((0.05, 0.26, 0.01), (-0.06, 0.03, 0.1), "charcoal", bevel=0.003)
     size = ((0.37, 0.33, 0.175), (0.39, 0.34, 0.24))[variant]
-    return sized(b, rng, size, f"a {style} fax machine", style)
+    return varied(b, rng, size, f"a {style} fax machine", style)
 
 
 @recipe("router or modem", 3, hulls=1, name="office_machines.router_or_modem")
@@ -224,7 +225,7 @@ def router_or_modem(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 bevel=0.003,
             )
     size = ((0.145, 0.2, 0.061), (0.17, 0.23, 0.17), (0.1, 0.16, 0.195))[variant]
-    return sized(b, rng, size, f"a {style} network router", style)
+    return varied(b, rng, size, f"a {style} network router", style)
 
 
 @recipe("other electronics", 3, name="office_machines.other_electronics")
@@ -239,7 +240,7 @@ def other_electronics(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         _bench_meter(b)
     size = ((0.162, 0.24, 0.12), (0.05, 0.19, 0.024), (0.24, 0.32, 0.22))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 def _game_console(b: MeshBuilder) -> None:
@@ -327,7 +328,7 @@ def stapler(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.032, 0.003, 0.038), (-0.055 - long / 2, 0.0165 * s, 0.005), "grey", bevel=0.001)
     b.cylinder(0.004, 0.038, (-0.055 - long / 2, 0.019, 0.032), "aluminium", (90, 0, 0), segments=8)
     size = ((0.147, 0.038, 0.06), (0.27, 0.045, 0.075))[variant]
-    return sized(b, rng, size, f"a {style} stapler", style)
+    return varied(b, rng, size, f"a {style} stapler", style)
 
 
 @recipe("envelope", 3, hulls=1, name="office_machines.envelope")
@@ -368,4 +369,4 @@ def envelope(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     b.panel(image, (0.002, 0, 0.0575), 0.222, 0.115)
     size = ((0.0025, 0.222, 0.115), (0.002, 0.229, 0.162), (0.006, 0.32, 0.225))[variant]
-    return sized(b, rng, size, f"a {style}", style, jitter=0.004)
+    return varied(b, rng, size, f"a {style}", style, jitter=0.004)

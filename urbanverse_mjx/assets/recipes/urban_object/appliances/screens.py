@@ -7,7 +7,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2
-from ...shared.outlines import desk_panel, rounded, sized
+from ...shared.outlines import desk_panel, rounded
+from ...shared.sizes import varied
 from .screen_images import desktop, icons, landscape, race_game, space_game
 
 _UPRIGHT: list[Point2] = [
@@ -71,7 +72,7 @@ def arcade_game_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.01, 0.06, 0.09), (foot[0], y, 0.36), "black")
         b.box((0.012, 0.012, 0.04), (foot[0] + 0.002, y, 0.38), "amber")
     size = ((0.83, 0.69, 1.75), (0.86, 0.74, 1.9), (0.8, 0.66, 1.6))[variant]
-    return sized(b, rng, size, f"an arcade cabinet of a {style}", style)
+    return varied(b, rng, size, f"an arcade cabinet of a {style}", style)
 
 
 def _controls(b: MeshBuilder, edge: tuple[Point2, Point2, Point2], style: str) -> None:
@@ -138,7 +139,7 @@ def television(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.26, 0.5, 0.014), color="dark grey", bevel=0.004)
             b.box((0.05, 0.16, 0.2), (-0.02, 0, 0.01), "dark grey", bevel=0.01)
     size = ((0.24, 1.12, 0.7), (0.48, 0.62, 0.72), (0.3, 1.6, 1.02))[variant]
-    return sized(b, rng, size, f"a {style} television", style)
+    return varied(b, rng, size, f"a {style} television", style)
 
 
 _ARC = np.linspace(-1, 1, 7)
@@ -173,7 +174,7 @@ def computer_monitor(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.02, 0.08, 0.27), (-0.02, 0, 0.01), stand, bevel=0.006)
         b.extrude(rounded(0.2, 0.26, 0.03), 0.012, color=stand)
     size = ((0.2, 0.56, 0.46), (0.26, 0.86, 0.47), (0.2, 0.58, 0.5))[variant]
-    return sized(b, rng, size, f"a {style} computer monitor", style)
+    return varied(b, rng, size, f"a {style} computer monitor", style)
 
 
 def key_rows(
@@ -230,7 +231,7 @@ def keyboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((depth, width, 0.6), (0, 0, 0), case, bevel=0.12)
         key_rows(b, rows, (-depth / 2 + 0.85, -width / 2 + 0.3), 0.6, 1.0, key, accent)
     size = ((0.138, 0.44, 0.031), (0.108, 0.3, 0.034), (0.185, 0.48, 0.045))[variant]
-    return sized(b, rng, size, f"a {style} keyboard", style)
+    return varied(b, rng, size, f"a {style} keyboard", style)
 
 
 @recipe("laptop", 3, name="screens.laptop")
@@ -259,7 +260,7 @@ def laptop(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
         b.rod((-0.105, -0.12, 0.009), (-0.105, 0.12, 0.009), 0.005, "charcoal")
     size = ((0.222, 0.318, 0.018), (0.262, 0.316, 0.215), (0.275, 0.36, 0.245))[variant]
-    return sized(b, rng, size, f"a {style} laptop computer", style)
+    return varied(b, rng, size, f"a {style} laptop computer", style)
 
 
 @recipe("mobile phone", 3, hulls=1, name="screens.mobile_phone")
@@ -293,7 +294,7 @@ def mobile_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for dy, dz in ((-0.006, 0.006), (0.006, -0.006)):
             b.cylinder(0.005, 0.001, (-0.0022, -0.018 + dy, 0.128 + dz), "black", (0, 90, 0), segments=12)
     size = ((0.0092, 0.0735, 0.148), (0.0088, 0.077, 0.161), (0.021, 0.067, 0.131))[variant]
-    return sized(b, rng, size, f"a {style} mobile phone", style, jitter=0.005)
+    return varied(b, rng, size, f"a {style} mobile phone", style, jitter=0.005)
 
 
 @recipe("tablet", 2, hulls=1, name="screens.tablet")
@@ -312,7 +313,7 @@ def tablet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.cylinder(0.004, 0.0008, (-0.0008, -0.11, 0.16), "black", (0, 90, 0), segments=10)
     b.box((0.003, 0.02, 0.001), (0.0033, 0.1, 0.1748), "dark grey")
     size = ((0.0075, 0.25, 0.175), (0.0068, 0.281, 0.214))[variant]
-    return sized(b, rng, size, f"a {style} tablet computer", style, jitter=0.005)
+    return varied(b, rng, size, f"a {style} tablet computer", style, jitter=0.005)
 
 
 @recipe("projector", 3, hulls=1, name="screens.projector")
@@ -346,4 +347,4 @@ def projector(variant: int, rng: np.random.Generator) -> BuiltAsset:
         desk_panel(b, keys, (-0.03, 0.06, 0.1105), 0.1, 0.08)
         b.ring(0.03, 0.004, (0.08, lens_y, 0.108), "dark grey", segments=16, sides=4)
     size = ((0.26, 0.33, 0.122), (0.34, 0.42, 0.17), (0.27, 0.3, 0.17))[variant]
-    return sized(b, rng, size, f"a {style} projector", style)
+    return varied(b, rng, size, f"a {style} projector", style)

@@ -6,7 +6,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, desk_panel, level, rounded, sized
+from ...shared.outlines import curve, desk_panel, level, rounded
+from ...shared.sizes import varied
 
 
 def loudspeaker(b: MeshBuilder, at: tuple[float, float, float], radius: float, cone: Color = "charcoal") -> None:
@@ -61,7 +62,7 @@ def stereo_sound_system(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.03, 0.03, 0.012), (0.04, -0.1 + 0.04 * k, 0.32), "light grey")
         b.rod((-0.06, 0.25, 0.3), (-0.08, -0.05, 0.55), 0.004, "aluminium", sides=5)
     size = ((0.32, 0.5, 0.46), (0.34, 0.36, 1.05), (0.18, 0.6, 0.42))[variant]
-    return sized(b, rng, size, f"a stereo sound system, {style}", style)
+    return varied(b, rng, size, f"a stereo sound system, {style}", style)
 
 
 @recipe("radio receiver", 3, hulls=1, name="sound_machines.radio_receiver")
@@ -105,7 +106,7 @@ def radio_receiver(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.box((0.002, 0.003, radius * 0.8), (0.1165 if variant == 1 else 0.0665, y, z), "white")
     size = ((0.12, 0.27, 0.175), (0.2, 0.4, 0.3), (0.07, 0.19, 0.13))[variant]
-    return sized(b, rng, size, f"a {style} radio receiver", style)
+    return varied(b, rng, size, f"a {style} radio receiver", style)
 
 
 @recipe("record player", 3, name="sound_machines.record_player")
@@ -153,7 +154,7 @@ def record_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
             [(0.175, -0.06, 0.06), (0.2, -0.05, 0.06), (0.2, 0.05, 0.06), (0.175, 0.06, 0.06)], 0.006, "brown", sides=6
         )
     size = ((0.352, 0.42, 0.14), (0.4, 0.44, 0.35), (0.38, 0.39, 0.33))[variant]
-    return sized(b, rng, size, f"a {style} record player", style)
+    return varied(b, rng, size, f"a {style} record player", style)
 
 
 @recipe("cd player", 2, hulls=1, name="sound_machines.cd_player")
@@ -195,7 +196,7 @@ def cd_player(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(3):
             b.box((0.012, 0.014, 0.006), (0.066, -0.02 + 0.02 * k, 0.02), "black", bevel=0.002)
     size = ((0.265, 0.4, 0.102), (0.142, 0.15, 0.14))[variant]
-    return sized(b, rng, size, f"a {style} CD player with a disc", style)
+    return varied(b, rng, size, f"a {style} CD player with a disc", style)
 
 
 @recipe("camera", 3, hulls=1, name="sound_machines.camera")
@@ -264,7 +265,7 @@ def camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
             rings=4,
         )
     size = ((0.077, 0.129, 0.093), (0.062, 0.135, 0.082), (0.108, 0.116, 0.1))[variant]
-    return sized(b, rng, size, f"a {style} camera", style)
+    return varied(b, rng, size, f"a {style} camera", style)
 
 
 @recipe("corded phone", 3, name="sound_machines.corded_phone")
@@ -314,7 +315,7 @@ def corded_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     coil = [(0.06 - 0.002 * k + 0.006 * np.cos(2.1 * k), 0.105 + 0.008 * np.sin(2.1 * k), 0.01) for k in range(36)]
     b.tube(coil, 0.0025, "black", sides=4)
     size = ((0.205, 0.19, 0.102), (0.22, 0.19, 0.1), (0.215, 0.2, 0.14))[variant]
-    return sized(b, rng, size, f"a {style} telephone", style)
+    return varied(b, rng, size, f"a {style} telephone", style)
 
 
 @recipe("megaphone", 3, name="sound_machines.megaphone")
@@ -352,4 +353,4 @@ def megaphone(variant: int, rng: np.random.Generator) -> BuiltAsset:
         sides=5,
     )
     size = ((0.34, 0.212, 0.235), (0.26, 0.165, 0.19), (0.42, 0.255, 0.29))[variant]
-    return sized(b, rng, size, f"a {style} megaphone", style)
+    return varied(b, rng, size, f"a {style} megaphone", style)

@@ -7,7 +7,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import ellipse, level, sized
+from ...shared.outlines import ellipse, level
+from ...shared.sizes import varied
 
 
 def bar_handle(b: MeshBuilder, x: float, start: tuple[float, float], end: tuple[float, float], color: Color) -> None:
@@ -61,7 +62,7 @@ def refrigerator(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for y in (-0.26, 0.26):
                 b.cylinder(0.025, 0.07, (x, y, 0), "aluminium", top_radius=0.035, segments=10)
     size = ((0.63, 0.64, 1.65), (0.74, 0.92, 1.78), (0.66, 0.68, 1.42))[variant]
-    return sized(b, rng, size, f"a {style} refrigerator", style)
+    return varied(b, rng, size, f"a {style} refrigerator", style)
 
 
 def porthole(b: MeshBuilder, x: float, z: float, radius: float, rim: Color) -> None:
@@ -98,7 +99,7 @@ def washing_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
         porthole(b, 0.255, 0.41, 0.2 if variant == 0 else 0.235, "light grey" if variant == 0 else "galvanised")
         b.box((0.006, 0.14, 0.09), (0.254, 0.2, 0.08), shade(body, 0.92))
     size = ((0.58, 0.6, 0.85), (0.62, 0.67, 1.05), (0.64, 0.66, 0.9))[variant]
-    return sized(b, rng, size, f"a {style} washing machine", style)
+    return varied(b, rng, size, f"a {style} washing machine", style)
 
 
 @recipe("dishwasher", 2, hulls=1, name="white_goods.dishwasher")
@@ -121,7 +122,7 @@ def dishwasher(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.cylinder(0.009, 0.006, (0.019, -0.22 + 0.05 * k, 0.645), "aluminium", (0, 90, 0), segments=8)
         bar_handle(b, 0.02, (-0.2, 0.55), (0.2, 0.55), "galvanised")
     size = ((0.575, 0.6, 0.845), (0.55, 0.56, 0.5))[variant]
-    return sized(b, rng, size, f"a {style} dishwasher", style)
+    return varied(b, rng, size, f"a {style} dishwasher", style)
 
 
 def _crockery(b: MeshBuilder) -> None:
@@ -162,7 +163,7 @@ def oven(variant: int, rng: np.random.Generator) -> BuiltAsset:
             else:
                 b.ring(r * 0.5, 0.004, (x, y, height + 0.036), "grey", segments=16, sides=4)
     size = ((0.6, 0.6, 0.82), (0.58, 0.6, 0.6), (0.66, 0.9, 0.92))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 def _keypad(size: tuple[int, int], color: Color, clock: str) -> Image.Image:
@@ -206,7 +207,7 @@ def microwave(variant: int, rng: np.random.Generator) -> BuiltAsset:
         else:
             b.box((0.03, 0.022, 0.2), (0.19, 0.11, 0.05), "light grey", bevel=0.008)
     size = ((0.38, 0.49, 0.285), (0.44, 0.55, 0.32), (0.35, 0.45, 0.26))[variant]
-    return sized(b, rng, size, f"a {style} microwave oven", style)
+    return varied(b, rng, size, f"a {style} microwave oven", style)
 
 
 @recipe("water cooler", 3, hulls=1, name="white_goods.water_cooler")
@@ -233,7 +234,7 @@ def water_cooler(variant: int, rng: np.random.Generator) -> BuiltAsset:
             [*shape, (0.135, 0.31), (0.13, 0.37), (0.11, 0.39), (0.0, 0.39)], (0, 0, 0.9), "light blue", segments=20
         )
     size = ((0.335, 0.32, 1.15), (0.35, 0.32, 1.02), (0.38, 0.33, 1.36))[variant]
-    return sized(b, rng, size, f"a {style} water cooler", style)
+    return varied(b, rng, size, f"a {style} water cooler", style)
 
 
 def _ice(size: tuple[int, int], rng: np.random.Generator) -> Image.Image:
@@ -288,7 +289,7 @@ def ice_maker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for y in (-feet * 0.9, feet * 0.9):
             b.cylinder(0.02, 0.13, (x, y, 0), "dark grey", segments=8)
     size = ((0.46, 0.4, 0.62), (0.78, 0.73, 1.7))[variant]
-    return sized(b, rng, size, f"a {style} ice maker", style)
+    return varied(b, rng, size, f"a {style} ice maker", style)
 
 
 @recipe("rice cooker", 2, hulls=1, name="white_goods.rice_cooker")
@@ -321,4 +322,4 @@ def rice_cooker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         arch = [(0.0, 0.132 * s, z) for s, z in ((-1, 0.15), (-0.9, 0.235), (0.9, 0.235), (1, 0.15))]
         b.tube(arch, 0.009, "black", sides=6)
     size = ((0.27, 0.255, 0.24), (0.33, 0.28, 0.26))[variant]
-    return sized(b, rng, size, f"a {style} rice cooker", style)
+    return varied(b, rng, size, f"a {style} rice cooker", style)

@@ -9,7 +9,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.handheld import finished, lumpy, painted, pillow, skin, softened
+from ...shared.handheld import lumpy, painted, pillow, skin, softened
+from ...shared.sizes import varied_cm
 
 CRUST = ("#a8662c", "#c98a44", "#b87434")
 GLAZES = ("#e8a0b4", "#5a3420", "#f4ecdc")
@@ -56,7 +57,7 @@ def bread(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 turn_deg=(0, np.degrees(np.arctan2(x, size[0])) * 0.8, 32),
             )
     size_cm = ((26, 11, 9.5), (58, 7.4, 6.0), (28, 12, 11.5))[variant % 3]
-    return finished(b, f"bread: a {style}", size_cm, rng, {"style": style})
+    return varied_cm(b, f"bread: a {style}", size_cm, rng, {"style": style})
 
 
 @recipe("croissant", 3, name="baked.croissant")
@@ -83,7 +84,7 @@ def croissant(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 sides=5,
             )
     size = ((16, 8.6, 5.8), (18, 7, 6.2), (15, 8.2, 5.4))[variant % 3]
-    return finished(b, f"a {style} croissant", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} croissant", size, rng, {"style": style})
 
 
 @recipe("donuts", 3, name="baked.donuts")
@@ -116,7 +117,7 @@ def donuts(variant: int, rng: np.random.Generator) -> BuiltAsset:
             centered=True,
         )
     size = ((9.2, 9.2, 3.7), (9.8, 9.8, 3.5), (8.4, 8.4, 3.9))[variant % 3]
-    return finished(b, f"a {style} donut", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} donut", size, rng, {"style": style})
 
 
 @recipe("muffin", 3, name="baked.muffin")
@@ -161,7 +162,7 @@ def muffin(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 rings=5,
             )
     size = ((7.8, 7.8, 7.0), (8.4, 8.4, 7.6), (7.4, 7.4, 9.6))[variant % 3]
-    return finished(b, f"a {style} muffin", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} muffin", size, rng, {"style": style})
 
 
 @recipe("cake", 3, name="baked.cake")
@@ -179,7 +180,7 @@ def cake(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.8, 7.0, 8.1), (-4.2, 0, 0), "#f8f0e2", bevel=0.2)
         b.ball((1.2, 1.2, 0.9), (-2.6, 0, 8.6), "#f8f0e2", segments=10, rings=6)
         b.ball(0.9, (-2.6, 0, 9.8), "#b8182c", segments=12, rings=8)
-        return finished(b, "a slice of cake", (12, 7.4, 9), rng, {"style": style})
+        return varied_cm(b, "a slice of cake", (12, 7.4, 9), rng, {"style": style})
     body, cream = (("#f6ecdc", "#fbf6ea"), ("#5a3420", "#f0e0c0"))[variant % 3]
     b.lathe([(0, 0), (13, 0), (13, 0.4), (0, 0.4)], color="#e8e4da", segments=32)
     mouth = np.radians(np.linspace(22, 338 if style == "cream" else 382, 30))
@@ -212,7 +213,7 @@ def cake(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.cylinder(0.35, 5.4, (x, y, 7.2), ("#4a8ac8", "#e05a7a", "#f0c040")[k % 3], segments=7)
             b.ball((0.3, 0.3, 0.7), (x, y, 13.3), "#f8b030", segments=6, rings=5)
     size = ((20.5, 20.5, 10), (25, 25, 14.5))[variant % 3]
-    return finished(b, f"a {style} cake", (size[0], size[1] * 0.98, size[2]), rng, {"style": style})
+    return varied_cm(b, f"a {style} cake", (size[0], size[1] * 0.98, size[2]), rng, {"style": style})
 
 
 @recipe("pancake", 3, name="baked.pancake")
@@ -257,4 +258,4 @@ def pancake(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 (0.5, 0.5, 0.15), (r * np.cos(a), r * np.sin(a), z), "white", turn_deg=(0, 0, float(rng.uniform(0, 90)))
             )
     size = ((18, 18, 4.6), (16, 16, 5.2), (22, 22, 2.8))[variant % 3]
-    return finished(b, f"pancakes: {style}", size, rng, {"style": style})
+    return varied_cm(b, f"pancakes: {style}", size, rng, {"style": style})

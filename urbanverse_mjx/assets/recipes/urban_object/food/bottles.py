@@ -9,7 +9,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2, lathe
-from ...shared.handheld import finished, label, painted, patch
+from ...shared.handheld import label, painted, patch
+from ...shared.sizes import varied_cm
 
 BORDEAUX = ((3.6, 0), (3.8, 0.4), (3.8, 18.5), (3.5, 20.2), (1.9, 22.6), (1.45, 24), (1.4, 29.5))
 BURGUNDY = ((4.0, 0), (4.2, 0.5), (4.2, 12), (3.6, 16), (2.0, 21), (1.45, 24), (1.4, 29.5))
@@ -192,7 +193,7 @@ def register(leaf: str) -> None:
         name, bottle, size = kinds[variant % len(kinds)]
         b = MeshBuilder(roughness=0.25)
         round_bottle(b, bottle)
-        return finished(b, f"a {name}", size, rng, {"style": name})
+        return varied_cm(b, f"a {name}", size, rng, {"style": name})
 
     recipe(leaf, len(kinds), name=f"bottles.round_{leaf.replace(' ', '_')}")(build)
 
@@ -208,7 +209,7 @@ def beer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant % 3 < 2:
         name, bottle, size = BOTTLES["beer"][variant % 3]
         round_bottle(b, bottle)
-        return finished(b, f"a {name}", size, rng, {"style": name})
+        return varied_cm(b, f"a {name}", size, rng, {"style": name})
     b.lathe([(0, 0), (4.2, 0), (4.4, 0.6), (4.4, 12.4), (0, 12.4)], color="#e0a02e", segments=20)
     for k in range(10):
         with b.frame(turn_deg=(0, 0, 36 * k)):
@@ -220,4 +221,4 @@ def beer(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.ball(1.7, (0.8 * (-1) ** k, y, 14.3), "#fbf6e6", segments=10, rings=6)
     b.tube([(0, 4.2, 2), (0, 7.2, 2.6), (0, 7.8, 6), (0, 7.2, 10), (0, 4.2, 10.8)], 0.65, "#d9e4e6", sides=8)
     b.cylinder(4.5, 0.8, (0, 0, -0.6), "#d9e4e6", segments=20)
-    return finished(b, "a mug of beer", (9.4, 13.4, 16), rng, {"style": "mug"})
+    return varied_cm(b, "a mug of beer", (9.4, 13.4, 16), rng, {"style": "mug"})

@@ -6,7 +6,8 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import finished, lumpy, painted, pillow, skin, softened
+from ...shared.handheld import lumpy, painted, pillow, skin, softened
+from ...shared.sizes import varied_cm
 
 CHINA = "#f2efe8"
 
@@ -81,7 +82,7 @@ def pasta(variant: int, rng: np.random.Generator) -> BuiltAsset:
             turn_deg=(0, -18, 120 * k),
         )
     size = ((23, 22, 6.5), (25, 24.5, 6.2), (22, 21, 7.2))[variant % 3]
-    return finished(b, f"a plate of {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a plate of {style}", size, rng, {"style": style})
 
 
 @recipe("ramen", 3, name="dishes.ramen")
@@ -124,7 +125,7 @@ def ramen(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for y in (4.6, 5.7):
             b.rod((-8.6, y, 9.9), (9.2, y - 1.6, 10.2), 0.3, "#a8341f", sides=6)
     size = ((19.5, 19.5, 10.0), (22, 22, 11), (18, 18, 9.6))[variant % 3]
-    return finished(b, f"a bowl of ramen, {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a bowl of ramen, {style}", size, rng, {"style": style})
 
 
 @recipe("dumplings", 3, name="dishes.dumplings")
@@ -162,7 +163,7 @@ def dumplings(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.add(painted(body), picture=skin(rng, ["#e6dcc4", "#f2ead6", "#efe6d0"], noise=4), crease_deg=70)
                 b.ball((0.45, 0.45, 0.4), (0, 0, 3.3), "#e6dcc4", segments=8, rings=5)
     size = ((17, 14.4, 5.5), (24, 19, 5.2), (9.5, 4.8, 3.4))[variant % 3]
-    return finished(b, f"dumplings: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"dumplings: a {style}", size, rng, {"style": style})
 
 
 def ribbed_bun(radius: float) -> shapes.Shape:
@@ -204,7 +205,7 @@ def spring_rolls(variant: int, rng: np.random.Generator) -> BuiltAsset:
             crease_deg=70,
         )
     size = ((16, 12, 4.6), (10.5, 7.4, 4.4), (18, 13.5, 4.3))[variant % 3]
-    return finished(b, f"spring rolls: {style}", size, rng, {"style": style})
+    return varied_cm(b, f"spring rolls: {style}", size, rng, {"style": style})
 
 
 @recipe("sushi", 3, name="dishes.sushi")
@@ -258,4 +259,4 @@ def sushi(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.ball((1.1, 1.0, 0.8), (wide * 0.40, -deep * 0.28, 2.2), "#8fae4a", segments=9, rings=5)
         b.add(lumpy(pillow((2.4, 2.6, 1.0), 0.9, 0.7, 12, 5), 0.15, rng, 3), "#f0b8a0", (wide * 0.40, deep * 0.24, 1.8))
     size = ((16, 10, 4.0), (6.2, 2.9, 3.4), (26, 9.5, 4.4))[variant % 3]
-    return finished(b, f"sushi: {style}", size, rng, {"style": style})
+    return varied_cm(b, f"sushi: {style}", size, rng, {"style": style})

@@ -6,7 +6,9 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import arc, finished, label, painted, patch, stadium
+from ...shared.handheld import label, painted, patch, stadium
+from ...shared.outlines import arc
+from ...shared.sizes import varied_cm
 from .bottles import Bottle, round_bottle, tinted
 
 GLASS = "#d3e0e4"
@@ -67,7 +69,7 @@ def bubble_tea(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
     straw(b, (0, 0, 9), (1.0, 0.8, 21), 0.6, ("#c23a4a", "#e8e2d4", "#6a4a8a")[variant % 3])
     size = ((9.2, 9.2, 20), (9.0, 9.0, 20.8), (9.6, 9.6, 22))[variant % 3]
-    return finished(b, f"a {style} bubble tea", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} bubble tea", size, rng, {"style": style})
 
 
 @recipe("cocktail", 3, name="drinks.cocktail")
@@ -107,7 +109,7 @@ def cocktail(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         citrus_wheel(b, (0.6, 3.6, 17.0), 2.0, "#8fbb3a", -15)
     size = ((9.5, 9.5, 17), (9.2, 9.2, 11.5), (9.0, 9.0, 23))[variant % 3]
-    return finished(b, f"a {style} cocktail", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} cocktail", size, rng, {"style": style})
 
 
 @recipe("juice", 3, name="drinks.juice")
@@ -132,7 +134,7 @@ def juice(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b, Bottle(profile, "#b8283a", ("white", 1.95, 1.6), ("CHERRY", "#f6efe0", "#8a1c2c"), (3.5, 10), 190)
         )
     size = ((7.0, 7.5, 17.0), (8.0, 7.6, 16.5), (7.4, 7.4, 20))[variant % 3]
-    return finished(b, f"juice: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"juice: a {style}", size, rng, {"style": style})
 
 
 @recipe("milkshake", 3, name="drinks.milkshake")
@@ -162,7 +164,7 @@ def milkshake(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.tube([(0, 0, 19), (0.3, 0.2, 19.8), (0.9, 0.4, 20.4)], 0.1, "#5a4a2a", sides=4)
     straw(b, (-1, 1, 10), (-2.2, 2.4, 20.5), 0.4, ("#d83a54", "white", "#3a7ab8")[variant % 3])
     size = ((9.2, 9.2, 20), (9.6, 9.6, 22), (9.0, 9.0, 18.5))[variant % 3]
-    return finished(b, f"a {style} milkshake", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} milkshake", size, rng, {"style": style})
 
 
 @recipe("whisky", 3, name="drinks.whisky")
@@ -203,7 +205,7 @@ def whisky(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 bevel=0.3,
             )
     size = ((8.6, 8.2, 27), (8.0, 8.0, 28.5), (8.4, 8.4, 9.4))[variant % 3]
-    return finished(b, f"whisky: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"whisky: a {style}", size, rng, {"style": style})
 
 
 def shapes_at(half: float, z: float) -> np.ndarray:
@@ -252,4 +254,4 @@ def cup(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(4.0, 0.1, (0, 0, 5.6), "#a85a24", segments=24)
         handle(b, (4.0, 3.0), 3.0, 2.2, 0.32, "gold")
     size = ((10.8, 8.3, 9.2), (8.8, 8.8, 14.5), (13.5, 10.8, 7.2))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})

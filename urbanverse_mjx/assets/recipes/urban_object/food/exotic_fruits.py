@@ -9,7 +9,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2, Shape
-from ...shared.handheld import bead, finished, lumpy, painted, pillow, skin, softened
+from ...shared.handheld import bead, lumpy, painted, pillow, skin, softened
+from ...shared.sizes import varied_cm
 
 AVOCADO = ((0, 0.0), (2.0, 0.5), (3.3, 2.0), (3.6, 4.0), (3.2, 6.2), (2.2, 8.2), (1.3, 9.8), (0.5, 10.4), (0, 10.5))
 LEMON = ((0, 0.0), (0.6, 0.2), (1.1, 0.8), (2.3, 2.0), (2.9, 4.0), (2.4, 6.0), (1.2, 7.1), (0.8, 7.7), (0, 8.0))
@@ -61,7 +62,7 @@ def avocado(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.add(painted(body), picture=skin(rng, colors, noise=12, flecks=("#5b6a38", 120)), crease_deg=70)
         b.cylinder(0.45, 0.7, (10.2, 0, 3.6), "#6b5a34", turn_deg=(0, 90, 0), segments=8)
     size = ((10.5, 7.2, 7.2), (10, 7, 6.0), (12.4, 7.4, 7.4))[variant % 3]
-    return finished(b, f"a {style} avocado", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} avocado", size, rng, {"style": style})
 
 
 def finger(length: float, bend: float, fat: float = 1.9) -> tuple[np.ndarray, list[float]]:
@@ -100,7 +101,7 @@ def banana(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.ball((0.65, 0.65, 0.6), (tip[0], tip[1], 1.9), "#5a4a24", segments=8, rings=5)
         b.ball((0.45, 0.45, 0.45), (end[0], end[1], 1.9), "#332414", segments=8, rings=5)
     size = ((20, 7, 4.0), (20, 16, 9.5), (22, 8, 4.2))[variant % 3]
-    return finished(b, f"a {style} banana" if style != "bunch" else "a bunch of bananas", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} banana" if style != "bunch" else "a bunch of bananas", size, rng, {"style": style})
 
 
 @recipe("kiwi", 3, name="exotic_fruits.kiwi")
@@ -129,7 +130,7 @@ def kiwi(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.5, 0.25, (-0.1, 0, 2.65), "#3a2a18", turn_deg=(0, 90, 0), segments=10)
         b.cylinder(0.35, 0.3, (6.4, 0, 2.65), "#3a2a18", turn_deg=(0, 90, 0), segments=8)
     size = ((6.6, 5.3, 5.3), (6.2, 5.2, 4.3), (7.4, 5.2, 5.2))[variant % 3]
-    return finished(b, f"a {style} kiwi", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} kiwi", size, rng, {"style": style})
 
 
 @recipe("lemon", 3, name="exotic_fruits.lemon")
@@ -162,7 +163,7 @@ def lemon(variant: int, rng: np.random.Generator) -> BuiltAsset:
             blade = pillow((4.5, 2.0, 0.25), 0.8, 0.8, 12, 4)
             b.add(blade, "leaf", (0.6, 1.2, 4.6), turn_deg=(-25, -28, 30))
     size = ((8.0, 5.8, 5.8), (8.4, 6.0, 5.0), (7.2, 5.4, 5.6))[variant % 3]
-    return finished(b, f"a {style} lemon", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} lemon", size, rng, {"style": style})
 
 
 @recipe("papaya", 3, name="exotic_fruits.papaya")
@@ -187,7 +188,7 @@ def papaya(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.cylinder(1.0, 0.9, (19.6, 0, 5.6), "#6a5a34", turn_deg=(0, 90, 0), segments=10)
     size = ((20, 11.5, 11.5), (19, 11, 9.5), (32, 13.5, 13.5))[variant % 3]
-    return finished(b, f"a {style} papaya", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} papaya", size, rng, {"style": style})
 
 
 @recipe("pineapple", 3, name="exotic_fruits.pineapple")
@@ -242,7 +243,7 @@ def pineapple(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ("#3f6a2c", "#55803a", "#4a7432")[k % 3],
         )
     size = ((14, 14, 32), (16.5, 16.5, 37), (11.5, 11.5, 24))[variant % 3]
-    return finished(b, f"a {style} pineapple", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} pineapple", size, rng, {"style": style})
 
 
 def melon_skin(rng: np.random.Generator, light: Color, dark: Color) -> np.ndarray:
@@ -284,4 +285,4 @@ def watermelon(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.tube([(27.4, 0, 12.2), (29, 0.4, 12.6), (30, 1.4, 13.2)], [0.5, 0.4, 0.5], "#7a7a3c", sides=6)
     size = ((28.5, 24, 23), (23.5, 23.5, 12.5), (25, 23.4, 24))[variant % 3]
-    return finished(b, f"a {style} watermelon", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} watermelon", size, rng, {"style": style})

@@ -10,7 +10,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2
-from ...shared.handheld import finished, lumpy, painted, pillow, ribbed, skin, softened
+from ...shared.handheld import lumpy, painted, pillow, ribbed, skin, softened
+from ...shared.sizes import varied_cm
 
 APPLE = (
     (0, 0.3),
@@ -131,7 +132,7 @@ def register(leaf: str) -> None:
         stalk(b, foot, height, radius, "#4f6a2a" if leaf == "orange" else "#5b4327", 0.25 if height > 1 else 0.0)
         if look.leaf:
             leaf_blade(b, (0.1, 0, foot + height * 0.5), profile[-1][1] * 0.6, float(rng.uniform(40, 80)))
-        return finished(b, f"a {look.name}", look.size, rng, {"kind": look.name})
+        return varied_cm(b, f"a {look.name}", look.size, rng, {"kind": look.name})
 
     recipe(leaf, len(looks), name=f"fruits.round_{leaf}")(build)
 
@@ -162,7 +163,7 @@ def blueberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
         with b.frame((0, 0, 7.1), (0, 0, 72 * k)):
             b.convex([(1.1, -0.8, 0), (1.1, 0.8, 0), (2.2, 0, 0.9), (1.2, 0, -0.3), (1.3, 0, 0.5)], color[1])
     size = ((1.4, 1.4, 1.25), (1.15, 1.15, 1.05), (1.7, 1.7, 1.4))[variant % 3]
-    return finished(b, "a blueberry", size, rng, {"kind": variant % 3})
+    return varied_cm(b, "a blueberry", size, rng, {"kind": variant % 3})
 
 
 @recipe("cherry", 3, name="fruits.cherry")
@@ -195,7 +196,7 @@ def cherry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if style == "bicoloured":
         leaf_blade(b, (2, 2, 17.6), 9, 140)
     size = ((2.6, 2.6, 4.0), (2.6, 5.0, 5.6), (2.9, 2.8, 4.4))[variant % 3]
-    return finished(b, f"a {style} cherry", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} cherry", size, rng, {"style": style})
 
 
 @recipe("coconut", 3, name="fruits.coconut")
@@ -229,7 +230,7 @@ def coconut(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.ball((0.85, 0.85, 0.4), (1.7, 0, 6.25), "#2a1a10", segments=10, rings=5)
         hair(b, rng, 6.7, 6.5, 34)
     size = ((13.5, 13.5, 13), (12.8, 12.8, 9.6), (20, 20, 21.5))[variant % 3]
-    return finished(b, f"a {style} coconut", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} coconut", size, rng, {"style": style})
 
 
 def hair(b: MeshBuilder, rng: np.random.Generator, radius: float, middle: float, count: int) -> None:
@@ -272,7 +273,7 @@ def strawberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
     stalk(b, top, 0.55 if style != "long" else 1.0, 0.1, "light leaf", 0.5)
     size = ((3.6, 3.6, 4.2), (4.2, 4.2, 3.9), (3.2, 3.2, 5.3))[variant % 3]
-    return finished(b, f"a {style} strawberry", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} strawberry", size, rng, {"style": style})
 
 
 @recipe("grapes", 3, name="fruits.grapes")
@@ -295,4 +296,4 @@ def grapes(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant % 3 == 1:
         leaf_blade(b, (-5.6, 0.8, 4.4), 5.5, 60)
     size = ((15, 10, 8), (17, 11.5, 9), (13, 9, 7.2))[variant % 3]
-    return finished(b, f"a bunch of {('dark', 'green', 'red')[variant % 3]} grapes", size, rng, {"color": str(color)})
+    return varied_cm(b, f"a bunch of {('dark', 'green', 'red')[variant % 3]} grapes", size, rng, {"color": str(color)})

@@ -8,7 +8,8 @@ from ....meshes import paint, shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import bead, finished, painted, pillow, skin, stadium
+from ...shared.handheld import bead, painted, pillow, skin, stadium
+from ...shared.sizes import varied_cm
 
 
 @recipe("sausage", 3, name="groceries.sausage")
@@ -47,7 +48,7 @@ def sausage(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     rings=5,
                 )
     size = ((18, 4.2, 3.4), (34, 5.4, 3.4), (28, 6.2, 6.2))[variant % 3]
-    return finished(b, f"sausage: {style}", size, rng, {"style": style})
+    return varied_cm(b, f"sausage: {style}", size, rng, {"style": style})
 
 
 @recipe("steak", 2, name="groceries.steak")
@@ -92,7 +93,7 @@ def steak(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "#eee2cc",
         )
     size = ((19, 12.5, 3.0), (23, 15, 3.4))[variant % 2]
-    return finished(b, f"a {style} steak", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} steak", size, rng, {"style": style})
 
 
 @recipe("cheese", 3, name="groceries.cheese")
@@ -126,7 +127,7 @@ def cheese(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.sheet(np.array(rows), color)
         b.extrude([(0, 0), (9.2, -2.4), (9.6, 0), (9.2, 2.4)], height - 0.5, (2.6, 0, 0.2), inner)
     size = ((13.3, 10, 6.0), (14, 12.5, 4.2), (24, 22, 9.5))[variant % 3]
-    return finished(b, f"cheese: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"cheese: a {style}", size, rng, {"style": style})
 
 
 @recipe("egg", 3, name="groceries.egg")
@@ -142,7 +143,7 @@ def egg(variant: int, rng: np.random.Generator) -> BuiltAsset:
     lying = shapes.Shape(np.column_stack([z, y, 2.2 - x]), body.faces)
     b.add(painted(lying), picture=skin(rng, [color, shade(color, 1.04)], noise=3, flecks=flecks), crease_deg=80)
     size = ((5.7, 4.4, 4.4), (6.1, 4.5, 4.5), (5.3, 4.15, 4.15))[variant % 3]
-    return finished(b, f"a {('brown', 'white', 'speckled')[variant % 3]} egg", size, rng, {"color": str(color)})
+    return varied_cm(b, f"a {('brown', 'white', 'speckled')[variant % 3]} egg", size, rng, {"color": str(color)})
 
 
 def wrapper(words: str, color: Color, ink: Color, size: tuple[int, int]) -> np.ndarray:
@@ -188,4 +189,4 @@ def snacks(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((1.6, 3.6, 0.25), (x, 0, 0.55), "#caa0d8")
         b.panel(np.rot90(wrapper("CHOCO", "#5a2a78", "#f6d860", (96, 24)), 1), (0, 0, 1.45), 3.2, 12, "+z")
     size = ((16, 10, 7.5), (6, 17, 25), (14.5, 3.6, 2.1))[variant % 3]
-    return finished(b, f"snacks: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"snacks: a {style}", size, rng, {"style": style})

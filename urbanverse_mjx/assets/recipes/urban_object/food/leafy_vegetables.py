@@ -7,7 +7,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.handheld import finished, lumpy, painted, pillow, skin, softened
+from ...shared.handheld import lumpy, painted, pillow, skin, softened
+from ...shared.sizes import varied_cm
 
 
 def cupped_leaf(
@@ -66,7 +67,7 @@ def cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     rows = ((4, 8.7, -70, 58, 0.02), (5, 9.2, -70, 30, 0.16 if style != "pointed" else 0.05))
     leafy_head(b, rng, core, outer, rows, 0.09 if style == "savoy" else 0.02)
     size = ((18.5, 18.5, 16.5), (15.5, 15.5, 21), (22, 22, 16.5))[variant % 3]
-    return finished(b, f"a {style} cabbage", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} cabbage", size, rng, {"style": style})
 
 
 @recipe("red cabbage", 2, name="greens.red_cabbage")
@@ -75,7 +76,7 @@ def red_cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     if variant % 2 == 0:
         leafy_head(b, rng, "#7a2f5c", "#6b2a52", ((4, 8.7, -70, 55, 0.02), (4, 9.1, -70, 28, 0.12)), 0.02)
-        return finished(b, "a red cabbage", (16.8, 16.8, 15.5), rng, {"style": "whole"})
+        return varied_cm(b, "a red cabbage", (16.8, 16.8, 15.5), rng, {"style": "whole"})
     body = lumpy(pillow((16.6, 17, 15.4), 0.95, 0.95, 24, 14), 0.02, rng)
     flat = np.column_stack([np.minimum(body.vertices[:, 0], 0.0), body.vertices[:, 1:]])
     b.add(painted(Shape(flat, body.faces)), picture=skin(rng, ["#5f2448", "#7a2f5c"], noise=5), crease_deg=60)
@@ -101,7 +102,7 @@ def red_cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
             turn_deg=(90, 0, 90),
         )
     b.convex([(x, y, z) for x in (0.3, 0.42) for y, z in ((-1.6, 0.1), (1.6, 0.1), (0.4, 7), (-0.4, 7))], "#efe4e0")
-    return finished(b, "half a red cabbage", (12.6, 18, 17), rng, {"style": "half"})
+    return varied_cm(b, "half a red cabbage", (12.6, 18, 17), rng, {"style": "half"})
 
 
 @recipe("lettuce", 3, name="greens.lettuce")
@@ -118,7 +119,7 @@ def lettuce(variant: int, rng: np.random.Generator) -> BuiltAsset:
     }[style]
     leafy_head(b, rng, core, outer, rows, {"butterhead": 0.07, "red frilly": 0.16, "romaine": 0.05}[style])
     size = ((21.5, 21.5, 17), (26, 26, 18), (15.5, 15.5, 23.5))[variant % 3]
-    return finished(b, f"a {style} lettuce", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} lettuce", size, rng, {"style": style})
 
 
 @recipe("artichoke", 2, name="greens.artichoke")
@@ -158,7 +159,7 @@ def artichoke(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 )
     b.cylinder(1.3, 3.0, (0, 0, -2.6), shade(color, 1.15), segments=10)
     size_cm = ((10, 10, 11.5), (11.5, 11.5, 13.5))[variant % 2]
-    return finished(b, "an artichoke", size_cm, rng, {"color": str(color)})
+    return varied_cm(b, "an artichoke", size_cm, rng, {"color": str(color)})
 
 
 @recipe("asparagus", 3, name="greens.asparagus")
@@ -190,7 +191,7 @@ def asparagus(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for x in (4, 12):
             b.cylinder(4.25, 1.0, (x, 0, 0), ("#3a5aa8", "#b8423a")[variant % 2], turn_deg=(0, 90, 0), segments=18)
     size = ((22, 6.0, 5.5), (24, 8.5, 7.8), (20, 1.3, 1.3))[variant % 3]
-    return finished(b, f"asparagus: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"asparagus: a {style}", size, rng, {"style": style})
 
 
 @recipe("broccoli", 3, name="greens.broccoli")
@@ -210,7 +211,7 @@ def broccoli(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ball = painted(lumpy(shapes.ellipsoid((fat, fat, fat * 0.85), 10, 7), 0.14, rng, 4))
             b.add(ball, picture=floret, at=tuple(at), crease_deg=60)
     size = ((14.5, 14.5, 15), (17.5, 17.5, 14), (12.5, 12.5, 13))[variant % 3]
-    return finished(b, "a head of broccoli", size, rng, {"color": str(color)})
+    return varied_cm(b, "a head of broccoli", size, rng, {"color": str(color)})
 
 
 @recipe("mushroom", 3, name="greens.mushroom")
@@ -256,4 +257,4 @@ def mushroom(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 (0.38, 0.38, 0.22), (3.3 * s * np.cos(a), 3.3 * s * np.sin(a), z + 0.02), "#f6f0e2", segments=7, rings=4
             )
     size = ((6.5, 6.5, 6.6), (9.5, 9.5, 10.5), (12, 12, 14))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})

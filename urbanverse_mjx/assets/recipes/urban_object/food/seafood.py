@@ -6,7 +6,8 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import finished, lumpy, painted, pillow, skin
+from ...shared.handheld import lumpy, painted, pillow, skin
+from ...shared.sizes import varied_cm
 
 
 def claw(b: MeshBuilder, at: tuple[float, float, float], length: float, yaw: float, color: Color) -> None:
@@ -147,7 +148,7 @@ def crustacean(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         shrimp(b, shell, color)
     size = ((14, 22, 6.0), (42, 24, 8), (10.5, 10.0, 2.9))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})
 
 
 @recipe("oyster", 2, name="seafood.oyster")
@@ -186,4 +187,4 @@ def oyster(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.add(painted(low), picture=grey, crease_deg=50)
         b.add(painted(high), picture=grey, at=(0.15, 0.1, 1.66), turn_deg=(0, -1.5, 3), crease_deg=50)
     size = ((9.5, 6.5, 3.3), (11, 7.2, 4.0))[variant % 2]
-    return finished(b, f"an {style} oyster" if variant % 2 == 0 else "a closed oyster", size, rng, {"style": style})
+    return varied_cm(b, f"an {style} oyster" if variant % 2 == 0 else "a closed oyster", size, rng, {"style": style})

@@ -6,7 +6,9 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import arc, bead, finished, label, lumpy, painted, pillow, skin, softened
+from ...shared.handheld import bead, label, lumpy, painted, pillow, skin, softened
+from ...shared.outlines import arc
+from ...shared.sizes import varied_cm
 from .baked import baked, wavy_disc
 
 
@@ -72,7 +74,7 @@ def hamburger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     seeds(b, rng, (5.2, 5.2), z + 0.75, 3.5, 15, "#f3e2b4")
     size = ((10.8, 10.8, 7.5), (11.2, 11.2, 10.2), (10.2, 10.2, 7.0))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})
 
 
 @recipe("hot dog", 3, name="street_food.hot_dog")
@@ -99,7 +101,7 @@ def hot_dog(variant: int, rng: np.random.Generator) -> BuiltAsset:
         at = (float(rng.uniform(-7, 7)), float(rng.uniform(-1.2, 1.2)), 4.7 + float(rng.uniform(0, 0.5)))
         b.box((0.9, 0.5, 0.4), at, ("#d8a050", "#7f9a3a")[k % 2], turn_deg=(20 * k, 15 * k, 40 * k), bevel=0.1)
     size = ((18, 6.2, 5.5), (20, 6.6, 5.6), (17, 6.6, 6.2))[variant % 3]
-    return finished(b, f"a hot dog with {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a hot dog with {style}", size, rng, {"style": style})
 
 
 @recipe("sandwich", 3, name="street_food.sandwich")
@@ -137,7 +139,7 @@ def sandwich(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.rod((-1, y, 3), (-1, y, 9.6), 0.12, "light wood", sides=5)
                 b.ball((0.7, 0.7, 0.7), (-1, y, 8.6), "#7f9a3a", segments=9, rings=6)
     size = ((16, 10, 6.5), (27, 9.5, 8.0), (15, 11, 9.5))[variant % 3]
-    return finished(b, f"a {style} sandwich", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} sandwich", size, rng, {"style": style})
 
 
 @recipe("pizza", 3, name="street_food.pizza")
@@ -188,7 +190,7 @@ def pizza(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(4):
         b.box((29, 0.25, 0.5), (0, 0, 1.1), "#8a4a24", turn_deg=(0, 0, 45 * k))
     size = ((31, 31, 2.2), (28, 28, 2.4), (34, 34, 2.6))[variant % 3]
-    return finished(b, f"a {style} pizza", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} pizza", size, rng, {"style": style})
 
 
 @recipe("french fries", 3, name="street_food.french_fries")
@@ -242,4 +244,4 @@ def french_fries(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 turn_deg=(float(rng.uniform(-7, 7)) - 14 * u, 14 * v, 17 * k),
             )
     size = ((9, 14, 13), (10, 10.5, 15.5), (17.5, 12, 7.5))[variant % 3]
-    return finished(b, f"french fries in a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"french fries in a {style}", size, rng, {"style": style})

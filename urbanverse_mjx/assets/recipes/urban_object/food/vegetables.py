@@ -8,7 +8,8 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import finished, lumpy, painted, pillow, ribbed, skin, softened
+from ...shared.handheld import lumpy, painted, pillow, ribbed, skin, softened
+from ...shared.sizes import varied_cm
 from .exotic_fruits import lying
 from .fruits import stalk
 
@@ -50,7 +51,7 @@ def carrot(variant: int, rng: np.random.Generator) -> BuiltAsset:
             if style != "purple":
                 b.ball((1.5, 0.7, 0.6), tip, ("leaf", "light leaf")[leaf % 2], segments=7, rings=4)
     size = ((18, 3.2, 3.2), (26, 8, 7), (22, 3.4, 3.4))[variant % 3]
-    return finished(b, f"a {style} carrot", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} carrot", size, rng, {"style": style})
 
 
 def long_gourd(
@@ -69,7 +70,7 @@ def long_gourd(
     else:
         b.cylinder(0.35, 0.9, (29.7, -0.5, 2.3), "#7d8a4a", turn_deg=(0, 90, 0), segments=6)
     kind = ("plain", "long", "small")[variant % 3]
-    return finished(b, f"a {kind} {name}", size, rng, {"kind": kind})
+    return varied_cm(b, f"a {kind} {name}", size, rng, {"kind": kind})
 
 
 @recipe("cucumber", 3, name="vegetables.cucumber")
@@ -105,7 +106,7 @@ def eggplant(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
     b.tube([(17.6, 0, 4.2), (19.5, 0, 4.5), (20.5, 0.2, 5.2)], [0.8, 0.6, 0.7], "#5f7d3a", sides=7)
     size = ((20.5, 8.6, 8.6), (17, 9.6, 9.6), (26, 6.4, 6.4))[variant % 3]
-    return finished(b, f"a {style} eggplant", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} eggplant", size, rng, {"style": style})
 
 
 @recipe("onion", 3, name="vegetables.onion")
@@ -134,7 +135,7 @@ def onion(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
     b.tube([(0, 0, 7.0), (0.1, 0.1, 7.9), (0.5, 0.2, 8.6)], [0.36, 0.28, 0.4], "#b8935a", sides=6)
     size = ((7, 7, 7), (6.4, 6.4, 6.2), (8.4, 8.4, 8.6))[variant % 3]
-    return finished(b, f"a {style} onion", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} onion", size, rng, {"style": style})
 
 
 @recipe("garlic", 2, name="vegetables.garlic")
@@ -149,7 +150,7 @@ def garlic(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.cylinder(0.9, 0.2, (0, 0, -0.15), "#b59a6a", segments=10)
     b.cylinder(0.36, 0.9, (0, 0, 5.3), "#c9b58a", segments=7)
     size = ((5.5, 5.5, 5.2), (6.3, 6.3, 6.8))[variant % 2]
-    return finished(b, "a bulb of garlic", size, rng, {"color": str(color)})
+    return varied_cm(b, "a bulb of garlic", size, rng, {"color": str(color)})
 
 
 @recipe("ginger", 2, name="vegetables.ginger")
@@ -176,7 +177,7 @@ def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for x, y, yaw in ((6.9, -2.0, -35.0), (-5.1, 0.0, 180.0))[: 2 - variant % 2]:
         b.ball((0.35, 0.95, 0.85), (x, y, 1.6), "#ecd98c", turn_deg=(0, 0, yaw), segments=10, rings=6)
     size = ((12.5, 7.5, 4.0), (15.5, 8.6, 4.4))[variant % 2]
-    return finished(b, "a hand of ginger", size, rng, {"kind": variant % 2})
+    return varied_cm(b, "a hand of ginger", size, rng, {"kind": variant % 2})
 
 
 @recipe("potato", 3, name="vegetables.potato")
@@ -192,7 +193,7 @@ def potato(variant: int, rng: np.random.Generator) -> BuiltAsset:
         picture[row : row + 2, column : column + 3] = [round(0.55 * c) for c in picture[row, column]]
     b.add(painted(body), picture=picture, crease_deg=80)
     size = ((8.8, 6.0, 5.2), (7.4, 5.6, 5.0), (12.4, 7.2, 6.4))[variant % 3]
-    return finished(b, f"a {style} potato", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} potato", size, rng, {"style": style})
 
 
 @recipe("tomato", 3, name="vegetables.tomato")
@@ -216,7 +217,7 @@ def tomato(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
     stalk(b, 5.2, 0.9, 0.22, "#4a7a30", 0.4)
     size = ((6.8, 6.8, 5.7), (9.2, 9.2, 6.6), (3.6, 3.6, 3.5))[variant % 3]
-    return finished(b, f"a {style} tomato", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} tomato", size, rng, {"style": style})
 
 
 @recipe("pumpkin", 3, name="vegetables.pumpkin")
@@ -255,4 +256,4 @@ def pumpkin(variant: int, rng: np.random.Generator) -> BuiltAsset:
             small = (inner.mean(0) + (inner - inner.mean(0)) * 0.72).tolist()
             b.extrude([(x, y) for x, y in small], 3.26, (11.4, 0, 0), "#f0b02c", turn_deg=(90, 0, 90))
     size = ((29, 29, 23), (31, 31, 26), (36, 36, 20))[variant % 3]
-    return finished(b, f"a {style} pumpkin", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} pumpkin", size, rng, {"style": style})

@@ -6,7 +6,8 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.proportions import made, soft
+from ...shared.proportions import soft
+from ...shared.sizes import made
 
 Loop = list[tuple[float, float]]
 

@@ -7,7 +7,7 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.proportions import made
+from ...shared.sizes import made
 
 BOARD = 0.022  # m, chipboard of 18-22 mm
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.recipe import recipe
-from ...shared.proportions import arc, made
+from ...shared.outlines import arc
+from ...shared.sizes import made
 
 
 @recipe("lantern", 3, name="masts.lantern")
@@ -49,6 +50,6 @@ def lantern(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 "dark red",
                 sides=6,
             )
-        b.tube([(0, y, z) for y, z in arc((0, 0.24), 0.085, 0, 180, 11)], 0.003, "galvanised", sides=5)
+        b.tube([(0, y, z) for y, z in arc(0.085, 0, 180, 11, (0, 0.24))], 0.003, "galvanised", sides=5)
         size = (0.17, 0.17, 0.33)
     return made(b, f"a {style} lantern", size, style=style)

@@ -7,7 +7,9 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.proportions import arc, made, pouch, soft
+from ...shared.outlines import arc, pairs
+from ...shared.proportions import pouch, soft
+from ...shared.sizes import made
 
 
 @recipe("beach chair", 3, name="light_seats.beach_chair")
@@ -290,7 +292,7 @@ def cradle(variant: int, rng: np.random.Generator) -> BuiltAsset:
             (-low - (0.02 if variant % 2 == 0 else 0.04), 0),
             (low + (0.02 if variant % 2 == 0 else 0.04), 0),
             (tops[1][0], tall),
-            *arc((0, tall), tops[1][0], 0, 180, 9, 0.4)[1:-1],
+            *pairs(arc(tops[1][0], 0, 180, 9, (0, tall), 0.4))[1:-1],
             (tops[0][0], tall),
         ]
         b.extrude(end, 0.03, (0, s * 0.4 + 0.015, z), wood, turn_deg=(90, 0, 0))
@@ -299,9 +301,7 @@ def cradle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     soft(b, (2 * low + 0.09, 0.5, 0.12), (0, -0.12, z + 0.08), ("light blue", "pink")[variant % 2], plan=9)
     pouch(b, (0.26, 0.2, 0.08), (0, 0.27, z + 0.13), "off white")
     if variant % 2 == 0:
-        hood = [
-            [(x, y, z + tall + 0.02 + e) for x, e in arc((0, 0), low + 0.1, 0, 180, 11, 0.95)] for y in (0.42, 0.12)
-        ]
+        hood = [[(x, y, z + tall + 0.02 + e) for x, e in arc(low + 0.1, 0, 180, 11, squash=0.95)] for y in (0.42, 0.12)]
         b.sheet(np.array(hood), "cream", both_sides=True)
         b.tube(hood[1], 0.012, "white", sides=6)
         return made(b, "a cradle on rockers", (0.54, 0.92, 0.82), 0.5, style="rockers")

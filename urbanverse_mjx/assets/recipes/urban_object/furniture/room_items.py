@@ -7,7 +7,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import rgb, shade
 from ....meshes.recipe import recipe
 from ...shared.facade_images import sign
-from ...shared.proportions import arc, made, soft
+from ...shared.outlines import arc, pairs
+from ...shared.proportions import soft
+from ...shared.sizes import made
 
 
 @recipe("mirror", 3, name="room_things.mirror")
@@ -109,7 +111,7 @@ def coatrack(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def hanger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A shaped wooden hanger with a trouser bar, a wire one; the shoulders along y."""
     b = MeshBuilder(roughness=0.5)
-    hook = [(0, y, 0.155 + z) for y, z in [(0.0, -0.03), (0.0, 0.0), *arc((0.0, 0.032), 0.024, -60, 200, 12)]]
+    hook = [(0, y, 0.155 + z) for y, z in [(0.0, -0.03), (0.0, 0.0), *pairs(arc(0.024, -60, 200, 12, (0.0, 0.032)))]]
     b.tube(hook, 0.0025, "aluminium", sides=6)
     if variant % 2 == 0:
         for s in (-1, 1):
@@ -193,8 +195,14 @@ def serving_tray(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((0.42, 0.31, 0.008), color="wood", bevel=0.002)
     for s in (-1, 1):
         b.box((0.42, 0.012, 0.028), (0, s * 0.149, 0.003), "dark wood", bevel=0.004)
-        outline = [(-0.149, 0), (0.149, 0), (0.149, 0.02), *arc((0, 0.02), 0.09, 10, 170, 9, 0.2), (-0.149, 0.02)]
-        hole = [(0.05 * x, 0.018 + 0.008 * y) for x, y in arc((0, 0), 1.0, 0, 345, 16)]
+        outline = [
+            (-0.149, 0),
+            (0.149, 0),
+            (0.149, 0.02),
+            *pairs(arc(0.09, 10, 170, 9, (0, 0.02), 0.2)),
+            (-0.149, 0.02),
+        ]
+        hole = [(0.05 * x, 0.018 + 0.008 * y) for x, y in arc(1.0, 0, 345, 16)]
         b.extrude(outline, 0.012, (s * 0.204 - 0.006, 0, 0), "dark wood", turn_deg=(90, 0, 90), holes=[hole])
     for k in range(3):
         b.box((0.39, 0.002, 0.001), (0, -0.075 + 0.075 * k, 0.008), "dark wood")

@@ -6,7 +6,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point3
-from ...shared.proportions import made, pouch, soft
+from ...shared.proportions import pouch, soft
+from ...shared.sizes import made
 
 
 def legs(b: MeshBuilder, half_x: float, half_y: float, height: float, color: Color, radius: float = 0.022) -> None:

@@ -5,7 +5,8 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.proportions import made, soft
+from ...shared.proportions import soft
+from ...shared.sizes import made
 
 
 @recipe("broom", 3, name="household.broom")

@@ -6,7 +6,9 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import arc, finished, painted, pillow, skin, softened, stadium, vessel
+from ...shared.handheld import painted, pillow, skin, softened, stadium, vessel
+from ...shared.outlines import arc
+from ...shared.sizes import varied_cm
 from ..food.drinks import handle
 from .tableware import STEEL
 
@@ -54,7 +56,7 @@ def chopping_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.extrude(outline, 1.2, color="#eceae4", holes=[[(x * 1.0 + 13.5, y) for x, y in stadium(3, 9, 1.4, 4)]])
             b.tube([(x, y, 1.2) for x, y in stadium(30 - 1, 19, 1.5, 4)], 0.16, "#8fb0c8", sides=4, closed=True)
     size = ((36, 24, 1.95), (46, 22, 2.2), (32, 21, 1.3))[variant % 3]
-    return finished(b, f"a chopping board: {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a chopping board: {style}", size, rng, {"style": style})
 
 
 @recipe("frying pan", 3, name="cookware.frying_pan")
@@ -94,7 +96,7 @@ def frying_pan(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.add(white, "#fbf8ee", (0.8, 0.4, 0.5))
         b.ball((2.2, 2.2, 1.2), (1.2, 0.6, 1.1), "#f2ac1c", segments=16, rings=8)
     size = ((46, 27.5, 7.5), (43, 28, 5.6), (50, 30, 8.4))[variant % 3]
-    return finished(b, f"a frying pan: {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a frying pan: {style}", size, rng, {"style": style})
 
 
 @recipe("wok", 2, name="cookware.wok")
@@ -131,7 +133,7 @@ def wok(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 bevel=0.2,
             )
     size = ((52, 34, 14), (42, 36, 12.5))[variant % 2]
-    return finished(b, f"a {style} wok", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} wok", size, rng, {"style": style})
 
 
 @recipe("teapot", 3, name="cookware.teapot")
@@ -171,7 +173,7 @@ def teapot(variant: int, rng: np.random.Generator) -> BuiltAsset:
         with b.frame((-5.6, 0, 2.0 * tall), (0, 0, 180)):
             handle(b, (0, 0.4), 6.6 * tall, 4.6, 0.75, color)
     size = ((22.5, 13.5, 15), (19.5, 14.5, 18), (24, 13, 19))[variant % 3]
-    return finished(b, f"a {style} teapot", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} teapot", size, rng, {"style": style})
 
 
 @recipe("spice rack", 3, name="cookware.spice_rack")
@@ -207,4 +209,4 @@ def spice_rack(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for y in (-wide / 2, wide / 2):
             b.tube([(3.4, y, 0), (3.4, y, 13), (0, y, 22), (-3.4, y, 13), (-3.4, y, 0)], 0.35, frame, sides=6)
     size = ((13, 34, 30), (12, 28, 25), (16, 30, 17.5))[variant % 3]
-    return finished(b, f"a {style} spice rack", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} spice rack", size, rng, {"style": style})

@@ -6,7 +6,8 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import finished, pillow, softened, vessel
+from ...shared.handheld import pillow, softened, vessel
+from ...shared.sizes import varied_cm
 from ..food.drinks import GLASS, filled
 
 STEEL = "#bcc2c6"
@@ -33,7 +34,7 @@ def bowl(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.ring(9.35, 0.28, (0, 0, 8.2), STEEL, segments=30, sides=6)
     size = ((16, 16, 7.5), (26, 26, 9.5), (21, 21, 10.5))[variant % 3]
-    return finished(b, f"a {style} bowl", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} bowl", size, rng, {"style": style})
 
 
 @recipe("plate", 3, name="tableware.plate")
@@ -71,7 +72,7 @@ def plate(variant: int, rng: np.random.Generator) -> BuiltAsset:
             rings=4,
         )
     size = ((24, 24, 2.2), (28, 28, 2.7), (18, 18, 1.9))[variant % 3]
-    return finished(b, "a plate", size, rng, {"color": str(color)})
+    return varied_cm(b, "a plate", size, rng, {"color": str(color)})
 
 
 @recipe("wine glass", 3, name="tableware.wine_glass")
@@ -98,7 +99,7 @@ def wine_glass(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         filled(b, [(0.4, stem), (1.7, stem + 1.8), (2.5, stem + 6), (2.3, stem + 12.4)], "#e8cf7a", stem + 9.4)
     size = ((8.0, 8.0, 20.5), (10, 10, 21.5), (6.6, 6.6, 22.5))[variant % 3]
-    return finished(b, f"a {style} glass", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} glass", size, rng, {"style": style})
 
 
 def cutlery_handle(b: MeshBuilder, color: Color, wide: float = 1.9, wooden: bool = False) -> None:
@@ -141,7 +142,7 @@ def fork(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if style == "cake":  # its left tine is a blade
         b.extrude([(3.0, 0.8), (3.0, 1.7), (6.4, 1.7), (7.2, 1.0)], 0.25, (0, 0, 0.4), STEEL, turn_deg=(0, -4, 0))
     size = ((19.5, 2.6, 1.8), (21.5, 2.7, 2.0), (14.5, 2.6, 1.5))[variant % 3]
-    return finished(b, f"a {style} fork", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} fork", size, rng, {"style": style})
 
 
 @recipe("spoon", 3, name="tableware.spoon")
@@ -173,7 +174,7 @@ def spoon(variant: int, rng: np.random.Generator) -> BuiltAsset:
             crease_deg=60,
         )
     size = ((18.5, 4.0, 2.2), (29, 6.0, 2.6), (31, 7.8, 5.2))[variant % 3]
-    return finished(b, f"a {style} spoon", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} spoon", size, rng, {"style": style})
 
 
 @recipe("knife or sword", 3, name="tableware.knife_or_sword")
@@ -187,7 +188,7 @@ def knife_or_sword(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.add(pillow((12, 2.4, 1.5), 0.5, 0.5, 16, 6), "#3a2a20", (-6, 0.1, 0))
         for x in (-9.5, -6, -2.5):
             b.cylinder(0.3, 1.54, (x, 0.1, -0.02), "brass", segments=8)
-        return finished(b, "a kitchen knife", (30, 3.2, 1.5), rng, {"style": style})
+        return varied_cm(b, "a kitchen knife", (30, 3.2, 1.5), rng, {"style": style})
     bend = 0.0 if style == "short sword" else 1.0
     s = np.linspace(0, 1, 10)
     long = 46.0 if style == "short sword" else 76.0
@@ -210,7 +211,7 @@ def knife_or_sword(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if bend:
         b.tube([(0, -4, 0), (-5, -5.4, 0), (-10, -4.6, 0), (-13, -1.4, 0)], [0.6, 0.45, 0.45, 0.5], "gold", sides=6)
     size = ((62, 10, 1.8), (0, 0, 0), (92, 18, 2.6))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})
 
 
 def _inward(rows: list[np.ndarray]) -> bool:
@@ -239,4 +240,4 @@ def chopsticks(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     sides=4,
                 )
     size = ((23.5, 2.4, 0.85), (25, 2.8, 0.8))[variant % 2]
-    return finished(b, "a pair of chopsticks", size, rng, {"color": color})
+    return varied_cm(b, "a pair of chopsticks", size, rng, {"color": color})

@@ -7,7 +7,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2
-from ...shared.proportions import arc, hollow, made
+from ...shared.outlines import arc
+from ...shared.proportions import hollow
+from ...shared.sizes import made
 
 
 @recipe("barrel or bucket", 3, name="vessels.barrel")
@@ -52,7 +54,7 @@ def barrel(variant: int, rng: np.random.Generator) -> BuiltAsset:
         floor=0.02,
     )
     b.lathe([(0.128, 0.13), (0.134, 0.14), (0.13, 0.15)], color="galvanised", segments=26)
-    b.tube([(0, y, z) for y, z in arc((0, 0.24), 0.152, 0, 180, 13)], 0.004, "charcoal", sides=6)
+    b.tube([(0, y, z) for y, z in arc(0.152, 0, 180, 13, (0, 0.24))], 0.004, "charcoal", sides=6)
     b.cylinder(0.013, 0.09, (0, -0.045, 0.393), "wood", turn_deg=(-90, 0, 0), segments=10)
     for side in (-1, 1):
         b.cylinder(0.018, 0.012, (0, side * 0.145, 0.24), "dark grey", turn_deg=(-90 * side, 0, 0), segments=10)

@@ -7,7 +7,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import desk_panel, sized
+from ...shared.outlines import desk_panel
+from ...shared.sizes import varied
 
 
 def _drum(b: MeshBuilder, radius: float, deep: float, color: Color, lugs: int = 6, segments: int = 24) -> None:
@@ -86,7 +87,7 @@ def drum(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.15, 0.08, (-0.6, 0, 0.45), "black", segments=18)
         b.cylinder(0.025, 0.45, (-0.6, 0, 0.0), "aluminium", segments=8)
     size = ((0.46, 0.45, 0.4), (1.3, 1.6, 1.15), (0.34, 0.34, 0.6))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 def _white_keys(octaves: int) -> Image.Image:
@@ -196,4 +197,4 @@ def piano(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.tube([(0.04, 0.5 * s, 1.0), (0.14, 0.5 * s, 0.98), (0.14, 0.5 * s, 1.05)], 0.008, "brass", sides=5)
                 b.cylinder(0.014, 0.12, (0.14, 0.5 * s, 1.05), "cream", segments=8)
     size = ((0.64, 1.5, 1.25), (1.5, 1.54, 1.38), (0.6, 1.45, 1.3))[variant]
-    return sized(b, rng, size, f"a {style} piano", style)
+    return varied(b, rng, size, f"a {style} piano", style)

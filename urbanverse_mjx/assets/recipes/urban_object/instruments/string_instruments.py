@@ -6,7 +6,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2
-from ...shared.outlines import curve, ellipse, pairs, sized
+from ...shared.outlines import curve, ellipse, pairs
+from ...shared.sizes import varied
 
 
 def strings(
@@ -152,7 +153,7 @@ def guitar(variant: int, rng: np.random.Generator) -> BuiltAsset:
     bridge = -0.115 if not electric else -0.1
     strings(b, 6, (bridge, 0.028, z + 0.014), (nut, 0.018, z + 0.011), 0.0011)
     size = ((1.02, 0.37, 0.104), (0.98, 0.33, 0.055), (1.05, 0.4, 0.125))[variant]
-    return sized(b, rng, size, f"a {style} guitar", style)
+    return varied(b, rng, size, f"a {style} guitar", style)
 
 
 def _violin(b: MeshBuilder, varnish: Color, deep: float, bridge: float) -> None:
@@ -239,7 +240,7 @@ def violin(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.rod((-0.18, -0.128, 0.012), (0.375, -0.128, 0.012), 0.0018, "cream", sides=4)
         b.box((0.03, 0.02, 0.012), (-0.175, -0.121, 0.004), "black")
     size = ((0.59, 0.208, 0.09), (0.61, 0.235, 0.1))[variant]
-    return sized(b, rng, size, f"a violin, {style}", style)
+    return varied(b, rng, size, f"a violin, {style}", style)
 
 
 @recipe("cello", 2, name="string_instruments.cello")
@@ -251,7 +252,7 @@ def cello(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.rod((-0.175, 0, 0.035), (-0.25 + 0.02 * variant, 0, 0.035), 0.003, "aluminium", sides=8)
     b.ball(0.008, (-0.18, 0, 0.035), "black", segments=8, rings=5)
     size = ((1.24, 0.445, 0.27), (1.18, 0.42, 0.25))[variant]
-    return sized(b, rng, size, f"a {style} cello", style)
+    return varied(b, rng, size, f"a {style} cello", style)
 
 
 @recipe("harp", 2, name="string_instruments.harp")
@@ -312,4 +313,4 @@ def harp(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ink = "signal red" if k % 7 == 0 else "dark blue" if k % 7 == 3 else "cream"
         b.rod(foot, (foot[0] * 0.25 + tip[0] * 0.75, 0, tip[2]), 0.0028, ink, sides=3)
     size = ((0.9, 0.5, 1.7), (0.7, 0.38, 1.3))[variant]
-    return sized(b, rng, size, f"a {style} harp", style)
+    return varied(b, rng, size, f"a {style} harp", style)

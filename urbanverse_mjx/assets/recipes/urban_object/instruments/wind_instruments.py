@@ -6,7 +6,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.outlines import curve, sized
+from ...shared.outlines import curve
+from ...shared.sizes import varied
 
 
 @recipe("flute", 3, hulls=1, name="wind_instruments.flute")
@@ -53,7 +54,7 @@ def flute(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.cylinder(0.0075, 0.003, (x, 0.0, 0.0215), "aluminium" if variant else "galvanised", segments=10)
             b.rod((x, 0.0125, 0.017), (x, 0.002, 0.023), 0.0014, "aluminium", sides=4)
     size = ((0.64, 0.0285, 0.027), (0.34, 0.034, 0.034), (0.33, 0.03, 0.026))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 @recipe("saxophone", 2, name="wind_instruments.saxophone")
@@ -100,7 +101,7 @@ def saxophone(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.026, 0.008, (x, y, z + 0.036), keys, segments=14)
         b.ring(0.022, 0.002, (x, y, z + 0.045), metal, segments=14, sides=4)
     size = ((0.68, 0.255, 0.15), (0.74, 0.27, 0.16))[variant]
-    return sized(b, rng, size, f"a {style} saxophone", style)
+    return varied(b, rng, size, f"a {style} saxophone", style)
 
 
 def _dark_mouth(at: np.ndarray, axis: np.ndarray, radius: float) -> Shape:
@@ -189,7 +190,7 @@ def trumpet(variant: int, rng: np.random.Generator) -> BuiltAsset:
         with b.frame((0.15, 0, z), (0, 90, 0)):
             b.lathe([(0.018, 0.0), (0.04, 0.08), (0.034, 0.1), (0.0, 0.1)], color="signal red", segments=18)
     size = ((0.48, 0.13, 0.158), (0.53, 0.128, 0.165))[variant]
-    return sized(b, rng, size, f"a {style} trumpet", style)
+    return varied(b, rng, size, f"a {style} trumpet", style)
 
 
 @recipe("accordion", 2, hulls=1, name="wind_instruments.accordion")
@@ -241,4 +242,4 @@ def accordion(variant: int, rng: np.random.Generator) -> BuiltAsset:
         sides=6,
     )
     size = ((0.213, 0.46, 0.38), (0.2, 0.42, 0.35))[variant]
-    return sized(b, rng, size, f"a {style} accordion", style)
+    return varied(b, rng, size, f"a {style} accordion", style)

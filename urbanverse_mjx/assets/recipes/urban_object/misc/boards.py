@@ -7,7 +7,7 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
-from ...shared.outlines import sized
+from ...shared.sizes import varied
 
 
 def _sum_and_triangle(size: tuple[int, int], ground: Color, inks: list[Color]) -> Image.Image:
@@ -108,7 +108,7 @@ def blackboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if green:
             _stand(b, 1.34, 1.7, "aluminium")
     size = ((0.09, 1.35, 1.2), (0.56, 1.9, 1.85), (0.45, 0.62, 1.15))[variant]
-    return sized(b, rng, size, f"a {style} blackboard", style)
+    return varied(b, rng, size, f"a {style} blackboard", style)
 
 
 @recipe("whiteboard", 3, name="boards.whiteboard")
@@ -145,7 +145,7 @@ def whiteboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if wheeled:
             _stand(b, 1.34, 1.7, "galvanised")
     size = ((0.12, 1.35, 1.2), (0.58, 1.75, 1.9), (0.6, 0.72, 1.85))[variant]
-    return sized(b, rng, size, f"a {style} whiteboard", style)
+    return varied(b, rng, size, f"a {style} whiteboard", style)
 
 
 @recipe("tripod", 3, name="boards.tripod")
@@ -185,4 +185,4 @@ def tripod(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.rod((-0.03, 0.03, top * 1.12 + 0.08), (-0.26, 0.06, top * 1.12 - 0.02), 0.007, "black", sides=6)
         b.rod((-0.16, 0.045, top * 1.12 + 0.03), (-0.27, 0.062, top * 1.12 - 0.024), 0.014, "black", sides=8)
     size = ((0.87, 0.84, 1.35), (1.05, 1.0, 1.5), (0.75, 0.73, 0.85))[variant]
-    return sized(b, rng, size, f"a {style} tripod", style)
+    return varied(b, rng, size, f"a {style} tripod", style)

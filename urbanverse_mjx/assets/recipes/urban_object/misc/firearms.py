@@ -6,7 +6,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2
-from ...shared.outlines import curve, ellipse, mirrored, pairs, sized
+from ...shared.outlines import curve, ellipse, mirrored, pairs
+from ...shared.sizes import varied
 
 
 def barrel(b: MeshBuilder, start: float, end: float, z: float, radius: float, color: Color, y: float = 0.0) -> None:
@@ -89,7 +90,7 @@ def handgun(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.036, 0.033, 0.003), (-0.077 + 0.002 * k, 0, 0.02 + 0.011 * k), shade(grip, 0.75))
     b.profile(hold, 0.031, color=grip)
     size = ((0.205, 0.035, 0.137), (0.22, 0.034, 0.14), (0.27, 0.04, 0.15))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 _STOCK: list[Point2] = [
@@ -162,7 +163,7 @@ def rifle(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.07, 0.035, 0.035), (-0.02, 0, 0.2), "charcoal", bevel=0.006)
             b.cylinder(0.013, 0.002, (0.0155, 0, 0.2175), "light red", (0, 90, 0), segments=10)
     size = ((0.92, 0.066, 0.24), (0.84, 0.064, 0.25), (1.1, 0.075, 0.21))[variant]
-    return sized(b, rng, size, f"a {style} rifle", style)
+    return varied(b, rng, size, f"a {style} rifle", style)
 
 
 @recipe("shotgun", 2, name="firearms.shotgun")
@@ -191,7 +192,7 @@ def shotgun(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.07, 0.045, 0.02), (-0.01, 0, 0.16), "dark grey")
     b.ball(0.004, (0.6 if variant else 0.61, 0, 0.192), "brass", segments=6, rings=4)
     size = ((1.04, 0.06, 0.19), (0.98, 0.056, 0.2))[variant]
-    return sized(b, rng, size, f"a {style} shotgun", style)
+    return varied(b, rng, size, f"a {style} shotgun", style)
 
 
 @recipe("machine gun", 2, name="firearms.machine_gun")
@@ -226,7 +227,7 @@ def machine_gun(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.profile([(0.2, 0.19), (0.235, 0.19), (0.22, 0.09), (0.185, 0.09)], 0.034, color=wood)
         b.box((0.01, 0.006, 0.03), (0.52, 0, 0.225), "black")
     size = ((1.08, 0.132, 0.28), (0.85, 0.08, 0.26))[variant]
-    return sized(b, rng, size, f"a {style} machine gun", style)
+    return varied(b, rng, size, f"a {style} machine gun", style)
 
 
 @recipe("bomb", 2, name="firearms.bomb")
@@ -258,4 +259,4 @@ def bomb(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ink = "signal yellow" if k % 2 else "safety orange"
             b.rod((0.112, 0, 0.313), (0.125 + 0.01 * (k % 2), y * 0.7, 0.318 + z), 0.004, ink, sides=4)
     size = ((0.6, 0.225, 0.255), (0.27, 0.24, 0.37))[variant]
-    return sized(b, rng, size, f"a {style} bomb", style)
+    return varied(b, rng, size, f"a {style} bomb", style)

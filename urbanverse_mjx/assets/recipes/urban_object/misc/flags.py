@@ -8,7 +8,7 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ...amenity.banners import FOLDED, ripple
-from ...shared.proportions import made
+from ...shared.sizes import made
 
 
 def field(style: str, size: tuple[int, int] = (72, 48)) -> Image.Image:

@@ -6,7 +6,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import rgb
 from ....meshes.recipe import recipe
-from ...shared.proportions import made, soft
+from ...shared.proportions import soft
+from ...shared.sizes import made
 
 
 @recipe("medicine", 2, name="first_aid.medicine")

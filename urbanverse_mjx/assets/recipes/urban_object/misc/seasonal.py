@@ -5,7 +5,7 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.recipe import recipe
 from ...nature.vegetation import TREE, conifer
-from ...shared.proportions import made
+from ...shared.sizes import made
 
 
 @recipe("christmas tree", 3, TREE, hulls=3, name="vegetation.christmas_tree")

@@ -6,7 +6,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.proportions import arc, made
+from ...shared.outlines import arc
+from ...shared.sizes import made
 
 
 def _pyramid(b: MeshBuilder, half: float, low: float, high: float, color: Color, second: Color | None) -> None:
@@ -84,9 +85,9 @@ def tent(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
     for k in range(2):
         b.tube(
-            [(1.13 * x, 0, 1.22 * z) for x, z in arc((0, 0), 1.0, 0, 180, 13)]
+            [(1.13 * x, 0, 1.22 * z) for x, z in arc(1.0, 0, 180, 13)]
             if k == 0
-            else [(0, 1.13 * x, 1.22 * z) for x, z in arc((0, 0), 1.0, 0, 180, 13)],
+            else [(0, 1.13 * x, 1.22 * z) for x, z in arc(1.0, 0, 180, 13)],
             0.014,
             "charcoal",
             sides=6,

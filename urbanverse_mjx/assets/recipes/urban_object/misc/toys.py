@@ -7,7 +7,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, level, pairs, sized
+from ...shared.outlines import curve, level, pairs
+from ...shared.sizes import varied
 
 
 def _eyes(b: MeshBuilder, x: float, z: float, apart: float, radius: float, color: Color = "black") -> None:
@@ -156,7 +157,7 @@ def doll(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         _baby_body(b, skin, dress, head, z)
     size = ((0.1, 0.165, 0.33), (0.095, 0.125, 0.3), (0.13, 0.21, 0.4))[variant]
-    return sized(b, rng, size, f"a {style} doll", style)
+    return varied(b, rng, size, f"a {style} doll", style)
 
 
 @recipe("stuffed toy", 3, name="toys.stuffed_toy")
@@ -215,7 +216,7 @@ def stuffed_toy(variant: int, rng: np.random.Generator) -> BuiltAsset:
     elif style == "rabbit":
         b.ball(0.03, (-0.08, 0, 0.04), "white", segments=8, rings=5)
     size = ((0.19, 0.23, 0.3), (0.2, 0.22, 0.4), (0.3, 0.34, 0.45))[variant]
-    return sized(b, rng, size, f"a stuffed {style}", style)
+    return varied(b, rng, size, f"a stuffed {style}", style)
 
 
 @recipe("water gun", 3, name="toys.water_gun")
@@ -275,4 +276,4 @@ def water_gun(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
         b.rod((0.23, 0, z - 0.024), (0.25, 0, z + 0.003), 0.009, body, sides=6)
     size = ((0.36, 0.085, 0.205), (0.22, 0.062, 0.16), (0.5, 0.14, 0.24))[variant]
-    return sized(b, rng, size, f"a {style} water gun", style)
+    return varied(b, rng, size, f"a {style} water gun", style)

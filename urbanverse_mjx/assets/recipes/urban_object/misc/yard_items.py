@@ -7,7 +7,7 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ...shared.facade_images import sign
-from ...shared.proportions import made
+from ...shared.sizes import made
 from ...vehicle.wheels import rim_picture, wheel
 
 

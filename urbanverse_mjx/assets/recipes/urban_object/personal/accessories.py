@@ -6,7 +6,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.handheld import arc, finished, label, painted, pillow, weave
+from ...shared.handheld import label, painted, pillow, weave
+from ...shared.outlines import arc
+from ...shared.sizes import varied_cm
 
 
 def dome(size: tuple[float, float, float], share: float = 0.5, power: float = 0.9) -> Shape:
@@ -60,7 +62,7 @@ def hat(variant: int, rng: np.random.Generator) -> BuiltAsset:
             band = "#b0413e"
         b.add(pillow((19.6, 16.6, 3.4), 0.95, 0.15, 24, 4), band, (0, 0, 1.0 if style == "fedora" else 2.4))
     size = ((29, 26, 13.5), (26, 19, 13), (41, 38, 12))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})
 
 
 @recipe("helmet", 3, name="accessories.helmet")
@@ -113,7 +115,7 @@ def helmet(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
         b.panel(label("SITE", "white", "black", (24, 16)), (13.2, 0, 6.2), 6, 4, tilt_deg=14)
     size = ((28.5, 23.5, 22), (29, 21, 19), (30, 23, 16.5))[variant % 3]
-    return finished(b, f"a {style} helmet", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} helmet", size, rng, {"style": style})
 
 
 @recipe("gloves", 3, name="accessories.gloves")
@@ -142,7 +144,7 @@ def gloves(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 for y in (-1.5, 0, 1.5):
                     b.tube([(-1.5, y, 4.1), (3.5, y * 1.2, 4.2)], 0.2, cuff, sides=4)
     size = ((25, 14, 4.5), (26, 21, 5), (24, 24, 5.5))[variant % 3]
-    return finished(b, f"a pair of {style} gloves", size, rng, {"style": style})
+    return varied_cm(b, f"a pair of {style} gloves", size, rng, {"style": style})
 
 
 def shoe(b: MeshBuilder, upper: Color, sole: Color, style: str) -> None:
@@ -202,7 +204,7 @@ def shoes(variant: int, rng: np.random.Generator) -> BuiltAsset:
         with b.frame((0.8 * side, side * 5.8, 0), (0, 0, 4 * side), (1, side, 1)):
             shoe(b, upper, sole, style)
     size = ((28.5, 21, 12.4), (29.5, 19.5, 10.5), (30, 21.5, 27))[variant % 3]
-    return finished(b, f"a pair of {style}s", size, rng, {"style": style})
+    return varied_cm(b, f"a pair of {style}s", size, rng, {"style": style})
 
 
 @recipe("umbrella", 3, name="accessories.umbrella")
@@ -242,4 +244,4 @@ def umbrella(variant: int, rng: np.random.Generator) -> BuiltAsset:
             hook = arc(4.0, 180, 360, 9)
             b.tube([(0, 0, 12), *((x + 4, 0, 1 + z) for x, z in hook)], 1.4, "wood", sides=8)
     size = ((98, 98, 82), (108, 108, 84), (88, 96, 92))[variant % 3]
-    return finished(b, f"an open {style} umbrella", size, rng, {"style": style})
+    return varied_cm(b, f"an open {style} umbrella", size, rng, {"style": style})

@@ -6,7 +6,9 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import arc, finished, label, painted, pillow, stadium, weave
+from ...shared.handheld import label, painted, pillow, stadium, weave
+from ...shared.outlines import arc
+from ...shared.sizes import varied_cm
 
 
 def grip(b: MeshBuilder, at: tuple[float, float, float], span: float, rise: float, radius: float, color: Color) -> None:
@@ -58,7 +60,7 @@ def backpack(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.ball((0.8, 2, 2), (deep * 0.5 + 0.6, y, tall * 0.68), "white", segments=10, rings=6)
             b.ball((0.8, 1, 1), (deep * 0.5 + 1.1, y, tall * 0.68), "black", segments=8, rings=5)
     size = ((21, 32, 47), (28, 33, 68), (19, 29, 40))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})
 
 
 def hard_case(b: MeshBuilder, size: tuple[float, float, float], color: Color, at: tuple[float, float, float]) -> None:
@@ -100,7 +102,7 @@ def suitcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((2.6, 18, 2.6), (-deep * 0.28, 0, tall + 3 + reach), "black", bevel=0.8)
     grip(b, (deep * 0.1, 0, tall + 3.4), 14, 3, 0.8, "black")
     size = ((26.5, 46, 68), (22, 36, 56), (29, 47, 74))[variant % 3]
-    return finished(b, f"a {style} suitcase", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} suitcase", size, rng, {"style": style})
 
 
 @recipe("luggage", 3, name="bags.luggage")
@@ -141,7 +143,7 @@ def luggage(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     b.box((0.8, 2.6, 3.4), (deep / 2 + 0.6, y, tall * 0.5), "brass")
                 b.tube([(deep / 2 + x, y, tall * 0.45) for x, y in ((0, -5), (2, -4), (2, 4), (0, 5))], 0.7, "brown")
     size = ((34, 62, 52), (30, 58, 33), (42, 70, 58))[variant % 3]
-    return finished(b, f"luggage: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"luggage: a {style}", size, rng, {"style": style})
 
 
 @recipe("briefcase", 3, name="bags.briefcase")
@@ -171,7 +173,7 @@ def briefcase(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.8, 3.4, 4), (5.6, y, 24), "brass" if variant == 0 else "dark grey", bevel=0.2)
     grip(b, (0, 0, 28), 13, 4.4, 0.9, "#241610" if variant != 2 else shade(color, 0.6))
     size = ((12, 43, 32.5), (13.5, 46, 35), (14, 40, 33))[variant % 3]
-    return finished(b, f"a {style} briefcase", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} briefcase", size, rng, {"style": style})
 
 
 @recipe("handbag", 3, name="bags.handbag")
@@ -207,7 +209,7 @@ def handbag(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for y in (-7, 7):
             b.box((14.8, 2.4, 17), (0, y, 0.4), "#6b4226")
     size = ((13, 31, 30), (10, 26, 28), (17, 37, 29))[variant % 3]
-    return finished(b, f"a {style} handbag", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} handbag", size, rng, {"style": style})
 
 
 @recipe("grocery bag", 3, name="bags.grocery_bag")
@@ -243,7 +245,7 @@ def grocery_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for x in (-3, 3):
             grip(b, (x, 0, 31), 14, 14, 0.8, "#2f6b4f")
     size = ((18, 34, 38), (20, 33, 42), (15, 38, 44))[variant % 3]
-    return finished(b, f"a {style} grocery bag", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} grocery bag", size, rng, {"style": style})
 
 
 @recipe("picnic basket", 3, name="bags.picnic_basket")
@@ -281,7 +283,7 @@ def picnic_basket(variant: int, rng: np.random.Generator) -> BuiltAsset:
         x, z = arc(13.6, 0, 180, 13).T
         b.tube([(px, 0, 17 + 1.1 * pz) for px, pz in zip(x, z, strict=True)], 1.1, dark, sides=7)
     size = ((30, 42, 32), (33, 46, 25), (27, 37, 36))[variant % 3]
-    return finished(b, f"a {style} picnic basket", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} picnic basket", size, rng, {"style": style})
 
 
 @recipe("wallet", 3, name="bags.wallet")
@@ -308,4 +310,4 @@ def wallet(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.box((0.15, 9.6, 8), (-side * 0.5, 6, 1.4), "#9db08a")
         b.add(pillow((1.2, 1.2, 9), 1.0, 0.2, 10, 6), color, (0, -5.4, 0))
     size = ((2.2, 11.2, 9.2), (3.3, 10.6, 9.6), (2.5, 19, 10))[variant % 3]
-    return finished(b, f"a {style} wallet", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} wallet", size, rng, {"style": style})

@@ -7,7 +7,9 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import arc, finished, painted, pillow, skin, stadium
+from ...shared.handheld import painted, pillow, skin, stadium
+from ...shared.outlines import arc
+from ...shared.sizes import varied_cm
 
 
 @recipe("a pair of glasses", 3, name="pocket_things.glasses")
@@ -20,7 +22,7 @@ def glasses(variant: int, rng: np.random.Generator) -> BuiltAsset:
     thick = (0.24, 0.12, 0.12)[variant % 3]
     for side in (-1, 1):
         if style == "black-framed":
-            rim = stadium(3.8, 5.2, 1.1, 5)
+            rim = stadium(3.8, 5.2, 1.1)
         elif style == "round wire":
             rim = [(float(x), float(y)) for x, y in arc(2.4, 0, 345, 24)]
         else:
@@ -42,7 +44,7 @@ def glasses(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if style == "aviator":
         b.tube([(0, -2.2, 4.2), (0, 2.2, 4.2)], 0.1, color, sides=6)
     size = ((14, 14.2, 4.4), (14.4, 13.4, 4.5), (13.6, 14.6, 5))[variant % 3]
-    return finished(b, f"a pair of {style} glasses", size, rng, {"style": style})
+    return varied_cm(b, f"a pair of {style} glasses", size, rng, {"style": style})
 
 
 def cover(title: str, author: str, color: Color, ink: Color) -> Image.Image:
@@ -98,7 +100,7 @@ def book(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.add(pillow((1.4, thick + 0.02, tall), 0.9, 0.06, 14, 4), color, (deep / 2 - 0.5, 0, 0))
     b.panel(spine(title.replace("\n", " "), color, ink), (deep / 2 + 0.24, 0, tall / 2), thick * 0.7, tall * 0.8)
     size = ((16.5, 2.6, 24), (17.5, 6.2, 26), (15, 8.6, 22))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})
 
 
 @recipe("cigarette", 3, name="pocket_things.cigarette")
@@ -124,7 +126,7 @@ def cigarette(variant: int, rng: np.random.Generator) -> BuiltAsset:
         else:
             b.cylinder(3.2, 0.4, (length - 0.6, 0, 0), "#7b5327", turn_deg=(0, 90, 0), segments=12)
     size = ((8.4, 0.79, 0.79), (7.5, 0.78, 0.78), (9.8, 0.62, 0.62))[variant % 3]
-    return finished(b, f"a {style} cigarette", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} cigarette", size, rng, {"style": style})
 
 
 def cut_stone(b: MeshBuilder, radius: float, at: tuple[float, float, float], color: Color) -> None:
@@ -167,7 +169,7 @@ def jewelry(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 )
         b.ball((0.5, 0.9, 0.45), (7.5, 0, 0.5), "gold", segments=10, rings=6)
     size = ((4.5, 3.5, 1.5), (2.3, 1.05, 3.0), (18, 15.4, 1.5))[variant % 3]
-    return finished(b, f"a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"a {style}", size, rng, {"style": style})
 
 
 def dial(color: Color, ink: Color, digital: bool) -> Image.Image:
@@ -228,4 +230,4 @@ def watches(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.box((0.7, 0.9, 1.9), (2.25, y, 0), case, centered=True, bevel=0.1)
     b.box((0.6, 1.6, 2.3), (-2.55, 0, 0), case, centered=True, bevel=0.15)
     size = ((5.5, 6.4, 5.1), (5.3, 6.2, 4.6), (5.8, 6.8, 4.4))[variant % 3]
-    return finished(b, f"a {style} watch", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} watch", size, rng, {"style": style})

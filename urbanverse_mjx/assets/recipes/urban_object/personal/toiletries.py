@@ -6,7 +6,8 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import finished, label, painted, patch, pillow, stadium
+from ...shared.handheld import label, painted, patch, pillow, stadium
+from ...shared.sizes import varied_cm
 from ..food.bottles import tinted
 
 
@@ -51,7 +52,7 @@ def shampoo(variant: int, rng: np.random.Generator) -> BuiltAsset:
         else:
             pump(b, 16.3, "#3f6a4a")
     size = ((4.5, 7.4, 19.5), (5.6, 8.2, 22.5), (4.2, 6.8, 18.6))[variant % 3]
-    return finished(b, f"a {style} bottle of shampoo", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} bottle of shampoo", size, rng, {"style": style})
 
 
 @recipe("lotion", 3, name="toiletries.lotion")
@@ -60,7 +61,7 @@ def lotion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.4)
     style = ("pump bottle", "jar", "tube")[variant % 3]
     if style == "pump bottle":
-        b.extrude(stadium(4.8, 6.0, 1.6, 5), 11, color="#f3ece2", crease_deg=50)
+        b.extrude(stadium(4.8, 6.0, 1.6), 11, color="#f3ece2", crease_deg=50)
         b.panel(label("BODY\nLOTION", "#f3ece2", "#b0607a", (40, 56)), (2.46, 0, 5.4), 3.9, 7.6)
         pump(b, 10.8, "#d8a8b4")
     elif style == "jar":
@@ -84,7 +85,7 @@ def lotion(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.loft(rows, "#e8a050", crease_deg=60)
         b.panel(label("SUN\n30", "#e8a050", "white", (40, 40), bold=0.05), (1.9, 0, 8), 3.2, 4.6, tilt_deg=9)
     size = ((5.0, 6.2, 15), (8.6, 8.8, 5.8), (4.4, 6.4, 15.6))[variant % 3]
-    return finished(b, f"lotion: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"lotion: a {style}", size, rng, {"style": style})
 
 
 @recipe("perfume", 3, name="toiletries.perfume")
@@ -117,7 +118,7 @@ def perfume(variant: int, rng: np.random.Generator) -> BuiltAsset:
         else:
             b.cylinder(1.1, 3.2, (0, 0, tall + 0.5), "black", segments=18)
     size = ((3.8, 5.5, 10), (4.2, 7.4, 11), (2.7, 3.3, 13.6))[variant % 3]
-    return finished(b, f"a {style} bottle of perfume", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} bottle of perfume", size, rng, {"style": style})
 
 
 @recipe("soap", 3, name="toiletries.soap")
@@ -145,7 +146,7 @@ def soap(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     r, (3.6 * np.cos(a), 2.5 * np.sin(a), 2.0 + 1.6 * ((k * 5) % 7) / 7), "#f4f8fa", segments=8, rings=5
                 )
     size = ((8.3, 5.4, 3.0), (10.4, 7.2, 4.0), (6.2, 6.8, 16.4))[variant % 3]
-    return finished(b, f"soap: a {style}", size, rng, {"style": style})
+    return varied_cm(b, f"soap: a {style}", size, rng, {"style": style})
 
 
 @recipe("lipstick", 3, name="toiletries.lipstick")
@@ -169,7 +170,7 @@ def lipstick(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.loft(rows, color, crease_deg=50)
     b.ring(0.98, 0.06, (0, 0, 3.0), band, segments=24, sides=5)
     size = ((1.95, 1.95, 7.4), (1.8, 1.8, 6.8), (2.2, 2.2, 8.0))[variant % 3]
-    return finished(b, "a lipstick", size, rng, {"color": color})
+    return varied_cm(b, "a lipstick", size, rng, {"color": color})
 
 
 @recipe("toothbrush", 3, name="toiletries.toothbrush")
@@ -213,7 +214,7 @@ def toothbrush(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     segments=6,
                 )
     size = ((19, 1.4, 1.7), (18, 1.5, 1.6), (23.5, 2.9, 3.1))[variant % 3]
-    return finished(b, f"a {style} toothbrush", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} toothbrush", size, rng, {"style": style})
 
 
 @recipe("toothpaste", 3, name="toiletries.toothpaste")
@@ -267,7 +268,7 @@ def toothpaste(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.box((0.9, 5.1, 0.35), (start - 0.2, 0, 1.18), shade(color, 0.9))
     size = ((17.2, 5.0, 3.7), (19, 5.5, 4.1), (14, 4.8, 3.4))[variant % 3]
-    return finished(b, f"a {style} tube of toothpaste", size, rng, {"style": style})
+    return varied_cm(b, f"a {style} tube of toothpaste", size, rng, {"style": style})
 
 
 @recipe("band-aid", 2, name="toiletries.band_aid")
@@ -287,7 +288,7 @@ def band_aid(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 for y in (-0.5, 0.0, 0.5):
                     b.cylinder(0.08, 0.02, (x, y, 0.29), shade(color, 0.7), segments=5)
     size = ((6.8, 2.2, 0.3), (7.0, 5.6, 0.42))[variant % 2]
-    return finished(b, "a plaster" if variant % 2 == 0 else "two plasters, crossed", size, rng, {"kind": variant % 2})
+    return varied_cm(b, "a plaster" if variant % 2 == 0 else "two plasters, crossed", size, rng, {"kind": variant % 2})
 
 
 @recipe("diaper", 2, name="toiletries.diaper")
@@ -325,7 +326,7 @@ def diaper(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((3.4, 13, 0.2), (11.6, 0, 0.85), "#bfe0f0")
         for k in range(4):
             b.ball((0.7, 0.7, 0.12), (11.6, -4.5 + 3 * k, 1.05), ("#f0a0b0", "#f0d060")[k % 2], segments=8, rings=4)
-        return finished(b, "a diaper laid out", (28, 19, 3.5), rng, {"style": "flat"})
+        return varied_cm(b, "a diaper laid out", (28, 19, 3.5), rng, {"style": "flat"})
     ring = np.arange(28) * 2 * np.pi / 28
     rows = []
     for z, x, y, dip in (
@@ -349,4 +350,4 @@ def diaper(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.panel(label("*", "#bfe0f0", "#f0a0b0", (32, 12)), (8.1, 0, 10.2), 6.4, 2.4)
     rim = np.column_stack([7.3 * np.cos(ring), 10.2 * np.sin(ring), np.full(28, 13.0)])
     b.tube(rim, 0.5, "#d8ecf6", sides=6, closed=True)
-    return finished(b, "a diaper folded as worn", (21, 26.5, 15), rng, {"style": "worn"})
+    return varied_cm(b, "a diaper folded as worn", (21, 26.5, 15), rng, {"style": "worn"})

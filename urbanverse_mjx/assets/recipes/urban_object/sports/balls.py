@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
-from ...shared.outlines import sized
+from ...shared.sizes import varied
 
 WIDTH, HEIGHT = 192, 96  # pixels of a sphere's picture; a seam is two to four of them wide
 Painter = Callable[[np.ndarray], np.ndarray]
@@ -132,7 +132,7 @@ def _ball(
 ) -> BuiltAsset:
     b = MeshBuilder(roughness=rough)
     sphere(b, picture)
-    return sized(b, rng, (across, across, across), words, style, jitter=0.0)
+    return varied(b, rng, (across, across, across), words, style, jitter=0.0)
 
 
 @recipe("basketball", 3, hulls=1, name="balls.basketball")

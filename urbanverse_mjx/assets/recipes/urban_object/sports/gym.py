@@ -7,7 +7,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, rounded, sized
+from ...shared.outlines import curve, rounded
+from ...shared.sizes import varied
 
 
 def disc(b: MeshBuilder, y: float, z: float, radius: float, thick: float, color: Color, segments: int = 16) -> None:
@@ -41,7 +42,7 @@ def barbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.04, 0.04, (0, s * (y + 0.01), z), "black", (-90 * s, 0, 0), segments=12)
         b.rod((0, s * 0.12, z), (0, s * 0.55 * half, z), 0.0148, "grey", sides=10)
     size = ((0.42, 2.1, 0.42), (0.3, 1.5, 0.3))[variant]
-    return sized(b, rng, size, f"a barbell with {style}", style, jitter=0.0)
+    return varied(b, rng, size, f"a barbell with {style}", style, jitter=0.0)
 
 
 @recipe("dumbbell", 3, name="gym.dumbbell")
@@ -76,7 +77,7 @@ def dumbbell(variant: int, rng: np.random.Generator) -> BuiltAsset:
             sides=3,
         )
     size = ((0.142, 0.3, 0.142), (0.17, 0.37, 0.17), (0.095, 0.2, 0.095))[variant]
-    return sized(b, rng, size, f"a {style} dumbbell", style, jitter=0.0)
+    return varied(b, rng, size, f"a {style} dumbbell", style, jitter=0.0)
 
 
 @recipe("punching bag", 3, hulls=1, name="gym.punching_bag")
@@ -113,7 +114,7 @@ def punching_bag(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
     b.ring(0.022, 0.005, (0, 0, long + 0.235), "galvanised", (90, 0, 0), segments=14, sides=5)
     size = ((0.36, 0.36, 1.16), (0.4, 0.4, 1.4), (0.33, 0.33, 0.95))[variant]
-    return sized(b, rng, size, f"a {style} punching bag", style)
+    return varied(b, rng, size, f"a {style} punching bag", style)
 
 
 def _fist(ground: Color, ink: Color) -> Image.Image:
@@ -166,7 +167,7 @@ def training_bench(variant: int, rng: np.random.Generator) -> BuiltAsset:
         else:
             b.beam((-0.3, 0, 0.3), (-0.28, 0, 0.6), 0.03, 0.03, "aluminium")
     size = ((1.28, 0.55, 0.8), (1.3, 1.18, 1.2), (1.45, 0.52, 0.9))[variant]
-    return sized(b, rng, size, f"a training bench: {style}", style)
+    return varied(b, rng, size, f"a training bench: {style}", style)
 
 
 @recipe("treadmill", 2, name="gym.treadmill")
@@ -198,7 +199,7 @@ def treadmill(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.01, 0.09, 0.03), (-0.032, 0, 0.015), "signal red")
     b.rod((0.45, -0.36, 1.06), (0.45, 0.36, 1.06), 0.022, "black", sides=8)
     size = ((1.68, 0.8, 1.35), (1.95, 0.9, 1.5))[variant]
-    return sized(b, rng, size, f"a {style} treadmill", style)
+    return varied(b, rng, size, f"a {style} treadmill", style)
 
 
 @recipe("indoor rower", 2, name="gym.indoor_rower")
@@ -242,4 +243,4 @@ def indoor_rower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((0.04, 0.2, 0.2), screen_at, "charcoal", bevel=0.01)
     b.panel(screen, (screen_at[0] - 0.022, 0, screen_at[2] + 0.1), 0.15, 0.15, "-x")
     size = ((2.4, 0.58, 0.97), (2.15, 0.54, 0.75))[variant]
-    return sized(b, rng, size, f"an {style} rower" if variant == 0 else f"a {style} rower", style)
+    return varied(b, rng, size, f"an {style} rower" if variant == 0 else f"a {style} rower", style)

@@ -6,7 +6,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, ellipse, section, sized
+from ...shared.outlines import curve, ellipse, section
+from ...shared.sizes import varied
 
 
 @recipe("skateboard", 3, hulls=1, name="riding_gear.skateboard")
@@ -61,7 +62,7 @@ def skateboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for y in (-0.02, 0.02):
                 b.cylinder(0.004, 0.001, (x + dx, y, 0.1008), "aluminium", segments=6)
     size = ((0.79, 0.2, 0.115), (1.0, 0.23, 0.12), (0.57, 0.155, 0.105))[variant]
-    return sized(b, rng, size, f"a {style} skateboard", style)
+    return varied(b, rng, size, f"a {style} skateboard", style)
 
 
 @recipe("paddle", 3, name="riding_gear.paddle")
@@ -105,7 +106,7 @@ def paddle(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for x in (0.5, 0.54):
             b.box((0.012, 0.19, 0.0215), (x, 0, -0.0107), "dark red")
     size = ((1.42, 0.195, 0.064), (1.3, 0.205, 0.06), (2.12, 0.18, 0.065))[variant]
-    return sized(b, rng, size, f"a {style} paddle", style)
+    return varied(b, rng, size, f"a {style} paddle", style)
 
 
 @recipe("skis", 2, name="riding_gear.skis")
@@ -140,7 +141,7 @@ def skis(variant: int, rng: np.random.Generator) -> BuiltAsset:
             for y in (-0.04, 0.04):
                 b.rod((-0.12, 0.6 * y, 0.02), (-0.17, y, 0.008), 0.004, "black", sides=5)
     size = ((1.72, 0.16, 0.112), (1.85, 0.145, 0.105))[variant]
-    return sized(b, rng, size, f"a pair of {style} skis", style)
+    return varied(b, rng, size, f"a pair of {style} skis", style)
 
 
 @recipe("surfboard", 3, hulls=1, name="riding_gear.surfboard")
@@ -191,7 +192,7 @@ def surfboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "charcoal",
         )
     size = ((2.05, 0.525, 0.144), (2.7, 0.57, 0.2), (1.8, 0.5, 0.13))[variant]
-    return sized(b, rng, size, f"a {style} surfboard", style)
+    return varied(b, rng, size, f"a {style} surfboard", style)
 
 
 @recipe("kite", 3, name="riding_gear.kite")
@@ -251,4 +252,4 @@ def kite(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 ribbon = curve([(0, y, z), (0.03, y, z - 0.06), (-0.02, y, z - 0.16), (0.02, y, z - 0.3)], 3)
                 b.sheet(np.stack([ribbon + [0, 0.014, 0], ribbon - [0, 0.014, 0]], 1), inks[k % 4], both_sides=True)
     size = ((0.122, 1.0, 0.96), (0.14, 1.5, 1.2), (0.1, 0.75, 1.15))[variant]
-    return sized(b, rng, size, f"a {style} kite", style)
+    return varied(b, rng, size, f"a {style} kite", style)

@@ -7,7 +7,7 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
-from ...shared.outlines import sized
+from ...shared.sizes import varied
 
 
 @recipe("trampoline", 3, name="sports_things.trampoline")
@@ -59,7 +59,7 @@ def trampoline(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.panel(_star(), (0, 0, h + 0.001), r * 0.7, r * 0.7, "+z")
     size = ((2.9, 2.9, 1.55), (3.6, 3.6, 0.9), (1.0, 1.0, 0.25))[variant]
-    return sized(b, rng, size, f"a {style} trampoline", style, jitter=0.002)
+    return varied(b, rng, size, f"a {style} trampoline", style, jitter=0.002)
 
 
 def _star() -> Image.Image:
@@ -170,7 +170,7 @@ def fitness_equipments(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         _exercise_bicycle(b, post)
     size = ((1.35, 0.8, 1.5), (1.15, 0.8, 1.8), (1.2, 0.56, 1.22))[variant]
-    return sized(b, rng, size, f"a fitness machine: {style}", style)
+    return varied(b, rng, size, f"a fitness machine: {style}", style)
 
 
 @recipe("hurdle", 2, name="sports_things.hurdle")
@@ -197,7 +197,7 @@ def hurdle(variant: int, rng: np.random.Generator) -> BuiltAsset:
     stripes = paint.stripes((160, 12), ["white", "black"] if variant == 0 else ["signal yellow", "black"], 8)
     b.box((0.024, 1.19, 0.07), (0.36, 0, 0.92), "white", skins={"+x": stripes, "-x": stripes})
     size = ((0.68, 1.19, 0.99), (0.45, 1.05, 0.5))[variant]
-    return sized(b, rng, size, f"an {style} hurdle" if variant == 0 else f"a {style} hurdle", style, jitter=0.003)
+    return varied(b, rng, size, f"an {style} hurdle" if variant == 0 else f"a {style} hurdle", style, jitter=0.003)
 
 
 @recipe("table-tennis table", 3, name="sports_things.table_tennis_table")
@@ -232,7 +232,7 @@ def table_tennis_table(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         _concrete_legs(b)
     size = ((1.53, 2.74, 0.755), (1.524, 2.745, 0.9), (1.52, 2.73, 0.92))[variant]
-    return sized(b, rng, size, f"a {style} table for table tennis", style, jitter=0.0)
+    return varied(b, rng, size, f"a {style} table for table tennis", style, jitter=0.0)
 
 
 def _wheeled_legs(b: MeshBuilder) -> None:

@@ -5,7 +5,8 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, ellipse, pairs, rounded, section, sized
+from ...shared.outlines import curve, ellipse, pairs, rounded, section
+from ...shared.sizes import varied
 
 
 @recipe("baseball bat", 3, hulls=1, name="sports_gear.baseball_bat")
@@ -44,7 +45,7 @@ def baseball_bat(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 segments=18,
             )
     size = ((0.84, 0.065, 0.065), (0.86, 0.0662, 0.0662), (0.72, 0.058, 0.058))[variant]
-    return sized(b, rng, size, f"a {style} baseball bat", style, jitter=0.002)
+    return varied(b, rng, size, f"a {style} baseball bat", style, jitter=0.002)
 
 
 _PALM = ((-0.135, 0.05, 0.0), (-0.11, 0.075, 0.0), (-0.04, 0.098, 0.0), (0.03, 0.098, 0.004), (0.06, 0.09, 0.01))
@@ -89,7 +90,7 @@ def baseball_glove(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.ball((0.037, 0.037, 0.042), (-0.02, 0.0, 0.1), "white", segments=14, rings=8)
             b.ring(0.0355, 0.002, (-0.02, 0.0, 0.105), "signal red", (25, 10, 0), segments=16, sides=3)
     size = ((0.29, 0.235, 0.13), (0.28, 0.255, 0.17))[variant]
-    return sized(b, rng, size, f"a {style} baseball glove", style)
+    return varied(b, rng, size, f"a {style} baseball glove", style)
 
 
 @recipe("tennis racket", 3, name="sports_gear.tennis_racket")
@@ -127,7 +128,7 @@ def tennis_racket(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(7):
         b.ring(0.0165, 0.0013, (-a - 0.31 + 0.024 * k, 0, 0), shade(grip, 0.7), (0, 84, 0), segments=8, sides=3)
     size = ((0.685, 0.265, 0.031), (0.69, 0.27, 0.034), (0.66, 0.245, 0.03))[variant]
-    return sized(b, rng, size, f"a {style} tennis racket", style)
+    return varied(b, rng, size, f"a {style} tennis racket", style)
 
 
 @recipe("table tennis", 2, hulls=1, name="sports_gear.table_tennis")
@@ -175,7 +176,7 @@ def table_tennis(variant: int, rng: np.random.Generator) -> BuiltAsset:
             bat("black", "signal red")
         b.ball(0.02, (0.07, -0.08, 0.0165), "orange", segments=14, rings=8)
     size = ((0.26, 0.155, 0.031), (0.28, 0.26, 0.055))[variant]
-    return sized(b, rng, size, f"table tennis: {style}", style)
+    return varied(b, rng, size, f"table tennis: {style}", style)
 
 
 @recipe("frisbee", 3, hulls=1, name="sports_gear.frisbee")
@@ -204,7 +205,7 @@ def frisbee(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.extrude(rounded(0.05, 0.014, 0.006), 0.0012, (0, 0, 0.0305), "black" if variant == 1 else "white")
     size = ((0.273, 0.273, 0.031), (0.27, 0.27, 0.033), (0.22, 0.22, 0.025))[variant]
-    return sized(b, rng, size, f"a flying disc, {style}", style, jitter=0.004)
+    return varied(b, rng, size, f"a flying disc, {style}", style, jitter=0.004)
 
 
 @recipe("fishing rod", 2, name="sports_gear.fishing_rod")
@@ -260,4 +261,4 @@ def fishing_rod(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.rod((long, 0, z), (long - 0.06, 0, 0.016), 0.0008, "light grey", sides=3)
     size = ((2.3, 0.12, 0.1), (1.5, 0.11, 0.105))[variant]
-    return sized(b, rng, size, f"a {style} fishing rod", style)
+    return varied(b, rng, size, f"a {style} fishing rod", style)

@@ -8,7 +8,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2, Points3
-from ...shared.outlines import curve, ellipse, mirrored, pairs, rounded, sized
+from ...shared.outlines import curve, ellipse, mirrored, pairs, rounded
+from ...shared.sizes import varied
 
 
 def haft(b: MeshBuilder, path: Points3, widths: Sequence[float], depth: float, color: Color) -> None:
@@ -57,7 +58,7 @@ def axe(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.extrude([(x, s * y) for x, y in blade], 0.032, (0, 0, -0.016), "aluminium")
     b.box((0.012, 0.022, 0.01), (0.033, 0, -0.005), "light wood")
     size = ((0.66, 0.185, 0.036), (0.36, 0.15, 0.03), (0.8, 0.28, 0.04))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 @recipe("hammer", 3, name="hand_tools.hammer")
@@ -111,7 +112,7 @@ def hammer(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b, [(-0.3, 0, 0), (-0.29, 0, 0), (-0.18, 0, 0), (-0.17, 0, 0)], [0.034, 0.038, 0.034, 0.028], 0.03, "black"
         )
     size = ((0.325, 0.127, 0.032), (0.86, 0.19, 0.068), (0.34, 0.13, 0.062))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 @recipe("bottle opener", 2, hulls=1, name="hand_tools.bottle_opener")
@@ -162,7 +163,7 @@ def bottle_opener(variant: int, rng: np.random.Generator) -> BuiltAsset:
         grip = [(-0.105, -0.014), (-0.072, -0.008), (-0.072, 0.008), (-0.105, 0.014), (-0.11, 0.0)]
         b.extrude(grip, 0.006, (0, 0, 0.009), "aluminium", holes=[ellipse(0.008, 0.006, 12, (-0.094, 0))])
     size = ((0.115, 0.042, 0.0142), (0.172, 0.067, 0.027))[variant]
-    return sized(b, rng, size, f"a {style} bottle opener", style)
+    return varied(b, rng, size, f"a {style} bottle opener", style)
 
 
 _JAW: list[Point2] = [
@@ -208,7 +209,7 @@ def pliers(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.box((0.0016, 0.004, 0.0114), (0.018 + 0.006 * k, 0.0025, 0.0043), "dark grey")
     b.cylinder(0.009, 0.0165, (0, 0, 0.0022), "aluminium", segments=16)
     size = ((0.178, 0.056, 0.02), (0.2, 0.052, 0.016), (0.25, 0.062, 0.02))[variant]
-    return sized(b, rng, size, f"a pair of {style} pliers", style)
+    return varied(b, rng, size, f"a pair of {style} pliers", style)
 
 
 @recipe("scissors", 3, hulls=1, name="hand_tools.scissors")
@@ -240,7 +241,7 @@ def scissors(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
     b.cylinder(0.005, 0.0095, (0, 0, 0.0005), "dark grey", segments=12)
     size = ((0.195, 0.079, 0.012), (0.24, 0.1, 0.012), (0.13, 0.064, 0.01))[variant]
-    return sized(b, rng, size, f"{style} scissors", style)
+    return varied(b, rng, size, f"{style} scissors", style)
 
 
 @recipe("screwdriver", 3, hulls=1, name="hand_tools.screwdriver")
@@ -273,7 +274,7 @@ def screwdriver(variant: int, rng: np.random.Generator) -> BuiltAsset:
         else:
             b.box((0.0035, 0.0085, 0.012), (0, 0, 0.098), "grey", taper=(0.25, 0.8))
     size = ((0.215, 0.031, 0.031), (0.26, 0.036, 0.036), (0.18, 0.028, 0.028))[variant]
-    return sized(b, rng, size, f"a {style} screwdriver", style, jitter=0.0)
+    return varied(b, rng, size, f"a {style} screwdriver", style, jitter=0.0)
 
 
 def _open_jaw(radius: float, gap: float, at: Point2, turn: float, count: int = 14) -> list[Point2]:
@@ -338,4 +339,4 @@ def wrench(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 holes=[ellipse(0.007, 0.007, 12, (-0.038, 0))],
             )
     size = ((0.215, 0.046, 0.011), (0.25, 0.07, 0.018), (0.45, 0.095, 0.029))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)

@@ -5,7 +5,8 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.outlines import curve, ellipse, pairs, section, sized
+from ...shared.outlines import curve, ellipse, pairs, section
+from ...shared.sizes import varied
 from ...vehicle.wheels import rim_picture, wheel
 
 
@@ -46,7 +47,7 @@ def ladder(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 sides=6,
             )
     size = ((0.51, 0.49, 2.2), (0.95, 0.55, 1.8), (0.075, 0.42, 3.3))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 @recipe("shovel", 3, name="yard_tools.shovel")
@@ -82,7 +83,7 @@ def shovel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.rod((0.004, -0.065, top), (0.004, 0.065, top), 0.017, "black" if variant else "dark wood", sides=8)
     b.rod((0.004, 0, top - 0.12), (0.004, 0, top), 0.0166 if variant != 2 else 0.006, "wood", sides=8)
     size = ((0.15, 0.235, 1.35), (0.16, 0.33, 1.3), (0.12, 0.19, 1.0))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 @recipe("pitchfork", 2, name="yard_tools.pitchfork")
@@ -117,7 +118,7 @@ def pitchfork(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
         b.rod((0, -0.065, top + 0.1), (0, 0.065, top + 0.1), 0.016, "black", sides=8)
     size = ((0.155, 0.235, 1.45), (0.1, 0.2, 1.05))[variant]
-    return sized(b, rng, size, f"a {style}", style)
+    return varied(b, rng, size, f"a {style}", style)
 
 
 @recipe("toolbox", 3, name="yard_tools.toolbox")
@@ -167,7 +168,7 @@ def toolbox(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.rod((0, -0.07, base + 0.05), (0, 0.07, base + 0.05), 0.014, "black", sides=8)
     size = ((0.235, 0.47, 0.25), (0.27, 0.56, 0.28), (0.22, 0.46, 0.27))[variant]
-    return sized(b, rng, size, f"a {style} toolbox", style)
+    return varied(b, rng, size, f"a {style} toolbox", style)
 
 
 @recipe("crutch", 3, name="yard_tools.crutch")
@@ -206,7 +207,7 @@ def crutch(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for z in (0.44, 0.6):
             b.cylinder(0.005, 0.05, (0, 0.025, z), "aluminium", (90, 0, 0), segments=8)
     size = ((0.2, 0.088, 1.12), (0.27, 0.055, 1.28), (0.24, 0.06, 1.4))[variant]
-    return sized(b, rng, size, f"an {style} crutch" if variant == 2 else f"a {style} crutch", style)
+    return varied(b, rng, size, f"an {style} crutch" if variant == 2 else f"a {style} crutch", style)
 
 
 @recipe("lawn mower", 3, name="yard_tools.lawn_mower")
@@ -265,7 +266,7 @@ def lawn_mower(variant: int, rng: np.random.Generator) -> BuiltAsset:
             [(-0.6, -0.19, 0.82), (-0.72, -0.15, 1.02), (-0.72, 0.15, 1.02), (-0.6, 0.19, 0.82)], 0.007, body, sides=5
         )
     size = ((1.42, 0.5, 1.02), (1.3, 0.46, 1.05), (1.25, 0.52, 1.1))[variant]
-    return sized(b, rng, size, f"a {style} lawn mower", style)
+    return varied(b, rng, size, f"a {style} lawn mower", style)
 
 
 @recipe("chainsaw", 3, name="yard_tools.chainsaw")
@@ -308,7 +309,7 @@ def chainsaw(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.05, 0.004, 0.006), (-0.08, 0.0815, 0.09 + 0.016 * k), "black")
     b.cylinder(0.02, 0.016, (-0.02, 0.08, 0.07), "black", (-90, 0, 0), segments=12)
     size = ((0.8, 0.245, 0.27), (0.74, 0.22, 0.25), (0.95, 0.26, 0.29))[variant]
-    return sized(b, rng, size, f"an {style} chainsaw" if variant == 0 else f"a {style} chainsaw", style)
+    return varied(b, rng, size, f"an {style} chainsaw" if variant == 0 else f"a {style} chainsaw", style)
 
 
 @recipe("electric drill", 3, name="yard_tools.electric_drill")
@@ -350,7 +351,7 @@ def electric_drill(variant: int, rng: np.random.Generator) -> BuiltAsset:
             sides=6,
         )
     size = ((0.225, 0.078, 0.215), (0.2, 0.074, 0.23), (0.32, 0.085, 0.22))[variant]
-    return sized(b, rng, size, f"a {style} drill", style)
+    return varied(b, rng, size, f"a {style} drill", style)
 
 
 @recipe("grinder", 2, name="yard_tools.grinder")
@@ -387,4 +388,4 @@ def grinder(variant: int, rng: np.random.Generator) -> BuiltAsset:
         sides=6,
     )
     size = ((0.3, 0.135, 0.13), (0.46, 0.22, 0.16))[variant]
-    return sized(b, rng, size, f"a {style} grinder", style)
+    return varied(b, rng, size, f"a {style} grinder", style)
