@@ -3,6 +3,7 @@ captures."""
 
 import dataclasses
 import itertools
+import pathlib
 import random
 import re
 
@@ -12,6 +13,7 @@ import shapely
 
 from urbanverse_mjx import settings
 from urbanverse_mjx.citygen import cities, clearance
+from urbanverse_mjx.citygen.cities import tables
 from urbanverse_mjx.citygen.cities.block import plan_of
 from urbanverse_mjx.citygen.cities.filling import Filler
 from urbanverse_mjx.citygen.cities.ground import ground
@@ -57,6 +59,29 @@ def test_mixes_are_read() -> None:
         mix("bar 1,, cafe 2")
     with pytest.raises(ValidationError, match="bends"):
         dataclasses.replace(city("Paris"), bends=(30.0,))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("road =", "raod =", r"my\.toml: Dubai: field: found \['raod'\]"),
+        ('asphalt = "', 'asphalt = "@', r"my\.toml: Dubai: asphalt: found 'asphalt_.*, needed one of walkers"),
+        ('"Dubai"', '"Doha"', None),
+    ],
+)
+def test_a_table_of_cities_says_what_it_cannot_read(
+    old: str, new: str, words: str | None, tmp_path: pathlib.Path
+) -> None:
+    text = (tables.FOLDER / "middle_east.toml").read_text(encoding="utf-8")
+    row = next(r for r in text.split("[[profiles]]") if '"Dubai"' in r)
+    assert old in row
+    (tmp_path / "my.toml").write_text("[[profiles]]" + row.replace(old, new), encoding="utf-8")
+    if words is None:
+        (profile,) = tables.read_profiles(tmp_path / "my.toml")
+        assert profile == dataclasses.replace(city("Dubai"), city="Doha")
+    else:
+        with pytest.raises(ValidationError, match=words):
+            tables.read_profiles(tmp_path / "my.toml")
 
 
 @pytest.mark.parametrize("profile", ALL, ids=lambda p: p.city)

@@ -1,16 +1,16 @@
 """Blocks after cities: reviewed profiles, and the generator that makes a street of one."""
 
 from ...datatypes import validation as v
-from . import africa, asia, autobench, europe, middle_east, north_america, oceania, south_america
 from .block import block
 from .profile import CityProfile
+from .tables import FOLDER, read_profiles
 
-_LIBRARY = (africa, asia, europe, middle_east, north_america, oceania, south_america)
+_LIBRARY = ("africa", "asia", "europe", "middle_east", "north_america", "oceania", "south_america")
 
 #: The paper's 32 cities (appendix on the scene library), one layout each, and AutoBench's ten others.
 PROFILES: dict[str, tuple[CityProfile, ...]] = {
-    "urbanverse160": tuple(p for continent in _LIBRARY for p in continent.PROFILES),
-    "autobench": autobench.PROFILES,
+    "urbanverse160": tuple(p for continent in _LIBRARY for p in read_profiles(FOLDER / f"{continent}.toml")),
+    "autobench": read_profiles(FOLDER / "autobench.toml"),
 }
 
 

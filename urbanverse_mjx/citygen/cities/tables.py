@@ -1,0 +1,46 @@
+"""Reads the table of cities: `profiles/*.toml`, a file for each continent and one of the mixes that cities share."""
+
+import dataclasses
+import functools
+import pathlib
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from ...datatypes import validation as v
+from .profile import CityProfile, Mix, mix
+
+FOLDER = pathlib.Path(__file__).parent / "profiles"
+_FIELDS = {field.name: field.type for field in dataclasses.fields(CityProfile)}
+
+
+def read_profiles(path: pathlib.Path) -> tuple[CityProfile, ...]:
+    """The profiles of a file, `[[profiles]]` with the fields of `CityProfile`.
+
+    A mix is written as `mix` reads it, or "@name" for one of `mixes.toml`.
+
+    Raises:
+      ValidationError: a field or a shared mix that does not exist, or a value that is out of range.
+    """
+    rows = tomllib.loads(path.read_text(encoding="utf-8"))["profiles"]
+    return tuple(_profile(row, f"{path.name}: {row.get('city')}") for row in rows)
+
+
+def _profile(row: Mapping[str, Any], where: str) -> CityProfile:
+    if unknown := sorted(row.keys() - _FIELDS):
+        raise v.fail(f"{where}: field", v.show(unknown), "fields of `CityProfile`", "correct or remove them")
+    return CityProfile(**{name: _value(name, value, where) for name, value in row.items()})
+
+
+def _value(name: str, value: Any, where: str) -> Any:
+    if _FIELDS[name] is not Mix:
+        return tuple(value) if isinstance(value, list) else value
+    if not value.startswith("@"):
+        return mix(value)
+    return _shared()[v.choice(value[1:], f"{where}: {name}", _shared())]
+
+
+@functools.cache
+def _shared() -> dict[str, Mix]:
+    rows = tomllib.loads((FOLDER / "mixes.toml").read_text(encoding="utf-8"))
+    return {name: mix(text) for name, text in rows.items()}
