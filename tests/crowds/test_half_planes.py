@@ -13,22 +13,37 @@ from urbanverse_mjx.crowds.linear_program import NO_LIMIT
 from urbanverse_mjx.datatypes import ValidationError
 
 
+def met_within(apart: np.ndarray, velocity: np.ndarray, reach: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """(n,) bool: whether who are (2, n) m apart come within reach while one moves (2, n) m/s towards the other.
+
+    Those in reach already: whether they still are at the end of the time.
+    """
+    nearest = np.clip((apart * velocity).sum(0) / (velocity**2).sum(0), 0.0, time)
+    nearest = np.where(np.hypot(*apart) < reach, time, nearest)
+    return np.hypot(*(apart - nearest * velocity)) < reach
+
+
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_towards_discs_they_are_the_published_ones(dtype: type) -> None:
     rng = np.random.default_rng(0)
     count = 4000
     apart, velocity, other = rng.normal(0, 1.2, (2, count)), rng.normal(0, 1, (2, count)), rng.normal(0, 1, (2, count))
     reach, horizon, share = rng.uniform(0.3, 1.2, count), rng.uniform(1, 5, count), rng.uniform(0, 1, count)
+    spare = rng.uniform(0, 1, count)
     # All three kinds of half-plane: bodies that touch, the closing disc, the legs.
     assert 0.1 < (np.hypot(*apart) < reach).mean() < 0.4
     with jax.enable_x64(dtype == np.float64):
-        a, v, o, r, s, h = (jnp.asarray(q, dtype) for q in (apart, velocity, other, reach, share, horizon))
+        a, v, o, r, s, p, h = (jnp.asarray(q, dtype) for q in (apart, velocity, other, reach, share, spare, horizon))
         rows = half_planes.towards_neighbours(
-            (a[:1], a[1:]), (v[0], v[1]), (o[:1], o[1:]), r[None], s[None], s[None], 1.0, True, h, 0.1
+            (a[:1], a[1:]), (v[0], v[1]), (o[:1], o[1:]), r[None], s[None], p[None], 1.0, True, h, 0.1
         )
     found = np.stack([np.asarray(row)[0] for row in rows])
     places, own, theirs = ((x + 1j * y).tolist() for x, y in (apart, velocity, other))
-    columns = zip(own, places, theirs, reach.tolist(), horizon.tolist(), share.tolist(), strict=True)
+    # Who would meet changes by its share; who would not may use up room by its other one.
+    meets = met_within(apart, velocity - other, reach, np.where(np.hypot(*apart) < reach, 0.1, horizon))
+    assert 0.1 < meets.mean() < 0.9
+    part = np.where(meets, share, spare)
+    columns = zip(own, places, theirs, reach.tolist(), horizon.tolist(), part.tolist(), strict=True)
     lines = [reference.agent_line(0j, v, 0.0, p, o, r, h, 0.1, s) for v, p, o, r, h, s in columns]
     normal = np.array([complex(-line.direction.imag, line.direction.real) for line in lines], np.complex128)
     offset = [reference.cross(line.direction, line.point) for line in lines]

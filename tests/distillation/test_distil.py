@@ -11,6 +11,7 @@ from benchmarks.lib import fidelity_scores as scores
 from benchmarks.lib.injection import Errors, inject
 from tests.support import drawn_street as street
 from urbanverse_mjx.datatypes import GraphObject, GroundRegion, LabelPrior, Recording, SceneGraph, ValidationError
+from urbanverse_mjx.datatypes.ground import KIND_INDEX
 from urbanverse_mjx.distillation import Distillation, DistilOptions, distil, ground
 
 OBJECTS = street.street_objects()
@@ -63,6 +64,18 @@ def test_the_evidence_says_how_often_each_was_seen(made: Distillation, recording
         assert evidence.id == obj.id
         assert evidence.first >= frames[0]
         assert evidence.last <= frames[-1]
+
+
+def test_a_kerb_is_as_high_as_most_of_it() -> None:
+    """Some of its cells are wrong by half a metre: bins, legs and depth at an edge."""
+    kind = np.zeros((40, 12), np.uint8)
+    kind[2:-2, 2:6], kind[2:-2, 6:10] = KIND_INDEX["road"], KIND_INDEX["sidewalk"]
+    height = np.where(kind == KIND_INDEX["sidewalk"], 0.12, 0.0)
+    height[4:12, 6:8] += 0.5
+    height[20:23, 6:8] -= 0.05
+    (kerb,) = ground.kerbs(ground.GroundMap(np.zeros(2), kind, height, np.ones_like(kind, np.int64)))
+    assert (kerb.low, kerb.high) == ("road", "sidewalk")
+    assert kerb.height == pytest.approx(0.12)
 
 
 def test_the_ground_tiles_and_the_kerb_is_found(made: Distillation) -> None:

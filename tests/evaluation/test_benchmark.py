@@ -50,6 +50,23 @@ def test_scores_by_hand() -> None:
     assert s["speed"] == pytest.approx(36.5 / (2 + 2 + 60 + 20), abs=1e-6)
 
 
+@pytest.mark.parametrize(("driven", "route", "share"), [(20.0, 10.0, 50.0), (10.0, 10.0, 100.0), (15.73, 16.52, 100.0)])
+def test_spl_of_a_success_by_hand(driven: float, route: float, share: float) -> None:
+    """Who stops at the rim of the goal's circle has driven less than the route: no more than all of it counts."""
+    assert scores([_result(touches=0, path_length=driven, route_length=route)])["SPL"] == pytest.approx(share)
+
+
+@pytest.mark.parametrize(
+    ("result", "failures"),
+    [("goal", 0), ("hit", 1), ("hit_agent", 1), ("off_traversable", 1), ("fall", 1), ("non_finite", 1), ("timeout", 1)],
+)
+def test_every_end_but_the_goal_is_one_failure(result: str, failures: int) -> None:
+    touches = int(result in ("hit", "hit_agent"))
+    assert scores([_result(result=result, touches=touches, path_length=50.0)])["failures"] == pytest.approx(
+        2 * failures
+    )
+
+
 def test_who_stands_still_has_no_failures_per_metre() -> None:
     assert scores([FOUR[2]])["failures"] is None
     assert scores([FOUR[2]])["SR"] == 0.0

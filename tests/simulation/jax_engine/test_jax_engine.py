@@ -122,6 +122,21 @@ def test_hulls_without_a_slot_are_counted(slots: int) -> None:
     assert int(jax.jit(engine.find_slots)(0, place + jnp.array([10.0, 0, 0]))[1]) == 0
 
 
+def test_a_step_counts_hulls_without_a_slot_and_pairs_without_a_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    def misses_two(engine: JaxEngine, model: Any, friction: Any, nearby: Any, *given: Any) -> Any:
+        """In place of a physics step, which would take seconds to compile: two pairs found no place."""
+        before = given[-1]
+        return before._replace(touch=before.touch._replace(missed=jnp.int32(2)))
+
+    monkeypatch.setattr(JaxEngine, "_physics_step", misses_two)
+    engine = JaxEngine(crowd(20), make_coco(), control_dt=CONTROL_DT, num_slots=8)
+    qpos = np.zeros(engine.physics.model.nq, np.float32)
+    qpos[:4] = 20.0, 6.5, 0.4, 1.0
+    state = jax.jit(engine.init)(0, qpos, np.zeros(engine.physics.model.nv, np.float32))
+    after = jax.jit(engine.step)(state, np.zeros(engine.physics.model.nu, np.float32))
+    assert int(after.slot_overflow) == 12 + 2
+
+
 def test_every_hull_within_reach_has_a_slot(jax_engine: JaxEngine, small_bank: SceneBank) -> None:
     """10,000 poses, against brute force over all hulls of the scene."""
     rng = np.random.default_rng(0)

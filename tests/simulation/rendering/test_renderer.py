@@ -220,6 +220,17 @@ def test_the_sun_turns_with_the_scene(bank: SceneBank) -> None:
     assert lit[np.pi] > 60
 
 
+def test_a_face_seen_from_behind_turns_its_normal_to_the_camera(bank: SceneBank) -> None:
+    """The camera stands in an object, whose faces look away from it."""
+    hull = bank.inst_hull[0, 0]
+    inside = bank.inst_position[0, 0] + bank.inst_rotation[0, 0] @ bank.hull_box[hull, 0]
+    fovy = 1.2
+    image = cases.make_renderer(bank, None, outputs=("rgb", "normal")).view(0, inside, cases.DOWN, fovy)
+    normal, rays = np.asarray(image["normal"]), render_reference.pixel_rays(fovy, cases.HEIGHT, cases.WIDTH)
+    assert ((normal * rays).sum(-1) < -1e-3).all(), "whoever stands in a closed box sees no sky"
+    assert normal[cases.HEIGHT // 2, cases.WIDTH // 2, 2] > 0.9, "its floor is below"
+
+
 @pytest.mark.parametrize("shading", ["matte", "pbr"])
 def test_shadows_are_where_mj_ray_finds_the_sun_hidden(bank: SceneBank, robot: RobotSpec, shading: str) -> None:
     """With the sun as the only light what is black faces away from it or is hidden from it, and nothing else."""
