@@ -1,6 +1,8 @@
 """Go2Joystick: the promises every environment keeps, rewards by hand, levels, disturbances that do what they should."""
 
+import dataclasses
 import functools
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -8,13 +10,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from tests.support.unsound import float_leaves, spoil, unsound
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.envs import JoystickEnv, Result, check_env, joystick_config, registry
+from urbanverse_mjx.envs import JoystickEnv, Result, State, check_env, joystick_config, registry
 from urbanverse_mjx.envs.joystick import terms
 from urbanverse_mjx.envs.joystick.draws import draw_command, draw_push
 from urbanverse_mjx.envs.joystick.schedule import TerrainLevels
 from urbanverse_mjx.robots.gait import sensor_frame
 from urbanverse_mjx.scene.terrain import pack_regions, region_scene, terrain_regions
+
+Compiled = tuple[Callable[..., State[Any]], Callable[..., State[Any]]]
 
 
 @functools.cache
@@ -34,15 +39,21 @@ def calm() -> JoystickEnv:
     return load(preset="cpu", impl="warp", **{"noise.scale": 0.0})
 
 
+@pytest.fixture(scope="module")
+def two_calm(calm: JoystickEnv) -> Compiled:
+    """Its compiled `reset` and `step` for two envs."""
+    return jax.jit(jax.vmap(calm.reset)), jax.jit(jax.vmap(calm.step))
+
+
 @pytest.mark.slow
 def test_it_keeps_every_promise() -> None:
     check_env(load(preset="fast", **{"terrain.first_levels": 2}), num_envs=4, num_steps=6)
 
 
-def test_standing_still_earns_more_than_falling(calm: JoystickEnv) -> None:
+def test_standing_still_earns_more_than_falling(two_calm: Compiled) -> None:
     """A robot that holds its pose lasts and stays where it is; one that lies down has fallen."""
-    step = jax.jit(jax.vmap(calm.step))
-    state = jax.jit(jax.vmap(calm.reset))(jax.random.split(jax.random.key(0), 2))
+    reset, step = two_calm
+    state = reset(jax.random.split(jax.random.key(0), 2))
     # The second folds its legs: thighs back, knees bent.
     fold = jnp.tile(jnp.array([0.0, 1.0, -1.0]), 4)
     action = jnp.stack([jnp.zeros(12), fold])
@@ -60,6 +71,16 @@ def test_standing_still_earns_more_than_falling(calm: JoystickEnv) -> None:
     assert 0.25 < now[0, 2] < 0.33
     # The four feet carry the robot: 15.2 kg.
     assert float(state.data.sim.contacts.foot_force[0].sum()) == pytest.approx(15.206 * 9.81, rel=0.1)
+
+
+def test_nothing_leaves_a_step_that_is_no_number(two_calm: Compiled) -> None:
+    reset, step = two_calm
+    state, rng = reset(jax.random.split(jax.random.key(0), 2)), np.random.default_rng(0)
+    action = jnp.zeros((2, 12)).at[0, 3].set(jnp.nan)
+    for leaf in range(len(float_leaves(state.data))):
+        after = step(dataclasses.replace(state, data=spoil(state.data, rng, [1], leaf)), action)
+        assert unsound(after) == [], leaf
+        assert after.info["result"].tolist() == [Result.RUNNING, Result.NON_FINITE], leaf
 
 
 def test_what_the_policy_sees_is_the_sensor_frame(calm: JoystickEnv) -> None:

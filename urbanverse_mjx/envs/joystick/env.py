@@ -13,6 +13,7 @@ from ...datatypes import RobotSpec, SceneBank, SimState, Simulator
 from ...geometry import rotations
 from ...precision import full_precision
 from ...robots.gait import felt_gravity, sensor_frame
+from .. import finite
 from ..heights import GroundHeights
 from ..navigation.terms import to_body, to_world
 from ..staged import StagedBase, typed_key
@@ -165,7 +166,11 @@ class JoystickEnv(StagedBase[GaitState]):
     def advance(
         self, gait: GaitState, action: Float[Array, " J"]
     ) -> tuple[GaitState, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
-        """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
+        """One control step: (next state, reward () f32, done () f32, metrics), finite whatever was given or simulated.
+
+        Where it was not, the robot stays where it was and the episode ends (`Result.NON_FINITE`).
+        """
+        gait, given = finite.repaired(gait)
         config, legs = self._config, self._legs
         key, push, noise, command = jax.random.split(gait.key, 4)
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
@@ -176,11 +181,11 @@ class JoystickEnv(StagedBase[GaitState]):
         ctrl = angles + gait.body.strength * (asked - gait.body.joint_bias - angles)
         kick = draw_push(push, config.randomization, self.dt)
         sim = self.engine.step(gait.sim._replace(qvel=gait.sim.qvel.at[:6].add(kick)), ctrl)
-        finite = jnp.isfinite(sim.qpos).all() & (jnp.abs(sim.qvel) < _BLOWN_UP).all()
-        sim = jax.tree.map(lambda a, b: jnp.where(finite, a, b), sim, gait.sim)
+        sound = given & finite.is_sound(sim) & (jnp.abs(sim.qvel) < _BLOWN_UP).all()
+        sim = finite.choose(sound, sim, gait.sim)
         motion = self._motion(gait, sim, action, ctrl)
         steps = gait.steps + 1
-        result = self._result(sim, motion, finite, steps)
+        result = self._result(sim, motion, sound, steps)
         done = (result != Result.RUNNING).astype(jnp.float32)
         fresh, hold = draw_command(command, config.command)
         change = gait.hold <= self.dt

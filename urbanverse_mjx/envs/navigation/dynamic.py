@@ -143,9 +143,9 @@ class DynamicStreet:
         """The crowd one control step after `nav`, and how its agents move in it; root: the robot's body."""
         sim, before = nav.sim, nav.crowd
         assert before is not None
-        x, y = jnp.nan_to_num(sim.xpos[root, :2])
-        vx, vy = jnp.nan_to_num(sim.qvel[:2])
-        observer = Observer(x, y, jnp.nan_to_num(rotations.yaw_of(sim.xquat[root])), jnp.array(True))
+        x, y = sim.xpos[root, :2]
+        vx, vy = sim.qvel[:2]
+        observer = Observer(x, y, rotations.yaw_of(sim.xquat[root]), jnp.array(True))
         key = jax.random.fold_in(nav.key, _STEP + nav.steps)
 
         def step(k: Int[Array, ""], crowd: Crowd) -> Crowd:

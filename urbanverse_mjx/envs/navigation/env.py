@@ -11,6 +11,7 @@ from ...crowds import open_ground
 from ...datatypes import AgentMotion, Renderer, RobotSpec, SceneBank, Simulator, ValidationError, traversable
 from ...geometry import rotations
 from ...precision import full_precision
+from .. import finite
 from ..staged import StagedBase, typed_key
 from ..types import NavState, Result
 from . import terms
@@ -182,22 +183,25 @@ class NavEnv(StagedBase[NavState]):
     def advance(
         self, nav: NavState, action: Float[Array, " nu"]
     ) -> tuple[NavState, Float[Array, ""], Float[Array, ""], dict[str, Float[Array, ""]]]:
-        """One control step: (next state, reward () f32, done () f32, metrics), finite even if physics is not."""
+        """One control step: (next state, reward () f32, done () f32, metrics), finite whatever was given or simulated.
+
+        Where it was not, the robot stays where it was and the episode ends (`Result.NON_FINITE`).
+        """
+        nav, given = finite.repaired(nav)
         action = jnp.clip(jnp.nan_to_num(action), -1.0, 1.0)
         crowd, agents = (None, None) if self.dynamic is None else self.dynamic.advance(nav, self._root)
         sim = self.engine.step(nav.sim, self._control(action), agents)
-        finite = jnp.isfinite(sim.qpos).all() & jnp.isfinite(sim.qvel).all()
-        position = jnp.where(finite, sim.xpos[self._root], nav.sim.xpos[self._root])
-        quaternion = jnp.where(finite, sim.xquat[self._root], nav.sim.xquat[self._root])
-        velocity = jnp.where(finite, sim.qvel[:2], 0.0)
-        p_xy = position[:2]
+        sound = given & finite.is_sound((sim, crowd))
+        sim, crowd = finite.choose(sound, (sim, crowd), (nav.sim, nav.crowd))
+        quaternion, velocity = sim.xquat[self._root], jnp.where(sound, sim.qvel[:2], 0.0)
+        p_xy = sim.xpos[self._root, :2]
         distance = jnp.linalg.norm(nav.goal[:2] - p_xy)
         steps = nav.steps + 1
-        hit = sim.contacts.hit & finite
+        hit = sim.contacts.hit & sound
         config = self._config
         agent = sim.contacts.hit_agent
         result = terms.result_of(
-            finite=finite,
+            finite=sound,
             fallen=rotations.up_of(quaternion) < _UPRIGHT,
             hit=hit & config.terminate_on_hit,
             off_traversable=(~self.is_traversable(sim.scene, p_xy)) & config.terminate_off_traversable,
@@ -326,9 +330,8 @@ class NavEnv(StagedBase[NavState]):
         return robot.command(jnp.stack([v, omega]))
 
     def _rewards(self, old: NavState, new: NavState, velocity: jax.Array, hit: jax.Array) -> dict[str, jax.Array]:
-        position = new.sim.xpos[self._root]
-        position = jnp.where(jnp.isfinite(position), position, new.goal)
-        to_goal = new.goal[:2] - position[:2]
+        p_xy = new.sim.xpos[self._root, :2]
+        to_goal = new.goal[:2] - p_xy
         values = {
             "arrived": terms.reward_arrived(new.result),
             "hit": terms.reward_hit(hit),
@@ -338,7 +341,7 @@ class NavEnv(StagedBase[NavState]):
             "velocity_cosine": terms.reward_velocity_cosine(velocity, to_goal),
             "velocity_dot": terms.reward_velocity_dot(velocity, to_goal),
             "progress": terms.reward_progress(old.goal_distance, new.goal_distance),
-            "near_object": terms.reward_near_object(self.distances(new, position[:2])[0]),
+            "near_object": terms.reward_near_object(self.distances(new, p_xy)[0]),
         }
         factor = self.dt if self._config.reward_config.multiply_by_dt else 1.0
         return {
@@ -360,7 +363,7 @@ class NavEnv(StagedBase[NavState]):
             "non_finite": ended(Result.NON_FINITE),
             "route_completion": done * nav.route_done / jnp.maximum(nav.route_length, 1e-6),
             "distance_to_goal": done * nav.goal_distance,
-            "hit_time_per_step": jnp.nan_to_num(nav.sim.contacts.hit_fraction),
+            "hit_time_per_step": nav.sim.contacts.hit_fraction,
             "slot_overflow": nav.sim.slot_overflow.astype(jnp.float32),
         }
 

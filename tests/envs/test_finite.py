@@ -1,0 +1,105 @@
+"""Nothing that leaves `step` is NaN or infinite, whatever the state, the action or the engine holds."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.support.unicycle import UnicycleEngine, unicycle_env, unicycle_robot
+from tests.support.unsound import NO_NUMBERS, float_leaves, spoil, unsound
+from urbanverse_mjx.datatypes import AgentMotion, SceneBank, SimState
+from urbanverse_mjx.envs import NavEnv, Result, registry
+from urbanverse_mjx.envs.finite import LARGEST, is_sound
+
+
+class BrokenEngine(UnicycleEngine):
+    """Spoils one float of what it returns where the friction scale of an env says which leaf, from 2 on."""
+
+    def step(self, state: SimState, ctrl: Any, agents: AgentMotion | None = None) -> SimState:
+        sim = super().step(state, ctrl, agents)._replace(friction_scale=state.friction_scale)
+        names = float_leaves(sim)
+
+        def spoilt(path: Any, leaf: Any) -> Any:
+            name = jax.tree_util.keystr(path)
+            if name not in names:
+                return leaf
+            bad = jnp.full_like(leaf, jnp.nan).at[(0,) * max(leaf.ndim - 1, 0)].set(jnp.inf)
+            return jnp.where(state.friction_scale == 2.0 + names.index(name), bad, leaf)
+
+        return jax.tree_util.tree_map_with_path(spoilt, sim)
+
+
+@pytest.fixture(scope="module")
+def env(small_bank: SceneBank) -> NavEnv:
+    plain = unicycle_env(small_bank)
+    robot = unicycle_robot()
+    return NavEnv(plain.config, small_bank, robot, BrokenEngine(robot, plain.config.ctrl_dt), None)
+
+
+def test_a_spoilt_state_or_action_ends_the_episode_and_spoils_nothing_else(env: NavEnv) -> None:
+    state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 64))
+    assert len(float_leaves(state.data)) < 32, "each leaf is spoilt at least twice"
+    step = jax.jit(jax.vmap(env.step))
+    still, rng = jnp.zeros((64, 2)), np.random.default_rng(0)
+    clean = step(state, still)
+    for round_ in range(6):
+        spoilt = np.flatnonzero(rng.random(64) < 0.5)
+        action = np.zeros((64, 2), np.float32)
+        given = dataclasses.replace(state, data=spoil(state.data, rng, spoilt))
+        after = step(given, jnp.asarray(action))
+        assert unsound(after) == [], round_
+        assert (np.asarray(after.info["result"])[spoilt] == Result.NON_FINITE).all()
+        assert (np.asarray(after.done)[spoilt] == 1.0).all()
+        others = np.setdiff1d(np.arange(64), spoilt)
+        for a, b in zip(
+            jax.tree.leaves((after.obs, after.reward)), jax.tree.leaves((clean.obs, clean.reward)), strict=True
+        ):
+            np.testing.assert_array_equal(np.asarray(a)[others], np.asarray(b)[others])
+        action[spoilt, rng.integers(2)] = rng.choice(NO_NUMBERS)
+        after = step(state, jnp.asarray(action))
+        assert unsound(after) == []
+        assert (np.asarray(after.info["result"]) == np.asarray(clean.info["result"])).all(), "an action is clipped"
+
+
+def test_what_an_engine_spoils_ends_the_episode_where_it_stood(env: NavEnv) -> None:
+    state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 64))
+    names = float_leaves(jax.eval_shape(env.begin, jax.random.key(0)).sim)
+    assert {".qpos", ".qvel", ".xpos", ".xquat", ".contacts.hit_force", ".contacts.hit_fraction"} <= set(names)
+    which = np.arange(64) < len(names)
+    sim = state.data.sim._replace(friction_scale=jnp.where(jnp.asarray(which), 2.0 + jnp.arange(64), 1.0))
+    given = dataclasses.replace(state, data=state.data._replace(sim=sim))
+    after = jax.jit(jax.vmap(env.step))(given, jnp.ones((64, 2)))
+    assert unsound(after) == []
+    np.testing.assert_array_equal(np.asarray(after.info["result"]) == Result.NON_FINITE, which)
+    moved = np.abs(np.asarray(after.data.sim.xpos - sim.xpos)).max((1, 2)) > 0.0
+    np.testing.assert_array_equal(moved, ~which)
+
+
+def test_the_largest_number_is_sound_and_the_next_is_not() -> None:
+    tree = {"count": jnp.int32(2**31 - 1), "key": jax.random.key(0)}
+    assert is_sound({**tree, "x": jnp.float32([LARGEST, -LARGEST])})
+    for wrong in (np.nextafter(np.float32(LARGEST), np.float32(np.inf)), *NO_NUMBERS):
+        assert not is_sound({**tree, "x": jnp.float32([0.0, wrong])})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("impl", ["jax", "warp"])
+@pytest.mark.parametrize("scenario", ["static", "dynamic"])
+def test_a_hundred_thousand_spoilt_steps_of_an_engine(small_bank: SceneBank, impl: str, scenario: str) -> None:
+    overrides = {"preset": "cpu", "scenes": "all", "vision": False, "impl": impl, "scenario": scenario}
+    env = registry.load("CocoNav", config_overrides=overrides, bank=small_bank)
+    envs, rng = 500, np.random.default_rng(0)
+    state = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), envs))
+    step = jax.jit(jax.vmap(env.step))
+    for k in range(200):
+        spoilt = np.flatnonzero(rng.random(envs) < 0.3)
+        action = rng.uniform(-2.0, 2.0, (envs, 2)).astype(np.float32)
+        action[rng.integers(envs), rng.integers(2)] = rng.choice(NO_NUMBERS)
+        after = step(dataclasses.replace(state, data=spoil(state.data, rng, spoilt)), jnp.asarray(action))
+        assert unsound(after) == [], k
+        assert (np.asarray(after.info["result"])[spoilt] == Result.NON_FINITE).all()
+        # Half of the steps go on from what the last one made of its spoilt state.
+        state = after if k % 2 else state

@@ -1,0 +1,34 @@
+"""Numbers that are none: what a step is given or computes may be NaN or infinite, what leaves it is not."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool
+
+#: Larger numbers count as infinite: their squares and cubes would be.
+LARGEST = 1e9
+
+
+def _is_float(leaf: Any) -> bool:
+    return jnp.issubdtype(jnp.asarray(leaf).dtype, jnp.floating)
+
+
+def is_sound(tree: Any) -> Bool[Array, ""]:
+    """() bool: whether all floats of a pytree are numbers of at most `LARGEST`."""
+    sound = [(jnp.abs(leaf) <= LARGEST).all() for leaf in jax.tree.leaves(tree) if _is_float(leaf)]
+    return jnp.array(sound).all()
+
+
+def repaired[T](tree: T) -> tuple[T, Bool[Array, ""]]:
+    """A pytree with 0 for every float that is no number or too large, and whether there was none: `is_sound`."""
+
+    def repair(leaf: Any) -> Any:
+        return jnp.where(jnp.abs(leaf) <= LARGEST, leaf, 0.0).astype(leaf.dtype) if _is_float(leaf) else leaf
+
+    return jax.tree.map(repair, tree), is_sound(tree)
+
+
+def choose[T](condition: Bool[Array, ""], new: T, old: T) -> T:
+    """The one pytree or the other."""
+    return jax.tree.map(lambda a, b: jnp.where(condition, a, b), new, old)
