@@ -140,10 +140,10 @@ def _gen(args: GenArgs) -> int:
 
 def _import(args: ImportArgs) -> int:
     from ..distillation.readers import Kitti360Options
-    from ..pipeline.generation.progress import StageBars
+    from ..progress import Progress
 
-    with StageBars(args.quiet) as bars:
-        report = bars.stage("recording")
+    with Progress(args.quiet) as progress:
+        report = progress.task("recording")
         if args.format == "kitti360":
             options = Kitti360Options(args.sequence, args.first, args.last, args.step, args.depth)
             recording = pipeline.import_kitti360(args.source, args.out, options, report)

@@ -10,6 +10,7 @@ from .. import settings
 from ..datatypes import SceneBank, array_file
 from ..datatypes import validation as v
 from ..process_pool import results_as_completed
+from ..progress import Progress
 from ..work_folder import work_folder
 from .scenes import compile_graph
 
@@ -32,9 +33,6 @@ def build_bank(
     Raises:
       ValidationError: a graph that cannot be compiled; the message names it.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from ..assets.records.store import ensure_store
     from ..scene import pack_bank
 
@@ -42,13 +40,13 @@ def build_bank(
     wanted = [(pathlib.Path(graph), cousin) for graph in graphs for cousin in range(cousins)]
     with (
         work_folder("urbanverse-scenes-") as work,
-        Progress(console=Console(stderr=True), disable=quiet) as progress,
+        Progress(quiet) as progress,
     ):
-        bar = progress.add_task("compiling scenes", total=len(wanted))
+        report = progress.task("compiling scenes", len(wanted))
         folders = [work / str(i) for i in range(len(wanted))]
         tasks = [(graph, cousin, folder, seed) for (graph, cousin), folder in zip(wanted, folders, strict=True)]
-        for _ in results_as_completed(_compile_job, tasks, settings.num_threads()):
-            progress.advance(bar)
+        for done, _ in enumerate(results_as_completed(_compile_job, tasks, settings.num_threads()), 1):
+            report(done)
         return pack_bank(folders, [split for split in splits for _ in range(cousins)])
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from .. import settings
 from ..datatypes import SceneBank, ValidationError
 from ..datatypes import validation as v
+from ..progress import Progress
 
 
 @dataclasses.dataclass(frozen=True)
@@ -263,18 +264,13 @@ def _drive(
     name: str,
     quiet: bool,
 ) -> Any:
-    from rich.console import Console
-    from rich.progress import Progress
-
     from ..evaluation import benchmark
 
-    with Progress(console=Console(stderr=True), disable=quiet) as bar:
-        task = bar.add_task(f"{name}, contact {contact.replace('_', ' ')}", total=len(runs.episodes))
-
-        def show(ended: int, _: int) -> None:
-            bar.update(task, completed=ended)
-
-        return benchmark.drive(env, name, policy, runs.episodes, batched, options.at_once, show)
+    with Progress(quiet) as progress:
+        report = progress.task(f"{name}, contact {contact.replace('_', ' ')}", len(runs.episodes), unit="episodes")
+        return benchmark.drive(
+            env, name, policy, runs.episodes, batched, options.at_once, lambda ended, _: report(ended)
+        )
 
 
 def _record(options: BenchmarkOptions, runs: Any, env: Any, contact: str) -> dict[str, Any]:

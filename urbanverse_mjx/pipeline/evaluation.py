@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ml_collections import ConfigDict
-from rich.console import Console
-from rich.progress import Progress, TaskID
 
 from ..datatypes import EpisodeResult, SceneBank
 from ..envs import NavEnv, registry
@@ -26,6 +24,7 @@ from ..evaluation import (
 )
 from ..evaluation.agents import Privileged, Recurrent
 from ..evaluation.rollouts import EpisodeSet
+from ..progress import Progress
 from .rollout_video import random_draw, write_episodes
 
 #: Episodes in the video of an evaluation.
@@ -131,13 +130,9 @@ def _drive(
     """
     results, trajectories = [], {}
     for env, policies in groups:
-        with Progress(console=Console(stderr=True), disable=quiet) as bar:
-            task = bar.add_task(f"evaluating {', '.join(policies)}", total=len(episodes) * len(policies))
-
-            def show(ended: int, _: int, bar: Progress = bar, task: TaskID = task) -> None:
-                bar.update(task, completed=ended)
-
-            part, poses = Rollout(env).run(policies, episodes, show)
+        with Progress(quiet) as progress:
+            report = progress.task(f"evaluating {', '.join(policies)}", len(episodes) * len(policies), unit="episodes")
+            part, poses = Rollout(env).run(policies, episodes, lambda ended, _, report=report: report(ended))
         results += part
         trajectories.update({name: (poses, i * len(episodes)) for i, name in enumerate(policies)})
     return results, trajectories

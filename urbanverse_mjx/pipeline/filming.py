@@ -3,12 +3,12 @@
 import dataclasses
 import os
 import pathlib
-import sys
 from typing import Any
 
 import numpy as np
 
 from ..datatypes import ValidationError
+from ..progress import Progress
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,9 +52,6 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
     Raises:
       ValidationError: no such scene, odd sizes for a video, or a folder in use.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from ..capture import FilmOptions, PathOptions, film_scene
     from ..datatypes import SceneBank
     from .banks import ensure_default_bank
@@ -69,15 +66,14 @@ def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, 
         raise ValidationError(f"--scene: found {name!r}, needed one of {', '.join(bank.scene_ids)}.")
     path = PathOptions(speed=options.speed, rate=options.rate, height=options.height, frames=options.frames)
     camera = FilmOptions(width, height, fovy=float(np.radians(options.fov)), samples=options.samples)
-    with Progress(console=Console(file=sys.stderr), disable=quiet) as progress:
-        task = progress.add_task(f"filming {name}")
+    with Progress(quiet) as progress:
         recording = film_scene(
             bank,
             bank.scene_ids.index(name),
             pathlib.Path(out),
             path,
             camera,
-            lambda done, total: progress.update(task, completed=done, total=total),
+            progress.task(f"filming {name}", unit="frames"),
         )
     if options.video:
         from ..viz.video import write_video

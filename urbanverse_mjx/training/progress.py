@@ -2,17 +2,13 @@
 
 import json
 import pathlib
-import sys
 import time
 from collections.abc import Mapping
 from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from tensorboardX import SummaryWriter
 
-#: s between two lines about the progress where standard error is no terminal, in which a bar would draw nothing.
-LINE_EVERY = 10.0
+from ..progress import Progress
 
 
 class TrainingLog:
@@ -21,7 +17,7 @@ class TrainingLog:
     Args:
       folder: run folder; `log.jsonl` and TensorBoard's event file go there.
       total: env-steps of the whole run, start: steps already done by earlier segments.
-      quiet: no progress bar, and no lines in its place.
+      quiet: nothing on standard error.
     """
 
     def __init__(self, folder: pathlib.Path, total: int, start: int = 0, quiet: bool = False):
@@ -31,21 +27,9 @@ class TrainingLog:
         self.rates: list[tuple[int, float]] = []
         self._file = (folder / "log.jsonl").open("a", encoding="utf-8")
         self._board = SummaryWriter(str(folder))
-        self._bar = Progress(
-            TextColumn("training"),
-            BarColumn(),
-            TextColumn("{task.completed:,.0f}/{task.total:,.0f} steps"),
-            TextColumn("{task.fields[note]}"),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            disable=quiet or not sys.stderr.isatty(),
-        )
-        self._lines = not quiet and not sys.stderr.isatty()
-        self._said, self._total = self._begin, total
-        self._task = self._bar.add_task("training", total=total, completed=start, note="compiling")
-        self._bar.start()
+        self._progress = Progress(quiet)
+        self._report = self._progress.task("training", total, start, "steps", "compiling")
+        self._progress.__enter__()
 
     @property
     def steps_per_second(self) -> float:
@@ -65,9 +49,7 @@ class TrainingLog:
                 rate = (done - self._last[1]) / max(now - self._last[0], 1e-9)
                 self.rates.append((done, rate))
                 values["steps_per_second"] = rate
-                note = f"{rate:,.0f} steps/s  {_how_it_goes(values)}"
-                self._bar.update(self._task, completed=done, note=note)
-                self._say(done, note, now)
+                self._report(done, note=f"{rate:,.0f} steps/s, {_how_it_goes(values)}")
             self._last = (now, done)
         record = {"step": done, "seconds": round(now - self._begin, 3), **values}
         self._file.write(json.dumps(record) + "\n")
@@ -75,23 +57,16 @@ class TrainingLog:
         for name, value in values.items():
             self._board.add_scalar(name, value, done)
 
-    def _say(self, done: int, note: str, now: float) -> None:
-        """A line, where there is no bar and the last line is `LINE_EVERY` ago."""
-        if self._lines and now - self._said >= LINE_EVERY:
-            self._said = now
-            sys.stderr.write(f"{done:,}/{self._total:,} steps  {now - self._begin:.0f} s  {note}\n")
-            sys.stderr.flush()
-
     def close(self) -> None:
-        self._bar.stop()
+        self._progress.stop()
         self._file.close()
         self._board.close()
 
 
 def _how_it_goes(values: Mapping[str, float]) -> str:
     if "episode/success" in values:
-        return f"success {values['episode/success']:.0%}  route {values.get('episode/route_completion', 0.0):.0%}"
-    return f"return {values.get('episode/sum_reward', 0.0):.2f}  length {values.get('episode/length', 0.0):.0f}"
+        return f"success {values['episode/success']:.0%}, route {values.get('episode/route_completion', 0.0):.0%}"
+    return f"return {values.get('episode/sum_reward', 0.0):.2f}, length {values.get('episode/length', 0.0):.0f}"
 
 
 def _tidy(name: str) -> str:

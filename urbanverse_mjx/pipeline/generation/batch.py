@@ -19,9 +19,9 @@ from typing import Any
 
 from ... import settings
 from ...datatypes import validation as v
+from ...progress import Progress
 from . import one_source
 from .executors import EXECUTORS, Job, Outcome
-from .progress import StageBars
 from .run_folder import key_of
 from .stages import GenerationOptions
 
@@ -111,8 +111,8 @@ def run_batch(
     last = journal.last()
     todo = [s for s in listed if not _is_done(last.get(str(s)), key, out / folder_name(s))]
     failed: dict[str, str] = {}
-    with StageBars(quiet) as bars:
-        report = bars.stage("sources", len(listed))
+    with Progress(quiet) as progress:
+        report = progress.task("sources", len(listed))
         report(len(listed) - len(todo), len(listed))
         for finished, (source, outcome) in enumerate(
             _attempts(todo, out, options, journal, key, EXECUTORS[executor], workers, retries), 1

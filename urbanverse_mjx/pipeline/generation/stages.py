@@ -11,8 +11,8 @@ from ... import settings
 from ...datatypes import Recording, SceneGraph
 from ...datatypes import validation as v
 from ...process_pool import results_as_completed
+from ...progress import Progress
 from . import compiling
-from .progress import StageBars
 from .run_folder import Clock, RunFolder, key_of
 from .sources import Input, recognise
 from .video_options import VideoOptions
@@ -64,22 +64,24 @@ def generate(
     options = options or GenerationOptions()
     v.integer(options.cousins, "--cousins", 1, 64)
     given = recognise(os.fspath(source))
-    with RunFolder.open(out, str(given.path)) as run, StageBars(quiet) as bars:
-        recording, key = _recording(run, bars, options.video, given)
-        graph_key = _graph(run, bars, given, recording, key)
-        cousins_key = _cousins(run, bars, options, graph_key)
-        scenes_key = _scenes(run, bars, options, cousins_key)
-        bank_key = _bank(run, bars, options, scenes_key)
-        _report(run, bars, options, given, recording, bank_key)
+    with RunFolder.open(out, str(given.path)) as run, Progress(quiet) as progress:
+        recording, key = _recording(run, progress, options.video, given)
+        graph_key = _graph(run, progress, given, recording, key)
+        cousins_key = _cousins(run, progress, options, graph_key)
+        scenes_key = _scenes(run, progress, options, cousins_key)
+        bank_key = _bank(run, progress, options, scenes_key)
+        _report(run, progress, options, given, recording, bank_key)
         return _summary(run, options)
 
 
-def _recording(run: RunFolder, bars: StageBars, video: VideoOptions, given: Input) -> tuple[pathlib.Path | None, str]:
+def _recording(
+    run: RunFolder, progress: Progress, video: VideoOptions, given: Input
+) -> tuple[pathlib.Path | None, str]:
     """`frames/` and `recording/` of raw pictures; where the recording lies (None for a graph), and its key."""
     if given.kind in ("graph", "recording"):
         return (given.path if given.kind == "recording" else None), given.key
     key = key_of("perception", stage="frames", source=given.key, rate=video.rate, blur=video.blur)
-    report = bars.stage("frames")
+    report = progress.task("frames")
     if not run.done(FRAMES, key, FRAMES):
         from .perceiving import sample_to
 
@@ -89,7 +91,7 @@ def _recording(run: RunFolder, bars: StageBars, video: VideoOptions, given: Inpu
         run.finish(FRAMES, key, clock.seconds)
     report(1, 1)
     key = key_of("perception", stage="recording", before=key, tour=dataclasses.asdict(video))
-    report = bars.stage("recording")
+    report = progress.task("recording")
     if not run.done(RECORDING, key, f"{RECORDING}/recording.json"):
         from .perceiving import perceive_to
 
@@ -101,10 +103,10 @@ def _recording(run: RunFolder, bars: StageBars, video: VideoOptions, given: Inpu
     return run.path / RECORDING, key
 
 
-def _graph(run: RunFolder, bars: StageBars, given: Input, recording: pathlib.Path | None, before: str) -> str:
+def _graph(run: RunFolder, progress: Progress, given: Input, recording: pathlib.Path | None, before: str) -> str:
     """`graph/`: graph.json, and from a recording its evidence and crops."""
     key = key_of("distillation", stage="graph", kind=given.kind, source=before, assets=settings.assets_digest())
-    report = bars.stage("graph")
+    report = progress.task("graph")
     if not run.done(GRAPH, key, f"{GRAPH}/graph.json"):
         clock = Clock()
         with run.replacing(GRAPH) as folder:
@@ -119,11 +121,11 @@ def _graph(run: RunFolder, bars: StageBars, given: Input, recording: pathlib.Pat
     return key
 
 
-def _cousins(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
+def _cousins(run: RunFolder, progress: Progress, options: GenerationOptions, before: str) -> str:
     """`cousins/<k>/layout.json` and `materialisation.json`."""
     wanted = {"cousins": options.cousins, "seed": options.seed, "kerb": options.kerb}
     key = key_of("cousins", stage="cousins", before=before, assets=settings.assets_digest(), **wanted)
-    report = bars.stage("cousins", options.cousins)
+    report = progress.task("cousins", options.cousins)
     folders = [f"{COUSINS}/{k}/{compiling.LAYOUT}" for k in range(options.cousins)]
     if not run.done(COUSINS, key, MATERIALISATION, *folders):
         from ...materialisation import index_of, materialise_cousins
@@ -143,10 +145,10 @@ def _cousins(run: RunFolder, bars: StageBars, options: GenerationOptions, before
     return key
 
 
-def _scenes(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
+def _scenes(run: RunFolder, progress: Progress, options: GenerationOptions, before: str) -> str:
     """`cousins/<k>/scene/`, `usd/` and `check.json`, each cousin a stage of its own, compiled in processes."""
     key = key_of("scenes", stage="scenes", before=before, usd=options.usd)
-    report = bars.stage("scenes", options.cousins)
+    report = progress.task("scenes", options.cousins)
     clock = Clock()
     missing = [
         k
@@ -168,10 +170,10 @@ def _compile_all(run: RunFolder, missing: list[int], options: GenerationOptions,
         report(options.cousins - len(missing) + number, options.cousins)
 
 
-def _bank(run: RunFolder, bars: StageBars, options: GenerationOptions, before: str) -> str:
+def _bank(run: RunFolder, progress: Progress, options: GenerationOptions, before: str) -> str:
     """`bank.npz`: all cousins for `urbanverse evaluate` and `train`."""
     key = key_of("bank", stage="bank", before=before)
-    report = bars.stage("bank")
+    report = progress.task("bank")
     if not run.done("bank", key, BANK):
         from ...scene import pack_bank
 
@@ -185,7 +187,7 @@ def _bank(run: RunFolder, bars: StageBars, options: GenerationOptions, before: s
 
 def _report(
     run: RunFolder,
-    bars: StageBars,
+    progress: Progress,
     options: GenerationOptions,
     given: Input,
     recording: pathlib.Path | None,
@@ -193,7 +195,7 @@ def _report(
 ) -> None:
     """`report.html` and its pictures in `report/`."""
     key = key_of("report", stage="report", before=before, pictures=options.pictures)
-    report = bars.stage("report")
+    report = progress.task("report")
     if not run.done(REPORT, key, "report.html", REPORT):
         from .report import write_report
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from ... import settings
 from ...datatypes import validation as v
+from ...progress import Progress
 from ...scene import library
 from .building import build_set, pack_set, write_hashes
 
@@ -54,20 +55,17 @@ def build_library(name: str, options: LibraryOptions | None = None, quiet: bool 
     Raises:
       ValidationError: no such set, or no layout that `only` fits.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
     options = options or LibraryOptions()
     library.scene_set(name)
     if options.workers is not None:
         v.integer(options.workers, "--workers", 1, 1024)
-    columns = (TextColumn("{task.description:<16}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), disable=quiet) as bars:
-        task = bars.add_task(name, total=None)
+    with Progress(quiet) as progress:
+        task = progress.task(name, unit="layouts")
 
         def report(done: int, total: int, said: str) -> None:
-            bars.update(task, completed=done, total=total)
-            bars.console.print(said, highlight=False, markup=False) if quiet is False else None
+            task(done, total)
+            if not quiet:
+                progress.print(said)
 
         records, failures = build_set(name, options.workers or settings.num_threads(), options.only, report)
     known = library.shipped_hashes(name)

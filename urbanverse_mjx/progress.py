@@ -1,0 +1,106 @@
+"""How far long work is, on standard error: bars in a terminal, a line every few seconds elsewhere."""
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from types import TracebackType
+
+import rich.progress
+from rich.console import Console
+from rich.progress import BarColumn, ProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.text import Text
+
+#: s between two lines where standard error is no terminal: a log that stands still for longer looks like a hang.
+LINE_EVERY = 10.0
+
+#: Takes what is done and the total, where that is known by now.
+Report = Callable[..., None]
+
+
+class _Count(ProgressColumn):
+    """How much of how much, with thousands parted: "1,024/204,800"."""
+
+    def render(self, task: rich.progress.Task) -> Text:
+        return Text(_count(task))
+
+
+def _count(task: rich.progress.Task) -> str:
+    unit = task.fields["unit"]
+    of = f"{task.completed:,.0f}" if task.total is None else f"{task.completed:,.0f}/{task.total:,.0f}"
+    return f"{of} {unit}" if unit else of
+
+
+class Progress:
+    """Progress of one task or several, as a context manager.
+
+    Where standard error is no terminal, every `LINE_EVERY` seconds a line tells of the task that began last, whether it
+    has come on or not; work that ends sooner prints nothing.
+
+    Args:
+      quiet: print nothing at all.
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        terminal = sys.stderr.isatty()
+        columns = (
+            TextColumn("{task.description:<24}"),
+            BarColumn(),
+            _Count(),
+            TextColumn("{task.fields[note]}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        self._bars = rich.progress.Progress(*columns, console=Console(stderr=True), disable=quiet or not terminal)
+        self._tasks: dict[rich.progress.TaskID, float] = {}
+        self._lines = not quiet and not terminal
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> "Progress":
+        self._bars.start()
+        if self._lines:
+            self._thread = threading.Thread(target=self._write_lines, name="progress", daemon=True)
+            self._thread.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """Ends all tasks, as leaving the block does."""
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
+        self._bars.stop()
+
+    def task(self, name: str, total: float | None = None, done: float = 0, unit: str = "", note: str = "") -> Report:
+        """Begins a task; the function returned takes (done, total=None, note=None), and keeps what is None."""
+        task = self._bars.add_task(name, total=total, unit=unit, note=note)
+        self._bars.update(task, completed=done)
+        self._tasks[task] = time.monotonic()
+
+        def report(done: float, total: float | None = None, note: str | None = None) -> None:
+            if note is not None:
+                self._bars.update(task, note=note)
+            self._bars.update(task, completed=done, total=total)
+
+        return report
+
+    def print(self, text: str) -> None:
+        """Writes a line of the work's own above the bars."""
+        self._bars.console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    def _write_lines(self) -> None:
+        while not self._ended.wait(LINE_EVERY):
+            if self._tasks:
+                task, begin = next(reversed(self._tasks.items()))
+                sys.stderr.write(_line(self._bars.tasks[task], time.monotonic() - begin))
+                sys.stderr.flush()
+
+
+def _line(task: rich.progress.Task, seconds: float) -> str:
+    """Task, count, seconds and note: "training: 1,024/204,800 steps, 35 s, 310 steps/s"."""
+    note = f", {task.fields['note']}" if task.fields["note"] else ""
+    return f"{task.description}: {_count(task)}, {seconds:.0f} s{note}\n"
