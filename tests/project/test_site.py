@@ -13,8 +13,15 @@ from urbanverse_mjx.datatypes import SceneBank
 
 ROOT = pathlib.Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-#: What other pages hold is run by the tests of their subjects.
 PAGES = ("index", "installation", "quickstart", "concepts", "faq", "training_report", "included")
+#: Pages whose Python is run by a test of their subject, which names them; the last are notes on a prototype, whose
+#: code is not here.
+ELSEWHERE = {
+    "onnx": "tests/training/test_export_onnx.py",
+    "playground": "tests/envs/test_render.py",
+    **{f"tutorials/{path.stem}": "tests/project/test_tutorials.py" for path in (DOCS / "tutorials").glob("*.md")},
+    "sources/brax_over_warp": None,
+}
 every_page = pytest.mark.parametrize("name", PAGES)
 #: A comment above a block says that the README's test runs it.
 MARKER = re.compile(
@@ -46,6 +53,19 @@ def test_the_python_of_a_page_runs(
             exec(compile(block, f"{name}.md", "exec"), space)
 
 
+def test_no_python_of_a_page_is_left_out() -> None:
+    holding = {
+        path.relative_to(DOCS).with_suffix("").as_posix()
+        for path in DOCS.rglob("*.md")
+        if blocks(path.read_text(encoding="utf-8"), "python")
+    }
+    assert holding <= {*PAGES, *ELSEWHERE}
+    for name, test in ELSEWHERE.items():
+        if test is not None:
+            text = (ROOT / test).read_text(encoding="utf-8")
+            assert f"{name}.md" in text or 'glob("*.md")' in text, (name, test)
+
+
 def help_of(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     with pytest.raises(SystemExit):
         main.main([*words, "--help"])
@@ -53,14 +73,15 @@ def help_of(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
 
 
 def command_lines() -> list[list[str]]:
-    code = [line for name in PAGES for block in blocks(text_of(name), "sh") for line in block.splitlines()]
+    pages = [path.read_text(encoding="utf-8") for path in DOCS.rglob("*.md")]
+    code = [line for text in pages for block in blocks(text, "sh") for line in block.splitlines()]
     return [shlex.split(line, comments=True) for line in code if line.startswith("urbanverse ")]
 
 
 def test_every_command_in_a_block_has_the_options_that_it_is_given(capsys: pytest.CaptureFixture[str]) -> None:
     known: dict[tuple[str, ...], set[str]] = {}
     for _, command, *words in command_lines():
-        called = (command, words[0]) if command in ("scene", "assets") else (command,)
+        called = (command, words[0]) if command in ("scene", "assets") or words[:1] == ["batch"] else (command,)
         if called not in known:
             known[called] = set(re.findall(r"--[a-z][a-z-]+", help_of(list(called), capsys)))
         assert {word for word in words if word.startswith("--")} <= known[called], (called, words)
