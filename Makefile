@@ -16,7 +16,7 @@ PYTEST := -m pytest -q -n $(TEST_WORKERS) --maxprocesses 4 --dist worksteal
 # What `make train` trains: CocoNav, Go2Nav, Go2Joystick
 ENV ?= CocoNav
 
-.PHONY: help setup setup-dev train test test-slow test-gpu check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs setup-docs lock wheel clean distclean
+.PHONY: help setup setup-dev train test test-slow test-gpu mutants check format bench streets scenes assets base thumbnails gallery scene-gallery doctor docs setup-docs lock wheel clean distclean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -50,6 +50,9 @@ test-slow: setup-dev ## run the tests that take minutes
 
 test-gpu: setup-dev ## run the tests that need a CUDA device
 	@$(BIN)/python -m pytest -q -m gpu $(ARGS)
+
+mutants: setup-dev ## plant 120 small faults and list those that no test notices: hours; goes on where it stopped (ARGS="--seed 1")
+	@$(BIN)/python -m tests.support.mutants $(ARGS)
 
 check: setup-dev ## formatting, lint, types and who may import whom
 	@$(BIN)/ruff format --check .

@@ -1,0 +1,82 @@
+"""`make mutants`: changes are of code and of one place each, coverage knows the tests of a line, a copy is judged."""
+
+import ast
+import difflib
+import pathlib
+
+import pytest
+
+from tests.support.mutants import __main__ as mutants
+from tests.support.mutants.operators import places_of, plant
+
+MODULE = '''
+"""Text of 1 + 1."""
+import numpy as np
+LIMIT = 2.0
+
+def inside(x: int, *more: "1 < 2") -> bool:
+    """Whether x < LIMIT + 1."""
+    if not x > 0 and x != 3:
+        raise ValueError(f"found {x + 1}")
+    return np.minimum(x, LIMIT) - 1 < min(x, 5)
+'''
+
+
+def test_changes_are_of_code_each_of_one_place() -> None:
+    found = [plant("m.py", MODULE, place) for place in places_of(MODULE)]
+    small = {(m.line, m.before, m.after) for m in found if len(m.before) < 12}
+    assert small == {
+        (4, "2.0", "4.0"), (8, "x > 0", "x >= 0"), (8, "x != 3", "x == 3"), (8, "0", "1"), (8, "3", "4"),
+        (8, "not x > 0", "not not x > 0"), (10, "min(x, 5)", "max(x, 5)"), (10, "min(x, 5)", "min(5, x)"),
+        (10, "1", "2"), (10, "5", "6"), (10, "np.minimum", "np.maximum"),
+    }  # fmt: skip
+    plain = ast.unparse(ast.parse(MODULE)).splitlines()
+    for mutant in found:
+        lines = difflib.ndiff(plain, mutant.source.rstrip().splitlines())
+        assert sum(line.startswith("+ ") for line in lines) == 1, mutant
+        assert (mutant.statement, mutant.line) in ((4, 4), (8, 8), (10, 10))
+    assert len({mutant.name for mutant in found}) == len(found)
+
+
+@pytest.fixture
+def project(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Path:
+    """A repository with a function, and a test of half of it."""
+    monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "urbanverse_mjx").mkdir()
+    (tmp_path / "urbanverse_mjx" / "__init__.py").touch()
+    (tmp_path / "urbanverse_mjx" / "half.py").write_text(
+        "def half(x):\n    if x < 0:\n        return -x\n    return x / 2\n"
+    )
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "test_half.py").write_text(
+        "from urbanverse_mjx.half import half\n\ndef test_positive():\n    assert half(4) == 2\n\n"
+        "def test_negative():\n    half(-4)\n\ndef test_other():\n    assert True\n"
+    )
+    return tmp_path
+
+
+@pytest.mark.slow
+def test_a_fault_is_judged_by_the_tests_of_its_line(project: pathlib.Path) -> None:
+    out, file = project / "out", "urbanverse_mjx/half.py"
+    out.mkdir()
+    covered = mutants.coverage(out, ["tests"], "0", project)
+    tests = {line: {t.rpartition("::")[2] for t in covered["lines"].get(f"{file}:{line}", ())} for line in (2, 3, 4)}
+    assert tests == {2: {"test_positive", "test_negative"}, 3: {"test_negative"}, 4: {"test_positive"}}
+    source = (project / file).read_text()
+    found = {m.after: m for m in (plant(file, source, place) for place in places_of(source))}
+    rows = {after: mutants.judge(found[after], covered, project) for after in ("x * 2", "+x")}
+    assert {after: (row["outcome"], row["tests"]) for after, row in rows.items()} == {
+        "x * 2": ("killed", 1),
+        "+x": ("survived", 1),
+    }
+    assert (project / file).read_text() == source
+    text = mutants.summary(list(rows.values()))
+    assert "1 of 2 faults noticed (50.0 %)" in text
+    assert "| urbanverse_mjx/half.py:3 | `-x` | `+x` | 1 |" in text
+
+
+def test_the_sample_is_the_same_for_a_seed_and_goes_on(project: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    samples = [[m.name for m in mutants.sample_of(project, ["half.py"], 3, seed)] for seed in (0, 0, 1)]
+    assert samples[0] == samples[1] != samples[2]
+    (tmp_path / "results.jsonl").write_text('{"name": "a", "outcome": "killed"}\n{"name": "b", "out')
+    assert [row["name"] for row in mutants.results(tmp_path)] == ["a"]
