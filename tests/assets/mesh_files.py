@@ -187,6 +187,10 @@ def write_corrupt(folder: pathlib.Path) -> dict[str, str]:
     return {name: reason for name, (reason, _) in files.items()}
 
 
+def _many_parts(tree: dict[str, Any]) -> None:
+    tree["meshes"][0]["primitives"] *= 10_001
+
+
 def write_hostile(folder: pathlib.Path) -> dict[str, str]:
     """Files that a reader must not trust; file name -> the reason of their refusal."""
     mesh = mesh_of("traffic cone")[1]
@@ -211,6 +215,7 @@ def write_hostile(folder: pathlib.Path) -> dict[str, str]:
         "bomb bench.gltf": ("no texture", json.dumps(bomb).encode()),
         "cyclic bench.glb": ("cyclic nodes", patched(good, _cyclic)),
         "million bench.glb": ("too many nodes", patched(good, lambda t: t.update(nodes=[{}] * 1_000_000))),
+        "parts bench.glb": ("too large", patched(good, _many_parts)),
         "absurd bench.glb": ("absurd numbers", patched(good, lambda t: t["accessors"][0].update(count=2**31))),
         "beyond bench.glb": ("absurd numbers", patched(good, lambda t: t["accessors"][0].update(count=10**6))),
         "draco bench.glb": (

@@ -2,6 +2,8 @@
 
 import json
 import pathlib
+import struct
+import zlib
 from collections.abc import Callable
 
 import imageio_ffmpeg
@@ -38,6 +40,17 @@ def _recording(folder: pathlib.Path) -> pathlib.Path:
     return writer.close().folder
 
 
+def _huge_picture() -> bytes:
+    """A PNG of a few bytes that says it has 50,000 x 50,000 pixels."""
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    header = struct.pack(">IIBBBBB", 50_000, 50_000, 8, 2, 0, 0, 0)
+    packed = zlib.compress(bytes(1000))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", packed) + chunk(b"IEND", b"")
+
+
 def _edit(recording: pathlib.Path, change: Callable[[dict], object]) -> pathlib.Path:
     body = json.loads((recording / "recording.json").read_text())
     change(body)
@@ -54,10 +67,18 @@ def _broken(kind: str, folder: pathlib.Path) -> pathlib.Path:
     if kind == "not a video":
         source.write_text("this is not a video")
         return source
+    if kind == "pictures of 2.5 gigapixels":
+        source = folder / "pictures"
+        source.mkdir()
+        for k in range(3):
+            (source / f"{k}.png").write_bytes(_huge_picture())
+        return source
     if kind.endswith("video"):
         return _video(source, [TEXTURE] if kind == "one-frame video" else [np.zeros_like(TEXTURE)] * 20)
     recording = _recording(folder / "recording")
-    if kind == "corrupt mask":
+    if kind == "mask of 2.5 gigapixels":
+        (recording / "masks" / "000001.png").write_bytes(_huge_picture())
+    elif kind == "corrupt mask":
         mask = recording / "masks" / "000001.png"
         mask.write_bytes(mask.read_bytes()[:50])
     elif kind == "mask of nothing":
@@ -77,6 +98,8 @@ def _broken(kind: str, folder: pathlib.Path) -> pathlib.Path:
         ("not a video", "no picture"),
         ("one-frame video", "at least two"),
         ("black video", "dark"),
+        ("pictures of 2.5 gigapixels", "0.png"),
+        ("mask of 2.5 gigapixels", "000001.png"),
         ("corrupt mask", "000001.png"),
         ("mask of nothing", "000001.png"),
         ("NaN pose", "NaN"),

@@ -1,6 +1,8 @@
 """The `urbanverse` command: its help, its errors and its exit status."""
 
+import errno
 import importlib
+import pathlib
 import subprocess
 import sys
 import types
@@ -104,6 +106,16 @@ def raiser(error: BaseException, module: str):
         (ValueError("two\nlines"), "urbanverse_mjx.scene.compile", 2, "error: two lines\n"),
         (FileNotFoundError(2, "No such file or directory", "a.json"), "elsewhere", 2, "error: a.json: No such file"),
         (ModuleNotFoundError("no", name="coacd"), "urbanverse_mjx.assets", 2, "error: the package 'coacd' is not"),
+        (
+            OSError(errno.ENOSPC, "-", "/a.npz"),
+            "numpy.lib",
+            2,
+            "error: /a.npz: found the error 'No space left on device'",
+        ),
+        (OSError(errno.ENOSPC, "-"), "zipfile", 2, "error: found the error 'No space left on device'; make room"),
+        (OSError(errno.EDQUOT, "-", "/a.npz"), "zipfile", 2, "error: /a.npz: found the error 'Disk quota exceeded'"),
+        (OSError(errno.EROFS, "-", "/a"), "tempfile", 2, "error: /a: found the error 'Read-only file system'; write"),
+        (OSError(errno.EMFILE, "-", "/a"), "pathlib", 2, "error: /a: found the error 'Too many open files'; raise"),
         (KeyboardInterrupt(), "urbanverse_mjx.training", 130, "interrupted"),
     ],
 )
@@ -140,6 +152,17 @@ def test_a_reader_that_goes_away_is_no_traceback() -> None:
     done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
     assert done.stdout == "x" * 10
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(not pathlib.Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("size", [10, 10**6])
+def test_output_that_finds_no_room_is_one_sentence(size: int) -> None:
+    code = "import sys; from urbanverse_mjx.cli import main as m; m.usage = lambda: 'x' * int(sys.argv[1]); "
+    command = [sys.executable, "-c", code + "sys.exit(m.main(['-h']))", str(size)]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "error: standard output: found the error 'No space left on device'; make room on that disk.\n"
 
 
 def test_every_command_has_its_module() -> None:

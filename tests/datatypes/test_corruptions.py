@@ -94,7 +94,7 @@ def without(body: Any, path: Path) -> Any:
 
 
 WRONG = {
-    "text": (None, 5, 1.5, True, [], {}, ["a"], "", "line\nbreak", "\x00", "\ud800", "x" * 3000),
+    "text": (None, 5, 1.5, True, [], {}, ["a"], "", "line\nbreak", "\x00", "\ud800", "a\ufffe", "\uffff", "x" * 3000),
     "boolean": (None, 0, 1, "true", [], {}),
     "number": (None, True, "1.0", [], {}, [1.0], math.nan, math.inf, -math.inf, 10**400, 1e300, -1e300),
     "whole": (None, True, "1", [], 1.5, math.nan, -1),
@@ -169,7 +169,9 @@ def special(name: str, body: Any) -> Iterator[tuple[str, Path, Any]]:
 
 
 def of_graph(body: Any) -> Iterator[tuple[str, Path, Any]]:
-    """Descriptors and scores that are none."""
+    """Descriptors, scores and sizes that are none."""
+    for bad in (1e-300, 5e-324, 0.0, 9e-4):
+        yield "size", ("objects", 0, "size", 1), changed(body, ("objects", 0, "size", 1), bad)
     for place in (("objects", 0), ("ground", 1), ("sky",)):
         for bad in ([], [0] * 65, [256], [-1], [1.5], [True]):
             yield "descriptor", (*place, "descriptor"), changed(body, (*place, "descriptor"), bad)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -11,6 +12,7 @@ from hypothesis import given, settings
 
 from urbanverse_mjx.datatypes import SceneGraph, SceneLayout, ValidationError, ground
 from urbanverse_mjx.datatypes import validation as v
+from urbanverse_mjx.pipeline.errors import refusal
 
 from . import strategies
 
@@ -97,6 +99,31 @@ def test_content_is_on_the_disk_before_its_name_and_the_name_before_the_call_ret
     (first, temporary, size), rename, (last, folder, _) = did
     assert (first, size, last, folder) == ("sync", 5, "sync", str(tmp_path))
     assert rename == ("rename", temporary, str(path))
+
+
+def test_a_file_that_may_grow_no_further_leaves_the_old_one(tmp_path):
+    """As a full disk does: the system refuses to write on."""
+    path = tmp_path / "graph.json"
+    v.write_json(path, {"whole": True})
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, hard))
+    try:
+        with pytest.raises(OSError, match="File too large") as caught:
+            v.write_json(path, ["x" * 1000] * 1000)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert "ulimit -f" in (refusal(caught.value) or "")
+    assert os.listdir(tmp_path) == ["graph.json"]
+    assert json.loads(path.read_text()) == {"whole": True}
+
+
+def test_a_repeated_field_among_many_is_found_at_once(tmp_path):
+    path, many = tmp_path / "graph.json", 100_000
+    path.write_text("{" + ",".join(f'"{k}":0' for k in range(many)) + f',"{many - 1}":1}}')
+    begin = time.process_time()
+    with pytest.raises(ValidationError, match=f"'{many - 1}': found the same field twice"):
+        v.read_json(path, "graph")
+    assert time.process_time() - begin < 5.0, "comparing every field with every other takes minutes"
 
 
 def test_a_failed_write_leaves_the_old_file_and_no_litter(tmp_path):

@@ -1,5 +1,6 @@
 """Robots from files: one from outside the repository drives the streets; the wheelchair that comes with the package."""
 
+import contextlib
 import json
 import pathlib
 from typing import Any
@@ -15,6 +16,7 @@ from tests.support.box_bank import box_bank, box_scenes
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.robots import load, make_coco, make_go2
+from urbanverse_mjx.robots.model_limits import check_size
 from urbanverse_mjx.scene.mjcf import scene_spec
 from urbanverse_mjx.simulation.engines import make_engine
 from urbanverse_mjx.simulation.physics_model import make_physics_model
@@ -155,6 +157,42 @@ def test_what_is_wrong_in_the_mjcf_is_said(folder: pathlib.Path) -> None:
             load(folder)
     with pytest.raises(ValidationError, match=r"coco, go2, wheelchair, or a robot\.json"):
         load(folder / "nowhere")
+
+
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        ('<replicate count="2000000" offset="0 0 1"><body><geom size=".1"/></body></replicate>', "makes 40000"),
+        ('<replicate count="1e9"/>', "makes 10000000.. elements"),
+        ('<replicate count="900"><replicate count="900"><site/></replicate></replicate>', "elements"),
+        ('<flexcomp name="f" type="grid" count="2000 2000 2000" spacing=".1 .1 .1"/>', "makes 80000000.. elements"),
+        ('<geom type="hfield" hfield="h"/></worldbody><asset><hfield name="h" nrow="40000" ncol="40000" '
+         'size="1 1 1 1"/></asset><worldbody>', "hfield of 40000 x 40000"),
+        ('</worldbody><asset><texture name="t" type="2d" builtin="flat" width="60000" height="60000"/></asset>'
+         "<worldbody>", "texture of 60000 x 60000"),
+        ('<include file="part.xml"/>', "include itself"),
+    ],
+)  # fmt: skip
+def test_a_robot_that_asks_for_all_memory_is_refused_before_it_is_made(
+    folder: pathlib.Path, inside: str, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mujoco.MjSpec, "from_file", lambda path: pytest.fail("MuJoCo was asked"))
+    xml = (folder / "tug.xml").read_text()
+    (folder / "tug.xml").write_text(xml.replace("<worldbody>", f"<worldbody>{inside}", 1))
+    (folder / "part.xml").write_text('<mujoco><include file="part.xml"/></mujoco>')
+    with pytest.raises(ValidationError, match=words) as caught:
+        load(folder)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_a_robot_includes_counts_as_often_as_it_is_made(folder: pathlib.Path) -> None:
+    (folder / "part.xml").write_text("<mujocoinclude>" + "<site/>" * 150 + "</mujocoinclude>")
+    for count, large in ((100, False), (150, True)):
+        (folder / "all.xml").write_text(
+            f'<mujoco><replicate count="{count}"><include file="part.xml"/></replicate></mujoco>'
+        )
+        with pytest.raises(ValidationError, match="elements") if large else contextlib.nullcontext():
+            check_size(folder / "all.xml", "robot.mjcf")
 
 
 # The wheelchair.

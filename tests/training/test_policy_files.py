@@ -125,3 +125,22 @@ def test_policies_from_before_checksums_load_and_damage_is_one_sentence(folder: 
     with pytest.raises(ValidationError, match="parameters that cannot be read") as caught:
         load_params(latest_policy(newest))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("field", "wrong"),
+    [
+        *[(name, x) for name in ("env_config", "ppo_config", "observations", "versions") for x in (None, 3, [], "a")],
+        *[("observations", {"goal": x}) for x in (None, 2, ["a"], [0], [-1], [1.5], [10**9], [1] * 9)],
+        *[("action_size", x) for x in (None, "2", 0, 2.5, True, 10**12)],
+        *[("steps", -1), ("environment", 3), ("scene_ids", "street"), ("scene_ids", [3])],
+    ],
+)
+def test_a_policy_json_with_other_types_is_one_sentence(folder: pathlib.Path, field: str, wrong: object) -> None:
+    """Also without checksums, as older policies and those written by hand are."""
+    newest = folder / "checkpoints" / f"{200:012d}"
+    body = json.loads((newest / "policy.json").read_text()) | {field: wrong}
+    (newest / "policy.json").write_text(json.dumps({k: x for k, x in body.items() if k not in ("files", "checksum")}))
+    with pytest.raises(ValidationError, match=rf"policy\.json: {field}") as caught:
+        PolicySpec.load(latest_policy(newest))
+    assert "\n" not in str(caught.value)

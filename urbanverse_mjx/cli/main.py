@@ -59,11 +59,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         # A process of its own, in which nothing has imported JAX yet.
         replace_damaged_entries(settings.use_compilation_cache())
     try:
-        return _choose(list(sys.argv[1:] if argv is None else argv))
-    except BrokenPipeError:
-        # The reader (`| head`) went away; keep Python from complaining again when it flushes at exit.
+        status = _choose(list(sys.argv[1:] if argv is None else argv))
+        sys.stdout.flush()
+        return status
+    except OSError as error:
+        # The reader (`| head`) went away, or what standard output is written to is full; keep Python from complaining
+        # again when it flushes at exit.
+        sentence = "" if isinstance(error, BrokenPipeError) else refusal(error)
+        if sentence is None:
+            raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        return _refuse(f"standard output: {sentence}") if sentence else 1
 
 
 def _choose(argv: list[str]) -> int:

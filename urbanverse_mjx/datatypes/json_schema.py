@@ -16,7 +16,7 @@ from . import ground, scene_graph, scene_layout
 from . import validation as v
 
 _DRAFT = "https://json-schema.org/draft/2020-12/schema"
-_TEXT = {"type": "string", "minLength": 1, "maxLength": v.MAX_TEXT, "pattern": "^[^\\u0000-\\u001f]*$"}
+_TEXT = {"type": "string", "minLength": 1, "maxLength": v.MAX_TEXT, "pattern": "^[^\\u0000-\\u001f\\ufffe\\uffff]*$"}
 _IDENTIFIER = {"pattern": "^[A-Za-z0-9_-]+$"}
 _COORDINATE = {"minimum": -ground.LIMIT, "maximum": ground.LIMIT}
 _SLOPE = {"minimum": -ground.MAX_SLOPE, "maximum": ground.MAX_SLOPE}
@@ -33,7 +33,7 @@ _GROUND: dict[str, Any] = {"kind": _KIND, "polygon": _RING, "plane": _PLANE}
 _BOUNDS: dict[type, dict[str, Any]] = {
     scene_graph.GraphObject: {
         "center": {"items": _COORDINATE},
-        "size": {"items": {"exclusiveMinimum": 0, "maximum": 1e4}},
+        "size": {"items": {"minimum": 1e-3, "maximum": 1e4}},
         "yaw": _ANGLE,
         "score": {"minimum": 0, "maximum": 1},
         "descriptor": _DESCRIPTOR,

@@ -20,6 +20,8 @@ from .scene_graph import Source
 
 SCHEMA = "urbanverse.recording/1"
 FILE = "recording.json"
+#: What Pillow raises for files that are no picture, cut off, or said to have hundreds of millions of pixels.
+UNREADABLE = (OSError, SyntaxError, Image.DecompressionBombError)
 #: Value of a surface picture where the sky is seen; 0 is anything else, others index `ground.GROUND_KINDS`.
 SKY = 255
 #: Steps of a depth picture (m) unless its recording says otherwise: 16 bits then reach 327 m.
@@ -221,7 +223,7 @@ class Recording:
                 return np.asarray(image.convert("RGB") if kind == "rgb" else image).astype(dtype)
         except FileNotFoundError as error:
             raise v.fail(str(path), "no such file", f"the {kind} picture of frame {index}", "record again") from error
-        except (OSError, SyntaxError) as error:
+        except UNREADABLE as error:
             raise v.fail(
                 str(path), f"an unreadable picture ({error})", "a whole PNG or JPEG", "record again"
             ) from error

@@ -39,7 +39,7 @@ class GraphObject:
       id: unique in the graph.
       label: free text or a leaf of the ontology.
       center: (3,) m, centre of the box in the world frame (z up).
-      size: (3,) m, the box's full extent (along the heading, across, up).
+      size: (3,) m, the box's full extent (along the heading, across, up), at least 1 mm.
       yaw: rad, heading counter-clockwise from +x.
       score: confidence in [0, 1].
       descriptor: at most 64 numbers of 8 bits describing its appearance, or None.
@@ -59,7 +59,7 @@ class GraphObject:
         v.text(self.id, "object.id")
         v.text(self.label, f"{where}.label")
         set_(self, "center", v.vector(self.center, f"{where}.center", 3, minimum=-1e5, maximum=1e5))
-        set_(self, "size", v.vector(self.size, f"{where}.size", 3, above=0.0, maximum=1e4))
+        set_(self, "size", v.vector(self.size, f"{where}.size", 3, minimum=1e-3, maximum=1e4))
         set_(self, "yaw", v.number(self.yaw, f"{where}.yaw", minimum=-100.0, maximum=100.0))
         set_(self, "score", v.number(self.score, f"{where}.score", 0.0, 1.0))
         set_(self, "descriptor", _descriptor(self.descriptor, f"{where}.descriptor"))

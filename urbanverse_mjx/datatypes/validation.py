@@ -4,6 +4,7 @@ Every datatype validates itself when it is made, so one that exists is a valid o
 return the checked value in its canonical Python type and raise `ValidationError` otherwise.
 """
 
+import collections
 import contextlib
 import errno
 import functools
@@ -48,7 +49,8 @@ def text(value: Any, where: str, allow_empty: bool = False) -> str:
         raise fail(where, "an empty text", "a text of at least one character")
     if len(value) > MAX_TEXT:
         raise fail(where, f"a text of {len(value)} characters", f"at most {MAX_TEXT}")
-    if any(ord(c) < 32 or 0xD7FF < ord(c) < 0xE000 for c in value):
+    # What XML 1.0 cannot hold, section 2.2.
+    if any(ord(c) < 32 or 0xD7FF < ord(c) < 0xE000 or c in "\ufffe\uffff" for c in value):
         raise fail(where, show(value), "a text without control characters", "XML and file names cannot hold them")
     return value
 
@@ -215,8 +217,7 @@ def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """A JSON object; the same key twice would silently drop the first value."""
     body = dict(pairs)
     if len(body) != len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
+        twice = next(key for key, count in collections.Counter(key for key, _ in pairs).items() if count > 1)
         raise fail(f"field {show(twice)}", "the same field twice in one object", "every field once", "remove one")
     return body
 

@@ -1,8 +1,22 @@
 """Which errors are about what the user gave, and the one sentence that says so. Imports the standard library alone."""
 
+import errno
+import os
 import traceback
 
 _FILE_ERRORS = (FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError, FileExistsError)
+#: What the machine lacks, or does not allow, and what helps.
+_MACHINE_ERRORS = {
+    errno.ENOSPC: "make room on that disk",
+    errno.EDQUOT: "make room within the quota, or write elsewhere",
+    errno.EROFS: "write elsewhere",
+    errno.EFBIG: "raise the limit of file sizes (ulimit -f)",
+    errno.EMFILE: "raise the limit of open files (ulimit -n)",
+    errno.ENFILE: "close other programs",
+    errno.EIO: "check the disk",
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.ELOOP: "remove the links that lead in a circle",
+}
 
 
 def refusal(error: Exception) -> str | None:
@@ -13,6 +27,9 @@ def refusal(error: Exception) -> str | None:
         sentence = str(error)
     elif isinstance(error, _FILE_ERRORS) and error.filename is not None:
         sentence = f"{error.filename}: {error.strerror}."
+    elif isinstance(error, OSError) and error.errno in _MACHINE_ERRORS:
+        where = "" if error.filename is None else f"{os.fspath(error.filename)}: "
+        sentence = f"{where}found the error {os.strerror(error.errno)!r}; {_MACHINE_ERRORS[error.errno]}."
     elif isinstance(error, ModuleNotFoundError) and (error.name or "").partition(".")[0] != "urbanverse_mjx":
         sentence = f"the package {error.name!r} is not installed; `urbanverse doctor` prints the command for it."
     else:

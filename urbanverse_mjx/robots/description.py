@@ -19,6 +19,7 @@ import numpy as np
 from ..datatypes import RobotSpec
 from ..datatypes import validation as v
 from .collision import Fit, replace_by_spheres
+from .model_limits import check_size
 from .sphere_fit import FitOptions
 from .waypoint import gait_command, pd_velocity
 from .wheel_drive import WheelDrive
@@ -117,6 +118,7 @@ def _read_mjcf(
     """
     if not path.is_file():
         raise v.fail(f"{where}.mjcf", f"no file {path}", "the robot's MJCF, named relative to the description")
+    check_size(path, f"{where}.mjcf")
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         model = spec.compile()

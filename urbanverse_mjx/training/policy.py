@@ -22,6 +22,8 @@ from .policy_files import FILE
 
 SCHEMA = "urbanverse.policy/1"
 HINT = "take another checkpoint of the run, or copy it again from where it is whole"
+#: What no observation and no action of ours comes near.
+_MAX_AXES, _MAX_SIDE = 4, 100_000
 PolicyFunction = Callable[[Any, jax.Array], jax.Array]
 
 
@@ -68,10 +70,27 @@ class PolicySpec:
 
     @staticmethod
     def load(folder: pathlib.Path) -> "PolicySpec":
+        """Reads `policy.json`.
+
+        Raises:
+          ValidationError: no such file, or a field that is missing or of another type.
+        """
         body = v.read_json(folder / FILE, "policy")
         fields = [f.name for f in dataclasses.fields(PolicySpec)]
         m = dict(v.mapping(body, "policy", ["schema", *fields], policy_files.SEAL))
         v.choice(m.pop("schema"), "policy.schema", (SCHEMA,))
+        where = str(folder / FILE)
+        v.text(m["environment"], f"{where}: environment")
+        for name in ("env_config", "ppo_config", "bank_hashes", "versions", "observations"):
+            if not isinstance(m[name], dict):
+                raise v.fail(f"{where}: {name}", v.show(m[name]), "an object with named fields", HINT)
+        for name, shape in m["observations"].items():
+            for size in v.items(shape, f"{where}: observations.{name}", 0, _MAX_AXES):
+                v.integer(size, f"{where}: observations.{name}", 1, _MAX_SIDE)
+        v.integer(m["action_size"], f"{where}: action_size", 1, _MAX_SIDE)
+        v.integer(m["steps"], f"{where}: steps", 0)
+        for name in v.items(m["scene_ids"], f"{where}: scene_ids"):
+            v.text(name, f"{where}: scene_ids")
         return PolicySpec(**{name: m[name] for name in fields})
 
 

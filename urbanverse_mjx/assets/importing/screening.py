@@ -32,6 +32,7 @@ class Limits:
     json_bytes: int = 32 * 2**20
     nodes: int = 20_000
     depth: int = 200
+    primitives: int = 10_000
     vertices: int = 3_000_000
     indices: int = 18_000_000
 
@@ -240,9 +241,10 @@ def _screen_meshes(tree: dict[str, Any], counts: list[int], limits: Limits) -> N
     for node in _rows(tree, "nodes"):
         if "mesh" in node:
             shown[_whole(node, "mesh", None, len(shown), "a node")] += 1
-    vertices = indices = 0
+    vertices = indices = primitives = 0
     for times, mesh in zip(shown, _rows(tree, "meshes"), strict=True):
         for primitive in _rows(mesh, "primitives"):
+            primitives += max(times, 1)
             attributes = primitive.get("attributes")
             if not isinstance(attributes, dict) or "POSITION" not in attributes:
                 raise RefusedFileError("malformed", "has a mesh without positions")
@@ -253,6 +255,8 @@ def _screen_meshes(tree: dict[str, Any], counts: list[int], limits: Limits) -> N
                 indices += max(times, 1) * counts[_whole(primitive, "indices", None, len(counts), "a mesh")]
     if vertices > limits.vertices or indices > limits.indices:
         raise RefusedFileError("too large", f"shows {vertices} vertices and {indices} indices")
+    if primitives > limits.primitives:
+        raise RefusedFileError("too large", f"shows {primitives} parts; needed at most {limits.primitives}")
 
 
 def _screen_obj(path: pathlib.Path, limits: Limits) -> None:

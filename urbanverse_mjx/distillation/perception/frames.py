@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from ...datatypes import validation as v
+from ...datatypes.recording import UNREADABLE
 from .privacy import Blur
 from .screening import Measures, ScreenLimits, measure, screen, turned
 
@@ -230,7 +231,7 @@ def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Grou
             try:
                 with Image.open(file) as image:
                     picture = image.convert("RGB")
-            except (OSError, SyntaxError) as error:
+            except UNREADABLE as error:
                 raise v.fail(str(file), f"an unreadable picture ({error})", "a whole one", "leave it out") from error
             size = size or picture.size
             if picture.size != size:

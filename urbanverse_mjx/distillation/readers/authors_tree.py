@@ -24,6 +24,7 @@ from scipy.spatial.transform import Rotation
 
 from ...datatypes import Camera, Recording, RecordingWriter, Source
 from ...datatypes import validation as v
+from ...datatypes.recording import UNREADABLE
 from ..perception.observation import Predictor
 from ..perception.perceive import identifier
 
@@ -158,5 +159,5 @@ def _rgb(path: pathlib.Path, camera: Camera) -> np.ndarray:
         with Image.open(path) as image:
             size = camera.width, camera.height
             return np.asarray(image.convert("RGB").resize(size, Image.Resampling.BILINEAR))
-    except (OSError, SyntaxError) as error:
+    except UNREADABLE as error:
         raise v.fail(str(path), f"no readable picture ({error})", "a PNG or JPEG", "write it again") from error

@@ -20,7 +20,7 @@ from PIL import Image
 
 from ...datatypes import Camera, Detection, Recording, RecordingWriter, Source
 from ...datatypes import validation as v
-from ...datatypes.recording import SKY
+from ...datatypes.recording import SKY, UNREADABLE
 from .kitti360_boxes import Kitti360Box, read_boxes
 from .kitti360_depth import boxes_depth, scan_depth
 from .kitti360_labels import BY_ID, INSTANCES, object_id
@@ -194,7 +194,7 @@ def _image(path: pathlib.Path, camera: Camera, dtype: type, mode: str | None = N
     try:
         with Image.open(path) as image:
             pixels = np.asarray(image.convert(mode) if mode else image).astype(dtype)
-    except (OSError, SyntaxError) as error:
+    except UNREADABLE as error:
         raise v.fail(str(path), f"no readable picture ({error})", "one of KITTI-360", "download it again") from error
     if pixels.shape[:2] != (camera.height, camera.width):
         found = f"{pixels.shape[1]}x{pixels.shape[0]} pixels"

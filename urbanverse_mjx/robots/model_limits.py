@@ -1,0 +1,80 @@
+"""What a robot's MJCF asks MuJoCo to make, before MuJoCo makes it: a few bytes can ask for all of the memory.
+
+Counted are elements that multiply others (`replicate`, `composite`, `flexcomp`) and pictures and height fields by their
+sizes, in the file and in those that it includes.
+"""
+
+import math
+import pathlib
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+
+from ..datatypes import validation as v
+
+#: Elements that a robot may have; the Go2 has 100.
+MAX_ELEMENTS = 20_000
+#: Pixels of a texture, and points of a height field.
+MAX_PIXELS = 64 * 10**6
+_MAX_DEPTH = 20
+#: Elements that make others -> the attribute that says how many of each.
+_COUNTS = {"replicate": "count", "composite": "count", "flexcomp": "count"}
+#: Elements with as many values as the product of these attributes.
+_GRIDS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
+
+
+def check_size(path: pathlib.Path, where: str) -> None:
+    """Whether an MJCF asks for no more than a robot needs.
+
+    Args:
+      path: a file that is there; one that is no XML is left to MuJoCo. where: of the field that names it, in messages.
+
+    Raises:
+      ValidationError: it asks for more, or includes itself.
+    """
+    if (elements := _elements(path, where, 0)) > MAX_ELEMENTS:
+        raise v.fail(where, f"{path}, which makes {elements} elements", f"at most {MAX_ELEMENTS}", "simplify the robot")
+
+
+def _elements(path: pathlib.Path, where: str, depth: int) -> int:
+    """How many elements a file makes."""
+    if depth > _MAX_DEPTH:
+        raise v.fail(where, f"{path}, included {depth} files deep", f"at most {_MAX_DEPTH}", "does it include itself?")
+    try:
+        root = ET.parse(path).getroot()
+    except (ET.ParseError, OSError, ValueError):
+        return 0
+    total = 0
+    for element, times in _all_below(root, 1):
+        _check_grid(element, path, where)
+        total += times
+        if element.tag == "include" and total <= MAX_ELEMENTS:
+            total += times * _elements(path.parent / element.get("file", ""), where, depth + 1)
+    return total
+
+
+def _all_below(root: ET.Element, times: int) -> Iterator[tuple[ET.Element, int]]:
+    """Every element, and how often it is made. Iterative: a file may be nested deeper than Python's stack."""
+    waiting = [(root, times)]
+    while waiting:
+        element, times = waiting.pop()
+        yield element, times
+        inside = times * (_product(element.get(_COUNTS[element.tag], "1")) if element.tag in _COUNTS else 1)
+        if element.tag in _COUNTS and not len(element):
+            yield element, inside
+        waiting += [(child, inside) for child in element]
+
+
+def _check_grid(element: ET.Element, path: pathlib.Path, where: str) -> None:
+    names = _GRIDS.get(element.tag, ())
+    size = _product(" ".join(element.get(name, "1") for name in names))
+    if size > MAX_PIXELS:
+        shown = " x ".join(element.get(name, "1") for name in names)
+        raise v.fail(where, f"{path} with a {element.tag} of {shown}", f"at most {MAX_PIXELS}", "make it coarser")
+
+
+def _product(text: str) -> int:
+    """The product of numbers in a text; 1 for what is no number, which MuJoCo refuses itself."""
+    try:
+        return math.prod(max(int(float(part)), 1) for part in text.split())
+    except (ValueError, OverflowError):
+        return 1
