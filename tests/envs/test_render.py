@@ -3,7 +3,6 @@
 import copy
 import dataclasses
 import pathlib
-import re
 import sys
 from typing import Any
 
@@ -15,6 +14,7 @@ import pytest
 from mujoco_playground import MjxEnv, locomotion
 
 from tests.support.agent_appearances import with_box_agents
+from tests.support.playground_page import run_block
 from urbanverse_mjx.datatypes import AgentMotion, SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, State, registry
 from urbanverse_mjx.envs.playground import register_with_playground
@@ -149,10 +149,7 @@ def test_the_page_about_playground_runs(
 ) -> None:
     small_bank.save(tmp_path / "bank.npz")
     monkeypatch.setenv("URBANVERSE_BANK", str(tmp_path / "bank.npz"))
-    page = (pathlib.Path(__file__).parents[2] / "docs" / "playground.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
-    found: dict[str, Any] = {}
-    exec(compile(code, "playground.md", "exec"), found)
+    found = run_block("env.render(")
     assert capsys.readouterr().out.startswith("3 (120, 160, 3) [")
     moved = found["trajectory"][2].data.qpos[:2] - found["trajectory"][0].data.qpos[:2]
     assert float(jnp.linalg.norm(moved)) > 0.02

@@ -1,6 +1,5 @@
 """Wrappers of Brax and of MuJoCo Playground, unchanged, around our environments."""
 
-import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -10,15 +9,14 @@ import mujoco
 import numpy as np
 import pytest
 from brax.envs.wrappers import training as brax_wrappers
-from brax.training.agents.ppo import networks as ppo_networks
 from mujoco_playground import wrapper as playground
 
+from tests.support.playground_page import run_block
 from tests.support.unicycle import drive_to_goal, unicycle_env
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import NavEnv, Result, registry
 from urbanverse_mjx.envs.playground import FRICTION, MASS
 from urbanverse_mjx.envs.staged import observed_size
-from urbanverse_mjx.training.brax_compat import load_ppo
 from urbanverse_mjx.training.config import brax_ppo_config
 
 LENGTH, NUM = 4, 3
@@ -152,28 +150,16 @@ def test_the_model_is_there_under_playgrounds_names(env: NavEnv) -> None:
 
 
 def test_brax_trains_under_playgrounds_wrapper(small_bank: SceneBank) -> None:
-    """2,048 steps by the call of Playground's training script, with a small camera."""
-    env = unicycle_env(small_bank, {"episode_length": 16, "terminate_off_traversable": False}, vision=True)
+    """2,048 steps by the call of Playground's training script, as docs/playground.md gives it, with a small camera."""
     params = brax_ppo_config("CocoNav", "cpu")
     assert params.batch_size * params.num_minibatches == params.num_envs
-    small = {"num_timesteps": 2048, "num_envs": 16, "batch_size": 8, "num_minibatches": 2, "num_evals": 2}
-    params.update({**small, "episode_length": 16, "learning_rate_schedule": None})
-    training = dict(params)
-    factory = functools.partial(ppo_networks.make_ppo_networks, **training.pop("network_factory"))
-    seen: dict[int, Any] = {}
-    make_policy, trained, _ = load_ppo().train(
-        environment=env,
-        wrap_env_fn=playground.wrap_for_brax_training,
-        network_factory=factory,
-        num_eval_envs=16,
-        progress_fn=lambda steps, metrics: seen.update({steps: metrics}),
-        **training,
-    )
-    assert max(seen) == 2048
-    last = seen[2048]
-    assert float(last["eval/avg_episode_length"]) <= 16
-    assert np.isfinite(float(last["training/total_loss"]))
+    env = unicycle_env(small_bank, {"episode_length": 16, "terminate_off_traversable": False}, vision=True)
+    found = run_block("load_ppo()", env=env)
+    metrics, trained = found["metrics"], found["parameters"]
+    assert 0.0 < float(metrics["eval/avg_episode_length"]) <= 16
+    assert np.isfinite(float(metrics["training/total_loss"]))
     assert not np.allclose(trained[0].mean["state"], 0.0), "its statistics have seen observations"
+    assert int(trained[0].count) >= 2048
     state = jax.jit(env.reset)(jax.random.key(0))
-    action, _ = make_policy(trained, deterministic=True)(state.obs, jax.random.key(1))
+    action, _ = found["make_policy"](trained, deterministic=True)(state.obs, jax.random.key(1))
     assert action.shape == (2,)

@@ -5,6 +5,7 @@ from .joystick import JoystickEnv
 from .joystick.config import JOYSTICK_PRESETS, joystick_config
 from .navigation import NavEnv
 from .navigation.config import PRESETS, default_config
+from .staged import StagedBase
 from .types import NavState, Result, State
 from .wrappers import AutoResetEnv, wrap_for_training
 
@@ -17,6 +18,7 @@ __all__ = [
     "NavEnv",
     "NavState",
     "Result",
+    "StagedBase",
     "State",
     "check_env",
     "default_config",

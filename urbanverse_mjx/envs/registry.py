@@ -41,6 +41,7 @@ class _Entry(NamedTuple):
 
 
 _REGISTRY: dict[str, _Entry] = {}
+_FOLLOWERS: list[Callable[[str], None]] = []
 
 
 def register_environment(
@@ -66,6 +67,15 @@ def register_environment(
         raise ValidationError(f"environment {name!r}: found it registered already, needed a new name.")
     load = load_bank or load_default_bank
     _REGISTRY[name] = _Entry(make, make_config, make_ppo_config, load, default_preset, tuple(presets))
+    for follow in _FOLLOWERS:
+        follow(name)
+
+
+def on_registration(follow: Callable[[str], None]) -> None:
+    """Calls a function with the name of every registered environment, now and whenever one is added."""
+    _FOLLOWERS.append(follow)
+    for name in all_envs():
+        follow(name)
 
 
 def all_envs() -> tuple[str, ...]:

@@ -1,0 +1,42 @@
+"""Arrays of JAX as those of NumPy or PyTorch and back; by DLPack, so that PyTorch shares JAX's memory."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..datatypes import ValidationError
+
+OUTPUTS = ("numpy", "torch", "jax")
+
+
+def exporter(output: str) -> Callable[[Any], Any]:
+    """What turns a pytree of JAX arrays into one of another library.
+
+    Args:
+      output: "numpy" (copies, which may be written to), "torch" (on JAX's device, the same memory: not to be written
+        to) or "jax".
+
+    Raises:
+      ValidationError: another name, or PyTorch is not installed.
+    """
+    if output == "jax":
+        return lambda tree: tree
+    if output == "numpy":
+        return lambda tree: jax.tree.map(np.array, jax.device_get(tree))
+    if output != "torch":
+        raise ValidationError(f"output: found {output!r}, needed one of {', '.join(OUTPUTS)}.")
+    try:
+        import torch  # pyright: ignore[reportMissingImports]
+    except ImportError as error:
+        raise ValidationError("output: found 'torch', needed PyTorch to be installed; `pip install torch`.") from error
+    return lambda tree: jax.tree.map(torch.from_dlpack, tree)
+
+
+def to_jax(array: Any) -> jax.Array:
+    """A float32 array of JAX with the values of one of NumPy, PyTorch or JAX."""
+    if hasattr(array, "detach"):
+        array = jnp.from_dlpack(array.detach().contiguous())
+    return jnp.asarray(array, jnp.float32)

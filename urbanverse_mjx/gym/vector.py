@@ -1,0 +1,168 @@
+"""`UrbanVectorEnv`: many envs at once under Gymnasium's vector interface, each in its own street."""
+
+import pathlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import gymnasium
+import jax
+import jax.numpy as jnp
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from ml_collections import ConfigDict
+
+from ..datatypes import SceneBank, ValidationError
+from .arrays import exporter, to_jax
+from .batch import Transition, keys_of, load_batch, seeds_of, with_masks
+from .rendering import BatchRenderer
+
+
+class UrbanVectorEnv(VectorEnv[dict[str, Any], Any, Any]):
+    """A registered environment, `num_envs` times, stepped by one compiled call.
+
+        envs = gymnasium.make_vec("urbanverse/CocoNav-v0", num_envs=16, preset="cpu", output="torch")
+
+    Args:
+      name: of `envs.registry`; `gymnasium.make_vec` fills it in.
+      num_envs: how many.
+      preset, config_overrides: see `registry.load`.
+      bank: the streets, or a file of them; None: the environment's own.
+      observations: names of what the policy gets; None: all but what begins with "privileged".
+      output: "numpy", "torch" or "jax": what observations, rewards and info are arrays of. With "torch" they share
+        JAX's memory. Actions may be of any of the three.
+      autoreset_mode: of `gymnasium.vector.AutoresetMode`. NEXT_STEP shows the last observation of an episode and begins
+        the next with the following step, whose action and reward do not count: one image a step. SAME_STEP begins it
+        at once: `info["final_obs"]` and `info["final_info"]` are of the step itself, and the images of a step in
+        which an episode ends are rendered twice. With DISABLED, call `reset(options={"reset_mask": mask})`.
+      final_obs: whether SAME_STEP tells the last observations. As in Gymnasium they are an object array of one dict for
+        each env that ended, else None; with the outputs "torch" and "jax" a dict of (num_envs, ...), in every step.
+      render_mode: None, or "rgb_array": `render` gives one image (height, width, 3) for each env.
+      height, width, camera: of these images, see `StagedBase.render`.
+
+    Raises:
+      ValidationError: see `load_batch`, `exporter`; an unknown autoreset or render mode, or no env.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        num_envs: int = 1,
+        *,
+        preset: str | None = None,
+        config_overrides: Mapping[str, Any] | None = None,
+        bank: SceneBank | str | pathlib.Path | None = None,
+        observations: Sequence[str] | None = None,
+        output: str = "numpy",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        final_obs: bool = True,
+        render_mode: str | None = None,
+        height: int = 240,
+        width: int = 320,
+        camera: str | None = None,
+    ) -> None:
+        if num_envs < 1:
+            raise ValidationError(f"num_envs: found {num_envs}, needed at least one.")
+        modes = [mode.value for mode in AutoresetMode]
+        if not isinstance(autoreset_mode, AutoresetMode) and autoreset_mode not in modes:
+            raise ValidationError(f"autoreset_mode: found {autoreset_mode!r}, needed one of {', '.join(modes)}.")
+        self._export = exporter(output)
+        self._batch = load_batch(name, preset, config_overrides, bank, observations)
+        self._renderer = BatchRenderer(self._batch.env, render_mode, height, width, camera)
+        self._mode, self.output = AutoresetMode(autoreset_mode), output
+        self._final_obs = final_obs
+        self.num_envs, self.num_actions, self.render_mode = num_envs, self._batch.env.action_size, render_mode
+        self.metadata = {**self._renderer.metadata, "autoreset_mode": self._mode}
+        self.single_observation_space = self._batch.observation_space
+        self.single_action_space = self._batch.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._carried: Any = None
+        self._over: Any = jnp.zeros(num_envs, bool)
+        self._everywhere = np.ones(num_envs, bool)
+
+    @property
+    def config(self) -> ConfigDict:
+        """The environment's."""
+        return self._batch.env.config
+
+    def reset(
+        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """First observations of new episodes.
+
+        Args:
+          seed: one for each env, or the first of `num_envs` numbers in a row; a seed gives the same street, start and
+            goal in every batch. None draws on.
+          options: "reset_mask", (num_envs,) bool: only these begin anew.
+        """
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        keys = keys_of(seeds_of(seed, self.num_envs, lambda: self.np_random))
+        mask = self._reset_mask(options or {})
+        new = self._batch.begin(keys)
+        if self._carried is None or mask.all():
+            self._carried, self._obs, info = new
+        else:
+            chosen = jnp.asarray(mask)
+            self._carried, self._obs = self._batch.merge(chosen, new[:2], (self._carried, self._obs))
+            info = new[2]
+        self._over = self._over & ~jnp.asarray(mask)
+        return self._export(self._obs), with_masks(self._export(info), mask)
+
+    def step(self, actions: Any) -> tuple[dict[str, Any], Any, Any, Any, dict[str, Any]]:
+        """One control step of every env: observations, rewards, terminations, truncations, info; see the class."""
+        if self._carried is None:
+            raise gymnasium.error.ResetNeeded("step: found no episode, needed `reset` first.")
+        action = to_jax(actions)
+        if action.shape != self.action_space.shape:
+            raise ValidationError(f"actions: found shape {action.shape}, needed {self.action_space.shape}.")
+        if self._mode is AutoresetMode.NEXT_STEP:
+            after = self._batch.step_or_begin(self._carried, self._over, action)
+        elif self._mode is AutoresetMode.SAME_STEP:
+            after = self._batch.step_and_begin(self._carried, action, final_obs=self._final_obs)
+        elif bool(self._over.any()):
+            ended = np.flatnonzero(self._over).tolist()
+            raise gymnasium.error.ResetNeeded(
+                f"step: found that {ended} ended, needed `reset_mask` to begin them anew."
+            )
+        else:
+            after = self._batch.step(self._carried, action)
+        self._carried, self._obs = after.carried, after.obs
+        self._over = after.terminated | after.truncated
+        told = after.obs, after.reward, after.terminated, after.truncated
+        obs, reward, terminated, truncated = self._export(told)
+        return obs, reward, terminated, truncated, self._info_of(after)
+
+    def render(self) -> tuple[np.ndarray, ...] | None:
+        """An image for each env, of the state that the last observations show."""
+        return self._renderer(self._carried, self.num_envs)
+
+    def _info_of(self, after: Transition[Any]) -> dict[str, Any]:
+        info = with_masks(self._export(after.info), self._everywhere)
+        if self._mode is not AutoresetMode.SAME_STEP:
+            return info
+        if self.output != "numpy":
+            final = {"final_info": after.final_info, "_final_info": self._over}
+            if after.final_obs is not None:
+                final |= {"final_obs": after.final_obs, "_final_obs": self._over}
+            return info | self._export(final)
+        over = np.array(self._over)
+        if not over.any():
+            return info
+        info |= {"final_info": with_masks(self._export(after.final_info), over), "_final_info": over}
+        if after.final_obs is not None:
+            last, rows = self._export(after.final_obs), np.full(self.num_envs, None, object)
+            for i in np.flatnonzero(over):
+                rows[i] = {name: x[i] for name, x in last.items()}
+            info |= {"final_obs": rows, "_final_obs": over}
+        return info
+
+    def _reset_mask(self, options: dict[str, Any]) -> np.ndarray:
+        if options.get("reset_mask") is None:
+            return self._everywhere
+        mask = np.asarray(jax.device_get(to_jax(options["reset_mask"]))) > 0
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise ValidationError(
+                f"options['reset_mask']: found {mask.sum()} of {mask.shape}, needed ({self.num_envs},) with a True."
+            )
+        return mask
