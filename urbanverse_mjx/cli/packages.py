@@ -8,8 +8,9 @@ import tomllib
 
 #: Modules of packages that are also published under other names, such as `opencv-python`.
 _MODULES = {"opencv-python-headless": "cv2"}
-#: Packages that only make scenes, films and files of them: a machine that has a bank trains and evaluates without.
-MAKERS = frozenset({"coacd", "imageio-ffmpeg", "pycolmap", "usd-core"})
+#: Packages that only make or show scenes, films and files of them: a machine that has a bank trains and evaluates
+#: without.
+MAKERS = frozenset({"coacd", "imageio-ffmpeg", "pycolmap", "usd-core", "viser"})
 
 
 def declared() -> list[str]:

@@ -54,6 +54,31 @@ class Beginning(Protocol):
         ...
 
 
+def answer(
+    agent: Agent | Privileged | Recurrent,
+    nav: NavState,
+    obs: Mapping[str, Any],
+    known: Any,
+    memory: Any,
+    key: jax.Array,
+) -> tuple[jax.Array, Any]:
+    """An agent's action in a state of one env, and what it remembers then.
+
+    Args:
+      known: what `told` says of the env's episode. memory: of a `Recurrent`; () of the others.
+    """
+    if isinstance(agent, Recurrent):
+        return agent.act(obs, memory, key)
+    return agent.act(nav, known) if isinstance(agent, Privileged) else agent(obs, key), ()
+
+
+def told(agent: Agent | Privileged | Recurrent, scenes: np.ndarray, rows: np.ndarray, count: int = 1) -> Any:
+    """What a privileged agent is told of `count` times n episodes, leading axis count * n; () for the others."""
+    if not isinstance(agent, Privileged):
+        return ()
+    return jax.tree.map(lambda x: jnp.concatenate([x] * count), agent.prepare(scenes, rows))
+
+
 def zero(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
     """Stands still."""
     del obs, key

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..datatypes import RESULTS, AgentMotion, EpisodeResult, ValidationError
 from ..envs import NavEnv, NavState
-from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent
+from .agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, answer, told
 from .people import counted, no_people, people_fields
 
 
@@ -124,7 +124,7 @@ class Rollout:
         n, count = len(episodes), len(agents)
         who = jnp.repeat(jnp.arange(count), n)
         nav, tally = self._start(episodes, count, list(agents.values()))
-        known = tuple(_known(agent, episodes, count) for agent in agents.values())
+        known = tuple(told(agent, episodes.scenes, episodes.episodes, count) for agent in agents.values())
         chunk = self._chunk_of(list(agents.values()))
         seen = []
         for _ in range(-(-self.env.config.episode_length // (self._chunk * self._hold))):
@@ -218,7 +218,7 @@ class Rollout:
         ) -> tuple[jax.Array, _Tally]:
             key, key_act = jax.random.split(tally.key)
             answers = [
-                _answer(agent, nav, obs, own, memory, key_act)
+                answer(agent, nav, obs, own, memory, key_act)
                 for agent, own, memory in zip(agents, known, tally.memory, strict=True)
             ]
             action = jnp.stack([action for action, _ in answers])[who]
@@ -266,21 +266,6 @@ class Rollout:
             )
             for i in range(len(episodes))
         ]
-
-
-def _answer(agent: Any, nav: NavState, obs: Mapping[str, Any], known: Any, memory: Any, key: jax.Array) -> Any:
-    """An agent's action in a state, and what it remembers then."""
-    if isinstance(agent, Recurrent):
-        return agent.act(obs, memory, key)
-    return agent.act(nav, known) if isinstance(agent, Privileged) else agent(obs, key), ()
-
-
-def _known(agent: Agent | Privileged | Recurrent, episodes: EpisodeSet, count: int) -> Any:
-    """What a privileged agent is told of `count` times all episodes; () for the others."""
-    if not isinstance(agent, Privileged):
-        return ()
-    own = agent.prepare(episodes.scenes, episodes.episodes)
-    return jax.tree.map(lambda x: jnp.concatenate([x] * count), own)
 
 
 def result_counts(results: Sequence[EpisodeResult]) -> dict[str, int]:

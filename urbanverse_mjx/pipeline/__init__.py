@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .routes import plan_routes
     from .scenes import compile_graph, compile_layout, make_controller
     from .training_run import TrainOptions, train
+    from .viewing import ViewOptions, view
 
 #: Name -> the module below this package that defines it.
 _HOMES = {
@@ -47,6 +48,7 @@ _HOMES = {
     "LibraryOptions": "library.sets",
     "PlayOptions": "playing",
     "VideoOptions": "generation.video_options",
+    "ViewOptions": "viewing",
     "TrainOptions": "training_run",
     "benchmark": "benchmarking",
     "build_bank": "banks",
@@ -70,6 +72,7 @@ _HOMES = {
     "run_batch": "generation.batch",
     "shipped_scenes": "banks",
     "train": "training_run",
+    "view": "viewing",
 }
 
 __all__ = [
@@ -83,6 +86,7 @@ __all__ = [
     "PlayOptions",
     "TrainOptions",
     "VideoOptions",
+    "ViewOptions",
     "benchmark",
     "build_bank",
     "build_library",
@@ -105,6 +109,7 @@ __all__ = [
     "run_batch",
     "shipped_scenes",
     "train",
+    "view",
 ]
 
 

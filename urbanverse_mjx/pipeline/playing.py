@@ -12,7 +12,9 @@ from ..datatypes import validation as v
 if TYPE_CHECKING:
     from ml_collections import ConfigDict
 
+    from ..envs import NavEnv
     from ..evaluation.agents import Agent, Privileged
+    from ..evaluation.rollouts import EpisodeSet
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,6 +49,8 @@ class PlayOptions:
     """Rays a pixel along each side."""
     quality: float = 7.0
     """Of the video, 0 to 10."""
+    html: pathlib.Path | None = None
+    """Also write the first episode of the video as one HTML file, in which one can look around; not with --fps."""
 
 
 def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dict[str, Any]:
@@ -56,7 +60,7 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
       video: the file; results: an `EpisodeResult` of every episode that was driven, as JSON.
 
     Raises:
-      ValidationError: no such agent, policy or scene, or no episode to show.
+      ValidationError: no such agent, policy or scene, no episode to show, or a page and a video of another rate.
     """
     from ..envs import registry
     from ..evaluation import Rollout, fixed_episodes
@@ -70,6 +74,8 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     agent, name, config = _chosen(options)
     config = registry.with_overrides(config, options.env_overrides)
     hold = _steps_held(options.fps, config.ctrl_dt)
+    if options.html is not None and hold > 1:
+        raise v.fail("--html", f"--fps {options.fps:g} beside it", "the control rate", "leave one of them out")
     finer = {"ctrl_dt": config.ctrl_dt / hold}
     finer |= {k: config[k] * hold for k in ("episode_length", "success_after_step")}
     env = registry.load_nav_env(name, registry.with_overrides(config, finer), chosen_bank(options.bank))
@@ -83,7 +89,23 @@ def play(out: str | os.PathLike[str], options: PlayOptions | None = None) -> dic
     shown = random_draw(shown, options.shown, options.seed)
     style = {"size": options.size, "samples": options.samples, "quality": options.quality}
     write_episodes(pathlib.Path(out), env, episodes, results, poses, shown, **style)
+    if options.html is not None:
+        _write_html(options.html, env, options.agent, agent, episodes, shown[0])
     return {"video": str(out), "results": [r.to_json() for r in results]}
+
+
+def _write_html(path: pathlib.Path, env: "NavEnv", name: str, agent: Any, episodes: "EpisodeSet", shown: int) -> None:
+    """Drives one of the episodes again, with the same draws, and writes it as a page."""
+    from ..viewer.recording import html_recording
+    from ..viewer.session import Driver, Machine, Session
+    from ..viewer.street import StreetMeshes
+
+    scene, row = int(episodes.scenes[shown]), int(episodes.episodes[shown])
+    session = Session(Machine(env, Driver(name, agent)), scene, [row], keys=episodes.keys()[shown : shown + 1])
+    while not session.over:
+        session.step()
+    page = html_recording(session, StreetMeshes(env.bank, scene))
+    v.write_atomically(path, lambda temporary: temporary.write_text(page, encoding="utf-8"))
 
 
 def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "ConfigDict"]:

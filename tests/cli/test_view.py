@@ -1,0 +1,107 @@
+"""`urbanverse view`: wrong input is one sentence and exit status 2, before anything is served."""
+
+import json
+import pathlib
+import socket
+
+import pytest
+
+from urbanverse_mjx.cli import main as cli
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.pipeline import drivers, view_scenes
+from urbanverse_mjx.pipeline.view_scenes import ViewScenes
+
+
+def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
+    assert cli.main(["view", *argv, "--no-open"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("error: ")
+    assert said.err.count("\n") == 1
+    return said.err
+
+
+def test_an_unknown_scene_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    said = refused(capsys, "parkedge")
+    assert "scene: found no 'parkedge'" in said
+    assert "did you mean park_edge" in said
+
+
+def test_a_file_that_is_no_graph_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path) -> None:
+    wrong = tmp_path / "wrong.graph.json"
+    wrong.write_text(json.dumps({"schema": "other"}), encoding="utf-8")
+    assert "scene graph.id: found nothing" in refused(capsys, str(wrong), "--port", "0")
+
+
+def test_a_port_in_use_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert f"--port: found {port} on 127.0.0.1 taken" in refused(capsys, "park_edge", "--port", str(port))
+
+
+@pytest.mark.parametrize("wrong", ["no/such/folder", "missing.onnx", "go_to_gaol"])
+def test_a_missing_policy_is_refused(
+    capsys: pytest.CaptureFixture[str], bank: SceneBank, monkeypatch: pytest.MonkeyPatch, wrong: str
+) -> None:
+    monkeypatch.setattr(ViewScenes, "open", lambda self, name, cousin=0: (bank, 0))
+    assert wrong in refused(capsys, "park_edge", "--port", "0", "--policy", wrong)
+
+
+def test_numbers_out_of_range_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--robots" in refused(capsys, "park_edge", "--robots", "9")
+    assert "--port" in refused(capsys, "park_edge", "--port", "70000")
+
+
+def test_scenes_by_name_file_folder_and_bank(
+    tmp_path: pathlib.Path, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = tmp_path / "library"
+    for cousin in (1, 2):
+        (library / "craftbench" / "scenes" / f"alley_Cousin_0{cousin}").mkdir(parents=True)
+        (library / "craftbench" / "scenes" / f"alley_Cousin_0{cousin}" / "metadata.json").write_text("{}")
+    monkeypatch.setattr(view_scenes.settings, "cache_dir", lambda *parts: tmp_path.joinpath(*parts))
+    graph = tmp_path / "corner.graph.json"
+    graph.write_text("{}", encoding="utf-8")
+    own = tmp_path / "street" / "graph.json"
+    own.parent.mkdir()
+    own.write_text("{}", encoding="utf-8")
+    small_bank.save(tmp_path / "boxes.npz")
+    scenes = ViewScenes([str(graph), str(own), str(tmp_path / "boxes.npz"), "alley_Cousin_02", "park_edge"])
+    first = f"boxes/{small_bank.scene_ids[0]}"
+    assert scenes.first == ["corner", "street", first, "alley_Cousin_02", "park_edge"]
+    assert set(scenes.first) <= set(scenes.names)
+    assert {"alley", "residential_bins"} <= set(scenes.names)
+    assert [scenes.cousins(x) for x in ("corner", "alley", "alley_Cousin_02", first)] == [64, 2, 1, 1]
+    bank, row = scenes.open(f"boxes/{small_bank.scene_ids[2]}")
+    assert bank.scene_ids[row] == small_bank.scene_ids[2]
+    with pytest.raises(ValidationError, match="needed one of 1 to 2"):
+        scenes.open("alley", 2)
+
+
+def test_a_cousin_of_a_graph_is_compiled_once(
+    bank: SceneBank, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def compiled(graph: pathlib.Path, cousin: int) -> SceneBank:
+        asked.append((graph.parent.name, cousin))
+        return small_bank
+
+    monkeypatch.setattr(view_scenes, "_compiled", compiled)
+    scenes = ViewScenes()
+    for _ in range(2):
+        assert scenes.open("construction_narrow", 1) == (small_bank, 0)
+    assert asked == [("construction_narrow", 1)]
+    # The first cousin is the one that the bank of the shipped streets holds.
+    found, row = scenes.open("construction_narrow")
+    assert (found.scene_ids, row) == (bank.scene_ids, bank.scene_ids.index("construction_narrow"))
+    assert asked == [("construction_narrow", 1)]
+
+
+def test_the_camera_of_a_rule_is_drawn_and_everything_is_as_in_the_bank() -> None:
+    config = drivers._fresh_config(None, False, drivers.PICTURE)
+    assert config.vision
+    assert (config.vision_config.height, config.vision_config.width) == drivers.PICTURE
+    assert config.randomization.appearance == 0

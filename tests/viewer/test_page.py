@@ -1,0 +1,205 @@
+"""The page in a real browser: it opens, its buttons do what they say, and a browser that leaves stops nothing."""
+
+import dataclasses
+import io
+import pathlib
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.support.browser import browser
+from tests.support.unicycle import UnicycleEngine, unicycle_robot
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
+from urbanverse_mjx.envs import NavEnv, registry
+from urbanverse_mjx.evaluation.agents import BASELINES
+from urbanverse_mjx.simulation.rendering.renderer import Renderer
+from urbanverse_mjx.viewer.page import Page
+from urbanverse_mjx.viewer.recording import html_recording, start_server
+from urbanverse_mjx.viewer.session import Driver, Machine, Session
+from urbanverse_mjx.viewer.street import StreetMeshes
+
+#: A box with a camera, moved by the kinematic engine: nothing that takes long to compile.
+_BOX = """<mujoco><worldbody><body name="base" pos="0 0 0.3"><freejoint/>
+<geom type="box" size="0.4 0.3 0.2" group="2" rgba="0.9 0.1 0.1 1"/>
+<camera name="front" pos="0.4 0 0.1" xyaxes="0 -1 0 0 0 1" fovy="60"/></body></worldbody></mujoco>"""
+
+
+@pytest.fixture(scope="module")
+def machine(small_bank: SceneBank) -> Machine:
+    robot = dataclasses.replace(unicycle_robot(), mjcf=_BOX, root_body="base", camera="front")
+    config = registry.with_overrides(registry.get_default_config("CocoNav", "cpu"), {"scenes": "all"})
+    engine = UnicycleEngine(robot, config.ctrl_dt)
+    env = NavEnv(config, small_bank, robot, engine, Renderer(small_bank, robot, 18, 32, shading="matte"))
+    return Machine(env, Driver("go_to_goal", BASELINES["go_to_goal"]))
+
+
+class Streets:
+    """The box streets, driven by one machine."""
+
+    policies = ("go_to_goal",)
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine, self.opened = machine, []
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        return self.machine.env.bank.scene_ids
+
+    def cousins(self, scene: str) -> int:
+        return 1
+
+    def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
+        if policy not in self.policies:
+            raise ValidationError(f"--policy: found {policy!r}, needed go_to_goal.")
+        self.opened.append((scene, cousin, policy, people))
+        return self.machine, self.scenes.index(scene)
+
+
+@pytest.fixture(scope="module")
+def served(machine: Machine) -> Iterator[tuple[Page, Streets, str]]:
+    """A page that runs in a thread."""
+    server = start_server("127.0.0.1", 0)
+    streets = Streets(machine)
+    page = Page(server, streets, streets.scenes[0], "go_to_goal", robots=2)
+    thread = threading.Thread(target=page.run, daemon=True)
+    thread.start()
+    yield page, streets, f"http://127.0.0.1:{server.get_port()}"
+    page.stop()
+    thread.join(10.0)
+    server.stop()
+    assert not thread.is_alive()
+
+
+def wait(until: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not until():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+@pytest.fixture(scope="module")
+def tab(served: tuple[Page, Streets, str]) -> Iterator[Any]:
+    with browser() as chromium:
+        tab = chromium.new_page(viewport={"width": 900, "height": 700})
+        tab.goto(served[2])
+        tab.get_by_role("button", name="Play").wait_for(timeout=60_000)
+        yield tab
+
+
+def picture(tab: Any) -> np.ndarray:
+    """(H, W, 3) of what is left of the panel."""
+    return np.asarray(Image.open(io.BytesIO(tab.screenshot(timeout=60_000))).convert("RGB"))[:, :560].astype(int)
+
+
+def test_it_shows_a_street(tab: Any) -> None:
+    """Ground, sky and objects: more than two colours, each over much of the picture."""
+
+    def colours() -> int:
+        coarse = picture(tab)[200:] // 32
+        _, counts = np.unique(coarse.reshape(-1, 3), axis=0, return_counts=True)
+        return int((counts > 0.02 * counts.sum()).sum())
+
+    wait(lambda: colours() >= 4)
+
+
+def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    page, before = served[0], picture(tab)
+    tab.get_by_role("button", name="Step").click()
+    wait(lambda: page.index == 1)
+    tab.get_by_role("button", name="Play").click()
+    wait(lambda: page.index >= 6)
+    tab.get_by_role("button", name="Pause").click()
+    wait(lambda: not page.playing)
+    assert page.index == len(page.session) - 1
+    # The camera went with the robot.
+    wait(lambda: np.abs(picture(tab) - before).mean() > 2.0)
+    tab.get_by_role("textbox").first.fill("2")
+    tab.get_by_role("textbox").first.press("Enter")
+    wait(lambda: page.index == 2)
+    driven = len(page.session)
+    tab.get_by_role("button", name="Step").click()
+    wait(lambda: page.index == 3)
+    assert len(page.session) == driven  # what was driven is shown again
+
+
+def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    page = served[0]
+    session = page.session
+    field = tab.locator("label", has_text="or a file").locator("xpath=ancestor::div[.//input][1]//input")
+    field.fill("no/such/policy")
+    field.press("Enter")
+    tab.get_by_role("button", name="Open").click()
+    tab.get_by_text("--policy: found 'no/such/policy', needed go_to_goal.").wait_for(timeout=30_000)
+    assert page.session is session
+    field.fill("")
+    field.press("Enter")
+    tab.get_by_role("button", name="Open").click()
+    wait(lambda: page.session is not session)
+    assert served[1].opened[-1] == (served[1].scenes[0], 0, "go_to_goal", False)
+    assert page.session.rows == (0, 1)
+
+
+def test_layers_are_switched(tab: Any, served: tuple[Page, Streets, str]) -> None:
+    page = served[0]
+    for layer, node in page.stage._robots[0].lines.items():
+        box = tab.get_by_label(layer, exact=True)
+        was = node.visible
+        box.evaluate("box => box.click()")
+        wait(lambda node=node, was=was: node.visible != was)
+        box.evaluate("box => box.click()")
+        wait(lambda node=node, was=was: node.visible == was)
+
+
+def test_the_recording_is_a_page_of_its_own(
+    tab: Any, served: tuple[Page, Streets, str], tmp_path: pathlib.Path
+) -> None:
+    tab.get_by_role("button", name="Begin again").click()
+    for k in range(3):
+        tab.get_by_role("button", name="Step").click()
+        wait(lambda k=k: served[0].index == k + 1)
+    with tab.expect_download(timeout=60_000) as download:
+        tab.get_by_role("button", name="Save the drive as a page").click()
+    saved = tmp_path / "drive.html"
+    download.value.save_as(saved)
+    assert download.value.suggested_filename == f"{served[1].scenes[0]}_go_to_goal.html"
+    with_no_server = tab.context.browser.new_page(viewport={"width": 900, "height": 700})
+    with_no_server.goto(saved.as_uri())
+    wait(lambda: picture(with_no_server).std() > 20.0)
+    with_no_server.close()
+
+
+def test_a_browser_that_leaves_stops_the_drive_and_nothing_else(served: tuple[Page, Streets, str], tab: Any) -> None:
+    page = served[0]
+    tab.get_by_role("button", name="Begin again").click()
+    tab.get_by_role("button", name="Play").click()
+    wait(lambda: page.index >= 2)
+    tab.goto("about:blank")
+    time.sleep(1.0)
+    stopped = len(page.session)
+    time.sleep(1.0)
+    assert len(page.session) == stopped
+    tab.goto(served[2])
+    wait(lambda: len(page.session) > stopped)
+
+
+def test_a_recording_holds_every_frame(machine: Machine) -> None:
+    session = Session(machine, 0, [0, 1])
+    street = StreetMeshes(machine.env.bank, 0)
+    still = len(html_recording(session, street))
+    for _ in range(5):
+        session.step()
+    assert len(html_recording(session, street)) > still
+
+
+def test_a_taken_port_is_refused() -> None:
+    server = start_server("127.0.0.1", 0)
+    try:
+        with pytest.raises(ValidationError, match=f"--port: found {server.get_port()} on 127.0.0.1 taken"):
+            start_server("127.0.0.1", server.get_port())
+    finally:
+        server.stop()

@@ -1,0 +1,26 @@
+"""`urbanverse view`: streets, robots and policies in a web page."""
+
+import dataclasses
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import tyro
+
+from .. import pipeline
+from ..pipeline.viewing import ViewOptions
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ViewArgs(ViewOptions):
+    """Look at a street in a web page and watch a policy drive in it; Ctrl-C ends it."""
+
+    scene: Annotated[str | None, tyro.conf.Positional] = None
+    """A shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank's .npz."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs `urbanverse view`."""
+    args = tyro.cli(ViewArgs, args=list(argv), prog="urbanverse view")
+    pipeline.view(args.scene, args, lambda address: print(f"open {address}", file=sys.stderr, flush=True))
+    return 0

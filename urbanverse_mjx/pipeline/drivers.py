@@ -1,0 +1,92 @@
+"""A policy by its name or file, with the environment that it drives in, for a viewer."""
+
+import pathlib
+from typing import TYPE_CHECKING, Any
+
+from ..datatypes import SceneBank, ValidationError
+
+if TYPE_CHECKING:
+    from ..viewer.session import Machine
+
+#: (height, width) px of the camera picture for a policy that does not look.
+PICTURE = (90, 160)
+
+
+def load_machine(policy: str, bank: SceneBank, people: bool = False, env_name: str | None = None) -> "Machine":
+    """An environment over all scenes of a bank and the policy that drives in it, everything as the bank describes it.
+
+    Args:
+      policy: zero, random, go_to_goal, planner, a policy or run folder, or FILE.onnx.
+      people: whether the streets are full of people and vehicles that move.
+      env_name: whose robot is driven; None = the one that the policy was trained with, for a rule CocoNav.
+
+    Raises:
+      ValidationError: no such policy, or one for another task.
+    """
+    from ..envs import registry
+    from ..evaluation.agents import BASELINES
+    from ..evaluation.planner import Planner
+    from ..viewer.session import Driver, Machine
+
+    if policy in BASELINES or policy == "planner":
+        env = registry.load_nav_env(env_name or "CocoNav", _fresh_config(env_name, people, PICTURE), bank)
+        return Machine(env, Driver(policy, Planner(env) if policy == "planner" else BASELINES[policy]))
+    path = pathlib.Path(policy).expanduser()
+    if policy.endswith(".onnx"):
+        return _onnx_machine(path, bank, people, env_name)
+    if not path.is_dir():
+        known = ", ".join((*BASELINES, "planner"))
+        raise ValidationError(f"--policy: found {policy!r}, needed one of {known}, a policy folder or an ONNX file.")
+    from ..training.policy import latest_policy, load_policy
+
+    folder = latest_policy(path)
+    agent, spec = load_policy(folder)
+    name, config = _trained_config(spec.environment, spec.env_config, people, env_name)
+    return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, agent))
+
+
+def _onnx_machine(path: pathlib.Path, bank: SceneBank, people: bool, env_name: str | None) -> "Machine":
+    from ..envs import registry
+    from ..evaluation.external import PROPRIO
+    from ..evaluation.onnx_policy import load_onnx
+    from ..viewer.session import Driver, Machine
+
+    policy = load_onnx(path)
+    if policy.record is not None:
+        name, config = _trained_config(policy.record.environment, policy.record.env_config, people, env_name)
+    else:
+        name, config = env_name or "CocoNav", _fresh_config(env_name, people, policy.size or PICTURE)
+        config = registry.with_overrides(config, {"observations.proprio": PROPRIO in policy.observations})
+    return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, policy, outside=True))
+
+
+def _fresh_config(env_name: str | None, people: bool, size: tuple[int, int]) -> Any:
+    from ..envs import registry
+    from .evaluation import evaluation_config
+
+    name = env_name or "CocoNav"
+    config = registry.get_default_config(name, "cpu")
+    if "goal_mode" not in config:
+        raise ValidationError(
+            f"--env-name: found {name!r}, whose robot has no goal to drive to, needed a navigation environment such as "
+            "CocoNav or Go2Nav."
+        )
+    config = evaluation_config(name, config.to_dict(), "all", people)
+    height, width = size
+    return registry.with_overrides(
+        config, {"vision": True, "vision_config.height": height, "vision_config.width": width}
+    )
+
+
+def _trained_config(environment: str, trained: Any, people: bool, env_name: str | None) -> tuple[str, Any]:
+    """The environment's name and its config as a policy knows it, with the engine that suits this machine."""
+    from ml_collections import ConfigDict
+
+    from ..envs import registry
+    from .evaluation import evaluation_config
+
+    config, name = ConfigDict(dict(trained)), env_name or environment
+    if name != environment:
+        config = registry.same_task(config, name)
+    config = evaluation_config(name, config.to_dict(), "all", people)
+    return name, registry.with_overrides(config, {"impl": "auto"})

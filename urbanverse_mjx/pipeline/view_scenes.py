@@ -1,0 +1,140 @@
+"""Scenes by name for a viewer: the shipped streets, the built library, a user's graphs, compiled scenes and banks."""
+
+import difflib
+import pathlib
+import re
+from collections.abc import Sequence
+
+from .. import settings
+from ..datatypes import SceneBank, ValidationError
+from ..work_folder import work_folder
+
+#: Digital cousins of a graph that may be asked for.
+COUSINS = 64
+#: Banks kept in memory: each has the meshes and textures of its scenes.
+_KEPT = 4
+_NUMBERED = re.compile(r"(.+)_Cousin_(\d+)$")
+
+
+class ViewScenes:
+    """Scenes by name, opened when they are asked for.
+
+    Args:
+      given: names, graph.json files, compiled scene folders or banks that are listed beside what ships and what was
+        built into the cache.
+
+    Raises:
+      ValidationError: a given scene that there is not.
+    """
+
+    def __init__(self, given: Sequence[str] = ()) -> None:
+        self._graphs = _shipped_graphs()
+        self._folders = _built_folders()
+        self._banks: dict[str, tuple[pathlib.Path, str]] = {}
+        self._opened: dict[tuple[str, int], tuple[SceneBank, int]] = {}
+        self.first: list[str] = []
+        self.first += [self._add(text) for text in given]
+
+    @property
+    def names(self) -> list[str]:
+        """All that can be opened: what was given, what ships, then what was built."""
+        return list(dict.fromkeys([*self.first, *self._banks, *self._graphs, *self._folders]))
+
+    def cousins(self, name: str) -> int:
+        """How many cousins of a scene there are."""
+        if name in self._graphs:
+            return COUSINS
+        return len(self._folders.get(name, ())) or 1
+
+    def open(self, name: str, cousin: int = 0) -> tuple[SceneBank, int]:
+        """A bank that holds a cousin of a scene, and its row there.
+
+        Raises:
+          ValidationError: no such scene or cousin, or a graph that cannot be compiled.
+        """
+        if name not in self.names:
+            raise ValidationError(_unknown(name, self.names))
+        if not 0 <= cousin < self.cousins(name):
+            raise ValidationError(f"cousin: found {cousin + 1}, needed one of 1 to {self.cousins(name)} of {name!r}.")
+        key = name, cousin
+        if key not in self._opened:
+            while len(self._opened) >= _KEPT:
+                self._opened.pop(next(iter(self._opened)))
+            self._opened[key] = self._load(name, cousin)
+        return self._opened[key]
+
+    def _load(self, name: str, cousin: int) -> tuple[SceneBank, int]:
+        from ..scene import pack_bank
+
+        if name in self._banks:
+            path, scene = self._banks[name]
+            bank = SceneBank.load(path)
+            return bank, bank.scene_ids.index(scene)
+        if name in self._folders:
+            return pack_bank([self._folders[name][cousin]], ["test"]), 0
+        if cousin == 0 and name in _shipped_graphs() and settings.chosen_bank_path() is None:
+            from .banks import ensure_default_bank
+
+            bank = ensure_default_bank()
+            return bank, bank.scene_ids.index(name)
+        return _compiled(self._graphs[name], cousin), 0
+
+    def _add(self, text: str) -> str:
+        """Lists what a user named; its name."""
+        path = pathlib.Path(text).expanduser()
+        if text in self.names:
+            return text
+        if (path / "metadata.json").is_file():
+            self._folders[path.resolve().name] = [path]
+            return path.resolve().name
+        if path.suffix == ".npz":
+            bank = SceneBank.load(path)
+            self._banks |= {f"{path.stem}/{scene}": (path, scene) for scene in bank.scene_ids}
+            return f"{path.stem}/{bank.scene_ids[0]}"
+        if path.is_file():
+            # `graph.json` is called after its folder, `corner.graph.json` after itself.
+            name = path.name.split(".")[0]
+            name = path.resolve().parent.name if name == "graph" else name
+            self._graphs[name] = path
+            return name
+        found = _NUMBERED.fullmatch(text)
+        if found and found[1] in self._folders and 0 < int(found[2]) <= len(self._folders[found[1]]):
+            self._folders[text] = [self._folders[found[1]][int(found[2]) - 1]]
+            return text
+        raise ValidationError(_unknown(text, self.names))
+
+
+def _unknown(text: str, names: Sequence[str]) -> str:
+    near = difflib.get_close_matches(text, names, 3, 0.4)
+    hint = f"did you mean {' or '.join(near)}?" if near else "`urbanverse scene library` builds more."
+    return (
+        f"scene: found no {text!r}, needed a shipped street ({', '.join(_shipped_graphs())}), a scene of the built "
+        f"library, a graph.json, a compiled scene's folder or a bank's .npz; {hint}"
+    )
+
+
+def _shipped_graphs() -> dict[str, pathlib.Path]:
+    from .banks import shipped_scenes
+
+    return {path.parent.name: path for path in shipped_scenes()[0]}
+
+
+def _built_folders() -> dict[str, list[pathlib.Path]]:
+    """Scene -> folders of its cousins, of all sets of the library that were built on this machine."""
+    folders: dict[str, list[pathlib.Path]] = {}
+    for path in sorted(settings.cache_dir("library").glob("*/scenes/*/metadata.json")):
+        found = _NUMBERED.fullmatch(path.parent.name)
+        folders.setdefault(found[1] if found else path.parent.name, []).append(path.parent)
+    return folders
+
+
+def _compiled(graph: pathlib.Path, cousin: int) -> SceneBank:
+    """The bank of one cousin of a graph, compiled in a temporary folder."""
+    from ..assets.records.store import ensure_store
+    from ..scene import pack_bank
+    from .scenes import compile_graph
+
+    ensure_store()
+    with work_folder("urbanverse-view-") as work:
+        compile_graph(graph, work / "scene", cousin=cousin)
+        return pack_bank([work / "scene"], ["test"])

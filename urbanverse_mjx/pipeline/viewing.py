@@ -1,0 +1,111 @@
+"""Scenes and policies in a web page."""
+
+import dataclasses
+import pathlib
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from .. import settings
+from ..datatypes import validation as v
+from .drivers import load_machine
+from .view_scenes import ViewScenes
+
+if TYPE_CHECKING:
+    from ..viewer.session import Machine
+
+#: Environments kept in memory, each with what was compiled for it.
+_KEPT = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class ViewOptions:
+    """What the page shows first, and where it is served."""
+
+    policy: str = "planner"
+    """zero, random, go_to_goal, planner (told of the whole scene), a policy or run folder, or FILE.onnx."""
+    env_name: str | None = None
+    """Whose robot is driven; default: the policy's own, else CocoNav."""
+    robots: int = 1
+    """How many drive at once, 1 to 8, each an episode of its own."""
+    people: bool = False
+    """With people and vehicles that move."""
+    host: str = "127.0.0.1"
+    """Address that is listened on; 0.0.0.0 lets other machines look, too."""
+    port: int = 8080
+    """0 takes any free one."""
+    open: bool = True
+    """Open the page in a browser."""
+
+
+class _Choices:
+    """What the page can choose from: scenes, and policies."""
+
+    def __init__(self, scenes: ViewScenes, env_name: str | None) -> None:
+        self._scenes, self._env_name = scenes, env_name
+        self._machines: dict[tuple[int, str, bool], Machine] = {}
+
+    @property
+    def scenes(self) -> list[str]:
+        return self._scenes.names
+
+    @property
+    def policies(self) -> list[str]:
+        """The rules, and the policies that come with a clone."""
+        from .evaluation import SCRIPTED
+
+        root = pathlib.Path("benchmarks/policies")
+        return [*SCRIPTED, *(str(path.parent) for path in sorted(root.glob("*/policy.json")))]
+
+    def cousins(self, scene: str) -> int:
+        return self._scenes.cousins(scene)
+
+    def open(self, scene: str, cousin: int, policy: str, people: bool) -> "tuple[Machine, int]":
+        bank, row = self._scenes.open(scene, cousin)
+        key = id(bank), policy, people
+        if key not in self._machines:
+            while len(self._machines) >= _KEPT:
+                self._machines.pop(next(iter(self._machines)))
+            self._machines[key] = load_machine(policy, bank, people, self._env_name)
+        return self._machines[key], row
+
+
+def view(
+    scene: str | None = None,
+    options: ViewOptions | None = None,
+    on_ready: Callable[[str], None] = lambda _: None,
+    until: Callable[[], bool] = lambda: False,
+) -> None:
+    """Serves the page until it is interrupted.
+
+    Args:
+      scene: a shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank;
+        None for the first test street.
+      on_ready: called with the page's address once it can be looked at.
+      until: asked between two frames; the page is closed when it says so.
+
+    Raises:
+      ValidationError: no such scene or policy, or the port is in use.
+    """
+    import webbrowser
+
+    from ..viewer.page import Page
+    from ..viewer.recording import start_server, stop_server
+
+    options = options or ViewOptions()
+    v.integer(options.port, "--port", 0, 65535)
+    v.integer(options.robots, "--robots", 1, 8)
+    settings.use_compilation_cache()
+    scenes = ViewScenes([scene] if scene is not None else [])
+    choices = _Choices(scenes, options.env_name)
+    # First, so that a wrong port is known before anything heavy is loaded.
+    server = start_server(options.host, options.port)
+    try:
+        name = scenes.first[0] if scenes.first else "commercial_bike_lane"
+        page = Page(server, choices, name, options.policy, options.robots, options.people)
+        address = f"http://{'127.0.0.1' if options.host == '0.0.0.0' else options.host}:{server.get_port()}"
+        on_ready(address)
+        if options.open:
+            webbrowser.open(address)
+        page.run(until)
+    finally:
+        stop_server(server)

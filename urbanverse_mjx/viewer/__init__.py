@@ -1,0 +1,6 @@
+"""Streets, robots and what drives them in a web page.
+
+In:   a `SceneBank`, a navigation environment and a driver.
+Out:  `Session` (states, no page), meshes as binary glTF, `Page` (viser), recordings as HTML.
+When: `urbanverse view`, `urbanverse play --html`.
+"""

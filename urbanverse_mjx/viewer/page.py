@@ -1,0 +1,304 @@
+"""The page: buttons, lists and sliders beside the street, and the loop that drives.
+
+viser calls back from threads of its own; they only leave orders, and one loop (`Page.run`) does all the work.
+"""
+
+import queue
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+import viser
+
+from ..datatypes import ValidationError
+from ..viz.video import OUTCOMES
+from .recording import html_recording
+from .session import Machine, Session
+from .stage import LAYERS, Stage, chase_view
+from .street import StreetMeshes
+
+#: Views of the camera: where it is put while an episode runs.
+VIEWS = ("behind the robot", "from above", "free")
+SPEEDS = ("1x", "2x", "4x", "as fast as possible")
+_FACTOR = {"1x": 1.0, "2x": 2.0, "4x": 4.0}
+_IDLE = 0.02  # s
+_HIGH = 28.0  # m, of the view from above
+#: px, at least, of the robot's camera on the page.
+_WIDTH = 320
+_COMPILING = "compiling the first step: up to half a minute; later ones take it from the cache"
+
+
+class Choices(Protocol):
+    """What there is to choose from."""
+
+    @property
+    def scenes(self) -> Sequence[str]:
+        """Names of scenes."""
+        ...
+
+    @property
+    def policies(self) -> Sequence[str]:
+        """Names or paths of policies."""
+        ...
+
+    def cousins(self, scene: str) -> int:
+        """How many cousins of a scene there are."""
+        ...
+
+    def open(self, scene: str, cousin: int, policy: str, people: bool) -> tuple[Machine, int]:
+        """The environment with its driver, and the scene's row in its bank.
+
+        Raises:
+          ValidationError: no such scene, cousin or policy.
+        """
+        ...
+
+
+class Page:
+    """One page on a port.
+
+    Args:
+      server: viser's. choices: what can be chosen.
+      scene, policy: shown first. robots: how many drive at once. people: whether the street is full of them.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        choices: Choices,
+        scene: str,
+        policy: str,
+        robots: int = 1,
+        people: bool = False,
+    ) -> None:
+        self._server, self._choices = server, choices
+        self._orders: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._stopped = False
+        self.playing = False
+        self.index = 0
+        self._machine, self._row = choices.open(scene, 0, policy, people)
+        self.session: Session
+        self.stage: Stage
+        self._build(scene, policy, robots, people)
+        self._begin()
+
+    # What the loop does.
+
+    def run(self, until: Callable[[], bool] = lambda: False) -> None:
+        """Obeys orders and drives until `stop` is called, or `until` says so."""
+        late = time.monotonic()
+        while not (self._stopped or until()):
+            self._obey()
+            # Nobody looks: nobody drives.
+            if not self.playing or not self._server.get_clients():
+                time.sleep(_IDLE)
+                late = time.monotonic()
+                continue
+            self._tick()
+            factor = _FACTOR.get(self._speed.value)
+            if factor is not None:
+                late = max(late + self._machine.env.dt / factor, time.monotonic() - 0.5)
+                time.sleep(max(0.0, late - time.monotonic()))
+
+    def stop(self) -> None:
+        """Ends `run`."""
+        self._stopped = True
+
+    def _obey(self) -> None:
+        while True:
+            try:
+                order = self._orders.get_nowait()
+            except queue.Empty:
+                return
+            try:
+                order()
+            except ValidationError as error:
+                self.playing = False
+                self._say(f"**{error}**")
+
+    def _tick(self) -> None:
+        """One frame on: one that was driven before, or a new one."""
+        if self.index == len(self.session) - 1:
+            if self.session.over:
+                self.playing = False
+                self._play.label = "Play"
+                return
+            try:
+                if len(self.session) == 1:
+                    self._say(_COMPILING)
+                self.session.step()
+            except ValidationError as error:
+                self.playing = False
+                self._say(f"**{error}**")
+                return
+        self._go(self.index + 1)
+
+    def _go(self, index: int) -> None:
+        """Shows a frame."""
+        self.index = int(np.clip(index, 0, len(self.session) - 1))
+        with self._server.atomic():
+            self.stage.show(self.index)
+        self._time.max = max(1, len(self.session) - 1)
+        self._time.value = self.index
+        self._look()
+        self._report()
+
+    def _look(self) -> None:
+        """Puts the cameras of the browsers where the chosen view has them, and draws the robot's own."""
+        robot = self._robot()
+        if self._view.value != VIEWS[2]:
+            eye, target = chase_view(self.session, self.index, robot)
+            if self._view.value == VIEWS[1]:
+                eye = target + [-0.3 * _HIGH, 0.0, _HIGH]
+            for client in self._server.get_clients().values():
+                with client.atomic():
+                    client.camera.position, client.camera.look_at = eye, target
+        picture = self.session.picture(self.index, robot) if self._sees.value else None
+        self._picture.visible = picture is not None
+        if picture is not None:
+            # As large pixels: browsers would blur them.
+            times = -(-_WIDTH // picture.shape[1])
+            self._picture.image = picture.repeat(times, 0).repeat(times, 1)
+
+    def _report(self) -> None:
+        robot, session = self._robot(), self.session
+        nav = session.frames[self.index].nav
+        seconds = float(np.asarray(nav.steps)[robot]) * self._machine.env.dt
+        away = float(np.asarray(nav.goal_distance)[robot])
+        outcome = session.outcome(self.index, robot)
+        done = float(np.asarray(nav.route_done)[robot] / max(float(np.asarray(nav.route_length)[robot]), 1e-6))
+        how = "under way" if outcome is None else OUTCOMES[outcome]
+        self._say(f"{seconds:.1f} s · {away:.1f} m to the goal · {100 * done:.0f} % of the route · **{how}**")
+
+    def _say(self, text: str) -> None:
+        self._status.content = text
+
+    def _robot(self) -> int:
+        return min(int(self._which.value) - 1, self.session.num_robots - 1)
+
+    # Orders.
+
+    def _begin(self) -> None:
+        """A new session of what is chosen; the page shows its first frame."""
+        self.playing = False
+        self._play.label = "Play"
+        bank = self._machine.env.bank
+        number = int(bank.num_episodes[self._row])
+        self._episode.max = max(1, number - 1)
+        first = min(int(self._episode.value), number - 1)
+        self._episode.value = first
+        count = int(self._robots.value)
+        self._which.max = max(2, count)
+        self._which.disabled = count == 1
+        self._which.value = min(int(self._which.value), count)
+        rows = [(first + i) % number for i in range(min(count, number))]
+        session = Session(self._machine, self._row, rows)
+        self.stage = Stage(self._server, session, StreetMeshes(bank, self._row))
+        self.session = session
+        for layer, box in self._layers.items():
+            self.stage.switch(layer, box.value, 0)
+        eye, target = chase_view(self.session, 0, 0)
+        self._server.initial_camera.position, self._server.initial_camera.look_at = tuple(eye), tuple(target)
+        self._go(0)
+
+    def _open(self) -> None:
+        """Opens the chosen scene with the chosen driver."""
+        self.playing = False
+        scene, policy = self._scene.value, self._path.value.strip() or self._policy.value
+        self._say(f"opening {scene}, driven by {policy}")
+        cousin = min(int(self._cousin.value), self._choices.cousins(scene)) - 1
+        self._machine, self._row = self._choices.open(scene, cousin, policy, self._people.value)
+        self._begin()
+
+    def _toggle(self) -> None:
+        self.playing = not self.playing
+        self._play.label = "Pause" if self.playing else "Play"
+
+    def _step(self) -> None:
+        self.playing = False
+        self._play.label = "Play"
+        self._tick()
+
+    def _share(self, client: viser.ClientHandle | None) -> None:
+        """Sends a recording of what was driven so far to who asked for it."""
+        if client is None:
+            return
+        self._say("writing the recording")
+        page = html_recording(self.session, StreetMeshes(self._machine.env.bank, self._row), self._shown())
+        name = f"{self._scene.value}_{self.session.machine.driver.name}.html".replace("/", "-")
+        client.send_file_download(name, page.encode(), save_immediately=True)
+        self._report()
+
+    def _shown(self) -> tuple[str, ...]:
+        return tuple(layer for layer, box in self._layers.items() if box.value)
+
+    # The page's parts.
+
+    def _order(self, handle: Any, order: Callable[[], None]) -> None:
+        """Lets a click or a change by a person leave an order."""
+        register = handle.on_click if hasattr(handle, "on_click") else handle.on_update
+
+        @register
+        def _(event: Any) -> None:
+            if event.client is not None:
+                self._orders.put(order)
+
+    def _build(self, scene: str, policy: str, robots: int, people: bool) -> None:
+        gui, choices = self._server.gui, self._choices
+        gui.configure_theme(show_logo=False, show_share_button=False)
+        gui.main_panel.dock_right()
+        gui.set_panel_label("UrbanVerse")
+        self._status = gui.add_markdown("")
+        with gui.add_folder("Drive"):
+            self._play = gui.add_button("Play")
+            self._forward = gui.add_button("Step")
+            self._restart = gui.add_button("Begin again")
+            self._time = gui.add_slider("frame", 0, 1, 1, 0, hint="Of what was driven so far; Play goes on from here.")
+            self._speed = gui.add_dropdown("speed", SPEEDS)
+            self._view = gui.add_dropdown("view", VIEWS)
+        with gui.add_folder("Robot's camera"):
+            self._sees = gui.add_checkbox("shown", True)
+            self._picture = gui.add_image(np.zeros((9, 16, 3), np.uint8))
+        with gui.add_folder("Choose"):
+            self._scene = gui.add_dropdown("scene", list(choices.scenes), initial_value=scene)
+            self._cousin = gui.add_number("cousin", 1, min=1, max=64, step=1, hint="Same places, other assets and sky.")
+            self._episode = gui.add_slider("episode", 0, 1, 1, 0)
+            names = list(dict.fromkeys([*choices.policies, policy]))
+            self._policy = gui.add_dropdown("policy", names, initial_value=policy)
+            self._path = gui.add_text("or a file", "", hint="A policy folder or an ONNX file; empty takes the list's.")
+            self._people = gui.add_checkbox("people", people)
+            self._robots = gui.add_slider("robots", 1, 8, 1, robots, hint="Each drives an episode of its own.")
+            self._which = gui.add_slider("robot shown", 1, 2, 1, 1, disabled=True)
+            self._opener = gui.add_button("Open")
+        with gui.add_folder("Layers"):
+            self._layers = {name: gui.add_checkbox(name, shown) for name, shown in LAYERS.items()}
+        with gui.add_folder("Share"):
+            self._sharer = gui.add_button("Save the drive as a page")
+        self._connect()
+
+    def _connect(self) -> None:
+        self._order(self._play, self._toggle)
+        self._order(self._forward, self._step)
+        self._order(self._restart, self._begin)
+        self._order(self._time, lambda: self._scrub(int(self._time.value)))
+        self._order(self._view, self._look)
+        self._order(self._sees, self._look)
+        self._order(self._which, lambda: self._go(self.index))
+        self._order(self._opener, self._open)
+        self._order(self._episode, self._begin)
+        for name, box in self._layers.items():
+            self._order(box, lambda name=name, box=box: self.stage.switch(name, box.value, self.index))
+
+        @self._sharer.on_click
+        def _(event: viser.GuiEvent) -> None:
+            self._orders.put(lambda: self._share(event.client))
+
+        @self._server.on_client_connect
+        def _(_: viser.ClientHandle) -> None:
+            self._orders.put(self._look)
+
+    def _scrub(self, index: int) -> None:
+        self.playing = False
+        self._play.label = "Play"
+        self._go(index)

@@ -1,0 +1,71 @@
+"""A session as one HTML file that plays without a server: viser's recording of the same scene."""
+
+import contextlib
+import io
+import socket
+from collections.abc import Collection, Iterator
+
+import viser
+
+from ..datatypes import ValidationError
+from .session import Session
+from .stage import LAYERS, Stage, chase_view
+from .street import StreetMeshes
+
+
+def html_recording(
+    session: Session, street: StreetMeshes, shown: Collection[str] = tuple(n for n, on in LAYERS.items() if on)
+) -> str:
+    """The page of all frames, in real time.
+
+    Args:
+      shown: layers of `LAYERS`.
+    """
+    with private_server() as server:
+        stage = Stage(server, session, street)
+        for layer in LAYERS:
+            stage.switch(layer, layer in shown, 0)
+        eye, target = chase_view(session, 0, 0)
+        server.initial_camera.position, server.initial_camera.look_at = tuple(eye), tuple(target)
+        serializer = server.get_scene_serializer()
+        for index in range(1, len(session)):
+            serializer.insert_sleep(session.machine.env.dt)
+            stage.show(index)
+        serializer.insert_sleep(1.0)
+        return serializer.as_html()
+
+
+@contextlib.contextmanager
+def private_server() -> Iterator[viser.ViserServer]:
+    """A viser server on a free port of this machine that nobody is told of."""
+    server = start_server("127.0.0.1", 0)
+    try:
+        yield server
+    finally:
+        stop_server(server)
+
+
+def start_server(host: str, port: int) -> viser.ViserServer:
+    """A viser server; port 0 takes a free one.
+
+    Raises:
+      ValidationError: the port is in use, or not ours to take. (viser itself would take the next one.)
+    """
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError as error:
+            raise ValidationError(
+                f"--port: found {port} on {host} taken ({error.strerror}), needed a free one; choose another, or 0 for "
+                "any."
+            ) from error
+        port = probe.getsockname()[1]
+    with contextlib.redirect_stdout(io.StringIO()):
+        return viser.ViserServer(host=host, port=port, verbose=False)
+
+
+def stop_server(server: viser.ViserServer) -> None:
+    """Ends a server, without viser's word about it on standard output."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        server.stop()

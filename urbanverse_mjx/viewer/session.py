@@ -1,0 +1,197 @@
+"""Robots of one environment that drive episodes of one scene, step by step, every state kept.
+
+In:   an environment, who drives, a scene and rows of its episode table.
+Out:  `Frame`s: the states, as stepping the environment gives them.
+When: while somebody looks at them; nothing here knows of a page.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..datatypes import RESULTS, AgentMotion, ValidationError
+from ..envs import NavEnv, NavState
+from ..evaluation.agents import Agent, BatchAgent, Beginning, Privileged, Recurrent, answer, told
+from ..evaluation.rollouts import EpisodeSet
+
+IMAGE = "pixels/front"
+
+
+@dataclasses.dataclass(frozen=True)
+class Driver:
+    """Who drives.
+
+    Attributes:
+      name: shown to people.
+      agent: asked inside jit, see `evaluation.agents`; a `BatchAgent` where `outside`.
+      outside: whether it is asked outside jit, as an ONNX file is.
+    """
+
+    name: str
+    agent: Agent | Privileged | Recurrent | BatchAgent
+    outside: bool = False
+
+
+class Frame(NamedTuple):
+    """One moment of n robots.
+
+    Attributes:
+      nav: their states, leading axis n.
+      action: (n, A) what they did to come here; 0 in the first frame.
+      by_hand: (n,) bool, whether a person chose it.
+    """
+
+    nav: NavState
+    action: np.ndarray
+    by_hand: np.ndarray
+
+
+class Machine:
+    """An environment and a driver, compiled once for as many sessions as are wanted.
+
+    Args:
+      env: drives and draws. driver: answers.
+    """
+
+    def __init__(self, env: NavEnv, driver: Driver) -> None:
+        self.env, self.driver = env, driver
+        self.begin = jax.jit(jax.vmap(env.begin_at))
+        self.observe = jax.jit(jax.vmap(env.observe))
+        self.act = jax.jit(jax.vmap(self._act))
+        self.advance = jax.jit(jax.vmap(self._advance))
+        # Without pixels nothing is drawn: who asks for the picture of one robot does not draw the others.
+        self._picture = jax.jit(lambda nav: env.observe(nav)[IMAGE])
+        self.agents = jax.jit(jax.vmap(self._agents))
+
+    def picture(self, nav: NavState) -> np.ndarray | None:
+        """(H, W, 3) u8 of the camera of one robot, or None where the environment draws nothing; nav: its state."""
+        if self.env.renderer is None:
+            return None
+        return np.asarray(self._picture(nav))[..., :3]
+
+    def _act(self, nav: NavState, memory: Any, known: Any, key: jax.Array) -> tuple[jax.Array, Any, jax.Array]:
+        """The action of one robot, its memory and its next key; keys go as those of `Rollout`."""
+        key, now = jax.random.split(key)
+        action, memory = answer(self.driver.agent, nav, self.env.observe(nav), known, memory, now)  # type: ignore[arg-type]
+        return action, memory, key
+
+    def _advance(self, nav: NavState, action: jax.Array) -> NavState:
+        """One control step; an ended episode stands still as it ended."""
+        new, *_ = self.env.advance(nav, action)
+        return jax.tree.map(lambda a, b: jnp.where(nav.result == 0, a, b), new, nav)
+
+    def _agents(self, nav: NavState) -> AgentMotion | None:
+        if self.env.dynamic is None or nav.crowd is None:
+            return None
+        return self.env.dynamic.places(nav.crowd, nav.sim.scene)
+
+
+class Session:
+    """Episodes of one scene under way, all by one driver.
+
+    Args:
+      machine: the environment and who drives.
+      scene: row of the bank. rows: (n,) of the scene's episode table, one for each robot; robots do not meet.
+      seed: of drivers and streets that draw. keys: (n,) of the episodes in its place, as `EpisodeSet.keys`.
+
+    Raises:
+      ValidationError: no such scene or row, or no robot.
+    """
+
+    def __init__(
+        self, machine: Machine, scene: int, rows: Sequence[int], seed: int = 0, keys: jax.Array | None = None
+    ) -> None:
+        bank = machine.env.bank
+        if not 0 <= scene < bank.num_scenes:
+            raise ValidationError(f"scene: found {scene}, needed one of the bank's {bank.num_scenes}.")
+        number = int(bank.num_episodes[scene])
+        if not rows or not all(0 <= row < number for row in rows):
+            raise ValidationError(f"episodes: found {list(rows)}, needed some of 0 to {number - 1} of this scene.")
+        self.machine, self.scene, self.rows = machine, scene, tuple(rows)
+        count = len(rows)
+        scenes = np.full(count, scene, np.int32)
+        episodes = EpisodeSet(scenes, np.asarray(rows, np.int32), seed)
+        self._key = episodes.keys() if keys is None else keys
+        nav = machine.begin(self._key, jnp.asarray(scenes), jnp.asarray(episodes.episodes))
+        self._memory, self._known = (), ()
+        agent: Any = machine.driver.agent
+        if machine.driver.outside:
+            if isinstance(agent, Beginning):
+                agent.begin(count)
+        else:
+            self._known = told(agent, scenes, episodes.episodes)
+            first = agent.first_memory() if isinstance(agent, Recurrent) else ()
+            self._memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), first)
+        nothing = np.zeros((count, machine.env.action_size), np.float32)
+        self.frames = [Frame(nav, nothing, np.zeros(count, bool))]
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    @property
+    def num_robots(self) -> int:
+        return len(self.rows)
+
+    @property
+    def over(self) -> bool:
+        """Whether every robot's episode has ended."""
+        return bool((np.asarray(self.frames[-1].nav.result) != 0).all())
+
+    def step(self, by_hand: dict[int, np.ndarray] | None = None) -> Frame:
+        """One control step of all robots; ended ones stand still.
+
+        Args:
+          by_hand: robot -> its action (A,) from a person, in the driver's place; the driver is asked all the same, so
+            that it knows what it has seen when it takes over again.
+
+        Raises:
+          ValidationError: the driver answers with something else than finite actions.
+        """
+        nav = self.frames[-1].nav
+        action = self._answers(nav)
+        chosen = np.zeros(self.num_robots, bool)
+        for robot, value in (by_hand or {}).items():
+            action[robot], chosen[robot] = value, True
+        new = self.machine.advance(nav, jnp.asarray(action))
+        frame = Frame(new, action, chosen)
+        self.frames.append(frame)
+        return frame
+
+    def _answers(self, nav: NavState) -> np.ndarray:
+        machine = self.machine
+        if machine.driver.outside:
+            agent: Any = machine.driver.agent
+            action = np.array(agent(jax.tree.map(np.asarray, machine.observe(nav))), np.float32)
+        else:
+            answers, self._memory, self._key = machine.act(nav, self._memory, self._known, self._key)
+            action = np.array(answers, np.float32)
+        wanted = (self.num_robots, machine.env.action_size)
+        if action.shape != wanted or not np.isfinite(action).all():
+            raise ValidationError(
+                f"policy {machine.driver.name!r}: found actions of shape {action.shape}"
+                f"{'' if np.isfinite(action).all() else ' with NaN'}, needed finite ones of shape {wanted}."
+            )
+        return action
+
+    def picture(self, index: int, robot: int = 0) -> np.ndarray | None:
+        """(H, W, 3) u8: what the camera of a robot shows in a frame; None where the environment draws nothing."""
+        return self.machine.picture(jax.tree.map(lambda x: x[robot], self.frames[index].nav))
+
+    def agents(self, index: int, robot: int = 0) -> AgentMotion | None:
+        """Where the moving agents around a robot are in a frame, fields (A, ...); None in a street without any."""
+        found = self.machine.agents(self.frames[index].nav)
+        return None if found is None else AgentMotion(*(np.asarray(x)[robot] for x in found))
+
+    def path(self, index: int, robot: int = 0) -> np.ndarray:
+        """(index + 1, 3) m, where a robot has been up to a frame."""
+        root = self.machine.env.mj_model.body(self.machine.env.robot.root_body).id
+        return np.array([np.asarray(f.nav.sim.xpos)[robot, root] for f in self.frames[: index + 1]])
+
+    def outcome(self, index: int, robot: int = 0) -> str | None:
+        """How a robot's episode has ended by a frame, of `datatypes.RESULTS`; None while it goes on."""
+        result = int(np.asarray(self.frames[index].nav.result)[robot])
+        return RESULTS[result - 1] if result else None
