@@ -75,7 +75,7 @@ def served(machine: Machine) -> Iterator[tuple[Page, Streets, str]]:
     assert not thread.is_alive()
 
 
-def wait(until: Callable[[], bool], seconds: float = 60.0) -> None:
+def wait(until: Callable[[], bool], seconds: float = 120.0) -> None:
     end = time.monotonic() + seconds
     while not until():
         assert time.monotonic() < end
@@ -87,13 +87,13 @@ def tab(served: tuple[Page, Streets, str]) -> Iterator[Any]:
     with browser() as chromium:
         tab = chromium.new_page(viewport={"width": 900, "height": 700})
         tab.goto(served[2])
-        tab.get_by_role("button", name="Play").wait_for(timeout=60_000)
+        tab.get_by_role("button", name="Play").wait_for(timeout=120_000)
         yield tab
 
 
 def picture(tab: Any) -> np.ndarray:
     """(H, W, 3) of what is left of the panel."""
-    return np.asarray(Image.open(io.BytesIO(tab.screenshot(timeout=60_000))).convert("RGB"))[:, :560].astype(int)
+    return np.asarray(Image.open(io.BytesIO(tab.screenshot(timeout=120_000))).convert("RGB"))[:, :560].astype(int)
 
 
 def test_it_shows_a_street(tab: Any) -> None:
@@ -117,7 +117,7 @@ def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) 
     wait(lambda: not page.playing)
     assert page.index == len(page.session) - 1
     # The camera went with the robot.
-    wait(lambda: np.abs(picture(tab) - before).mean() > 2.0)
+    wait(lambda: bool(np.abs(picture(tab) - before).mean() > 2.0))
     tab.get_by_role("textbox").first.fill("2")
     tab.get_by_role("textbox").first.press("Enter")
     wait(lambda: page.index == 2)
@@ -134,7 +134,7 @@ def test_a_wrong_policy_is_said_on_the_page(tab: Any, served: tuple[Page, Street
     field.fill("no/such/policy")
     field.press("Enter")
     tab.get_by_role("button", name="Open").click()
-    tab.get_by_text("--policy: found 'no/such/policy', needed go_to_goal.").wait_for(timeout=30_000)
+    tab.get_by_text("--policy: found 'no/such/policy', needed go_to_goal.").wait_for(timeout=120_000)
     assert page.session is session
     field.fill("")
     field.press("Enter")
@@ -162,14 +162,14 @@ def test_the_recording_is_a_page_of_its_own(
     for k in range(3):
         tab.get_by_role("button", name="Step").click()
         wait(lambda k=k: served[0].index == k + 1)
-    with tab.expect_download(timeout=60_000) as download:
+    with tab.expect_download(timeout=120_000) as download:
         tab.get_by_role("button", name="Save the drive as a page").click()
     saved = tmp_path / "drive.html"
     download.value.save_as(saved)
     assert download.value.suggested_filename == f"{served[1].scenes[0]}_go_to_goal.html"
     with_no_server = tab.context.browser.new_page(viewport={"width": 900, "height": 700})
     with_no_server.goto(saved.as_uri())
-    wait(lambda: picture(with_no_server).std() > 20.0)
+    wait(lambda: bool(picture(with_no_server).std() > 20.0))
     with_no_server.close()
 
 

@@ -183,7 +183,9 @@ class Stage:
             there = agents is not None and bool(agents.present[i])
             if there and agents is not None:
                 yaw = float(agents.heading[i])
-                self._place(node, agents.position[i], np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]))
+                self._place(
+                    node, np.asarray(agents.position[i]), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
+                )
             if node.visible != there:
                 node.visible = there
 
