@@ -9,6 +9,7 @@ import functools
 import os
 import pathlib
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -23,6 +24,7 @@ from urbanverse_mjx.settings import asset_root
 from ...geometry import rotations
 from .instances import palette_cells, pixels
 from .mesh_builder import BuiltAsset
+from .table_files import read_rows
 
 FILE = "shapes.parquet"
 #: Views from which an object is looked at: yaw in degrees that it is turned by, as `gallery.render_row` does.
@@ -230,21 +232,28 @@ def _load_cached(path: pathlib.Path) -> Mapping[str, BaseShape]:
             f"{path}: found no such file, needed the measures of the base shapes; "
             "build them with `python -m urbanverse_mjx.assets index`."
         )
-    shapes = {}
-    for row in pq.read_table(path).to_pylist():
-        shapes[row["uid"]] = BaseShape(
-            row["uid"],
-            np.array(row["extent"]),
-            row["volume"],
-            row["make_known"],
-            np.array(row["colors"], np.uint8).reshape(-1, 3),
-            np.array(row["share"], np.float64),
-            np.array(row["light"], np.float64),
-            np.array(row["paint"], bool),
-            np.array(row["layouts"], np.uint8).reshape(len(YAWS), CELLS * CELLS),
-            np.array(row["aspects"], np.float64),
-        )
-    return shapes
+    rows = read_rows(path, "the measures of the base shapes", "copy it again from where it is whole")
+    try:
+        return {row["uid"]: _shape(row) for row in rows}
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValidationError(
+            f"{path}: found rows that are no base shapes ({error}), needed their measures; copy it again."
+        ) from error
+
+
+def _shape(row: Mapping[str, Any]) -> BaseShape:
+    return BaseShape(
+        row["uid"],
+        np.array(row["extent"]),
+        row["volume"],
+        row["make_known"],
+        np.array(row["colors"], np.uint8).reshape(-1, 3),
+        np.array(row["share"], np.float64),
+        np.array(row["light"], np.float64),
+        np.array(row["paint"], bool),
+        np.array(row["layouts"], np.uint8).reshape(len(YAWS), CELLS * CELLS),
+        np.array(row["aspects"], np.float64),
+    )
 
 
 def shape_of(record: AssetRecord) -> BaseShape:

@@ -23,6 +23,7 @@ from ..meshes import instances
 from ..meshes.mesh_builder import BuiltAsset
 from ..meshes.mesh_cache import cached_mesh
 from ..meshes.recipe import Recipe, all_recipes, get_recipe
+from ..meshes.table_files import read_rows
 from .user_store import FILE_RECIPE, INDEX, file_mesh
 
 GRAVITY = 9.81  # m/s^2
@@ -257,8 +258,14 @@ def _load_cached(path: pathlib.Path) -> AssetIndex:
 
 
 def _read_index(path: pathlib.Path) -> list[AssetRecord]:
-    rows = pq.read_table(path).to_pylist()
-    return [
-        AssetRecord.from_json({**row, "params": json.loads(row["params"])}, f"{path.name}[{i}]")
-        for i, row in enumerate(rows)
-    ]
+    cure = f"build it with `{REBUILD}`, or copy it again"
+    rows = read_rows(path, "the asset index", cure)
+    try:
+        return [
+            AssetRecord.from_json({**row, "params": json.loads(row["params"])}, f"{path.name}[{i}]")
+            for i, row in enumerate(rows)
+        ]
+    except (KeyError, TypeError, json.JSONDecodeError) as error:
+        raise ValidationError(
+            f"{path}: found rows that are no records ({error}), needed the asset index; {cure}."
+        ) from error
