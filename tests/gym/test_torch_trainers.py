@@ -6,10 +6,13 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from mujoco_playground import wrapper_torch
 
 import urbanverse_mjx.gym
+from tests.gym.conftest import LENGTH
 from tests.support.playground_page import run_block
-from urbanverse_mjx.datatypes import ValidationError
+from tests.support.unicycle import unicycle_env
+from urbanverse_mjx.datatypes import SceneBank, ValidationError
 
 TORCH: dict[str, Any] = {"output": "torch", "autoreset_mode": "SameStep"}
 
@@ -95,6 +98,18 @@ def test_rsl_rl_needs_tensors_and_episodes_that_begin_at_once(
 
     with pytest.raises(ValidationError, match=match):
         RslRlVecEnv(gymnasium.make_vec(unicycle_id, 2, **(TORCH | options)))
+
+
+def test_playgrounds_own_wrapper_for_rsl_rl_runs_unchanged(small_bank: SceneBank) -> None:
+    torch = pytest.importorskip("torch")
+    pytest.importorskip("tensordict")
+    env = unicycle_env(small_bank, {"episode_length": LENGTH})
+    wrapped = wrapper_torch.RSLRLBraxWrapper(env, 3, seed=0, episode_length=LENGTH, action_repeat=1)
+    assert tuple(wrapped.reset()["privileged_state"].shape) == (3, 43)
+    for i in range(1, LENGTH + 2):
+        obs, reward, ended, extras = wrapped.step(torch.zeros(3, 2))
+        assert bool(ended.all()) is bool(extras["time_outs"].all()) is (i == LENGTH)
+    assert (tuple(obs["state"].shape), tuple(reward.shape)) == ((3, 7), (3,))
 
 
 def test_without_gymnasium_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
