@@ -3,6 +3,7 @@
 import contextlib
 import json
 import pathlib
+import struct
 from typing import Any
 
 import jax
@@ -170,6 +171,7 @@ def test_what_is_wrong_in_the_mjcf_is_said(folder: pathlib.Path) -> None:
          'size="1 1 1 1"/></asset><worldbody>', "hfield of 40000 x 40000"),
         ('</worldbody><asset><texture name="t" type="2d" builtin="flat" width="60000" height="60000"/></asset>'
          "<worldbody>", "texture of 60000 x 60000"),
+        ('</worldbody><asset><hfield name="h" file="large.png" size="1 1 1 1"/></asset><worldbody>', "50000 x 50000 pix"),
         ('<include file="part.xml"/>', "include itself"),
     ],
 )  # fmt: skip
@@ -180,6 +182,8 @@ def test_a_robot_that_asks_for_all_memory_is_refused_before_it_is_made(
     xml = (folder / "tug.xml").read_text()
     (folder / "tug.xml").write_text(xml.replace("<worldbody>", f"<worldbody>{inside}", 1))
     (folder / "part.xml").write_text('<mujoco><include file="part.xml"/></mujoco>')
+    header = struct.pack(">I4sII", 13, b"IHDR", 50_000, 50_000)
+    (folder / "large.png").write_bytes(b"\x89PNG\r\n\x1a\n" + header + bytes(9))
     with pytest.raises(ValidationError, match=words) as caught:
         load(folder)
     assert "\n" not in str(caught.value)

@@ -4,6 +4,7 @@ Counted are elements that multiply others (`replicate`, `composite`, `flexcomp`)
 sizes, in the file and in those that it includes.
 """
 
+import contextlib
 import math
 import pathlib
 import xml.etree.ElementTree as ET
@@ -16,6 +17,7 @@ MAX_ELEMENTS = 20_000
 #: Pixels of a texture, and points of a height field.
 MAX_PIXELS = 64 * 10**6
 _MAX_DEPTH = 20
+_PNG = b"\x89PNG\r\n\x1a\n"
 #: Elements that make others -> the attribute that says how many of each.
 _COUNTS = {"replicate": "count", "composite": "count", "flexcomp": "count"}
 #: Elements with as many values as the product of these attributes.
@@ -44,8 +46,12 @@ def _elements(path: pathlib.Path, where: str, depth: int) -> int:
     except (ET.ParseError, OSError, ValueError):
         return 0
     total = 0
+    folders = {
+        path.parent / x.get(key, "") for x in root.iter("compiler") for key in ("assetdir", "texturedir", "meshdir")
+    }
     for element, times in _all_below(root, 1):
         _check_grid(element, path, where)
+        _check_pictures(element, {path.parent, *folders}, where)
         total += times
         if element.tag == "include" and total <= MAX_ELEMENTS:
             total += times * _elements(path.parent / element.get("file", ""), where, depth + 1)
@@ -70,6 +76,18 @@ def _check_grid(element: ET.Element, path: pathlib.Path, where: str) -> None:
     if size > MAX_PIXELS:
         shown = " x ".join(element.get(name, "1") for name in names)
         raise v.fail(where, f"{path} with a {element.tag} of {shown}", f"at most {MAX_PIXELS}", "make it coarser")
+
+
+def _check_pictures(element: ET.Element, folders: set[pathlib.Path], where: str) -> None:
+    """Whether the PNG files that an element names have no more pixels than a robot needs."""
+    for key, name in element.items():
+        for folder in folders if key.startswith("file") and name.lower().endswith(".png") else ():
+            with contextlib.suppress(OSError), (folder / name).open("rb") as file:
+                head = file.read(24)
+                width, height = (int.from_bytes(head[k : k + 4]) for k in (16, 20))
+                if head.startswith(_PNG) and width * height > MAX_PIXELS:
+                    found = f"{folder / name} of {width} x {height} pixels"
+                    raise v.fail(where, found, f"at most {MAX_PIXELS}", "scale it down")
 
 
 def _product(text: str) -> int:
