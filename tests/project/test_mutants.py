@@ -18,7 +18,7 @@ def inside(x: int, *more: "1 < 2") -> bool:
     """Whether x < LIMIT + 1."""
     if not x > 0 and x != 3:
         raise ValueError(f"found {x + 1}")
-    return np.minimum(x, LIMIT) - 1 < min(x, 5)
+    return np.minimum(x, LIMIT) - 1 < min(x, 5) + abs(x, 5)
 '''
 
 
@@ -27,7 +27,7 @@ def test_changes_are_of_code_each_of_one_place() -> None:
     small = {(m.line, m.before, m.after) for m in found if len(m.before) < 12}
     assert small == {
         (4, "2.0", "4.0"), (8, "x > 0", "x >= 0"), (8, "x != 3", "x == 3"), (8, "0", "1"), (8, "3", "4"),
-        (8, "not x > 0", "not not x > 0"), (10, "min(x, 5)", "max(x, 5)"), (10, "min(x, 5)", "min(5, x)"),
+        (8, "not x > 0", "not not x > 0"), (10, "min(x, 5)", "max(x, 5)"), (10, "abs(x, 5)", "abs(5, x)"),
         (10, "1", "2"), (10, "5", "6"), (10, "np.minimum", "np.maximum"),
     }  # fmt: skip
     plain = ast.unparse(ast.parse(MODULE)).splitlines()

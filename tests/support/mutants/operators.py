@@ -19,6 +19,11 @@ _NAMES = {
     "any": "all", "all": "any", "floor": "ceil", "ceil": "floor", "cos": "sin", "sin": "cos", "median": "max",
 }  # fmt: skip
 
+#: Functions whose arguments may change places.
+_SYMMETRIC = frozenset(
+    {"max", "min", "maximum", "minimum", "logical_and", "logical_or", "hypot", "allclose", "isclose"}
+)
+
 
 @dataclasses.dataclass(frozen=True)
 class Mutant:
@@ -89,7 +94,9 @@ def _changes(node: ast.AST) -> Iterator[Callable[[Any], None]]:
     elif isinstance(node, ast.Call):
         if isinstance(node.func, ast.Name) and node.func.id in _NAMES:
             yield lambda x: setattr(x.func, "id", _NAMES[x.func.id])
-        if len(node.args) > 1 and not any(isinstance(a, ast.Starred) for a in node.args[-2:]):
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+        plain = not any(isinstance(a, ast.Starred) for a in node.args[-2:])
+        if len(node.args) > 1 and plain and name not in _SYMMETRIC:
             yield lambda x: x.args.__setitem__(slice(-2, None), x.args[:-3:-1])
     elif isinstance(node, ast.Return) and isinstance(node.value, ast.BinOp):
         yield lambda x: setattr(x, "value", ast.UnaryOp(ast.USub(), x.value))
