@@ -171,7 +171,7 @@ def test_what_is_wrong_in_the_mjcf_is_said(folder: pathlib.Path) -> None:
          'size="1 1 1 1"/></asset><worldbody>', "hfield of 40000 x 40000"),
         ('</worldbody><asset><texture name="t" type="2d" builtin="flat" width="60000" height="60000"/></asset>'
          "<worldbody>", "texture of 60000 x 60000"),
-        ('</worldbody><asset><hfield name="h" file="large.png" size="1 1 1 1"/></asset><worldbody>', "50000 x 50000 pix"),
+        ('</worldbody><asset><hfield name="h" file="large.png" size="1 1 1 1"/></asset><worldbody>', "50000 x 50000"),
         ('<include file="part.xml"/>', "include itself"),
     ],
 )  # fmt: skip
