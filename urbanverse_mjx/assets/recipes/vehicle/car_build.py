@@ -1,13 +1,13 @@
 """Puts a car together: body, glass, lamps, doors, mirrors, wheels."""
 
 import dataclasses
-from collections.abc import Mapping
 
 import numpy as np
 
 from ...meshes.mesh_builder import MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics
+from .car_shapes import Places
 from .vehicle_body import Body, BodyShape
 from .wheels import grille_picture, number_plate, rim_picture, wheel
 
@@ -20,9 +20,6 @@ CAR = Physics(
     "kerb weights of current cars are 1.0-2.5 t for 6-16 m^3 enclosed; with its brake on nobody shifts one; "
     "painted steel sheet slides at about 0.6",
 )
-
-
-Places = Mapping[str, tuple[float, float]]
 
 
 @dataclasses.dataclass(frozen=True)

@@ -116,8 +116,9 @@ def build_shop(shop: Shop, leaf: str, variant: int, rng: np.random.Generator) ->
     _ground_floor(f, shop, 3.7, rng, mirror)
     _upper_floors(f, shop, base, storey, rng)
     f.walls(pictures.wall(shop.wall[0], (shop.width, height), shop.wall[1], rng), shop.base, 3.55)
-    if shop.awning is not None:
-        f.awning(0, 2.95, shop.width - 0.8, 1.15, pictures.awning(*shop.awning), 0.45)
+    if shop.awning:
+        cloth = pictures.awning(shop.awning[0], shop.awning[1] if len(shop.awning) > 1 else None)
+        f.awning(0, 2.95, shop.width - 0.8, 1.15, cloth, 0.45)
     if shop.blade is not None:
         f.blade_sign(mirror * (shop.width / 2 - 0.5), 4.05 if shop.floors else 2.2, _blade(shop.blade, shop), 0.65)
     _outside(f, shop, mirror, rng)

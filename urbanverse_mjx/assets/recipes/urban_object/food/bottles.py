@@ -2,42 +2,22 @@
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ....meshes.shapes import Point2, lathe
+from ....meshes.shapes import Point2, Point3, lathe
 from ...shared.handheld import label, painted, patch
 from ...shared.sizes import varied_cm
-
-BORDEAUX = ((3.6, 0), (3.8, 0.4), (3.8, 18.5), (3.5, 20.2), (1.9, 22.6), (1.45, 24), (1.4, 29.5))
-BURGUNDY = ((4.0, 0), (4.2, 0.5), (4.2, 12), (3.6, 16), (2.0, 21), (1.45, 24), (1.4, 29.5))
-FLUTE = ((3.5, 0), (3.7, 0.4), (3.7, 15), (3.0, 20), (1.7, 27), (1.4, 30), (1.4, 33))
-LONGNECK = ((3.0, 0), (3.05, 0.3), (3.05, 12.5), (2.7, 14.5), (1.5, 17.5), (1.25, 19), (1.25, 22))
-PET = (
-    (2.6, 0),
-    (3.2, 0.6),
-    (3.2, 3),
-    (3.0, 3.5),
-    (3.2, 4),
-    (3.2, 6.5),
-    (3.0, 7),
-    (3.2, 7.5),
-    (3.2, 13.5),
-    (2.9, 15.5),
-    (1.7, 18.8),
-    (1.3, 19.6),
-    (1.3, 20.6),
-)
-CAN = ((2.5, 0), (3.2, 0.9), (3.3, 1.4), (3.3, 10.8), (2.7, 12.0), (2.7, 12.3))
-FLASK = ((3.3, 0), (3.5, 0.4), (3.5, 20), (3.1, 21.5), (2.6, 22.4))
+from ...shared.tables import table
 
 
 @dataclasses.dataclass(frozen=True)
 class Bottle:
-    """How a round bottle looks.
+    """Appearance of a round bottle.
 
     Attributes:
       profile: (radius, z) of the body, cm.
@@ -87,102 +67,14 @@ def round_bottle(b: MeshBuilder, it: Bottle) -> None:
         patch(b, picture, radius_at(it.profile, (low + high) / 2) + 0.07, low, high, it.arc_deg)
 
 
-BOTTLES: dict[str, tuple[tuple[str, Bottle, tuple[float, float, float]], ...]] = {
-    "bottle": (
-        ("green glass bottle", Bottle(BORDEAUX, "#3f7a4f", ("#b8874f", 1.1, 1.2)), (7.8, 7.7, 26)),
-        ("blue plastic bottle", Bottle(PET, "#8ec3e0", ("blue", 1.5, 1.6)), (7.2, 7.2, 22)),
-        ("steel flask", Bottle(FLASK, "#b64a38", ("black", 2.7, 3.4), neck=("aluminium", 21.0)), (8.2, 8.2, 29)),
-    ),
-    "wine": (
-        (
-            "red wine",
-            Bottle(
-                BORDEAUX,
-                "#24301f",
-                ("#6e1423", 1.5, 0.3),
-                ("CHATEAU\nROUGE", "#f1ead8", "#6e1423"),
-                (5, 14),
-                neck=("#6e1423", 23.5),
-            ),
-            (7.7, 7.7, 30.5),
-        ),
-        (
-            "white wine",
-            Bottle(
-                FLUTE, "#8fa552", ("gold", 1.5, 0.3), ("RIESLING", "white", "#3d6a34"), (4, 12), neck=("gold", 27.0)
-            ),
-            (7.6, 7.6, 34),
-        ),
-        (
-            "rosé",
-            Bottle(
-                BURGUNDY,
-                "#e8d8d2",
-                ("#d8a0a4", 1.5, 0.3),
-                ("ROSE", "white", "#b8485c"),
-                (3.5, 10),
-                neck=("#d8a0a4", 24.0),
-                fill=("#e39a94", 22.5),
-            ),
-            (8.4, 8.4, 29.6),
-        ),
-    ),
-    "bottled water": (
-        (
-            "bottle of still water",
-            Bottle(PET, "#b8d6e4", ("white", 1.5, 1.5), ("AQUA", "#1f6fb2", "white"), (8, 13), 350),
-            (6.8, 6.8, 22.8),
-        ),
-        (
-            "bottle of spring water",
-            Bottle(PET, "#a9d3c9", ("green", 1.5, 1.5), ("SPRING", "#e8f3ea", "#2d7d4a"), (8, 13), 350),
-            (6.5, 6.5, 20.5),
-        ),
-        (
-            "large bottle of water",
-            Bottle(
-                (
-                    *PET[:2],
-                    (3.2, 5),
-                    (3.0, 5.4),
-                    (3.2, 5.8),
-                    (3.2, 9),
-                    (3.0, 9.4),
-                    (3.2, 9.8),
-                    (3.2, 17),
-                    (2.6, 20),
-                    (1.2, 23),
-                    (1.0, 24),
-                ),
-                "#bfe0ef",
-                ("red", 1.2, 1.3),
-                ("VOLCANO", "#d8e9f2", "#c8362f"),
-                (10.5, 16.5),
-                350,
-            ),
-            (9, 9, 31.5),
-        ),
-    ),
-    "beer": (
-        (
-            "bottle of lager",
-            Bottle(
-                LONGNECK,
-                "#6b3d16",
-                ("gold", 1.45, 0.6),
-                ("PILS", "#f3ecd8", "#1f5a34"),
-                (3.5, 10.5),
-                neck=("gold", 18.6),
-            ),
-            (7.0, 6.8, 19),
-        ),
-        (
-            "can of beer",
-            Bottle(CAN, "#c9a63c", ("light grey", 2.6, 0.2), ("HOP\nBREW", "#c9a63c", "#6e1f1b"), (2, 10.4), 330),
-            (6.6, 6.6, 12.2),
-        ),
-    ),
-}
+_TABLE = table(__file__)
+
+
+def _kind(name: str, size: Point3, profile: str | Sequence[Point2], **row: Any) -> tuple[str, Bottle, Point3]:
+    return name, Bottle(_TABLE["profiles"][profile] if isinstance(profile, str) else profile, **row), size
+
+
+BOTTLES = {leaf: tuple(_kind(**row) for row in rows) for leaf, rows in _TABLE["kinds"].items()}
 
 
 def register(leaf: str) -> None:

@@ -1,0 +1,16 @@
+"""Tables of variants that lie as TOML beside the module that builds them."""
+
+import pathlib
+import tomllib
+from typing import Any
+
+
+def table(module: str) -> dict[str, Any]:
+    """The file beside a module: `table(__file__)` of `trades.py` is what `trades.toml` holds, arrays as tuples."""
+    return _fixed(tomllib.loads(pathlib.Path(module).with_suffix(".toml").read_text(encoding="utf-8")))
+
+
+def _fixed(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _fixed(inner) for key, inner in value.items()}
+    return tuple(map(_fixed, value)) if isinstance(value, list) else value
