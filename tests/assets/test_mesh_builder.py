@@ -57,15 +57,15 @@ def test_creases_split_and_smooth_surfaces_do_not() -> None:
     assert len(shapes.split_at_creases(ball, 40.0).vertices) == len(ball.vertices)
 
 
-def test_colours_and_pictures_come_back_from_the_texture() -> None:
+def test_colours_and_images_come_back_from_the_texture() -> None:
     """Look up every face's middle in the texture: it shows what the part was given."""
-    picture = np.zeros((20, 10, 3), np.uint8)
-    picture[:10] = (10, 20, 30)  # upper half
-    picture[10:] = (200, 100, 50)
+    image = np.zeros((20, 10, 3), np.uint8)
+    image[:10] = (10, 20, 30)  # upper half
+    image[10:] = (200, 100, 50)
     b = MeshBuilder()
     b.box((1, 1, 1), color=(255, 0, 0))
     b.ball(0.2, (0, 0, 2), (0, 255, 0))
-    b.panel(picture, (3.0, 0, 1.0), 1.0, 2.0, "+x")
+    b.panel(image, (3.0, 0, 1.0), 1.0, 2.0, "+x")
     mesh = b.build("a test").mesh
     height, width = mesh.texture.shape[:2]
     middle = mesh.vertices[mesh.faces].mean(1)
@@ -83,8 +83,8 @@ def test_colours_and_pictures_come_back_from_the_texture() -> None:
     assert (shown[rest & ~ball] == (255, 0, 0)).all()
 
 
-def test_pictures_read_left_to_right_from_the_front() -> None:
-    """Seen from +x with z up, the picture's right side is towards +y."""
+def test_images_read_left_to_right_from_the_front() -> None:
+    """Seen from +x with z up, the image's right side is towards +y."""
     b = MeshBuilder()
     b.box((0.1, 0.1, 0.1), color="grey")
     b.panel(paint.canvas((8, 8), "red")[0], (1.0, 0.0, 0.0), 2.0, 1.0, "+x")
@@ -115,7 +115,7 @@ def test_frames_nest_and_mirror() -> None:
     assert b.build("a test").volume == pytest.approx(0.008)
 
 
-def test_too_many_pictures_are_refused() -> None:
+def test_too_many_images_are_refused() -> None:
     with pytest.raises(ValueError, match="512x512"):
         pack([(0, 0, 0)], [np.zeros((400, 400, 3), np.uint8)] * 2)
 

@@ -9,7 +9,7 @@ from urbanverse_mjx.assets.collision import decompose
 from urbanverse_mjx.assets.meshes import recipe
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
 from urbanverse_mjx.assets.recipes.building.facade import Facade
-from urbanverse_mjx.assets.recipes.street_user.figure import STANDING, Figure, Look
+from urbanverse_mjx.assets.recipes.street_user.figure import STANDING, Figure, Person
 from urbanverse_mjx.assets.recipes.vehicle import car_shapes
 from urbanverse_mjx.assets.recipes.vehicle.vehicle_body import Body
 
@@ -109,15 +109,15 @@ def test_cars_stand_on_their_wheels_and_look_along_x() -> None:
 def test_a_block_with_openings_stays_closed_whatever_its_openings() -> None:
     """Doors that cross the plain ground floor's edge, windows above and below it: no seam gapes."""
     rng = np.random.default_rng(3)
-    picture = np.full((8, 8, 3), 128, np.uint8)
+    image = np.full((8, 8, 3), 128, np.uint8)
     for _ in range(12):
         facade = Facade(MeshBuilder(), 10.0, 6.0, 9.0, "white")
         carved = 0.0
         for k in range(4):
             width, height, recess = rng.uniform(0.8, 1.9), rng.uniform(0.9, 3.5), rng.uniform(0.05, 0.5)
-            facade.opening(-3.75 + 2.5 * k, rng.uniform(0.05, 4.5), width, height, picture, recess, sill=False)
+            facade.opening(-3.75 + 2.5 * k, rng.uniform(0.05, 4.5), width, height, image, recess, sill=False)
             carved += width * height * recess
-        facade.walls(picture, "grey", 3.1)
+        facade.walls(image, "grey", 3.1)
         assert closed_volume(facade.builder.build("a block")) == pytest.approx(10 * 6 * 9 - carved, rel=1e-5)
 
 
@@ -130,7 +130,7 @@ def test_every_shop_and_house_is_a_closed_block() -> None:
 
 @pytest.mark.parametrize("height", [1.1, 1.65, 1.9])
 def test_figures_are_as_tall_as_asked_and_seven_heads_high(height: float) -> None:
-    figure = Figure(MeshBuilder(), Look(height=height, hair="bald"), STANDING)
+    figure = Figure(MeshBuilder(), Person(height=height, hair="bald"), STANDING)
     figure.build()
     low, high = figure.builder.bounds
     assert high[2] - low[2] == pytest.approx(height, rel=0.03)

@@ -1,11 +1,11 @@
-"""One small texture for one asset: palette cells along the top, pictures below."""
+"""One small texture for one asset: palette cells along the top, images below."""
 
 import dataclasses
 
 import numpy as np
 
 CELL = 8  # pixels; UV point at the cell's centre, so neighbours never bleed in
-GUTTER = 2  # pixels of repeated border round a picture, against bleeding under bilinear filtering
+GUTTER = 2  # pixels of repeated border round an image, against bleeding under bilinear filtering
 MAX_SIDE = 512
 
 
@@ -16,7 +16,7 @@ class Atlas:
     Attributes:
       texture: (H, W, 3) uint8, row 0 is the top.
       cells: (C, 2) UV of each colour's cell centre.
-      rectangles: per picture (u0, v0, u1, v1), lower left and upper right corner.
+      rectangles: per image (u0, v0, u1, v1), lower left and upper right corner.
     """
 
     texture: np.ndarray
@@ -24,28 +24,28 @@ class Atlas:
     rectangles: list[tuple[float, float, float, float]]
 
 
-def pack(colors: list[tuple[int, int, int]], pictures: list[np.ndarray]) -> Atlas:
-    """Packs colours and (h, w, 3) uint8 pictures into the smallest power-of-two texture up to 512x512.
+def pack(colors: list[tuple[int, int, int]], images: list[np.ndarray]) -> Atlas:
+    """Packs colours and (h, w, 3) uint8 images into the smallest power-of-two texture up to 512x512.
 
     Raises:
-      ValueError: the pictures do not fit.
+      ValueError: the images do not fit.
     """
     sides = [2**k for k in range(4, 10)]
     shapes = sorted(
         (w * h, max(w, h), w, h) for w in sides for h in sides if max(w, h) <= 4 * min(w, h) and max(w, h) <= MAX_SIDE
     )
     for _, _, width, height in shapes:
-        places = _shelves(len(colors), [p.shape[:2] for p in pictures], width, height)
+        places = _shelves(len(colors), [p.shape[:2] for p in images], width, height)
         if places is not None:
-            return _paint(colors, pictures, places, width, height)
-    sizes = ", ".join(f"{p.shape[1]}x{p.shape[0]}" for p in pictures)
+            return _paint(colors, images, places, width, height)
+    sizes = ", ".join(f"{p.shape[1]}x{p.shape[0]}" for p in images)
     raise ValueError(
-        f"atlas: found {len(colors)} colours and pictures of {sizes}, needed room in 512x512; draw them smaller."
+        f"atlas: found {len(colors)} colours and images of {sizes}, needed room in 512x512; draw them smaller."
     )
 
 
 def _shelves(colors: int, sizes: list[tuple[int, ...]], width: int, height: int) -> list[tuple[int, int]] | None:
-    """Top left pixel of each picture (its gutter not counted), or None when they do not fit."""
+    """Top left pixel of each image (its gutter not counted), or None when they do not fit."""
     per_row = width // CELL
     top = -(-colors // per_row) * CELL
     if top > height:
@@ -65,7 +65,7 @@ def _shelves(colors: int, sizes: list[tuple[int, ...]], width: int, height: int)
 
 def _paint(
     colors: list[tuple[int, int, int]],
-    pictures: list[np.ndarray],
+    images: list[np.ndarray],
     places: list[tuple[int, int]],
     width: int,
     height: int,
@@ -78,9 +78,9 @@ def _paint(
         texture[y : y + CELL, x : x + CELL] = color
         cells[i] = (x + CELL / 2) / width, 1 - (y + CELL / 2) / height
     rectangles = []
-    for picture, (x, y) in zip(pictures, places, strict=True):
-        h, w = picture.shape[:2]
-        padded = np.pad(picture, ((GUTTER, GUTTER), (GUTTER, GUTTER), (0, 0)), mode="edge")
+    for image, (x, y) in zip(images, places, strict=True):
+        h, w = image.shape[:2]
+        padded = np.pad(image, ((GUTTER, GUTTER), (GUTTER, GUTTER), (0, 0)), mode="edge")
         texture[y - GUTTER : y + h + GUTTER, x - GUTTER : x + w + GUTTER] = padded
         rectangles.append((x / width, 1 - (y + h) / height, (x + w) / width, 1 - y / height))
     return Atlas(texture, cells, rectangles)

@@ -29,7 +29,7 @@ from .table_files import read_rows
 FILE = "shapes.parquet"
 #: Views from which an object is looked at: yaw in degrees that it is turned by, as `gallery.render_row` does.
 YAWS = (-32.0, 0.0, 90.0, 180.0)
-ELEVATION = 14.0  # degrees, of the camera over the horizon; the same picture as a thumbnail's
+ELEVATION = 14.0  # degrees, of the camera over the horizon; the same image as a thumbnail's
 GRID, CELLS = 24, 4  # pixels of a silhouette's side; cells of its layout's side
 SAMPLES = 6000  # points on the surface, ten for each pixel of the silhouette
 MOST_COLORS = 12  # kept of what is seen; the rest is little
@@ -164,7 +164,7 @@ def _surface(mesh: AssetMesh, count: int) -> tuple[NDArray, NDArray, tuple[NDArr
 
 
 def _colors(mesh: AssetMesh, which: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray, NDArray]:
-    """(C, 3) colours, (C,) paint, and (n,) the colour of each surface point; pictures in steps of 32."""
+    """(C, 3) colours, (C,) paint, and (n,) the colour of each surface point; images in steps of 32."""
     face, uv = which
     corners = mesh.uv[mesh.faces]
     flat = (corners == corners[:, :1]).all((1, 2))[face]

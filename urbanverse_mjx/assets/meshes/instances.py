@@ -162,7 +162,7 @@ def instance_params(variant: int, base: str, scale: Sequence[float], tint: Seque
 
 
 def scaled_mesh(mesh: AssetMesh, scale: Sequence[float], tint: Sequence[float] | None, leaf: str) -> AssetMesh:
-    """A base mesh at an instance's size and in its tint; pictures (signs' faces, shop fronts) keep their colours."""
+    """A base mesh at an instance's size and in its tint; images (signs' faces, shop fronts) keep their colours."""
     factor = np.asarray(scale, dtype=np.float64)
     texture = mesh.texture if tint is None else tinted_texture(mesh, np.asarray(tint), is_free(leaf))
     return dataclasses.replace(mesh, vertices=mesh.vertices.astype(np.float64) * factor, texture=texture)

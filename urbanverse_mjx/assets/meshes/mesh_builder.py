@@ -23,7 +23,7 @@ from .palette import Color
 from .panels import NORMALS, face_size, panel_corners
 from .shapes import Point2, Point3, Points3, Shape
 
-Picture = np.ndarray | Image.Image
+ImageLike = np.ndarray | Image.Image
 ZERO = (0.0, 0.0, 0.0)
 CREASE_DEG = 40.0
 
@@ -67,7 +67,7 @@ class BuiltAsset:
 class _Part:
     shape: Shape
     color: tuple[int, int, int] | None
-    picture: int | None
+    image: int | None
     crease_deg: float
     solid: int
 
@@ -87,7 +87,7 @@ class MeshBuilder:
     def __init__(self, roughness: float = 0.8, metallic: float = 0.0) -> None:
         self._roughness, self._metallic = roughness, metallic
         self._parts: list[_Part] = []
-        self._pictures: list[np.ndarray] = []
+        self._images: list[np.ndarray] = []
         self._frame = np.eye(4)
         self._solid, self._in_solid = 0, False
 
@@ -118,30 +118,30 @@ class MeshBuilder:
         at: Point3 = ZERO,
         turn_deg: Point3 = ZERO,
         scale: Point3 | float = 1.0,
-        picture: Picture | None = None,
+        image: ImageLike | None = None,
         crease_deg: float = CREASE_DEG,
     ) -> None:
-        """Adds any shape, in one colour, or with a picture where the shape has UV.
+        """Adds any shape, in one colour, or with an image where the shape has UV.
 
         Edges that bend more than `crease_deg` look sharp, others are shaded smoothly.
         """
-        if (color is None) == (picture is None):
-            raise ValueError("part: found both or neither of color and picture, needed exactly one.")
-        if picture is not None and shape.uv is None:
-            raise ValueError("part: found a picture on a shape without UV, needed a panel, quad, sheet or box skin.")
+        if (color is None) == (image is None):
+            raise ValueError("part: found both or neither of color and image, needed exactly one.")
+        if image is not None and shape.uv is None:
+            raise ValueError("part: found an image on a shape without UV, needed a panel, quad, sheet or box skin.")
         placed = shape.transformed(shapes.product(self._frame, affine(at, turn_deg, scale)))
         paint = None if color is None else palette.rgb(color)
-        number = None if picture is None else self._picture(picture)
+        number = None if image is None else self._image(image)
         self._parts.append(_Part(placed, paint, number, crease_deg, self._solid))
         self._solid += 0 if self._in_solid else 1
 
-    def _picture(self, picture: Picture) -> int:
-        pixels = np.asarray(picture.convert("RGB") if isinstance(picture, Image.Image) else picture, np.uint8)
-        for i, known in enumerate(self._pictures):
+    def _image(self, image: ImageLike) -> int:
+        pixels = np.asarray(image.convert("RGB") if isinstance(image, Image.Image) else image, np.uint8)
+        for i, known in enumerate(self._images):
             if known.shape == pixels.shape and np.array_equal(known, pixels):
                 return i
-        self._pictures.append(pixels)
-        return len(self._pictures) - 1
+        self._images.append(pixels)
+        return len(self._images) - 1
 
     # Solids -----------------------------------------------------------------------------------------------------------
 
@@ -154,18 +154,18 @@ class MeshBuilder:
         bevel: float = 0.0,
         taper: Point2 = (1.0, 1.0),
         centered: bool = False,
-        skins: Mapping[str, Picture] | None = None,
+        skins: Mapping[str, ImageLike] | None = None,
     ) -> None:
-        """A box standing on `at` (or centred on it); `skins` lays pictures on faces, e.g. {"+x": shop_front}."""
+        """A box standing on `at` (or centred on it); `skins` lays images on faces, e.g. {"+x": shop_front}."""
         lift = affine((0, 0, -size[2] / 2 if centered else 0.0))
         with self.frame(at, turn_deg):
             self.add(shapes.box(size, bevel, taper).transformed(lift), color, crease_deg=20.0)
             centre = np.array([0.0, 0.0, 0.0 if centered else size[2] / 2])
-            for face, picture in (skins or {}).items():
+            for face, image in (skins or {}).items():
                 normal = np.array(NORMALS[face], float)
                 across, up = face_size(size, face)
-                # 2 mm proud of the face, so that the picture never fights the box for a pixel.
-                self.panel(picture, centre + normal * (np.abs(normal) @ np.asarray(size) / 2 + 0.002), across, up, face)
+                # 2 mm proud of the face, so that the image never fights the box for a pixel.
+                self.panel(image, centre + normal * (np.abs(normal) @ np.asarray(size) / 2 + 0.002), across, up, face)
 
     def cylinder(
         self,
@@ -298,7 +298,7 @@ class MeshBuilder:
 
     def panel(
         self,
-        picture: Picture,
+        image: ImageLike,
         at: Point3,
         width: float,
         height: float,
@@ -306,7 +306,7 @@ class MeshBuilder:
         back: Color | None = None,
         tilt_deg: float = 0.0,
     ) -> None:
-        """A flat picture centred on `at`, upright as seen from outside.
+        """A flat image centred on `at`, upright as seen from outside.
 
         Args:
           facing: "+x", "-x", "+y", "-y", "+z", "-z", or a yaw in degrees.
@@ -314,7 +314,7 @@ class MeshBuilder:
           tilt_deg: leans the top backwards.
         """
         corners = panel_corners(np.asarray(at, float), width, height, facing, tilt_deg)
-        self.add(shapes.quad(corners), picture=picture)
+        self.add(shapes.quad(corners), image=image)
         if back is not None:
             normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
             self.add(shapes.quad(corners - 0.001 * normal / shapes.length(normal)).flipped(), back)
@@ -324,39 +324,39 @@ class MeshBuilder:
         outline: Sequence[Point2],
         thickness: float,
         at: Point3,
-        picture: Picture,
+        image: ImageLike,
         color: Color = "aluminium",
         both_faces: bool = False,
     ) -> None:
-        """A convex plate whose front (+x) shows a picture over its box, e.g. a traffic sign.
+        """A convex plate whose front (+x) shows an image over its box, e.g. a traffic sign.
 
         Args:
           outline: (right, up) points as seen from the front, m, about `at`, counter-clockwise.
           color: of the rim and the back.
-          both_faces: whether the back shows the picture too.
+          both_faces: whether the back shows the image too.
         """
         corners = np.asarray(outline, float)
         rows = [np.column_stack([np.full(len(corners), x), corners]) for x in (-thickness / 2, thickness / 2)]
         self.add(shapes.loft(rows), color, at)
         face = shapes.fan(rows[1] + np.array([0.001, 0.0, 0.0]))
-        self.add(face, at=at, picture=picture)
+        self.add(face, at=at, image=image)
         if both_faces:
-            self.add(face, at=at, turn_deg=(0, 0, 180), picture=picture)
+            self.add(face, at=at, turn_deg=(0, 0, 180), image=image)
 
     def quad(
-        self, corners: Points3, color: Color | None = None, picture: Picture | None = None, both_sides: bool = False
+        self, corners: Points3, color: Color | None = None, image: ImageLike | None = None, both_sides: bool = False
     ) -> None:
         """Four corners: lower left, lower right, upper right, upper left, seen from the visible side."""
-        self.sheet(np.asarray(corners, float)[[0, 1, 3, 2]].reshape(2, 2, 3), color, picture, both_sides)
+        self.sheet(np.asarray(corners, float)[[0, 1, 3, 2]].reshape(2, 2, 3), color, image, both_sides)
 
     def sheet(
-        self, grid: np.ndarray, color: Color | None = None, picture: Picture | None = None, both_sides: bool = False
+        self, grid: np.ndarray, color: Color | None = None, image: ImageLike | None = None, both_sides: bool = False
     ) -> None:
         """A curved surface through (rows, columns, 3) points; see `shapes.sheet`."""
         surface = shapes.sheet(grid)
-        self.add(surface, color, picture=picture)
+        self.add(surface, color, image=image)
         if both_sides:
-            self.add(surface.flipped(), color, picture=picture)
+            self.add(surface.flipped(), color, image=image)
 
     # The result -------------------------------------------------------------------------------------------------------
 
@@ -375,14 +375,14 @@ class MeshBuilder:
     ) -> BuiltAsset:
         """Packs the texture, splits vertices at creases, centres the footprint and puts the bottom on z = 0."""
         colors = sorted({p.color for p in self._parts if p.color is not None})
-        packed = pack(colors, self._pictures)
+        packed = pack(colors, self._images)
         uvs = []
         for part in self._parts:
             if part.color is not None:
                 cell = packed.cells[colors.index(part.color)]
                 uvs.append(np.broadcast_to(cell, (len(part.shape.vertices), 2)))
-            elif part.picture is not None and part.shape.uv is not None:
-                u0, v0, u1, v1 = packed.rectangles[part.picture]
+            elif part.image is not None and part.shape.uv is not None:
+                u0, v0, u1, v1 = packed.rectangles[part.image]
                 uvs.append(np.array([u0, v0]) + part.shape.uv * np.array([u1 - u0, v1 - v0]))
         # All parts at once: no edge leads from one to another, and a call each would cost more than the work.
         whole = shapes.joined([p.shape for p in self._parts], uvs)

@@ -1,4 +1,4 @@
-"""Pictures for signs, screens, doors and posters, drawn with Pillow in its built-in typeface, the same everywhere."""
+"""Images for signs, screens, doors and posters, drawn with Pillow in its built-in typeface, the same everywhere."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ Size = tuple[int, int]
 
 
 def canvas(size: Size, color: Color) -> tuple[Image.Image, ImageDraw.ImageDraw]:
-    """A picture of (width, height) pixels in one colour, and the pen for it."""
+    """An image of (width, height) pixels in one colour, and the pen for it."""
     image = Image.new("RGB", size, rgb(color))
     return image, ImageDraw.Draw(image)
 
@@ -53,7 +53,7 @@ def smooth(size: Size, scale: int = 4) -> Size:
 
 
 def shrunk(image: Image.Image, size: Size) -> Image.Image:
-    """The picture resampled to its final size."""
+    """The image resampled to its final size."""
     return image.resize(size, Image.Resampling.LANCZOS)
 
 

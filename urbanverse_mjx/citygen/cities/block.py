@@ -17,7 +17,7 @@ from .profile import CityProfile
 LENGTH = 200.0
 #: Seeds the block; recorded in its source.
 VERSION = str(versions.CODE["blocks"].version)
-#: m of a trajectory's camera above the ground, and along the way between its points.
+#: m of a trajectory's camera above the ground, and along the path between its points.
 EYE, STRIDE = 1.55, 2.4
 #: m from bends, crosswalks and ends where no crosswalk or side street begins.
 _CLEAR = 4.5
@@ -238,8 +238,8 @@ def _dressed(region: GroundRegion, profile: CityProfile, rng: random.Random) -> 
 def _trajectory(filler: Filler) -> tuple[tuple[float, float, float, float], ...]:
     """x, y, z (m), yaw (rad) every 2 m: there along one side, back along the other."""
     plan, length = filler.plan, filler.line.length
-    ways: list[tuple[float, int, float]] = []
-    drives = plan.profile.way == "drive"
+    stations: list[tuple[float, int, float]] = []
+    drives = plan.profile.travel == "drive"
     sides = (-1, 1) if drives or len(filler.sides()) == 2 else (filler.sides()[0],) * 2
     with_street = -1 if plan.profile.drives == "right" or not drives else 1
     order = (with_street, -with_street) if len(set(sides)) == 2 else sides
@@ -251,11 +251,11 @@ def _trajectory(filler: Filler) -> tuple[tuple[float, float, float, float], ...]
             (float(a), side, 0.3 - plan.half if drives else float(b))
             for a, b in zip(s, np.interp(s, at, v), strict=True)
         ]
-        ways += run[::-1] if back else run
+        stations += run[::-1] if back else run
     points = []
-    for k, (s, side, v) in enumerate(ways):
+    for k, (s, side, v) in enumerate(stations):
         x, y = filler.at(s, side, v)
-        ahead = math.pi if k >= len(ways) // 2 else 0.0
+        ahead = math.pi if k >= len(stations) // 2 else 0.0
         z = (0.0 if drives else plan.profile.kerb) + EYE
         points.append((round(x, 3), round(y, 3), z, round(math.remainder(filler.line.yaw(s) + ahead, math.tau), 4)))
     return tuple(points)

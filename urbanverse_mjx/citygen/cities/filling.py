@@ -119,7 +119,7 @@ class Filler:
         free: bool = False,
         lane: bool = False,
     ) -> bool:
-        """Adds an object if nothing is in its way.
+        """Adds an object if its place is free.
 
         Args:
           foot: m above the ground where it hangs; None: it stands. free: nothing is asked. lane: it may stand in the

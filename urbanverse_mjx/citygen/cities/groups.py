@@ -1,4 +1,4 @@
-"""Things that come together: a cafe's tables, a row of stalls, a dig, scooters left in a heap."""
+"""Objects that come together: a cafe's tables, a row of stalls, a dig, scooters left in a heap."""
 
 from collections.abc import Callable
 

@@ -34,7 +34,7 @@ class CityProfile:
     Lengths are m, densities objects per 100 m of one pavement (of the whole road for traffic).
 
     Attributes:
-      continent, country, city, way: of the scene's id; the trajectory walks or drives.
+      continent, country, city, travel: of the scene's id; the trajectory walks or drives.
       drives: side of the road that one drives on.
       road: width between the kerbs. left, right: widths of the pavements; below 1 m nobody walks there.
       kerb: height. verge: green strip between kerb and pavement. yard: front gardens between pavement and houses.
@@ -56,7 +56,7 @@ class CityProfile:
     continent: str
     country: str
     city: str
-    way: Literal["walk", "drive"] = "walk"
+    travel: Literal["walk", "drive"] = "walk"
     drives: Side = "right"
     road: float
     left: float
@@ -98,7 +98,7 @@ class CityProfile:
 
     def __post_init__(self) -> None:
         where = f"profile of {self.city}"
-        v.choice(self.way, f"{where}: way", ("walk", "drive"))
+        v.choice(self.travel, f"{where}: travel", ("walk", "drive"))
         v.choice(self.drives, f"{where}: drives", ("left", "right"))
         for name, low, high in (("road", 3.0, 30.0), ("left", 0.4, 12.0), ("right", 0.4, 12.0), ("lane", 1.1, 4.0)):
             v.number(getattr(self, name), f"{where}: {name}", low, high)
@@ -112,8 +112,8 @@ class CityProfile:
 
     @property
     def name(self) -> str:
-        """Continent_Country_City_way, without blanks and accents, as the authors name scenes."""
-        return "_".join((*(_plain(x) for x in (self.continent, self.country, self.city)), self.way))
+        """Continent_Country_City_travel, without blanks and accents, as the authors name scenes."""
+        return "_".join((*(_plain(x) for x in (self.continent, self.country, self.city)), self.travel))
 
 
 def _plain(text: str) -> str:

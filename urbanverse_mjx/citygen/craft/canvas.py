@@ -203,7 +203,7 @@ class Canvas(Stage):
           x, y: m, where its stem or else its middle stands.
           degrees: heading, counter-clockwise from +x.
           variant: row of the label's sizes; size: m (along, across, up) instead of one of them.
-          above: m over the ground; from 0.3 on it hangs, or stands on another thing.
+          above: m over the ground; from 0.3 on it hangs, or stands on another object.
         """
         self.settle()
         if variant is not None:
@@ -283,7 +283,7 @@ class Canvas(Stage):
         return tuple(regions)
 
     def _camera_path(self) -> list[tuple[float, float, float, float]]:
-        """The trajectory at eye level, a point every 5 m, looking the way it goes."""
+        """The trajectory at eye level, a point every 5 m, looking ahead."""
         path = []
         for a, b in itertools.pairwise(self.trajectory):
             steps = max(1, round(math.dist(a, b) / 5.0))

@@ -1,4 +1,4 @@
-"""Faults of a composed scene: objects off the ground or in one another, gaps, a blocked way."""
+"""Faults of a composed scene: objects off the ground or in one another, gaps, a blocked path."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from .. import clearance
 from ..stage import Stage
 from . import ground_layers
 
-#: Free width (m) that a trajectory must have: a robot of 0.45 m radius and the 20 cm cells in which ways are planned.
+#: Free width (m) that a trajectory must have: a robot of 0.45 m radius and the 20 cm cells in which paths are planned.
 CLEARANCE = 1.2
 #: m over the ground up to which an object's foot counts as meant to stand on it.
 NEAR = 0.3

@@ -85,7 +85,7 @@ def people(canvas: Canvas, who: Sequence[tuple[str, float, float, float]]) -> No
 
 
 def chain(canvas: Canvas, label: str, points: Sequence[Corner], variant: int = 0, stretch: float = 1.0) -> None:
-    """Pieces of fence, wall or barrier end to end along a line of points, facing the left of the way.
+    """Pieces of fence, wall or barrier end to end along a line of points, facing to the left of it.
 
     Args:
       stretch: how much longer than the label's size a piece may be made to fill its stretch; 1 keeps the size and
@@ -97,11 +97,11 @@ def chain(canvas: Canvas, label: str, points: Sequence[Corner], variant: int = 0
         fits = length / (along * stretch)
         count = max(1, math.ceil(fits) if stretch > 1.0 else math.floor(fits + 1e-6))
         size = (thick, round(length / count - JOINT, 3), high) if stretch > 1.0 else None
-        way = math.degrees(math.atan2(y1 - y0, x1 - x0))
+        heading = math.degrees(math.atan2(y1 - y0, x1 - x0))
         for i in range(count):
             share = (JOINT + length * (i + 0.5) / count) / (length + 2 * JOINT)
             place = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
-            canvas.put(label, *place, way + 90.0, None if size else variant, size)
+            canvas.put(label, *place, heading + 90.0, None if size else variant, size)
 
 
 def apron(canvas: Canvas, name: str, corners: Sequence[Corner], z: float, width: float = 2.4) -> None:

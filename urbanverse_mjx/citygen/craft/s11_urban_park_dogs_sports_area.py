@@ -214,10 +214,10 @@ def _dogs(c: Canvas) -> None:
 def _sports(c: Canvas) -> None:
     """The court behind its fence, and what is played beside it."""
     c.put("basketball court", 60.0, 37.8, 0.0, 0)
-    for way in ([(45.2, 29.9), (57.4, 29.9)], [(59.4, 29.9), (74.8, 29.9)], [(74.8, 29.9), (74.8, 45.8)]):
-        chain(c, "fence", way, 1, 2.4)
-    for way in ([(74.8, 45.8), (45.2, 45.8)], [(45.2, 45.8), (45.2, 29.9)]):
-        chain(c, "fence", way, 1, 2.4)
+    for line in ([(45.2, 29.9), (57.4, 29.9)], [(59.4, 29.9), (74.8, 29.9)], [(74.8, 29.9), (74.8, 45.8)]):
+        chain(c, "fence", line, 1, 2.4)
+    for line in ([(74.8, 45.8), (45.2, 45.8)], [(45.2, 45.8), (45.2, 29.9)]):
+        chain(c, "fence", line, 1, 2.4)
     c.put("bench", 66.4, 28.9, 90.0, 2)
     c.put("bench", 51.4, 28.9, 90.0, 2)
     c.put("bicycle", 63.2, 28.75, 0.0)

@@ -1,4 +1,4 @@
-"""Things that belong together: a laid table, a stall with its goods, bicycles at a rail, a heap, a queue, works."""
+"""Objects that belong together: a laid table, a stall with its goods, bicycles at a rail, a heap, a queue, works."""
 
 import itertools
 import math
@@ -79,7 +79,7 @@ def bicycles(site: Site, x: float, y: float, degrees: float, count: int, zone: B
 
 
 def heap(site: Site, x: float, y: float, zone: BaseGeometry | None, mix: Sequence[str], count: int) -> None:
-    """Things put out together within a metre or so of a place."""
+    """Objects put out together within a metre or so of a place."""
     for _ in range(count):
         away, bearing = site.uniform(0.0, 1.3), site.uniform(-180.0, 180.0)
         site.put(site.rng.choice(mix), *at(x, y, bearing, away, 0.0), site.uniform(-180.0, 180.0), zone, gap=0.02)

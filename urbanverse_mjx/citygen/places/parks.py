@@ -85,7 +85,7 @@ def _park_objects(
 
 
 def _beside(point: Corner, line: list[Corner], by: float) -> Corner:
-    """A point moved to the left of the way from a line's first to its last point."""
+    """A point moved to the left of the straight from a line's first to its last point."""
     (ax, ay), (bx, by_) = line[0], line[-1]
     length = math.dist(line[0], line[-1])
     return point[0] - (by_ - ay) / length * by, point[1] + (bx - ax) / length * by

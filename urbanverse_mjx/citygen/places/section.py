@@ -146,7 +146,7 @@ def side_walks(site: Site, street: Street, turn: float, top: float) -> None:
 
 
 def traffic(site: Site, street: Street, share: float, parked: float, off: float = 0.35, apart: float = 3.2) -> None:
-    """Cars at the kerbs (`off` metres from them) and on the way; crosswalks stay free for `apart` metres each way."""
+    """Cars at the kerbs (`off` metres from them) and on the road; crosswalks stay free for `apart` metres each way."""
     clear = shapely.union_all([shapely.box(x - apart, -street.half, x + apart, street.half) for x in street.crossings])
     zone = street.road.difference(clear)
     for side in (1, -1):

@@ -17,7 +17,7 @@ from ..stage import JOINT
 from . import stock
 from .outlines import Corner, corners, ring
 
-#: m that a lane stays free: a robot of 0.4 m radius and the 20 cm cells in which ways are planned.
+#: m that a lane stays free: a robot of 0.4 m radius and the 20 cm cells in which paths are planned.
 LANE = 1.25
 #: m of ground behind the fronts: less than any house is deep, so that nobody walks behind them.
 APRON = 2.4
@@ -278,7 +278,7 @@ class Site:
         turn: float = 8.0,
         dense: bool = True,
     ) -> None:
-        """Things along a line (m), their backs `off` metres to its left, facing away from it; gaps of `apart` metres,
+        """Objects along a line (m), their backs `off` metres to its left, facing away from it; gaps of `apart` metres,
         longer where it is sparse unless not `dense`."""
         labels = stock.MIXES[mix] if isinstance(mix, str) else mix
         loose = 1.0 / self.density if dense else 1.0

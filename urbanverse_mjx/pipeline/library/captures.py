@@ -78,7 +78,7 @@ def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
 def _way(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
     """The block's trajectory, moved off objects that came to stand in it, the camera looking to both sides in turn."""
     path = np.array(ground_truth.camera_path)
-    if profile.way == "walk":
+    if profile.travel == "walk":
         path[:, :2] = _cleared(path[:, :2], street_grid(bank, 0))
     count = np.arange(len(path))
     yaw = path[:, 3] + SWAY * np.sin(2 * np.pi * count / SWAY_FRAMES)

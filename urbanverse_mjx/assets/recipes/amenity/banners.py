@@ -37,14 +37,14 @@ def lettered(words: str, back: Color, ink: Color, band: Color, size: tuple[int, 
 def banner(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Cloth with eyelets and ropes, a tall one between two rods, a wide one across a street."""
     b = MeshBuilder(roughness=0.9)
-    words, back, ink, band, (w, h), picture = (
+    words, back, ink, band, (w, h), image = (
         ("SUMMER\nFAIR", "off white", "red", "signal blue", (1.7, 1.3), (128, 96)),
         ("C\nI\nT\nY", "teal", "white", "signal yellow", (0.72, 2.4), (48, 160)),
         ("GRAND OPENING", "signal yellow", "dark blue", "red", (4.1, 0.95), (224, 52)),
     )[variant % 3]
-    cloth = lettered(words, back, ink, band, picture)
+    cloth = lettered(words, back, ink, band, image)
     depth = (0.028, 0.05, 0.09)[variant % 3]
-    b.sheet(ripple(w, h, depth, 2.5 + float(rng.uniform(0, 0.5)), columns=21), picture=cloth, both_sides=True)
+    b.sheet(ripple(w, h, depth, 2.5 + float(rng.uniform(0, 0.5)), columns=21), image=cloth, both_sides=True)
     if variant % 3 == 1:
         for z in (0.0, h):
             b.rod((0, -0.06, z), (0, w + 0.06, z), 0.018, "aluminium", sides=10)

@@ -153,7 +153,7 @@ def waste_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
         color, words = goods[k]
         y = (k - (count - 1) / 2) * 1.35
         ink = "black" if color in ("signal yellow", "light grey") else "white"
-        picture = sign(words, color, ink, (80, 20))
+        image = sign(words, color, ink, (80, 20))
         if variant % 3 == 0:
             b.lathe(
                 [(0.5, 0.08), (0.62, 0.14), (0.64, 0.7), (0.52, 1.3), (0.3, 1.6), (0.1, 1.7)],
@@ -164,13 +164,13 @@ def waste_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.ring(0.1, 0.025, (0, y, 1.8), "charcoal", (0, 90, 0), 14, 5)
             for side in (-1, 1):
                 b.cylinder(0.11, 0.06, (0.45, y + side * 0.2, 1.25), "black", turn_deg=(0, 62, 0), segments=14)
-            b.panel(picture, (0.65, y, 0.62), 0.66, 0.2)
+            b.panel(image, (0.65, y, 0.62), 0.66, 0.2)
             b.panel(recycle_mark(40, color, ink), (0.628, y, 0.98), 0.3, 0.3, tilt_deg=13.0)
         elif variant % 3 == 1:
             b.box((1.1, 1.24, 0.1), (0, y, 0), "charcoal", bevel=0.02)
             b.profile([(-0.55, 0.1), (0.55, 0.1), (0.55, 1.25), (0.3, 1.75), (-0.55, 1.75)], 1.22, (0, y, 0), color)
             b.box((0.06, 0.8, 0.22), (0.42, y, 1.36), "black", turn_deg=(0, -27, 0), bevel=0.01)
-            b.panel(picture, (0.556, y, 1.05), 1.0, 0.26)
+            b.panel(image, (0.556, y, 1.05), 1.0, 0.26)
             b.panel(recycle_mark(40, color, ink), (0.556, y, 0.6), 0.5, 0.5)
             b.box((0.1, 1.22, 0.05), (-0.1, y, 1.74), shade(color, 0.7), bevel=0.01)
         else:
@@ -184,7 +184,7 @@ def waste_station(variant: int, rng: np.random.Generator) -> BuiltAsset:
             )
             b.cylinder(0.15, 0.05, (0.23, y, 0.85), color, turn_deg=(0, 90, 0), segments=20)
             b.cylinder(0.115, 0.02, (0.27, y, 0.85), "black", turn_deg=(0, 90, 0), segments=20)
-            b.panel(picture, (0.254, y, 0.5), 0.48, 0.13)
+            b.panel(image, (0.254, y, 0.5), 0.48, 0.13)
     b.box((1.9 if variant % 3 != 1 else 1.5, count * 1.35 + 0.1, 0.08), (0, 0, -0.02), "concrete")
     if variant % 3 == 0:
         for side in (-1, 1):

@@ -18,7 +18,7 @@ CABINET = Physics(
 )
 
 
-def door_picture(width: int, height: int, color: Color, doors: int = 1) -> Image.Image:
+def door_image(width: int, height: int, color: Color, doors: int = 1) -> Image.Image:
     """Cabinet doors with seams, louvres and a handle."""
     image, draw = paint.canvas((width, height), color)
     dark, light = rgb(shade(color, 0.62)), rgb(shade(color, 1.15))
@@ -41,8 +41,8 @@ def street_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     w, h, d = (float(v) for v in rng.uniform((0.7, 1.05, 0.36), (1.2, 1.4, 0.45)))
     if style == "traffic signal":
         w, h, d = 0.65, 1.45, 0.42
-    picture = door_picture(64, 80, color, 1 if w < 0.8 else 2)
-    draw = ImageDraw.Draw(picture)
+    image = door_image(64, 80, color, 1 if w < 0.8 else 2)
+    draw = ImageDraw.Draw(image)
     if style == "electricity":
         draw.polygon([(16, 24), (26, 42), (6, 42)], fill=rgb("signal yellow"), outline=(0, 0, 0))
         draw.line((16, 28, 14, 34, 18, 34, 16, 40), fill=(0, 0, 0), width=2)
@@ -52,7 +52,7 @@ def street_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ink = rgb(("pink", "teal", "signal yellow", "purple", "light blue")[k % 5])
             draw.arc((x - r, y - r, x + r, y + r), 0, int(rng.uniform(120, 360)), fill=ink, width=4)
     b.box((d + 0.06, w + 0.06, 0.12), color="concrete")
-    b.box((d, w, h - 0.16), (0, 0, 0.12), color, bevel=0.01, skins={"+x": picture})
+    b.box((d, w, h - 0.16), (0, 0, 0.12), color, bevel=0.01, skins={"+x": image})
     b.box((d + 0.05, w + 0.05, 0.04), (0, 0, h - 0.04), shade(color, 0.85), bevel=0.012)
     return b.build(f"a {style} street cabinet", {"style": style})
 

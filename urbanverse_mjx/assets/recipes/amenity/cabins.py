@@ -10,7 +10,7 @@ from ...meshes.recipe import recipe
 from ..shared.facade_images import door, sign, wall, window
 from ..shared.sizes import made
 from .shelters import glazing
-from .street_terminals import bolt_picture
+from .street_terminals import bolt_image
 
 SIDES = ("+x", "-x", "+y", "-y")
 
@@ -80,8 +80,8 @@ def public_toilets(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(0.05, 0.4, (-0.45, 0.4, 2.0), "white", segments=12)
         return made(b, "a plastic toilet cabin", (1.13, 1.13, 2.35), style="site cabin")
     w, d, h = 4.4, 3.2, 2.7
-    picture = wall("brick", (w, h), "#9a5a44", rng, 192)
-    b.box((d, w, h), color="brick", skins=dict.fromkeys(SIDES, picture))
+    image = wall("brick", (w, h), "#9a5a44", rng, 192)
+    b.box((d, w, h), color="brick", skins=dict.fromkeys(SIDES, image))
     for y, words in ((-1.2, "WOMEN"), (1.2, "MEN")):
         b.box((0.08, 1.05, 2.15), (d / 2, y, 0), "white", skins={"+x": door("dark green", "panel", (32, 64))})
         b.panel(sign(words, "signal blue", "white", (64, 18)), (d / 2 + 0.05, y, 2.34), 0.85, 0.22)
@@ -195,12 +195,12 @@ def transformer_tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("panel", "concrete", "dark concrete", (2.6, 2.8, 6.4)),
     )[variant % 3]
     d, w, h = 2.9, 3.0, 6.6
-    picture = wall(kind, (w, h), color, rng, 112)
-    b.box((d, w, h), color=color, skins=dict.fromkeys(SIDES, picture))
+    image = wall(kind, (w, h), color, rng, 112)
+    b.box((d, w, h), color=color, skins=dict.fromkeys(SIDES, image))
     b.box((d + 0.12, w + 0.12, 0.5), color="granite")
     b.box((d + 0.16, w + 0.16, 0.16), (0, 0, 4.9), shade(color, 0.85))
     b.box((0.1, 1.3, 2.1), (d / 2, 0, 0.05), "charcoal", skins={"+x": door("#4f5f50", "panel", (40, 64))})
-    b.panel(bolt_picture(), (d / 2 + 0.062, 0.0, 1.55), 0.32, 0.32)
+    b.panel(bolt_image(), (d / 2 + 0.062, 0.0, 1.55), 0.32, 0.32)
     for side in SIDES[2:]:
         y = (w / 2 + 0.011) * (1 if side == "+y" else -1)
         b.panel(paint.stripes((32, 16), ("charcoal", "dark grey"), 2), (0, y, 3.9), 1.0, 0.5, side)

@@ -68,7 +68,7 @@ def fire_extinguisher(variant: int, rng: np.random.Generator) -> BuiltAsset:
         draw.line((64, 70 + 34 * k, 150, 70 + 34 * k), fill=(60, 60, 60), width=4)
     a = np.radians(np.linspace(-62, 62, 11))
     rows = [[(r * 1.008 * np.cos(t), r * 1.008 * np.sin(t), z) for t in a] for z in (h * 0.3, h * 0.72)]
-    b.sheet(np.array(rows), picture=paint.shrunk(label, (72, 60)))
+    b.sheet(np.array(rows), image=paint.shrunk(label, (72, 60)))
     size = ((0.19, 0.15, 0.52), (0.24, None, 0.62), (None, 0.21, 0.54))[variant % 3]
     size = ((0.15, 0.19, 0.52), (0.17, 0.14, 0.62), (0.19, 0.23, 0.55))[variant % 3]
     return made(b, ("a powder", "a carbon dioxide", "a foam")[variant % 3] + " fire extinguisher", size)

@@ -39,10 +39,10 @@ def windowed(
 
 
 def block(
-    b: MeshBuilder, size: Point3, at: Point3, color: Color, picture: Image.Image, roof: Color = "dark grey"
+    b: MeshBuilder, size: Point3, at: Point3, color: Color, image: Image.Image, roof: Color = "dark grey"
 ) -> None:
-    """A building's body with the same picture on all four walls and a parapet."""
-    b.box(size, at, color, skins=dict.fromkeys(SIDES, picture))
+    """A building's body with the same image on all four walls and a parapet."""
+    b.box(size, at, color, skins=dict.fromkeys(SIDES, image))
     b.box((size[0] + 0.5, size[1] + 0.5, 0.45), (at[0], at[1], at[2] + size[2]), shade(color, 1.06), bevel=0.1)
     b.box((size[0] - 0.5, size[1] - 0.5, 0.1), (at[0], at[1], at[2] + size[2] + 0.45), roof)
 
@@ -85,8 +85,8 @@ def museum(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant % 3 == 2:
         return _modern_museum(b, rng)
     stone, words = (("sandstone", "NATIONAL MUSEUM"), ("light grey", "MUSEUM OF HISTORY"))[variant % 3]
-    picture = windowed("ashlar", stone, (44, 11), 9, 2, "grid", rng)
-    block(b, (24, 46, 11), (-2, 0, 0.4), stone, picture)
+    image = windowed("ashlar", stone, (44, 11), 9, 2, "grid", rng)
+    block(b, (24, 46, 11), (-2, 0, 0.4), stone, image)
     b.box((25, 47, 1.6), (-2, 0, 0), shade(stone, 0.85), bevel=0.1)
     portico(b, 10.0, 17, 1.8, 9.2, 8, stone, words)
     b.panel(door("dark wood", "double", (40, 64)), (10.12, 0, 4.4), 3.4, 5.2)
@@ -117,8 +117,8 @@ def _modern_museum(b: MeshBuilder, rng: np.random.Generator) -> BuiltAsset:
         for y in np.linspace(-16, 16, 6):
             b.cylinder(0.5, 4.6, (x, float(y), 0.3), "light grey", segments=12)
     b.box((16, 28, 4.4), (-1, 0, 0.3), "dark glass", skins=dict.fromkeys(SIDES, glazing(160, 28, 10, 1, "charcoal")))
-    picture = wall("panel", (38, 7), "white", rng, 176)
-    b.box((24, 38, 7.5), (0, 0, 4.8), "white", skins=dict.fromkeys(SIDES, picture))
+    image = wall("panel", (38, 7), "white", rng, 176)
+    b.box((24, 38, 7.5), (0, 0, 4.8), "white", skins=dict.fromkeys(SIDES, image))
     b.box((15, 22, 2.6), (-2, 4, 12.3), "light grey", skins=dict.fromkeys(SIDES, glazing(96, 12, 12, 1, "white")))
     b.panel(sign("MUSEUM OF ART", "white", "black", (176, 20)), (12.1, -4, 9.6), 20, 2.3)
     b.panel(sign("MODERN\nNOW", "signal red", "white", (48, 80)), (12.1, 14, 8.5), 3.6, 6.0)
@@ -181,8 +181,8 @@ def arts_center(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(5):
             b.box((1.0, 12, 0.2), (6.5 + 0.8 * k, 0, 0.4 - 0.08 * k), "sandstone", bevel=0.02)
         return made(b, "an arts centre under sails", (24, 34, 13), 0.7, style="sails")
-    picture = windowed("brick", "#8d5541", (24, 8), 6, 2, "grid", rng)
-    b.box((17, 24, 8.5), (-1.5, 0, 0), "brick", skins=dict.fromkeys(SIDES, picture))
+    image = windowed("brick", "#8d5541", (24, 8), 6, 2, "grid", rng)
+    b.box((17, 24, 8.5), (-1.5, 0, 0), "brick", skins=dict.fromkeys(SIDES, image))
     for k in range(4):
         y = -9 + 6 * k
         b.convex([(x, y + v, z) for x in (-10, 7) for v, z in ((-3, 8.5), (3, 8.5), (-3, 11.0))], "dark grey")
@@ -226,7 +226,7 @@ def aquarium(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.cylinder(12.5, 9.5, (-1.5, 0, 0.3), "light blue", segments=28)
         t = np.radians(np.linspace(-80, 80, 15))
         b.sheet(
-            np.array([[(-1.5 + 12.6 * np.cos(a), 12.6 * np.sin(a), z) for a in t] for z in (3.6, 9.2)]), picture=mural
+            np.array([[(-1.5 + 12.6 * np.cos(a), 12.6 * np.sin(a), z) for a in t] for z in (3.6, 9.2)]), image=mural
         )
         b.lathe([(14.0, 9.6), (14.2, 10.2), (7, 12.6), (6.5, 14.4), (0, 16)], (-1.5, 0, 0), "white", segments=28)
         b.box(
@@ -314,13 +314,13 @@ def castle(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("off white", "signal blue", (32, 40, 38)),
         ("sandstone", None, (30, 36, 20)),
     )[variant % 3]
-    picture = wall("ashlar", (20, 9), stone, rng, 128)
+    image = wall("ashlar", (20, 9), stone, rng, 128)
     hx, hy, low = d / 2 - 4, w / 2 - 4, 8.5
     for sx in (-1, 1):
-        b.box((2, 2 * hy, low), (sx * hx, 0, 0), stone, skins={"+x": picture, "-x": picture})
+        b.box((2, 2 * hy, low), (sx * hx, 0, 0), stone, skins={"+x": image, "-x": image})
         battlements(b, (sx * hx + sx * 0.5, -hy), (sx * hx + sx * 0.5, hy), low, stone, 14)
     for sy in (-1, 1):
-        b.box((2 * hx, 2, low), (0, sy * hy, 0), stone, skins={"+y": picture, "-y": picture})
+        b.box((2 * hx, 2, low), (0, sy * hy, 0), stone, skins={"+y": image, "-y": image})
         battlements(b, (-hx, sy * hy + sy * 0.5), (hx, sy * hy + sy * 0.5), low, stone, 10)
         for sx in (-1, 1):
             _tower(

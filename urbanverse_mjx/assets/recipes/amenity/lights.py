@@ -1,4 +1,4 @@
-"""Tall things along the kerb: street lights, lampposts, traffic lights, utility poles."""
+"""Tall objects along the kerb: street lights, lampposts, traffic lights, utility poles."""
 
 import numpy as np
 

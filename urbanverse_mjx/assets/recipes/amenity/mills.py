@@ -22,8 +22,8 @@ def windmill(variant: int, rng: np.random.Generator) -> BuiltAsset:
             with b.frame(turn_deg=(0, 0, 45 + 90 * k)):
                 b.beam((3.0, 0, 0), (0.3, 0, 3.2), 0.4, 0.4, "dark wood")
         b.cylinder(0.5, 4.0, color="dark wood", segments=10)
-        picture = windowed("boards", "grey wood", (5, 6), 1, 2, "grid", rng, 96)
-        b.box((5.0, 4.6, 6.0), (0, 0, 3.4), "grey wood", skins=dict.fromkeys(SIDES, picture))
+        image = windowed("boards", "grey wood", (5, 6), 1, 2, "grid", rng, 96)
+        b.box((5.0, 4.6, 6.0), (0, 0, 3.4), "grey wood", skins=dict.fromkeys(SIDES, image))
         b.convex(
             [(x, y, 9.4) for x in (-2.8, 2.8) for y in (-2.6, 2.6)] + [(x, 0, 11.6) for x in (-2.6, 2.6)], "dark grey"
         )
@@ -89,8 +89,8 @@ def watermill(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("boards", "#8b4a3a", "dark grey", (6.6, 10.5, 7.2)),
     )[variant % 3]
     d, w, h = 5.6, 5.8, 5.0
-    picture = windowed(kind, color, (w, h), 3, 2, "grid", rng, 144)
-    b.box((d, w, h), (0, -1.4, 0), color, skins=dict.fromkeys(SIDES, picture))
+    image = windowed(kind, color, (w, h), 3, 2, "grid", rng, 144)
+    b.box((d, w, h), (0, -1.4, 0), color, skins=dict.fromkeys(SIDES, image))
     b.box((d + 0.2, w + 0.2, 0.9), (0, -1.4, 0), "granite")
     b.box((0.1, 1.1, 2.1), (d / 2 + 0.06, -1.4, 0.2), "dark wood", skins={"+x": door("dark wood", "panel")})
     if variant % 3 == 1:

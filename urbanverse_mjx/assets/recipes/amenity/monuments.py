@@ -41,11 +41,11 @@ def obelisk(variant: int, rng: np.random.Generator) -> BuiltAsset:
         z += height * tall
     base = width * (0.6 if variant % 3 < 2 else 0.72)
     tall = height * 0.17
-    picture = inscription("IN\nMEMORY", stone, "charcoal" if variant % 3 < 2 else "dark wood", (48, 48))
+    image = inscription("IN\nMEMORY", stone, "charcoal" if variant % 3 < 2 else "dark wood", (48, 48))
     b.box((base, base, tall), (0, 0, z), stone, bevel=width * 0.01)
     for face in ("+x", "-x"):
         x = (base / 2 + 0.003) * (1 if face == "+x" else -1)
-        b.panel(picture, (x, 0, z + tall * 0.5), base * 0.72, tall * 0.72, face)
+        b.panel(image, (x, 0, z + tall * 0.5), base * 0.72, tall * 0.72, face)
     z += tall
     b.box((base * 1.14, base * 1.14, height * 0.018), (0, 0, z), stone, bevel=width * 0.01)
     z += height * 0.018
@@ -66,12 +66,12 @@ def _headstone(b: MeshBuilder, kind: str, at: tuple[float, float], words: str, s
     """A stone with its kerb and bed; the inscription looks along +x."""
     with b.frame((at[0], at[1], 0)):
         ink = "gold" if stone in ("charcoal", "black") else "charcoal"
-        picture = inscription(words, stone, ink, (48, 48))
+        image = inscription(words, stone, ink, (48, 48))
         if kind == "round":
             outline = [(-0.36, 0.1), (0.36, 0.1), *pairs(arc(0.36, 0, 180, 13, (0, 0.68)))]
             b.extrude(outline, 0.14, (-0.07, 0, 0), stone, turn_deg=(90, 0, 90))
             b.box((0.3, 0.86, 0.12), color=shade(stone, 0.85), bevel=0.015)
-            b.panel(picture, (0.073, 0, 0.62), 0.52, 0.5)
+            b.panel(image, (0.073, 0, 0.62), 0.52, 0.5)
         elif kind == "cross":
             b.box((0.3, 0.5, 0.2), color=shade(stone, 0.85), bevel=0.02)
             b.box((0.14, 0.16, 1.05), (0, 0, 0.2), stone, bevel=0.015)
@@ -80,7 +80,7 @@ def _headstone(b: MeshBuilder, kind: str, at: tuple[float, float], words: str, s
         else:
             b.box((0.34, 0.95, 0.12), color=shade(stone, 0.85), bevel=0.015)
             b.box((0.2, 0.8, 0.75), (0, 0, 0.12), stone, bevel=0.02, taper=(0.8, 0.94))
-            b.panel(picture, (0.1, 0, 0.5), 0.62, 0.55, tilt_deg=1.5)
+            b.panel(image, (0.1, 0, 0.5), 0.62, 0.55, tilt_deg=1.5)
 
 
 def _bed(b: MeshBuilder, x0: float, x1: float, y: float, width: float, rng: np.random.Generator) -> None:
@@ -197,8 +197,8 @@ def water_well(variant: int, rng: np.random.Generator) -> BuiltAsset:
         hollow(b, [(0.74, 0.76), (0.74, 0.86)], 0.3, shade(stone, 0.9), segments=24, floor=0.78)
         b.cylinder(0.46, 0.3, color="black", segments=20)
     else:
-        picture = wall("brick", (1.4, 0.8), "brick", rng, 96)
-        b.box((1.4, 1.4, 0.8), color="brick", skins=dict.fromkeys(("+x", "-x", "+y", "-y"), picture))
+        image = wall("brick", (1.4, 0.8), "brick", rng, 96)
+        b.box((1.4, 1.4, 0.8), color="brick", skins=dict.fromkeys(("+x", "-x", "+y", "-y"), image))
         b.box((1.5, 1.5, 0.1), (0, 0, 0.8), "sandstone", bevel=0.02)
         for k in range(5):
             b.box((0.9, 0.17, 0.04), (0, -0.36 + 0.18 * k, 0.9), "wood")

@@ -1,4 +1,4 @@
-"""Things on a pavement that tell: bulletin boards, information points, clocks; faces at +x."""
+"""Boards and clocks on a pavement: bulletin boards, information points, clocks; faces at +x."""
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -196,11 +196,11 @@ def clock_face(roman: bool, hour: float, back: Color = "white") -> Image.Image:
     return paint.shrunk(image, (80, 80))
 
 
-def _drum(b: MeshBuilder, z: float, radius: float, depth: float, color: Color, picture: Image.Image) -> None:
+def _drum(b: MeshBuilder, z: float, radius: float, depth: float, color: Color, image: Image.Image) -> None:
     """A round clock whose two dials look along +x and -x."""
     b.cylinder(radius, depth, (-depth / 2, 0, z), color, turn_deg=(0, 90, 0), segments=28)
     outline = [(0.88 * radius * float(np.cos(a)), 0.88 * radius * float(np.sin(a))) for a in np.arange(28) * np.pi / 14]
-    b.plate(outline, depth + 0.01, (0, 0, z), picture, color, both_faces=True)
+    b.plate(outline, depth + 0.01, (0, 0, z), image, color, both_faces=True)
     for x in (-depth / 2, depth / 2):
         b.ring(radius * 0.94, radius * 0.07, (x, 0, z), color, (0, 90, 0), segments=28, sides=6)
 

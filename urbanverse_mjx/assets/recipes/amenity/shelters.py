@@ -45,9 +45,9 @@ def glass_wall(
     (x0, y0), (x1, y1) = start, end
     length = float(np.hypot(x1 - x0, y1 - y0))
     yaw = float(np.degrees(np.arctan2(y1 - y0, x1 - x0))) - 90
-    picture = glazing(columns * 32, 64, columns, 1, frame)
+    image = glazing(columns * 32, 64, columns, 1, frame)
     with b.frame(((x0 + x1) / 2, (y0 + y1) / 2, z[0]), (0, 0, yaw)):
-        b.box((0.03, length, z[1] - z[0]), color=frame, skins={"+x": picture, "-x": picture})
+        b.box((0.03, length, z[1] - z[0]), color=frame, skins={"+x": image, "-x": image})
 
 
 @recipe("bus shelter", 3, SHELTER, hulls=10, name="shelters.bus_shelter")

@@ -49,7 +49,7 @@ def done(image: Image.Image) -> Image.Image:
 
 
 def disc(draw: ImageDraw.ImageDraw, size: int, share: float, color: Color) -> None:
-    """A filled circle in the middle of a square picture; `share` of its width."""
+    """A filled circle in the middle of a square image; `share` of its width."""
     edge = size * (1 - share) / 2
     draw.ellipse((edge, edge, size - edge, size - edge), fill=rgb(color))
 
@@ -200,16 +200,16 @@ def directional_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
             with b.frame((0, 0, 2.7 - 0.24 * k), (0, 0, yaw)):
                 # The arm points along its own +x; both of its faces carry the words.
                 b.box((0.85, 0.025, 0.2), (0.48, 0, -0.1), color)
-                picture = arrow_plate(words, color, ink)
-                b.panel(picture, (0.48, -0.014, 0), 0.85, 0.2, "-y")
+                drawn = arrow_plate(words, color, ink)
+                b.panel(drawn, (0.48, -0.014, 0), 0.85, 0.2, "-y")
                 b.panel(plain(words, color, ink), (0.48, 0.014, 0), 0.85, 0.2, "+y")
     elif style == "street names":
         b.cylinder(0.032, 3.0, color="dark green", segments=12)
         b.ball(0.045, (0, 0, 3.02), "dark green")
         for k, yaw in enumerate((0.0, 90.0)):
-            picture = plain(STREETS[int(rng.integers(len(STREETS)))], "green", "white")
+            drawn = plain(STREETS[int(rng.integers(len(STREETS)))], "green", "white")
             with b.frame((0, 0, 2.86 - 0.22 * k), (0, 0, yaw)):
-                b.box((0.012, 0.8, 0.19), (0, 0, -0.095), "green", skins={"+x": picture, "-x": picture})
+                b.box((0.012, 0.8, 0.19), (0, 0, -0.095), "green", skins={"+x": drawn, "-x": drawn})
     else:
         for y in (-0.75, 0.75):
             b.box((0.1, 0.1, 3.4), (-0.08, y, 0), "galvanised")

@@ -9,10 +9,10 @@ from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ..shared.facade_images import sign
 from ..shared.sizes import made
-from .cabinets import door_picture
+from .cabinets import door_image
 
 
-def screen_picture(title: str, back: Color, lines: int = 3, size: tuple[int, int] = (64, 48)) -> Image.Image:
+def screen_image(title: str, back: Color, lines: int = 3, size: tuple[int, int] = (64, 48)) -> Image.Image:
     """A lit touch screen with a heading and rows of buttons."""
     image, draw = paint.canvas(size, back)
     w, h = size
@@ -54,7 +54,7 @@ def parcel_locker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         if c == columns // 2:
             b.box((0.03, width - 0.02, top - z), (x, y, z), shade(body, 1.3))
             b.box((0.03, 0.34, 0.32), (x + 0.025, y, 1.12), "black", bevel=0.008)
-            b.panel(screen_picture("HELLO", "signal blue"), (x + 0.042, y, 1.28), 0.29, 0.24)
+            b.panel(screen_image("HELLO", "signal blue"), (x + 0.042, y, 1.28), 0.29, 0.24)
             keypad(b, (x + 0.02, y, 0.94), 0.15)
             b.box((0.02, 0.24, 0.03), (x + 0.02, y, 0.75), "black")
             continue
@@ -86,7 +86,7 @@ def atm(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for y in (-0.34, 0.34):
         b.profile([*side[:4], (0.3, 1.4), (0.3, 1.5), (-0.34, 1.5)], 0.03, (0, y, 0), shade(color, 0.75))
     b.panel(sign("CASH 24h" if variant % 3 else "ATM", band, "white", (96, 24)), (0.302, 0, 1.42), 0.64, 0.15)
-    b.panel(screen_picture("CASH", "signal blue", size=(72, 56)), (0.085, 0, 1.12), 0.34, 0.28, tilt_deg=12.0)
+    b.panel(screen_image("CASH", "signal blue", size=(72, 56)), (0.085, 0, 1.12), 0.34, 0.28, tilt_deg=12.0)
     with b.frame((0.24, -0.02, 0.9), (0, 67, 0)):
         keypad(b, (0, 0, 0), 0.15)
     for y, z, wide, ink in ((0.24, 1.13, 0.1, "light green"), (0.24, 1.0, 0.12, "black"), (-0.24, 1.08, 0.1, "black")):
@@ -108,7 +108,7 @@ def payment_kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.44, 0.56, 0.04), color="charcoal", bevel=0.01)
         b.profile([(-0.2, 0.03), (0.16, 0.03), (0.2, 1.0), (0.06, 1.62), (-0.2, 1.62)], 0.54, color="signal blue")
         b.box((0.46, 0.58, 0.05), (-0.02, 0, 1.6), "white", bevel=0.015)
-        b.panel(screen_picture("TICKETS", "teal", 3, (80, 64)), (0.138, 0, 1.3), 0.4, 0.3, tilt_deg=12.7)
+        b.panel(screen_image("TICKETS", "teal", 3, (80, 64)), (0.138, 0, 1.3), 0.4, 0.3, tilt_deg=12.7)
         keypad(b, (0.208, -0.12, 0.93), 0.13)
         b.box((0.05, 0.12, 0.14), (0.19, 0.14, 0.86), "black", bevel=0.012)
         b.box((0.02, 0.06, 0.015), (0.21, 0.14, 0.93), "light green")
@@ -120,7 +120,7 @@ def payment_kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.34, 0.44, 1.5), (0, 0, 0.05), "charcoal", bevel=0.02)
         b.convex([(x, y, z) for y in (-0.25, 0.25) for x, z in ((-0.2, 1.55), (0.26, 1.55), (0.2, 1.66), (-0.2, 1.72))])
         b.panel(sign("P", "signal blue", "white", (48, 48)), (0.173, 0, 1.34), 0.3, 0.3)
-        b.panel(screen_picture("PAY HERE", "green", 1, (64, 32)), (0.173, -0.04, 1.06), 0.26, 0.13)
+        b.panel(screen_image("PAY HERE", "green", 1, (64, 32)), (0.173, -0.04, 1.06), 0.26, 0.13)
         keypad(b, (0.175, 0.06, 0.86), 0.14)
         b.box((0.02, 0.07, 0.1), (0.172, -0.12, 0.82), "amber", bevel=0.005)
         b.box((0.03, 0.018, 0.05), (0.176, -0.12, 0.845), "black")
@@ -131,8 +131,8 @@ def payment_kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.34, 0.5, 0.03), color="black", bevel=0.01)
         b.box((0.08, 0.34, 0.9), (-0.06, 0, 0.02), "light grey", bevel=0.01)
         b.box((0.07, 0.46, 0.85), (-0.04, 0, 0.62), "white", turn_deg=(0, -6, 0), bevel=0.02)
-        picture = screen_picture("ORDER", "orange", 5, (64, 112))
-        b.panel(picture, (-0.047, 0, 1.06), 0.41, 0.74, tilt_deg=6.0)
+        image = screen_image("ORDER", "orange", 5, (64, 112))
+        b.panel(image, (-0.047, 0, 1.06), 0.41, 0.74, tilt_deg=6.0)
         b.box((0.12, 0.1, 0.14), (0.04, 0, 0.7), "black", turn_deg=(0, -20, 0), bevel=0.015)
         b.box((0.09, 0.14, 0.1), (0.02, 0.13, 0.52), "charcoal", bevel=0.01)
         size = (0.36, 0.5, 1.45)
@@ -152,7 +152,7 @@ def control_cabinets(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.cylinder(0.022, 0.03, (0.205, -0.24 + 0.1 * k, 1.5), color, turn_deg=(0, 90, 0), segments=12)
         for y in (0.14, 0.27):
             b.box((0.02, 0.1, 0.1), (0.207, y, 1.42), "black")
-            b.panel(gauge_picture(), (0.219, y, 1.47), 0.085, 0.085)
+            b.panel(gauge_image(), (0.219, y, 1.47), 0.085, 0.085)
         b.cylinder(0.06, 0.03, (0.205, -0.2, 1.2), "signal yellow", turn_deg=(0, 90, 0))
         b.box((0.05, 0.03, 0.12), (0.235, -0.2, 1.14), "signal red")
         b.box((0.03, 0.025, 0.2), (0.21, 0.31, 0.85), "black")
@@ -163,8 +163,8 @@ def control_cabinets(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for y, color in ((-0.38, "#8a9a8c"), (0.38, "#96a598")):
             b.box((0.45, 0.74, 0.08), (0, y, 0), "dark concrete")
             b.box((0.45, 0.75, 1.15), (0, y, 0.08), color, bevel=0.01)
-            b.panel(door_picture(64, 96, color, 2), (0.227, y, 0.66), 0.7, 1.08)
-            b.panel(bolt_picture(), (0.23, y - 0.19, 0.8), 0.16, 0.16)
+            b.panel(door_image(64, 96, color, 2), (0.227, y, 0.66), 0.7, 1.08)
+            b.panel(bolt_image(), (0.23, y - 0.19, 0.8), 0.16, 0.16)
             b.convex(
                 [(sx * 0.27, y + sy * 0.39, 1.23) for sx in (-1, 1) for sy in (-1, 1)]
                 + [(sx * 0.05, y + sy * 0.39, 1.31) for sx in (-1, 1) for sy in (-1, 1)],
@@ -180,18 +180,18 @@ def control_cabinets(variant: int, rng: np.random.Generator) -> BuiltAsset:
             color="#5b7286",
         )
         for y in (-0.38, 0.0, 0.38):
-            b.panel(gauge_picture(), (-0.02, y, 1.08), 0.2, 0.2, tilt_deg=20.0)
+            b.panel(gauge_image(), (-0.02, y, 1.08), 0.2, 0.2, tilt_deg=20.0)
         for row in range(3):
             for k in range(10):
                 x, z = 0.3 - 0.1 * row, 0.776 + 0.051 * row
                 ink = ("light red", "amber", "light green", "white")[int(rng.integers(4))]
                 b.box((0.04, 0.05, 0.02), (x, -0.5 + 0.11 * k, z), ink, turn_deg=(0, 27, 0))
-        b.panel(door_picture(96, 48, "#5b7286", 2), (0.252, 0, 0.35), 1.1, 0.58)
+        b.panel(door_image(96, 48, "#5b7286", 2), (0.252, 0, 0.35), 1.1, 0.58)
         size = (0.75, 1.25, 1.2)
     return made(b, f"a {style}", size, style=style)
 
 
-def gauge_picture() -> Image.Image:
+def gauge_image() -> Image.Image:
     """A round instrument with a scale and a needle."""
     image, draw = paint.canvas((192, 192), "charcoal")
     draw.ellipse((8, 8, 184, 184), fill=rgb("white"), outline=(20, 20, 20), width=6)
@@ -203,7 +203,7 @@ def gauge_picture() -> Image.Image:
     return paint.shrunk(image, (40, 40))
 
 
-def bolt_picture() -> Image.Image:
+def bolt_image() -> Image.Image:
     """The yellow triangle that warns of electricity."""
     image, draw = paint.canvas((160, 160), "light grey")
     draw.polygon([(80, 10), (152, 148), (8, 148)], fill=rgb("signal yellow"), outline=(0, 0, 0), width=8)
@@ -237,11 +237,11 @@ def storage_locker(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 for at in (h - 0.08 - 0.03 * k, 0.06 + 0.03 * k) if rows < 3 else (h - 0.08 - 0.03 * k,):
                     b.box((0.006, w * 0.45, 0.012), (depth / 2 + 0.012, y, z + at), shade(color, 0.5))
             b.box((0.02, 0.03, 0.07), (depth / 2 + 0.014, y + w * 0.36, z + h * 0.5), "black")
-            b.panel(number_picture(c * rows + r + 1), (depth / 2 + 0.014, y, z + h * 0.76), 0.07, 0.07)
+            b.panel(number_image(c * rows + r + 1), (depth / 2 + 0.014, y, z + h * 0.76), 0.07, 0.07)
     return made(b, f"a locker of {columns * rows} doors", size if variant % 3 != 2 else (0.7, *size[1:]))
 
 
-def number_picture(number: int) -> Image.Image:
+def number_image(number: int) -> Image.Image:
     """A small white plate with a number."""
     image, draw = paint.canvas((24, 24), "white")
     paint.text(draw, str(number), (3, 3, 21, 21), "black", bold=0.02)

@@ -92,8 +92,8 @@ def caution_sign(variant: int, rng: np.random.Generator) -> BuiltAsset:
         outline = [(x * side, z * side) for x, z in UPRIGHT]
         b.plate(outline, 0.006, (0, 0, height - tall / 2), triangle_face(symbol, ground=ground), "signal red")
         if plate:
-            picture = _caution_plate("CAUTION")
-            b.plate(rectangle(0.68, plate), 0.006, (0, 0, height - tall - 0.03 - plate / 2), picture)
+            image = _caution_plate("CAUTION")
+            b.plate(rectangle(0.68, plate), 0.006, (0, 0, height - tall - 0.03 - plate / 2), image)
         name = ("A warning triangle with CAUTION", "", "A warning triangle for pedestrians", "A speed bump warning")[
             variant
         ]

@@ -153,10 +153,10 @@ def jersey_barrier(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for y in (-length / 2 + 0.35, length / 2 - 0.35):
             b.box((0.64, 0.3, 0.09), (0, y, 0), shade(color, 0.7))
         if style == "striped concrete":
-            picture = paint.stripes((128, 24), ("signal yellow", "black"), 12, slant=0.8)
+            image = paint.stripes((128, 24), ("signal yellow", "black"), 12, slant=0.8)
             lean = float(np.degrees(np.arctan2(0.09, 0.48)))
-            b.panel(picture, (0.122 + 0.004, 0, 0.6), length * 0.98, 0.26, tilt_deg=lean)
-            b.panel(picture, (-0.122 - 0.004, 0, 0.6), length * 0.98, 0.26, facing="-x", tilt_deg=lean)
+            b.panel(image, (0.122 + 0.004, 0, 0.6), length * 0.98, 0.26, tilt_deg=lean)
+            b.panel(image, (-0.122 - 0.004, 0, 0.6), length * 0.98, 0.26, facing="-x", tilt_deg=lean)
         return b.build(f"a {style} jersey barrier {length:.1f} m long", {"style": style})
     n = 4
     for k in range(n):

@@ -67,7 +67,7 @@ def _masonry(b: MeshBuilder, variant: int, rng: np.random.Generator, width: floa
     """A wall of brick, concrete or plaster with its cap."""
     style, color = (("brick", "brick"), ("", "concrete"), ("", ""), ("", "cream"))[variant]
     if style == "brick":
-        face = np.asarray(brick_picture((192, 104), color))
+        face = np.asarray(brick_image((192, 104), color))
     else:
         face = np.asarray(paint.speckled((128, 64), color, rng, 7))
     b.box((depth - 0.04, width - 0.06, height - 0.08), (0, 0, 0), color, skins={"+x": face, "-x": face})
@@ -88,7 +88,7 @@ def _masonry(b: MeshBuilder, variant: int, rng: np.random.Generator, width: floa
             b.cylinder(0.03, depth - 0.015, (-(depth - 0.015) / 2, y, z), "dark grey", (0, 90, 0), segments=6)
 
 
-def brick_picture(size: tuple[int, int], color: Color) -> np.ndarray:
+def brick_image(size: tuple[int, int], color: Color) -> np.ndarray:
     """Bricks in running bond, 16 to a row."""
     rng = np.random.default_rng(7)
     image, pen = paint.canvas((size[0] * 2, size[1] * 2), "#b9ada0")

@@ -6,7 +6,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, mix, rgb, shade
 from ...meshes.recipe import recipe
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .civic_halls import wing
@@ -41,7 +41,7 @@ def bulbs(words: str, back: Color, ink: Color, size: tuple[int, int]) -> np.ndar
 
 
 def hoarding(b: MeshBuilder, at: Point3, size: tuple[float, float], face: np.ndarray, color: Color) -> None:
-    """A thick board facing +x with a picture, its lower middle at `at`."""
+    """A thick board facing +x with an image, its lower middle at `at`."""
     b.box((0.3, *size), at, color, skins={"+x": face})
 
 
@@ -54,11 +54,11 @@ def cinema(variant: int, rng: np.random.Generator) -> BuiltAsset:
     accent: Color = ("dark red", "gold", "signal blue")[variant]
     high = 0.76 * z
     kind = ("plaster", "brick", "panel")[variant]
-    face = pictures.wall(kind, (y, high), wall, rng, 120)
+    face = images.wall(kind, (y, high), wall, rng, 120)
     m.block(b, (0.86 * x, y, high), (-0.07 * x, 0, 0), face, "dark concrete")
     m.cornice(b, (0.86 * x, y, high), (-0.07 * x, 0, 0), shade(wall, 1.1), 0.02 * y)
     front = 0.36 * x
-    for k in range(5 if variant != 2 else 0):  # the stepped crest of a picture palace
+    for k in range(5 if variant != 2 else 0):  # the stepped crest of an image palace
         w = (0.5 - 0.09 * k) * y
         b.box((0.06 * x, w, 0.06 * z), (front, 0, high - 0.1 * z + 0.055 * z * k), mix(accent, wall, 0.15 * k))
     tall = 0.16 * z
@@ -158,7 +158,7 @@ def department_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
         (0.72, 0.7),
     )
     b.box((0.94 * x, 0.98 * y, low), (-0.02 * x, 0, 0), accent)
-    show = [pictures.shop_window(goods, accent, rng, (88, 40)) for goods in ("clothes", "bottles")]
+    show = [images.shop_window(goods, accent, rng, (88, 40)) for goods in ("clothes", "bottles")]
     front, count = 0.45 * x, 8
     for k in range(count):
         y0 = (k - (count - 1) / 2) * 0.96 * y / count
@@ -175,11 +175,11 @@ def department_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b,
         (front + 0.01 * x, 0, 0.68 * z),
         (0.56 * y, 0.18 * z),
-        np.asarray(pictures.sign(name, accent, "gold", (200, 34))),
+        np.asarray(images.sign(name, accent, "gold", (200, 34))),
         accent,
     )
     for s in (-1, 1):
-        banner = np.asarray(pictures.sign("SALE", "signal red", "white", (24, 56)))
+        banner = np.asarray(images.sign("SALE", "signal red", "white", (24, 56)))
         b.panel(banner, (front + 0.03, s * 0.36 * y, 0.5 * z), 0.05 * y, 0.4 * z)
     r = 0.07 * y
     b.cylinder(r, 0.12 * z, (0.3 * x, -0.38 * y, high), wall[1], segments=12)
@@ -214,7 +214,7 @@ def shopping_mall(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b,
         (0.49 * x, 0, 0.48 * z),
         (0.17 * y, 0.2 * z),
-        np.asarray(pictures.sign(name, ("signal red", "dark blue")[variant], "white", (140, 40))),
+        np.asarray(images.sign(name, ("signal red", "dark blue")[variant], "white", (140, 40))),
         "black",
     )
     m.gate(b, (0.482 * x, 0, 0), 0.1 * y, 0.24 * z, "aluminium")
@@ -226,7 +226,7 @@ def shopping_mall(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("FOOD COURT", "orange", "white"),
         ("BOOKS", "dark green", "white"),
     )
-    show = pictures.shop_window("clothes", "charcoal", rng, (90, 30))
+    show = images.shop_window("clothes", "charcoal", rng, (90, 30))
     for k, (words, back, ink) in enumerate(shops):
         side, j = (1, -1)[k % 2], k // 2
         y0 = side * (0.16 + 0.13 * j) * y
@@ -275,7 +275,7 @@ def car_store(variant: int, rng: np.random.Generator) -> BuiltAsset:
     glass = np.asarray(paint.shrunk(image, (200, 48)))
     b.box((0.6 * x, y, high), (-0.18 * x, 0, 0), "light grey", skins={"+x": glass, "+y": glass, "-y": glass})
     b.box((0.72 * x, 1.04 * y, 0.12 * z), (-0.14 * x, 0, high), accent)
-    lettering = np.asarray(pictures.sign(("AUTOHAUS", "CAR CENTER", "MOTORS")[variant], accent, "white", (200, 22)))
+    lettering = np.asarray(images.sign(("AUTOHAUS", "CAR CENTER", "MOTORS")[variant], accent, "white", (200, 22)))
     b.panel(lettering, (0.225 * x, 0, high + 0.06 * z), 0.8 * y, 0.11 * z)
     m.gate(b, (0.125 * x, 0, 0), 0.09 * y, 0.4 * z, "charcoal")
     k = 0.26 * x / 4.4
@@ -307,7 +307,7 @@ def auto_repair_shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
     wall: m.Wall = (("panel", "#c4cacc"), ("brick", "#8f5a48"), ("plaster", "#e3dcc8"))[variant]
     accent: Color = ("signal blue", "signal red", "signal yellow")[variant]
     high = 0.86 * z
-    face = pictures.wall(wall[0], (y, high), wall[1], rng, 140)
+    face = images.wall(wall[0], (y, high), wall[1], rng, 140)
     m.block(b, (0.82 * x, y, high), (-0.08 * x, 0, 0), face, "dark concrete")
     b.box((0.84 * x, 1.01 * y, 0.06 * z), (-0.08 * x, 0, high), accent)
     front, bays = 0.33 * x, (3, 2, 4)[variant]
@@ -333,7 +333,7 @@ def auto_repair_shop(variant: int, rng: np.random.Generator) -> BuiltAsset:
     office = 0.37 * y
     m.gate(b, (front + 0.02, office + 0.06 * y, 0), 0.06 * y, 0.5 * z, "charcoal")
     b.panel(
-        pictures.window("single", "white", rng, (48, 36)),
+        images.window("single", "white", rng, (48, 36)),
         (front + 0.03, office - 0.05 * y, 0.32 * z),
         0.12 * y,
         0.3 * z,

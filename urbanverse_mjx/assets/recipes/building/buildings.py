@@ -5,8 +5,8 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import shade
 from ...meshes.recipe import recipe
-from ..nature.foliage import leaf_picture, leafy, potted_bush
-from ..shared import facade_images as pictures
+from ..nature.foliage import leaf_image, leafy, potted_bush
+from ..shared import facade_images as images
 from .facade import BUILDING, Facade, bays_over, finish_block, stoop
 
 
@@ -21,7 +21,7 @@ def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     storey, depth = 3.0, 7.5
     height = 0.9 + floors * storey + 0.3
     f = Facade(MeshBuilder(roughness=0.88), width, depth, height, trim)
-    panes = [pictures.window(style, "white" if variant != 1 else "off white", rng) for _ in range(3)]
+    panes = [images.window(style, "white" if variant != 1 else "off white", rng) for _ in range(3)]
     bays = bays_over(4 if width < 13 else 5, width - 0.8)
     entrance = bays[1] if variant % 2 else bays[2]
     for level in range(floors):
@@ -34,7 +34,7 @@ def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 variant in (0, 2) and level > 0 and (y in (bays[0], bays[-1]) if variant == 0 else y in bays[1:-1:2])
             )
             if balcony:
-                f.opening(y, z + 0.05, 1.3, 2.2, pictures.window("casement", "white", rng), sill=False)
+                f.opening(y, z + 0.05, 1.3, 2.2, images.window("casement", "white", rng), sill=False)
                 f.balcony(y, z, 2.1, 0.85, "black" if variant == 0 else "dark grey")
             else:
                 f.opening(y, z + 0.75, 1.2, 1.6, pane, lintel=trim if variant == 1 else None)
@@ -44,13 +44,13 @@ def apartment_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
         threshold,
         1.15,
         2.35,
-        pictures.door("#5d3a24" if variant != 2 else "charcoal", "panel"),
+        images.door("#5d3a24" if variant != 2 else "charcoal", "panel"),
         0.3,
         sill=False,
     )
     f.builder.box((0.9, 1.9, 0.12), (f.front + 0.45, entrance, threshold + 2.5), trim)
     f.course(0.62, 0.14, 0.06, shade(trim, 0.85))
-    f.walls(pictures.wall(kind, (width, height), color, rng), shade(color, 0.72), 0.65)
+    f.walls(images.wall(kind, (width, height), color, rng), shade(color, 0.72), 0.65)
     if variant == 3:
         f.cornice(height - 0.36)
         f.mansard(2.2, "#4d5560", bays_over(3, width - 1), panes[0])
@@ -78,7 +78,7 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant]
     height, depth = (5.4, 5.3, 5.8, 5.2)[variant], 7.0
     f = Facade(MeshBuilder(roughness=0.88), width, depth, height, trim)
-    panes = [pictures.window(("grid", "sash", "sash", "casement")[variant], trim, rng) for _ in range(2)]
+    panes = [images.window(("grid", "sash", "sash", "casement")[variant], trim, rng) for _ in range(2)]
     bays = bays_over(3, width - 0.6)
     door_bay = (1, 0, 2, 1)[variant]
     for level in range(2):
@@ -108,7 +108,7 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
         threshold,
         1.0,
         2.15,
-        pictures.door(("dark green", "red", "dark blue", "dark wood")[variant]),
+        images.door(("dark green", "red", "dark blue", "dark wood")[variant]),
         0.15,
         sill=False,
     )
@@ -120,14 +120,14 @@ def house(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         with f.builder.frame((f.front + 0.45, y, threshold + 2.35)):
             f.builder.profile([(-0.5, 0), (0.5, 0), (-0.5, 0.45)], 1.7, color=roof)
-    f.walls(pictures.wall(kind, (width, height), color, rng), shade(color, 0.7), 0.35)
+    f.walls(images.wall(kind, (width, height), color, rng), shade(color, 0.7), 0.35)
     f.gable_roof((2.2, 3.0, 2.0, 2.6)[variant], roof, along=along, wall=color)
     if not along:
         pane = panes[0]
         f.builder.panel(pane, (f.front + 0.02, 0, height + 0.85), 0.95, 1.1)
         f.builder.box((0.1, 1.15, 0.07), (f.front + 0.04, 0, height + 0.24), trim)
     f.chimney(-1.2, width / 4, height + (2.6 if along else 2.4))
-    leaves = leaf_picture("leaf", rng)
+    leaves = leaf_image("leaf", rng)
     for side in (-1, 1):
         leafy(f.builder, (f.front + 0.45, side * (width / 2 - 0.7), 0.35), (0.42, 0.6, 0.45), leaves, rng, 8, 5)
     names = (
@@ -149,7 +149,7 @@ def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     storey, depth = 3.1, 8.0
     height = 4.2 + (floors - 1) * storey - 0.3
     f = Facade(MeshBuilder(roughness=0.5), width, depth, height, trim)
-    glass = [pictures.window("office", trim, rng, (48, 40), lit=k == 2) for k in range(4)]
+    glass = [images.window("office", trim, rng, (48, 40), lit=k == 2) for k in range(4)]
     bays = bays_over((7, 5, 6)[variant], width - 0.5)
     step = bays[1] - bays[0]
     for level in range(1, floors):
@@ -173,14 +173,14 @@ def office_building(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k, y in enumerate(bays):
         middle = k == len(bays) // 2
         if middle:
-            f.opening(y, 0.03, min(step * 0.95, 2.2), 2.6, pictures.door(trim, "double", (48, 56)), 0.6, sill=False)
+            f.opening(y, 0.03, min(step * 0.95, 2.2), 2.6, images.door(trim, "double", (48, 56)), 0.6, sill=False)
         else:
             f.opening(y, 0.35, step * 0.88, 2.5, glass[3], 0.12, sill=False)
     name = ("NORTHBANK HOUSE", "DATAWORKS", "OFFICE CENTRE 12")[variant]
     y = bays[len(bays) // 2]
     f.builder.box((1.5, 4.4, 0.2), (f.front + 0.75, y, 2.85), "charcoal")
-    f.fascia(y, 3.08, 4.4, 0.5, pictures.sign(name, "charcoal", "white", (176, 20)), "charcoal")
-    f.walls(pictures.wall(wall, (width, height), color, rng), shade(color, 0.6), 3.1)
+    f.fascia(y, 3.08, 4.4, 0.5, images.sign(name, "charcoal", "white", (176, 20)), "charcoal")
+    f.walls(images.wall(wall, (width, height), color, rng), shade(color, 0.6), 3.1)
     f.flat_roof(0.8 if variant == 1 else 0.5)
     for k, y in enumerate((-width / 4, 0.3, width / 4)):
         f.builder.box((1.6, 1.8, 1.0 + 0.2 * k), (-1.5, y, height), "galvanised", bevel=0.05)
@@ -201,23 +201,21 @@ def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     f = Facade(MeshBuilder(roughness=0.85), width, depth, height, "light grey")
     paint = ("white", "dark green", "signal blue")[variant]
     for k, y in enumerate(bays_over(doors, width - (0.6 if doors > 1 else 1.8))):
-        image, pen = pictures.paint.canvas((192, 160), paint)
+        image, pen = images.paint.canvas((192, 160), paint)
         for row in range(8):
             pen.rectangle((0, 20 * row, 192, 20 * row + 3), fill=shade(paint, 0.72))
         if variant != 2:
             for x in range(4):
-                pen.rectangle((12 + 46 * x, 26, 42 + 46 * x, 38), fill=pictures.rgb("dark glass"))
-        pen.rectangle((86, 134, 106, 140), fill=pictures.rgb("black"))
-        f.opening(
-            y - (0.7 if doors == 1 else 0), 0.02, 2.6, 2.3, pictures.paint.shrunk(image, (72, 60)), 0.2, sill=False
-        )
+                pen.rectangle((12 + 46 * x, 26, 42 + 46 * x, 38), fill=images.rgb("dark glass"))
+        pen.rectangle((86, 134, 106, 140), fill=images.rgb("black"))
+        f.opening(y - (0.7 if doors == 1 else 0), 0.02, 2.6, 2.3, images.paint.shrunk(image, (72, 60)), 0.2, sill=False)
         if doors > 1:
-            number = pictures.sign(str(k + 1), "white", "black", (16, 16))
+            number = images.sign(str(k + 1), "white", "black", (16, 16))
             f.builder.panel(number, (f.front + 0.02, y, 2.62), 0.3, 0.3)
     if doors == 1:
-        f.opening(2.1, 0.02, 0.9, 2.05, pictures.door("grey", "panel", (24, 52)), 0.12, sill=False)
+        f.opening(2.1, 0.02, 0.9, 2.05, images.door("grey", "panel", (24, 52)), 0.12, sill=False)
     f.builder.box((0.62, width - 0.02, 0.03), (f.front + 0.3, 0, 0), "dark concrete")
-    f.walls(pictures.wall(kind, (width, height), color, rng))
+    f.walls(images.wall(kind, (width, height), color, rng))
     if variant == 0:
         f.gable_roof(1.5, "#6b4038", along=False, wall=color)
     else:
@@ -229,7 +227,7 @@ def garage(variant: int, rng: np.random.Generator) -> BuiltAsset:
             height - 0.1,
             5.0,
             0.6,
-            pictures.sign("GARAGE & PARKING", "signal blue", "white", (176, 22)),
+            images.sign("GARAGE & PARKING", "signal blue", "white", (176, 22)),
             "signal blue",
         )
     names = ("A garage with one door and a gable", "A double brick garage", "A row of three garages")

@@ -5,7 +5,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
@@ -220,7 +220,7 @@ def town_hall(variant: int, rng: np.random.Generator) -> BuiltAsset:
         t, at, base = 0.1 * y, (0.0, 0.0), high + 0.16 * z
     else:
         t, at, base = 0.15 * y, (front - 0.02 * x, 0.0), 0.0
-    tower = pictures.wall(wall[0], (t, 0.8 * z - base), wall[1], rng, 48)
+    tower = images.wall(wall[0], (t, 0.8 * z - base), wall[1], rng, 48)
     m.block(b, (t, t, 0.8 * z - base), (*at, base), tower, wall[1])
     for turn in (0, 90, 180, 270):
         with b.frame((*at, 0), (0, 0, turn)):

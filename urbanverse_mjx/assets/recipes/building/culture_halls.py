@@ -5,7 +5,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import Size, fitted_as, size_of
 from . import masonry as m
 from .civic_halls import portico, wing
@@ -26,7 +26,7 @@ def library(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         portico(b, 0.28 * x, 0.36 * y, 0.82 * z, 6, stone, "PUBLIC LIBRARY", 0.15 * z)
     else:
-        shelves = pictures.shop_window("books", "charcoal", rng, (120, 64))
+        shelves = images.shop_window("books", "charcoal", rng, (120, 64))
         body: Color = ("#3f474d", "#c9b795")[variant - 1]
         b.box((0.84 * x, y, 0.9 * z), (-0.06 * x, 0, 0), body)
         for level in range(2):
@@ -60,13 +60,13 @@ def library(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 def _mask(b: MeshBuilder, at: Point3, size: float, happy: bool) -> None:
-    image, pen = pictures.paint.canvas((128, 128), "black")
-    pen.ellipse((16, 8, 112, 120), fill=pictures.rgb("gold" if happy else "white"))
+    image, pen = images.paint.canvas((128, 128), "black")
+    pen.ellipse((16, 8, 112, 120), fill=images.rgb("gold" if happy else "white"))
     for ex in (44, 84):
-        pen.ellipse((ex - 12, 38, ex + 12, 56), fill=pictures.rgb("black"))
+        pen.ellipse((ex - 12, 38, ex + 12, 56), fill=images.rgb("black"))
     box = (38, 52, 90, 100) if happy else (38, 76, 90, 124)
-    pen.chord(box, *((0, 180) if happy else (180, 360)), fill=pictures.rgb("black"))
-    b.panel(pictures.paint.shrunk(image, (40, 40)), at, size, size)
+    pen.chord(box, *((0, 180) if happy else (180, 360)), fill=images.rgb("black"))
+    b.panel(images.paint.shrunk(image, (40, 40)), at, size, size)
 
 
 @recipe("theater", 3, hulls=8, name="culture_halls.theater")

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ...meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ...meshes.mesh_builder import BuiltAsset, ImageLike, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics
 from ...meshes.shapes import Shape
@@ -40,7 +40,7 @@ class Facade:
     def __init__(self, builder: MeshBuilder, width: float, depth: float, height: float, trim: Color) -> None:
         self.builder, self.width, self.depth, self.height, self.trim = builder, width, depth, height, trim
         self.front = depth / 2
-        self._openings: list[tuple[shapely.Polygon, float, Picture]] = []
+        self._openings: list[tuple[shapely.Polygon, float, ImageLike]] = []
 
     def opening(
         self,
@@ -48,32 +48,32 @@ class Facade:
         z: float,
         width: float,
         height: float,
-        picture: Picture,
+        image: ImageLike,
         recess: float = 0.14,
         sill: bool = True,
         lintel: Color | None = None,
     ) -> None:
-        """A hole whose lower middle is at (y, z), with reveals and a picture at its back (cut by `walls`)."""
+        """A hole whose lower middle is at (y, z), with reveals and an image at its back (cut by `walls`)."""
         z1, x = z + height, self.front
-        self._openings.append((shapely.box(y - width / 2, z, y + width / 2, z1), recess, picture))
+        self._openings.append((shapely.box(y - width / 2, z, y + width / 2, z1), recess, image))
         if sill:
             self.builder.box((recess + 0.10, width + 0.16, 0.07), (x - recess / 2 + 0.05, y, z - 0.07), self.trim)
         if lintel is not None:
             self.builder.box((0.05, width + 0.24, 0.16), (x + 0.02, y, z1 + 0.02), lintel)
 
-    def walls(self, picture: Picture, ground: Color | None = None, ground_height: float = 0.0) -> None:
+    def walls(self, image: ImageLike, ground: Color | None = None, ground_height: float = 0.0) -> None:
         """Front with its holes, sides, back, floor and ceiling: one closed skin, so that its hull is plainly the block.
 
         Below `ground_height` the front is plain. Every seam has the same corners on both its sides.
         """
         with self.builder.solid():
-            self._skin(picture, ground, ground_height)
+            self._skin(image, ground, ground_height)
 
-    def _skin(self, picture: Picture, ground: Color | None, ground_height: float) -> None:
+    def _skin(self, image: ImageLike, ground: Color | None, ground_height: float) -> None:
         width, height, depth = self.width, self.height, self.depth
         holes = shapely.union_all([hole for hole, _, _ in self._openings])
         upper = shapely.box(-width / 2, ground_height, width / 2, height).difference(holes)
-        self._front(upper, picture=picture)
+        self._front(upper, image=image)
         if ground_height > 0:
             self._front(shapely.box(-width / 2, 0, width / 2, ground_height).difference(holes), color=ground)
         for hole, recess, pane in self._openings:
@@ -87,13 +87,13 @@ class Facade:
             vertices = np.array([(x, sign * width / 2, z) for x, z in corners])
             uv = np.array([((self.front - sign * x) / depth * u, z / height) for x, z in corners])
             fan = np.array([(1, k, k + 1) for k in range(2, len(corners) - 1)] + [(1, len(corners) - 1, 0)])
-            self.builder.add(Shape(vertices, fan if sign > 0 else fan[:, ::-1], uv), picture=picture)
-        self.builder.panel(picture, (-self.front, 0, height / 2), width, height, "-x")
+            self.builder.add(Shape(vertices, fan if sign > 0 else fan[:, ::-1], uv), image=image)
+        self.builder.panel(image, (-self.front, 0, height / 2), width, height, "-x")
         ring = np.array([(1, -1), (1, 1), (-1, 1), (-1, -1)]) * [depth / 2, width / 2]
         self.builder.quad(np.column_stack([ring, np.full(4, height)]), "dark concrete")
         self.builder.quad(np.column_stack([ring, np.zeros(4)])[::-1], "dark concrete")
 
-    def _recess(self, bounds: tuple[float, ...], recess: float, picture: Picture, ground_height: float) -> None:
+    def _recess(self, bounds: tuple[float, ...], recess: float, image: ImageLike, ground_height: float) -> None:
         """Reveals and pane of one opening; its sides have a corner where the plain part of the front ends."""
         y0, z0, y1, z1 = bounds
         x, back = self.front, self.front - recess
@@ -106,9 +106,9 @@ class Facade:
             np.array([(back, y, z) for y, z in rim]), np.array([(0, k, k + 1) for k in range(1, len(rim) - 1)])
         )
         uv = np.array([((y - y0) / (y1 - y0), (z - z0) / (z1 - z0)) for y, z in rim])
-        self.builder.add(dataclasses.replace(shape, uv=uv), picture=picture)
+        self.builder.add(dataclasses.replace(shape, uv=uv), image=image)
 
-    def _front(self, area: shapely.Geometry, color: Color | None = None, picture: Picture | None = None) -> None:
+    def _front(self, area: shapely.Geometry, color: Color | None = None, image: ImageLike | None = None) -> None:
         triangles = [t for part in shapely.get_parts(area) for t in shapely.constrained_delaunay_triangles(part).geoms]
         flat = np.array([shapely.geometry.polygon.orient(t).exterior.coords[:3] for t in triangles])[..., :2].reshape(
             -1, 2
@@ -117,7 +117,7 @@ class Facade:
         points = flat[first]
         vertices = np.column_stack([np.full(len(points), self.front), points])
         uv = np.clip(np.column_stack([points[:, 0] / self.width + 0.5, points[:, 1] / self.height]), 0.0, 1.0)
-        self.builder.add(Shape(vertices, inverse.reshape(-1, 3), uv), color, picture=picture)
+        self.builder.add(Shape(vertices, inverse.reshape(-1, 3), uv), color, image=image)
 
     # What stands out ------------------------------------------------------------------------------------------------
 
@@ -135,28 +135,28 @@ class Facade:
     def pilaster(self, y: float, z0: float, z1: float, width: float = 0.35, color: Color | None = None) -> None:
         self.builder.box((0.10, width, z1 - z0), (self.front + 0.05, y, z0), color or self.trim)
 
-    def fascia(self, y: float, z: float, width: float, height: float, picture: Picture, color: Color) -> None:
+    def fascia(self, y: float, z: float, width: float, height: float, image: ImageLike, color: Color) -> None:
         """A sign board along the front."""
-        self.builder.box((0.12, width, height), (self.front + 0.06, y, z), color, skins={"+x": picture})
+        self.builder.box((0.12, width, height), (self.front + 0.06, y, z), color, skins={"+x": image})
 
-    def awning(self, y: float, z: float, width: float, reach: float, picture: Picture, drop: float = 0.55) -> None:
+    def awning(self, y: float, z: float, width: float, reach: float, image: ImageLike, drop: float = 0.55) -> None:
         """A sloping cloth from height z with a valance, both sides to be seen, cheeks open."""
         x0, x1 = self.front + 0.02, self.front + reach
         low = z - drop
         half = width / 2
         cloth = np.array([[(x1, y - half, low), (x1, y + half, low)], [(x0, y - half, z), (x0, y + half, z)]])
-        self.builder.sheet(cloth, picture=picture, both_sides=True)
+        self.builder.sheet(cloth, image=image, both_sides=True)
         hang = np.array(
             [[(x1, y - half, low - 0.22), (x1, y + half, low - 0.22)], [(x1, y - half, low), (x1, y + half, low)]]
         )
-        self.builder.sheet(hang, picture=picture, both_sides=True)
+        self.builder.sheet(hang, image=image, both_sides=True)
         for side in (-half, half):
             self.builder.rod((x0, y + side * 0.98, low), (x1, y + side * 0.98, low), 0.015, "dark grey", sides=4)
 
-    def blade_sign(self, y: float, z: float, picture: Picture, size: float = 0.7, color: Color = "black") -> None:
+    def blade_sign(self, y: float, z: float, image: ImageLike, size: float = 0.7, color: Color = "black") -> None:
         """A square sign that stands out from the wall, readable from both ends of the street."""
         x = self.front + 0.12 + size / 2
-        self.builder.box((size, 0.08, size), (x, y, z), color, skins={"+y": picture, "-y": picture})
+        self.builder.box((size, 0.08, size), (x, y, z), color, skins={"+y": image, "-y": image})
         self.builder.rod((self.front, y, z + size * 0.8), (x, y, z + size * 0.8), 0.02, "black", sides=5)
 
     def balcony(
@@ -219,7 +219,7 @@ class Facade:
                 self.builder.profile(triangle, 0.1, (0, sign * (run - 0.05), 0), wall or self.trim)
 
     def mansard(
-        self, rise: float, color: Color, dormers: Sequence[float], picture: Picture, inset: float = 0.8
+        self, rise: float, color: Color, dormers: Sequence[float], image: ImageLike, inset: float = 0.8
     ) -> None:
         """A steep roof with dormers (y of their middles) and a flat top."""
         w, d, h = self.width, self.depth, self.height
@@ -228,7 +228,7 @@ class Facade:
         )
         for y in dormers:
             x = d / 2 - 0.12
-            self.builder.box((inset, 1.15, rise * 0.72), (x - inset / 2, y, h + 0.1), self.trim, skins={"+x": picture})
+            self.builder.box((inset, 1.15, rise * 0.72), (x - inset / 2, y, h + 0.1), self.trim, skins={"+x": image})
             self.builder.box(
                 (inset + 0.15, 1.35, 0.10), (x - inset / 2 + 0.05, y, h + 0.1 + rise * 0.72), shade(color, 0.8)
             )

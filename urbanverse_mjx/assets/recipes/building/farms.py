@@ -7,7 +7,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ..nature.foliage import leafy, small_leaves
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
@@ -66,8 +66,8 @@ def barn(variant: int, rng: np.random.Generator) -> BuiltAsset:
         gambrel(b, x, 0.92 * y, 0.42 * z, 0.9 * z, color, "#5a5c60")
     else:
         low = 0.52 * z
-        boards = pictures.wall("boards", (x, low), color, rng, 100)
-        end = pictures.wall("boards", (y, low), color, rng, 64)
+        boards = images.wall("boards", (x, low), color, rng, 100)
+        end = images.wall("boards", (y, low), color, rng, 64)
         m.hall(
             b, (0.95 * x, 0.9 * y, low), (0, 0, 0), 0.46 * z, boards, end, ("", "#7a4034", "#6e4a3a")[variant], color
         )
@@ -126,7 +126,7 @@ def cowshed(variant: int, rng: np.random.Generator) -> BuiltAsset:
     flank = m.painted_front(
         (x, low), (max(4, round(x / 2.6)), 1), (kind, wall), ("grid", "white"), rng, 160, (0.55, 0.34)
     )
-    end = pictures.wall(kind, (y, low), wall, rng, 64)
+    end = images.wall(kind, (y, low), wall, rng, 64)
     m.hall(
         b,
         (0.94 * x, 0.8 * y, low),
@@ -187,9 +187,7 @@ def greenhouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(8):
             rim = [(0.49 * y * np.cos(t), 0.08 * z + 0.92 * z * np.sin(t)) for t in (a[k], a[k + 1])]
             (y0, z0), (y1, z1) = rim
-            b.quad(
-                [(-0.48 * x, y0, z0), (0.48 * x, y0, z0), (0.48 * x, y1, z1), (-0.48 * x, y1, z1)][::-1], picture=side
-            )
+            b.quad([(-0.48 * x, y0, z0), (0.48 * x, y0, z0), (0.48 * x, y1, z1), (-0.48 * x, y1, z1)][::-1], image=side)
         for px in np.linspace(-0.48, 0.48, 6) * x:
             b.tube([(px, 0.49 * y * np.cos(t), 0.08 * z + 0.92 * z * np.sin(t)) for t in a], 0.03, frame, 5)
         for s in (-1, 1):
@@ -211,7 +209,7 @@ def greenhouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 (s * 0.49 * x, 0, z * 0.98),
                 (-s * 0.49 * x, 0, z * 0.98),
             ]
-            b.quad(corners, picture=side, both_sides=True)
+            b.quad(corners, image=side, both_sides=True)
             with b.frame((s * 0.475 * x, 0, low), (0, 0, 90)):
                 b.profile([(-0.94 * w, 0), (0.94 * w, 0), (0, 0.95 * (z - low))], 0.05, color="#b9d8d2")
         b.rod((-0.49 * x, 0, 0.98 * z), (0.49 * x, 0, 0.98 * z), 0.02 * z, frame, 6)

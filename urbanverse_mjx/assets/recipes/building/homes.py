@@ -6,7 +6,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..nature.foliage import leafy, small_leaves
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .facade import Facade, bays_over
@@ -24,7 +24,7 @@ def bungalow(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant]
     wall = 0.56 * z
     f = Facade(MeshBuilder(roughness=0.88), 0.9 * y, 0.78 * x, wall, "white")
-    panes = [pictures.window(style, "white", rng, (52, 44)) for _ in range(2)]
+    panes = [images.window(style, "white", rng, (52, 44)) for _ in range(2)]
     bays = bays_over(4, f.width - 1.0)
     door = (1, 2, 0)[variant]
     for k, by in enumerate(bays):
@@ -34,13 +34,13 @@ def bungalow(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 0.2,
                 1.1,
                 min(2.1, 0.74 * wall),
-                pictures.door(("dark green", "signal red", "dark wood")[variant]),
+                images.door(("dark green", "signal red", "dark wood")[variant]),
                 0.2,
                 sill=False,
             )
         else:
             f.opening(by, 0.36 * wall, 0.55 * f.width / 4, 0.44 * wall, panes[k % 2], 0.12)
-    f.walls(pictures.wall(kind, (f.width, wall), color, rng, 160), shade(color, 0.72), 0.25)
+    f.walls(images.wall(kind, (f.width, wall), color, rng, 160), shade(color, 0.72), 0.25)
     b = f.builder
     if variant == 1:
         f.gable_roof(z - wall - 0.15, roof, 0.5, along=True, wall=color)
@@ -75,7 +75,7 @@ def cabin(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 color="#3f4a44",
             )
         front, wall = 0.43 * x, 0.5 * z
-        b.panel(pictures.window("grid", "cream", rng, (48, 48)), (front + 0.02, 0, 0.6 * z), 0.22 * y, 0.22 * z)
+        b.panel(images.window("grid", "cream", rng, (48, 48)), (front + 0.02, 0, 0.6 * z), 0.22 * y, 0.22 * z)
     else:
         wall, depth = 0.54 * z, 0.74 * x
         if variant == 0:
@@ -99,7 +99,7 @@ def cabin(variant: int, rng: np.random.Generator) -> BuiltAsset:
                         7,
                     )
         else:
-            face = pictures.wall("boards", (0.84 * y, wall), wood, rng, 96)
+            face = images.wall("boards", (0.84 * y, wall), wood, rng, 96)
             m.block(b, (depth, 0.86 * y, wall), (-0.1 * x, 0, 0), face, wood)
         front = depth / 2 - 0.1 * x + 0.06
         half, rise = 0.56 * x, z - wall
@@ -118,11 +118,11 @@ def cabin(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.24 * x, 0.96 * y, 0.12), (0.37 * x, 0, 0), "grey wood")
     door = 0.0 if variant == 2 else -0.2 * y
     b.box((0.08, 0.2 * y, 0.8 * wall), (front, door, 0.1), "dark wood")
-    b.panel(pictures.door("#5d3a24", "panel", (28, 56)), (front + 0.06, door, 0.1 + 0.39 * wall), 0.17 * y, 0.76 * wall)
+    b.panel(images.door("#5d3a24", "panel", (28, 56)), (front + 0.06, door, 0.1 + 0.39 * wall), 0.17 * y, 0.76 * wall)
     if variant != 2:
         b.box((0.08, 0.26 * y, 0.42 * wall), (front, 0.2 * y, 0.36 * wall), "white")
         b.panel(
-            pictures.window("grid", "white", rng, (40, 36)), (front + 0.06, 0.2 * y, 0.57 * wall), 0.23 * y, 0.38 * wall
+            images.window("grid", "white", rng, (40, 36)), (front + 0.06, 0.2 * y, 0.57 * wall), 0.23 * y, 0.38 * wall
         )
     b.box((0.12 * x, 0.12 * y, 0.34 * z), (-0.2 * x, 0.3 * y, 0.62 * z), "#8b857c")
     for h in (0.08, 0.2, 0.32):  # stacked firewood
@@ -145,24 +145,24 @@ def hostel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     f = Facade(MeshBuilder(roughness=0.85), 0.97 * y, 0.86 * x, z - roof, "off white")
     floors = max(3, round(f.height / 3.1))
     storey, count = (f.height - 0.4) / floors, max(4, round(f.width / 2.7))
-    panes = [pictures.window(("casement", "sash", "grid")[variant], "white", rng) for _ in range(2)]
+    panes = [images.window(("casement", "sash", "grid")[variant], "white", rng) for _ in range(2)]
     for level in range(floors):
         for k, by in enumerate(bays_over(count, f.width - 0.8)):
             if level == 0 and abs(by) < 2.2:
                 continue
             f.opening(by, level * storey + 0.9, 1.15, min(1.6, storey - 1.3), panes[(k + level) % 2])
-    f.opening(0, 0.05, 2.0, min(2.5, storey - 0.4), pictures.door(back, "double", (48, 60)), 0.4, sill=False)
+    f.opening(0, 0.05, 2.0, min(2.5, storey - 0.4), images.door(back, "double", (48, 60)), 0.4, sill=False)
     f.course(storey - 0.05, 0.14, 0.1)
-    f.walls(pictures.wall(kind, (f.width, f.height), color, rng, 180), shade(color, 0.7), 0.5)
-    f.fascia(0, storey - 0.1, 0.62 * f.width, 1.3, pictures.sign(name, back, "white", (224, 26)), back)
-    bunk, pen = pictures.paint.canvas((96, 96), "white")
+    f.walls(images.wall(kind, (f.width, f.height), color, rng, 180), shade(color, 0.7), 0.5)
+    f.fascia(0, storey - 0.1, 0.62 * f.width, 1.3, images.sign(name, back, "white", (224, 26)), back)
+    bunk, pen = images.paint.canvas((96, 96), "white")
     for top in (20, 54):
-        pen.rectangle((14, top + 14, 82, top + 20), fill=pictures.rgb(back))
-        pen.rounded_rectangle((26, top + 4, 82, top + 14), 4, fill=pictures.rgb("light blue"))
-        pen.ellipse((14, top + 2, 28, top + 14), fill=pictures.rgb("cream"))
+        pen.rectangle((14, top + 14, 82, top + 20), fill=images.rgb(back))
+        pen.rounded_rectangle((26, top + 4, 82, top + 14), 4, fill=images.rgb("light blue"))
+        pen.ellipse((14, top + 2, 28, top + 14), fill=images.rgb("cream"))
     for px in (10, 82):
-        pen.rectangle((px, 12, px + 5, 90), fill=pictures.rgb(back))
-    face = np.asarray(pictures.paint.shrunk(bunk, (48, 48)))
+        pen.rectangle((px, 12, px + 5, 90), fill=images.rgb(back))
+    face = np.asarray(images.paint.shrunk(bunk, (48, 48)))
     f.blade_sign(-0.44 * f.width, 1.5 * storey, face, 1.7, back)
     for k, flag_y in enumerate((-0.3, -0.2, 0.2, 0.3)):
         pair = (("signal red", "white"), ("signal blue", "signal yellow"), ("green", "white"), ("orange", "dark blue"))[
@@ -187,14 +187,14 @@ def motel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color, accent = (("#e8dcc0", "signal red"), ("#d98a6a", "teal"), ("#c9d4d8", "purple"))[variant]
     rooms, floors = (9, 6, 11)[variant], 2
     high = 0.84 * z
-    room, pen = pictures.paint.canvas((160, 128), color)
-    pen.rectangle((14, 28, 62, 128), fill=pictures.rgb(accent))
-    pen.ellipse((52, 76, 58, 82), fill=pictures.rgb("gold"))
-    pen.rectangle((78, 34, 150, 92), fill=pictures.rgb("white"))
-    pen.rectangle((84, 40, 144, 86), fill=pictures.rgb("dark glass"))
-    pen.polygon([(84, 40), (110, 40), (92, 86), (84, 86)], fill=pictures.rgb("cream"))
-    pen.rectangle((34, 12, 48, 24), fill=pictures.rgb("lamp"))
-    tile = pictures.paint.shrunk(room, (40, 32))
+    room, pen = images.paint.canvas((160, 128), color)
+    pen.rectangle((14, 28, 62, 128), fill=images.rgb(accent))
+    pen.ellipse((52, 76, 58, 82), fill=images.rgb("gold"))
+    pen.rectangle((78, 34, 150, 92), fill=images.rgb("white"))
+    pen.rectangle((84, 40, 144, 86), fill=images.rgb("dark glass"))
+    pen.polygon([(84, 40), (110, 40), (92, 86), (84, 86)], fill=images.rgb("cream"))
+    pen.rectangle((34, 12, 48, 24), fill=images.rgb("lamp"))
+    tile = images.paint.shrunk(room, (40, 32))
     depth, wide = 0.6 * x, 0.8 * y
     at_y = -0.08 * y
     b.box((depth, wide, high), (-0.16 * x, at_y, 0), color)
@@ -229,11 +229,11 @@ def motel(variant: int, rng: np.random.Generator) -> BuiltAsset:
     sign_y = 0.42 * y
     for s in (-1, 1):
         b.cylinder(0.12, 0.7 * z, (0.3 * x, sign_y + s * 0.04 * y, 0), "dark grey", segments=8)
-    lettering = pictures.sign("MOTEL", accent, "white", (120, 40), "signal yellow")
+    lettering = images.sign("MOTEL", accent, "white", (120, 40), "signal yellow")
     for s in (0, 180):
         with b.frame((0.3 * x, sign_y, 0.6 * z), (0, 0, s)):
             b.panel(lettering, (0.16, 0, 0.2 * z), 0.15 * y, 0.24 * z)
-            b.panel(pictures.sign("VACANCY", "white", accent, (96, 20)), (0.16, 0, 0.02 * z), 0.1 * y, 0.08 * z)
+            b.panel(images.sign("VACANCY", "white", accent, (96, 20)), (0.16, 0, 0.02 * z), 0.1 * y, 0.08 * z)
     b.box((0.3, 0.155 * y, 0.26 * z), (0.3 * x, sign_y, 0.67 * z), accent)
     b.box((0.3, 0.1 * y, 0.09 * z), (0.3 * x, sign_y, 0.575 * z), "white")
     with b.frame((0.3 * x, sign_y + 0.07 * y, 0.93 * z), (0, 90, 0)):
@@ -270,7 +270,7 @@ def trullo(variant: int, rng: np.random.Generator) -> BuiltAsset:
     with b.frame((front + 0.05 * r, 0, 0.9 * wall), (0, 0, 90)):
         b.profile([(-0.34 * r, 0), (0.34 * r, 0), (0, 0.3 * r)], 0.2 * r, color="#8d8a82")
     b.panel(
-        pictures.door(("dark green", "dark wood", "#2f5f8a")[variant], "panel", (28, 56)),
+        images.door(("dark green", "dark wood", "#2f5f8a")[variant], "panel", (28, 56)),
         (front + 0.06 * r, 0, 0.38 * wall),
         0.4 * r,
         0.76 * wall,

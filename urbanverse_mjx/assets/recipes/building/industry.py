@@ -6,7 +6,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .services import roller_door
@@ -139,7 +139,7 @@ def storage_tank(variant: int, rng: np.random.Generator) -> BuiltAsset:
         a = -0.9 + 2.2 * k / count
         at = (1.03 * r * np.cos(a), 1.03 * r * np.sin(a), 0.04 * z + (foot + high - 0.06 * z) * k / count)
         b.box((0.08 * d, 0.1 * d, 0.015 * z), at, "dark grey", (0, 0, np.degrees(a)))
-    words = pictures.sign(("WATER", "SILO 2", "OIL")[variant], color, "signal blue", (72, 24))
+    words = images.sign(("WATER", "SILO 2", "OIL")[variant], color, "signal blue", (72, 24))
     with b.frame((0, 0, 0), (0, 0, -16)):
         b.box((0.02 * d, 0.4 * d, 0.14 * z), (r, 0, foot + 0.5 * high), color, skins={"+x": words})
     b.tube(

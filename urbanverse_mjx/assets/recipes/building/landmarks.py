@@ -5,7 +5,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
@@ -67,9 +67,9 @@ def tower(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.box((0.1, 0.07 * w, 0.04 * z), (0.41 * w, 0, 0), "black")
         m.gate(b, (0.43 * w, 0, 0), 0.22 * w, 0.1 * z, "dark wood")
         return fitted_as(b.build("round tower with a cone roof"), "tower", size)
-    picture = pictures.wall("ashlar" if variant == 0 else "brick", (w, z), stone, rng, 64)
+    image = images.wall("ashlar" if variant == 0 else "brick", (w, z), stone, rng, 64)
     shaft = (0.84 * w, 0.84 * w, (0.88, 0.74)[variant // 2] * z)
-    m.block(b, shaft, (0, 0, 0), picture, stone)
+    m.block(b, shaft, (0, 0, 0), image, stone)
     b.box((0.92 * w, 0.92 * w, 0.04 * z), (0, 0, 0), shade(stone, 0.8))
     b.box((w, w, 0.05 * z), (0, 0, shaft[2]), shade(stone, 0.92))
     for turn in (0, 90, 180, 270):
@@ -168,7 +168,7 @@ def lighthouse(variant: int, rng: np.random.Generator) -> BuiltAsset:
         x = r0 + (r1 - r0) * (0.3 + 0.22 * k)
         b.box((0.1 * w, 0.1 * w, 0.045 * z), (x - 0.03 * w, 0, (0.26 + 0.17 * k) * z), "dark glass")
     if variant == 2:
-        plain = pictures.wall("plaster", (3, 3), "white", rng, 24)
+        plain = images.wall("plaster", (3, 3), "white", rng, 24)
         m.hall(b, (0.3 * w, 0.5 * w, 0.1 * z), (0.28 * w, 0, 0), 0.05 * z, plain, plain, "signal red", "white")
     names = ("red and white banded lighthouse", "black and white banded lighthouse", "white eight-sided lighthouse")
     return fitted_as(b.build(names[variant]), "lighthouse", size)

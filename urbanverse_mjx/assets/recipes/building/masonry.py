@@ -6,10 +6,10 @@ import numpy as np
 from PIL import Image
 
 from ...meshes import paint
-from ...meshes.mesh_builder import MeshBuilder, Picture
+from ...meshes.mesh_builder import ImageLike, MeshBuilder
 from ...meshes.palette import Color, mix, rgb, shade
 from ...meshes.shapes import Point3
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 
 Wall = tuple[str, Color]
 
@@ -36,13 +36,13 @@ def painted_front(
     width, height = size_m
     scale = min(pixels / width, 220.0 / height)
     w, h = max(24, round(width * scale)), max(20, round(height * scale))
-    image = pictures.wall(wall[0], size_m, wall[1], rng, pixels).resize((w, h))
+    image = images.wall(wall[0], size_m, wall[1], rng, pixels).resize((w, h))
     (style, frame), (bays, floors) = window, grid
     cell = (w / bays, h / floors)
     size = (max(3, round(cell[0] * fill[0])), max(3, round(cell[1] * fill[1])))
     kind = "office" if style == "ribbon" else style
-    panes = [arch_window(frame, size) if style == "arch" else pictures.window(kind, frame, rng, size) for _ in range(3)]
-    pen = pictures.ImageDraw.Draw(image)
+    panes = [arch_window(frame, size) if style == "arch" else images.window(kind, frame, rng, size) for _ in range(3)]
+    pen = images.ImageDraw.Draw(image)
     for level in range(floors):
         top = level * cell[1]
         if band is not None and level < floors - 1:
@@ -107,9 +107,9 @@ def block(
     b: MeshBuilder,
     size: Point3,
     at: Point3,
-    front: Picture,
+    front: ImageLike,
     color: Color,
-    side: Picture | None = None,
+    side: ImageLike | None = None,
 ) -> None:
     """A box painted on its four walls; `color` shows on its roof."""
     flank = front if side is None else side
@@ -188,7 +188,7 @@ def finial(b: MeshBuilder, at: Point3, height: float, kind: str, color: Color = 
 
 
 def hall(
-    b: MeshBuilder, size: Point3, at: Point3, rise: float, wall: Picture, end: Picture, roof: Color, gable: Color
+    b: MeshBuilder, size: Point3, at: Point3, rise: float, wall: ImageLike, end: ImageLike, roof: Color, gable: Color
 ) -> None:
     """A hall whose ridge runs along x: walls of size, gables at both ends, a pitched roof with eaves."""
     length, width, height = size
@@ -232,13 +232,13 @@ def flag(b: MeshBuilder, at: Point3, height: float, colors: Sequence[Color]) -> 
     wide, tall = 0.3 * height, 0.2 * height
     cloth = paint.stripes((24, 16), list(colors), len(colors))
     corners = [(x, y + u, z + height - v) for u, v in ((0.0, tall), (wide, tall), (wide, 0.0), (0.0, 0.0))]
-    b.quad(corners, picture=cloth, both_sides=True)
+    b.quad(corners, image=cloth, both_sides=True)
 
 
 def board(b: MeshBuilder, words: str, at: Point3, width: float, height: float, back: Color, ink: Color) -> None:
     """A lettered board facing +x whose lower middle is at `at`."""
     pixels = min(256, max(96, round(28 * width / height)))
-    lettering = pictures.sign(words, back, ink, (pixels, max(12, round(pixels * height / width))))
+    lettering = images.sign(words, back, ink, (pixels, max(12, round(pixels * height / width))))
     b.box((0.15, width, height), (at[0] + 0.075, at[1], at[2]), mix(back, "black", 0.2), skins={"+x": lettering})
 
 
@@ -247,7 +247,7 @@ def gate(b: MeshBuilder, at: Point3, width: float, height: float, color: Color) 
     x, y, z = at
     b.box((0.2, width * 1.16, height * 1.06), (x - 0.06, y, z), shade(color, 0.7))
     if color in ("aluminium", "charcoal", "teal", "signal blue"):
-        b.panel(pictures.door(color, "double", (40, 56)), (x + 0.05, y, z + height / 2), width, height)
+        b.panel(images.door(color, "double", (40, 56)), (x + 0.05, y, z + height / 2), width, height)
         return
-    wing = np.asarray(pictures.door(color, "panel", (24, 56)))
+    wing = np.asarray(images.door(color, "panel", (24, 56)))
     b.panel(np.hstack([wing, wing[:, ::-1]]), (x + 0.05, y, z + height / 2), width, height)

@@ -25,11 +25,11 @@ def glass_skin(
     cols = (np.arange(w) * bays // w)[None, :]
     sky = 0.3 * (1 - np.arange(h)[:, None] / h)
     base, pale = np.array(rgb(glass), float), np.array([206.0, 224.0, 236.0])
-    picture = base * (1 + tone[rows, cols])[..., None]
-    picture = picture + (pale - picture) * sky[..., None]
+    image = base * (1 + tone[rows, cols])[..., None]
+    image = image + (pale - image) * sky[..., None]
     edge = ((np.arange(h) * floors % h) < floors)[:, None] | ((np.arange(w) * bays % w) < bays)[None, :]
-    picture[edge] = rgb(frame)
-    return np.clip(picture, 0, 255).astype(np.uint8)
+    image[edge] = rgb(frame)
+    return np.clip(image, 0, 255).astype(np.uint8)
 
 
 @recipe("skyscraper", 3, hulls=6, name="modern_blocks.skyscraper")
@@ -87,7 +87,7 @@ def skyscraper(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 a, share = np.radians(turns * t), 0.36 * (1 - 0.25 * t)
                 turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
                 sections.append(np.column_stack([ring @ turn.T * share * [x, y], np.full(9, (0.03 + 0.9 * t) * z)]))
-            b.sheet(np.stack(sections), picture=skin)
+            b.sheet(np.stack(sections), image=skin)
         top = sections[1][:8]
         b.convex(np.concatenate([top, top * [0.5, 0.5, 1] + [0, 0, 0.04 * z]]), "#dfe8e6")
         b.cylinder(0.01 * x, 0.05 * z, (0, 0, 0.95 * z), "aluminium", segments=6)

@@ -7,7 +7,7 @@ from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..nature.foliage import small_leaves
 from ..nature.terrain import ripples
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 
@@ -142,7 +142,7 @@ def maze(variant: int, rng: np.random.Generator) -> BuiltAsset:
     size, b = size_of("maze", variant), MeshBuilder(roughness=0.95)
     x, y, z = size
     b.box((x, y, 0.08), (0, 0, 0), ("#cbb78e", "#b9b2a2")[variant])
-    picture = small_leaves(("#4f7f3a", "#2f5f3a")[variant], rng)
+    image = small_leaves(("#4f7f3a", "#2f5f3a")[variant], rng)
     rows = len(_MAZE)
     sx, sy = x / rows, y / rows
     grid = [list(row) for row in _MAZE] if variant == 0 else [list(c) for c in zip(*_MAZE, strict=True)]
@@ -159,7 +159,7 @@ def maze(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     (0.92 * sx, run * sy, top),
                     at,
                     "#3f6f34",
-                    skins=dict.fromkeys(("+x", "-x", "+y", "-y", "+z"), picture),
+                    skins=dict.fromkeys(("+x", "-x", "+y", "-y", "+z"), image),
                 )
             j += max(run, 1)
     b.cylinder(0.5 * sx, 0.5, ((rows / 2 - 7.5) * sx, (rows / 2 - 7.5) * sy, 0.08), "granite", segments=12)
@@ -203,7 +203,7 @@ def beer_garden(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for k in range(3):
         b.cylinder(0.32, 0.7, ((k - 1) * 0.13 * x, -0.43 * y + 0.3, 1.45), "wood", (90, 0, 0), segments=12)
     sign = np.asarray(
-        pictures.sign(("BIERGARTEN", "BEER GARDEN", "BIERGARTEN")[variant], "signal blue", "white", (160, 28))
+        images.sign(("BIERGARTEN", "BEER GARDEN", "BIERGARTEN")[variant], "signal blue", "white", (160, 28))
     )
     b.box((0.12, 0.56 * y, 0.2 * z), (0.492 * x, 0, 0.62 * z), "signal blue", skins={"+x": sign})
     for s in (-0.44, 0.44):

@@ -7,7 +7,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import Size, fitted_as, size_of
 from . import masonry as m
 
@@ -25,7 +25,7 @@ def _nave(
 ) -> None:
     bays = max(3, round(size[0] / (0.45 * size[2])))
     flank = m.painted_front((size[0], size[2]), (bays, 1), wall, ("arch", "off white"), rng, 160, (0.42, 0.66))
-    plain = pictures.wall(wall[0], (size[1], size[2]), wall[1], rng, 64)
+    plain = images.wall(wall[0], (size[1], size[2]), wall[1], rng, 64)
     m.hall(b, size, (x, 0, 0), rise, flank, plain, roof, wall[1])
     for k in range(bays + 1):
         for s in (-1, 1):
@@ -131,10 +131,10 @@ def cathedral(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.beam((bx, s * 0.40 * y, 0.29 * z), (bx, s * 0.26 * y, 0.38 * z), 0.012 * x, 0.02 * z, shade(stone, 0.92))
     front = 0.5 * x
     shaft = (0.66 if variant == 0 else 0.56) * z
-    picture = m.painted_front((t, shaft), (2, 4), wall, ("arch", shade(stone, 1.15)), rng, 70, (0.5, 0.66))
+    image = m.painted_front((t, shaft), (2, 4), wall, ("arch", shade(stone, 1.15)), rng, 70, (0.5, 0.66))
     for s in (-1, 1):
         at = (front - t / 2, s * (y / 2 - t / 2), 0.0)
-        m.block(b, (t, t, shaft), at, picture, stone)
+        m.block(b, (t, t, shaft), at, image, stone)
         m.cornice(b, (t, t, shaft), at, shade(stone, 1.06), 0.03 * t)
         m.gate(b, (front, at[1], 0), 0.4 * t, 0.15 * z, "dark wood")
         if variant == 0:

@@ -5,7 +5,7 @@ import numpy as np
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
-from ..shared import facade_images as pictures
+from ..shared import facade_images as images
 from ..shared.sizes import fitted_as, size_of
 from . import masonry as m
 from .civic_halls import wing
@@ -21,14 +21,14 @@ def sign_box(b: MeshBuilder, name: str, at: Point3, side: float, color: Color, b
 
 def roller_door(color: Color, glazed: bool = True) -> np.ndarray:
     """(56, 48, 3): a sectional door, with a row of panes."""
-    image, pen = pictures.paint.canvas((192, 224), color)
+    image, pen = images.paint.canvas((192, 224), color)
     for k in range(6):
         pen.line((0, 37 * k, 192, 37 * k), fill=shade(color, 0.65), width=5)
     if glazed:
         for k in range(3):
             pen.rectangle((14 + 58 * k, 82, 62 + 58 * k, 104), fill=rgb("dark glass"))
     pen.rectangle((0, 0, 191, 223), outline=shade(color, 0.5), width=8)
-    return np.asarray(pictures.paint.shrunk(image, (48, 56)))
+    return np.asarray(images.paint.shrunk(image, (48, 56)))
 
 
 def vehicle_hall(
@@ -36,7 +36,7 @@ def vehicle_hall(
 ) -> None:
     """A low hall with large doors side by side on its front."""
     x, y, z = size
-    face = pictures.wall(wall[0], (y, z), wall[1], rng, 120)
+    face = images.wall(wall[0], (y, z), wall[1], rng, 120)
     m.block(b, size, at, face, "dark concrete")
     m.cornice(b, size, at, "off white", 0.03 * z)
     gate, wide = roller_door(door), 0.8 * y / bays
@@ -76,9 +76,9 @@ def hospital(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for s in (-1, 1):
         b.cylinder(0.006 * y, 0.15 * z, (0.47 * x, 0.2 * y + s * 0.1 * y, 0), "white", segments=8)
     m.gate(b, (0.37 * x, 0.2 * y, 0), 0.09 * y, 0.13 * z, "aluminium")
-    pad, pen = pictures.paint.canvas((96, 96), "dark grey")
+    pad, pen = images.paint.canvas((96, 96), "dark grey")
     pen.ellipse((4, 4, 92, 92), outline=rgb("signal yellow"), width=6)
-    pictures.paint.text(pen, "H", (24, 20, 72, 76), "white", 0.06)
+    images.paint.text(pen, "H", (24, 20, 72, 76), "white", 0.06)
     top = (-0.12 * x, towers[-1][0] - 0.28 * towers[-1][1], 0.95 * z)
     side = min(0.4 * x, 0.3 * towers[-1][1] + 4)
     b.box((side, side, 0.02 * z), top, "dark grey", skins={"+z": pad})

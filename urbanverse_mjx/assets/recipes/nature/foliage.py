@@ -10,17 +10,15 @@ from ...meshes.mesh_builder import MeshBuilder
 from ...meshes.palette import Color, mix, rgb
 from ...meshes.shapes import Shape
 
-PICTURE = 96
+LEAF_SIZE = 96
 
 
-def leaf_picture(
-    color: Color, rng: np.random.Generator, flowers: Color | None = None, grain: float = 1.0
-) -> np.ndarray:
-    """(96, 96, 3): leaves, in shade at the bottom of the picture and in the sun at its top."""
-    image = Image.new("RGB", (PICTURE * 4, PICTURE * 4), mix(color, "black", 0.5))
+def leaf_image(color: Color, rng: np.random.Generator, flowers: Color | None = None, grain: float = 1.0) -> np.ndarray:
+    """(96, 96, 3): leaves, in shade at the bottom of the image and in the sun at its top."""
+    image = Image.new("RGB", (LEAF_SIZE * 4, LEAF_SIZE * 4), mix(color, "black", 0.5))
 
     pen = ImageDraw.Draw(image)
-    side = PICTURE * 4
+    side = LEAF_SIZE * 4
     shaded, sunlit = mix(color, "black", 0.36), mix(color, "#f4f6b8", 0.36)
     for _ in range(2600):
         x, y = rng.random(2) * side
@@ -34,11 +32,11 @@ def leaf_picture(
             [(x - dx, y - dy), (x + dy * 0.45, y - dx * 0.45), (x + dx, y + dy), (x - dy * 0.45, y + dx * 0.45)],
             fill=rgb(tone),
         )
-    return np.asarray(image.resize((PICTURE, PICTURE), Image.Resampling.LANCZOS))
+    return np.asarray(image.resize((LEAF_SIZE, LEAF_SIZE), Image.Resampling.LANCZOS))
 
 
 def small_leaves(color: Color, rng: np.random.Generator, size: int = 32) -> np.ndarray:
-    """(size, size, 3): leaves, dark at the bottom of the picture and sunlit at its top (as `foliage.leafy` expects)."""
+    """(size, size, 3): leaves, dark at the bottom of the image and sunlit at its top (as `foliage.leafy` expects)."""
     side = 4 * size
     image, pen = paint.canvas((side, side), mix(color, "black", 0.5))
     tones = [mix(mix(color, "black", 0.36), mix(color, "#f4f6b8", 0.36), k / 7) for k in range(8)]
@@ -68,7 +66,7 @@ def leafy(
     builder: MeshBuilder,
     at: Sequence[float] | np.ndarray,
     radii: tuple[float, float, float],
-    picture: np.ndarray,
+    image: np.ndarray,
     rng: np.random.Generator,
     segments: int = 8,
     rings: int = 5,
@@ -85,7 +83,7 @@ def leafy(
     angle = turn[:, None] + np.array([0.0, 2.1, 4.2])
     uv = np.stack([u[:, None] + 0.19 * np.cos(angle), v[:, None] + 0.13 * np.sin(angle)], -1).reshape(-1, 2)
     faces = np.arange(len(corners) * 3).reshape(-1, 3)
-    builder.add(Shape(corners.reshape(-1, 3), faces, np.clip(uv, 0, 1)), at=tuple(at), picture=picture)
+    builder.add(Shape(corners.reshape(-1, 3), faces, np.clip(uv, 0, 1)), at=tuple(at), image=image)
 
 
 def potted_bush(
@@ -104,10 +102,10 @@ def potted_bush(
         pot,
         segments=12,
     )
-    picture = _small(leaf_picture(color, rng))
-    leafy(builder, (at[0], at[1], at[2] + size * 1.35), (r * 1.2, r * 1.2, size * 0.62), picture, rng, 8, 5)
+    image = _small(leaf_image(color, rng))
+    leafy(builder, (at[0], at[1], at[2] + size * 1.35), (r * 1.2, r * 1.2, size * 0.62), image, rng, 8, 5)
 
 
-def _small(picture: np.ndarray) -> np.ndarray:
-    """The picture at 32 x 32, for assets whose texture is full."""
-    return np.asarray(Image.fromarray(picture).resize((32, 32), Image.Resampling.LANCZOS))
+def _small(image: np.ndarray) -> np.ndarray:
+    """The image at 32 x 32, for assets whose texture is full."""
+    return np.asarray(Image.fromarray(image).resize((32, 32), Image.Resampling.LANCZOS))

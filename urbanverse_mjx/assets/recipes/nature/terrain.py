@@ -55,11 +55,11 @@ def ripples(
         a, f = rng.random() * 0.9 - 0.45, rng.uniform(4, 16)
         level += np.sin(6.28 * f * (x * np.sin(a) + y * np.cos(a)) + rng.random() * 6.28) / 9
     base, sky = np.array(rgb(color), float), np.array(rgb(mix(color, "white", 0.65)), float)
-    picture = base + (sky - base) * np.clip(0.35 + 1.2 * level * glint, 0, 1)[..., None]
+    image = base + (sky - base) * np.clip(0.35 + 1.2 * level * glint, 0, 1)[..., None]
     if foam > 0:
         caps = np.clip((level - 0.42) * 6, 0, 1) * foam
-        picture = picture + (np.array([250.0, 252.0, 252.0]) - picture) * caps[..., None]
-    return np.clip(picture, 0, 255).astype(np.uint8)
+        image = image + (np.array([250.0, 252.0, 252.0]) - image) * caps[..., None]
+    return np.clip(image, 0, 255).astype(np.uint8)
 
 
 def boulder(b: MeshBuilder, at: Point3, radii: Point3, color: Color, rng: np.random.Generator) -> None:
@@ -109,7 +109,7 @@ def mud_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     patch = dome_patch(
         size, blob(rng, 30, 0.2), [(1, 0), (0.93, 0.5), (0.8, 0.75), (0.55, 0.85), (0.3, 0.95)], 0.09, rng
     )
-    b.add(patch, picture=image, crease_deg=60)
+    b.add(patch, image=image, crease_deg=60)
     for _ in range(8):
         a, r = rng.random() * 6.28, rng.uniform(0.25, 0.8)
         at = (r * np.cos(a) * size[0] / 2, r * np.sin(a) * size[1] / 2, 0.6 * size[2])
@@ -129,7 +129,7 @@ def sand_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
         wave = [(x, 9 * k + 4 + 3 * np.sin(x / 9 + k)) for x in range(0, 129, 6)]
         pen.line(wave, fill=shade(color, 0.86), width=2)
     profile = [(1, 0), (0.86, 0.2), (0.62, 0.5), (0.4, 0.78), (0.2, 0.95)]
-    b.add(dome_patch(size, blob(rng, 30, 0.12), profile, 0.04, rng), picture=image, crease_deg=60)
+    b.add(dome_patch(size, blob(rng, 30, 0.12), profile, 0.04, rng), image=image, crease_deg=60)
     k = size[2]
     if variant == 2:
         b.cylinder(
@@ -161,7 +161,7 @@ def rocky_field(variant: int, rng: np.random.Generator) -> BuiltAsset:
     image = paint.speckled((96, 96), ground, rng, 12.0, 2)
     b.add(
         dome_patch((x, y, 0.14 * z), blob(rng), [(1, 0), (0.9, 0.6), (0.5, 1.0)], 0.1, rng),
-        picture=image,
+        image=image,
         crease_deg=60,
     )
     for k in range(24):

@@ -8,7 +8,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, mix, shade
 from ...meshes.recipe import Physics, recipe
 from ...meshes.shapes import Shape
-from .foliage import leaf_picture, leafy
+from .foliage import leaf_image, leafy
 
 TREE = Physics(
     ("wood", "leaves"),
@@ -89,7 +89,7 @@ def _broadleaf(b: MeshBuilder, s: _Species, rng: np.random.Generator) -> None:
             a, z = 2.4 * k, 0.25 + 0.24 * k
             r = s.trunk * (1.12 - 0.05 * k)
             b.box((0.012, 0.10, 0.03), (r * np.cos(a), r * np.sin(a), z), "#3a3632", (0, 0, np.degrees(a)))
-    picture = leaf_picture(s.leaves, rng, s.flowers, s.grain)
+    image = leaf_image(s.leaves, rng, s.flowers, s.grain)
     middle, half = (low + high) / 2, (high - low) / 2
     # Clusters on a crown-shaped surface, golden-angle spread, some inside; one on every branch's end.
     for k in range(s.clusters):
@@ -100,17 +100,17 @@ def _broadleaf(b: MeshBuilder, s: _Species, rng: np.random.Generator) -> None:
         share = rng.uniform(0.62, 0.86)
         at = np.array([radius * ring * share * np.cos(a), radius * ring * share * np.sin(a), middle + up * half * 0.86])
         size = s.cluster * rng.uniform(0.82, 1.25) * (0.8 if up > 0.75 else 1.0)
-        leafy(b, at, (size, size, size * 0.72), picture, rng, 8, 5, 0.17, float(np.clip(0.5 + 0.5 * up, 0, 1)))
+        leafy(b, at, (size, size, size * 0.72), image, rng, 8, 5, 0.17, float(np.clip(0.5 + 0.5 * up, 0, 1)))
     for end in ends:
-        leafy(b, end, (s.cluster, s.cluster, s.cluster * 0.7), picture, rng, 8, 5, 0.17, 0.4)
+        leafy(b, end, (s.cluster, s.cluster, s.cluster * 0.7), image, rng, 8, 5, 0.17, 0.4)
     core = (radius * 0.62, radius * 0.62, half * 0.75)
-    leafy(b, (0, 0, middle), core, picture, rng, 9, 6, 0.1, 0.15)
+    leafy(b, (0, 0, middle), core, image, rng, 9, 6, 0.1, 0.15)
 
 
 def conifer(b: MeshBuilder, height: float, radius: float, color: Color, rng: np.random.Generator) -> None:
     """Layers of drooping skirts with ragged edges."""
     b.tube([(0, 0, -0.02), (0, 0, 0.2), (0, 0, height * 0.9)], [0.17, 0.13, 0.03], "bark", sides=8)
-    picture = leaf_picture(color, rng, None, 0.7)
+    image = leaf_image(color, rng, None, 0.7)
     layers = 9
     for k in range(layers):
         f = k / (layers - 1)
@@ -132,7 +132,7 @@ def conifer(b: MeshBuilder, height: float, radius: float, color: Color, rng: np.
         u = rng.uniform(0.15, 0.85, n)
         angle = rng.random(n)[:, None] * 6.28 + np.array([0, 2.1, 4.2])
         uv = np.stack([u[:, None] + 0.13 * np.cos(angle), shade_v[:, None] + 0.13 * np.sin(angle)], -1).reshape(-1, 2)
-        b.add(Shape(corners.reshape(-1, 3), np.arange(3 * n).reshape(-1, 3), uv), picture=picture)
+        b.add(Shape(corners.reshape(-1, 3), np.arange(3 * n).reshape(-1, 3), uv), image=image)
 
 
 def _palm(b: MeshBuilder, height: float, rng: np.random.Generator) -> None:
@@ -142,7 +142,7 @@ def _palm(b: MeshBuilder, height: float, rng: np.random.Generator) -> None:
     b.tube(path, [0.22, 0.17, 0.16, 0.15, 0.145, 0.14, 0.135, 0.13, 0.14], "#8a7358", sides=9)
     for f in np.linspace(0.12, 0.95, 11):
         b.ring(0.152, 0.016, (lean * f**2, 0, height * f), "#6f5a42", segments=9, sides=4)
-    picture = leaf_picture("#5d8f45", rng, None, 0.8)
+    image = leaf_image("#5d8f45", rng, None, 0.8)
     top = np.array([lean, 0.0, height])
     for k in range(17):
         a = 2 * np.pi * k / 17 + rng.normal(0, 0.08)
@@ -159,7 +159,7 @@ def _palm(b: MeshBuilder, height: float, rng: np.random.Generator) -> None:
             grid = np.array(
                 [[p, p + sign * side * w + np.array([0, 0, -0.45 * w])] for p, w in zip(rib, wide, strict=True)]
             )
-            b.sheet(grid if sign < 0 else grid[:, ::-1], picture=picture, both_sides=True)
+            b.sheet(grid if sign < 0 else grid[:, ::-1], image=image, both_sides=True)
     for k in range(5):
         b.ball(
             0.10, tuple(top + [0.18 * np.cos(1.26 * k), 0.18 * np.sin(1.26 * k), -0.18]), "#7a5a30", segments=7, rings=5
@@ -189,8 +189,8 @@ def tree(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.95)
     if variant == 0:  # a rounded bush
-        picture = leaf_picture("leaf", rng)
-        leafy(b, (0, 0, 0.45), (0.5, 0.5, 0.45), picture, rng, 10, 7, 0.12, 0.4)
+        image = leaf_image("leaf", rng)
+        leafy(b, (0, 0, 0.45), (0.5, 0.5, 0.45), image, rng, 10, 7, 0.12, 0.4)
         for k in range(12):
             a, f = k * 2.4, k / 12
             out = 0.36 * np.sqrt(1 - f)
@@ -198,7 +198,7 @@ def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b,
                 (out * np.cos(a), out * np.sin(a), 0.25 + 0.62 * f),
                 (0.27, 0.27, 0.23),
-                picture,
+                image,
                 rng,
                 8,
                 5,
@@ -206,19 +206,19 @@ def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 0.3 + 0.6 * f,
             )
     elif variant == 1:  # a clipped hedge
-        picture = leaf_picture("#3f6f35", rng, None, 0.7)
+        image = leaf_image("#3f6f35", rng, None, 0.7)
         for y in np.linspace(-0.85, 0.85, 6):
             for z in (0.22, 0.55, 0.82):
-                leafy(b, (rng.normal(0, 0.02), y, z), (0.30, 0.26, 0.24), picture, rng, 8, 5, 0.12, z * 0.9)
+                leafy(b, (rng.normal(0, 0.02), y, z), (0.30, 0.26, 0.24), image, rng, 8, 5, 0.12, z * 0.9)
     elif variant == 2:  # a flowering bush
-        picture = leaf_picture("#4f7f3f", rng, "#d65a8a")
+        image = leaf_image("#4f7f3f", rng, "#d65a8a")
         for k in range(10):
             a, f = k * 2.4, k / 10
             leafy(
                 b,
                 (0.38 * (1 - f * 0.7) * np.cos(a), 0.38 * (1 - f * 0.7) * np.sin(a), 0.25 + 0.75 * f),
                 (0.32, 0.32, 0.28),
-                picture,
+                image,
                 rng,
                 8,
                 5,
@@ -226,9 +226,9 @@ def shrub(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 0.3 + 0.6 * f,
             )
     else:  # a clipped ball on a low cone
-        picture = leaf_picture("#35633a", rng, None, 0.6)
-        leafy(b, (0, 0, 0.42), (0.42, 0.42, 0.42), picture, rng, 14, 9, 0.03, 0.5)
-        leafy(b, (0, 0, 0.98), (0.26, 0.26, 0.26), picture, rng, 12, 8, 0.03, 0.7)
+        image = leaf_image("#35633a", rng, None, 0.6)
+        leafy(b, (0, 0, 0.42), (0.42, 0.42, 0.42), image, rng, 14, 9, 0.03, 0.5)
+        leafy(b, (0, 0, 0.98), (0.26, 0.26, 0.26), image, rng, 12, 8, 0.03, 0.7)
         b.cylinder(0.04, 0.6, (0, 0, 0.3), "bark", segments=6)
     names = ("A rounded green bush", "A clipped hedge", "A bush with pink blossoms", "A topiary of two balls")
     built = b.build(names[variant], {"kind": ("round", "hedge", "flowering", "topiary")[variant]})
@@ -288,14 +288,14 @@ def flower(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.cylinder(radius * 0.93, 0.02, (0, 0, 0.37), "soil", segments=14)
         base = 0.37
-    picture = leaf_picture("leaf", rng)
+    image = leaf_image("leaf", rng)
     for k in range(5):
         a = 2 * np.pi * k / 5
         leafy(
             b,
             (radius * 0.5 * np.cos(a), radius * 0.5 * np.sin(a), base + 0.07),
             (radius * 0.45, radius * 0.45, 0.10),
-            picture,
+            image,
             rng,
             7,
             4,
@@ -327,7 +327,7 @@ def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """Flat enough to roll over: at most 3 cm."""
     b = MeshBuilder(roughness=1.0)
     color = ("grass", "#6f8f3e", "#9a9a52")[variant]
-    picture = leaf_picture(color, rng, ("white" if variant == 1 else None), 0.45)
+    image = leaf_image(color, rng, ("white" if variant == 1 else None), 0.45)
     radius = (1.0, 1.3, 0.8)[variant]
     a = np.arange(22) * 2 * np.pi / 22
     edge = radius * (1 + 0.10 * np.sin(3 * a + rng.random() * 6) + 0.05 * np.sin(7 * a + rng.random() * 6))
@@ -341,7 +341,7 @@ def grass_patch(variant: int, rng: np.random.Generator) -> BuiltAsset:
     faces += [(22 * i + j, 22 * (i + 1) + (j + 1) % 22, 22 * (i + 1) + j) for i in range(3) for j in range(22)]
     faces += [(66 + j, 66 + (j + 1) % 22, 88) for j in range(22)]
     uv = np.clip(0.5 + 0.46 * points[:, :2] / edge.max(), 0.02, 0.98)
-    b.add(Shape(points, np.array(faces), uv), picture=picture)
+    b.add(Shape(points, np.array(faces), uv), image=image)
     for _ in range(60):  # tufts
         r, t = radius * np.sqrt(rng.random()) * 0.85, rng.random() * 2 * np.pi
         at = np.array([r * np.cos(t), r * squash * np.sin(t), 0.016])

@@ -19,7 +19,7 @@ def shallow_pool(variant: int, rng: np.random.Generator) -> BuiltAsset:
     radii = blob(rng, 32, 0.22)
     b.add(dome_patch(size, radii, [(1, 0), (0.97, 0.35), (0.8, 0.4)], 0.0, rng), "#4c5054", crease_deg=60)
     sky = ripples(("#7d9cb4", "#8fa9b8", "#6f8798")[variant], rng, 96, 0.0, 0.35)
-    b.add(dome_patch(size, radii * 0.9, [(1, 0), (0.985, 0.75), (0.6, 0.8)], 0.0, rng), picture=sky, crease_deg=60)
+    b.add(dome_patch(size, radii * 0.9, [(1, 0), (0.985, 0.75), (0.6, 0.8)], 0.0, rng), image=sky, crease_deg=60)
     z, k = 0.8 * size[2], min(size[0], size[1])
     if variant != 2:
         for j in range(5):
@@ -61,7 +61,7 @@ def pond(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     b.add(
         dome_patch((0.82 * x, 0.82 * y, 0.52 * z), radii, [(1, 0), (1.0, 1.0), (0.5, 1.0)], 0.0, rng),
-        picture=water,
+        image=water,
         crease_deg=60,
     )
     top = 0.52 * z
@@ -122,7 +122,7 @@ def lake(variant: int, rng: np.random.Generator) -> BuiltAsset:
     water = ripples(("#3f7f9a", "#4a93a8")[variant], rng, 128, 0.0, 0.5)
     b.add(
         dome_patch((0.88 * x, 0.88 * y, 0.44 * z), radii, [(1, 0), (1.0, 1.0), (0.5, 1.0)], 0.0, rng),
-        picture=water,
+        image=water,
         crease_deg=60,
     )
     leaves = small_leaves("leaf", rng)
@@ -240,12 +240,12 @@ def sea(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         water = water.copy()
         sand = np.array([222, 200, 150])
-        for row in range(128):  # the picture's rows run along -x: the first are the shore
+        for row in range(128):  # the image's rows run along -x: the first are the shore
             edge = 12 + 3 * np.sin(np.arange(128) / 9.0)
             water[row] = np.where(
                 (row < edge)[:, None], sand, np.where((row < edge + 5)[:, None], [248, 250, 250], water[row])
             )
-    b.sheet(grid[:, ::-1], picture=water)
+    b.sheet(grid[:, ::-1], image=water)
     rim = [
         [(grid[k, j, 0], grid[k, j, 1], z0) for z0 in (0.0, grid[k, j, 2])]
         for k, j in [(k, 0) for k in range(n)]
@@ -322,7 +322,7 @@ def _falls(
                 for u, v in path[::-1]
             ]
         )
-        b.sheet(grid, picture=np.ascontiguousarray(fall), both_sides=True)
+        b.sheet(grid, image=np.ascontiguousarray(fall), both_sides=True)
         for j in range(5):
             b.ball(
                 (0.05 * x, 0.1 * wide, 0.03 * z),
@@ -360,7 +360,7 @@ def waterfall(variant: int, rng: np.random.Generator) -> BuiltAsset:
     pool = ripples("#5f9aa8", rng, 64, 0.3, 0.6)
     b.add(
         dome_patch((0.62 * x, 0.9 * y, 0.06 * z), blob(rng, 22, 0.1), [(1, 0), (1, 1.0), (0.5, 1.0)], 0.0, rng),
-        picture=pool,
+        image=pool,
         at=(0.2 * x, 0, 0),
         crease_deg=60,
     )

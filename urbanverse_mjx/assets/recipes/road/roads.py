@@ -13,7 +13,7 @@ Pen = ImageDraw.ImageDraw
 
 
 class Surface:
-    """A painted ground seen from above; metres with the origin in the middle, x along the picture's height."""
+    """A painted ground seen from above; metres with the origin in the middle, x along the image's height."""
 
     def __init__(self, length: float, width: float, color: Color, rng: np.random.Generator, pixels: int = 250) -> None:
         self.length, self.width = length, width
@@ -47,10 +47,10 @@ class Surface:
         self.pen.ellipse((a, b, c, d), fill=rgb(color))
 
     def lay(self, b: MeshBuilder, z: float) -> None:
-        """The picture as the ground at height z."""
+        """The image as the ground at height z."""
         half, w = self.length / 2, self.width / 2
         corners = [(-half, w, z), (-half, -w, z), (half, -w, z), (half, w, z)]
-        b.quad(corners, picture=self.image)
+        b.quad(corners, image=self.image)
 
 
 def _arrow(s: Surface, x: float, y: float, sense: float) -> None:

@@ -1,4 +1,4 @@
-"""Pictures for building fronts: walls, windows, doors, shop windows, signs."""
+"""Images for building fronts: walls, windows, doors, shop windows, signs."""
 
 from collections.abc import Callable
 
@@ -131,7 +131,7 @@ def awning(first: Color, second: Color | None, size: tuple[int, int] = (96, 24),
 def _shelves(
     pen: Pen, w: int, h: int, rng: np.random.Generator, rows: int, draw: Callable[[float, float, float], float]
 ) -> None:
-    """Rows of shelves; `draw(x, y, height)` puts one thing on a shelf and returns its width."""
+    """Rows of shelves; `draw(x, y, height)` puts one article on a shelf and returns its width."""
     for k in range(rows):
         y = h * (0.30 + 0.62 * (k + 1) / rows)
         x = w * 0.04

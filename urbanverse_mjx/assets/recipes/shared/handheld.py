@@ -1,7 +1,6 @@
-"""What recipes of small things share: drawing in centimetres, soft and wrapped shapes, painted skins.
+"""Soft and wrapped shapes, painted skins and labels of small objects.
 
-Small things are drawn in centimetres, near enough to their proportions; `finished` brings them to the size asked for,
-in metres.
+They are drawn in centimetres, near enough to their proportions; `sizes.varied_cm` brings them to their size in metres.
 """
 
 from collections.abc import Sequence
@@ -11,7 +10,7 @@ from PIL import Image
 from scipy.interpolate import PchipInterpolator
 
 from ...meshes import paint, shapes
-from ...meshes.mesh_builder import MeshBuilder, Picture
+from ...meshes.mesh_builder import ImageLike, MeshBuilder
 from ...meshes.palette import Color, rgb
 from ...meshes.shapes import Point2, Point3, Points3, Shape
 from .outlines import arc
@@ -115,7 +114,7 @@ def vessel(profile: Sequence[Point2], wall: float, floor: float) -> list[Point2]
 
 def patch(
     b: MeshBuilder,
-    picture: Picture,
+    image: ImageLike,
     radius: float | tuple[float, float],
     low: float,
     high: float,
@@ -124,11 +123,11 @@ def patch(
 ) -> None:
     """A label bent round a standing vessel: radius (or that at its lower and upper edge), heights, degrees it covers.
 
-    One that goes nearly round shows its picture on the front and again on the back.
+    One that goes nearly round shows its image on the front and again on the back.
     """
     if arc_deg > 200:
         for turn_deg in (0, 180):
-            patch(b, picture, radius, low, high, arc_deg / 2, facing_deg + turn_deg)
+            patch(b, image, radius, low, high, arc_deg / 2, facing_deg + turn_deg)
         return
     columns = int(arc_deg / 12) + 2
     first, last = radius if isinstance(radius, tuple) else (radius, radius)
@@ -137,7 +136,7 @@ def patch(
         np.stack([r * np.cos(turns), r * np.sin(turns), np.full(columns, z)], 1)
         for r, z in ((first, low), (last, high))
     ]
-    b.sheet(np.stack(rows), picture=picture)
+    b.sheet(np.stack(rows), image=image)
 
 
 # Skins ----------------------------------------------------------------------------------------------------------------
@@ -151,7 +150,7 @@ def skin(
     flecks: tuple[Color, int] | None = None,
     size: tuple[int, int] = (32, 48),
 ) -> np.ndarray:
-    """(h, w, 3) picture for `painted` shapes: colours from the bottom to the top, a blush on the front, flecks.
+    """(h, w, 3) image for `painted` shapes: colours from the bottom to the top, a blush on the front, flecks.
 
     Args:
       noise: standard deviation, 0-255.
@@ -162,15 +161,15 @@ def skin(
     stops = np.array([rgb(c) for c in colors], float)
     at = np.linspace(0, len(stops) - 1, height)[::-1]
     column = np.stack([np.interp(at, np.arange(len(stops)), stops[:, k]) for k in range(3)], 1)
-    picture = np.repeat(column[:, None], width, 1)
+    image = np.repeat(column[:, None], width, 1)
     if blush is not None:
         share = np.clip(1.1 - 1.5 * np.linspace(0, 1, width), 0, 0.85)[None, :, None]
-        picture = picture * (1 - share) + share * np.array(rgb(blush), float)
-    picture = picture + rng.normal(0, noise, (height, width, 1))
+        image = image * (1 - share) + share * np.array(rgb(blush), float)
+    image = image + rng.normal(0, noise, (height, width, 1))
     if flecks is not None:
         rows, columns = rng.integers(1, height - 1, flecks[1]), rng.integers(0, width, flecks[1])
-        picture[rows, columns] = rgb(flecks[0])
-    return np.clip(picture, 0, 255).astype(np.uint8)
+        image[rows, columns] = rgb(flecks[0])
+    return np.clip(image, 0, 255).astype(np.uint8)
 
 
 def weave(first: Color, second: Color, size: int = 64, strand: int = 4) -> np.ndarray:

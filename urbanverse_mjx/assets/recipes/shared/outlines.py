@@ -1,4 +1,4 @@
-"""Outlines and paths that household things are drawn with, and the last step that gives a drawn thing its size."""
+"""Outlines, curves and cross sections that objects are drawn with."""
 
 from collections.abc import Sequence
 
@@ -77,6 +77,6 @@ def level(z: float, half_x: float, half_y: float, x: float = 0.0, count: int = 1
     return np.stack([px, half_y * np.sign(s) * np.abs(s) ** (2 / power), np.full(count, z)], 1)
 
 
-def desk_panel(b: MeshBuilder, picture: Image.Image, at: Point3, across: float, depth: float) -> None:
-    """A picture lying face up, read by who sits at +x: `across` along y, `depth` along x."""
-    b.panel(picture.rotate(180), at, across, depth, "+z")
+def desk_panel(b: MeshBuilder, image: Image.Image, at: Point3, across: float, depth: float) -> None:
+    """An image lying face up, read by who sits at +x: `across` along y, `depth` along x."""
+    b.panel(image.rotate(180), at, across, depth, "+z")

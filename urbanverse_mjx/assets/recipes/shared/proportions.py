@@ -1,4 +1,4 @@
-"""Finishing touches shared by many recipes: a drawing brought to the size asked for, upholstered and lathed forms."""
+"""Upholstered and hollow forms that recipes of several folders use."""
 
 from collections.abc import Sequence
 

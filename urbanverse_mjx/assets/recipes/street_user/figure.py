@@ -43,7 +43,7 @@ RUNNING = Pose((48, -18), (62, 78), (-42, 38), (88, 92), 12.0)
 
 
 @dataclasses.dataclass(frozen=True)
-class Look:
+class Person:
     """Clothes and body.
 
     top: "shirt", "jacket", "coat" or "dress"; bottom: "trousers", "shorts" or "skirt"; hair: "short", "long", "bun",
@@ -65,13 +65,13 @@ class Look:
 
 
 class Figure:
-    """A figure under construction in a builder; joints are computed first, so that things can be put into its hands."""
+    """A figure under construction; its joints are computed first, so that objects can be put into its hands."""
 
     def __init__(
-        self, builder: MeshBuilder, look: Look, pose: Pose, hip: tuple[float, float, float] | None = None
+        self, builder: MeshBuilder, person: Person, pose: Pose, hip: tuple[float, float, float] | None = None
     ) -> None:
-        self.builder, self.look, self.pose = builder, look, pose
-        h = look.height
+        self.builder, self.person, self.pose = builder, person, pose
+        h = person.height
         drop = [
             THIGH * np.cos(np.radians(a)) + SHANK * np.cos(np.radians(a - k))
             for a, k in zip(pose.thigh, pose.knee, strict=True)
@@ -83,7 +83,7 @@ class Figure:
             knee = start + THIGH * h * _down(pose.thigh[k])
             self.knees.append(knee)
             self.ankles.append(knee + SHANK * h * _down(pose.thigh[k] - pose.knee[k]))
-            shoulder = self.trunk(SHOULDER_ABOVE_HIP) + [0, side * SHOULDER_HALF * h * look.girth**0.5, 0]
+            shoulder = self.trunk(SHOULDER_ABOVE_HIP) + [0, side * SHOULDER_HALF * h * person.girth**0.5, 0]
             aside = side * np.sin(np.radians(pose.spread[k]))
             upper = _down(pose.shoulder[k]) * np.cos(np.radians(pose.spread[k])) + [0, aside, 0]
             lower = _down(pose.shoulder[k] + pose.elbow[k]) * np.cos(np.radians(pose.spread[k] / 2)) + [0, aside / 2, 0]
@@ -97,7 +97,7 @@ class Figure:
     def trunk(self, share: float) -> np.ndarray:
         """A point of the trunk's axis, a share of the stature above the hips."""
         lean = np.radians(self.pose.lean)
-        return self.hip + share * self.look.height * np.array([np.sin(lean), 0.0, np.cos(lean)])
+        return self.hip + share * self.person.height * np.array([np.sin(lean), 0.0, np.cos(lean)])
 
     def build(self) -> None:
         """All of the body and its clothes."""
@@ -112,7 +112,7 @@ class Figure:
         self, share: float, half_width: float, half_depth: float, forward: float = 0.0, points: int = 12
     ) -> np.ndarray:
         """A cross section of the trunk (superellipse), sizes as shares of the stature."""
-        h, g = self.look.height, self.look.girth
+        h, g = self.person.height, self.person.girth
         a = np.arange(points) * 2 * np.pi / points
         c, s = np.cos(a), np.sin(a)
         x = np.sign(c) * np.abs(c) ** 0.85 * half_depth * h * g + forward * h
@@ -128,8 +128,8 @@ class Figure:
         return self.ring(share, half_width, (front + back) / 2, (front - back) / 2)
 
     def _torso(self) -> None:
-        look = self.look
-        thick = {"shirt": 1.0, "dress": 1.0, "jacket": 1.10, "coat": 1.15}[look.top]
+        person = self.person
+        thick = {"shirt": 1.0, "dress": 1.0, "jacket": 1.10, "coat": 1.15}[person.top]
         rows = [
             (0.015, 0.094, 0.066, 0.0),
             (0.055, 0.088, 0.062, 0.002),
@@ -141,27 +141,27 @@ class Figure:
             (0.300, 0.066, 0.044, -0.006),
             (0.316, 0.036, 0.034, -0.004),
         ]
-        if look.top in ("jacket", "coat"):
+        if person.top in ("jacket", "coat"):
             rows[2] = (0.105, 0.090, 0.064, 0.004)  # cloth hangs straight over the waist
         sections = [self.ring(z, w * thick, d * thick, f) for z, w, d, f in rows]
-        if look.top == "coat":
+        if person.top == "coat":
             sections[0] = self.hem(-0.04, 0.108)
             sections.insert(0, self.hem(-0.17, 0.118))
-        elif look.top == "jacket":
+        elif person.top == "jacket":
             sections.insert(0, self.ring(-0.03, 0.108, 0.078))
-        elif look.top == "dress":
+        elif person.top == "dress":
             sections[0] = self.hem(-0.05, 0.108)
             sections.insert(0, self.hem(-0.14, 0.120))
             sections.insert(0, self.hem(-0.235, 0.130))
-        self.builder.loft(sections, look.top_color, crease_deg=60)
-        neck = [self.trunk(0.295), self.trunk(CHIN_ABOVE_HIP + 0.012) + [0.006 * look.height, 0, 0]]
-        self.builder.tube(neck, [0.031 * look.height * look.girth**0.5] * 2, look.skin, sides=10)
-        if look.top in ("jacket", "coat"):  # the collar, and the shirt that shows in its opening
+        self.builder.loft(sections, person.top_color, crease_deg=60)
+        neck = [self.trunk(0.295), self.trunk(CHIN_ABOVE_HIP + 0.012) + [0.006 * person.height, 0, 0]]
+        self.builder.tube(neck, [0.031 * person.height * person.girth**0.5] * 2, person.skin, sides=10)
+        if person.top in ("jacket", "coat"):  # the collar, and the shirt that shows in its opening
             self.builder.loft(
-                [self.ring(0.290, 0.052, 0.050), self.ring(0.322, 0.040, 0.042)], shade(look.top_color, 0.85)
+                [self.ring(0.290, 0.052, 0.050), self.ring(0.322, 0.040, 0.042)], shade(person.top_color, 0.85)
             )
-            h = look.height
-            front = [self.trunk(z) + [d * h * look.girth, 0, 0] for z, d in ((0.300, 0.050), (0.20, 0.084))]
+            h = person.height
+            front = [self.trunk(z) + [d * h * person.girth, 0, 0] for z, d in ((0.300, 0.050), (0.20, 0.084))]
             self.builder.quad(
                 [
                     front[1] - [0, 0.004, 0],
@@ -174,10 +174,10 @@ class Figure:
             )
 
     def _legs(self) -> None:
-        look, h, g = self.look, self.look.height, self.look.girth
-        bare = look.bottom != "trousers"
+        person, h, g = self.person, self.person.height, self.person.girth
+        bare = person.bottom != "trousers"
         # What a coat or skirt hides is left away, so that no thigh shows through its cloth.
-        hidden = max({"coat": 0.17, "dress": 0.235}.get(look.top, 0.0), 0.23 if look.bottom == "skirt" else 0.0)
+        hidden = max({"coat": 0.17, "dress": 0.235}.get(person.top, 0.0), 0.23 if person.bottom == "skirt" else 0.0)
         start = max(0.0, hidden - 0.05) / THIGH
         for k, side in ((0, 1.0), (1, -1.0)):
             top = self.hip + [0, side * HIP_HALF * h * 0.92, 0.01 * h]
@@ -186,21 +186,21 @@ class Figure:
             path = [top, top + (knee - top) * 0.5, knee, knee + (ankle - knee) * 0.35, ankle]
             radii = np.array([0.054 - 0.014 * start, 0.046 - 0.006 * start, 0.033, 0.034, 0.023]) * h * g**0.6
             if bare:
-                self.builder.tube(path, list(radii), look.skin, sides=8)
+                self.builder.tube(path, list(radii), person.skin, sides=8)
             else:
                 self.builder.tube(
-                    path, list(radii * np.array([1.04, 1.08, 1.16, 1.18, 1.5])), look.bottom_color, sides=8
+                    path, list(radii * np.array([1.04, 1.08, 1.16, 1.18, 1.5])), person.bottom_color, sides=8
                 )
-            if look.bottom == "shorts":
+            if person.bottom == "shorts":
                 end = top + (knee - top) * 0.78
                 self.builder.tube(
                     [top, (top + end) / 2, end],
                     list(radii[:3] * np.array([1.1, 1.18, 1.5])),
-                    look.bottom_color,
+                    person.bottom_color,
                     sides=8,
                 )
             self._shoe(ankle, self.pose.thigh[k] - self.pose.knee[k])
-        if look.top == "dress":
+        if person.top == "dress":
             return
         # The seat joins the legs.
         seat = [
@@ -209,17 +209,17 @@ class Figure:
             self.ring(0.02, 0.093, 0.066),
             self.ring(0.045, 0.088, 0.061),
         ]
-        self.builder.loft(seat, look.bottom_color, crease_deg=60)
-        if look.bottom == "skirt":
+        self.builder.loft(seat, person.bottom_color, crease_deg=60)
+        if person.bottom == "skirt":
             self.builder.loft(
                 [self.hem(-0.23, 0.122), self.hem(-0.14, 0.114), self.hem(-0.05, 0.104), self.ring(0.06, 0.088, 0.062)],
-                look.bottom_color,
+                person.bottom_color,
                 crease_deg=60,
             )
 
     def _shoe(self, ankle: np.ndarray, shin: float) -> None:
         """A shoe whose sole follows the shin half way (a lifted heel when the leg is behind)."""
-        h = self.look.height
+        h = self.person.height
         pitch = np.radians(np.clip(-shin * 0.75, -18, 55)) if shin < 0 else np.radians(np.clip(-shin * 0.4, -18, 0))
         with self.builder.frame(tuple(ankle), (0, float(np.degrees(pitch)), 0)):
             length, width = 0.150 * h, 0.029 * h
@@ -239,29 +239,29 @@ class Figure:
                 y = np.clip(np.cos(a) * 1.15, -1, 1) * width * min(wide, 1.05)
                 z = low + (np.clip(np.sin(a) * 1.15, -1, 1) + 1) / 2 * top * h
                 sections.append(np.stack([np.full(8, x * length), y, z], 1))
-            self.builder.loft(sections, self.look.shoes, crease_deg=50)
+            self.builder.loft(sections, self.person.shoes, crease_deg=50)
 
     def _arms(self) -> None:
-        look, h, g = self.look, self.look.height, self.look.girth
-        cloth = {"shirt": 1.12, "dress": 1.08, "jacket": 1.25, "coat": 1.3}[look.top]
+        person, h, g = self.person, self.person.height, self.person.girth
+        cloth = {"shirt": 1.12, "dress": 1.08, "jacket": 1.25, "coat": 1.3}[person.top]
         for k in (0, 1):
             shoulder, elbow, wrist = self.shoulders[k], self.elbows[k], self.wrists[k]
             radii = np.array([0.0285, 0.0265, 0.0235, 0.0225, 0.0165]) * h * g**0.6
             path = [shoulder - [0, 0, 0.006 * h], (shoulder + elbow) / 2, elbow, elbow + (wrist - elbow) * 0.4, wrist]
-            if look.sleeves == "long":
-                self.builder.tube(path, list(radii * cloth), look.top_color, sides=8)
+            if person.sleeves == "long":
+                self.builder.tube(path, list(radii * cloth), person.top_color, sides=8)
             else:
-                self.builder.tube(path[1:], list(radii[1:]), look.skin, sides=8)
+                self.builder.tube(path[1:], list(radii[1:]), person.skin, sides=8)
                 self.builder.tube(
                     path[:2] + [path[1] + (elbow - shoulder) * 0.12],
                     list(radii[[0, 1, 1]] * cloth * 1.08),
-                    look.top_color,
+                    person.top_color,
                     sides=8,
                 )
             self.builder.ball(
                 (0.027 * h * cloth, 0.029 * h * cloth, 0.026 * h * cloth),
                 tuple(shoulder - [0, 0, 0.004 * h]),
-                look.top_color,
+                person.top_color,
                 segments=8,
                 rings=6,
             )
@@ -272,20 +272,20 @@ class Figure:
                 wrist + lower * 0.075 * h,
                 wrist + lower * 0.10 * h,
             ]
-            self.builder.tube(path, [0.0155 * h, 0.024 * h, 0.021 * h, 0.009 * h], look.skin, sides=7)
+            self.builder.tube(path, [0.0155 * h, 0.024 * h, 0.021 * h, 0.009 * h], person.skin, sides=7)
 
     @functools.cached_property
     def head_center(self) -> np.ndarray:
-        h = self.look.height
-        return self.trunk(CHIN_ABOVE_HIP) + np.array([0.014, 0.0, 0.063 * self.look.head]) * h
+        h = self.person.height
+        return self.trunk(CHIN_ABOVE_HIP) + np.array([0.014, 0.0, 0.063 * self.person.head]) * h
 
     @property
     def head_radii(self) -> np.ndarray:
         """Half depth, half width and half height of the skull, m."""
-        return np.array([0.057, 0.047, 0.069]) * self.look.height * self.look.head
+        return np.array([0.057, 0.047, 0.069]) * self.person.height * self.person.head
 
     def _head(self) -> None:
-        look, (rx, ry, rz) = self.look, self.head_radii
+        person, (rx, ry, rz) = self.person, self.head_radii
         with self.builder.frame(tuple(self.head_center), (0, 0, self.pose.turn)):
             # The face narrows towards the chin.
             skull = shapes.ellipsoid((rx, ry, rz), 12, 8)
@@ -293,7 +293,7 @@ class Figure:
             low = np.clip(-points[:, 2] / rz, 0, 1)
             points[:, 1] *= 1 - 0.22 * low
             points[:, 0] = np.where(points[:, 0] < 0, points[:, 0] * (1 - 0.25 * low), points[:, 0])
-            self.builder.add(Shape(points, skull.faces), look.skin, crease_deg=60)
+            self.builder.add(Shape(points, skull.faces), person.skin, crease_deg=60)
             for side in (-1, 1):
                 self.builder.ball(
                     (rx * 0.08, ry * 0.17, rz * 0.065),
@@ -312,14 +312,14 @@ class Figure:
                 self.builder.ball(
                     (rx * 0.05, ry * 0.24, rz * 0.03),
                     (rx * 0.87, side * ry * 0.40, rz * 0.24),
-                    look.hair_color,
+                    person.hair_color,
                     segments=5,
                     rings=3,
                 )
                 self.builder.ball(
                     (rx * 0.16, ry * 0.10, rz * 0.17),
                     (-rx * 0.05, side * ry * 0.98, 0.0),
-                    look.skin,
+                    person.skin,
                     segments=5,
                     rings=3,
                 )
@@ -330,36 +330,36 @@ class Figure:
                     (rx * 0.9, ry * 0.17, -rz * 0.22),
                     (rx * 0.9, -ry * 0.17, -rz * 0.22),
                 ],
-                shade(look.skin, 0.96),
+                shade(person.skin, 0.96),
             )
             self.builder.ball(
                 (rx * 0.06, ry * 0.30, rz * 0.035),
                 (rx * 0.82, 0, -rz * 0.46),
-                mix(look.skin, "dark red", 0.45),
+                mix(person.skin, "dark red", 0.45),
                 segments=8,
                 rings=4,
             )
             self._hair()
 
     def _hair(self) -> None:
-        look, (rx, ry, rz) = self.look, self.head_radii
-        if look.hair == "bald":
+        person, (rx, ry, rz) = self.person, self.head_radii
+        if person.hair == "bald":
             return
-        grow = 1.16 if look.hair == "curly" else 1.09
+        grow = 1.16 if person.hair == "curly" else 1.09
         cap = shapes.ellipsoid((rx * grow, ry * grow, rz * grow), 12, 8)
         middle = cap.vertices[cap.faces].mean(1)
         # The hairline: high over the forehead, low at the neck.
         keep = middle[:, 2] > 0.42 * rz + 0.95 * (middle[:, 0] - 0.55 * rx) * rz / rx
         used, faces = np.unique(cap.faces[keep], return_inverse=True)
         points = cap.vertices[used] + [-0.05 * rx, 0, 0.03 * rz]
-        if look.hair == "curly":
+        if person.hair == "curly":
             points = points * (
                 1 + 0.06 * np.sin(37 * points[:, :1] / rx + 23 * points[:, 1:2] / ry + 31 * points[:, 2:] / rz)
             )
         both = Shape(points, faces.reshape(-1, 3))
-        self.builder.add(both, look.hair_color, crease_deg=60)
-        self.builder.add(both.flipped(), shade(look.hair_color, 0.8), crease_deg=60)
-        if look.hair == "long":
+        self.builder.add(both, person.hair_color, crease_deg=60)
+        self.builder.add(both.flipped(), shade(person.hair_color, 0.8), crease_deg=60)
+        if person.hair == "long":
             self.builder.loft(
                 [
                     _oval(-0.62 * rx, -1.75 * rz, 0.30 * rx, 0.85 * ry),
@@ -367,11 +367,11 @@ class Figure:
                     _oval(-0.50 * rx, 0.1 * rz, 0.55 * rx, 1.04 * ry),
                     _oval(-0.35 * rx, 0.6 * rz, 0.4 * rx, 0.8 * ry),
                 ],
-                look.hair_color,
+                person.hair_color,
                 crease_deg=60,
             )
-        if look.hair == "bun":
-            self.builder.ball(0.42 * rx, (-1.15 * rx, 0, 0.45 * rz), look.hair_color, segments=9, rings=6)
+        if person.hair == "bun":
+            self.builder.ball(0.42 * rx, (-1.15 * rx, 0, 0.45 * rz), person.hair_color, segments=9, rings=6)
 
 
 def _down(angle_deg: float) -> np.ndarray:

@@ -5,14 +5,14 @@ import numpy as np
 from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset
 from ...meshes.recipe import recipe
-from .figure import STANDING, Look, Pose
+from .figure import STANDING, Person, Pose
 from .uniforms import STEP, badge_words, belt, dressed, finished
 from .worn_items import backpack, cap, vest
 
 
 @recipe("security guard", 3, name="guards.security_guard")
 def security_guard(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    look = Look(
+    person = Person(
         (1.78, 1.72, 1.86)[variant],
         (1.08, 1.0, 1.15)[variant],
         ("skin dark", "skin light", "skin medium")[variant],
@@ -25,8 +25,8 @@ def security_guard(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "black",
     )
     at_ease = Pose((5, -5), (3, 3), (4, 4), (58, 58), 0.0, (20, 20))
-    f = dressed(look, (STANDING, STEP, at_ease)[variant])
-    b, h = f.builder, look.height
+    f = dressed(person, (STANDING, STEP, at_ease)[variant])
+    b, h = f.builder, person.height
     belt(f)
     if variant < 2:
         cap(f, "#1d2026", ("police", "cap")[variant])
@@ -46,7 +46,7 @@ def security_guard(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.rod((x - 0.06, y, z), (x + 0.20, y, z - 0.02), 0.020, "black", sides=8)  # a torch
     b.cylinder(0.032, 0.05, (x + 0.19, y, z - 0.02), "lamp", (0, 94, 0), segments=10)
     names = ("A security guard in a white shirt and cap", "A security guard in a vest", "A doorman in black")
-    return finished(f, names[variant], ((0.38, 0.57, 1.80), (0, 0, 1.75), (0, 0, 1.86))[variant], dress=look.top)
+    return finished(f, names[variant], ((0.38, 0.57, 1.80), (0, 0, 1.75), (0, 0, 1.86))[variant], dress=person.top)
 
 
 _TIE_LEFT = ((0.295, 0.052, 0.012), (0.12, 0.070, 0.02), (0.10, 0.068, 0.004))
@@ -55,7 +55,7 @@ _TIE = (*((z, x, side * y) for z, x, y in _TIE_LEFT for side in (-1, 1)), (0.2, 
 
 @recipe("traffic controller", 3, name="guards.traffic_controller")
 def traffic_controller(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    look = Look(
+    person = Person(
         (1.74, 1.70, 1.80)[variant],
         (1.05, 0.98, 1.1)[variant],
         ("skin medium", "skin light", "skin dark")[variant],
@@ -72,7 +72,7 @@ def traffic_controller(variant: int, rng: np.random.Generator) -> BuiltAsset:
         Pose((3, -4), (4, 4), (10, 20), (14, 20), 0.0, (9, 62)),
         Pose((3, -4), (4, 4), (62, 4), (14, 10), 0.0, (10, 78)),
     )
-    f = dressed(look, poses[variant])
+    f = dressed(person, poses[variant])
     b = f.builder
     vest(f, ("lime", "safety orange", "lime")[variant], "light grey")
     badge_words(f, "TRAFFIC", "black", ("lime", "safety orange", "lime")[variant], 0.084)

@@ -8,7 +8,7 @@ from ...meshes import paint
 from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color
 from ...meshes.recipe import Physics, recipe
-from .figure import RUNNING, STANDING, WALKING, WALKING_OTHER, Figure, Look, Pose
+from .figure import RUNNING, STANDING, WALKING, WALKING_OTHER, Figure, Person, Pose
 from .worn_items import backpack, cap, carried_bag, shoulder_bag, vest
 
 _REASON = (
@@ -22,19 +22,19 @@ ADULT = Physics(("flesh", "fabric"), 985.0, (48.0, 110.0), 0.5, False, _REASON)
 CHILD = Physics(("flesh", "fabric"), 985.0, (14.0, 48.0), 0.5, False, _REASON)
 
 
-def _mass(look: Look) -> float:
+def _mass(person: Person) -> float:
     """Body mass from a body mass index of 23 at girth 1 (16 for children), kg."""
-    index = 23.0 if look.height > 1.5 else 16.5
-    return round(index * look.height**2 * look.girth, 1)
+    index = 23.0 if person.height > 1.5 else 16.5
+    return round(index * person.height**2 * person.girth, 1)
 
 
 def _done(figure: Figure, description: str, params: dict, extra_mass: float = 0.0) -> BuiltAsset:
-    built = figure.builder.build(description, params, mass=_mass(figure.look) + extra_mass)
-    return dataclasses.replace(built, volume=_mass(figure.look) / 985.0)
+    built = figure.builder.build(description, params, mass=_mass(figure.person) + extra_mass)
+    return dataclasses.replace(built, volume=_mass(figure.person) / 985.0)
 
 
-def _figure(look: Look, pose: Pose) -> Figure:
-    figure = Figure(MeshBuilder(roughness=0.85), look, pose)
+def _figure(person: Person, pose: Pose) -> Figure:
+    figure = Figure(MeshBuilder(roughness=0.85), person, pose)
     figure.build()
     return figure
 
@@ -42,32 +42,32 @@ def _figure(look: Look, pose: Pose) -> Figure:
 _ADULTS = (
     (
         "A woman in a red coat, walking with a handbag",
-        Look(1.68, 0.95, "skin light", "long", "#5a3820", "coat", "#a32630", "trousers", "charcoal", "#3a2a22"),
+        Person(1.68, 0.95, "skin light", "long", "#5a3820", "coat", "#a32630", "trousers", "charcoal", "#3a2a22"),
         WALKING,
     ),
     (
         "A man in a blue shirt and jeans with a backpack, walking",
-        Look(1.80, 1.05, "skin medium", "short", "#1e1612", "shirt", "#4a7fb5", "trousers", "#2d3a55", "white"),
+        Person(1.80, 1.05, "skin medium", "short", "#1e1612", "shirt", "#4a7fb5", "trousers", "#2d3a55", "white"),
         WALKING_OTHER,
     ),
     (
         "A man in a grey suit, standing",
-        Look(1.78, 1.0, "skin dark", "short", "#15100d", "jacket", "#5d636b", "trousers", "#4c5158", "black"),
+        Person(1.78, 1.0, "skin dark", "short", "#15100d", "jacket", "#5d636b", "trousers", "#4c5158", "black"),
         STANDING,
     ),
     (
         "A woman in a yellow dress, walking",
-        Look(1.65, 0.98, "skin dark", "curly", "#1b120e", "dress", "#e0b23c", "skirt", "#e0b23c", "white", "short"),
+        Person(1.65, 0.98, "skin dark", "curly", "#1b120e", "dress", "#e0b23c", "skirt", "#e0b23c", "white", "short"),
         WALKING_OTHER,
     ),
     (
         "A young man in a green hooded jacket, standing with a phone",
-        Look(1.76, 0.95, "skin light", "short", "#b88a4a", "jacket", "#4f6b4a", "trousers", "#76695a", "#c9c4ba"),
+        Person(1.76, 0.95, "skin light", "short", "#b88a4a", "jacket", "#4f6b4a", "trousers", "#76695a", "#c9c4ba"),
         Pose((3, -3), (4, 4), (8, 22), (14, 88), 4.0),
     ),
     (
         "A woman in a white blouse and dark skirt with shopping bags",
-        Look(1.66, 1.1, "skin medium", "bun", "#2b1d15", "shirt", "#ece8df", "skirt", "#2e3350", "black"),
+        Person(1.66, 1.1, "skin medium", "bun", "#2b1d15", "shirt", "#ece8df", "skirt", "#2e3350", "black"),
         WALKING,
     ),
 )
@@ -75,8 +75,8 @@ _ADULTS = (
 
 @recipe("pedestrian adult", 6, ADULT, hulls=3, name="people.pedestrian_adult")
 def pedestrian_adult(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    description, look, pose = _ADULTS[variant]
-    figure = _figure(look, pose)
+    description, person, pose = _ADULTS[variant]
+    figure = _figure(person, pose)
     if variant == 0:
         shoulder_bag(figure, "#6d4a2c")
     elif variant == 1:
@@ -95,28 +95,30 @@ def pedestrian_adult(variant: int, rng: np.random.Generator) -> BuiltAsset:
         carried_bag(figure, 0, "white")
         carried_bag(figure, 1, "#c46a8a")
     return _done(
-        figure, description, {"height": look.height, "pose": "standing" if variant in (2, 4) else "walking"}, 3.0
+        figure, description, {"height": person.height, "pose": "standing" if variant in (2, 4) else "walking"}, 3.0
     )
 
 
 @recipe("pedestrian child", 4, CHILD, hulls=2, name="people.pedestrian_child")
 def pedestrian_child(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    description, look, pose = (
+    description, person, pose = (
         (
             "A girl in a pink dress, walking",
-            Look(1.18, 0.95, "skin light", "long", "#8a5a30", "dress", "pink", "skirt", "pink", "white", "short", 1.28),
+            Person(
+                1.18, 0.95, "skin light", "long", "#8a5a30", "dress", "pink", "skirt", "pink", "white", "short", 1.28
+            ),
             WALKING,
         ),
         (
             "A boy in a striped shirt and shorts with a school bag",
-            Look(
+            Person(
                 1.26, 0.98, "skin medium", "short", "#2a1c14", "shirt", "orange", "shorts", "blue", "red", "short", 1.24
             ),
             WALKING_OTHER,
         ),
         (
             "A toddler in a yellow raincoat, standing",
-            Look(
+            Person(
                 0.95,
                 1.12,
                 "skin light",
@@ -134,7 +136,7 @@ def pedestrian_child(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ),
         (
             "A girl in a teal jacket, standing",
-            Look(
+            Person(
                 1.36,
                 0.95,
                 "skin dark",
@@ -151,35 +153,37 @@ def pedestrian_child(variant: int, rng: np.random.Generator) -> BuiltAsset:
             STANDING,
         ),
     )[variant]
-    figure = _figure(look, pose)
+    figure = _figure(person, pose)
     if variant == 1:
         backpack(figure, "red", 1.15)
     if variant == 2:
         cap(figure, "signal yellow", "beanie")
-    return _done(figure, description, {"height": look.height}, 1.0)
+    return _done(figure, description, {"height": person.height}, 1.0)
 
 
 @recipe("elderly person", 3, ADULT, hulls=3, name="people.elderly_person")
 def elderly_person(variant: int, rng: np.random.Generator) -> BuiltAsset:
     bent = Pose((9, -6), (12, 16), (10, 34), (18, 34), 14.0)
-    description, look, pose = (
+    description, person, pose = (
         (
             "An old man with a walking stick and a flat cap",
-            Look(1.68, 1.05, "skin light", "bald", "#d8d8d4", "jacket", "#7a6a50", "trousers", "#55504a", "#3a2a1e"),
+            Person(1.68, 1.05, "skin light", "bald", "#d8d8d4", "jacket", "#7a6a50", "trousers", "#55504a", "#3a2a1e"),
             bent,
         ),
         (
             "An old woman with white hair and a handbag",
-            Look(1.57, 1.12, "skin light", "bun", "#e4e2de", "coat", "#6a5a7a", "skirt", "#4a4252", "#2e2622"),
+            Person(1.57, 1.12, "skin light", "bun", "#e4e2de", "coat", "#6a5a7a", "skirt", "#4a4252", "#2e2622"),
             dataclasses.replace(bent, shoulder=(8, 6), lean=11.0),
         ),
         (
             "An old woman pushing a wheeled walker",
-            Look(1.58, 1.05, "skin medium", "short", "#c9c7c2", "jacket", "#4f7a7a", "trousers", "#5a5560", "#3a3a3a"),
+            Person(
+                1.58, 1.05, "skin medium", "short", "#c9c7c2", "jacket", "#4f7a7a", "trousers", "#5a5560", "#3a3a3a"
+            ),
             Pose((14, -8), (12, 18), (24, 24), (36, 36), 16.0),
         ),
     )[variant]
-    figure = _figure(look, pose)
+    figure = _figure(person, pose)
     b = figure.builder
     if variant == 0:
         x, y, z = figure.hands[1]
@@ -206,27 +210,27 @@ def elderly_person(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.ring(0.075, 0.022, (x + dx, y * 1.12, 0.097), "rubber", (90, 0, 0), 12, 6)
         x, _, z = figure.hands[0]
         b.box((0.24, 0.34, 0.03), (x + 0.13, 0, z - 0.36), "black")
-    return _done(figure, description, {"height": look.height}, 2.0)
+    return _done(figure, description, {"height": person.height}, 2.0)
 
 
 @recipe("construction worker", 3, ADULT, hulls=3, name="people.construction_worker")
 def construction_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    description, look, pose, hat = (
+    description, person, pose, hat = (
         (
             "A construction worker in an orange vest and yellow helmet, walking",
-            Look(1.80, 1.1, "skin light", "short", "#3a2a1e", "shirt", "#3c4f78", "trousers", "#3a4048", "#6b4a2a"),
+            Person(1.80, 1.1, "skin light", "short", "#3a2a1e", "shirt", "#3c4f78", "trousers", "#3a4048", "#6b4a2a"),
             WALKING,
             "signal yellow",
         ),
         (
             "A construction worker in a lime vest with a white helmet and plans",
-            Look(1.74, 1.0, "skin medium", "short", "#1e1612", "jacket", "#6a6f78", "trousers", "#5a4f42", "#4a3624"),
+            Person(1.74, 1.0, "skin medium", "short", "#1e1612", "jacket", "#6a6f78", "trousers", "#5a4f42", "#4a3624"),
             Pose((2, -2), (3, 3), (12, 22), (60, 74), 2.0),
             "white",
         ),
         (
             "A road worker in orange with a shovel",
-            Look(
+            Person(
                 1.77,
                 1.15,
                 "skin dark",
@@ -242,7 +246,7 @@ def construction_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
             "safety orange",
         ),
     )[variant]
-    figure = _figure(look, pose)
+    figure = _figure(person, pose)
     vest(
         figure,
         ("safety orange", "lime", "safety orange")[variant],
@@ -256,13 +260,13 @@ def construction_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         x, y, z = figure.hands[0]
         figure.builder.rod((x - 0.12, y, z + 0.35), (x + 0.22, y, 0.32), 0.018, "light wood", sides=6)
         figure.builder.box((0.02, 0.22, 0.32), (x + 0.27, y, 0.0), "dark grey", turn_deg=(0, -14, 0))
-    return _done(figure, description, {"height": look.height}, 5.0)
+    return _done(figure, description, {"height": person.height}, 5.0)
 
 
 @recipe("police officer", 3, ADULT, hulls=3, name="people.police_officer")
 def police_officer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color, trousers = (("#1e2a48", "#1a2238"), ("#9db6d0", "#1d2740"), ("#23262c", "#23262c"))[variant]
-    look = Look(
+    person = Person(
         (1.82, 1.70, 1.78)[variant],
         (1.05, 0.98, 1.1)[variant],
         ("skin light", "skin dark", "skin medium")[variant],
@@ -274,19 +278,19 @@ def police_officer(variant: int, rng: np.random.Generator) -> BuiltAsset:
         trousers,
         "black",
     )
-    figure = _figure(look, (STANDING, WALKING, Pose((2, -2), (3, 3), (-6, -6), (62, 62), 0.0, (26, 26)))[variant])
+    figure = _figure(person, (STANDING, WALKING, Pose((2, -2), (3, 3), (-6, -6), (62, 62), 0.0, (26, 26)))[variant])
     cap(figure, trousers, "police" if variant < 2 else "cap")
     if variant == 2:
         vest(figure, "#2d3138", "#2d3138")
-    b, h = figure.builder, look.height
+    b, h = figure.builder, person.height
     b.loft([figure.ring(0.030, 0.099, 0.072), figure.ring(0.052, 0.097, 0.071)], "black", crease_deg=60)
     for y, w in ((0.095, 0.05), (-0.095, 0.06), (0.06, 0.04)):
         at = figure.trunk(0.02) + [0.01, y * h, -0.02]
         b.box((0.06, w, 0.11), tuple(at), "black", bevel=0.01, centered=True)
-    badge = figure.trunk(0.225) + [0.077 * h * look.girth, 0.045 * h, 0]
+    badge = figure.trunk(0.225) + [0.077 * h * person.girth, 0.045 * h, 0]
     b.box((0.008, 0.05, 0.06), tuple(badge), "gold", bevel=0.003, centered=True)
     image = _word("POLICE", "white" if variant != 1 else "#1d2740", color if variant < 2 else "#2d3138")
-    back = figure.trunk(0.235) - [(0.078 if variant != 2 else 0.082) * h * look.girth, 0, 0]
+    back = figure.trunk(0.235) - [(0.078 if variant != 2 else 0.082) * h * person.girth, 0, 0]
     b.panel(image, tuple(back), 0.26, 0.065, "-x")
     names = (
         "A police officer in a dark uniform, standing",
@@ -304,17 +308,17 @@ def _word(words: str, ink: Color, back: Color) -> np.ndarray:
 
 @recipe("jogger", 3, ADULT, hulls=3, name="people.jogger")
 def jogger(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    look = (
-        Look(1.69, 0.9, "skin light", "bun", "#7a4a24", "shirt", "#e0507a", "trousers", "black", "lime", "short"),
-        Look(1.81, 0.95, "skin dark", "short", "#15100d", "shirt", "lime", "shorts", "black", "orange", "short"),
-        Look(1.75, 1.1, "skin medium", "short", "#3a2a1e", "jacket", "signal blue", "shorts", "charcoal", "white"),
+    person = (
+        Person(1.69, 0.9, "skin light", "bun", "#7a4a24", "shirt", "#e0507a", "trousers", "black", "lime", "short"),
+        Person(1.81, 0.95, "skin dark", "short", "#15100d", "shirt", "lime", "shorts", "black", "orange", "short"),
+        Person(1.75, 1.1, "skin medium", "short", "#3a2a1e", "jacket", "signal blue", "shorts", "charcoal", "white"),
     )[variant]
     pose = (
         RUNNING,
         Pose((-20, 52), (74, 58), (40, -44), (92, 86), 12.0),
         Pose((38, -14), (48, 60), (-34, 30), (80, 84), 9.0),
     )[variant]
-    figure = _figure(look, pose)
+    figure = _figure(person, pose)
     if variant == 2:
         cap(figure, "white", "cap")
     names = (
@@ -322,30 +326,32 @@ def jogger(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "A man running in a lime shirt and shorts",
         "A man jogging in a blue jacket and a cap",
     )
-    return _done(figure, names[variant], {"height": look.height})
+    return _done(figure, names[variant], {"height": person.height})
 
 
 @recipe("delivery worker", 3, ADULT, hulls=3, name="people.delivery_worker")
 def delivery_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    look, pose = (
+    person, pose = (
         (
-            Look(1.78, 1.0, "skin medium", "short", "#1e1612", "jacket", "#7a4a22", "trousers", "#5a3a1e", "black"),
+            Person(1.78, 1.0, "skin medium", "short", "#1e1612", "jacket", "#7a4a22", "trousers", "#5a3a1e", "black"),
             Pose((20, -12), (8, 20), (34, 34), (72, 72), -3.0),
         ),
-        (Look(1.75, 0.95, "skin dark", "short", "#15100d", "jacket", "teal", "trousers", "black", "white"), WALKING),
+        (Person(1.75, 0.95, "skin dark", "short", "#15100d", "jacket", "teal", "trousers", "black", "white"), WALKING),
         (
-            Look(1.72, 1.05, "skin light", "short", "#6a4526", "shirt", "red", "shorts", "charcoal", "black", "short"),
+            Person(
+                1.72, 1.05, "skin light", "short", "#6a4526", "shirt", "red", "shorts", "charcoal", "black", "short"
+            ),
             Pose((4, -3), (4, 4), (30, 30), (62, 62), -2.0),
         ),
     )[variant]
-    figure = _figure(look, pose)
+    figure = _figure(person, pose)
     cap(figure, ("#7a4a22", "teal", "red")[variant], "cap")
     middle = (figure.hands[0] + figure.hands[1]) / 2
     if variant == 0:
         figure.builder.box((0.36, 0.40, 0.30), tuple(middle + [0.06, 0, -0.06]), "cardboard", bevel=0.01)
         figure.builder.box((0.364, 0.06, 0.304), tuple(middle + [0.06, 0, -0.062]), "beige")
     elif variant == 1:  # the big insulated cube of food couriers
-        h = look.height
+        h = person.height
         at = figure.trunk(0.21)
         skin = _word("FOOD GO", "white", "teal")
         with figure.builder.frame((at[0] - 0.30, 0, at[2] - 0.24), (0, pose.lean, 0)):
@@ -372,4 +378,4 @@ def delivery_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "A food courier with a cube backpack",
         "A pizza courier with three boxes",
     )
-    return _done(figure, names[variant], {"height": look.height}, (8.0, 7.0, 3.0)[variant])
+    return _done(figure, names[variant], {"height": person.height}, (8.0, 7.0, 3.0)[variant])

@@ -10,7 +10,7 @@ from ...meshes.recipe import Physics, recipe
 from ..shared.sizes import fitted
 from ..vehicle.bicycles import BIKES, build_bicycle
 from ..vehicle.motorbikes import Motorbike, motorbike
-from .figure import ANKLE_HEIGHT, FOREARM, SHANK, THIGH, UPPER_ARM, Figure, Look, Pose
+from .figure import ANKLE_HEIGHT, FOREARM, SHANK, THIGH, UPPER_ARM, Figure, Person, Pose
 from .limbs import reach_foot, reach_hand
 from .worn_items import cap
 
@@ -27,19 +27,21 @@ _CYCLIST = Physics(
 @recipe("cyclist", 3, _CYCLIST, hulls=4, name="cyclists.cyclist")
 def cyclist(variant: int, rng: np.random.Generator) -> BuiltAsset:
     bike = (BIKES[0], BIKES[1], dataclasses.replace(BIKES[3], color="light blue"))[variant]
-    look = (
-        Look(1.78, 1.0, "skin light", "short", "#4a3524", "jacket", "#8a2f2f", "trousers", "#2d3a55", "white"),
-        Look(
+    person = (
+        Person(1.78, 1.0, "skin light", "short", "#4a3524", "jacket", "#8a2f2f", "trousers", "#2d3a55", "white"),
+        Person(
             1.76, 0.92, "skin medium", "short", "#1e1612", "shirt", "signal yellow", "shorts", "black", "white", "short"
         ),
-        Look(1.66, 0.95, "skin dark", "long", "#17100c", "shirt", "#d8e0e4", "trousers", "#5a6b4a", "#8a5a30", "long"),
+        Person(
+            1.66, 0.95, "skin dark", "long", "#17100c", "shirt", "#d8e0e4", "trousers", "#5a6b4a", "#8a5a30", "long"
+        ),
     )[variant]
     b = MeshBuilder(roughness=0.7)
     touch = build_bicycle(b, bike)
     lean = (24.0, 44.0, 18.0)[variant]
     hip = tuple(touch["saddle"] + [0.02, 0, 0.10])
     pose = Pose((78, 42), (84, 42), (40, 40), (14, 14), lean, (6, 6))
-    figure = Figure(b, look, pose, hip)
+    figure = Figure(b, person, pose, hip)
     _reach(figure, touch)
     figure.build()
     if variant < 2:
@@ -55,7 +57,7 @@ def cyclist(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 def _reach(figure: Figure, touch: dict[str, np.ndarray]) -> None:
     """Moves feet onto the pedals and hands onto the grips, bending knees forwards and elbows downwards."""
-    h = figure.look.height
+    h = figure.person.height
     for k, side in ((0, "left"), (1, "right")):
         hip = figure.hip + [0, (1 if k == 0 else -1) * 0.052 * h, 0]
         ankle = touch[f"{side}_pedal"] + [-0.07, 0, ANKLE_HEIGHT * h + 0.015]
@@ -99,13 +101,13 @@ def motorcycle_rider(variant: int, rng: np.random.Generator) -> BuiltAsset:
         Motorbike("cruiser", "black", "dark grey", 0.66, 1.06, (0.32, 0.31), 1.62),
     )[variant]
     touch = motorbike(b, bike)
-    look = (
-        Look(1.74, 1.1, "skin light", "bald", "black", "jacket", "#3a3f47", "trousers", "#2d3a55", "black"),
-        Look(1.72, 1.0, "skin light", "bald", "black", "jacket", "signal red", "trousers", "charcoal", "black"),
-        Look(1.78, 1.25, "skin medium", "bald", "black", "jacket", "#4a3020", "trousers", "#232833", "black"),
+    person = (
+        Person(1.74, 1.1, "skin light", "bald", "black", "jacket", "#3a3f47", "trousers", "#2d3a55", "black"),
+        Person(1.72, 1.0, "skin light", "bald", "black", "jacket", "signal red", "trousers", "charcoal", "black"),
+        Person(1.78, 1.25, "skin medium", "bald", "black", "jacket", "#4a3020", "trousers", "#232833", "black"),
     )[variant]
     lean = (16.0, 42.0, 2.0)[variant]
-    f = Figure(b, look, Pose(lean=lean, spread=(12, 12)), tuple(touch["hip"]))
+    f = Figure(b, person, Pose(lean=lean, spread=(12, 12)), tuple(touch["hip"]))
     for k, side in enumerate((1.0, -1.0)):
         mirror = np.array([1.0, side, 1.0])
         peg = touch["peg"] + ([0.34, 0, 0.02] if variant == 2 else [0.0, 0, 0])

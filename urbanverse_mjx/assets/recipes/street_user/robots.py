@@ -78,7 +78,7 @@ def humanoid_robot(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 def _toy_robot(b: MeshBuilder) -> BuiltAsset:
-    """The boxy robot of picture books."""
+    """The boxy robot of image books."""
     steel: Color = "#9fb4bd"
     b.box((0.26, 0.38, 0.38), (0, 0, 0.30), steel, bevel=0.03)
     b.box((0.22, 0.28, 0.22), (0, 0, 0.72), steel, bevel=0.03)

@@ -9,7 +9,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared.sizes import fitted
-from .figure import STANDING, Figure, Look, Pose
+from .figure import STANDING, Figure, Person, Pose
 from .worn_items import cap, vest
 
 #: Short steps: someone on duty, not in a hurry.
@@ -19,18 +19,18 @@ STEP_OTHER = Pose((-10, 14), (16, 4), (11, -9), (18, 12), 2.0)
 BODY_DENSITY, BODY_MASS_INDEX = 985.0, 23.0
 
 
-def dressed(look: Look, pose: Pose) -> Figure:
-    figure = Figure(MeshBuilder(roughness=0.85), look, pose)
+def dressed(person: Person, pose: Pose) -> Figure:
+    figure = Figure(MeshBuilder(roughness=0.85), person, pose)
     figure.build()
     return figure
 
 
 def finished(figure: Figure, description: str, size: tuple[float, float, float], **params: object) -> BuiltAsset:
     """The asset of a figure; `size` as in `fitted` (all 0: as it is). Its volume is that of the body."""
-    look = figure.look
-    built = figure.builder.build(description, {"height": look.height, **params})
+    person = figure.person
+    built = figure.builder.build(description, {"height": person.height, **params})
     built = fitted(built, size) if any(size) else built
-    return dataclasses.replace(built, volume=BODY_MASS_INDEX * look.height**2 * look.girth / BODY_DENSITY)
+    return dataclasses.replace(built, volume=BODY_MASS_INDEX * person.height**2 * person.girth / BODY_DENSITY)
 
 
 def word(words: str, ink: Color, back: Color, size: tuple[int, int] = (64, 16)) -> np.ndarray:
@@ -41,11 +41,11 @@ def word(words: str, ink: Color, back: Color, size: tuple[int, int] = (64, 16)) 
 
 def badge_words(f: Figure, words: str, ink: Color, back: Color, out: float = 0.082) -> None:
     """A word across the back and a small one on the chest; `out`: how far clothes stand out, as a share of stature."""
-    h, picture = f.look.height, word(words, ink, back)
+    h, image = f.person.height, word(words, ink, back)
     behind, chest = f.trunk(0.225), f.trunk(0.225)
-    f.builder.panel(picture, tuple(behind - [out * h * f.look.girth, 0, 0]), 0.28, 0.07, "-x")
-    at = chest + [out * h * f.look.girth, -0.052 * h, 0]
-    f.builder.panel(picture, tuple(at), 0.12, 0.03, "+x")
+    f.builder.panel(image, tuple(behind - [out * h * f.person.girth, 0, 0]), 0.28, 0.07, "-x")
+    at = chest + [out * h * f.person.girth, -0.052 * h, 0]
+    f.builder.panel(image, tuple(at), 0.12, 0.03, "+x")
 
 
 def belt(f: Figure, color: Color = "black", wide: float = 0.101) -> None:
@@ -59,14 +59,14 @@ def bands(f: Figure, color: Color, heights: tuple[float, ...], swell: float = 1.
     for low in heights:
         wide, deep = (np.interp(low, rows[:, 0], rows[:, k]) * swell + 0.003 for k in (1, 2))
         f.builder.loft([f.ring(low, wide, deep), f.ring(low + 0.022, wide, deep)], color, crease_deg=60)
-    h, g = f.look.height, f.look.girth**0.6
+    h, g = f.person.height, f.person.girth**0.6
     for k in (0, 1):
         for start, end, radius in ((f.elbows[k], f.wrists[k], 0.031), (f.knees[k], f.ankles[k], 0.044)):
             a, b = start + 0.52 * (end - start), start + 0.68 * (end - start)
             f.builder.tube([a, b], radius * h * g, color, sides=8)
 
 
-def cross_picture(ground: Color, ink: Color) -> np.ndarray:
+def cross_image(ground: Color, ink: Color) -> np.ndarray:
     image, pen = paint.canvas((96, 96), ground)
     pen.rectangle((38, 16, 58, 80), fill=paint.rgb(ink))
     pen.rectangle((16, 38, 80, 58), fill=paint.rgb(ink))
@@ -75,19 +75,22 @@ def cross_picture(ground: Color, ink: Color) -> np.ndarray:
 
 @recipe("doctor", 3, name="uniforms.doctor")
 def doctor(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    look, pose = (
-        (Look(1.70, 1.05, "skin dark", "short", "#15100d", "coat", "white", "trousers", "#2c2f3a", "black"), STANDING),
+    person, pose = (
         (
-            Look(1.80, 1.0, "skin medium", "short", "#1e1612", "shirt", "#2f8f86", "trousers", "#2f8f86", "white"),
+            Person(1.70, 1.05, "skin dark", "short", "#15100d", "coat", "white", "trousers", "#2c2f3a", "black"),
+            STANDING,
+        ),
+        (
+            Person(1.80, 1.0, "skin medium", "short", "#1e1612", "shirt", "#2f8f86", "trousers", "#2f8f86", "white"),
             STEP,
         ),
         (
-            Look(1.66, 0.97, "skin light", "bun", "#5a3820", "coat", "white", "trousers", "#39597a", "white"),
+            Person(1.66, 0.97, "skin light", "bun", "#5a3820", "coat", "white", "trousers", "#39597a", "white"),
             Pose((3, -3), (4, 4), (8, 20), (14, 84), 0.0),
         ),
     )[variant]
-    f = dressed(look, pose)
-    b, h = f.builder, look.height
+    f = dressed(person, pose)
+    b, h = f.builder, person.height
     loop = [f.trunk(z) + [x * h, y * h, 0] for x, y, z in _stethoscope(1.35 if variant != 1 else 1.0)]
     b.tube(loop, 0.007, "charcoal", sides=5)
     b.cylinder(0.024, 0.012, tuple(loop[-1]), "aluminium", (0, 90, 0), segments=10)
@@ -98,7 +101,7 @@ def doctor(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         cap(f, "#2f8f86", "beanie")
     else:
-        b.panel(cross_picture("white", "red"), tuple(f.trunk(0.20) + [0.083 * h, -0.05 * h, 0]), 0.07, 0.07, "+x")
+        b.panel(cross_image("white", "red"), tuple(f.trunk(0.20) + [0.083 * h, -0.05 * h, 0]), 0.07, 0.07, "+x")
     names = ("A doctor in a white coat", "A surgeon in green scrubs", "A doctor in a white coat with a clipboard")
     size = ((0.34, 0.52, 1.72), (0.66, 0, 1.83), (0, 0, 1.67))[variant]
     return finished(f, names[variant], size)
@@ -123,7 +126,7 @@ def emergency_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("safety orange", "#24385c", "signal yellow"),
         ("signal red", "#2a2d33", "light grey"),
     )[variant]
-    look = Look(
+    person = Person(
         (1.77, 1.70, 1.84)[variant],
         (1.02, 0.97, 1.1)[variant],
         ("skin light", "skin dark", "skin medium")[variant],
@@ -135,7 +138,7 @@ def emergency_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         trousers,
         "black",
     )
-    f = dressed(look, (STANDING, STEP, STEP_OTHER)[variant])
+    f = dressed(person, (STANDING, STEP, STEP_OTHER)[variant])
     bands(f, stripe, (0.06, 0.15))
     badge_words(f, ("PARAMEDIC", "RESCUE", "MEDIC")[variant], "white", ("dark green", "#24385c", "#2a2d33")[variant])
     b = f.builder
@@ -143,9 +146,9 @@ def emergency_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     x, y, z = f.hands[0]
     b.box((0.40, 0.20, 0.28), (x + 0.02, y + 0.05, z - 0.40), bag, bevel=0.04)
     b.box((0.404, 0.204, 0.03), (x + 0.02, y + 0.05, z - 0.27), "light grey")
-    picture = cross_picture(bag, "white" if variant < 2 else "signal red")
-    b.panel(picture, (x + 0.224, y + 0.05, z - 0.315), 0.14, 0.14, "+x")
-    b.panel(picture, (x + 0.02, y + 0.153, z - 0.315), 0.14, 0.14, "+y")
+    image = cross_image(bag, "white" if variant < 2 else "signal red")
+    b.panel(image, (x + 0.224, y + 0.05, z - 0.315), 0.14, 0.14, "+x")
+    b.panel(image, (x + 0.02, y + 0.153, z - 0.315), 0.14, 0.14, "+y")
     b.tube([(x - 0.1, y + 0.04, z - 0.13), (x - 0.05, y, z), (x + 0.08, y, z), (x + 0.13, y + 0.04, z - 0.13)], 0.012)
     if variant == 2:
         cap(f, "white", "helmet")
@@ -160,7 +163,7 @@ def firefighter(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("#23272f", "signal yellow", "signal yellow"),
         ("#8f2b22", "light grey", "white"),
     )[variant]
-    look = Look(
+    person = Person(
         (1.78, 1.75, 1.82)[variant],
         (1.22, 1.15, 1.25)[variant],
         ("skin light", "skin dark", "skin medium")[variant],
@@ -173,9 +176,9 @@ def firefighter(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "black",
     )
     pose = (STANDING, STEP, Pose((4, -4), (5, 5), (12, 4), (60, 40), 1.0))
-    f = dressed(look, pose[variant])
+    f = dressed(person, pose[variant])
     bands(f, stripe, (0.03, 0.12, 0.20), 1.13)
-    b, h = f.builder, look.height
+    b, h = f.builder, person.height
     fire_helmet(f, hat)
     # Breathing set: a bottle on the back on its frame, straps, the regulator on the chest.
     back = f.trunk(0.03) - [0.125 * h, 0, 0]
@@ -221,21 +224,21 @@ def fire_helmet(f: Figure, color: Color) -> None:
 
 @recipe("gardener", 3, name="uniforms.gardener")
 def gardener(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    look, pose = (
+    person, pose = (
         (
-            Look(1.66, 1.02, "skin light", "short", "#8a7a60", "shirt", "#b8503c", "trousers", "#3f5f3c", "#4a5a34"),
+            Person(1.66, 1.02, "skin light", "short", "#8a7a60", "shirt", "#b8503c", "trousers", "#3f5f3c", "#4a5a34"),
             Pose((6, -6), (6, 8), (6, 10), (16, 42), 3.0),
         ),
         (
-            Look(1.64, 1.0, "skin medium", "long", "#2b1d15", "shirt", "#e6ddc8", "trousers", "#4a6a9a", "#6b4a2a"),
+            Person(1.64, 1.0, "skin medium", "long", "#2b1d15", "shirt", "#e6ddc8", "trousers", "#4a6a9a", "#6b4a2a"),
             STANDING,
         ),
         (
-            Look(1.74, 1.1, "skin dark", "short", "#15100d", "shirt", "green", "trousers", "#6a5a40", "#3a2a1e"),
+            Person(1.74, 1.1, "skin dark", "short", "#15100d", "shirt", "green", "trousers", "#6a5a40", "#3a2a1e"),
             Pose((24, -8), (30, 16), (40, 30), (26, 22), 28.0),
         ),
     )[variant]
-    f = dressed(look, pose)
+    f = dressed(person, pose)
     b = f.builder
     apron = ("dark green", "#4f7a4a", "#c7a65a")[variant]
     if variant < 2:
@@ -279,7 +282,7 @@ def straw_hat(f: Figure, color: Color, ribbon: Color) -> None:
 @recipe("maintenance worker", 3, name="uniforms.maintenance_worker")
 def maintenance_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
     overall, top = (("#2c5aa0", "#2c5aa0"), ("#d8742a", "#d8742a"), ("#5a6068", "#b9452f"))[variant]
-    look = Look(
+    person = Person(
         (1.75, 1.68, 1.82)[variant],
         (1.08, 1.0, 1.12)[variant],
         ("skin light", "skin dark", "skin medium")[variant],
@@ -291,17 +294,17 @@ def maintenance_worker(variant: int, rng: np.random.Generator) -> BuiltAsset:
         overall,
         "#3a2a1e",
     )
-    f = dressed(look, (STANDING, STEP, Pose((3, -4), (4, 5), (10, 40), (16, 78), 2.0))[variant])
-    b, h = f.builder, look.height
+    f = dressed(person, (STANDING, STEP, Pose((3, -4), (4, 5), (10, 40), (16, 78), 2.0))[variant])
+    b, h = f.builder, person.height
     cap(f, ("#2c5aa0", "signal yellow", "signal yellow")[variant], ("cap", "helmet", "helmet")[variant])
     belt(f, "#6b4423")
     for y, drop in ((0.098, 0.13), (-0.10, 0.15)):
-        b.box((0.10, 0.05, drop), tuple(f.trunk(0.03) + [0.0, y * h * look.girth, -drop]), "#6b4423", bevel=0.01)
+        b.box((0.10, 0.05, drop), tuple(f.trunk(0.03) + [0.0, y * h * person.girth, -drop]), "#6b4423", bevel=0.01)
     if variant != 1:
         for side in (-1, 1):  # braces of the overall over the shirt
-            brace = [f.trunk(z) + [x * h * look.girth, side * 0.05 * h, 0] for z, x in _BRACE]
+            brace = [f.trunk(z) + [x * h * person.girth, side * 0.05 * h, 0] for z, x in _BRACE]
             b.tube(brace, 0.016, shade(overall, 0.75), sides=4)
-        chest = f.trunk(0.15) + [0.066 * h * look.girth, 0, 0]
+        chest = f.trunk(0.15) + [0.066 * h * person.girth, 0, 0]
         b.box((0.03, 0.16 * h * 0.9, 0.11 * h), tuple(chest), shade(overall, 0.9), centered=True, bevel=0.01)
     else:
         bands(f, "light grey", (0.06, 0.15))

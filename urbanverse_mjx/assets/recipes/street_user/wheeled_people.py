@@ -7,7 +7,7 @@ from ...meshes.palette import Color
 from ...meshes.recipe import recipe
 from ..shared.sizes import fitted
 from ..vehicle.bicycles import spoked_wheel
-from .figure import Figure, Look, Pose
+from .figure import Figure, Person, Pose
 from .limbs import reach_foot, reach_hand
 from .uniforms import finished
 from .worn_items import backpack, cap
@@ -33,17 +33,17 @@ def electric_scooter_rider(variant: int, rng: np.random.Generator) -> BuiltAsset
     b = MeshBuilder(roughness=0.7)
     deck = 0.17
     _scooter(b, ("charcoal", "white", "black")[variant], ("lime", "orange", "teal")[variant], deck)
-    look = (
-        Look(1.70, 1.0, "skin light", "short", "#4a3524", "jacket", "#3f6a8a", "trousers", "#2c2f3a", "white"),
-        Look(1.64, 0.95, "skin dark", "long", "#15100d", "shirt", "#e0b23c", "trousers", "#5d6b7a", "#8a5a30"),
-        Look(1.78, 1.05, "skin medium", "short", "#1e1612", "jacket", "#8a2f2f", "trousers", "black", "black"),
+    person = (
+        Person(1.70, 1.0, "skin light", "short", "#4a3524", "jacket", "#3f6a8a", "trousers", "#2c2f3a", "white"),
+        Person(1.64, 0.95, "skin dark", "long", "#15100d", "shirt", "#e0b23c", "trousers", "#5d6b7a", "#8a5a30"),
+        Person(1.78, 1.05, "skin medium", "short", "#1e1612", "jacket", "#8a2f2f", "trousers", "black", "black"),
     )[variant]
-    hip = (-0.12, 0.0, deck + 0.515 * look.height)
-    f = Figure(b, look, Pose(lean=(6.0, 4.0, 8.0)[variant], spread=(8, 8)), hip)
+    hip = (-0.12, 0.0, deck + 0.515 * person.height)
+    f = Figure(b, person, Pose(lean=(6.0, 4.0, 8.0)[variant], spread=(8, 8)), hip)
     for k, side in enumerate((1.0, -1.0)):
         reach_hand(f, k, (0.24, side * 0.21, 1.13))
         x = 0.06 if k == variant % 2 else -0.27
-        reach_foot(f, k, (x, side * 0.055, deck + 0.043 * look.height))
+        reach_foot(f, k, (x, side * 0.055, deck + 0.043 * person.height))
     f.build()
     if variant != 1:
         cap(f, ("white", "#2c2f3a")[variant // 2], "helmet")
@@ -51,7 +51,7 @@ def electric_scooter_rider(variant: int, rng: np.random.Generator) -> BuiltAsset
         backpack(f, ("dark grey", "dark red")[variant])
     names = ("A commuter riding an electric scooter", "A woman riding a scooter", "A man riding a black scooter")
     size = ((1.15, 0.54, 1.86), (1.12, 0.52, 1.80), (1.20, 0.56, 1.96))[variant]
-    return fitted(b.build(names[variant], {"rider": look.height}), size)
+    return fitted(b.build(names[variant], {"rider": person.height}), size)
 
 
 @recipe("wheelchair user", 3, name="wheeled_people.wheelchair_user")
@@ -84,14 +84,14 @@ def wheelchair_user(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if powered:
         b.box((0.52, 0.36, 0.22), (-0.08, 0, 0.14), "charcoal", bevel=0.04)
         b.rod((0.14, -0.25, 0.70), (0.14, -0.25, 0.80), 0.015, "black", sides=6)
-    look = (
-        Look(1.72, 1.0, "skin medium", "short", "#2b1d15", "shirt", "#5a8a5a", "trousers", "#39424f", "#5a3a22"),
-        Look(1.64, 0.97, "skin light", "long", "#8a5a30", "jacket", "#c9656b", "trousers", "#2c3550", "white"),
-        Look(1.68, 1.1, "skin dark", "short", "#c9c7c2", "jacket", "#6a6f58", "trousers", "#4a4440", "black"),
+    person = (
+        Person(1.72, 1.0, "skin medium", "short", "#2b1d15", "shirt", "#5a8a5a", "trousers", "#39424f", "#5a3a22"),
+        Person(1.64, 0.97, "skin light", "long", "#8a5a30", "jacket", "#c9656b", "trousers", "#2c3550", "white"),
+        Person(1.68, 1.1, "skin dark", "short", "#c9c7c2", "jacket", "#6a6f58", "trousers", "#4a4440", "black"),
     )[variant]
-    f = Figure(b, look, Pose((86, 86), (74, 74), (18, 18), (48, 48), -4.0, (10, 10)), (-0.15, 0.0, 0.575))
+    f = Figure(b, person, Pose((86, 86), (74, 74), (18, 18), (48, 48), -4.0, (10, 10)), (-0.15, 0.0, 0.575))
     for k, side in enumerate((1.0, -1.0)):
-        reach_foot(f, k, (0.46, side * 0.10, 0.12 + 0.04 * look.height), (0.4, side * 0.2, 1.0))
+        reach_foot(f, k, (0.46, side * 0.10, 0.12 + 0.04 * person.height), (0.4, side * 0.2, 1.0))
         hand = (0.12, side * 0.25, 0.74) if powered else (-0.02, side * 0.31, 0.60)
         reach_hand(f, k, hand, (-1.0, side * 0.6, -0.4))
     f.build()
@@ -102,7 +102,7 @@ def wheelchair_user(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 def _skate(f: Figure, k: int, color: Color) -> None:
     """A skate under foot k: boot, rail and four wheels in line."""
-    h = f.look.height
+    h = f.person.height
     shin = f.pose.thigh[k] - f.pose.knee[k]
     pitch = float(np.clip(-shin * 0.75, -18, 55)) if shin < 0 else float(np.clip(-shin * 0.4, -18, 0))
     low = -0.039 * h
@@ -115,17 +115,17 @@ def _skate(f: Figure, k: int, color: Color) -> None:
 
 @recipe("roller skater", 3, name="wheeled_people.roller_skater")
 def roller_skater(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    look = (
-        Look(1.66, 0.95, "skin light", "bun", "#7a4a24", "shirt", "#d8508a", "shorts", "#2c3550", "white", "short"),
-        Look(1.76, 1.0, "skin dark", "bald", "#15100d", "shirt", "lime", "trousers", "charcoal", "black", "short"),
-        Look(1.62, 0.92, "skin medium", "long", "#2b1d15", "jacket", "teal", "shorts", "black", "white", "long"),
+    person = (
+        Person(1.66, 0.95, "skin light", "bun", "#7a4a24", "shirt", "#d8508a", "shorts", "#2c3550", "white", "short"),
+        Person(1.76, 1.0, "skin dark", "bald", "#15100d", "shirt", "lime", "trousers", "charcoal", "black", "short"),
+        Person(1.62, 0.92, "skin medium", "long", "#2b1d15", "jacket", "teal", "shorts", "black", "white", "long"),
     )[variant]
     pose = (
         Pose((12, -12), (14, 14), (16, -14), (18, 22), 6.0, (28, 28)),
         Pose((26, -20), (40, 22), (28, -28), (50, 40), 18.0, (12, 12)),
         Pose((16, -6), (30, 10), (10, -8), (16, 20), 10.0, (55, 55)),
     )[variant]
-    f = Figure(MeshBuilder(roughness=0.8), look, pose)
+    f = Figure(MeshBuilder(roughness=0.8), person, pose)
     f.build()
     b = f.builder
     for k in (0, 1):
@@ -143,11 +143,14 @@ def infant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     romper = ("#7fb2d9", "signal yellow", "pink")[variant]
     height, hair = (0.54, 0.70, 0.72)[variant], ("bald", "bald", "curly")[variant]
     skin = ("skin light", "skin medium", "skin dark")[variant]
-    look = Look(height, 1.55, skin, hair, "#8a5a30", "shirt", romper, "trousers", romper, "white", "long", 2.15)
+    person = Person(height, 1.55, skin, hair, "#8a5a30", "shirt", romper, "trousers", romper, "white", "long", 2.15)
     standing = Pose((5, -5), (6, 8), (20, 24), (26, 26), 2.0, (26, 26))
     sitting = Pose((82, 82), (16, 24), (30, 44), (40, 50), 2.0, (24, 24))
     f = Figure(
-        MeshBuilder(roughness=0.9), look, standing if variant == 0 else sitting, None if variant == 0 else (0, 0, 0.07)
+        MeshBuilder(roughness=0.9),
+        person,
+        standing if variant == 0 else sitting,
+        None if variant == 0 else (0, 0, 0.07),
     )
     f.build()
     b = f.builder

@@ -1,4 +1,4 @@
-"""Things people wear and carry."""
+"""What people wear and carry."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from .figure import Figure
 
 
 def backpack(figure: Figure, color: Color, size: float = 1.0) -> None:
-    h = figure.look.height
+    h = figure.person.height
     at = figure.trunk(0.20)
     with figure.builder.frame(
-        (at[0] - (0.070 + 0.045 * size) * h * figure.look.girth, at[1], at[2]), (0, figure.pose.lean, 0)
+        (at[0] - (0.070 + 0.045 * size) * h * figure.person.girth, at[1], at[2]), (0, figure.pose.lean, 0)
     ):
         figure.builder.box(
             (0.085 * h * size, 0.165 * h * size, 0.235 * h * size), color=color, bevel=0.02 * h, centered=True
@@ -25,21 +25,21 @@ def backpack(figure: Figure, color: Color, size: float = 1.0) -> None:
     for side in (-1, 1):
         y = side * 0.058 * h
         points = [
-            figure.trunk(z) + [d * h * figure.look.girth, y, 0]
+            figure.trunk(z) + [d * h * figure.person.girth, y, 0]
             for z, d in ((0.285, -0.055), (0.312, 0.0), (0.27, 0.068), (0.17, 0.066), (0.13, 0.02))
         ]
         figure.builder.tube(points, 0.012 * h, shade(color, 0.7), sides=5)
 
 
 def shoulder_bag(figure: Figure, color: Color) -> None:
-    h = figure.look.height
-    hip = figure.trunk(0.0) + [0, -0.135 * h * figure.look.girth, -0.02 * h]
+    h = figure.person.height
+    hip = figure.trunk(0.0) + [0, -0.135 * h * figure.person.girth, -0.02 * h]
     figure.builder.box((0.16 * h, 0.05 * h, 0.12 * h), tuple(hip), color, bevel=0.012, centered=True)
     strap = [
         hip + [0.0, 0.01, 0.05 * h],
-        figure.trunk(0.17) + [0.072 * h * figure.look.girth, -0.03 * h, 0],
+        figure.trunk(0.17) + [0.072 * h * figure.person.girth, -0.03 * h, 0],
         figure.trunk(0.305) + [0.0, 0.055 * h, 0],
-        figure.trunk(0.17) + [-0.075 * h * figure.look.girth, -0.03 * h, 0],
+        figure.trunk(0.17) + [-0.075 * h * figure.person.girth, -0.03 * h, 0],
     ]
     figure.builder.tube(strap, 0.007 * h, shade(color, 0.75), sides=4, closed=True)
 

@@ -303,7 +303,7 @@ def hot_air_balloon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     a = np.linspace(0, 2 * np.pi, 25)
     grid = np.array([[(r * np.cos(t), r * np.sin(t), z) for t in a] for r, z in profile])
     b.lathe([(r * 0.985, z) for r, z in profile], color="charcoal", segments=16)
-    b.sheet(grid, picture=np.asarray(paint.shrunk(image, (192, 48))))
+    b.sheet(grid, image=np.asarray(paint.shrunk(image, (192, 48))))
     b.box((1.5, 1.2, 1.1), (0, 0, 0), "#8a5c30", bevel=0.06)
     b.box((1.6, 1.3, 0.12), (0, 0, 1.05), "dark wood", bevel=0.04)
     for k in range(5):

@@ -9,7 +9,7 @@ from ...meshes.palette import Color, shade
 from ...meshes.recipe import Physics
 from .car_shapes import Places
 from .vehicle_body import Body, BodyShape
-from .wheels import grille_picture, number_plate, rim_picture, wheel
+from .wheels import grille_image, number_plate, rim_image, wheel
 
 CAR = Physics(
     ("steel", "glass", "rubber", "plastic"),
@@ -89,10 +89,10 @@ def _front_and_rear(b: MeshBuilder, body: Body, places: Places, style: CarStyle)
     else:
         _lamps(b, body, places, style)
     if style.grille:
-        body.across(*places["grille"], -0.45, 0.45, picture=grille_picture(style.grille), lift=0.012)
+        body.across(*places["grille"], -0.45, 0.45, image=grille_image(style.grille), lift=0.012)
     plate, half = number_plate(style.plate), 0.29 if style.detailed else 0.27
-    body.across(16.75, 17.3, -half, half, picture=plate, lift=0.022)
-    body.across(1.75, 2.35, -half, half, picture=plate, lift=0.022)
+    body.across(16.75, 17.3, -half, half, image=plate, lift=0.022)
+    body.across(1.75, 2.35, -half, half, image=plate, lift=0.022)
     lower = style.lower or shade(style.color, 0.55)
     body.across(17.3, 18.0, -0.97, 0.97, lower, lift=0.006)
     body.across(17.45, 17.8, -0.6, 0.6, "black", lift=0.014)
@@ -152,7 +152,7 @@ def build_car(shape: BodyShape, places: Places, style: CarStyle, glass: dict | N
         body.glasshouse(**glass, glass=style.glass)
     _front_and_rear(b, body, places, style)
     _flanks(b, body, style)
-    rim = rim_picture(style.rim)
+    rim = rim_image(style.rim)
     for axle in shape.axles:
         for side in (-1.0, 1.0):
             y = shape.width / 2 * 0.97 - (0.11 if style.detailed else style.tyre / 2)

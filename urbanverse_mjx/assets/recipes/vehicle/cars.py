@@ -24,7 +24,7 @@ from .car_shapes import (
     VAN_PLACES,
 )
 from .vehicle_body import BodyShape
-from .wheels import rim_picture, wheel
+from .wheels import rim_image, wheel
 
 
 def _sedan_style(variant: int) -> tuple[BodyShape, CarStyle]:
@@ -90,7 +90,7 @@ def suv(variant: int, rng: np.random.Generator) -> BuiltAsset:
     roof_rails(builder, body, -1.75 * along, 0.05, 1.74 * up, "aluminium" if variant % 2 == 0 else "black")
     if variant == 2:  # the spare wheel on the tailgate of an off-roader
         with builder.frame((shape.upper[4][0] - 0.13, 0, 1.0 * up), (0, 0, 90)):
-            wheel(builder, (0, 0, 0), 0.33, 0.2, rim_picture("cap"), 1.0)
+            wheel(builder, (0, 0, 0), 0.33, 0.2, rim_image("cap"), 1.0)
     names = (
         "A large black sport utility vehicle",
         "A white sport utility vehicle",
@@ -126,7 +126,7 @@ def van(variant: int, rng: np.random.Generator) -> BuiltAsset:
         image, pen = paint.canvas((384, 96), color)
         pen.rectangle((0, 84, 384, 96), fill=paint.rgb(band))
         paint.text(pen, letters, (8, 8, 376, 76), ink, 0.02)
-        body.side_picture(-2.35 * along, -0.05, 1.02 * up, 1.62 * up, paint.shrunk(image, (192, 48)))
+        body.side_image(-2.35 * along, -0.05, 1.02 * up, 1.62 * up, paint.shrunk(image, (192, 48)))
     names = (
         "A white delivery van",
         "A yellow greengrocer's van",

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from ...meshes import paint
-from ...meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ...meshes.mesh_builder import BuiltAsset, ImageLike, MeshBuilder
 from ...meshes.palette import Color, shade
 from ...meshes.recipe import recipe
 from ..shared.sizes import fitted
@@ -44,7 +44,7 @@ def carriage(b: MeshBuilder, c: Coach) -> Body:
     body.shell(c.color)
     f, r = c.length / 2, -c.length / 2
     x0, x1, top = r + 0.35, f - c.nose - 0.35, c.height - 0.38
-    body.side_picture(x0, x1, c.belt, top, panes(c.color, round((x1 - x0) / c.pitch)), lift=0.010)
+    body.side_image(x0, x1, c.belt, top, panes(c.color, round((x1 - x0) / c.pitch)), lift=0.010)
     body.side([(r + 0.08, 1.16), (f - 0.06, 1.16), (f - 0.06, 1.30), (r + 0.08, 1.30)], c.band, 0.006)
     if c.low is not None:
         body.side([(r + 0.08, 0.45), (f - 0.06, 0.45), (f - 0.06, 0.90), (r + 0.08, 0.90)], c.low, 0.005)
@@ -58,9 +58,7 @@ def carriage(b: MeshBuilder, c: Coach) -> Body:
     if c.cabs[0]:
         body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
         if c.line:
-            body.across(
-                9.35, 9.95, -0.80, 0.80, picture=paint.lettering(c.line, "black", "amber", (128, 16)), lift=0.02
-            )
+            body.across(9.35, 9.95, -0.80, 0.80, image=paint.lettering(c.line, "black", "amber", (128, 16)), lift=0.02)
         body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
     body.across(3.1, 4.2, -0.85, 0.85, "dark glass", lift=0.01)
     for t0, t1 in ((-0.92, -0.62), (0.62, 0.92)):
@@ -223,7 +221,7 @@ def school_bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     body.shell(yellow)
     r, f = -4.64 * stretch, 5.08 * stretch
     count = round(7.6 * stretch / 0.95)
-    body.side_picture(r + 0.35, 2.35 * stretch, 1.70, 2.62, panes(yellow, count), lift=0.012)
+    body.side_image(r + 0.35, 2.35 * stretch, 1.70, 2.62, panes(yellow, count), lift=0.012)
     body.side(
         [(2.45 * stretch, 1.72), (3.25 * stretch, 1.72), (2.85 * stretch, 2.6), (2.45 * stretch, 2.6)],
         "dark glass",
@@ -231,18 +229,18 @@ def school_bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     for z in (0.78, 1.10, 1.50):  # the black rub rails
         body.line([(r + 0.05, z), (2.9 * stretch, z)], "black", 0.05)
-    body.side_picture(r + 0.9, r + 5.4, 2.70, 2.93, paint.lettering("SCHOOL BUS", yellow, "black", (128, 8)))
-    body.side_picture(-1.0, 2.0, 1.16, 1.42, paint.lettering("DISTRICT 12", yellow, "black", (96, 10)))
+    body.side_image(r + 0.9, r + 5.4, 2.70, 2.93, paint.lettering("SCHOOL BUS", yellow, "black", (128, 8)))
+    body.side_image(-1.0, 2.0, 1.16, 1.42, paint.lettering("DISTRICT 12", yellow, "black", (96, 10)))
     door = [(2.45, 0.5), (3.15, 0.5), (3.15, 2.5), (2.45, 2.5)]
     body.side([(x * stretch, z) for x, z in door], "charcoal", 0.014, "r")
     for k in (0.0, 0.35):
         pane = [(2.5 + k, 0.62), (2.78 + k, 0.62), (2.78 + k, 2.4), (2.5 + k, 2.4)]
         body.side([(x * stretch, z) for x, z in pane], "glass", 0.022, "r")
     body.across(10.1, 10.95, -0.9, 0.9, "dark glass", lift=0.01)
-    body.across(9.15, 9.95, -0.6, 0.6, picture=paint.lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
-    body.across(4.15, 4.8, -0.6, 0.6, picture=paint.lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
+    body.across(9.15, 9.95, -0.6, 0.6, image=paint.lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
+    body.across(4.15, 4.8, -0.6, 0.6, image=paint.lettering("SCHOOL BUS", yellow, "black", (96, 16)), lift=0.02)
     body.across(2.6, 3.9, -0.45, 0.45, "dark glass", lift=0.01)
-    body.across(14.9, 16.3, -0.5, 0.5, picture=paint.lettering("= = =", "black", "light grey", (48, 16)), lift=0.014)
+    body.across(14.9, 16.3, -0.5, 0.5, image=paint.lettering("= = =", "black", "light grey", (48, 16)), lift=0.014)
     body.across(16.8, 18.0, -0.98, 0.98, "black", lift=0.02)
     body.across(0.0, 1.0, -0.98, 0.98, "black", lift=0.02)
     for side in (-1, 1):
@@ -284,8 +282,8 @@ def trolley(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((0.10, 1.9, 0.95), (end * (half - 0.06), 0, 0.55), color, bevel=0.03)
         b.cylinder(0.14, 0.12, (end * (half - 0.02), 0, 1.05), "lamp", (0, 90 * end, 0), segments=12)
         b.box((0.06, 1.2, 0.28), (end * (half - 0.12), 0, 2.52), "black")
-        picture = paint.lettering("CITY LOOP", "black", "amber", (64, 16))
-        b.panel(picture, (end * (half - 0.085), 0, 2.66), 1.15, 0.24, "+x" if end > 0 else "-x")
+        image = paint.lettering("CITY LOOP", "black", "amber", (64, 16))
+        b.panel(image, (end * (half - 0.085), 0, 2.66), 1.15, 0.24, "+x" if end > 0 else "-x")
         b.box((0.5, 1.5, 0.08), (end * (half + 0.05), 0, 0.22), "black")  # the lifeguard at the front of the track
     b.box((length, 2.3, 0.14), (0, 0, 2.46), trim, bevel=0.05)
     b.box((length - 0.8, 1.35, 0.32), (0, 0, 2.60), color, bevel=0.03)
@@ -299,7 +297,7 @@ def trolley(variant: int, rng: np.random.Generator) -> BuiltAsset:
     return fitted(b.build(names[variant], {"length": length}), ((9.4, 2.4, 3.3), (11.8, 2.45, 3.4))[variant])
 
 
-def _boards(color: Color, trim: Color) -> Picture:
+def _boards(color: Color, trim: Color) -> ImageLike:
     image, pen = paint.canvas((384, 48), color)
     for x in range(0, 384, 8):
         pen.line((x, 0, x, 48), fill=shade(color, 0.8))

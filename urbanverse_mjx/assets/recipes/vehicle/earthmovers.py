@@ -32,8 +32,8 @@ def arm(
 ) -> None:
     """A boom drawn in (x, z) as a band round its middle line, `depths` wide at each point."""
     p = np.array(points)
-    way = np.gradient(p, axis=0)
-    normal = np.stack([-way[:, 1], way[:, 0]], 1) / np.linalg.norm(way, axis=1, keepdims=True)
+    tangent = np.gradient(p, axis=0)
+    normal = np.stack([-tangent[:, 1], tangent[:, 0]], 1) / np.linalg.norm(tangent, axis=1, keepdims=True)
     half = np.array(depths)[:, None] / 2
     outline = np.concatenate([p + normal * half, (p - normal * half)[::-1]])
     b.profile([tuple(v) for v in outline], width, (0, y, 0), color)

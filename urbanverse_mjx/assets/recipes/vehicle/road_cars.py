@@ -202,7 +202,7 @@ def electric_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
         y = float(body.half_width(x, z))
         b.cylinder(0.06, 0.05, (x, y + 0.03, z), "black", (90, 0, 0), segments=10)
         b.tube([(x, y + 0.03, z), (x, y + 0.10, z - 0.20), (x - 0.1, y + 0.08, 0.03)], 0.022, "light green", sides=5)
-        body.side_picture(
+        body.side_image(
             -0.85,
             0.75,
             0.52,

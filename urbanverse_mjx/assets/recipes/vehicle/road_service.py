@@ -12,7 +12,7 @@ from .car_shapes import PICKUP, PICKUP_PLACES
 from .carts import solid_wheel
 from .service_trucks import blade, chassis, chequer, light_bar, tall_van
 from .trucks import forward_cab
-from .wheels import number_plate, rim_picture, road_wheels, wheel
+from .wheels import number_plate, rim_image, road_wheels, wheel
 
 
 @recipe("roadside assistance vehicle", 3, name="road_service.roadside_assistance")
@@ -20,11 +20,11 @@ def roadside_assistance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if variant == 1:
         style = CarStyle("signal yellow", "pair", "bars", "steel", "AID 24", (-0.35, 0.62, 1.62), "charcoal")
         b, body = tall_van(style, 1.0, 1.0)
-        body.side_picture(-2.5, 1.6, 0.66, 0.92, chequer("signal yellow", "charcoal", 14, 1))
+        body.side_image(-2.5, 1.6, 0.66, 0.92, chequer("signal yellow", "charcoal", 14, 1))
         words = paint.lettering("ROAD ASSISTANCE", "signal yellow", "black", (128, 24))
-        body.side_picture(-2.4, 0.3, 1.15, 1.65, words)
+        body.side_image(-2.4, 0.3, 1.15, 1.65, words)
         body.across(
-            4.2, 5.2, -0.6, 0.6, picture=paint.lettering("24h AID", "signal yellow", "black", (64, 24)), lift=0.02
+            4.2, 5.2, -0.6, 0.6, image=paint.lettering("24h AID", "signal yellow", "black", (64, 24)), lift=0.02
         )
         light_bar(b, 0.4, 2.22, 1.3, "amber")
         return fitted(body.finish("A yellow breakdown patrol van", {"kind": "van"}), (5.3, 2.05, 2.35))
@@ -87,7 +87,7 @@ def _old_bus() -> BuiltAsset:
         for k in range(4):
             b.box((0.72, 0.03, 0.42), (-1.52 + 0.86 * k, side * 0.845, 1.22), "dark glass")
         for x in (-1.25, 1.3):
-            wheel(b, (x, side * 0.76, 0.33), 0.33, 0.19, rim_picture("cap"), side)
+            wheel(b, (x, side * 0.76, 0.33), 0.33, 0.19, rim_image("cap"), side)
         b.cylinder(0.12, 0.05, (2.12, side * 0.6, 0.85), "lamp", (0, 90, 0), segments=12)
         b.cylinder(0.07, 0.04, (-2.17, side * 0.65, 0.75), "red", (0, -90, 0), segments=10)
         b.quad(
@@ -188,7 +188,7 @@ def caravan(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.box((length * 0.92, 0.02, 0.05), (0, y, 1.05), shade(band, 1.2))
         for share in (-0.28, 0.28) if variant != 2 else (-0.3, 0.0, 0.3):
             b.box((length * 0.2, 0.03, 0.5), (share * length, y, 1.32), "dark glass")
-        wheel(b, (0, side * (width / 2 - 0.10), 0.33), 0.33, 0.19, rim_picture("cap"), side)
+        wheel(b, (0, side * (width / 2 - 0.10), 0.33), 0.33, 0.19, rim_image("cap"), side)
         b.box((0.85, 0.03, 0.10), (0, y, 0.66), "charcoal")
         b.beam((f - 0.3, side * 0.6, 0.42), (f + 1.25, side * 0.03, 0.42), 0.07, 0.08, "dark grey")
         b.box((0.03, 0.18, 0.40), (r - 0.01, side * 0.8, 0.7), "red")
@@ -227,7 +227,7 @@ def trailer(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for side in (-1, 1):
         b.box((length, 0.04, wall), (0, side * (width / 2 - 0.02), 0.62), "galvanised")
         for x in (0.0,) if variant == 0 else (-0.42, 0.42):
-            wheel(b, (x, side * (width / 2 + 0.12), 0.31), 0.31, 0.18, rim_picture("steel"), side)
+            wheel(b, (x, side * (width / 2 + 0.12), 0.31), 0.31, 0.18, rim_image("steel"), side)
         fender = [
             (-0.42 - 0.4 * variant, 0.5),
             (-0.36 - 0.4 * variant, 0.72),

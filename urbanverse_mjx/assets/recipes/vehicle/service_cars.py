@@ -53,15 +53,13 @@ def taxi(variant: int, rng: np.random.Generator) -> BuiltAsset:
         builder.panel(sign, (x, 0, z + 0.10), 0.52, 0.16, facing, tilt_deg=11.0)
     middle = base.belt - 0.20
     if variant == 0:
-        body.side_picture(
-            doors[0], doors[-1], middle - 0.07, middle + 0.07, _chequer((128, 8), "black", "signal yellow")
-        )
+        body.side_image(doors[0], doors[-1], middle - 0.07, middle + 0.07, _chequer((128, 8), "black", "signal yellow"))
     else:
         image, pen = paint.canvas((256, 64), color)
         paint.text(
             pen, "TAXI" if variant == 1 else "CAB 402", (8, 4, 248, 60), "black" if variant == 1 else "amber", 0.03
         )
-        body.side_picture(-0.15, 0.75, middle - 0.20, middle + 0.02, np.asarray(paint.shrunk(image, (64, 16))))
+        body.side_image(-0.15, 0.75, middle - 0.20, middle + 0.02, np.asarray(paint.shrunk(image, (64, 16))))
     names = ("A yellow taxi with a chequered band", "An ivory taxi saloon", "A black minicab taxi")
     return body.finish(names[variant], {"body": "taxi", "color": str(color)})
 
@@ -90,7 +88,7 @@ def police_car(variant: int, rng: np.random.Generator) -> BuiltAsset:
     paint.text(pen, "POLICE", (140, 14, 372, 82), "white" if variant != 1 else "black", 0.04)
     middle = (low + high) / 2 + 0.04
     half = 1.15 if variant != 1 else 0.72
-    body.side_picture(
+    body.side_image(
         -0.12 - half, -0.12 + half, middle - 0.13, middle + 0.13, np.asarray(paint.shrunk(image, (128, 24)))
     )
     z = base.upper[9][1] + 0.01

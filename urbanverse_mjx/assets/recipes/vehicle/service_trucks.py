@@ -54,16 +54,14 @@ def ambulance(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = CarStyle(color, "pair", "bars", "steel", "EMS 112", (-0.35, 0.62, 1.62), "charcoal")
     b, body = tall_van(style, 1.14, 1.20)
     if variant == 0:
-        body.side_picture(-2.9, 1.9, 0.72, 1.22, chequer("#f4e23a", "dark green", 10))
+        body.side_image(-2.9, 1.9, 0.72, 1.22, chequer("#f4e23a", "dark green", 10))
     else:
-        body.side_picture(-2.9, 1.9, 0.86, 1.12, paint.lettering("", "signal red", "white"))
+        body.side_image(-2.9, 1.9, 0.86, 1.12, paint.lettering("", "signal red", "white"))
         body.side([(-2.9, 0.62), (1.9, 0.62), (1.9, 0.72), (-2.9, 0.72)], "signal blue", 0.006)
-    body.side_picture(-2.6, 0.35, 1.72, 2.12, paint.lettering("AMBULANCE", color, ink, (128, 20)))
-    body.side_picture(-0.1, 0.45, 1.22, 1.72, star_of_life(), lift=0.016)
-    body.across(
-        12.0, 13.6, -0.55, 0.55, picture=paint.lettering("AMBULANCE", color, ink, (96, 20))[:, ::-1], lift=0.014
-    )
-    body.across(4.2, 5.2, -0.6, 0.6, picture=paint.lettering("AMBULANCE", color, ink, (96, 20)), lift=0.02)
+    body.side_image(-2.6, 0.35, 1.72, 2.12, paint.lettering("AMBULANCE", color, ink, (128, 20)))
+    body.side_image(-0.1, 0.45, 1.22, 1.72, star_of_life(), lift=0.016)
+    body.across(12.0, 13.6, -0.55, 0.55, image=paint.lettering("AMBULANCE", color, ink, (96, 20))[:, ::-1], lift=0.014)
+    body.across(4.2, 5.2, -0.6, 0.6, image=paint.lettering("AMBULANCE", color, ink, (96, 20)), lift=0.02)
     light_bar(b, 0.75, 2.60, 1.35, "blue")
     light_bar(b, -2.7, 2.60, 1.2, "blue")
     names = ("A yellow ambulance with green chequers", "", "A white ambulance with a red band")
@@ -78,12 +76,12 @@ def _box_ambulance() -> BuiltAsset:
     b, body = build_car(shape, PICKUP_PLACES, style, {"pillars": (), "span": (0.06, 1.25)})
     x0, x1, low, high = -3.30, -0.30, 0.72, 2.62
     b.box((x1 - x0, 2.1, high - low), ((x0 + x1) / 2, 0, low), "white", bevel=0.05)
-    picture, pen = paint.canvas((384, 240), "white")
+    image, pen = paint.canvas((384, 240), "white")
     pen.rectangle((0, 150, 384, 196), fill=paint.rgb("safety orange"))
     paint.text(pen, "AMBULANCE", (110, 20, 374, 80), "safety orange", 0.04)
-    picture.paste(paint.Image.fromarray(star_of_life(80)), (14, 12))
+    image.paste(paint.Image.fromarray(star_of_life(80)), (14, 12))
     pen.rectangle((240, 96, 330, 144), fill=paint.rgb("dark glass"))
-    small = np.asarray(paint.shrunk(picture, (128, 80)))
+    small = np.asarray(paint.shrunk(image, (128, 80)))
     for side, facing in ((1, "+y"), (-1, "-y")):
         b.panel(small, ((x0 + x1) / 2, side * 1.053, 1.67), x1 - x0 - 0.1, 1.8, facing)
     b.panel(small, (x0 - 0.004, 0, 1.67), 1.9, 1.8, "-x")
@@ -131,16 +129,16 @@ def fire_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
     body.side([(r + 0.06, 0.72), (f - 0.06, 0.72), (f - 0.06, 1.0), (r + 0.06, 1.0)], band, 0.006)
     x0, x1 = r + 0.25, f - 2.75
-    body.side_picture(x0, x1, 1.08, 2.35, shutters(color, round((x1 - x0) / 1.3)), lift=0.014)
-    body.side_picture(x0, x1, 2.40, 2.72, paint.lettering("FIRE BRIGADE  112", color, "white", (128, 10)), lift=0.014)
+    body.side_image(x0, x1, 1.08, 2.35, shutters(color, round((x1 - x0) / 1.3)), lift=0.014)
+    body.side_image(x0, x1, 2.40, 2.72, paint.lettering("FIRE BRIGADE  112", color, "white", (128, 10)), lift=0.014)
     body.line([(f - 2.6, 0.5), (f - 2.6, 2.6)])
-    body.across(12.0, 12.8, -0.62, 0.62, picture=paint.lettering("FIRE", color, "white", (64, 20)), lift=0.016)
-    body.across(2.2, 4.2, -0.75, 0.75, picture=shutters(color, 1), lift=0.014)
+    body.across(12.0, 12.8, -0.62, 0.62, image=paint.lettering("FIRE", color, "white", (64, 20)), lift=0.016)
+    body.across(2.2, 4.2, -0.75, 0.75, image=shutters(color, 1), lift=0.014)
     body.across(14.0, 15.0, -0.98, 0.98, "white", lift=0.01)
     for t0, t1 in ((-0.93, -0.64), (0.64, 0.93)):
         body.across(12.9, 13.5, t0, t1, "lamp", lift=0.014)
         body.across(1.3, 2.0, t0, t1, "red", lift=0.014)
-    body.across(14.1, 14.6, -0.12, 0.12, picture=number_plate("FD 112"), lift=0.02)
+    body.across(14.1, 14.6, -0.12, 0.12, image=number_plate("FD 112"), lift=0.02)
     light_bar(b, f - 0.9, 2.86, 1.7, "blue")
     b.cylinder(0.1, 0.16, (r + 0.4, 0.9, 2.86), "blue", segments=10)
     for side in (-1, 1):

@@ -55,8 +55,8 @@ def paddle(
     b.rod(start, end, 0.016, "light wood", sides=6)
     a, c = np.array(start), np.array(end)
     for p, q in ((c, a), (a, c))[: 2 if double else 1]:
-        way = (p - q) / np.linalg.norm(p - q)
-        b.beam(tuple(p - way * 0.02), tuple(p + way * 0.40), 0.16, 0.02, color, bevel=0.008)
+        axis = (p - q) / np.linalg.norm(p - q)
+        b.beam(tuple(p - axis * 0.02), tuple(p + axis * 0.40), 0.16, 0.02, color, bevel=0.008)
 
 
 @recipe("canoe", 3, name="small_craft.canoe")

@@ -90,16 +90,14 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 "r",
             )
     body.across(9.95, 10.98, -0.95, 0.95, "dark glass", lift=0.01)
-    body.across(
-        9.35, 9.95, -0.80, 0.80, picture=paint.lettering(line, "black", "amber", (128, 16), bold=0.02), lift=0.02
-    )
+    body.across(9.35, 9.95, -0.80, 0.80, image=paint.lettering(line, "black", "amber", (128, 16), bold=0.02), lift=0.02)
     body.across(3.1, 4.2, -0.85, 0.85, "dark glass", lift=0.01)
     body.across(
         4.3,
         4.75,
         -0.35,
         0.35,
-        picture=paint.lettering(line.split()[0], "black", "amber", (48, 16), bold=0.02),
+        image=paint.lettering(line.split()[0], "black", "amber", (48, 16), bold=0.02),
         lift=0.02,
     )
     for side in (-1, 1):
@@ -116,8 +114,8 @@ def bus(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.box((0.12, 0.20, 0.36), (f + 0.14, y * 1.04, 2.00), "black", bevel=0.03)
     plate = number_plate("BUS 204")
-    body.across(14.1, 14.6, -0.12, 0.12, picture=plate, lift=0.02)
-    body.across(1.0, 1.2, -0.12, 0.12, picture=plate, lift=0.02)
+    body.across(14.1, 14.6, -0.12, 0.12, image=plate, lift=0.02)
+    body.across(1.0, 1.2, -0.12, 0.12, image=plate, lift=0.02)
     body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
     b.box((2.2, 1.6, 0.22), (r + 2.4, 0, 3.02), shade(color, 0.85), bevel=0.06)
     road_wheels(b, axles, 0.47, 1.24, 0.32, 18)
@@ -160,10 +158,10 @@ def forward_cab(b: MeshBuilder, x: float, color: Color, low: float, plate: str) 
     body.glasshouse([(x - 0.42, 0.10)], (x - 0.85, x + 0.75), frame=0.10)
     body.across(8.1, 8.95, -0.92, 0.92, "dark glass", lift=0.012)
     body.across(
-        10.1, 11.0, -0.6, 0.6, picture=paint.lettering("= = =", "black", "light grey", (48, 12), bold=0.02), lift=0.014
+        10.1, 11.0, -0.6, 0.6, image=paint.lettering("= = =", "black", "light grey", (48, 12), bold=0.02), lift=0.014
     )
     body.across(12.0, 12.95, -0.97, 0.97, "charcoal", lift=0.010)
-    body.across(12.35, 12.75, -0.24, 0.24, picture=number_plate(plate), lift=0.025)
+    body.across(12.35, 12.75, -0.24, 0.24, image=number_plate(plate), lift=0.025)
     body.line([(x - 0.60, low + 0.35), (x - 0.60, 1.5)])
     body.line([(x + 0.62, 1.1), (x + 0.62, 1.5)])
     for side in (-1, 1):
@@ -210,7 +208,7 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 for v in np.linspace(0, 1, 6)
             ]
         )
-        b.sheet(heap, picture=np.asarray(paint.speckled((48, 32), "#8d8375", rng, 18)))
+        b.sheet(heap, image=np.asarray(paint.speckled((48, 32), "#8d8375", rng, 18)))
     else:
         box_color = ("off white", "#d9dde0")[variant // 2]
         b.box((length, 2.4, 2.3), (middle, 0, 0.90), box_color, bevel=0.03)
@@ -218,9 +216,9 @@ def truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ("signal blue", "white", "NORDIC LOGISTICS"),
             ("dark blue", "signal yellow", "MOVE & STORE"),
         )[variant // 2]
-        picture = paint.lettering(name, back_color, ink, (192, 32), bold=0.02)
+        image = paint.lettering(name, back_color, ink, (192, 32), bold=0.02)
         for side, facing in ((1, "+y"), (-1, "-y")):
-            b.panel(picture, (middle, side * 1.205, 2.15), length * 0.82, length * 0.82 / 6, facing)
+            b.panel(image, (middle, side * 1.205, 2.15), length * 0.82, length * 0.82 / 6, facing)
             b.box((length, 0.03, 0.12), (middle, side * 1.19, 0.92), shade(back_color, 0.8))
         b.box((0.02, 2.1, 2.05), (back - 0.008, 0, 1.0), shade(box_color, 0.92))
         for y in (-0.02, 0.5, -0.5):

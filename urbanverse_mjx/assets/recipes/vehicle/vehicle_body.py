@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ...meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ...meshes.mesh_builder import BuiltAsset, ImageLike, MeshBuilder
 from ...meshes.palette import Color
 from ...meshes.shapes import Point2, Shape, merged, sheet, welded
 
@@ -242,8 +242,8 @@ class Body:
             shapes.append(Shape(np.stack([x, y, z], 1), flat.faces[:, ::-1]))
         return merged(shapes)
 
-    def side_picture(self, x0: float, x1: float, z0: float, z1: float, picture: Picture, lift: float = 0.012) -> None:
-        """A picture on both flanks, readable on both."""
+    def side_image(self, x0: float, x1: float, z0: float, z1: float, image: ImageLike, lift: float = 0.012) -> None:
+        """An image on both flanks, readable on both."""
         xs = np.unique(np.concatenate([np.linspace(x0, x1, 4), [c for c in self._columns if x0 < c < x1]]))
         zs = np.unique(np.concatenate([[z0, z1], [v for v in self._levels if z0 < v < z1]]))
         for sign in (1.0, -1.0):
@@ -253,7 +253,7 @@ class Body:
             surface = sheet(grid)
             u = np.abs(grid[..., 0] - row[0]) / (x1 - x0)
             uv = np.stack([u, (grid[..., 2] - z0) / (z1 - z0)], -1).reshape(-1, 2)
-            self.builder.add(Shape(surface.vertices, surface.faces, uv), picture=picture)
+            self.builder.add(Shape(surface.vertices, surface.faces, uv), image=image)
 
     def across(
         self,
@@ -262,7 +262,7 @@ class Body:
         t0: float,
         t1: float,
         color: Color | None = None,
-        picture: Picture | None = None,
+        image: ImageLike | None = None,
         lift: float = 0.008,
     ) -> None:
         """A patch of the upper skin between s0 < s1 and t0 < t1, `lift` above it."""
@@ -283,7 +283,7 @@ class Body:
             grid, u, v = grid[:, ::-1], 1 - u[:, ::-1], v[:, ::-1]
         surface = sheet(grid)
         self.builder.add(
-            Shape(surface.vertices, surface.faces, np.stack([u, v], -1).reshape(-1, 2)), color, picture=picture
+            Shape(surface.vertices, surface.faces, np.stack([u, v], -1).reshape(-1, 2)), color, image=image
         )
 
     def glasshouse(

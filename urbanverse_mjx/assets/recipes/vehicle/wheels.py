@@ -1,4 +1,4 @@
-"""Wheels with pictures of rims, number plates and stands, shared by the vehicles."""
+"""Wheels with images of rims, number plates and stands, shared by the vehicles."""
 
 import functools
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from ...meshes.shapes import Point2, Point3
 
 
 @functools.cache
-def rim_picture(style: str, color: Color = "aluminium", size: int = 48) -> Image.Image:
+def rim_image(style: str, color: Color = "aluminium", size: int = 48) -> Image.Image:
     """A rim seen from outside, with the tyre's black beyond it: "spokes5", "spokes10", "steel", "cap" or "truck"."""
     scale = 4
     n = size * scale
@@ -62,7 +62,7 @@ def wheel(
     rim_share: float = 0.66,
     segments: int = 18,
 ) -> None:
-    """A tyre with its axle along y, centred on `at`; the rim's picture faces `outside` (+1 left, -1 right)."""
+    """A tyre with its axle along y, centred on `at`; the rim's image faces `outside` (+1 left, -1 right)."""
     half, shoulder = width / 2, min(0.3 * width, 0.18 * radius)
     profile = [
         (radius * 0.3, -half * 0.5),
@@ -103,7 +103,7 @@ def road_wheels(
     segments: int = 14,
 ) -> None:
     """Pairs of truck wheels whose outsides are `half_width` from the middle; `tyre` is their width, m."""
-    rim = rim_picture("truck", "light grey")
+    rim = rim_image("truck", "light grey")
     for x in axles:
         for side in (-1.0, 1.0):
             wheel(b, (x, side * (half_width - tyre / 2), radius), radius, tyre, rim, side, segments=segments)
@@ -121,7 +121,7 @@ def number_plate(
 
 
 @functools.cache
-def grille_picture(style: str, size: tuple[int, int] = (64, 24)) -> Image.Image:
+def grille_image(style: str, size: tuple[int, int] = (64, 24)) -> Image.Image:
     """A radiator grille: "bars", "mesh" or "twin"."""
     big = paint.smooth(size)
     image, pen = paint.canvas(big, (22, 22, 24))

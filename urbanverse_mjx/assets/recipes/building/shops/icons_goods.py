@@ -1,4 +1,4 @@
-"""Pictograms of things other than food; importing this module enters them into `icons.ICONS`."""
+"""Pictograms of goods other than food; importing this module enters them into `icons.ICONS`."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Ground floors of trades' shops: layouts of doors and windows, pictures of goods, signs with the trade's emblem."""
+"""Ground floors of trades' shops: layouts of doors and windows, images of goods, signs with the trade's emblem."""
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -6,7 +6,7 @@ from PIL import Image, ImageDraw
 from ....meshes import paint
 from ....meshes.palette import Color, mix, rgb, shade
 from ...amenity.signs import ngon
-from ...shared import facade_images as pictures
+from ...shared import facade_images as images
 from ..facade import Facade
 from . import icons
 from .icons import ICONS, Ink
@@ -15,7 +15,7 @@ from .trades import Trade
 TINTS: tuple[Color, ...] = ("teal", "signal red", "dark blue", "pink", "lime", "cream", "purple", "orange")
 
 
-def goods_picture(
+def goods_image(
     trade: Trade, frame: Color, variant: int, size: tuple[int, int], rows: int = 1, plain: bool = False
 ) -> Image.Image:
     """A shop window with the trade's goods on `rows` shelves; `plain` has neither frame nor gleam (an open counter)."""
@@ -75,16 +75,16 @@ class Front:
 
     def _door(self, y: float, width: float = 1.15, style: str = "glass") -> None:
         wide = width > 1.5
-        picture = pictures.door(self.paintwork, "double" if wide else style, (48 if wide else 28, 60))
-        self.f.opening(y, 0.04, width, self.door_height, picture, 0.4, sill=False)
+        image = images.door(self.paintwork, "double" if wide else style, (48 if wide else 28, 60))
+        self.f.opening(y, 0.04, width, self.door_height, image, 0.4, sill=False)
         self.f.builder.box((0.35, width + 0.3, 0.05), (self.f.front + 0.1, y, 0), "granite")
 
     def _window(self, y: float, width: float, sill: float, rows: int = 1, shift: int = 0) -> None:
         tall = self.top - sill
         scale = 190.0 / max(width, 2.2 * tall)
         size = (max(24, round(width * scale)), max(20, round(tall * scale)))
-        picture = goods_picture(self.trade, shade(self.paintwork, 0.8), self.variant + shift, size, rows)
-        self.f.opening(y, sill, width, tall, picture, 0.16)
+        image = goods_image(self.trade, shade(self.paintwork, 0.8), self.variant + shift, size, rows)
+        self.f.opening(y, sill, width, tall, image, 0.16)
 
     def side_door(self) -> None:
         w = self.f.width
@@ -125,7 +125,7 @@ class Front:
         tall = self.top - 1.02
         rows = 2 if span < 4 else 1
         size = (150, max(24, round(150 * tall / span)))
-        f.opening(y, 1.02, span, tall, goods_picture(self.trade, "black", self.variant, size, rows, plain=True), 0.3)
+        f.opening(y, 1.02, span, tall, goods_image(self.trade, "black", self.variant, size, rows, plain=True), 0.3)
         f.builder.box((0.45, span + 0.2, 0.07), (f.front + 0.22, y, 0.98), "light wood")
         f.builder.box((0.06, span, 0.7), (f.front + 0.03, y, 0.16), mix(self.paintwork, "white", 0.25))
 
@@ -181,5 +181,5 @@ def roof_board(f: Facade, trade: Trade, variant: int, size: float) -> None:
     at = -text / 2
     f.builder.box((0.14, size, size), (x, at, z + 0.5), "dark grey", skins={"+x": face, "-x": face})
     if text > 0:
-        words = pictures.sign(trade.names[variant], back, ink, (170, 50))
+        words = images.sign(trade.names[variant], back, ink, (170, 50))
         f.builder.box((0.14, text, size), (x, size / 2, z + 0.5), "dark grey", skins={"+x": words})

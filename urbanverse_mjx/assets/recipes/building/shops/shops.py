@@ -6,25 +6,23 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import shade
 from ....meshes.recipe import recipe
 from ...nature.foliage import potted_bush
-from ...shared import facade_images as pictures
+from ...shared import facade_images as images
 from ..facade import BUILDING, BUILDING_DENSITY, Facade, finish
 from .shop_styles import SHOPS, Shop
 
 
 def _blade(words: str, shop: Shop) -> np.ndarray:
-    image, pen = pictures.paint.canvas((128, 128), "white" if words in ("cross", "pole") else shop.back)
+    image, pen = images.paint.canvas((128, 128), "white" if words in ("cross", "pole") else shop.back)
     if words == "cross":
-        pen.rectangle((46, 12, 82, 116), fill=pictures.rgb("green"))
-        pen.rectangle((12, 46, 116, 82), fill=pictures.rgb("green"))
+        pen.rectangle((46, 12, 82, 116), fill=images.rgb("green"))
+        pen.rectangle((12, 46, 116, 82), fill=images.rgb("green"))
     elif words == "pole":
         for k in range(-2, 6):
             color = ("signal red", "signal blue")[k % 2]
-            pen.polygon(
-                [(0, 32 * k), (128, 32 * k - 70), (128, 32 * k - 54), (0, 32 * k + 16)], fill=pictures.rgb(color)
-            )
+            pen.polygon([(0, 32 * k), (128, 32 * k - 70), (128, 32 * k - 54), (0, 32 * k + 16)], fill=images.rgb(color))
     else:
-        pictures.paint.text(pen, words, (10, 34, 118, 94), shop.ink, 0.03)
-    return np.asarray(pictures.paint.shrunk(image, (32, 32)))
+        images.paint.text(pen, words, (10, 34, 118, 94), shop.ink, 0.03)
+    return np.asarray(images.paint.shrunk(image, (32, 32)))
 
 
 def _ground_floor(f: Facade, shop: Shop, height: float, rng: np.random.Generator, mirror: float) -> None:
@@ -38,21 +36,21 @@ def _ground_floor(f: Facade, shop: Shop, height: float, rng: np.random.Generator
         0.04,
         door_width,
         2.45,
-        pictures.door(shop.base, "double" if double else "glass", (48 if double else 28, 60)),
+        images.door(shop.base, "double" if double else "glass", (48 if double else 28, 60)),
         0.45,
         sill=False,
     )
     span = w - 1.5 - door_width - 0.35
     middle = -mirror * (w / 2 - 0.55 - span / 2)
     count = 1 if span < 6.5 else 2
-    picture = pictures.shop_window(shop.goods, shade(shop.base, 0.85), rng, warm=shop.goods not in ("boxes", "posters"))
+    image = images.shop_window(shop.goods, shade(shop.base, 0.85), rng, warm=shop.goods not in ("boxes", "posters"))
     for k in range(count):
         one = span / count
-        f.opening(middle + (k - (count - 1) / 2) * one, 0.62, one - 0.12, 2.0, picture, 0.16)
+        f.opening(middle + (k - (count - 1) / 2) * one, 0.62, one - 0.12, 2.0, image, 0.16)
     for y in (-w / 2 + 0.22, w / 2 - 0.22):
         f.pilaster(y, 0, height - 0.75, 0.36, shade(shop.base, 0.9))
     f.builder.box((0.35, door_width + 0.3, 0.05), (f.front + 0.1, door_y, 0), "granite")
-    lettering = pictures.sign(shop.name, shop.back, shop.ink, (224, max(18, round(224 * 0.62 / w))), shop.ink)
+    lettering = images.sign(shop.name, shop.back, shop.ink, (224, max(18, round(224 * 0.62 / w))), shop.ink)
     f.fascia(0, height - 0.78, w - 0.1, 0.62, lettering, shop.back)
     f.course(height - 0.14, 0.14, 0.18)
 
@@ -94,7 +92,7 @@ def _outside(f: Facade, shop: Shop, mirror: float, rng: np.random.Generator) -> 
 
 def _upper_floors(f: Facade, shop: Shop, base: float, storey: float, rng: np.random.Generator) -> None:
     count = max(2, int((f.width - 0.8) / 2.1))
-    panes = [pictures.window(shop.window, shop.trim if shop.window != "office" else "aluminium", rng) for _ in range(3)]
+    panes = [images.window(shop.window, shop.trim if shop.window != "office" else "aluminium", rng) for _ in range(3)]
     for level in range(shop.floors):
         z = base + level * storey + 0.85
         for k in range(count):
@@ -115,9 +113,9 @@ def build_shop(shop: Shop, leaf: str, variant: int, rng: np.random.Generator) ->
     mirror = (1.0, -1.0)[variant % 2]
     _ground_floor(f, shop, 3.7, rng, mirror)
     _upper_floors(f, shop, base, storey, rng)
-    f.walls(pictures.wall(shop.wall[0], (shop.width, height), shop.wall[1], rng), shop.base, 3.55)
+    f.walls(images.wall(shop.wall[0], (shop.width, height), shop.wall[1], rng), shop.base, 3.55)
     if shop.awning:
-        cloth = pictures.awning(shop.awning[0], shop.awning[1] if len(shop.awning) > 1 else None)
+        cloth = images.awning(shop.awning[0], shop.awning[1] if len(shop.awning) > 1 else None)
         f.awning(0, 2.95, shop.width - 0.8, 1.15, cloth, 0.45)
     if shop.blade is not None:
         f.blade_sign(mirror * (shop.width / 2 - 0.5), 4.05 if shop.floors else 2.2, _blade(shop.blade, shop), 0.65)
@@ -126,7 +124,7 @@ def build_shop(shop: Shop, leaf: str, variant: int, rng: np.random.Generator) ->
         f.cornice(height - 0.36)
         n = max(2, int(shop.width / 3))
         dormers = [(k - (n - 1) / 2) * shop.width / n for k in range(n)]
-        f.mansard(2.0, "#4d5560", dormers, pictures.window("casement", shop.trim, rng, (24, 30)))
+        f.mansard(2.0, "#4d5560", dormers, images.window("casement", shop.trim, rng, (24, 30)))
         f.chimney(-depth / 4, shop.width / 3, height + 2.6)
     elif shop.roof == "gable":
         f.gable_roof(min(2.4, depth * 0.35), "#7a4034" if shop.wall[0] == "brick" else "#5a4a44", wall=shop.wall[1])

@@ -13,7 +13,7 @@ from ...amenity.shelters import glazing
 from ...shared.facade_images import awning
 from ...vehicle.trucks import box_shape
 from ...vehicle.vehicle_body import Body
-from ...vehicle.wheels import number_plate, rim_picture, wheel
+from ...vehicle.wheels import number_plate, rim_image, wheel
 
 _FOOD_TRUCK = Physics(
     ("steel", "glass", "rubber"), 170.0, (2200.0, 5000.0), 0.6, False, "step vans with a kitchen weigh 2.5-4.5 t"
@@ -42,10 +42,10 @@ def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body.across(1.1, 1.6, t0, t1, "red", lift=0.014)
         b.box((0.10, 0.10, 0.28), (f - 0.65, side * 1.16, 1.55), "black", bevel=0.02)
     body.across(
-        11.9, 12.6, -0.5, 0.5, picture=paint.lettering("= = =", "black", "light grey", (48, 12), bold=0.02), lift=0.014
+        11.9, 12.6, -0.5, 0.5, image=paint.lettering("= = =", "black", "light grey", (48, 12), bold=0.02), lift=0.014
     )
     body.across(14.0, 15.0, -0.98, 0.98, "charcoal", lift=0.006)
-    body.across(14.1, 14.55, -0.16, 0.16, picture=number_plate("FT 2026"), lift=0.02)
+    body.across(14.1, 14.55, -0.16, 0.16, image=number_plate("FT 2026"), lift=0.02)
     body.across(2.1, 4.0, -0.4, 0.4, shade(color, 0.85), lift=0.008)
     # The serving hatch on the right: a dark opening with a lit kitchen, a counter, a raised flap as an awning.
     x0, x1, low, high, y = -2.05, 0.75, 1.15, 2.15, -1.045
@@ -67,19 +67,19 @@ def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
             [(x0 - 0.1, y, high + 0.35), (x1 + 0.1, y, high + 0.35)],
         ]
     )
-    b.sheet(flap, picture=cloth, both_sides=True)
+    b.sheet(flap, image=cloth, both_sides=True)
     hang = np.array(
         [
             [(x0 - 0.1, y - 0.95, high - 0.06), (x1 + 0.1, y - 0.95, high - 0.06)],
             [(x0 - 0.1, y - 0.95, high + 0.12), (x1 + 0.1, y - 0.95, high + 0.12)],
         ]
     )
-    b.sheet(hang, picture=cloth, both_sides=True)
+    b.sheet(hang, image=cloth, both_sides=True)
     for x in (x0, x1):
         b.rod((x, y, low + 0.6), (x, y - 0.92, high + 0.1), 0.012, "aluminium", sides=5)
     sign = paint.lettering(name, accent, shade(color, 0.7), (128, 24), bold=0.02)
     b.box((2.6, 0.10, 0.5), (-0.65, -0.85, 2.76), accent, skins={"-y": sign})
-    body.side_picture(-2.2, 0.6, 1.25, 1.78, sign, lift=0.008)
+    body.side_image(-2.2, 0.6, 1.25, 1.78, sign, lift=0.008)
     lines = menu.split("\n")
     board, pen = paint.canvas((96, 112), "#23302a")
     for k, text in enumerate(lines):
@@ -87,7 +87,7 @@ def food_truck(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.panel(paint.shrunk(board, (32, 38)), (1.15, y - 0.02, 1.55), 0.55, 0.66, "-y")
     b.cylinder(0.14, 0.35, (-1.6, 0.3, 2.74), "galvanised", segments=10)
     b.cylinder(0.22, 0.08, (-1.6, 0.3, 3.06), "galvanised", segments=10)
-    rim = rim_picture("steel")
+    rim = rim_image("steel")
     for x in shape.axles:
         for side in (-1.0, 1.0):
             wheel(b, (x, side * 0.90, 0.37), 0.37, 0.24, rim, side)
@@ -118,14 +118,14 @@ def kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
         side = 2 * r * 0.95 * np.sin(np.pi / 8)
         flat = r * 0.95 * np.cos(np.pi / 8)
         for k in (-2, -1, 0, 1, 2):
-            picture = (
+            drawn = (
                 front_page(48, 48, rng, ("NEWS", "SPORT", "CITY")[k % 3])
                 if k
                 else glazing(48, 48, 2, 1, "dark green", "dark glass")
             )
             yaw = 45.0 * k
             at = (flat + 0.01) * np.array([np.cos(np.radians(yaw)), np.sin(np.radians(yaw)), 0.0])
-            b.panel(picture, at + np.array([0, 0, 1.55]), side * 0.82, 1.0, yaw)
+            b.panel(drawn, at + np.array([0, 0, 1.55]), side * 0.82, 1.0, yaw)
         b.box((0.4, 1.0, 0.05), (flat + 0.1, 0, 1.0), "dark wood")
         b.lathe(
             [(r + 0.35, h), (r + 0.3, h + 0.12), (0.5, h + 0.5), (0.5, h + 0.7)],
@@ -163,7 +163,7 @@ def kiosk(variant: int, rng: np.random.Generator) -> BuiltAsset:
         awning = (
             paint.stripes((128, 16), (color, "white"), 14) if style == "snack" else paint.canvas((16, 16), "teal")[0]
         )
-        b.sheet(np.array(rows), picture=awning, both_sides=True)
+        b.sheet(np.array(rows), image=awning, both_sides=True)
     sign, draw = paint.canvas((128, 24), "cream" if style != "modern" else "white")
     paint.text(draw, title, (6, 3, 122, 21), "dark red", bold=0.03)
     z = h + (0.28 if style != "timber hut" else -0.22)
@@ -189,19 +189,19 @@ STALL = Physics(
 
 def striped_canopy(b: MeshBuilder, x: float, y: float, z: float, rise: float, color: Color, count: int = 8) -> None:
     """A ridged cloth roof of half sizes x, y with its eaves at z, striped, with a scalloped edge."""
-    picture = paint.stripes((96, 24), (color, "white"), count)
+    image = paint.stripes((96, 24), (color, "white"), count)
     for side in (1, -1):
         slope = np.array(
             [[(side * x, -side * y, z), (side * x, side * y, z)], [(0, -side * y, z + rise), (0, side * y, z + rise)]]
         )
-        b.sheet(slope, picture=picture, both_sides=True)
+        b.sheet(slope, image=image, both_sides=True)
         drop = np.array(
             [
                 [(side * x, -side * y, z - 0.18), (side * x, side * y, z - 0.18)],
                 [(side * x, -side * y, z), (side * x, side * y, z)],
             ]
         )
-        b.sheet(drop, picture=picture, both_sides=True)
+        b.sheet(drop, image=image, both_sides=True)
         b.sheet(
             np.array([[(x, side * y, z), (-x, side * y, z)], [(0, side * y, z + rise), (0, side * y, z + rise)]]),
             color,

@@ -5,7 +5,7 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
-from ...shared import facade_images as pictures
+from ...shared import facade_images as images
 from ...shared.sizes import fitted_as, size_of
 from ..facade import Facade
 from .shop_front import Front, emblem, roof_board, wall_plaque
@@ -44,7 +44,7 @@ def _upper_floors(
     f: Facade, floors: int, storey: float, ground: float, style: str, rng: np.random.Generator, clear: bool
 ) -> None:
     """Rows of windows; `clear` leaves the middle of the lowest row to the emblem."""
-    panes = [pictures.window(style, f.trim, rng) for _ in range(2)]
+    panes = [images.window(style, f.trim, rng) for _ in range(2)]
     count = max(2, min(8, int((f.width - 0.6) / 2.0)))
     step = (f.width - 0.7) / count
     for level in range(floors):
@@ -56,7 +56,7 @@ def _upper_floors(
             f.opening(y, ground + level * storey + 0.75, min(1.2, step * 0.6), tall, panes[int(rng.integers(2))])
 
 
-def _roof(f: Facade, kind: str, tile: Color, wall: Color, pane: pictures.Image.Image) -> None:
+def _roof(f: Facade, kind: str, tile: Color, wall: Color, pane: images.Image.Image) -> None:
     rise = ROOF_HEIGHT[kind]
     if kind == "gable":
         f.gable_roof(rise, tile, wall=wall)
@@ -92,9 +92,9 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
     back = trade.paints[variant][0]
     Front(f, trade, variant, ground, (1.0, -1.0)[variant % 2], shade(back, 0.9)).lay()
     _upper_floors(f, floors, storey, ground, wall[2], rng, sign == "wall")
-    f.walls(pictures.wall(wall[0], (f.width, f.height), wall[1], rng, 160), mix(back, "black", 0.15), ground - 0.1)
+    f.walls(images.wall(wall[0], (f.width, f.height), wall[1], rng, 160), mix(back, "black", 0.15), ground - 0.1)
     if awning:
-        cloth = pictures.awning(back, "white" if variant != 1 else None)
+        cloth = images.awning(back, "white" if variant != 1 else None)
         f.awning(0, ground - 0.9, f.width - 0.7, 1.0, cloth, 0.42)
     if sign == "blade":
         at = 0.1 if floors else -0.95
@@ -103,7 +103,7 @@ def build_trade(leaf: str, variant: int, rng: np.random.Generator) -> BuiltAsset
         )
     elif sign == "wall":
         wall_plaque(f, trade, variant, ground + (1.6 if floors else -0.2), 1.05 if floors else 0.8)
-    _roof(f, kind, TILES[(number + variant) % 4], wall[1], pictures.window("casement", "off white", rng, (24, 30)))
+    _roof(f, kind, TILES[(number + variant) % 4], wall[1], images.window("casement", "off white", rng, (24, 30)))
     if sign == "roof":
         roof_board(f, trade, variant, board)
     if trade.outside is not None:

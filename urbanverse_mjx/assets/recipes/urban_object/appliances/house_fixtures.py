@@ -40,12 +40,12 @@ def clock_face(size: int, ground: Color, ink: Color, hour: int, minute: int) -> 
     return paint.shrunk(image, (size, size))
 
 
-def dial(b: MeshBuilder, picture: Image.Image, at: tuple[float, float, float], radius: float) -> None:
-    """A round picture looking along +x."""
+def dial(b: MeshBuilder, image: Image.Image, at: tuple[float, float, float], radius: float) -> None:
+    """A round image looking along +x."""
     points = np.array([(0.0, y, z) for y, z in ellipse(radius, radius, 28)])
     uv = 0.5 + points[:, 1:] / (2 * radius)
     faces = np.stack([np.zeros(26, int), np.arange(1, 27), np.arange(2, 28)], 1)
-    b.add(Shape(points, faces, uv), at=at, picture=picture)
+    b.add(Shape(points, faces, uv), at=at, image=image)
 
 
 @recipe("clock", 3, hulls=1, name="house_fixtures.clock")

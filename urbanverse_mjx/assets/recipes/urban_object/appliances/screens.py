@@ -1,4 +1,4 @@
-"""Things with screens: arcade cabinets, televisions, computers, telephones. The screen looks along +x."""
+"""Appliances with screens: arcade cabinets, televisions, computers, telephones. The screen looks along +x."""
 
 import numpy as np
 
@@ -52,9 +52,9 @@ def arcade_game_cabinet(variant: int, rng: np.random.Generator) -> BuiltAsset:
     foot, head, screen_low, screen_top = (outline[k] for k in (2, 7, 5, 6))
     lean = float(np.degrees(np.arctan2(screen_low[0] - screen_top[0], screen_top[1] - screen_low[1])))
     middle = ((screen_low[0] + screen_top[0]) / 2, 0.0, (screen_low[1] + screen_top[1]) / 2)
-    picture = (space_game((96, 84), rng), race_game((96, 84)), space_game((96, 84), rng))[variant]
+    image = (space_game((96, 84), rng), race_game((96, 84)), space_game((96, 84), rng))[variant]
     with b.frame(middle, (0, -lean, 0)):
-        b.panel(picture, (0.004, 0, 0), 0.54, 0.37)
+        b.panel(image, (0.004, 0, 0), 0.54, 0.37)
     words, ground, ink = (
         ("STAR RUSH", "purple", "signal yellow"),
         ("TURBO CUP", "signal yellow", "signal red"),
@@ -115,7 +115,7 @@ def television(variant: int, rng: np.random.Generator) -> BuiltAsset:
             [(0.238 + 0.02 * (1 - u * u) * (1 - v * v), -0.075 + 0.18 * u, 0.25 + 0.165 * v) for u in _ARC]
             for v in _ARC
         ]
-        b.sheet(np.array(grid), picture=landscape((64, 52)))
+        b.sheet(np.array(grid), image=landscape((64, 52)))
         b.box((0.012, 0.12, 0.41), (0.228, 0.215, 0.045), "brown")
         for z in (0.38, 0.28):
             b.cylinder(0.032, 0.03, (0.23, 0.215, z), "aluminium", (0, 90, 0), segments=14)
@@ -125,11 +125,11 @@ def television(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.rod((0.0, 0.02 * s, 0.47), (-0.04, 0.2 * s, 0.8), 0.004, "aluminium", sides=5)
         b.box((0.08, 0.1, 0.02), (0.0, 0, 0.475), "black", bevel=0.005)
     else:
-        picture = landscape((144, 82), dusk=variant == 2)
+        image = landscape((144, 82), dusk=variant == 2)
         z = 0.07 if variant == 0 else 0.14
         b.box((0.022, 1.12, 0.64), (0.0, 0, z), "black", bevel=0.006)
         b.box((0.05, 0.7, 0.32), (-0.03, 0, z + 0.05), "charcoal", bevel=0.012)
-        b.panel(picture, (0.013, 0, z + 0.322), 1.09, 0.605)
+        b.panel(image, (0.013, 0, z + 0.322), 1.09, 0.605)
         b.box((0.004, 0.06, 0.008), (0.012, 0, z + 0.006), "light grey")
         if style == "flat-screen":
             for y in (-0.4, 0.4):
@@ -155,8 +155,8 @@ def computer_monitor(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b.box((0.022, width, 0.34), (0.03, 0, 0.12), frame, bevel=0.005)
     b.box((0.03, width * 0.55, 0.2), (0.01, 0, 0.18), shade(frame, 0.9), bevel=0.01)
     chin = 0.06 if style == "all-in-one" else 0.016
-    picture = landscape((128, 72)) if style == "very wide" else desktop((128, 76))
-    b.panel(picture, (0.0425, 0, 0.29 + (chin - 0.012) / 2), width - 0.02, 0.34 - chin - 0.012)
+    image = landscape((128, 72)) if style == "very wide" else desktop((128, 76))
+    b.panel(image, (0.0425, 0, 0.29 + (chin - 0.012) / 2), width - 0.02, 0.34 - chin - 0.012)
     b.cylinder(
         0.006,
         0.003,
@@ -286,8 +286,8 @@ def mobile_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.extrude(rounded(0.072, 0.148, 0.01), 0.0078, (0, 0, 0.074), case, turned)
         b.extrude(rounded(0.07, 0.146, 0.009), 0.0003, (0.0078, 0, 0.074), "black", turned)
-        picture = icons((60, 128), 4, 4) if variant == 0 else landscape((60, 128), True)
-        b.panel(picture, (0.00835, 0, 0.074), 0.066, 0.139)
+        image = icons((60, 128), 4, 4) if variant == 0 else landscape((60, 128), True)
+        b.panel(image, (0.00835, 0, 0.074), 0.066, 0.139)
         b.cylinder(0.0028, 0.0006, (0.0082, 0, 0.1385), "black", (0, 90, 0), segments=10)
         b.box((0.003, 0.001, 0.02), (0.004, 0.0362, 0.09), shade(case, 0.7))
         b.extrude(rounded(0.026, 0.026, 0.006), 0.0012, (-0.0012, -0.018, 0.128), shade(case, 0.8), turned)
@@ -307,8 +307,8 @@ def tablet(variant: int, rng: np.random.Generator) -> BuiltAsset:
         rounded(0.25, 0.175, 0.012), 0.0065, (0, 0, 0.0875), "galvanised" if variant == 0 else "aluminium", turned
     )
     b.extrude(rounded(0.247, 0.172, 0.011), 0.0004, (0.0065, 0, 0.0875), "black" if variant == 0 else "white", turned)
-    picture = icons((120, 78), 7, 3) if variant == 0 else desktop((120, 78))
-    b.panel(picture, (0.0071, 0, 0.0875), 0.226, 0.153)
+    image = icons((120, 78), 7, 3) if variant == 0 else desktop((120, 78))
+    b.panel(image, (0.0071, 0, 0.0875), 0.226, 0.153)
     b.cylinder(0.005, 0.0004, (0.0068, 0.1185, 0.0875), "dark grey", (0, 90, 0), segments=12)
     b.cylinder(0.004, 0.0008, (-0.0008, -0.11, 0.16), "black", (0, 90, 0), segments=10)
     b.box((0.003, 0.02, 0.001), (0.0033, 0.1, 0.1748), "dark grey")

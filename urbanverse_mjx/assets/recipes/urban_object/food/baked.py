@@ -37,16 +37,16 @@ def bread(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("loaf", "baguette", "tin loaf")[variant % 3]
     if style == "tin loaf":
         low = pillow((26, 11, 7), 0.3, 0.25, 24, 8)
-        b.add(painted(low), picture=baked(rng))
+        b.add(painted(low), image=baked(rng))
         b.add(
             painted(lumpy(pillow((26.6, 12, 7), 0.4, 0.6, 24, 10), 0.03, rng, 3)),
-            picture=baked(rng, ("#a8662c", "#b87434", "#9a5a26")),
+            image=baked(rng, ("#a8662c", "#b87434", "#9a5a26")),
             at=(0, 0, 4.6),
             crease_deg=70,
         )
     else:
         size, cuts = ((26, 11, 9.5), 4) if style == "loaf" else ((58, 6.5, 5), 6)
-        b.add(painted(lumpy(pillow(size, 0.8, 0.8, 28, 12), 0.02, rng, 3)), picture=baked(rng), crease_deg=70)
+        b.add(painted(lumpy(pillow(size, 0.8, 0.8, 28, 12), 0.02, rng, 3)), image=baked(rng), crease_deg=70)
         for k in range(cuts):
             x = size[0] * (-0.34 + 0.68 * k / (cuts - 1))
             drop = size[2] * np.sqrt(max(1 - (2 * x / size[0]) ** 2, 0.1)) * 0.5 + size[2] * 0.5
@@ -67,12 +67,12 @@ def croissant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("crescent", "straight", "chocolate")[variant % 3]
     bow = (0.8, 0.3, 0.7)[variant % 3]
     fat = (0.7, 1.6, 2.3, 2.9, 3.1, 2.9, 2.3, 1.6, 0.7)
-    picture = skin(rng, ["#d8a050", "#c4813a", "#a8642a"], noise=9)
+    image = skin(rng, ["#d8a050", "#c4813a", "#a8642a"], noise=9)
     for k, r in enumerate(fat):
         a = (k - 4) / 4 * 1.25
         at = (9 * np.sin(a), -5.5 * bow * (1 - np.cos(a)) * 1.5, r * 0.92)
         ring = painted(lumpy(pillow((5.2, 2 * r, 1.84 * r), 0.6, 0.9, 14, 6), 0.02, rng))
-        b.add(ring, picture=picture, at=(at[0], at[1], 0), turn_deg=(0, 0, -np.degrees(a) * bow), crease_deg=70)
+        b.add(ring, image=image, at=(at[0], at[1], 0), turn_deg=(0, 0, -np.degrees(a) * bow), crease_deg=70)
         if style == "chocolate":
             b.tube(
                 [
@@ -95,7 +95,7 @@ def donuts(variant: int, rng: np.random.Generator) -> BuiltAsset:
     ring = shapes.torus(2.9, 1.7, 22, 9)
     b.add(
         painted(ring),
-        picture=skin(rng, ["#c98a44", "#d89a50", "#e8c48a", "#d89a50"], noise=6),
+        image=skin(rng, ["#c98a44", "#d89a50", "#e8c48a", "#d89a50"], noise=6),
         at=(0, 0, 1.6),
         scale=(1, 1, 0.95),
         crease_deg=80,
@@ -148,7 +148,7 @@ def muffin(variant: int, rng: np.random.Generator) -> BuiltAsset:
         dome = shapes.lathe(softened([(0, 3.6), (3.3, 3.6), (4.0, 4.4), (3.9, 5.3), (2.6, 6.8), (0, 7.5)], 12), 24)
         b.add(
             painted(lumpy(dome, 0.035, rng, 3)),
-            picture=skin(rng, [crumb, shade(crumb, 0.9), shade(crumb, 1.06)], noise=13),
+            image=skin(rng, [crumb, shade(crumb, 0.9), shade(crumb, 1.06)], noise=13),
             crease_deg=80,
         )
         for _ in range(12):
@@ -226,7 +226,7 @@ def pancake(variant: int, rng: np.random.Generator) -> BuiltAsset:
         cake_ = painted(lumpy(pillow((17, 17, thick), 1.0, 0.4, 26, 6), 0.02, rng, 2))
         b.add(
             cake_,
-            picture=skin(rng, ["#efd79c", "#e8c884", "#b8742c"], noise=7),
+            image=skin(rng, ["#efd79c", "#e8c884", "#b8742c"], noise=7),
             at=(*(rng.uniform(-0.35, 0.35, 2).tolist()), k * thick * 0.93),
             turn_deg=(0, 0, 60 * k),
         )

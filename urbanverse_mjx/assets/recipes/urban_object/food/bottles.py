@@ -42,18 +42,18 @@ def radius_at(profile: Sequence[Point2], z: float) -> float:
 
 def tinted(color: Color, fill: tuple[Color, float] | None, top: float) -> np.ndarray:
     """A skin for glass with something in it up to a level, light on its shoulder."""
-    picture = np.empty((48, 16, 3))
+    image = np.empty((48, 16, 3))
     heights = (np.arange(48)[::-1] + 0.5) / 48 * top
     for row, z in enumerate(heights):
-        picture[row] = rgb(fill[0]) if fill and z < fill[1] else rgb(color)
+        image[row] = rgb(fill[0]) if fill and z < fill[1] else rgb(color)
     glint = 1.0 + 0.25 * np.exp(-(((np.arange(16) - 5) / 1.2) ** 2))
-    return np.clip(picture * glint[None, :, None], 0, 255).astype(np.uint8)
+    return np.clip(image * glint[None, :, None], 0, 255).astype(np.uint8)
 
 
 def round_bottle(b: MeshBuilder, it: Bottle) -> None:
     top = it.profile[-1][1]
     body = lathe([(0.0, 0.0), *it.profile, (0.0, top)], 24)
-    b.add(painted(body), picture=tinted(it.color, it.fill, top))
+    b.add(painted(body), image=tinted(it.color, it.fill, top))
     color, radius, height = it.cap
     b.cylinder(radius, height, (0, 0, top - 0.15), color, segments=20)
     b.ring(radius_at(it.profile, top - 0.9) + 0.05, 0.16, (0, 0, top - 0.9), shade(it.color, 0.9), segments=20, sides=5)
@@ -63,8 +63,8 @@ def round_bottle(b: MeshBuilder, it: Bottle) -> None:
     if it.paper:
         words, ground, ink = it.paper
         low, high = it.band
-        picture = label(words, ground, ink, (64, 48), band=ink)
-        patch(b, picture, radius_at(it.profile, (low + high) / 2) + 0.07, low, high, it.arc_deg)
+        image = label(words, ground, ink, (64, 48), band=ink)
+        patch(b, image, radius_at(it.profile, (low + high) / 2) + 0.07, low, high, it.arc_deg)
 
 
 _TABLE = table(__file__)

@@ -148,7 +148,7 @@ def dumplings(variant: int, rng: np.random.Generator) -> BuiltAsset:
         with b.frame((x, y, ground), (0, 0, 60 * k if style != "fried on a plate" else 10)):
             if style == "fried on a plate":
                 body = pillow((2.9, 8.4, 3.4), 0.9, 0.8, 16, 8)
-                b.add(painted(body), picture=skin(rng, ["#a8662c", "#e6cf9a", "#efe0b8"], noise=7))
+                b.add(painted(body), image=skin(rng, ["#a8662c", "#e6cf9a", "#efe0b8"], noise=7))
                 b.tube(
                     [
                         (0.1 * (-1) ** j, 4.0 * s, 3.4 * np.sqrt(max(1 - s * s, 0.02)) * 0.95)
@@ -160,7 +160,7 @@ def dumplings(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 )
             else:
                 body = ribbed_bun(2.35)
-                b.add(painted(body), picture=skin(rng, ["#e6dcc4", "#f2ead6", "#efe6d0"], noise=4), crease_deg=70)
+                b.add(painted(body), image=skin(rng, ["#e6dcc4", "#f2ead6", "#efe6d0"], noise=4), crease_deg=70)
                 b.ball((0.45, 0.45, 0.4), (0, 0, 3.3), "#e6dcc4", segments=8, rings=5)
     size = ((17, 14.4, 5.5), (24, 19, 5.2), (9.5, 4.8, 3.4))[variant % 3]
     return varied_cm(b, f"dumplings: a {style}", size, rng, {"style": style})
@@ -199,7 +199,7 @@ def spring_rolls(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body = painted(lumpy(pillow((11, 2.5, 2.3), 0.35, 0.85, 18, 8), 0.02, rng, 3), 0)
         b.add(
             body,
-            picture=fresh if style == "summer rolls" else golden,
+            image=fresh if style == "summer rolls" else golden,
             at=(x, y, z),
             turn_deg=(0, 0, (14 if z > 2 else 3) * (-1) ** k),
             crease_deg=70,
@@ -218,7 +218,7 @@ def sushi(variant: int, rng: np.random.Generator) -> BuiltAsset:
     def nigiri(x: float, y: float, z: float, top: Color) -> None:
         b.add(
             painted(lumpy(pillow((5.0, 2.4, 2.0), 0.6, 0.6, 14, 6), 0.03, rng, 4)),
-            picture=skin(rng, ["#f2efe6"], noise=10),
+            image=skin(rng, ["#f2efe6"], noise=10),
             at=(x, y, z),
             crease_deg=80,
         )

@@ -22,7 +22,7 @@ def filled(
     inner = float(np.interp(level, [z for _, z in profile], [r for r, _ in profile]))
     rim = profile[-1][0]
     body = shapes.lathe([(0, profile[0][1]), *profile, (rim - 0.25, top), (inner - 0.3, level), (0, level)], 24)
-    b.add(painted(body), picture=tinted(glass, (mix(drink, glass, 0.15), level - profile[0][1]), top - profile[0][1]))
+    b.add(painted(body), image=tinted(glass, (mix(drink, glass, 0.15), level - profile[0][1]), top - profile[0][1]))
     b.cylinder(inner - 0.28, 0.06, (0, 0, level - 0.02), drink, segments=24)
 
 

@@ -37,7 +37,7 @@ def cut_half(
     body = lying(profile)
     radius = max(r for r, _ in profile)
     flat = np.minimum(body.vertices, [np.inf, np.inf, radius])
-    b.add(painted(Shape(flat, body.faces)), picture=skin(rng, [skin_color], noise=8), crease_deg=60)
+    b.add(painted(Shape(flat, body.faces)), image=skin(rng, [skin_color], noise=8), crease_deg=60)
     outline = softened(profile, 13)
     ring = np.array([(z, r) for r, z in outline] + [(z, -r) for r, z in outline[-2:0:-1]])
     middle = np.array([ring[:, 0].mean(), 0])
@@ -59,7 +59,7 @@ def avocado(variant: int, rng: np.random.Generator) -> BuiltAsset:
         colors: Sequence[Color] = (
             ["#26301c", "#333f22", "#2a351d"] if style == "dark" else ["#4e7a2c", "#6a9638", "#55822f"]
         )
-        b.add(painted(body), picture=skin(rng, colors, noise=12, flecks=("#5b6a38", 120)), crease_deg=70)
+        b.add(painted(body), image=skin(rng, colors, noise=12, flecks=("#5b6a38", 120)), crease_deg=70)
         b.cylinder(0.45, 0.7, (10.2, 0, 3.6), "#6b5a34", turn_deg=(0, 90, 0), segments=8)
     size = ((10.5, 7.2, 7.2), (10, 7, 6.0), (12.4, 7.4, 7.4))[variant % 3]
     return varied_cm(b, f"a {style} avocado", size, rng, {"style": style})
@@ -92,11 +92,11 @@ def banana(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(5):
             with b.frame((9.5, (k - 2) * 0.9, 0), (0, 0, (k - 2) * 11.0)):
                 body = bead(arch * [1, 1, 1 - 0.08 * abs(k - 2)], radii, 8)
-                b.add(painted(body, 0), picture=skin(rng, colors[::-1], noise=4), crease_deg=80)
+                b.add(painted(body, 0), image=skin(rng, colors[::-1], noise=4), crease_deg=80)
         b.add(pillow((3.0, 5.4, 2.6), 0.6, 0.6, 12, 6), "#6f6a2c", (9.6, 0, 4.2), turn_deg=(0, -20, 0))
     else:
         body = bead([(x, z, 1.9) for x, z in line], radii, 9)
-        b.add(painted(body, 0), picture=skin(rng, colors, noise=4, flecks=flecks), crease_deg=60)
+        b.add(painted(body, 0), image=skin(rng, colors, noise=4, flecks=flecks), crease_deg=60)
         tip, end = line[0], line[-1]
         b.ball((0.65, 0.65, 0.6), (tip[0], tip[1], 1.9), "#5a4a24", segments=8, rings=5)
         b.ball((0.45, 0.45, 0.45), (end[0], end[1], 1.9), "#332414", segments=8, rings=5)
@@ -126,7 +126,7 @@ def kiwi(variant: int, rng: np.random.Generator) -> BuiltAsset:
             ["#6a5030", "#7d6038", "#6a5030"] if style == "brown" else ["#9a7a3c", "#ac8a48", "#9a7a3c"]
         )
         body = lumpy(lying(OVAL, 24), 0.02, rng)
-        b.add(painted(body), picture=skin(rng, colors, noise=13, flecks=("#a88a58", 150)), crease_deg=80)
+        b.add(painted(body), image=skin(rng, colors, noise=13, flecks=("#a88a58", 150)), crease_deg=80)
         b.cylinder(0.5, 0.25, (-0.1, 0, 2.65), "#3a2a18", turn_deg=(0, 90, 0), segments=10)
         b.cylinder(0.35, 0.3, (6.4, 0, 2.65), "#3a2a18", turn_deg=(0, 90, 0), segments=8)
     size = ((6.6, 5.3, 5.3), (6.2, 5.2, 4.3), (7.4, 5.2, 5.2))[variant % 3]
@@ -155,7 +155,7 @@ def lemon(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )
         b.add(
             painted(lumpy(lying(LEMON, 24), 0.02, rng)),
-            picture=skin(rng, colors, noise=5, flecks=("#cfae1c", 160)),
+            image=skin(rng, colors, noise=5, flecks=("#cfae1c", 160)),
             crease_deg=80,
         )
         b.cylinder(0.4, 0.4, (-0.25, 0, 2.9), "#6a7a34", turn_deg=(0, 90, 0), segments=8)
@@ -183,7 +183,7 @@ def papaya(variant: int, rng: np.random.Generator) -> BuiltAsset:
         )[style != "yellow-green"]
         b.add(
             painted(lumpy(lying(PAPAYA, 24), 0.02, rng), 0),
-            picture=skin(rng, colors, noise=7, flecks=("#8a7a2c", 80)),
+            image=skin(rng, colors, noise=7, flecks=("#8a7a2c", 80)),
             crease_deg=80,
         )
         b.cylinder(1.0, 0.9, (19.6, 0, 5.6), "#6a5a34", turn_deg=(0, 90, 0), segments=10)
@@ -204,10 +204,10 @@ def pineapple(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )[variant % 3]
     y, x = np.mgrid[:72, :48]
     cell = np.minimum(np.abs((x + y) % 12 - 6), np.abs((x - y) % 12 - 6))
-    picture = np.array(rgb(base), float) + np.zeros((72, 48, 1))
-    picture = np.where((cell > 4.4)[..., None], np.array(rgb(edge), float), picture)
+    image = np.array(rgb(base), float) + np.zeros((72, 48, 1))
+    image = np.where((cell > 4.4)[..., None], np.array(rgb(edge), float), image)
     centre = ((x + y) % 12 - 0) ** 2 + ((x - y) % 12 - 0) ** 2 < 9
-    picture = np.where(centre[..., None], np.array(rgb(eye), float), picture) + rng.normal(0, 6, (72, 48, 1))
+    image = np.where(centre[..., None], np.array(rgb(eye), float), image) + rng.normal(0, 6, (72, 48, 1))
     r = 7.0 if style != "baby" else 5.4
     profile = [
         (0, 0),
@@ -218,9 +218,7 @@ def pineapple(variant: int, rng: np.random.Generator) -> BuiltAsset:
         (r * 0.6, tall * 0.96),
         (0, tall),
     ]
-    b.add(
-        painted(shapes.lathe(softened(profile), 24)), picture=np.clip(picture, 0, 255).astype(np.uint8), crease_deg=80
-    )
+    b.add(painted(shapes.lathe(softened(profile), 24)), image=np.clip(image, 0, 255).astype(np.uint8), crease_deg=80)
     for k in range(leaves):
         out, a = 1 - k / leaves, 2.4 * k
         reach, rise = r * (0.25 + 0.95 * out), tall * (1.0 - 0.45 * out)
@@ -251,8 +249,8 @@ def melon_skin(rng: np.random.Generator, light: Color, dark: Color) -> np.ndarra
     y, x = np.mgrid[:64, :96]
     wobble = 3 * np.sin(y / 5.0 + rng.uniform(0, 6)) + 2 * np.sin(y / 2.3) + rng.normal(0, 1.2, (64, 96))
     stripe = ((x + wobble) % 16) < 7.5
-    picture = np.where(stripe[..., None], np.array(rgb(dark), float), np.array(rgb(light), float))
-    return np.clip(picture + rng.normal(0, 6, (64, 96, 1)), 0, 255).astype(np.uint8)
+    image = np.where(stripe[..., None], np.array(rgb(dark), float), np.array(rgb(light), float))
+    return np.clip(image + rng.normal(0, 6, (64, 96, 1)), 0, 255).astype(np.uint8)
 
 
 @recipe("watermelon", 3, name="exotic_fruits.watermelon")
@@ -264,7 +262,7 @@ def watermelon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     oval = [(r * 4.6, z * 4.2) for r, z in OVAL]
     if style == "halved":
         body = shapes.lathe(softened([(0, 0), (5, 0.5), (9.5, 3.6), (12, 8.5), (12.6, 12.6)], 9), 28)
-        b.add(painted(body), picture=melon_skin(rng, light, dark))
+        b.add(painted(body), image=melon_skin(rng, light, dark))
         for radius, z, color in ((12.3, 12.6, "#e6efcf"), (11.4, 12.68, "#e8565a"), (10.6, 12.76, "#d8282f")):
             b.cylinder(radius, 0.12, (0, 0, z), color, segments=28)
         for k in range(22):
@@ -280,7 +278,7 @@ def watermelon(variant: int, rng: np.random.Generator) -> BuiltAsset:
     else:
         b.add(
             painted(lumpy(lying(oval, 28), 0.01, rng), 0),
-            picture=np.swapaxes(melon_skin(rng, light, dark), 0, 0),
+            image=np.swapaxes(melon_skin(rng, light, dark), 0, 0),
             crease_deg=80,
         )
         b.tube([(27.4, 0, 12.2), (29, 0.4, 12.6), (30, 1.4, 13.2)], [0.5, 0.4, 0.5], "#7a7a3c", sides=6)

@@ -44,7 +44,7 @@ PLUM = ((0, 0.0), (1.0, 0.2), (2.0, 1.1), (2.5, 2.4), (2.3, 3.4), (1.5, 4.2), (0
 
 
 @dataclasses.dataclass(frozen=True)
-class Look:
+class Kind:
     """One kind of a round fruit: name, colours from below to above, blush, flecks, size (x, y, z) in cm."""
 
     name: str
@@ -70,7 +70,7 @@ def leaf_blade(
 def fruit(
     b: MeshBuilder,
     profile: Sequence[Point2],
-    look: Look,
+    kind: Kind,
     rng: np.random.Generator,
     lumps: float = 0.02,
     cleft: bool = False,
@@ -80,7 +80,7 @@ def fruit(
     if cleft:
         angle = np.arctan2(body.vertices[:, 1], body.vertices[:, 0])
         body.vertices[:, :2] *= (1 - 0.10 * np.exp(-((angle - 0.5) ** 2) / 0.02))[:, None]
-    b.add(painted(lumpy(body, lumps, rng)), picture=skin(rng, look.colors, look.blush, 5, look.flecks), crease_deg=80)
+    b.add(painted(lumpy(body, lumps, rng)), image=skin(rng, kind.colors, kind.blush, 5, kind.flecks), crease_deg=80)
 
 
 def stalk(b: MeshBuilder, z: float, height: float, radius: float, color: Color = "#5b4327", lean: float = 0.3) -> None:
@@ -92,49 +92,49 @@ def stalk(b: MeshBuilder, z: float, height: float, radius: float, color: Color =
     )
 
 
-ROUND_FRUITS: dict[str, tuple[Sequence[Point2], bool, tuple[float, float, float], tuple[Look, ...]]] = {
+ROUND_FRUITS: dict[str, tuple[Sequence[Point2], bool, tuple[float, float, float], tuple[Kind, ...]]] = {
     # leaf -> profile, whether it has a cleft, stalk (foot, height, radius), kinds
     "apple": (APPLE, False, (6.0, 2.4, 0.17), (
-        Look("red apple", ["#8e1420", "#b01a22", "#a31620"], "#d9483a", ("#e8b38a", 40), (7.7, 7.7, 7.0), True),
-        Look("green apple", ["#7fa52c", "#9cc23c", "#8fb834"], None, ("#d8e59a", 40), (8.2, 8.2, 7.6)),
-        Look("striped apple", ["#d8b24a", "#d99a3c", "#c9a03c"], "#b8261f", ("#e8d79a", 40), (7.0, 7.0, 6.6), True))),
+        Kind("red apple", ["#8e1420", "#b01a22", "#a31620"], "#d9483a", ("#e8b38a", 40), (7.7, 7.7, 7.0), True),
+        Kind("green apple", ["#7fa52c", "#9cc23c", "#8fb834"], None, ("#d8e59a", 40), (8.2, 8.2, 7.6)),
+        Kind("striped apple", ["#d8b24a", "#d99a3c", "#c9a03c"], "#b8261f", ("#e8d79a", 40), (7.0, 7.0, 6.6), True))),
     "apricot": (PEACH, True, (5.6, 0.5, 0.2), (
-        Look("apricot", ["#e08a2c", "#ec9d3a", "#e08a2c"], "#d8542c", ("#c86a2a", 30), (4.5, 4.5, 4.4)),
-        Look("pale apricot", ["#e8b45a", "#efc06a", "#e2a84c"], "#e08a50", None, (4.0, 4.0, 4.1), True),
-        Look("red apricot", ["#d8762a", "#df7f30", "#c9622a"], "#a8322a", ("#b84a2a", 40), (5.0, 5.0, 4.8)))),
+        Kind("apricot", ["#e08a2c", "#ec9d3a", "#e08a2c"], "#d8542c", ("#c86a2a", 30), (4.5, 4.5, 4.4)),
+        Kind("pale apricot", ["#e8b45a", "#efc06a", "#e2a84c"], "#e08a50", None, (4.0, 4.0, 4.1), True),
+        Kind("red apricot", ["#d8762a", "#df7f30", "#c9622a"], "#a8322a", ("#b84a2a", 40), (5.0, 5.0, 4.8)))),
     "peach": (PEACH, True, (5.6, 0.6, 0.25), (
-        Look("peach", ["#e8a850", "#edb560", "#e29a4c"], "#bb2f33", None, (7.0, 7.0, 6.5), True),
-        Look("nectarine", ["#c85a30", "#d8743a", "#b8402c"], "#8e1b28", ("#e8b070", 30), (6.6, 6.6, 6.2)),
-        Look("white peach", ["#efd8b4", "#f2dcb8", "#e8c8a4"], "#d9707a", None, (7.6, 7.6, 6.9)))),
+        Kind("peach", ["#e8a850", "#edb560", "#e29a4c"], "#bb2f33", None, (7.0, 7.0, 6.5), True),
+        Kind("nectarine", ["#c85a30", "#d8743a", "#b8402c"], "#8e1b28", ("#e8b070", 30), (6.6, 6.6, 6.2)),
+        Kind("white peach", ["#efd8b4", "#f2dcb8", "#e8c8a4"], "#d9707a", None, (7.6, 7.6, 6.9)))),
     "plum": (PLUM, True, (4.1, 0.9, 0.12), (
-        Look("blue plum", ["#3a2550", "#4a3266", "#3f2858"], "#6f6590", None, (5.0, 5.0, 4.4)),
-        Look("red plum", ["#7e1730", "#931d36", "#7e1730"], "#b8404a", ("#c98a8a", 30), (5.5, 5.5, 5.0), True),
-        Look("mirabelle", ["#d8aa30", "#e4bc44", "#d8aa30"], "#c87a34", ("#b8682a", 20), (3.8, 3.8, 3.6)))),
+        Kind("blue plum", ["#3a2550", "#4a3266", "#3f2858"], "#6f6590", None, (5.0, 5.0, 4.4)),
+        Kind("red plum", ["#7e1730", "#931d36", "#7e1730"], "#b8404a", ("#c98a8a", 30), (5.5, 5.5, 5.0), True),
+        Kind("mirabelle", ["#d8aa30", "#e4bc44", "#d8aa30"], "#c87a34", ("#b8682a", 20), (3.8, 3.8, 3.6)))),
     "orange": (ROUND, False, (7.3, 0.25, 0.42), (
-        Look("orange", ["#e07a14", "#ee8a1c", "#e6801a"], None, ("#c8640c", 220), (7.8, 7.8, 7.5)),
-        Look("blood orange", ["#dd6f1c", "#e07a22", "#d05a1c"], "#b8341c", ("#b8500c", 200), (7.2, 7.2, 7.0), True),
-        Look("large orange", ["#ee9a20", "#f2a630", "#ee9a20"], None, ("#d07c10", 260), (8.8, 8.8, 8.5), True))),
+        Kind("orange", ["#e07a14", "#ee8a1c", "#e6801a"], None, ("#c8640c", 220), (7.8, 7.8, 7.5)),
+        Kind("blood orange", ["#dd6f1c", "#e07a22", "#d05a1c"], "#b8341c", ("#b8500c", 200), (7.2, 7.2, 7.0), True),
+        Kind("large orange", ["#ee9a20", "#f2a630", "#ee9a20"], None, ("#d07c10", 260), (8.8, 8.8, 8.5), True))),
     "pear": (PEAR, False, (10.4, 2.4, 0.17), (
-        Look("green pear", ["#9aae3a", "#b0c04a", "#9cb03c"], None, ("#7a6a2a", 90), (7.6, 7.6, 10.5)),
-        Look("red-cheeked pear", ["#c9bc4a", "#d4c656", "#c8b848"], "#b8442c", ("#8a6a2a", 60), (8.2, 8.2, 10.2), True),
-        Look("brown pear", ["#a07c3c", "#ac8844", "#96703a"], None, ("#7a5a2a", 120), (7.0, 7.0, 12.4)))),
+        Kind("green pear", ["#9aae3a", "#b0c04a", "#9cb03c"], None, ("#7a6a2a", 90), (7.6, 7.6, 10.5)),
+        Kind("red-cheeked pear", ["#c9bc4a", "#d4c656", "#c8b848"], "#b8442c", ("#8a6a2a", 60), (8.2, 8.2, 10.2), True),
+        Kind("brown pear", ["#a07c3c", "#ac8844", "#96703a"], None, ("#7a5a2a", 120), (7.0, 7.0, 12.4)))),
 }  # fmt: skip
 
 
 def register(leaf: str) -> None:
     """Registers the kinds of a round fruit."""
-    profile, cleft, (foot, height, radius), looks = ROUND_FRUITS[leaf]
+    profile, cleft, (foot, height, radius), kinds = ROUND_FRUITS[leaf]
 
     def build(variant: int, rng: np.random.Generator) -> BuiltAsset:
-        look = looks[variant % len(looks)]
+        kind = kinds[variant % len(kinds)]
         b = MeshBuilder(roughness=0.5)
-        fruit(b, profile, look, rng, cleft=cleft)
+        fruit(b, profile, kind, rng, cleft=cleft)
         stalk(b, foot, height, radius, "#4f6a2a" if leaf == "orange" else "#5b4327", 0.25 if height > 1 else 0.0)
-        if look.leaf:
+        if kind.leaf:
             leaf_blade(b, (0.1, 0, foot + height * 0.5), profile[-1][1] * 0.6, float(rng.uniform(40, 80)))
-        return varied_cm(b, f"a {look.name}", look.size, rng, {"kind": look.name})
+        return varied_cm(b, f"a {kind.name}", kind.size, rng, {"kind": kind.name})
 
-    recipe(leaf, len(looks), name=f"fruits.round_{leaf}")(build)
+    recipe(leaf, len(kinds), name=f"fruits.round_{leaf}")(build)
 
 
 for _leaf in ROUND_FRUITS:
@@ -155,7 +155,7 @@ def blueberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     b.add(
         painted(lumpy(body, 0.02, rng)),
-        picture=skin(rng, color, "#8a9ac4" if variant % 3 == 0 else None, 8),
+        image=skin(rng, color, "#8a9ac4" if variant % 3 == 0 else None, 8),
         crease_deg=60,
     )
     b.cylinder(1.15, 0.1, (0, 0, 6.95), "#16182e", segments=10)
@@ -180,7 +180,7 @@ def cherry(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ["#d8a23a", "#e0b04a", "#d89a3a"],
     )[variant % 3]
     for y in (-6.4, 6.4) if style == "pair" else (0.0,):
-        b.add(painted(lumpy(body, 0.02, rng)), picture=skin(rng, colors, "#c4202e"), at=(0, y, 0), crease_deg=80)
+        b.add(painted(lumpy(body, 0.02, rng)), image=skin(rng, colors, "#c4202e"), at=(0, y, 0), crease_deg=80)
         top = (0.0, 0.0, 27.0) if style == "pair" else (2.0, 2.0, 18.0)
         b.tube(
             [
@@ -207,7 +207,7 @@ def coconut(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if style == "green drinking":
         body = shapes.lathe([(0, 0), (5, 0), (9.5, 5), (11, 11), (9.5, 17), (6.5, 20.5), (0, 20.5)], 18)
         b.add(
-            painted(ribbed(body, 3, 0.08)), picture=skin(rng, ["#6f9a3a", "#83ad48", "#78a240"], noise=7), crease_deg=50
+            painted(ribbed(body, 3, 0.08)), image=skin(rng, ["#6f9a3a", "#83ad48", "#78a240"], noise=7), crease_deg=50
         )
         b.cylinder(6.6, 0.6, (0, 0, 20.2), "#efe6cc", segments=18)
         b.cylinder(3.4, 0.3, (0, 0, 20.75), "#d8e4e0", segments=16)
@@ -222,7 +222,7 @@ def coconut(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body = lumpy(shapes.ellipsoid((6.7, 6.7, 6.5), 22, 14), 0.03, rng, 2)
         b.add(
             painted(body),
-            picture=skin(rng, ["#5a3a20", "#6b482a", "#5a3a20"], noise=16, flecks=("#9a7448", 200)),
+            image=skin(rng, ["#5a3a20", "#6b482a", "#5a3a20"], noise=16, flecks=("#9a7448", 200)),
             at=(0, 0, 6.5),
         )
         for k in range(3):
@@ -259,11 +259,11 @@ def strawberry(variant: int, rng: np.random.Generator) -> BuiltAsset:
         "long": [(0, 0), (0.5, 0.3), (1.0, 1.5), (1.4, 3.0), (1.45, 3.8), (0.9, 4.3), (0, 4.2)],
     }[style]
     body = shapes.lathe(softened(profile, 12), 20)
-    picture = skin(rng, ["#c8141e", "#d01c24", "#c81c22", "#d86a50"], noise=4, size=(40, 48))
+    image = skin(rng, ["#c8141e", "#d01c24", "#c81c22", "#d86a50"], noise=4, size=(40, 48))
     for k in range(4, 46, 4):
         for x in range((k // 4) % 2 * 3, 40, 6):
-            picture[k : k + 2, x] = (240, 205, 110)
-    b.add(painted(lumpy(body, 0.03, rng)), picture=picture, crease_deg=80)
+            image[k : k + 2, x] = (240, 205, 110)
+    b.add(painted(lumpy(body, 0.03, rng)), image=image, crease_deg=80)
     top = profile[-1][1]
     for k in range(8):
         with b.frame((0, 0, top - 0.05), (0, 0, 45 * k + 10)):
@@ -281,7 +281,7 @@ def grapes(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A bunch lying down, tapering to its tip: dark, green, red; stalk to the back."""
     b = MeshBuilder(roughness=0.35)
     color: Color = ("#3a2050", "#a8bf52", "#8e2f44")[variant % 3]
-    picture = skin(rng, [color, color, "#8f86a8" if variant % 3 != 1 else "#d4df94"], noise=5)
+    image = skin(rng, [color, color, "#8f86a8" if variant % 3 != 1 else "#d4df94"], noise=5)
     berry = painted(shapes.ellipsoid((1.15, 1.05, 1.05), 8, 5))
     for x, wide, rows in ((-4.6, 3, 2), (-2.7, 4, 3), (-0.8, 4, 3), (1.1, 3, 3), (3.0, 3, 2), (4.7, 2, 1), (6.2, 1, 1)):
         for layer in range(rows):
@@ -290,7 +290,7 @@ def grapes(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 at = np.array([x + 0.5 * (layer % 2), (k - (count - 1) / 2) * 2.0, 1.05 + 1.65 * layer]) + rng.uniform(
                     -0.25, 0.25, 3
                 )
-                b.add(berry, picture=picture, at=tuple(at), turn_deg=(0, 0, float(rng.uniform(0, 90))), crease_deg=80)
+                b.add(berry, image=image, at=tuple(at), turn_deg=(0, 0, float(rng.uniform(0, 90))), crease_deg=80)
     b.tube([(-3, 0, 3.2), (-6, 0.4, 4.2), (-8, 0, 4.8)], [0.28, 0.3, 0.4], "#7a6a34", sides=6)
     b.rod((-7.6, -1.4, 4.6), (-8.2, 1.2, 5.0), 0.35, "#6a5a2c", sides=6)
     if variant % 3 == 1:

@@ -19,8 +19,8 @@ def sausage(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("grilled", "chain", "salami")[variant % 3]
     if style == "salami":
         body = pillow((30, 6, 5.8), 0.5, 0.9, 24, 10)
-        picture = skin(rng, ["#7a3428", "#8e4232", "#7a3428"], noise=14, flecks=("#e6d8c8", 160))
-        b.add(painted(body, 0), picture=picture)
+        image = skin(rng, ["#7a3428", "#8e4232", "#7a3428"], noise=14, flecks=("#e6d8c8", 160))
+        b.add(painted(body, 0), image=image)
         for x in range(-12, 13, 4):
             b.ring(2.98, 0.12, (x, 0, 2.9), "#efe6d2", turn_deg=(0, 90, 0), segments=16, sides=3)
         b.tube([(14.6, 0, 2.9), (16, 0.4, 3.6), (17.5, -0.4, 4.2), (16, -0.8, 3.4)], 0.2, "#efe6d2", sides=4)
@@ -34,7 +34,7 @@ def sausage(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 radii = (1.7 * (1 - np.abs(s) ** 5 * 0.92)).tolist()
                 b.add(
                     painted(bead(path, radii, 12), 0),
-                    picture=skin(rng, [shade(color, 0.85), color, shade(color, 0.9)], noise=9),
+                    image=skin(rng, [shade(color, 0.85), color, shade(color, 0.9)], noise=9),
                     crease_deg=80,
                 )
                 for n in range(4 if style == "grilled" else 0):
@@ -141,7 +141,7 @@ def egg(variant: int, rng: np.random.Generator) -> BuiltAsset:
     x, y, z = body.vertices.T
     flecks = (("#a8704a", 40), None, ("#6a4a34", 240))[variant % 3]
     lying = shapes.Shape(np.column_stack([z, y, 2.2 - x]), body.faces)
-    b.add(painted(lying), picture=skin(rng, [color, shade(color, 1.04)], noise=3, flecks=flecks), crease_deg=80)
+    b.add(painted(lying), image=skin(rng, [color, shade(color, 1.04)], noise=3, flecks=flecks), crease_deg=80)
     size = ((5.7, 4.4, 4.4), (6.1, 4.5, 4.5), (5.3, 4.15, 4.15))[variant % 3]
     return varied_cm(b, f"a {('brown', 'white', 'speckled')[variant % 3]} egg", size, rng, {"color": str(color)})
 

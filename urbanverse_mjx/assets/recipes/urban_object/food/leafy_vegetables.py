@@ -46,14 +46,14 @@ def leafy_head(
 ) -> None:
     """A ball of packed leaves with looser ones round it; rows of (count, radius, from, to degrees, curl)."""
     ball = lumpy(shapes.ellipsoid((8.4, 8.4, 8), 16, 10), 0.03, rng)
-    b.add(painted(ball), picture=skin(rng, [shade(core, 0.85), core, shade(core, 1.06)], noise=5), crease_deg=80)
+    b.add(painted(ball), image=skin(rng, [shade(core, 0.85), core, shade(core, 1.06)], noise=5), crease_deg=80)
     for k, (count, radius, low, high, curl) in enumerate(rows):
         for n in range(count):
             yaw = 360 * n / count + 37 * k + float(rng.uniform(-8, 8))
             leaf = painted(cupped_leaf(radius, 360 / count * 1.55, low, high, curl, ruffle))
             tone = shade(leaves, 1.12 - 0.14 * k + 0.06 * (n % 2))
             vein = skin(rng, [mix(core, tone, 0.3), tone, tone], None, 4)
-            b.add(leaf, picture=vein, turn_deg=(0, 0, yaw), crease_deg=80)
+            b.add(leaf, image=vein, turn_deg=(0, 0, yaw), crease_deg=80)
     b.cylinder(2.2, 2.0, (0, 0, -9.2), "#e2e0c4", segments=10)
 
 
@@ -79,7 +79,7 @@ def red_cabbage(variant: int, rng: np.random.Generator) -> BuiltAsset:
         return varied_cm(b, "a red cabbage", (16.8, 16.8, 15.5), rng, {"style": "whole"})
     body = lumpy(pillow((16.6, 17, 15.4), 0.95, 0.95, 24, 14), 0.02, rng)
     flat = np.column_stack([np.minimum(body.vertices[:, 0], 0.0), body.vertices[:, 1:]])
-    b.add(painted(Shape(flat, body.faces)), picture=skin(rng, ["#5f2448", "#7a2f5c"], noise=5), crease_deg=60)
+    b.add(painted(Shape(flat, body.faces)), image=skin(rng, ["#5f2448", "#7a2f5c"], noise=5), crease_deg=60)
     for k, (share, color) in enumerate(
         (
             (0.97, "#6b2a52"),
@@ -209,7 +209,7 @@ def broccoli(variant: int, rng: np.random.Generator) -> BuiltAsset:
             at = np.array([radius * np.cos(a), radius * np.sin(a), z])
             b.tube([(0, 0, 5), tuple(at * [0.6, 0.6, 0.8])], [1.1, 0.9], "#9cb86a", sides=5)
             ball = painted(lumpy(shapes.ellipsoid((fat, fat, fat * 0.85), 10, 7), 0.14, rng, 4))
-            b.add(ball, picture=floret, at=tuple(at), crease_deg=60)
+            b.add(ball, image=floret, at=tuple(at), crease_deg=60)
     size = ((14.5, 14.5, 15), (17.5, 17.5, 14), (12.5, 12.5, 13))[variant % 3]
     return varied_cm(b, "a head of broccoli", size, rng, {"color": str(color)})
 
@@ -226,7 +226,7 @@ def mushroom(variant: int, rng: np.random.Generator) -> BuiltAsset:
         [(0, 0), (1.5, 0.2), (1.0, 1.6), (0.8, 6.6), (0, 6.6)],
     )[variant % 3]
     b.add(
-        painted(shapes.lathe(softened(stem, 10), 18)), picture=skin(rng, ["#d8c8a8", "#efe6d2"], noise=6), crease_deg=80
+        painted(shapes.lathe(softened(stem, 10), 18)), image=skin(rng, ["#d8c8a8", "#efe6d2"], noise=6), crease_deg=80
     )
     top = stem[-1][1]
     head = [
@@ -240,7 +240,7 @@ def mushroom(variant: int, rng: np.random.Generator) -> BuiltAsset:
     ]
     b.add(
         painted(lumpy(shapes.lathe(softened(head, 12), 24), 0.015, rng)),
-        picture=skin(rng, [shade(cap, 0.8), cap, shade(cap, 1.08)], noise=6),
+        image=skin(rng, [shade(cap, 0.8), cap, shade(cap, 1.08)], noise=6),
         crease_deg=80,
     )
     b.lathe(

@@ -30,7 +30,7 @@ def claw(b: MeshBuilder, at: tuple[float, float, float], length: float, yaw: flo
 def crab(b: MeshBuilder, shell: np.ndarray, color: Color, rng: np.random.Generator) -> None:
     """Broad shell, eight legs to the sides, claws and stalked eyes to the front."""
     body = lumpy(pillow((9, 13, 4.4), 0.8, 0.75, 22, 10), 0.03, rng, 2)
-    b.add(painted(body), picture=shell, at=(0, 0, 1.2), crease_deg=80)
+    b.add(painted(body), image=shell, at=(0, 0, 1.2), crease_deg=80)
     for side in (-1, 1):
         for k in range(4):
             x, reach = 2.6 - 2.2 * k, (6.4, 7.2, 7.0, 6.0)[k]
@@ -54,7 +54,7 @@ def crab(b: MeshBuilder, shell: np.ndarray, color: Color, rng: np.random.Generat
 
 def lobster(b: MeshBuilder, shell: np.ndarray, color: Color) -> None:
     """Long shell, tail of six rings with its fan, claws, long feelers."""
-    b.add(painted(pillow((13, 6.2, 5.0), 0.7, 0.8, 18, 8)), picture=shell, at=(4, 0, 0.8))
+    b.add(painted(pillow((13, 6.2, 5.0), 0.7, 0.8, 18, 8)), image=shell, at=(4, 0, 0.8))
     for k in range(6):
         b.add(
             pillow((3.0, 5.6 - 0.35 * k, 4.2 - 0.3 * k), 0.6, 0.8, 14, 6),
@@ -97,7 +97,7 @@ def shrimp(b: MeshBuilder, shell: np.ndarray, color: Color) -> None:
         c = np.array([4.6 * np.cos(turn[k]), 4.6 * np.sin(turn[k])])
         b.add(
             painted(pillow((4.6 if k == 0 else 2.9, r, r * 0.95), 0.6, 0.9, 12, 6), 0),
-            picture=shell,
+            image=shell,
             at=(c[0], c[1], 1.5 - r * 0.475),
             turn_deg=(0, 0, float(np.degrees(turn[k]) + 90)),
         )
@@ -168,9 +168,9 @@ def oyster(variant: int, rng: np.random.Generator) -> BuiltAsset:
     if style == "opened":
         low = valve(4.6)
         low = shapes.Shape(np.column_stack([low.vertices[:, :2], np.minimum(low.vertices[:, 2], 2.3)]), low.faces)
-        b.add(painted(low), picture=grey, crease_deg=50)
+        b.add(painted(low), image=grey, crease_deg=50)
         pearl = skin(rng, ["#f0ece4", "#e2dfdc"], "#c9ced6", 4)
-        b.add(painted(pillow((8.3, 5.6, 0.5), 0.9, 0.4, 22, 4), 0), picture=pearl, at=(0.2, 0, 2.12))
+        b.add(painted(pillow((8.3, 5.6, 0.5), 0.9, 0.4, 22, 4), 0), image=pearl, at=(0.2, 0, 2.12))
         b.add(lumpy(pillow((5.6, 3.8, 1.0), 0.8, 0.8, 18, 6), 0.08, rng, 2), "#b8ac98", (0.3, 0, 2.4), crease_deg=80)
         b.add(lumpy(pillow((3.4, 2.2, 0.9), 0.8, 0.8, 14, 6), 0.08, rng, 2), "#d9cfbb", (0.6, 0.2, 2.75), crease_deg=80)
         b.tube(
@@ -184,7 +184,7 @@ def oyster(variant: int, rng: np.random.Generator) -> BuiltAsset:
         low, high = valve(3.4), valve(2.6)
         low.vertices[:, 2] = np.minimum(low.vertices[:, 2], 1.7)
         high.vertices[:, 2] = np.maximum(high.vertices[:, 2], 1.3) - 1.3
-        b.add(painted(low), picture=grey, crease_deg=50)
-        b.add(painted(high), picture=grey, at=(0.15, 0.1, 1.66), turn_deg=(0, -1.5, 3), crease_deg=50)
+        b.add(painted(low), image=grey, crease_deg=50)
+        b.add(painted(high), image=grey, at=(0.15, 0.1, 1.66), turn_deg=(0, -1.5, 3), crease_deg=50)
     size = ((9.5, 6.5, 3.3), (11, 7.2, 4.0))[variant % 2]
     return varied_cm(b, f"an {style} oyster" if variant % 2 == 0 else "a closed oyster", size, rng, {"style": style})

@@ -44,13 +44,13 @@ def hamburger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     z = 2.0
     b.add(
         painted(pillow((10.6, 10.6, 2.2), 1.0, 0.5, 20, 6)),
-        picture=skin(rng, [shade(bun, 0.9), mix(bun, "cream", 0.5), bun], noise=6),
+        image=skin(rng, [shade(bun, 0.9), mix(bun, "cream", 0.5), bun], noise=6),
     )
     for _ in range(2 if style == "double" else 1):
         b.add(wavy_disc(5.6, 0.5, 0.35, 7, rng), "#7fae3c", (0, 0, z))
         b.add(
             painted(lumpy(pillow((11, 11, 1.8), 1.0, 0.5, 20, 6), 0.03, rng, 4)),
-            picture=skin(rng, ["#4a2a1a", "#5f3822"], noise=14),
+            image=skin(rng, ["#4a2a1a", "#5f3822"], noise=14),
             at=(0, 0, z + 0.4),
             crease_deg=70,
         )
@@ -68,7 +68,7 @@ def hamburger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     top = shapes.lathe(softened([(0, 0), (5.1, 0), (5.45, 0.8), (4.9, 2.3), (3.0, 3.4), (0, 3.8)], 12), 24)
     b.add(
         painted(top),
-        picture=skin(rng, [mix(bun, "cream", 0.4), bun, shade(bun, 1.08)], noise=4),
+        image=skin(rng, [mix(bun, "cream", 0.4), bun, shade(bun, 1.08)], noise=4),
         at=(0, 0, z + 0.5),
         crease_deg=80,
     )
@@ -82,11 +82,11 @@ def hot_dog(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A sausage in a split bun with a zigzag of mustard, of ketchup, with onions and gherkins."""
     b = MeshBuilder(roughness=0.6)
     style = ("mustard", "ketchup", "onions")[variant % 3]
-    picture = skin(rng, ["#c98a44", "#d09048", "#c07c38"], noise=5)
+    image = skin(rng, ["#c98a44", "#d09048", "#c07c38"], noise=5)
     for side in (-1, 1):
         b.add(
             painted(pillow((16, 3.4, 4.2), 0.7, 0.8, 22, 10)),
-            picture=picture,
+            image=image,
             at=(0, side * 1.55, 0),
             turn_deg=(-14 * side, 0, 0),
         )
@@ -110,14 +110,14 @@ def sandwich(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.8)
     style = ("triangle", "baguette", "club")[variant % 3]
     if style == "baguette":
-        b.add(painted(pillow((26, 9, 3.4), 0.7, 0.6, 26, 8)), picture=baked(rng))
+        b.add(painted(pillow((26, 9, 3.4), 0.7, 0.6, 26, 8)), image=baked(rng))
         for k in range(6):
             b.cylinder(2.4, 0.5, (-9.5 + 3.8 * k, 1.6 * (-1) ** k, 4.0), ("#c8321f", "#f0cf7a")[k % 2], segments=12)
         b.add(wavy_disc(4.9, 0.5, 0.6, 11, rng), "#7fae3c", (0, 0, 3.2), scale=(2.7, 1.0, 1.0))
         b.box((25, 8.6, 0.5), (0, 0, 4.3), "#e8a49a", bevel=0.2)
         b.add(
             painted(lumpy(pillow((26, 9, 4.2), 0.7, 0.7, 26, 8), 0.02, rng, 3)),
-            picture=baked(rng),
+            image=baked(rng),
             at=(0, 0, 4.6),
             crease_deg=70,
         )
@@ -152,7 +152,7 @@ def pizza(variant: int, rng: np.random.Generator) -> BuiltAsset:
     )
     b.add(
         painted(wavy_disc(13.4, 0.5, 0.12, 9, rng)),
-        picture=skin(rng, ["#b83a20", "#c8452a"], noise=14),
+        image=skin(rng, ["#b83a20", "#c8452a"], noise=14),
         at=(0, 0, 0.85),
     )
     for _ in range(16):

@@ -32,7 +32,7 @@ def carrot(variant: int, rng: np.random.Generator) -> BuiltAsset:
         body = painted(lumpy(lying(CARROT, 16), 0.02, rng), 0)
         b.add(
             body,
-            picture=skin(
+            image=skin(
                 rng, [color, shade(color, 1.1), shade(color, 0.9), color], noise=6, flecks=(shade(color, 0.7), 60)
             ),
             at=(k * 0.3, y, z),
@@ -61,9 +61,9 @@ def long_gourd(
     b = MeshBuilder(roughness=0.5)
     body = lying(STRAIGHT, 16)
     body.vertices[:, 1] += 0.9 * np.sin(np.pi * body.vertices[:, 0] / 30) - 0.5
-    picture = skin(rng, colors, noise=6, flecks=(shade(colors[0], 1.6), 160))
-    picture[:, ::4] = np.clip(picture[:, ::4].astype(float) * 1.18, 0, 255).astype(np.uint8)
-    b.add(painted(lumpy(body, 0.025, rng, 8 if name == "cucumber" else 2), 0), picture=picture, crease_deg=80)
+    image = skin(rng, colors, noise=6, flecks=(shade(colors[0], 1.6), 160))
+    image[:, ::4] = np.clip(image[:, ::4].astype(float) * 1.18, 0, 255).astype(np.uint8)
+    b.add(painted(lumpy(body, 0.025, rng, 8 if name == "cucumber" else 2), 0), image=image, crease_deg=80)
     if name == "zucchini":
         b.cylinder(1.5, 3.0, (29.3, -0.5, 2.3), shade(colors[0], 1.35), turn_deg=(0, 90, 0), top_radius=1.2, segments=6)
         b.cylinder(1.1, 0.5, (-0.3, -0.5, 2.3), "#c9b46a", turn_deg=(0, 90, 0), segments=8)
@@ -93,11 +93,11 @@ def eggplant(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.2)
     style = ("black", "striped", "slim")[variant % 3]
     color: Color = ("#2b1734", "#8a4a86", "#4a2058")[variant % 3]
-    picture = skin(rng, [color, shade(color, 1.2), color], noise=3)
+    image = skin(rng, [color, shade(color, 1.2), color], noise=3)
     if style == "striped":
-        picture[::3] = (226, 208, 222)
+        image[::3] = (226, 208, 222)
     body = lumpy(lying(EGGPLANT, 22), 0.01, rng)
-    b.add(painted(body), picture=picture, crease_deg=80)
+    b.add(painted(body), image=image, crease_deg=80)
     for k in range(5):
         with b.frame((18, 0, 4.2), (72 * k, 0, 0)):
             b.convex(
@@ -115,14 +115,14 @@ def onion(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     style = ("brown", "red", "white")[variant % 3]
     color: Color = ("#c07a34", "#8a2850", "#ece6d2")[variant % 3]
-    picture = skin(
+    image = skin(
         rng, [shade(color, 0.8), color, shade(color, 1.08), shade(color, 0.9), "#b8935a"], noise=3, size=(48, 32)
     )
     streak = 1 + 0.14 * np.sin(np.arange(48) * 1.9 + rng.uniform(0, 6)) + rng.normal(0, 0.04, 48)
     body = shapes.lathe(softened(ONION), 24)
     b.add(
         painted(lumpy(body, 0.02, rng)),
-        picture=np.clip(picture * streak[None, :, None], 0, 255).astype(np.uint8),
+        image=np.clip(image * streak[None, :, None], 0, 255).astype(np.uint8),
         crease_deg=80,
     )
     for k in range(7):
@@ -143,10 +143,10 @@ def garlic(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A white bulb of cloves, a violet-striped one; dry stalk, roots."""
     b = MeshBuilder(roughness=0.7)
     color: Color = ("#efe9dc", "#e2d3d8")[variant % 2]
-    picture = skin(rng, [shade(color, 0.92), color, shade(color, 0.95), "#cbb98f"], noise=3, size=(48, 32))
-    picture[:, :: 5 - variant % 2] = np.array([205, 190, 175] if variant % 2 == 0 else [150, 90, 130])
+    image = skin(rng, [shade(color, 0.92), color, shade(color, 0.95), "#cbb98f"], noise=3, size=(48, 32))
+    image[:, :: 5 - variant % 2] = np.array([205, 190, 175] if variant % 2 == 0 else [150, 90, 130])
     body = ribbed(shapes.lathe(softened(BULB, 16), 40), 8, 0.10)
-    b.add(painted(body), picture=picture, crease_deg=60)
+    b.add(painted(body), image=image, crease_deg=60)
     b.cylinder(0.9, 0.2, (0, 0, -0.15), "#b59a6a", segments=10)
     b.cylinder(0.36, 0.9, (0, 0, 5.3), "#c9b58a", segments=7)
     size = ((5.5, 5.5, 5.2), (6.3, 6.3, 6.8))[variant % 2]
@@ -158,8 +158,8 @@ def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     """A knobbly hand of rhizomes with rings and a cut end."""
     b = MeshBuilder(roughness=0.8)
     color: Color = ("#c49a5c", "#b0854c")[variant % 2]
-    picture = skin(rng, [color, shade(color, 1.1), color], noise=8, flecks=(shade(color, 0.7), 90))
-    picture[::7] = np.array(shade(color, 0.74))  # the rings where leaves sat
+    image = skin(rng, [color, shade(color, 1.1), color], noise=8, flecks=(shade(color, 0.7), 90))
+    image[::7] = np.array(shade(color, 0.74))  # the rings where leaves sat
     arms = (
         (0, 0, 0, 5.2, 1.9),
         (2.5, 1.0, 60, 4.2, 1.5),
@@ -170,10 +170,10 @@ def ginger(variant: int, rng: np.random.Generator) -> BuiltAsset:
     for x, y, yaw, length, fat in arms[: 5 - variant % 2]:
         body = lumpy(pillow((2 * length, 2 * fat, 1.9 * fat), 0.85, 0.9, 16, 10), 0.12, rng, 2)
         with b.frame((x, y, 0), (0, 0, yaw)):
-            b.add(painted(body, 0), picture=picture, at=(length * 0.4 if yaw else 0, 0, 0), crease_deg=80)
+            b.add(painted(body, 0), image=image, at=(length * 0.4 if yaw else 0, 0, 0), crease_deg=80)
     for x, y, z in ((1.4, 1.6, 2.4), (-1.8, 0.6, 3.2), (-4.6, -0.6, 2.2), (0.6, -1.9, 2.2), (3.0, 0.4, 3.2)):
         knob = lumpy(shapes.ellipsoid((1.0, 0.9, 1.0), 10, 7), 0.1, rng, 2)
-        b.add(painted(knob), picture=picture, at=(x, y, z), crease_deg=80)
+        b.add(painted(knob), image=image, at=(x, y, z), crease_deg=80)
     for x, y, yaw in ((6.9, -2.0, -35.0), (-5.1, 0.0, 180.0))[: 2 - variant % 2]:
         b.ball((0.35, 0.95, 0.85), (x, y, 1.6), "#ecd98c", turn_deg=(0, 0, yaw), segments=10, rings=6)
     size = ((12.5, 7.5, 4.0), (15.5, 8.6, 4.4))[variant % 2]
@@ -187,11 +187,11 @@ def potato(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("yellow", "red-skinned", "baking")[variant % 3]
     color: Color = ("#c9a360", "#a4524a", "#a07a4c")[variant % 3]
     body = lumpy(pillow((8.8, 6, 5.2), 0.9, 0.95, 24, 14), (0.05, 0.06, 0.04)[variant % 3], rng, 1.3)
-    picture = skin(rng, [shade(color, 0.94), color, shade(color, 1.05)], noise=7, flecks=(shade(color, 0.72), 90))
+    image = skin(rng, [shade(color, 0.94), color, shade(color, 1.05)], noise=7, flecks=(shade(color, 0.72), 90))
     for _ in range(9):
         row, column = int(rng.integers(6, 42)), int(rng.integers(1, 28))
-        picture[row : row + 2, column : column + 3] = [round(0.55 * c) for c in picture[row, column]]
-    b.add(painted(body), picture=picture, crease_deg=80)
+        image[row : row + 2, column : column + 3] = [round(0.55 * c) for c in image[row, column]]
+    b.add(painted(body), image=image, crease_deg=80)
     size = ((8.8, 6.0, 5.2), (7.4, 5.6, 5.0), (12.4, 7.2, 6.4))[variant % 3]
     return varied_cm(b, f"a {style} potato", size, rng, {"style": style})
 
@@ -206,7 +206,7 @@ def tomato(variant: int, rng: np.random.Generator) -> BuiltAsset:
     body = ribbed(body, 9, 0.09) if style == "beefsteak" else lumpy(body, 0.015, rng)
     b.add(
         painted(body),
-        picture=skin(rng, [color, color, shade(color, 1.1), "#c86a2c" if style == "beefsteak" else color], noise=4),
+        image=skin(rng, [color, color, shade(color, 1.1), "#c86a2c" if style == "beefsteak" else color], noise=4),
         crease_deg=80,
     )
     for k in range(5):
@@ -227,8 +227,8 @@ def pumpkin(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("orange", "lantern", "flat grey")[variant % 3]
     color: Color = ("#d87a1e", "#e07f1c", "#8a9a86")[variant % 3]
     body = ribbed(shapes.lathe(softened(GOURD, 13), 60), 10, 0.13)
-    picture = skin(rng, [shade(color, 0.92), color, shade(color, 1.05), shade(color, 0.9)], noise=5)
-    b.add(painted(body), picture=picture, crease_deg=80)
+    image = skin(rng, [shade(color, 0.92), color, shade(color, 1.05), shade(color, 0.9)], noise=5)
+    b.add(painted(body), image=image, crease_deg=80)
     b.tube([(0, 0, 18), (0.2, 0, 20.5), (1.2, 0.8, 23), (3.0, 1.4, 24)], [2.2, 1.3, 1.1, 1.4], "#5f6a30", sides=6)
     if style == "lantern":
         shapes_on = [

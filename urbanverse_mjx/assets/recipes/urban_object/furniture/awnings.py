@@ -24,7 +24,7 @@ def awning(variant: int, rng: np.random.Generator) -> BuiltAsset:
     style = ("wall slope", "terrace on posts", "wall basket", "striped on posts")[variant % 4]
     w, d = float(rng.uniform(2.4, 3.6)), float(rng.uniform(1.1, 1.5))
     color = ("green", "beige", "dark red", "blue")[variant % 4]
-    picture = paint.stripes((128, 16), (color, "cream") if "strip" in style or style == "wall slope" else (color,), 15)
+    image = paint.stripes((128, 16), (color, "cream") if "strip" in style or style == "wall slope" else (color,), 15)
     low, high = (0.0, 0.75) if "wall" in style else (2.35, 2.95)
     x0, x1 = -d / 2, d / 2
     if style == "wall basket":
@@ -41,7 +41,7 @@ def awning(variant: int, rng: np.random.Generator) -> BuiltAsset:
         z1 = low + 0.2
         b.sheet(
             np.array([[(x1, -w / 2, z1), (x1, w / 2, z1)], [(x0, -w / 2, high), (x0, w / 2, high)]]),
-            picture=picture,
+            image=image,
             both_sides=True,
         )
         for y in (-w / 2, w / 2):
@@ -49,7 +49,7 @@ def awning(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.rod((x0, y, high), (x1, y, z1), 0.015, "aluminium", sides=6)
     b.sheet(
         np.array([[(x1, -w / 2, low), (x1, w / 2, low)], [(x1, -w / 2, low + 0.2), (x1, w / 2, low + 0.2)]]),
-        picture=picture,
+        image=image,
         both_sides=True,
     )
     b.box((0.08, w, 0.1), (x0 + 0.04, 0, high - 0.07 if style != "wall basket" else low + 0.75), "aluminium")

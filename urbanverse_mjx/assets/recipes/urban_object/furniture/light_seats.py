@@ -42,7 +42,7 @@ def beach_chair(variant: int, rng: np.random.Generator) -> BuiltAsset:
             [(-0.56 + 1.1 * s, y, 0.97 - 0.46 * s - 0.62 * np.sin(np.pi * s**0.85) * 0.62) for s in t]
             for y in (-0.22, 0.22)
         ]
-        b.sheet(np.swapaxes(np.array(grid), 0, 1)[::-1], picture=cloth, both_sides=True)
+        b.sheet(np.swapaxes(np.array(grid), 0, 1)[::-1], image=cloth, both_sides=True)
         return made(b, "a deck chair", (1.25, 0.62, 0.86), 0.3, style="deck chair")
     for s in (-1, 1):
         b.tube(
@@ -188,7 +188,7 @@ def hammock(variant: int, rng: np.random.Generator) -> BuiltAsset:
         half = 0.5 * (1 - abs(t) ** 3 * 0.88) if variant % 3 != 1 else 0.46
         sag = 0.42 + 0.38 * t * t
         rows.append([(half * s, 1.1 * t, sag + 0.16 * (1 - abs(t)) * abs(s) ** 1.6) for s in u])
-    b.sheet(np.array(rows), picture=paint.stripes((64, 32), cloth, 12), both_sides=True)
+    b.sheet(np.array(rows), image=paint.stripes((64, 32), cloth, 12), both_sides=True)
     end = (0.0, 1.48, 0.96) if variant % 3 != 1 else (0.0, 1.58, 1.12)
     for s in (-1, 1):
         edge = rows[-1] if s > 0 else rows[0]

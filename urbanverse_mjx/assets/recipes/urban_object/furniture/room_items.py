@@ -1,4 +1,4 @@
-"""Loose things of rooms: mirrors, coat racks, hangers, safes, trays, games, sleeping bags."""
+"""Loose objects of rooms: mirrors, coat racks, hangers, safes, trays, games, sleeping bags."""
 
 import numpy as np
 

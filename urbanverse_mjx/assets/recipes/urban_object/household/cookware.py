@@ -144,14 +144,16 @@ def teapot(variant: int, rng: np.random.Generator) -> BuiltAsset:
     color: Color = ("#eef0f0", "#2b2c30", "#7a4426")[variant % 3]
     tall = (1.0, 0.78, 1.25)[variant % 3]
     profile = [(0, 0), (4.0, 0), (4.2, 0.5), (6.2, 2.6), (6.9, 5.2), (6.2, 8.0), (4.0, 9.9), (3.4, 10.2), (0, 10.2)]
-    picture = skin(rng, [color, color], noise=0.5, size=(64, 32))
+    image = skin(rng, [color, color], noise=0.5, size=(64, 32))
     if style == "porcelain":
         for row, column in ((12, 8), (16, 22), (11, 38), (17, 50)):
-            picture[row - 2 : row + 3, column - 1 : column + 2] = picture[
-                row - 1 : row + 2, column - 2 : column + 3
-            ] = (56, 96, 168)
+            image[row - 2 : row + 3, column - 1 : column + 2] = image[row - 1 : row + 2, column - 2 : column + 3] = (
+                56,
+                96,
+                168,
+            )
     with b.frame(scale=(1, 1, tall)):
-        b.add(painted(shapes.lathe(softened(profile, 14), 26)), picture=picture, crease_deg=60)
+        b.add(painted(shapes.lathe(softened(profile, 14), 26)), image=image, crease_deg=60)
         for k in range(40 if style == "cast iron" else 0):
             a, z = 2.4 * k, 3.2 + 4.0 * (k % 5) / 5
             b.ball(0.4, (6.75 * np.cos(a), 6.75 * np.sin(a), z + 0.2), shade(color, 1.3), segments=5, rings=3)

@@ -1,4 +1,4 @@
-"""Turned and blown things: barrels, buckets, cans, ashtrays, vases, candles, balloons."""
+"""Turned and blown objects: barrels, buckets, cans, ashtrays, vases, candles, balloons."""
 
 import numpy as np
 
@@ -89,7 +89,7 @@ def discarded_can(variant: int, rng: np.random.Generator) -> BuiltAsset:
                     [radius * pinch * np.cos(u), radius * pinch * np.sin(u), 0.006 + (height - 0.014) * np.full(21, s)]
                 )
             )
-        b.sheet(np.array(rows), picture=label)
+        b.sheet(np.array(rows), image=label)
         b.lathe(
             [(radius * 0.75, 0), (radius * 0.8, 0.0), (radius, 0.0062), (0.0, 0.0065)], color="aluminium", segments=20
         )

@@ -53,12 +53,12 @@ def advertising_board(variant: int, rng: np.random.Generator) -> BuiltAsset:
         for k in range(4):
             angles = np.radians(90 * k + np.linspace(-36, 36, 7))
             rows = [[((r + 0.008) * np.cos(a), (r + 0.008) * np.sin(a), z) for a in angles] for z in (0.7, 2.1)]
-            b.sheet(np.array(rows), picture=poster(72, 120, rng, k))
+            b.sheet(np.array(rows), image=poster(72, 120, rng, k))
     else:
         h, w = float(rng.uniform(2.4, 2.7)), 1.25
         b.box((0.2, w * 0.8, 0.35), color="charcoal")
         b.box((0.22, w, h - 0.35), (0, 0, 0.35), "charcoal", bevel=0.02)
-        pictures = poster(96, 144, rng, 2), poster(96, 144, rng, 1)
-        for facing, x, picture in (("+x", 0.114, pictures[0]), ("-x", -0.114, pictures[1])):
-            b.panel(picture, (x, 0, 0.35 + (h - 0.35) / 2), w - 0.14, h - 0.5, facing)
+        images = poster(96, 144, rng, 2), poster(96, 144, rng, 1)
+        for facing, x, drawn in (("+x", 0.114, images[0]), ("-x", -0.114, images[1])):
+            b.panel(drawn, (x, 0, 0.35 + (h - 0.35) / 2), w - 0.14, h - 0.5, facing)
     return b.build(f"a {style}", {"style": style})

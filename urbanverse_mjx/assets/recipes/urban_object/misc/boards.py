@@ -54,11 +54,11 @@ def _arrow(pen: ImageDraw.ImageDraw, start: tuple[float, float], end: tuple[floa
 
 
 def _framed(
-    b: MeshBuilder, picture: Image.Image, width: float, height: float, z: float, frame: Color, pens: list[Color]
+    b: MeshBuilder, image: Image.Image, width: float, height: float, z: float, frame: Color, pens: list[Color]
 ) -> None:
     """A board in its frame with a tray below for chalk or pens, its middle at x = 0."""
     b.box((0.02, width, height), (0, 0, z), "dark grey")
-    b.panel(picture, (0.0112, 0, z + height / 2), width - 0.04, height - 0.04)
+    b.panel(image, (0.0112, 0, z + height / 2), width - 0.04, height - 0.04)
     for y in (-width / 2, width / 2):
         b.box((0.036, 0.04, height + 0.04), (0.002, y, z - 0.02), frame)
     for low in (z - 0.02, z + height - 0.02):
@@ -102,9 +102,9 @@ def blackboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
         b.rod((-0.06, -0.24, 0.85), (0.06, -0.27, 0.85), 0.006, "brass", sides=5)
     else:
         green = style == "green wheeled"
-        picture = _sum_and_triangle((160, 132), "#1f4a3a" if green else "#23262a", ["white", "signal yellow", "pink"])
+        drawn = _sum_and_triangle((160, 132), "#1f4a3a" if green else "#23262a", ["white", "signal yellow", "pink"])
         frame: Color = "light wood" if not green else "aluminium"
-        _framed(b, picture, 1.3, 1.1, 0.02 if not green else 0.62, frame, ["white", "white", "signal yellow", "pink"])
+        _framed(b, drawn, 1.3, 1.1, 0.02 if not green else 0.62, frame, ["white", "white", "signal yellow", "pink"])
         if green:
             _stand(b, 1.34, 1.7, "aluminium")
     size = ((0.09, 1.35, 1.2), (0.56, 1.9, 1.85), (0.45, 0.62, 1.15))[variant]
@@ -136,12 +136,12 @@ def whiteboard(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 b.cylinder(0.009, 0.12, (0.05, -0.28 + 0.14 * k, 0.019), ink, (-90, 0, 0), segments=6)
     else:
         wheeled = style == "wheeled"
-        picture = (
+        drawn = (
             _sum_and_triangle((160, 132), "#f6f7f8", ["dark blue", "signal red", "green"])
             if wheeled
             else _plan((160, 132))
         )
-        _framed(b, picture, 1.3, 1.1, 0.62 if wheeled else 0.02, "aluminium", pens)
+        _framed(b, drawn, 1.3, 1.1, 0.62 if wheeled else 0.02, "aluminium", pens)
         if wheeled:
             _stand(b, 1.34, 1.7, "galvanised")
     size = ((0.12, 1.35, 1.2), (0.58, 1.75, 1.9), (0.6, 0.72, 1.85))[variant]

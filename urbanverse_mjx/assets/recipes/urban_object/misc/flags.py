@@ -4,7 +4,7 @@ import numpy as np
 from PIL import Image
 
 from ....meshes import paint, shapes
-from ....meshes.mesh_builder import BuiltAsset, MeshBuilder, Picture
+from ....meshes.mesh_builder import BuiltAsset, ImageLike, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ...amenity.banners import FOLDED, ripple
@@ -12,7 +12,7 @@ from ...shared.sizes import made
 
 
 def field(style: str, size: tuple[int, int] = (72, 48)) -> Image.Image:
-    """The picture of a flag: "tricolour", "cross", "wave"."""
+    """The image of a flag: "tricolour", "cross", "wave"."""
     w, h = size[0] * 3, size[1] * 3
     image, draw = paint.canvas((w, h), "white")
     if style == "tricolour":
@@ -46,7 +46,7 @@ def flag(variant: int, rng: np.random.Generator) -> BuiltAsset:
     w, h = 1.36 + 0.3 * (variant % 3), 0.9 + 0.2 * (variant % 3)
     low = height - 0.16 - h
     with b.frame((0, 0.03, low)):
-        b.sheet(ripple(w, h, 0.16, 1.3, 0.12, 21, 6), picture=field(style), both_sides=True)
+        b.sheet(ripple(w, h, 0.16, 1.3, 0.12, 21, 6), image=field(style), both_sides=True)
     b.rod((0.04, 0.0, 0.9), (0.035, 0.0, height - 0.12), 0.006, "off white", sides=4)
     b.box((0.03, 0.02, 0.14), (0.045, 0, 0.9), "dark grey")
     for z in (low + 0.02, low + h - 0.02):
@@ -73,7 +73,7 @@ def _feather(b: MeshBuilder, rng: np.random.Generator) -> None:
     for k, letter in enumerate("OPEN"):
         paint.text(draw, letter, (20, 66 + 72 * k, 74, 128 + 72 * k), "white", bold=0.05)
     draw.polygon([(0, 384), (96, 384), (96, 372)], fill=rgb("signal yellow"))
-    b.sheet(np.array(grid), picture=paint.shrunk(image, (48, 192)), both_sides=True)
+    b.sheet(np.array(grid), image=paint.shrunk(image, (48, 192)), both_sides=True)
 
 
 @recipe("pennant", 3, name="flags.pennant")
@@ -120,10 +120,10 @@ def _bunting(b: MeshBuilder, corners: list[tuple[float, float]], color: Color) -
     b.extrude(corners, 0.004, (0.002, 0, 0), color, turn_deg=(90, 0, 90))
 
 
-def _mapped(b: MeshBuilder, grid: np.ndarray, picture: Picture, width: float, height: float) -> None:
-    """A curved sheet whose picture is laid flat over `width` by `height` from its left edge, seen from both sides."""
+def _mapped(b: MeshBuilder, grid: np.ndarray, image: ImageLike, width: float, height: float) -> None:
+    """A curved sheet whose image is laid flat over `width` by `height` from its left edge, seen from both sides."""
     sheet = shapes.sheet(grid)
     uv = np.clip(sheet.vertices[:, 1:] / (width, height) + (0.0, 0.5), 0.0, 1.0)
     cloth = shapes.Shape(sheet.vertices, sheet.faces, uv)
-    b.add(cloth, picture=picture)
-    b.add(cloth.flipped(), picture=picture)
+    b.add(cloth, image=image)
+    b.add(cloth.flipped(), image=image)

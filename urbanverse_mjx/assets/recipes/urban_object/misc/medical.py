@@ -40,7 +40,7 @@ def medicine(variant: int, rng: np.random.Generator) -> BuiltAsset:
     a = np.radians(np.linspace(-100, 100, 13))
     b.sheet(
         np.array([[(0.0223 * np.cos(t), 0.0223 * np.sin(t), z) for t in a] for z in (0.01, 0.045)]),
-        picture=paint.shrunk(image, (80, 40)),
+        image=paint.shrunk(image, (80, 40)),
     )
     return made(b, "a jar of pills", (0.046, 0.046, 0.08), form="jar")
 

@@ -63,7 +63,7 @@ def _rag_body(b: MeshBuilder, skin: Color, hair: Color, dress: Color, head: floa
         [(0.004 + 0.0705 * np.cos(a) * r, 0.0855 * np.sin(a) * r, h) for a in (-0.7, -0.35, 0, 0.35, 0.7)]
         for h, r in ((0.09, 1.0), (0.15, 0.66), (0.175, 0.55))
     ]
-    b.sheet(np.array(apron), picture=_checks((48, 32), "white", "signal red"))
+    b.sheet(np.array(apron), image=_checks((48, 32), "white", "signal red"))
 
 
 def _fashion_body(b: MeshBuilder, skin: Color, hair: Color, dress: Color, z: float) -> None:

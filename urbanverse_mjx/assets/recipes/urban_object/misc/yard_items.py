@@ -8,7 +8,7 @@ from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ...shared.facade_images import sign
 from ...shared.sizes import made
-from ...vehicle.wheels import rim_picture, wheel
+from ...vehicle.wheels import rim_image, wheel
 
 
 def _wires(b: MeshBuilder, corners: np.ndarray, across: int, up: int, color: Color, radius: float = 0.004) -> None:
@@ -74,7 +74,7 @@ def vehicle_wheel(variant: int, rng: np.random.Generator) -> BuiltAsset:
         ("steel", 0.29, 0.175, 0.62),
         ("truck", 0.44, 0.3, 0.6),
     )[variant % 3]
-    b_rim = rim_picture(style, "aluminium" if variant % 3 != 1 else "light grey", 96)
+    b_rim = rim_image(style, "aluminium" if variant % 3 != 1 else "light grey", 96)
     wheel(b, (0, 0, radius), radius, width, b_rim, 1.0, share, segments=32)
     b.panel(b_rim, (0, -width / 2 * 0.6, radius), radius * 0.9, radius * 0.9, "-y")
     grooves = (-0.3, -0.1, 0.1, 0.3) if variant % 3 < 2 else (-0.25, 0.0, 0.25)
@@ -149,7 +149,7 @@ def air_pump(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 @recipe("easel", 3, name="yard_things.easel")
 def easel(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """An A-frame with a landscape on canvas, a studio easel with a portrait, a chalk board easel; picture +x."""
+    """An A-frame with a landscape on canvas, a studio easel with a portrait, a chalk board easel; image +x."""
     b = MeshBuilder(roughness=0.75)
     image, draw = paint.canvas((120, 90), "light blue")
     if variant % 3 == 0:

@@ -57,8 +57,8 @@ def hat(variant: int, rng: np.random.Generator) -> BuiltAsset:
             b.add(crown, "#6b5a49", (0, 0, 0.4), scale=(1, 1, 1.1))
             band: Color = "black"
         else:
-            b.add(painted(brim), picture=woven)
-            b.add(painted(crown), picture=woven, at=(0, 0, 1.8), scale=(1, 1, 0.95))
+            b.add(painted(brim), image=woven)
+            b.add(painted(crown), image=woven, at=(0, 0, 1.8), scale=(1, 1, 0.95))
             band = "#b0413e"
         b.add(pillow((19.6, 16.6, 3.4), 0.95, 0.15, 24, 4), band, (0, 0, 1.0 if style == "fedora" else 2.4))
     size = ((29, 26, 13.5), (26, 19, 13), (41, 38, 12))[variant % 3]

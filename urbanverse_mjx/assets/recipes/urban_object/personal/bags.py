@@ -258,19 +258,19 @@ def picnic_basket(variant: int, rng: np.random.Generator) -> BuiltAsset:
     plan = 0.25 if style != "oval" else 0.85
     body = pillow((28, 40, 19), plan, 0.15, 24, 8)
     body.vertices[:, :2] *= 0.86 + 0.14 * body.vertices[:, 2:] / 19
-    b.add(painted(body), picture=woven)
+    b.add(painted(body), image=woven)
     if style == "oval":
         image, draw = paint.canvas((48, 48), "white")
         for k in range(0, 48, 12):
             draw.rectangle((k, 0, k + 5, 47), fill=rgb("#e08a84"))
         for k in range(0, 48, 12):
             draw.rectangle((0, k, 47, k + 5), fill=rgb("#c8322c"))
-        b.add(painted(pillow((26, 37, 7), 0.85, 0.8, 20, 6)), picture=image, at=(0, 0, 16))
+        b.add(painted(pillow((26, 37, 7), 0.85, 0.8, 20, 6)), image=image, at=(0, 0, 16))
         b.panel(image, (12.6, 0, 15), 16, 9, "+x", back="#c8322c")
     else:
         for y in (-10.2, 10.2) if style == "two-lid" else (0,):
             lid = (28.6, 20 if style == "two-lid" else 40.6, 2.4)
-            b.add(painted(pillow(lid, 0.2, 0.3, 20, 6)), picture=woven, at=(0, y, 18.5))
+            b.add(painted(pillow(lid, 0.2, 0.3, 20, 6)), image=woven, at=(0, y, 18.5))
     ring = pillow((29, 41, 2), plan, 0.6, 24, 4)
     b.add(ring, dark, (0, 0, 17.4))
     if style == "hamper":

@@ -1,4 +1,4 @@
-"""Things out of pockets and handbags: glasses, books, cigarettes, jewelry, watches. Front at +x."""
+"""What pockets and handbags hold: glasses, books, cigarettes, jewelry, watches. Front at +x."""
 
 import numpy as np
 from PIL import Image
@@ -48,7 +48,7 @@ def glasses(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 
 def cover(title: str, author: str, color: Color, ink: Color) -> Image.Image:
-    """A book's front: title, a picture of hills and a sun, author."""
+    """A book's front: title, an image of hills and a sun, author."""
     image, draw = paint.canvas((192, 288), color)
     draw.rectangle((10, 10, 181, 277), outline=rgb(ink), width=3)
     paint.text(draw, title, (20, 24, 172, 100), ink, bold=0.04)
@@ -112,7 +112,7 @@ def cigarette(variant: int, rng: np.random.Generator) -> BuiltAsset:
     length = (84, 75, 96)[variant % 3]
     cork = skin(rng, ["#c98b4e", "#d79a5a"], noise=4, flecks=("#a86f38", 60))
     tube = painted(pillow((8, 8, 24), 1.0, 0.06, 18, 6))
-    b.add(tube, picture=cork, at=(0, 0, 4), turn_deg=(0, 90, 0))
+    b.add(tube, image=cork, at=(0, 0, 4), turn_deg=(0, 90, 0))
     with b.frame((0, 0, 4)):
         b.cylinder(3.3, 0.4, (-0.3, 0, 0), "off white", turn_deg=(0, 90, 0), segments=16)
         b.cylinder(

@@ -14,8 +14,8 @@ from ..food.bottles import tinted
 def flat_bottle(b: MeshBuilder, wide: float, deep: float, tall: float, color: Color, words: str, ink: Color) -> None:
     """An oval bottle, its long side to the front, with its label."""
     b.add(pillow((deep, wide, tall), 0.75, 0.2, 24, 12), color)
-    picture = label(words, mix(color, "white", 0.75), ink, (48, 64), band=ink)
-    b.panel(picture, (deep / 2 + 0.06, 0, tall * 0.46), wide * 0.52, tall * 0.56)
+    image = label(words, mix(color, "white", 0.75), ink, (48, 64), band=ink)
+    b.panel(image, (deep / 2 + 0.06, 0, tall * 0.46), wide * 0.52, tall * 0.56)
 
 
 def pump(b: MeshBuilder, z: float, color: Color) -> None:
@@ -96,7 +96,7 @@ def perfume(variant: int, rng: np.random.Generator) -> BuiltAsset:
     juice: Color = ("#e8c07a", "#e8a8b8", "#8fb8c8")[variant % 3]
     if style == "round":
         flat = shapes.ellipsoid((1.8, 3.4, 3.4), 26, 14)
-        b.add(painted(flat), picture=tinted("#e6ecee", (juice, 5.0), 6.8), at=(0, 0, 3.4), crease_deg=80)
+        b.add(painted(flat), image=tinted("#e6ecee", (juice, 5.0), 6.8), at=(0, 0, 3.4), crease_deg=80)
         b.cylinder(0.9, 0.9, (0, 0, 6.6), "gold", segments=16)
         b.lathe([(0.7, 7.4), (1.6, 8.4), (1.4, 9.6), (0.7, 10.2), (0, 10.2)], color="#dfeaf2", segments=8, crease_deg=5)
         b.cylinder(1.7, 0.1, (1.65, 0, 3.4), "gold", turn_deg=(0, 90, 0), segments=18)
@@ -252,8 +252,8 @@ def toothpaste(variant: int, rng: np.random.Generator) -> BuiltAsset:
     top = np.array(
         [[(x, y, z + 0.04) for y in (1.4, -1.4)] for x, z in ((start + 2.0, 2.4), (start + 6.2, 3.2), (1.2, 3.66))]
     )
-    picture = np.rot90(np.asarray(label("MINT\nFRESH", ink, color, (72, 32), bold=0.04)), -1)
-    b.sheet(np.swapaxes(top, 0, 1)[::-1], picture=np.rot90(picture, 1))
+    image = np.rot90(np.asarray(label("MINT\nFRESH", ink, color, (72, 32), bold=0.04)), -1)
+    b.sheet(np.swapaxes(top, 0, 1)[::-1], image=np.rot90(image, 1))
     if style == "rolled up":
         for k in range(2):
             b.cylinder(

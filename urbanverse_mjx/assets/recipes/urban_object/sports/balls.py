@@ -1,4 +1,4 @@
-"""Balls of sports, their seams painted on a sphere, and the round things beside them."""
+"""Balls of sports, their seams painted on a sphere, and the round objects beside them."""
 
 from collections.abc import Callable, Sequence
 
@@ -11,12 +11,12 @@ from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ...shared.sizes import varied
 
-WIDTH, HEIGHT = 192, 96  # pixels of a sphere's picture; a seam is two to four of them wide
+WIDTH, HEIGHT = 192, 96  # pixels of a sphere's image; a seam is two to four of them wide
 Painter = Callable[[np.ndarray], np.ndarray]
 
 
 def directions() -> np.ndarray:
-    """(HEIGHT, WIDTH, 3) unit vectors that the pixels of a sphere's picture look along, row 0 at the top."""
+    """(HEIGHT, WIDTH, 3) unit vectors that the pixels of a sphere's image look along, row 0 at the top."""
     longitude = (np.arange(WIDTH) + 0.5) / WIDTH * 2 * np.pi
     latitude = (0.5 - (np.arange(HEIGHT) + 0.5) / HEIGHT) * np.pi
     lat, lon = np.meshgrid(latitude, longitude, indexing="ij")
@@ -24,7 +24,7 @@ def directions() -> np.ndarray:
 
 
 def painted(ground: Color, layers: Sequence[tuple[Color, np.ndarray]]) -> Image.Image:
-    """A sphere's picture: the ground, then each colour where its mask of (HEIGHT, WIDTH) in [0, 1] is set."""
+    """A sphere's image: the ground, then each colour where its mask of (HEIGHT, WIDTH) in [0, 1] is set."""
     pixels = np.broadcast_to(np.array(rgb(ground), float), (HEIGHT, WIDTH, 3)).copy()
     for color, mask in layers:
         share = np.clip(mask, 0.0, 1.0)[..., None]
@@ -37,14 +37,14 @@ def line(distance: np.ndarray, half: float) -> np.ndarray:
     return np.clip(0.5 + (half - np.abs(distance)) / (np.pi / HEIGHT), 0.0, 1.0)
 
 
-def sphere(b: MeshBuilder, picture: Image.Image, radius: float = 0.1, columns: int = 22, rows: int = 14) -> None:
+def sphere(b: MeshBuilder, image: Image.Image, radius: float = 0.1, columns: int = 22, rows: int = 14) -> None:
     """A painted sphere about a plain one that closes it, standing on z = 0."""
     lat = np.linspace(-np.pi / 2, np.pi / 2, rows + 1)
     lon = np.linspace(0, 2 * np.pi, columns + 1)
     la, lo = np.meshgrid(lat, lon, indexing="ij")
     grid = radius * np.stack([np.cos(la) * np.cos(lo), np.cos(la) * np.sin(lo), np.sin(la)], -1)
-    b.sheet(grid + [0, 0, radius], picture=picture)
-    # Seams of a picture leave the sheet open, so that it encloses nothing; the ball inside carries the volume.
+    b.sheet(grid + [0, 0, radius], image=image)
+    # Seams of an image leave the sheet open, so that it encloses nothing; the ball inside carries the volume.
     b.ball(0.985 * radius, (0, 0, radius), "dark grey", segments=columns, rings=rows)
 
 
@@ -128,10 +128,10 @@ def _volleyball(p: np.ndarray, inks: Sequence[Color]) -> list[tuple[Color, np.nd
 
 
 def _ball(
-    rng: np.random.Generator, picture: Image.Image, across: float, words: str, style: str, rough: float
+    rng: np.random.Generator, image: Image.Image, across: float, words: str, style: str, rough: float
 ) -> BuiltAsset:
     b = MeshBuilder(roughness=rough)
-    sphere(b, picture)
+    sphere(b, image)
     return varied(b, rng, (across, across, across), words, style, jitter=0.0)
 
 
@@ -155,8 +155,8 @@ def football(variant: int, rng: np.random.Generator) -> BuiltAsset:
     pentagon, seam = _football(p)
     ground, patch = (("white", "black"), ("signal yellow", "dark blue"), ("white", "signal red"))[variant]
     style = f"{ground} and {patch}"
-    picture = painted(ground, [("grey", seam), (patch, pentagon)])
-    return _ball(rng, picture, (0.22, 0.2165, 0.2225)[variant], f"a football, {style}", style, 0.5)
+    image = painted(ground, [("grey", seam), (patch, pentagon)])
+    return _ball(rng, image, (0.22, 0.2165, 0.2225)[variant], f"a football, {style}", style, 0.5)
 
 
 @recipe("volleyball", 3, hulls=1, name="balls.volleyball")
@@ -194,14 +194,14 @@ def sports_ball(variant: int, rng: np.random.Generator) -> BuiltAsset:
     p = _tilted(directions(), 26.0)
     if style == "handball":
         pentagon, seam = _football(p)
-        picture = painted("light blue", [("dark blue", seam), ("signal red", pentagon)])
+        image = painted("light blue", [("dark blue", seam), ("signal red", pentagon)])
     elif style == "tennis ball":
-        picture = painted("#cfe23c", [("white", _tennis_curve(p, 0.05))])
+        image = painted("#cfe23c", [("white", _tennis_curve(p, 0.05))])
     else:
         swirl = 0.5 + 0.5 * np.sin(6 * p[..., 0] + 4 * np.sin(5 * p[..., 2]) + 3 * p[..., 1])
         holes = np.zeros((HEIGHT, WIDTH))
         for hole in ((0.86, -0.05, 0.5), (0.86, 0.17, 0.48), (0.76, 0.08, 0.65)):
             at = np.array(hole) / np.linalg.norm(hole)
             holes = np.maximum(holes, line(np.arccos(np.clip(directions() @ at, -1, 1)), 0.09))
-        picture = painted("dark blue", [("purple", 0.7 * swirl), ("black", holes)])
-    return _ball(rng, picture, (0.15, 0.066, 0.217)[variant], f"a {style}", style, (0.6, 0.95, 0.15)[variant])
+        image = painted("dark blue", [("purple", 0.7 * swirl), ("black", holes)])
+    return _ball(rng, image, (0.15, 0.066, 0.217)[variant], f"a {style}", style, (0.6, 0.95, 0.15)[variant])

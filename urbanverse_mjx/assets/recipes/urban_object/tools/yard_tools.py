@@ -7,7 +7,7 @@ from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ...shared.outlines import curve, ellipse, pairs, section
 from ...shared.sizes import varied
-from ...vehicle.wheels import rim_picture, wheel
+from ...vehicle.wheels import rim_image, wheel
 
 
 @recipe("ladder", 3, name="yard_tools.ladder")
@@ -216,7 +216,7 @@ def lawn_mower(variant: int, rng: np.random.Generator) -> BuiltAsset:
     b = MeshBuilder(roughness=0.5)
     style = ("petrol", "electric", "reel")[variant]
     body: Color = ("signal red", "green", "orange")[variant]
-    rim = rim_picture("cap", "light grey", 32)
+    rim = rim_image("cap", "light grey", 32)
     if style == "reel":
         for s in (-1, 1):
             wheel(b, (0.42, 0.24 * s, 0.13), 0.13, 0.045, rim, s, 0.7, 16)
