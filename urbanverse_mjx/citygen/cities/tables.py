@@ -3,11 +3,11 @@
 import dataclasses
 import functools
 import pathlib
-import tomllib
 from collections.abc import Mapping
 from typing import Any
 
 from ...datatypes import validation as v
+from ...datatypes.toml_table import table
 from .profile import CityProfile, Mix, mix
 
 FOLDER = pathlib.Path(__file__).parent / "profiles"
@@ -22,8 +22,7 @@ def read_profiles(path: pathlib.Path) -> tuple[CityProfile, ...]:
     Raises:
       ValidationError: a field or a shared mix that does not exist, or a value that is out of range.
     """
-    rows = tomllib.loads(path.read_text(encoding="utf-8"))["profiles"]
-    return tuple(_profile(row, f"{path.name}: {row.get('city')}") for row in rows)
+    return tuple(_profile(row, f"{path.name}: {row.get('city')}") for row in table(path)["profiles"])
 
 
 def _profile(row: Mapping[str, Any], where: str) -> CityProfile:
@@ -34,7 +33,7 @@ def _profile(row: Mapping[str, Any], where: str) -> CityProfile:
 
 def _value(name: str, value: Any, where: str) -> Any:
     if _FIELDS[name] is not Mix:
-        return tuple(value) if isinstance(value, list) else value
+        return value
     if not value.startswith("@"):
         return mix(value)
     return _shared()[v.choice(value[1:], f"{where}: {name}", _shared())]
@@ -42,5 +41,4 @@ def _value(name: str, value: Any, where: str) -> Any:
 
 @functools.cache
 def _shared() -> dict[str, Mix]:
-    rows = tomllib.loads((FOLDER / "mixes.toml").read_text(encoding="utf-8"))
-    return {name: mix(text) for name, text in rows.items()}
+    return {name: mix(text) for name, text in table(FOLDER / "mixes.toml").items()}

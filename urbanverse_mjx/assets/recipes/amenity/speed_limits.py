@@ -96,36 +96,11 @@ def _speed_limit(limit: int, variant: int) -> BuiltAsset:
     return fitted(built, (0, width, height))
 
 
-@recipe("speed limit sign 10 km", 3, name="speed_limits.speed_limit_10")
-def speed_limit_10(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    return _speed_limit(10, variant)
+def _register(limit: int) -> None:
+    @recipe(f"speed limit sign {limit} km", 3, name=f"speed_limits.speed_limit_{limit}")
+    def speed_limit(variant: int, rng: np.random.Generator) -> BuiltAsset:
+        return _speed_limit(limit, variant)
 
 
-@recipe("speed limit sign 20 km", 3, name="speed_limits.speed_limit_20")
-def speed_limit_20(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    return _speed_limit(20, variant)
-
-
-@recipe("speed limit sign 35 km", 3, name="speed_limits.speed_limit_35")
-def speed_limit_35(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    return _speed_limit(35, variant)
-
-
-@recipe("speed limit sign 40 km", 3, name="speed_limits.speed_limit_40")
-def speed_limit_40(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    return _speed_limit(40, variant)
-
-
-@recipe("speed limit sign 50 km", 3, name="speed_limits.speed_limit_50")
-def speed_limit_50(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    return _speed_limit(50, variant)
-
-
-@recipe("speed limit sign 60 km", 3, name="speed_limits.speed_limit_60")
-def speed_limit_60(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    return _speed_limit(60, variant)
-
-
-@recipe("speed limit sign 100 km", 3, name="speed_limits.speed_limit_100")
-def speed_limit_100(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    return _speed_limit(100, variant)
+for _limit in SIZES:
+    _register(_limit)

@@ -1,6 +1,7 @@
 """Measures of car bodies, and where on them glass, lamps and grille lie (see `vehicle_body` for s)."""
 
-from ..shared.tables import table
+from urbanverse_mjx.datatypes.toml_table import table
+
 from .vehicle_body import BodyShape
 
 Places = dict[str, tuple[float, float]]

@@ -2,8 +2,9 @@
 
 import dataclasses
 
+from urbanverse_mjx.datatypes.toml_table import table
+
 from ....meshes.palette import Color
-from ...shared.tables import table
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from urbanverse_mjx.datatypes.toml_table import table
+
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2, Point3, lathe
 from ...shared.handheld import label, painted, patch
 from ...shared.sizes import varied_cm
-from ...shared.tables import table
 
 
 @dataclasses.dataclass(frozen=True)

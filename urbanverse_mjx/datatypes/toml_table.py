@@ -1,12 +1,13 @@
-"""Tables of variants that lie as TOML beside the module that builds them."""
+"""Tables of data that lie as TOML beside the module that uses them."""
 
+import os
 import pathlib
 import tomllib
 from typing import Any
 
 
-def table(module: str) -> dict[str, Any]:
-    """The file beside a module: `table(__file__)` of `trades.py` is what `trades.toml` holds, arrays as tuples."""
+def table(module: str | os.PathLike[str]) -> dict[str, Any]:
+    """The file beside a module: `table(__file__)` in `trades.py` is what `trades.toml` holds, arrays as tuples."""
     return _fixed(tomllib.loads(pathlib.Path(module).with_suffix(".toml").read_text(encoding="utf-8")))
 
 
