@@ -9,7 +9,7 @@ import pytest
 from urbanverse_mjx.assets.categories import ontology, priors
 from urbanverse_mjx.assets.meshes import recipe, shapes
 from urbanverse_mjx.assets.meshes.mesh_builder import BuiltAsset, MeshBuilder
-from urbanverse_mjx.assets.recipes.shared import proportions, sizes
+from urbanverse_mjx.assets.recipes.shared import forms, sizes
 
 #: Every mesh of some hundred leaves: minutes. `test_index` looks at every 18th leaf each time.
 pytestmark = pytest.mark.slow
@@ -102,7 +102,7 @@ def test_made_brings_a_drawing_to_its_size() -> None:
 
 
 def test_padded_forms_have_the_size_asked_for_and_are_closed() -> None:
-    for draw in (proportions.soft, proportions.pouch):
+    for draw in (forms.soft, forms.pouch):
         b = MeshBuilder()
         draw(b, (0.6, 0.4, 0.2), (0.0, 0.0, 0.1), "red")
         low, high = b.bounds
@@ -113,7 +113,7 @@ def test_padded_forms_have_the_size_asked_for_and_are_closed() -> None:
 
 def test_a_hollow_vessel_holds_less_matter_than_a_full_one() -> None:
     b = MeshBuilder()
-    proportions.hollow(b, [(0.1, 0.0), (0.1, 0.3)], 0.01, "red", segments=48)
+    forms.hollow(b, [(0.1, 0.0), (0.1, 0.3)], 0.01, "red", segments=48)
     matter = b.build("a pot").volume
     full = shapes.volume(shapes.frustum(0.1, 0.1, 0.3, 48))
     # Wall of 10 mm and floor of 10 mm of a cylinder: 1 - 0.81 * 29 / 30.

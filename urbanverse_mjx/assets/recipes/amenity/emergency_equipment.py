@@ -8,7 +8,7 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ..shared.facade_images import sign
-from ..shared.proportions import soft
+from ..shared.forms import soft
 from ..shared.sizes import made
 
 

@@ -8,8 +8,8 @@ from ...meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ...meshes.palette import Color, rgb, shade
 from ...meshes.recipe import recipe
 from ..shared.facade_images import wall
+from ..shared.forms import hollow
 from ..shared.outlines import arc, pairs
-from ..shared.proportions import hollow
 from ..shared.sizes import made
 
 

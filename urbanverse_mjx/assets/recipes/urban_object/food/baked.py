@@ -9,8 +9,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.handheld import lumpy, painted, pillow, skin, softened
+from ...shared.forms import lumpy, painted, pillow, softened
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 CRUST = ("#a8662c", "#c98a44", "#b87434")
 GLAZES = ("#e8a0b4", "#5a3420", "#f4ecdc")

@@ -12,8 +12,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2, Point3, lathe
-from ...shared.handheld import label, painted, patch
+from ...shared.forms import painted
 from ...shared.sizes import varied_cm
+from ...shared.skins import label, patch
 
 
 @dataclasses.dataclass(frozen=True)

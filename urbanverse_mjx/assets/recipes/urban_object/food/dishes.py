@@ -6,8 +6,9 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import lumpy, painted, pillow, skin, softened
+from ...shared.forms import lumpy, painted, pillow, softened
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 CHINA = "#f2efe8"
 

@@ -6,9 +6,10 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import label, painted, patch, stadium
+from ...shared.forms import painted, stadium
 from ...shared.outlines import arc
 from ...shared.sizes import varied_cm
+from ...shared.skins import label, patch
 from .bottles import Bottle, round_bottle, tinted
 
 GLASS = "#d3e0e4"

@@ -9,8 +9,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2, Shape
-from ...shared.handheld import bead, lumpy, painted, pillow, skin, softened
+from ...shared.forms import bead, lumpy, painted, pillow, softened
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 AVOCADO = ((0, 0.0), (2.0, 0.5), (3.3, 2.0), (3.6, 4.0), (3.2, 6.2), (2.2, 8.2), (1.3, 9.8), (0.5, 10.4), (0, 10.5))
 LEMON = ((0, 0.0), (0.6, 0.2), (1.1, 0.8), (2.3, 2.0), (2.9, 4.0), (2.4, 6.0), (1.2, 7.1), (0.8, 7.7), (0, 8.0))

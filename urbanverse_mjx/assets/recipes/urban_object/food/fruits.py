@@ -10,8 +10,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2
-from ...shared.handheld import lumpy, painted, pillow, ribbed, skin, softened
+from ...shared.forms import lumpy, painted, pillow, ribbed, softened
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 APPLE = (
     (0, 0.3),

@@ -8,8 +8,9 @@ from ....meshes import paint, shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import bead, painted, pillow, skin, stadium
+from ...shared.forms import bead, painted, pillow, stadium
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 
 @recipe("sausage", 3, name="groceries.sausage")

@@ -7,8 +7,9 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.handheld import lumpy, painted, pillow, skin, softened
+from ...shared.forms import lumpy, painted, pillow, softened
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 
 def cupped_leaf(

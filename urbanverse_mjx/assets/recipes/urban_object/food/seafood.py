@@ -6,8 +6,9 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import lumpy, painted, pillow, skin
+from ...shared.forms import lumpy, painted, pillow
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 
 def claw(b: MeshBuilder, at: tuple[float, float, float], length: float, yaw: float, color: Color) -> None:

@@ -6,9 +6,10 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import bead, label, lumpy, painted, pillow, skin, softened
+from ...shared.forms import bead, lumpy, painted, pillow, softened
 from ...shared.outlines import arc
 from ...shared.sizes import varied_cm
+from ...shared.skins import label, skin
 from .baked import baked, wavy_disc
 
 

@@ -8,8 +8,9 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import lumpy, painted, pillow, ribbed, skin, softened
+from ...shared.forms import lumpy, painted, pillow, ribbed, softened
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 from .exotic_fruits import lying
 from .fruits import stalk
 

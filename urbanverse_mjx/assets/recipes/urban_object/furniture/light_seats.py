@@ -7,8 +7,8 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
+from ...shared.forms import pouch, soft
 from ...shared.outlines import arc, pairs
-from ...shared.proportions import pouch, soft
 from ...shared.sizes import made
 
 

@@ -6,7 +6,7 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point3
-from ...shared.proportions import pouch, soft
+from ...shared.forms import pouch, soft
 from ...shared.sizes import made
 
 

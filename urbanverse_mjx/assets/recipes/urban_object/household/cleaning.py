@@ -5,7 +5,7 @@ import numpy as np
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.proportions import soft
+from ...shared.forms import soft
 from ...shared.sizes import made
 
 

@@ -6,9 +6,10 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import painted, pillow, skin, softened, stadium, vessel
+from ...shared.forms import painted, pillow, softened, stadium, vessel
 from ...shared.outlines import arc
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 from ..food.drinks import handle
 from .tableware import STEEL
 

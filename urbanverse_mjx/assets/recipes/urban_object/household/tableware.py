@@ -6,7 +6,7 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import pillow, softened, vessel
+from ...shared.forms import pillow, softened, vessel
 from ...shared.sizes import varied_cm
 from ..food.drinks import GLASS, filled
 

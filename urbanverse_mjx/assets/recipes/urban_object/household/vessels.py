@@ -7,8 +7,8 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Point2
+from ...shared.forms import hollow
 from ...shared.outlines import arc
-from ...shared.proportions import hollow
 from ...shared.sizes import made
 
 

@@ -6,7 +6,7 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import rgb
 from ....meshes.recipe import recipe
-from ...shared.proportions import soft
+from ...shared.forms import soft
 from ...shared.sizes import made
 
 

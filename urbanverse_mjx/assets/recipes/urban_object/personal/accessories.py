@@ -6,9 +6,10 @@ from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, shade
 from ....meshes.recipe import recipe
 from ....meshes.shapes import Shape
-from ...shared.handheld import label, painted, pillow, weave
+from ...shared.forms import painted, pillow
 from ...shared.outlines import arc
 from ...shared.sizes import varied_cm
+from ...shared.skins import label, weave
 
 
 def dome(size: tuple[float, float, float], share: float = 0.5, power: float = 0.9) -> Shape:

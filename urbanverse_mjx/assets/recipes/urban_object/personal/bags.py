@@ -6,9 +6,10 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import label, painted, pillow, stadium, weave
+from ...shared.forms import painted, pillow, stadium
 from ...shared.outlines import arc
 from ...shared.sizes import varied_cm
+from ...shared.skins import label, weave
 
 
 def grip(b: MeshBuilder, at: tuple[float, float, float], span: float, rise: float, radius: float, color: Color) -> None:

@@ -7,9 +7,10 @@ from ....meshes import paint
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, rgb, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import painted, pillow, skin, stadium
+from ...shared.forms import painted, pillow, stadium
 from ...shared.outlines import arc
 from ...shared.sizes import varied_cm
+from ...shared.skins import skin
 
 
 @recipe("a pair of glasses", 3, name="pocket_things.glasses")

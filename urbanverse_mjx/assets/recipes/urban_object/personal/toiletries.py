@@ -6,8 +6,9 @@ from ....meshes import shapes
 from ....meshes.mesh_builder import BuiltAsset, MeshBuilder
 from ....meshes.palette import Color, mix, shade
 from ....meshes.recipe import recipe
-from ...shared.handheld import label, painted, patch, pillow, stadium
+from ...shared.forms import painted, pillow, stadium
 from ...shared.sizes import varied_cm
+from ...shared.skins import label, patch
 from ..food.bottles import tinted
 
 

@@ -1,21 +1,18 @@
-"""Soft and wrapped shapes, painted skins and labels of small objects.
+"""Solids that grow, are stuffed, wrapped or hollow: fruits, cushions, vessels.
 
-They are drawn in centimetres, near enough to their proportions; `sizes.varied_cm` brings them to their size in metres.
+Small objects are drawn in centimetres, near enough to their proportions; `sizes.varied_cm` brings them to their size.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-from PIL import Image
 from scipy.interpolate import PchipInterpolator
 
-from ...meshes import paint, shapes
-from ...meshes.mesh_builder import ImageLike, MeshBuilder
-from ...meshes.palette import Color, rgb
+from ...meshes import shapes
+from ...meshes.mesh_builder import MeshBuilder
+from ...meshes.palette import Color
 from ...meshes.shapes import Point2, Point3, Points3, Shape
 from .outlines import arc
-
-# Shapes ---------------------------------------------------------------------------------------------------------------
 
 
 def painted(shape: Shape, axis: int = 2) -> Shape:
@@ -112,88 +109,58 @@ def vessel(profile: Sequence[Point2], wall: float, floor: float) -> list[Point2]
     return [(0.0, profile[0][1]), *profile, *inside, (0.0, floor)]
 
 
-def patch(
+def soft(
     b: MeshBuilder,
-    image: ImageLike,
-    radius: float | tuple[float, float],
-    low: float,
-    high: float,
-    arc_deg: float = 150.0,
-    facing_deg: float = 0.0,
-) -> None:
-    """A label bent round a standing vessel: radius (or that at its lower and upper edge), heights, degrees it covers.
-
-    One that goes nearly round shows its image on the front and again on the back.
-    """
-    if arc_deg > 200:
-        for turn_deg in (0, 180):
-            patch(b, image, radius, low, high, arc_deg / 2, facing_deg + turn_deg)
-        return
-    columns = int(arc_deg / 12) + 2
-    first, last = radius if isinstance(radius, tuple) else (radius, radius)
-    turns = np.radians(facing_deg + np.linspace(-arc_deg / 2, arc_deg / 2, columns))
-    rows = [
-        np.stack([r * np.cos(turns), r * np.sin(turns), np.full(columns, z)], 1)
-        for r, z in ((first, low), (last, high))
-    ]
-    b.sheet(np.stack(rows), image=image)
-
-
-# Skins ----------------------------------------------------------------------------------------------------------------
-
-
-def skin(
-    rng: np.random.Generator,
-    colors: Sequence[Color],
-    blush: Color | None = None,
-    noise: float = 5.0,
-    flecks: tuple[Color, int] | None = None,
-    size: tuple[int, int] = (32, 48),
-) -> np.ndarray:
-    """(h, w, 3) image for `painted` shapes: colours from the bottom to the top, a blush on the front, flecks.
-
-    Args:
-      noise: standard deviation, 0-255.
-      flecks: colour and number of single dots.
-      size: (width, height) pixels.
-    """
-    width, height = size
-    stops = np.array([rgb(c) for c in colors], float)
-    at = np.linspace(0, len(stops) - 1, height)[::-1]
-    column = np.stack([np.interp(at, np.arange(len(stops)), stops[:, k]) for k in range(3)], 1)
-    image = np.repeat(column[:, None], width, 1)
-    if blush is not None:
-        share = np.clip(1.1 - 1.5 * np.linspace(0, 1, width), 0, 0.85)[None, :, None]
-        image = image * (1 - share) + share * np.array(rgb(blush), float)
-    image = image + rng.normal(0, noise, (height, width, 1))
-    if flecks is not None:
-        rows, columns = rng.integers(1, height - 1, flecks[1]), rng.integers(0, width, flecks[1])
-        image[rows, columns] = rgb(flecks[0])
-    return np.clip(image, 0, 255).astype(np.uint8)
-
-
-def weave(first: Color, second: Color, size: int = 64, strand: int = 4) -> np.ndarray:
-    """(size, size, 3) basket work: strands over and under in turn, darker where they dip."""
-    y, x = np.mgrid[:size, :size]
-    over = (x // (2 * strand) + y // strand) % 2 == 0
-    depth = np.where(over, np.abs((x % (2 * strand)) / strand - 1), np.abs((y % strand) / strand * 2 - 1))
-    base = np.where(over[..., None], np.array(rgb(first), float), np.array(rgb(second), float))
-    return np.clip(base * (1.05 - 0.45 * depth[..., None]), 0, 255).astype(np.uint8)
-
-
-def label(
-    words: str,
+    size: Point3,
+    at: Point3,
     color: Color,
-    ink: Color,
-    size: tuple[int, int] = (64, 48),
-    band: Color | None = None,
-    bold: float = 0.03,
-) -> Image.Image:
-    """A printed label: words between two bands."""
-    image, draw = paint.canvas(paint.smooth(size, 2), color)
-    width, height = image.size
-    if band is not None:
-        draw.rectangle((0, 0, width, height * 0.14), fill=rgb(band))
-        draw.rectangle((0, height * 0.86, width, height), fill=rgb(band))
-    paint.text(draw, words, (width * 0.08, height * 0.22, width * 0.92, height * 0.78), ink, bold=bold)
-    return paint.shrunk(image, size)
+    turn_deg: Point3 = (0, 0, 0),
+    plan: float = 6.0,
+    side: float = 3.5,
+    segments: int = 16,
+    rings: int = 8,
+) -> None:
+    """A padded block standing on `at`: a superellipsoid of exponents `plan` seen from above and `side` from the side.
+
+    2 is round, 10 nearly a block.
+    """
+    ball = shapes.ellipsoid(1.0, segments, rings)
+    x, y, z = np.abs(ball.vertices.T)
+    across = (x**plan + y**plan) ** (1.0 / plan)
+    points = ball.vertices / ((across**side + z**side) ** (1.0 / side))[:, None]
+    half = np.asarray(size, float) / 2
+    placed = shapes.Shape(points * half + np.array([0.0, 0.0, half[2]]), ball.faces)
+    b.add(placed, color, at, turn_deg, crease_deg=60.0)
+
+
+def pouch(
+    b: MeshBuilder, size: Point3, at: Point3, color: Color, turn_deg: Point3 = (0, 0, 0), plan: float = 5.0
+) -> None:
+    """A stuffed cover lying on `at`, thick in the middle, thin at its seam (cushions, pillows)."""
+    ball = shapes.ellipsoid(1.0, 20, 8)
+    x, y, z = ball.vertices.T
+    level = np.maximum(np.hypot(x, y), 1e-9)
+    square = level / np.maximum((np.abs(x) ** plan + np.abs(y) ** plan) ** (1.0 / plan), 1e-9)
+    # Corners are drawn out a little, as the seams of a cover do.
+    plump = np.sign(z) * np.abs(z) ** 1.25
+    half = np.asarray(size, float) / 2
+    points = np.column_stack([x * square, y * square, plump]) * half + np.array([0.0, 0.0, half[2]])
+    b.add(shapes.Shape(points, ball.faces), color, at, turn_deg, crease_deg=75.0)
+
+
+def hollow(
+    b: MeshBuilder,
+    outside: Sequence[Point2],
+    wall: float,
+    color: Color,
+    at: Point3 = (0, 0, 0),
+    segments: int = 20,
+    floor: float | None = None,
+) -> None:
+    """An open vessel: the profile (radius, z) revolved, with an inner skin `wall` away and a bottom inside."""
+    floor = outside[0][1] + wall if floor is None else floor
+    heights = [z for _, z in outside]
+    radii = [r for r, _ in outside]
+    inner = [(max(r - wall, 0.002), z) for r, z in reversed(outside) if z > floor + 1e-6]
+    bottom = (max(float(np.interp(floor, heights, radii)) - wall, 0.002), floor)
+    b.lathe([*outside, *inner, bottom, (0.0, floor)], at, color, segments=segments)
