@@ -1,64 +1,89 @@
 """What JAX keeps of its compilations, where one of these files is damaged.
 
-JAX compiles such a program again, but neither replaces the file nor says which it is: it would compile again, with a
-warning, in every later process. Nothing but the standard library is imported before there is one.
+A file that was cut off JAX notices and compiles its program again, but neither replaces the file nor says which it is:
+it would compile again, with a warning, in every later process. A changed bit it notices only where it packs files with
+zlib; zstd's files, which it writes where that library is installed, hold no checksum: one is kept here.
 """
 
 import contextlib
 import pathlib
 import re
 import sys
+import time
 import warnings
 import zlib
 from typing import Any
 
+from .. import settings
+
 _READING = re.compile(r"Error reading persistent compilation cache entry for '(?P<name>[^']+)'")
+_ZSTD = b"\x28\xb5\x2f\xfd"  # begins its files (RFC 8878, section 3.1.1)
+_ENTRY = "-cache"  # ends the names of JAX's files
+_WRITTEN = 60.0  # s after which a file is whole: JAX writes it in place
 
 
 def replace_damaged_entries(folder: pathlib.Path) -> None:
-    """Renames, from now on, files of the compilation cache that JAX cannot read: what it compiles takes their place.
+    """Renames files of the compilation cache that changed since a command first saw them, and, from now on, those that
+    JAX cannot read: what it compiles takes their place.
 
-    One line on standard error stands in place of JAX's warning.
+    Each is one line on standard error, in place of JAX's warning.
 
     Args:
       folder: of the cache.
     """
+    for path in _changed(folder):
+        _set_aside(path)
     show = warnings.showwarning
 
     def showwarning(message: Any, *args: Any, **named: Any) -> None:
         found = _READING.match(str(message))
-        kept = _set_aside(folder, found["name"]) if found else []
-        if not kept:
+        kept = [_set_aside(path) for path in _unreadable(folder, found["name"])] if found else []
+        if not any(kept):
             show(message, *args, **named)
-        for path in kept:
-            sys.stderr.write(f"{path}: found a damaged file, kept as {path.name}.bad, compiling it anew\n")
 
     warnings.showwarning = showwarning
 
 
-def _set_aside(folder: pathlib.Path, program: str) -> list[pathlib.Path]:
-    """Renames the damaged files of programs of a name; returns their old paths."""
+def _changed(folder: pathlib.Path) -> list[pathlib.Path]:
+    from ..datatypes.checksums import changed_groups
+
+    with contextlib.suppress(OSError):
+        entries = [p for p in sorted(folder.glob(f"*{_ENTRY}")) if time.time() - p.stat().st_mtime > _WRITTEN]
+
+        record = settings.cache_dir("kernels", "jax.json")
+        return list(changed_groups(folder, {path: [path] for path in entries}, record))
+    return []
+
+
+def _unreadable(folder: pathlib.Path, program: str) -> list[pathlib.Path]:
+    """The files of programs of a name that JAX cannot unpack."""
+    return [path for path in sorted(folder.glob(f"{program}-*{_ENTRY}")) if not _is_whole(path)]
+
+
+def _set_aside(path: pathlib.Path) -> bool:
     from ..datatypes import validation as v
 
-    kept = []
     with contextlib.suppress(OSError):
-        for path in sorted(folder.glob(f"{program}-*-cache")):
-            if not _is_whole(path):
-                v.set_aside(path)
-                kept.append(path)
-    return kept
+        kept = v.set_aside(path)
+        sys.stderr.write(f"{path}: found a damaged file, kept as {kept.name}, compiling it anew\n")
+        return True
+    return False
 
 
 def _is_whole(path: pathlib.Path) -> bool:
-    """Whether JAX can unpack a file: with the library that Python has from 3.14 on, else with zlib."""
-    body = path.read_bytes()
+    """Whether a file can be unpacked, as JAX packs it: with zstd, of Python from 3.14 on or of a package, or zlib."""
     try:
-        if sys.version_info >= (3, 14):
+        body = path.read_bytes()
+        if not body.startswith(_ZSTD):
+            zlib.decompress(body)
+        elif sys.version_info >= (3, 14):
             from compression import zstd
 
             zstd.decompress(body)
         else:
-            zlib.decompress(body)
-    except Exception:
+            import zstandard
+
+            zstandard.ZstdDecompressor().decompress(body)
+    except Exception:  # of three libraries
         return False
     return True

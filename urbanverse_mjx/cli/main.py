@@ -8,6 +8,7 @@ found a problem or a bug was hit, 2 wrong use or wrong input (one sentence on st
 import difflib
 import importlib
 import os
+import pathlib
 import sys
 from collections.abc import Sequence
 
@@ -56,11 +57,10 @@ def usage() -> str:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command line (`sys.argv` by default) and returns the exit status."""
-    if argv is None:
-        # A process of its own, in which nothing has imported JAX yet.
-        replace_damaged_entries(settings.use_compilation_cache())
+    # A process of its own has not imported JAX yet.
+    cache = settings.use_compilation_cache() if argv is None else None
     try:
-        status = _choose(list(sys.argv[1:] if argv is None else argv))
+        status = _choose(list(sys.argv[1:] if argv is None else argv), cache)
         sys.stdout.flush()
         return status
     except OSError as error:
@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _refuse(f"standard output: {sentence}") if sentence else 1
 
 
-def _choose(argv: list[str]) -> int:
+def _choose(argv: list[str], cache: pathlib.Path | None) -> int:
     if not argv or argv[0] in ("-h", "--help", "help"):
         print(usage())
         return 0 if argv else 2
@@ -84,14 +84,16 @@ def _choose(argv: list[str]) -> int:
         near = difflib.get_close_matches(argv[0], COMMANDS, n=3, cutoff=0.5)
         hint = f"did you mean {' or '.join(near)}?" if near else "known are " + ", ".join(COMMANDS) + "."
         return _refuse(f"unknown command {argv[0]!r}; {hint}")
-    return _run(argv[0], argv[1:])
+    return _run(argv[0], argv[1:], cache)
 
 
-def _run(name: str, argv: list[str]) -> int:
+def _run(name: str, argv: list[str], cache: pathlib.Path | None) -> int:
     absent = [] if name == "doctor" else [p for p in missing() if not (name in ON_A_BANK and p in MAKERS)]
     if absent:
         needed = "them; run `make setup`, or `urbanverse doctor` for the command of each"
         return _refuse(f"found no package {', '.join(absent)}, needed {needed}.")
+    if cache is not None and name != "doctor":
+        replace_damaged_entries(cache)
     try:
         command = importlib.import_module(f"urbanverse_mjx.cli.{COMMANDS[name][0]}")
         return int(command.main(argv) or 0)

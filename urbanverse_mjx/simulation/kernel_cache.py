@@ -5,13 +5,12 @@ Checksums of the files are kept in this package's own cache; a file without one 
 """
 
 import contextlib
-import hashlib
 import pathlib
 import sys
 
 from .. import settings
-from ..datatypes import ValidationError
 from ..datatypes import validation as v
+from ..datatypes.checksums import changed_groups
 
 #: Ends of the names of the files that Warp loads; the sources beside them are for people.
 _LOADED = (".o", ".cubin", ".ptx", ".hsaco", ".meta")
@@ -28,32 +27,13 @@ def check_kernels(cache: pathlib.Path) -> None:
     Args:
       cache: Warp's folder for this version of it, with a folder for each module.
     """
-    known = _known()
-    found: dict[str, str] = {}
-    for module in _modules(cache):
-        try:
-            digests = {path: _digest(path) for path in sorted(module.iterdir()) if path.name.endswith(_LOADED)}
-        except OSError:  # another process is at it
-            continue
-        bad = [path for path, digest in digests.items() if not digest or known.get(str(path), digest) != digest]
-        if bad:
-            _discard(module, bad[0])
-        else:
-            found |= {str(path): digest for path, digest in digests.items()}
-    # Warp compiled what is missing now anew, with other bytes perhaps: its old checksum is forgotten.
-    elsewhere = {path: digest for path, digest in known.items() if not path.startswith(f"{cache}/")}
-    if elsewhere | found != known:
+    modules = {module: _loaded(module) for module in _modules(cache)}
+    for module, bad in changed_groups(cache, modules, checksums_path()).items():
         with contextlib.suppress(OSError):
-            v.write_json(checksums_path(), elsewhere | found)
-
-
-def _known() -> dict[str, str]:
-    """Path -> checksum. Without the file, or with one that cannot be read, nothing is known."""
-    with contextlib.suppress(ValidationError, OSError):
-        body = v.read_json(checksums_path(), "checksums of kernels")
-        if isinstance(body, dict):
-            return body
-    return {}
+            kept = v.set_aside(module)
+            sys.stderr.write(
+                f"{bad}: found other bytes than were compiled; its folder is kept as {kept.name}, compiling it anew\n"
+            )
 
 
 def _modules(cache: pathlib.Path) -> list[pathlib.Path]:
@@ -63,15 +43,7 @@ def _modules(cache: pathlib.Path) -> list[pathlib.Path]:
     return []
 
 
-def _digest(path: pathlib.Path) -> str:
-    """The SHA-256 of a file; empty for an empty one, as a power failure leaves it."""
-    body = path.read_bytes()
-    return hashlib.sha256(body).hexdigest() if body else ""
-
-
-def _discard(module: pathlib.Path, bad: pathlib.Path) -> None:
+def _loaded(module: pathlib.Path) -> list[pathlib.Path]:
     with contextlib.suppress(OSError):
-        kept = v.set_aside(module)
-        sys.stderr.write(
-            f"{bad}: found other bytes than were compiled; its folder is kept as {kept.name}, compiling it anew\n"
-        )
+        return [path for path in sorted(module.iterdir()) if path.name.endswith(_LOADED)]
+    return []

@@ -1,0 +1,55 @@
+"""Checksums of files that others write, kept in a file of our own: has one changed since it was first seen?"""
+
+import contextlib
+import hashlib
+import pathlib
+from collections.abc import Mapping, Sequence
+
+from . import validation as v
+
+
+def changed_groups(
+    folder: pathlib.Path, groups: Mapping[pathlib.Path, Sequence[pathlib.Path]], record: pathlib.Path
+) -> dict[pathlib.Path, pathlib.Path]:
+    """Which groups of files below a folder hold one that is empty or has other bytes than when it was first seen.
+
+    A file that is seen for the first time is trusted and noted; what is gone, and the files of a changed group, are
+    forgotten: whatever takes their place may have other bytes.
+
+    Args:
+      groups: name of a group -> its files. record: the JSON file with the checksums; where it cannot be read or
+        written nothing is known.
+
+    Returns:
+      group -> its first such file.
+    """
+    known, found = _known(record), {}
+    noted = {path: digest for path, digest in known.items() if not path.startswith(f"{folder}/")}
+    for group, files in groups.items():
+        try:
+            digests = {path: _digest(path) for path in files}
+        except OSError:  # another process is at it
+            continue
+        bad = [path for path, digest in digests.items() if not digest or known.get(str(path), digest) != digest]
+        if bad:
+            found[group] = bad[0]
+        else:
+            noted |= {str(path): digest for path, digest in digests.items()}
+    if noted != known:
+        with contextlib.suppress(OSError):
+            v.write_json(record, noted)
+    return found
+
+
+def _known(record: pathlib.Path) -> dict[str, str]:
+    with contextlib.suppress(v.ValidationError, OSError):
+        body = v.read_json(record, "checksums")
+        if isinstance(body, dict):
+            return body
+    return {}
+
+
+def _digest(path: pathlib.Path) -> str:
+    """The SHA-256 of a file; empty for an empty one, as a power failure leaves it."""
+    body = path.read_bytes()
+    return hashlib.sha256(body).hexdigest() if body else ""
