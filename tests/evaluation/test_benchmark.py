@@ -87,6 +87,10 @@ def test_intervals_draw_scenes_and_not_episodes() -> None:
     # Two scenes drawn with replacement: 0, 50 or 100 % with probabilities 1/4, 1/2, 1/4.
     assert (table["mean"], table["low"], table["high"]) == (50.0, 0.0, 100.0)
     assert table["se"] == pytest.approx(100 * math.sqrt(1 / 8), rel=0.03)
+    # Three scenes, of which one is driven well: three draws of 100 % with probability 1/3.
+    worse = [_result(scene="c", episode=i, result="timeout") for i in range(64)]
+    table = over_scenes(good + bad + worse)["SR"]
+    assert table["se"] == pytest.approx(100 * math.sqrt(2 / 27), rel=0.03)
     assert over_scenes(good)["SR"]["se"] is None
     assert by_scene(good + bad) == {"a": scores(good), "b": scores(bad)}
 
