@@ -11,4 +11,5 @@ from .warp_start import start_warp
 # last line programs read. This must stand before whatever starts Warp.
 warp.config.log_level = warp.LOG_WARNING
 start_warp()
-check_kernels(pathlib.Path(warp.config.kernel_cache_dir))
+if warp.config.kernel_cache_dir is not None:
+    check_kernels(pathlib.Path(warp.config.kernel_cache_dir))
