@@ -18,7 +18,7 @@ PAGES = ("index", "installation", "quickstart", "concepts", "faq", "training_rep
 #: code is not here.
 ELSEWHERE = {
     "onnx": "tests/training/test_export_onnx.py",
-    "playground": "tests/envs/test_render.py",
+    "playground": "tests/support/playground_page.py",
     **{f"tutorials/{path.stem}": "tests/project/test_tutorials.py" for path in (DOCS / "tutorials").glob("*.md")},
     "sources/brax_over_warp": None,
 }
