@@ -93,7 +93,7 @@ def test_poses_that_are_right_stay() -> None:
 def test_directions_tell_how_far_depth_is_off(noise: float) -> None:
     views, obj, given, _ = walk(0.0, noise=noise)
     error = bearings.depth_error(views, obj, given, np.ones(len(given)))
-    assert 0.8 * noise < error / bearings._OWN < 1.3 * noise
+    assert 0.8 * noise < error / bearings._OPTIONS.depth_share < 1.3 * noise
 
 
 def test_right_depth_is_not_called_wrong() -> None:

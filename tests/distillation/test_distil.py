@@ -168,7 +168,7 @@ def test_a_region_that_lies_on_another_is_cut_back() -> None:
     road = GroundRegion("road_00", "road", ((0.0, 0.0), (20.0, 0.0), (20.0, 5.0), (0.0, 5.0)), (0.0, 0.0, 0.0))
     over = ((0.0, 4.999), (20.0, 4.99), (20.0, 8.0), (0.0, 8.0))
     (kept,) = ground._beside(over, [road])
-    assert shapely.Polygon(kept).intersection(shapely.Polygon(road.polygon)).area <= ground._SHARED
+    assert shapely.Polygon(kept).intersection(shapely.Polygon(road.polygon)).area <= ground._OPTIONS.max_overlap
     assert shapely.Polygon(kept).area == pytest.approx(60.0, abs=0.3)
     apart = ((0.0, 5.0), (20.0, 5.0), (20.0, 8.0), (0.0, 8.0))
     assert ground._beside(apart, [road]) == [apart]

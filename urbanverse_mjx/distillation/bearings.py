@@ -18,27 +18,51 @@ from .depth_scale import DepthScale
 from .fusion import PLACE, world_points
 from .lifting import Views
 
-#: m; the middle of larger objects moves with the side that is seen.
-_LARGEST = 2.5
-_MIN_VIEWS, _MIN_OBJECTS = 8, 8
-#: Of its width that a view's middle may be beside the object's; rad that a direction is off.
-_ASIDE, _DIRECTION = 0.15, np.radians(0.3)
-#: Of its width, by how much a view is nearer than the object's middle, give or take as much.
-_BEHIND = 0.3
-#: Standard errors from which on a view speaks less, from round to round.
-_GATES = (6.0, 6.0, 4.0, 3.0, 3.0, 3.0)
-_STEPS = 2  # of each round
-#: Poses stay unless the median squared misfit of directions falls below this share of what it was.
-_GAIN = 0.7
-#: Noise of depth that hardly constrains a place, and the fewest views of an object whose directions then tell where it
-#: is.
-_LOOSE, _FEW_VIEWS = 0.3, 4
-#: Places that directions tell to this share of the distance, and how many views of such objects it takes to judge
-#: depth.
-_SETTLED, _MIN_SETTLED = 0.03, 30
-#: Distances differ by less where depth is perfect (0.8 % seen); of what they differ otherwise so much is depth's own:
-#: with 5 % put in and drifting poses 8.8 % came out, the ground said 4.2 %.
-_SIGHT, _OWN = 0.02, 0.45
+
+@dataclasses.dataclass(frozen=True)
+class BearingOptions:
+    """How far directions and distances of views are believed, and when poses follow them.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      max_size: m; the middle of larger objects moves with the side that is seen: they are not used.
+      min_views: fewest views of an object that is used to adjust poses.
+      min_objects: fewest such objects.
+      middle_error: by this share of its width a view's middle may be beside the object's.
+      direction_sigma: rad, standard error of a direction.
+      front_share: by this share of its width a view is nearer than the object's middle, give or take as much.
+      gates: standard errors from which on a view counts less, from round to round.
+      round_steps: Gauss-Newton steps of each round.
+      max_misfit_ratio: poses stay unless the median squared misfit of directions falls below this share of what it
+        was.
+      loose_noise: relative noise of depth that hardly constrains a place.
+      min_depth_views: fewest views of an object whose directions then tell where it is.
+      max_place_error: places that directions tell to this share of the distance judge the depth.
+      min_judging_views: fewest views of such objects.
+      min_depth_error: relative; distances differ by less where depth is perfect (0.8 % seen).
+      depth_share: share of the difference of distances that is the depth's own: with 5 % put in and drifting poses
+        8.8 % came out, the ground said 4.2 %.
+    """
+
+    max_size: float = 2.5
+    min_views: int = 8
+    min_objects: int = 8
+    middle_error: float = 0.15
+    direction_sigma: float = np.radians(0.3)
+    front_share: float = 0.3
+    gates: tuple[float, ...] = (6.0, 6.0, 4.0, 3.0, 3.0, 3.0)
+    round_steps: int = 2
+    max_misfit_ratio: float = 0.7
+    loose_noise: float = 0.3
+    min_depth_views: int = 4
+    max_place_error: float = 0.03
+    min_judging_views: int = 30
+    min_depth_error: float = 0.02
+    depth_share: float = 0.45
+
+
+_OPTIONS = BearingOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,11 +109,11 @@ def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: D
       views: of the trajectory. object: (n,) what each view shows.
       poses: (m, 4, 4) T_world_camera. depth: each frame's scale, and the noise that remains.
     """
-    problem = _whole_objects(views, object_of_view, poses, depth, _MIN_VIEWS)
+    problem = _whole_objects(views, object_of_view, poses, depth, _OPTIONS.min_views)
     if problem is None:
         return None
     still, moved = problem.solve(free=False), problem.solve(free=True)
-    if moved.misfit > _GAIN * still.misfit:
+    if moved.misfit > _OPTIONS.max_misfit_ratio * still.misfit:
         return None
     return control_points.corrected(poses, problem.at @ moved.correction)
 
@@ -100,7 +124,9 @@ def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, sca
     What the ground says of it (`depth_scale`) holds for objects where both are measured alike, not where a network
     guesses one and geometry gives the other. So objects are placed by their directions alone, and distances compared.
     """
-    problem = _whole_objects(views, object_of_view, poses, DepthScale(scale, _LOOSE), _FEW_VIEWS)
+    problem = _whole_objects(
+        views, object_of_view, poses, DepthScale(scale, _OPTIONS.loose_noise), _OPTIONS.min_depth_views
+    )
     if problem is None:
         return 0.0
     solved, seen, which = problem.solve(free=False), problem.seen, problem.which
@@ -108,12 +134,12 @@ def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, sca
     far = np.linalg.norm(away, axis=1)
     unit = away / far[:, None]
     spread = np.sqrt(np.einsum("ni,nij,nj->n", unit, np.linalg.inv(solved.information)[which, :2, :2], unit))
-    settled = spread < _SETTLED * far
-    if settled.sum() < _MIN_SETTLED:
+    settled = spread < _OPTIONS.max_place_error * far
+    if settled.sum() < _OPTIONS.min_judging_views:
         return 0.0
     ratio = np.maximum(far - solved.objects[which, 2], 0.1) / seen.reach
     error = 1.4826 * float(np.median(np.abs(np.log(ratio[settled]))))
-    return _OWN * error if error > _SIGHT else 0.0
+    return _OPTIONS.depth_share * error if error > _OPTIONS.min_depth_error else 0.0
 
 
 def _whole_objects(
@@ -121,11 +147,11 @@ def _whole_objects(
 ) -> "_Problem | None":
     """What is seen whole of small objects, each in `least` views or more; None where these are too few."""
     seen = measure(views, poses, depth.scale)
-    whole = ~views.clipped[:, :2].any(1) & (seen.width < _LARGEST)
+    whole = ~views.clipped[:, :2].any(1) & (seen.width < _OPTIONS.max_size)
     counts = np.bincount(object_of_view[whole], minlength=int(object_of_view.max(initial=-1)) + 1)
     rows = np.flatnonzero(whole & (counts[object_of_view] >= least))
     _, which = np.unique(object_of_view[rows], return_inverse=True)
-    if not len(rows) or which.max() + 1 < _MIN_OBJECTS:
+    if not len(rows) or which.max() + 1 < _OPTIONS.min_objects:
         return None
     return _Problem(seen.of(rows), which, poses, depth.noise)
 
@@ -152,16 +178,16 @@ class _Problem:
         # A view hangs on two control points alone, however many there are.
         before, share = control_points.between(len(poses))
         self.before, self.shares = before[seen.frame], np.stack([1.0 - share, share], -1)[seen.frame]
-        self.across = np.hypot(_DIRECTION, (PLACE + _ASIDE * seen.width) / seen.reach)
+        self.across = np.hypot(_OPTIONS.direction_sigma, (PLACE + _OPTIONS.middle_error * seen.width) / seen.reach)
         self.along = noise * seen.reach + PLACE
-        self.behind = _BEHIND * np.bincount(which, seen.width) / np.bincount(which)
+        self.behind = _OPTIONS.front_share * np.bincount(which, seen.width) / np.bincount(which)
         self.held = 1.0 / (PLACE + self.behind) ** 2
 
     def solve(self, free: bool) -> _Solution:
         """With poses as they are, or `free`."""
         objects, correction = self._start(), np.zeros((self.at.shape[1], 4))
         misfit, H = np.zeros((len(self.which), 2)), np.zeros((len(objects), 3, 3))
-        for gate in np.repeat(_GATES, _STEPS):
+        for gate in np.repeat(_OPTIONS.gates, _OPTIONS.round_steps):
             misfit, slope, bend = self._linear(objects, correction)
             trust = 1.0 / (1.0 + (misfit / gate) ** 2) ** 2
             H = self._summed(np.einsum("nri,nr,nrj->nij", slope, trust, slope))

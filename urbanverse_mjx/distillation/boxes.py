@@ -11,10 +11,12 @@ from .bearings import Bearings
 
 #: Views used for one box, the nearest first; more add nothing but time.
 MAX_VIEWS = 24
-_COARSE, _FINE = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
+#: rad: a quarter turn, and around the best of these.
+_COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
 _MIN_SIDE = 0.01  # m
 #: How much better (misfit of the rims) a heading askew to all around must fit: 85 of 100 objects stand within 6° of it.
 ASKEW = 4.0
+#: Of the histogram that the density of points along a direction is taken from.
 _BINS = 128
 
 
@@ -148,8 +150,8 @@ def direction(flat: np.ndarray, blur: float) -> float:
             total -= 2.0 * ((counts / len(flat)) ** 2).sum(1)
         return total
 
-    best = _COARSE[np.argmin(cost(_COARSE))]
-    fine = best + _FINE
+    best = _COARSE_HEADINGS[np.argmin(cost(_COARSE_HEADINGS))]
+    fine = best + _FINE_HEADINGS
     return float(np.remainder(fine[np.argmin(cost(fine))], np.pi / 2))
 
 

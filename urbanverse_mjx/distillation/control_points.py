@@ -1,17 +1,36 @@
 """A slow correction of poses: a shift and a turn about z at control points along the trajectory, linear in between."""
 
+import dataclasses
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-_SPACING = 8  # frames between control points
-#: From knot to knot: m that the way is off beside what the turn does to it, rad by which the turn changes, and rad by
-#: which that change changes. Drift of 1 % and 0.3° per 10 m is 0.11 m and 0.34° over a knot of 8 steps of 1.4 m.
-_SHIFT_STEP, _TURN_STEP, _BEND_STEP = 0.15, np.radians(0.6), np.radians(0.2)
+
+@dataclasses.dataclass(frozen=True)
+class DriftOptions:
+    """How odometry drifts.
+
+    Drift of 1 % and 0.3° per 10 m is 0.11 m and 0.34° from one control point to the next, 8 steps of 1.4 m.
+
+    Attributes:
+      spacing: frames from one control point to the next.
+      shift_sigma: m from control point to control point that the trajectory is off beside what the turn does to it.
+      turn_sigma: rad by which the turn changes from one to the next.
+      bend_sigma: rad by which that change changes.
+    """
+
+    spacing: int = 8
+    shift_sigma: float = 0.15
+    turn_sigma: float = np.radians(0.6)
+    bend_sigma: float = np.radians(0.2)
+
+
+_OPTIONS = DriftOptions()
 
 
 def between(frames: int) -> tuple[np.ndarray, np.ndarray]:
     """(frames,) the knot before each frame (never the last), and (frames,) the share of the way to the next."""
-    count = max(2, int(np.ceil((frames - 1) / _SPACING)) + 1)
+    count = max(2, int(np.ceil((frames - 1) / _OPTIONS.spacing)) + 1)
     place = np.arange(frames) * ((count - 1) / max(frames - 1, 1))
     before = np.minimum(place.astype(int), count - 2)
     return before, place - before
@@ -46,13 +65,13 @@ def odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple
     slope = np.stack([-s * way[:, 0] - c * way[:, 1], c * way[:, 0] - s * way[:, 1], 0 * c], -1)
     middle = 0.5 * np.abs(change)
     blocks, values = [], []
-    for axis, sigma in enumerate((_SHIFT_STEP, _SHIFT_STEP, _SHIFT_STEP / 2)):
+    for axis, sigma in enumerate((_OPTIONS.shift_sigma, _OPTIONS.shift_sigma, _OPTIONS.shift_sigma / 2)):
         block = np.zeros((count - 1, count, 4))
         block[:, :, axis] = change
         block[:, :, 3] = -slope[:, axis, None] * middle
         blocks.append(block.reshape(-1, count * 4) / sigma)
         values.append(-(change @ correction[:, axis] - bent[:, axis]) / sigma)
-    for rows, sigma in ((change, _TURN_STEP), (np.diff(np.eye(count), n=2, axis=0), _BEND_STEP)):
+    for rows, sigma in ((change, _OPTIONS.turn_sigma), (np.diff(np.eye(count), n=2, axis=0), _OPTIONS.bend_sigma)):
         block = np.zeros((len(rows), count, 4))
         block[:, :, 3] = rows
         blocks.append(block.reshape(-1, count * 4) / sigma)

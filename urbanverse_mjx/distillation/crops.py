@@ -19,8 +19,22 @@ Descriptor = Callable[[np.ndarray, np.ndarray], Sequence[int]]
 KEPT_FRAMES = 8
 #: Views of an object that are kept, the largest first.
 KEPT_VIEWS = 2
-_MIN_PATCH = 400  # pixels of ground or sky that are worth keeping
-_MARGIN = 4
+
+
+@dataclasses.dataclass(frozen=True)
+class CropOptions:
+    """Which crops are cut out, and with how much around them; set by hand.
+
+    Attributes:
+      min_patch: pixels; less ground or sky is not worth keeping.
+      margin: pixels around a mask that a crop keeps.
+    """
+
+    min_patch: int = 400
+    margin: int = 4
+
+
+_OPTIONS = CropOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -90,7 +104,7 @@ def _scenery(
             patches |= {GROUND_KINDS[k]: surfaces == k for k in np.unique(surfaces) if 0 < k != SKY}
             patches["sky"] = surfaces == SKY
         for kind, mask in patches.items():
-            if mask.sum() < _MIN_PATCH:
+            if mask.sum() < _OPTIONS.min_patch:
                 continue
             cut, inside = _cut(image, mask)
             _write(folder, f"{'sky' if kind == 'sky' else 'ground'}/{kind}_{number}.png", cut, inside)
@@ -106,7 +120,7 @@ def _scenery(
 
 def _cut(image: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
-    where = tuple(slice(max(0, int(i[0]) - _MARGIN), int(i[-1]) + 1 + _MARGIN) for i in (rows, columns))
+    where = tuple(slice(max(0, int(i[0]) - _OPTIONS.margin), int(i[-1]) + 1 + _OPTIONS.margin) for i in (rows, columns))
     return image[where], mask[where]
 
 

@@ -6,16 +6,32 @@ import numpy as np
 
 from .lifting import GroundPoints
 
-#: m from the camera: nearer ground is seen steeply enough for its depth to say how high the camera is.
-_NEAR = 15.0
-#: Frames to both sides over which ground of one kind is taken for level with itself.
-_WINDOW = 20
-#: Scales that scatter less are not noise but slopes and kerbs: they are left alone.
-_TRUSTED = 0.015
 #: Relative noise that even perfect depth has: its pixels are as wide as 0.2 % of the range (f = 500 pixels).
 MIN_NOISE = 0.002
-_LIMITS = (0.6, 1.7)
-_ROUNDS = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class DepthScaleOptions:
+    """What ground tells the scale of a frame's depth, and how far it is believed.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      max_range: m from the camera: nearer ground is seen steeply enough for its depth to say how high the camera is.
+      window: frames to both sides over which ground of one kind is taken for level with itself.
+      min_spread: scales that scatter less are left alone: slopes and kerbs, not noise, cause it.
+      limits: least and greatest scale of a frame.
+      rounds: of heights from scales and scales from heights.
+    """
+
+    max_range: float = 15.0
+    window: int = 20
+    min_spread: float = 0.015
+    limits: tuple[float, float] = (0.6, 1.7)
+    rounds: int = 3
+
+
+_OPTIONS = DepthScaleOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,7 +54,7 @@ def depth_scale(ground: GroundPoints, poses: np.ndarray) -> DepthScale:
     """
     frames = len(poses)
     world = np.einsum("gij,gj->gi", poses[ground.frame, :3, :3], ground.points)
-    near = (np.linalg.norm(ground.points, axis=1) < _NEAR) & (world[:, 2] < -0.2)
+    near = (np.linalg.norm(ground.points, axis=1) < _OPTIONS.max_range) & (world[:, 2] < -0.2)
     frame, kind, drop = ground.frame[near], ground.kind[near].astype(np.int64), -world[near, 2]
     if not len(frame):
         return DepthScale(np.ones(frames), MIN_NOISE)
@@ -47,19 +63,19 @@ def depth_scale(ground: GroundPoints, poses: np.ndarray) -> DepthScale:
     drops, counts = _medians(frame, kind, drop, frames, len(kinds))
     scale = np.ones(frames)
     heights = np.full(drops.shape, np.nan)
-    for _ in range(_ROUNDS):
+    for _ in range(_OPTIONS.rounds):
         heights = _windowed(cameras[:, None] - scale[:, None] * drops, counts)
         ratio = (cameras[:, None] - heights) / drops
         scale = _weighted(ratio, counts, scale)
     spread = 1.4826 * np.median(np.abs(scale - np.median(scale)))
-    if spread < _TRUSTED:
+    if spread < _OPTIONS.min_spread:
         scale = np.ones(frames)
     expected = (cameras[frame] - heights[frame, kind]) / scale[frame]
     error = drop / expected - 1.0
     # Ramps and slopes are not noise: what a frame's ground of one kind shares is taken off.
     shared, _ = _medians(frame, kind, error, frames, len(kinds))
     noise = 1.4826 * np.nanmedian(np.abs(error - shared[frame, kind]))
-    return DepthScale(np.clip(scale, *_LIMITS), float(max(noise, MIN_NOISE)))
+    return DepthScale(np.clip(scale, *_OPTIONS.limits), float(max(noise, MIN_NOISE)))
 
 
 def _medians(
@@ -77,10 +93,10 @@ def _medians(
 
 
 def _windowed(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Medians over `_WINDOW` frames to both sides, of frames with enough ground of the kind."""
+    """Medians over `window` frames to both sides, of frames with enough ground of the kind."""
     solid = np.where(counts >= 10, values, np.nan)
-    padded = np.pad(solid, ((_WINDOW, _WINDOW), (0, 0)), constant_values=np.nan)
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _WINDOW + 1, axis=0)
+    padded = np.pad(solid, ((_OPTIONS.window, _OPTIONS.window), (0, 0)), constant_values=np.nan)
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _OPTIONS.window + 1, axis=0)
     out = np.full(values.shape, np.nan)
     some = np.isfinite(windows).any(-1)
     out[some] = np.nanmedian(windows[some], axis=-1)

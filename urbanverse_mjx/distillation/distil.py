@@ -16,8 +16,8 @@ from .lifting import Views, lift
 from .objects import Fused, FusedObject, objects_of, without_fragments
 from .options import DistilOptions
 
-#: Two labels without a word in common are still this alike: detectors mistake a van for a truck.
-_STRANGERS = 0.35
+#: Similarity of two labels without a word in common: detectors mistake a van for a truck. Set by hand.
+_UNRELATED_SIMILARITY = 0.35
 
 
 @dataclasses.dataclass(frozen=True)
@@ -82,10 +82,10 @@ class Distillation:
 
 
 def word_similarity(one: str, other: str) -> float:
-    """1 for the same label, less for shared words, `_STRANGERS` for none."""
+    """1 for the same label, less for shared words, `_UNRELATED_SIMILARITY` for none."""
     a, b = (set(re.findall(r"[a-z0-9]+", x.lower())) for x in (one, other))
     share = len(a & b) / len(a | b) if a | b else 0.0
-    return _STRANGERS + (1.0 - _STRANGERS) * share
+    return _UNRELATED_SIMILARITY + (1.0 - _UNRELATED_SIMILARITY) * share
 
 
 def distil(
@@ -143,7 +143,7 @@ def distil(
     )
     objects = without_fragments(objects_of(fused, prior_of), fused)
     kept = [t for t in objects if t.score >= options.min_score]
-    pulled, floor = placement.settle([t.box for t in kept], [t.prior for t in kept], regions)
+    pulled, floor = placement.place_on_ground([t.box for t in kept], [t.prior for t in kept], regions)
     if not options.place:
         pulled = np.zeros_like(pulled)
     left_out = len(objects) - len(kept)

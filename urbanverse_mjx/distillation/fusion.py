@@ -14,22 +14,38 @@ from .lifting import Views
 
 #: m, error of a view's place that does not grow with the range: pixels at the rim, the side that happens to be seen.
 PLACE = 0.03
-#: A view joins an object whose score with it is at least this: half a box overlaps under one label, or
-#: places two standard errors apart.
-_ACCEPT = 0.22
-#: Two objects of the map are one from this score on, if they were hardly ever seen side by side.
-_MERGE = 0.4
-#: Squared distance (in standard errors, three dimensions) from which on places say nothing: 1 in 400.
-_FAR = 14.0
-#: What an object's information keeps when a view is added: poses drift, and errors of depth stay for some frames.
-_MEMORY = 0.85
-_TOGETHER = 0.15
-#: m; nothing farther apart than this is compared.
-_REACH = 6.0
-#: Quantiles of a view's points that bound its box.
-_TRIM = 0.02
-#: m; boxes of views less sharp than this are not joined with sharper ones.
-_BLURRED = 0.25
+
+
+@dataclasses.dataclass(frozen=True)
+class FusionOptions:
+    """When views show one object, and when two objects of the map are one.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      min_view_score: a view joins an object whose score with it is at least this: half a box overlaps under one
+        label, or places two standard errors apart.
+      min_merge_score: from this score on two objects of the map are one, if they were hardly ever seen side by side.
+      max_squared_distance: in squared standard errors, three dimensions; places farther apart say nothing: 1 in 400.
+      information_kept: share of an object's information that remains when a view is added: poses drift, and errors of
+        depth stay for some frames.
+      max_shared_frames: share of the frames of the rarer of two objects that may show both if they are one.
+      max_gap: m; boxes farther apart than this are not compared.
+      trim: quantile of a view's points at each end that its box leaves out.
+      max_sigma: m; boxes of views less sharp than this are not joined with sharper ones.
+    """
+
+    min_view_score: float = 0.22
+    min_merge_score: float = 0.4
+    max_squared_distance: float = 14.0
+    information_kept: float = 0.85
+    max_shared_frames: float = 0.15
+    max_gap: float = 6.0
+    trim: float = 0.02
+    max_sigma: float = 0.25
+
+
+_OPTIONS = FusionOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,7 +95,7 @@ def place(views: Views, poses: np.ndarray, scale: np.ndarray, noise: float) -> P
         points = world_points(views, poses, scale, rows)
         points.sort(axis=1)
         last = points.shape[1] - 1
-        low[rows], high[rows] = points[:, round(_TRIM * last)], points[:, round((1 - _TRIM) * last)]
+        low[rows], high[rows] = points[:, round(_OPTIONS.trim * last)], points[:, round((1 - _OPTIONS.trim) * last)]
         high[rows, 2] = points[:, last - 1, 2]  # tops are thin
         reach[rows] = np.linalg.norm(points[:, last // 2] - poses[views.frame[rows], :3, 3], axis=1)
     return Placed(low, high, poses[views.frame, :3, 3], PLACE + noise * reach)
@@ -96,8 +112,8 @@ class _Map:
         self.information, self.weighted = np.zeros((capacity, 3, 3)), np.zeros((capacity, 3))
 
     def near(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """(k,) objects whose box comes within `_REACH` of the boxes of a frame."""
-        a, b = low.min(0) - _REACH, high.max(0) + _REACH
+        """(k,) objects whose box comes within `max_gap` of the boxes of a frame."""
+        a, b = low.min(0) - _OPTIONS.max_gap, high.max(0) + _OPTIONS.max_gap
         n = self.size
         return np.flatnonzero(((self.low[:n] < b) & (self.high[:n] > a)).all(1))
 
@@ -116,9 +132,9 @@ class _Map:
 
     def _inform(self, objects: np.ndarray, placed: Placed, rows: np.ndarray) -> None:
         gained = placed.gain[rows]
-        self.information[objects] = _MEMORY * self.information[objects] + gained
+        self.information[objects] = _OPTIONS.information_kept * self.information[objects] + gained
         moved = np.einsum("kij,kj->ki", gained, placed.center[rows])
-        self.weighted[objects] = _MEMORY * self.weighted[objects] + moved
+        self.weighted[objects] = _OPTIONS.information_kept * self.weighted[objects] + moved
 
     def places(self, objects: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(k, 3) m centres and (k, 3, 3) m^2 covariances."""
@@ -133,8 +149,8 @@ class _Map:
         self._inform(objects, placed, rows)
         ratio = placed.sigma[rows] / self.sigma[objects]
         # Where depth is sharp every view adds what it sees; a nearer one may show a part alone.
-        better = (ratio < 0.6) & (self.sigma[objects] > _BLURRED)
-        similar = ~better & ((ratio < 1.7) | (placed.sigma[rows] <= _BLURRED))
+        better = (ratio < 0.6) & (self.sigma[objects] > _OPTIONS.max_sigma)
+        similar = ~better & ((ratio < 1.7) | (placed.sigma[rows] <= _OPTIONS.max_sigma))
         shrink = np.minimum(placed.sigma[rows, None], 0.25 * (placed.high - placed.low)[rows])
         low, high = placed.low[rows] + shrink, placed.high[rows] - shrink
         t, r = objects[similar], np.flatnonzero(similar)
@@ -169,7 +185,7 @@ def _agreement(
     apart = a[i] - b[j]
     whole = a_covariance[i] + b_covariance[j]
     squared = np.einsum("pi,pi->p", apart, np.linalg.solve(whole, apart[..., None])[..., 0])
-    return np.where(squared < _FAR, np.exp(-squared / 8.0), 0.0)
+    return np.where(squared < _OPTIONS.max_squared_distance, np.exp(-squared / 8.0), 0.0)
 
 
 def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarray:
@@ -195,12 +211,12 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
             )
             middle, covariance = known.places(near)
             gap = np.linalg.norm(placed.center[rows][:, None] - middle, axis=-1)
-            pairs = np.nonzero(gap < _REACH)
+            pairs = np.nonzero(gap < _OPTIONS.max_gap)
             agree = np.zeros(gap.shape)
             agree[pairs] = _agreement(placed.center[rows], covariances[rows], middle, covariance, pairs)
             score = likeness.T * np.maximum(0.75 * overlap, 0.5 * (overlap + agree))
             a, b = scipy.optimize.linear_sum_assignment(score, maximize=True)
-            good = score[a, b] >= _ACCEPT
+            good = score[a, b] >= _OPTIONS.min_view_score
             a, b = a[good], near[b[good]]
             matched[a] = True
             object_of_view[rows[a]] = b
@@ -217,7 +233,7 @@ def _merged(object_of_view: np.ndarray, views: Views, known: _Map, similarity: n
         return object_of_view
     low, high = known.low[:n], known.high[:n]
     tree = scipy.spatial.cKDTree((low + high)[:, :2] / 2)
-    pairs = tree.query_pairs(_REACH, output_type="ndarray")
+    pairs = tree.query_pairs(_OPTIONS.max_gap, output_type="ndarray")
     a, b = pairs[:, 0], pairs[:, 1]
     share = known.votes[:n] / known.votes[:n].sum(1, keepdims=True)
     slack = 2.0 * np.hypot(known.sigma[a], known.sigma[b])
@@ -237,10 +253,10 @@ def _merged(object_of_view: np.ndarray, views: Views, known: _Map, similarity: n
         return i
 
     for k in np.argsort(-score, kind="stable"):
-        if score[k] < _MERGE:
+        if score[k] < _OPTIONS.min_merge_score:
             break
         i, j = root(int(a[k])), root(int(b[k]))
-        if i != j and len(frames[i] & frames[j]) <= _TOGETHER * min(len(frames[i]), len(frames[j])):
+        if i != j and len(frames[i] & frames[j]) <= _OPTIONS.max_shared_frames * min(len(frames[i]), len(frames[j])):
             parent[max(i, j)] = min(i, j)
             frames[min(i, j)] |= frames[max(i, j)]
     roots = np.array([root(i) for i in range(n)])

@@ -18,19 +18,34 @@ from .lifting import GroundPoints
 type Ring = tuple[tuple[float, float], ...]  # m
 
 CELL = 0.25  # m: kerb stones are 12 to 30 cm wide
-#: m^2 that two regions may share at most: half of what the compiler refuses.
-_SHARED = MAX_OVERLAP / 2
-#: m that ground is carried on under objects that hide it.
-_FILL = 2.5
-#: m; regions of less area are votes gone astray.
-_MIN_AREA = 3.0
-#: m by which an outline may be straightened.
-_STRAIGHTEN = 0.2
-#: m; a region whose top leaves its plane by more is cut in two along its longer side.
-_PLANE_ERROR = 0.05
-_MAX_CORNERS = 200
-#: m; steps lower than this are no kerb.
-_KERB = 0.03
+
+
+@dataclasses.dataclass(frozen=True)
+class GroundOptions:
+    """How cells of ground become regions and kerbs.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      max_overlap: m^2 that two regions may share: half of what the compiler refuses.
+      fill_distance: m that ground is carried on under objects that hide it.
+      min_area: m^2; smaller regions are left out as wrong votes.
+      straightening: m by which an outline may be straightened.
+      max_plane_error: m; a region whose top leaves its plane by more is cut in two along its longer side.
+      max_corners: a region with more corners is cut in two.
+      min_kerb: m; lower steps are no kerb.
+    """
+
+    max_overlap: float = MAX_OVERLAP / 2
+    fill_distance: float = 2.5
+    min_area: float = 3.0
+    straightening: float = 0.2
+    max_plane_error: float = 0.05
+    max_corners: int = 200
+    min_kerb: float = 0.03
+
+
+_OPTIONS = GroundOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,7 +116,7 @@ def _filled(seen: GroundMap) -> GroundMap:
     known = (kind > 0) & (kind == seen.kind) & _large(kind)
     distance, nearest = scipy.ndimage.distance_transform_edt(~known, return_indices=True)
     # A closing: what lies between seen ground is filled, the outer rim stays where it is.
-    reach, rim = _FILL / CELL, int(_FILL / CELL) + 2
+    reach, rim = _OPTIONS.fill_distance / CELL, int(_OPTIONS.fill_distance / CELL) + 2
     grown = np.pad(distance <= reach, rim)
     closed = (scipy.ndimage.distance_transform_edt(grown) > reach)[rim:-rim, rim:-rim]
     use = known | closed
@@ -120,13 +135,13 @@ def _majority(kind: np.ndarray) -> np.ndarray:
 
 
 def _large(kind: np.ndarray) -> np.ndarray:
-    """(X, Y) bool: cells that belong to a connected area of one kind of at least `_MIN_AREA`."""
+    """(X, Y) bool: cells that belong to a connected area of one kind of at least `min_area`."""
     large = np.zeros(kind.shape, bool)
     for k in np.unique(kind[kind > 0]):
         _, numbers, boxes, _ = cv2.connectedComponentsWithStats((kind == k).astype(np.uint8), connectivity=4)
         sizes = boxes[:, cv2.CC_STAT_AREA] * CELL**2
         sizes[0] = 0.0
-        large |= (sizes >= _MIN_AREA)[numbers]
+        large |= (sizes >= _OPTIONS.min_area)[numbers]
     return large
 
 
@@ -140,7 +155,7 @@ def regions(seen: GroundMap) -> tuple[GroundRegion, ...]:
     if not outlines:
         return ()
     # Neighbours share their corners and are straightened together, so no gap opens between them.
-    straight = shapely.coverage_simplify(outlines, _STRAIGHTEN)
+    straight = shapely.coverage_simplify(outlines, _OPTIONS.straightening)
     made: list[GroundRegion] = []
     for outline, kind in zip(straight, kinds, strict=True):
         for piece in _simple_pieces(outline, seen, kind):
@@ -157,7 +172,7 @@ def _beside(ring: Ring, made: Sequence[GroundRegion]) -> list[Ring]:
     millimetres move long edges over a neighbour's by more than the compiler lets regions share."""
     whole = shapely.Polygon(ring)
     others = [shapely.Polygon(r.polygon) for r in made]
-    over = [p for p in others if p.intersects(whole) and p.intersection(whole).area > _SHARED]
+    over = [p for p in others if p.intersects(whole) and p.intersection(whole).area > _OPTIONS.max_overlap]
     if not over:
         return [ring]
     left = whole - shapely.union_all([p.buffer(0.005, join_style="mitre") for p in over])
@@ -206,10 +221,10 @@ def _simple_pieces(outline: shapely.Polygon, seen: GroundMap, kind: int) -> list
         if area.interiors:
             hole = shapely.Polygon(area.interiors[0]).centroid
             at = (hole.x, hole.y)
-        elif len(area.exterior.coords) > _MAX_CORNERS or (
+        elif len(area.exterior.coords) > _OPTIONS.max_corners or (
             min(x1 - x0, y1 - y0) > 1.0
             and max(x1 - x0, y1 - y0) > 6.0
-            and fit_plane(seen, area, kind)[1] > _PLANE_ERROR
+            and fit_plane(seen, area, kind)[1] > _OPTIONS.max_plane_error
         ):
             at = ((x0 + x1) / 2, (y0 + y1) / 2)
         else:
@@ -277,7 +292,7 @@ def kerbs(seen: GroundMap) -> tuple[Kerb, ...]:
     for (low, high), steps in sorted(pairs.items()):
         all_steps = np.concatenate(steps)
         height = float(np.median(all_steps))
-        if height >= _KERB and len(all_steps) * CELL / 2 >= 2.0:
+        if height >= _OPTIONS.min_kerb and len(all_steps) * CELL / 2 >= 2.0:
             length = round(len(all_steps) * CELL / 2, 1)
             found.append(Kerb(GROUND_KINDS[low], GROUND_KINDS[high], round(height, 3), length))
     return tuple(found)

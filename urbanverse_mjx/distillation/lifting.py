@@ -14,11 +14,27 @@ from ..datatypes.recording import SKY
 
 #: Points kept of a view; views of fewer pixels repeat some.
 POINTS = 192
-#: Share of a view's points that may lie apart in depth and still belong to it; smaller groups are bleeding masks.
-_MINOR = 0.2
 #: Pixels along each side for which one of the coarse depth stands.
 COARSE = 8
-_GROUND_POINTS = 1500  # per frame
+
+
+@dataclasses.dataclass(frozen=True)
+class LiftOptions:
+    """Which pixels of a view are kept.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      min_group: share of a view's points that may lie apart in depth and still belong to it; smaller groups are masks
+        that cover more than their object.
+      ground_points: points of ground of a frame, about.
+    """
+
+    min_group: float = 0.2
+    ground_points: int = 1500
+
+
+_OPTIONS = LiftOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -155,7 +171,7 @@ def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndar
     """(p,) bool: pixels whose depth belongs to the main body of their view.
 
     Sorted by depth, a view falls apart where the next pixel is 0.5 m or 4 % of the range farther; groups of less than
-    `_MINOR` of the pixels are what shows through or beside the object.
+    `min_group` of the pixels are what shows through or beside the object.
     """
     order = np.lexsort((z, which))
     w, s = which[order], z[order]
@@ -164,7 +180,7 @@ def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndar
     sizes = np.bincount(group) if len(w) else np.zeros(0)
     totals = np.bincount(which)
     keep = np.zeros(len(z), bool)
-    keep[order] = sizes[group] >= _MINOR * totals[w]
+    keep[order] = sizes[group] >= _OPTIONS.min_group * totals[w]
     # What is farther from the middle pixel's depth than such an object can reach is something else.
     middle = np.zeros(len(totals))
     ends = np.cumsum(totals)
@@ -178,6 +194,6 @@ def _ground(surfaces: np.ndarray, depth: np.ndarray, rays: np.ndarray, row: int)
     paint = [GROUND_KINDS.index(name) for name in PAINT_KINDS]
     usable = (surfaces > 0) & (surfaces != SKY) & (depth > 0) & ~np.isin(surfaces, paint)
     flat = np.flatnonzero(usable)
-    flat = flat[:: max(1, len(flat) // _GROUND_POINTS)]
+    flat = flat[:: max(1, len(flat) // _OPTIONS.ground_points)]
     points = rays.reshape(-1, 3)[flat] * depth.ravel()[flat][:, None]
     return np.full(len(flat), row, np.int32), surfaces.ravel()[flat], points

@@ -10,24 +10,49 @@ from . import bearings, boxes, fusion
 from .depth_scale import DepthScale
 from .lifting import COARSE, Views
 
-#: How much less likely an object is for every frame that should show it and does not: detectors miss a quarter to a
-#: half of what they could find, and leaves and railings hide more than one ray tells.
-_MISSED = 0.7
-#: An object is this much less likely (log odds) for every e-fold by which its size differs from any known one, beyond a
-#: spread that partly hidden objects have.
-_ODD_SIZE, _SIZE_SPREAD = 1.5, 0.5
-#: Labels from this similarity on may mean one object.
-_KIN = 0.5
-#: Labels from this similarity on are one; a box is a fragment of another if more than this share of it is inside.
-_ALIKE, _INSIDE = 0.9, 0.7
-#: m; larger objects that are so many times as long as wide show which way a street runs.
-_LARGE, _LONG = 4.0, 1.25
-#: m; how far around, at least so much weight of them, and how well they must agree (1 = fully).
-_AROUND, _NEAR, _AGREED = 15.0, 0.3, 0.5
-#: Depth of less noise shows by itself how objects stand.
-_SHARP = 0.01
-#: Views of one object are taken from this many directions, so many of each at most.
-_SECTORS, _PER_SECTOR = 8, 4
+
+@dataclasses.dataclass(frozen=True)
+class ObjectOptions:
+    """How a label, a confidence and a street axis follow from the views of objects.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      missed_odds: by this factor an object is less likely for every frame that should show it and does not: detectors
+        miss a quarter to a half of what they could find, and leaves and railings hide more than one ray tells.
+      size_penalty: by so much (log odds) an object is less likely for every e-fold by which its size differs from any
+        known one, beyond `size_spread`.
+      size_spread: log ratio by which sizes of partly hidden objects differ.
+      min_kinship: labels from this similarity on may mean one object.
+      min_similarity: labels from this similarity on are one.
+      fragment_share: a box is a fragment of another if more than this share of it is inside.
+      min_axis_length: m; only larger objects show which way a street runs.
+      min_axis_ratio: and only objects so many times as long as wide.
+      axis_radius: m; how far around an object the axes of others count.
+      min_axis_weight: the least sum of their weights (1 = one at the same place).
+      min_axis_agreement: how well they must agree (1 = fully).
+      max_sharp_noise: depth of less relative noise shows by itself how objects stand.
+      sectors: number of directions from which views of one object are taken.
+      views_per_sector: views of each direction at most.
+    """
+
+    missed_odds: float = 0.7
+    size_penalty: float = 1.5
+    size_spread: float = 0.5
+    min_kinship: float = 0.5
+    min_similarity: float = 0.9
+    fragment_share: float = 0.7
+    min_axis_length: float = 4.0
+    min_axis_ratio: float = 1.25
+    axis_radius: float = 15.0
+    min_axis_weight: float = 0.3
+    min_axis_agreement: float = 0.5
+    max_sharp_noise: float = 0.01
+    sectors: int = 8
+    views_per_sector: int = 4
+
+
+_OPTIONS = ObjectOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,11 +108,11 @@ def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Fuse
     groups = _groups(fused.object_of_view)
     label = [_label(fused, rows) for rows in groups]
     known = [prior_of(fused.views.labels[k]).extents for k in label]
-    large = [not len(e) or e[:, :2].max() > _LARGE for e in known]
+    large = [not len(e) or e[:, :2].max() > _OPTIONS.min_axis_length for e in known]
     objects = [
         _object(fused, rows, k, prior_of) if big else None for rows, k, big in zip(groups, label, large, strict=True)
     ]
-    sharp = fused.single_view or fused.depth.noise < _SHARP
+    sharp = fused.single_view or fused.depth.noise < _OPTIONS.max_sharp_noise
     street = Street.of([t.box for t in objects if t is not None and not sharp and shows_street(t.box)])
     return [
         _object(fused, rows, k, prior_of, street) if t is None else t
@@ -98,7 +123,7 @@ def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[Fuse
 def shows_street(box: boxes.Box) -> bool:
     """Whether an object is large and what was seen of it has a long side, as the fronts of houses."""
     longer, shorter = box.seen[:2].max(), box.seen[:2].min()
-    return bool(longer > max(_LARGE, _LONG * shorter))
+    return bool(longer > max(_OPTIONS.min_axis_length, _OPTIONS.min_axis_ratio * shorter))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -117,9 +142,10 @@ class Street:
     def axis(self, place: np.ndarray) -> float | None:
         """rad modulo a quarter turn, along or across which what is near (2,) m stands; None where nothing large is near
         or it disagrees."""
-        weight = 1.0 / (1.0 + (np.linalg.norm(self.center - place, axis=1) / _AROUND) ** 2) ** 2
+        weight = 1.0 / (1.0 + (np.linalg.norm(self.center - place, axis=1) / _OPTIONS.axis_radius) ** 2) ** 2
         agreed = (weight * self.turn).sum() / max(weight.sum(), 1e-9)
-        return float(np.angle(agreed) / 4) if weight.sum() > _NEAR and abs(agreed) > _AGREED else None
+        agree = weight.sum() > _OPTIONS.min_axis_weight and abs(agreed) > _OPTIONS.min_axis_agreement
+        return float(np.angle(agreed) / 4) if agree else None
 
 
 def _label(fused: Fused, rows: np.ndarray) -> int:
@@ -134,7 +160,7 @@ def _object(
     """One object from its views; street: how objects around it stand, where its own depth does not show that."""
     views, placed = fused.views, fused.placed
     # Views that called it something else may show something else.
-    own = rows[fused.alike[views.label[rows], label] >= _KIN]
+    own = rows[fused.alike[views.label[rows], label] >= _OPTIONS.min_kinship]
     if fused.single_view:
         own = chosen = rows[np.argsort(views.pixels[rows], kind="stable")][[len(rows) // 2]]
         label = int(views.label[chosen[0]])
@@ -173,10 +199,11 @@ def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObj
             if near[j] > 0.6 * np.linalg.norm(large.box.size[:2]) + 1.0 and near[j] > 15.0:
                 break
             rarer = 2 * len(small.rows) <= len(large.rows)
-            if i == j or j not in kept or not rarer or alike[row[small.label], row[large.label]] < _ALIKE:
+            similarity = alike[row[small.label], row[large.label]]
+            if i == j or j not in kept or not rarer or similarity < _OPTIONS.min_similarity:
                 continue
             inside = boxes.share_inside(*spans[i], large.box, small.box.blur)
-            if inside > _INSIDE and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
+            if inside > _OPTIONS.fragment_share and len(frames[i] & frames[j]) <= len(frames[i]) // 4:
                 kept.discard(i)
                 break
     return [objects[i] for i in sorted(kept)]
@@ -190,11 +217,12 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
     cost = placed.sigma[rows] * np.where(clipped[rows].any(1), 3.0, 1.0)
     middle = np.median(placed.center[rows], axis=0)
     side = placed.viewpoint[rows] - middle
-    sector = np.floor((np.arctan2(side[:, 1], side[:, 0]) / (2 * np.pi) + 0.5) * _SECTORS).astype(int) % _SECTORS
+    turn = np.arctan2(side[:, 1], side[:, 0]) / (2 * np.pi) + 0.5
+    sector = np.floor(turn * _OPTIONS.sectors).astype(int) % _OPTIONS.sectors
     order = np.lexsort((cost, sector))
     ends = np.r_[0, np.flatnonzero(np.diff(sector[order])) + 1]
     rank = np.arange(len(rows)) - np.repeat(ends, np.diff(np.r_[ends, len(rows)]))
-    picked = order[rank < _PER_SECTOR]
+    picked = order[rank < _OPTIONS.views_per_sector]
     return rows[picked[np.argsort(cost[picked], kind="stable")][: boxes.MAX_VIEWS]]
 
 
@@ -212,7 +240,7 @@ def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
 
 def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrior) -> float:
     """Probability that an object is there: every view speaks for it by the odds of its score, every frame that should
-    have shown it and did not speaks against it by the odds of `_MISSED`.
+    have shown it and did not speaks against it by the odds of `missed_odds`.
 
     A frame should have shown it if its middle is in the picture, no farther than in its farthest view, and nothing
     stands before it.
@@ -233,7 +261,7 @@ def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrio
     slack = 0.5 * float(np.linalg.norm(box.size[:2])) + 2 * fused.depth.noise * local[missing, 2] + 0.3
     free = (depth == 0) | (depth > local[missing, 2] - slack)
     score = np.clip(fused.views.score[rows], 0.02, 0.98)
-    odds = float(np.log(score / (1 - score)).sum() + free.sum() * np.log(_MISSED))
+    odds = float(np.log(score / (1 - score)).sum() + free.sum() * np.log(_OPTIONS.missed_odds))
     if len(prior.extents):
-        odds -= _ODD_SIZE * max(0.0, boxes.misfit(box.size, prior) - _SIZE_SPREAD)
+        odds -= _OPTIONS.size_penalty * max(0.0, boxes.misfit(box.size, prior) - _OPTIONS.size_spread)
     return float(1.0 / (1.0 + np.exp(-np.clip(odds, -30, 30))))

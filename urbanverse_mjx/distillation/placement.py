@@ -1,5 +1,6 @@
 """Placement priors: an object found where its kind cannot be is pulled back, as far as its place is uncertain."""
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,15 +12,30 @@ from ..datatypes import GroundRegion, LabelPrior, ground
 from .boxes import Box
 from .ground import allowed_area
 
-#: An object moves at most so many standard errors of its depth and `_ALWAYS` m for outlines drawn from cells, and never
-#: farther than `_FARTHEST` m.
-_SIGMAS, _ALWAYS = 3.0, 0.1
-_FARTHEST = 2.0
-#: m; boxes whose foot is this near the ground stand on it.
-_SNAP = 0.35
+
+@dataclasses.dataclass(frozen=True)
+class PlacementOptions:
+    """How far an object is moved to ground on which its kind stands.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      max_sigmas: standard errors of its depth that an object moves at most, beside `cell_error`.
+      cell_error: m; outlines of ground are drawn from cells.
+      max_move: m; no object moves farther.
+      snap_distance: m; boxes whose foot is this near the ground stand on it.
+    """
+
+    max_sigmas: float = 3.0
+    cell_error: float = 0.1
+    max_move: float = 2.0
+    snap_distance: float = 0.35
 
 
-def settle(
+_OPTIONS = PlacementOptions()
+
+
+def place_on_ground(
     boxes: Sequence[Box], priors: Sequence[LabelPrior], regions: tuple[GroundRegion, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where objects go.
@@ -56,7 +72,8 @@ def _pull(where: shapely.Point, area: BaseGeometry, box: Box) -> np.ndarray:
     target = shapely.ops.nearest_points(where, area if inner.is_empty else inner)[1]
     move = np.array([target.x - where.x, target.y - where.y])
     reach = float(np.linalg.norm(move))
-    return move if reach <= min(_SIGMAS * box.blur + _ALWAYS, _FARTHEST) else np.zeros(2)
+    limit = min(_OPTIONS.max_sigmas * box.blur + _OPTIONS.cell_error, _OPTIONS.max_move)
+    return move if reach <= limit else np.zeros(2)
 
 
 def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.ndarray]:
@@ -68,7 +85,11 @@ def stand(box: Box, floor: float, prior: LabelPrior) -> tuple[np.ndarray, np.nda
     known = prior.extents[:, 2].max() if len(prior.extents) else 0.0
     # From far above only where what is known of the label is tall enough to reach down to the ground; what was seen
     # below it is believed unless depth is as blurred as that.
-    if 0 < gap <= _SNAP + 2 * box.blur or (gap > 0 and high - floor <= 1.2 * known) or 0 > gap >= -2 * box.blur:
+    if (
+        0 < gap <= _OPTIONS.snap_distance + 2 * box.blur
+        or (gap > 0 and high - floor <= 1.2 * known)
+        or 0 > gap >= -2 * box.blur
+    ):
         low = floor
     high = max(high, low + 0.01)
     center, size = box.center.copy(), box.size.copy()

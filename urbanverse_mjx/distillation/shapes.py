@@ -14,14 +14,30 @@ import scipy.spatial
 from ..datatypes import LabelPrior
 from ..geometry import rotations
 
-#: Points of an object that are laid on a shape.
-_POINTS = 120
-_ROUGH, _FINE = np.radians(np.arange(0.0, 360.0, 20.0)), np.radians(np.arange(-15.0, 15.1, 5.0))
-_SHIFTS = 3
-#: Known sizes differ from an object's by up to this factor.
-_SCALES = (0.75, 1.33)
-#: Share of an object's height beyond which a distance counts no more.
-_CUT = 0.15
+#: rad: all round, and around the best of these.
+_COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 360.0, 20.0)), np.radians(np.arange(-15.0, 15.1, 5.0))
+
+
+@dataclasses.dataclass(frozen=True)
+class ShapeOptions:
+    """How points are laid on known shapes.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      points: points of an object that are laid on a shape, about.
+      shifts: rounds of shifting a shape to its nearest points.
+      scale_limits: least and greatest ratio of an object's height to a known one's.
+      max_distance: share of an object's height beyond which a distance counts no more.
+    """
+
+    points: int = 120
+    shifts: int = 3
+    scale_limits: tuple[float, float] = (0.75, 1.33)
+    max_distance: float = 0.15
+
+
+_OPTIONS = ShapeOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,17 +65,17 @@ def lay(points: np.ndarray, prior: LabelPrior, also: np.ndarray) -> Laid:
       prior: with shapes.
       also: (k,) rad, headings to try beside those all round.
     """
-    points = points[:: max(1, len(points) // _POINTS)]
+    points = points[:: max(1, len(points) // _OPTIONS.points)]
     low, high = np.quantile(points, (0.01, 0.99), axis=0)
     height = max(float(high[2] - low[2]), 0.05)
     points = points - [*((low + high) / 2)[:2], low[2]]
     trees = []
     for shape, extent in zip(prior.shapes, prior.extents, strict=True):
-        scale = float(np.clip(height / extent[2], *_SCALES))
+        scale = float(np.clip(height / extent[2], *_OPTIONS.scale_limits))
         trees.append(scipy.spatial.cKDTree(scale * (shape - [0.0, 0.0, shape[:, 2].min()])))
-    yaw = np.concatenate([_ROUGH, also])
+    yaw = np.concatenate([_COARSE_HEADINGS, also])
     misfit = np.array([min(_misfit(points, tree, y, height) for tree in trees) for y in yaw])
-    near = np.concatenate([yaw[k] + _FINE for k in np.argsort(misfit, kind="stable")[:2]])
+    near = np.concatenate([yaw[k] + _FINE_HEADINGS for k in np.argsort(misfit, kind="stable")[:2]])
     finer = np.array([min(_misfit(points, tree, y, height) for tree in trees) for y in near])
     return Laid(np.concatenate([yaw, near]), np.concatenate([misfit, finer]))
 
@@ -69,9 +85,9 @@ def _misfit(points: np.ndarray, tree: scipy.spatial.cKDTree, yaw: float, height:
     # What is seen of an object has its middle elsewhere than the object.
     local[:, :2] += (tree.maxes + tree.mins)[:2] / 2 - (local.max(0) + local.min(0))[:2] / 2
     distance = np.zeros(len(local))
-    for _ in range(_SHIFTS):
-        distance, nearest = tree.query(local, distance_upper_bound=_CUT * height)
+    for _ in range(_OPTIONS.shifts):
+        distance, nearest = tree.query(local, distance_upper_bound=_OPTIONS.max_distance * height)
         found = nearest < tree.n
         if found.any():
             local[:, :2] += (tree.data[nearest[found]] - local[found])[:, :2].mean(0)
-    return float(np.minimum(distance, _CUT * height).mean() / height)
+    return float(np.minimum(distance, _OPTIONS.max_distance * height).mean() / height)

@@ -14,16 +14,38 @@ import numpy as np
 from ..datatypes import LabelPrior
 from .bearings import Bearings
 
+#: rad.
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 6.0))
-_NORMALS = 180  # directions in which an outline's support is kept
-_MIN_VIEWS = 2
-#: m and rad that a rim is off; share of the width by which a mask is too wide or too narrow.
-_RIM, _DIRECTION, _SHARE = 0.03, np.radians(0.25), 0.08
-#: Known sizes differ from an object's by this share (1 sigma).
-_SCALE = 0.15
-_ROUNDS = 4
 #: Half the misfit that tells one heading from most others; 16° mean error from here on, 39° below (four captures).
 CLEAR = 4.0
+
+
+@dataclasses.dataclass(frozen=True)
+class SilhouetteOptions:
+    """How directions to the rims of an object are believed.
+
+    Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
+
+    Attributes:
+      normals: directions in which an outline's support is kept.
+      min_views: fewest views that tell a heading.
+      rim_sigma: m, standard error of a rim's place.
+      direction_sigma: rad, standard error of a direction.
+      width_error: share of the width by which a mask is too wide or too narrow.
+      scale_sigma: share by which known sizes differ from an object's (1 sigma).
+      rounds: of least squares with robust weights.
+    """
+
+    normals: int = 180
+    min_views: int = 2
+    rim_sigma: float = 0.03
+    direction_sigma: float = np.radians(0.25)
+    width_error: float = 0.08
+    scale_sigma: float = 0.15
+    rounds: int = 4
+
+
+_OPTIONS = SilhouetteOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,8 +71,8 @@ class Fit:
 
 
 def supports(prior: LabelPrior) -> np.ndarray:
-    """(k, _NORMALS) m: support functions of a label's known outlines in their own axes; boxes where no shape is."""
-    angle = np.arange(_NORMALS) * (2 * np.pi / _NORMALS)
+    """(k, normals) m: support functions of a label's known outlines in their own axes; boxes where no shape is."""
+    angle = np.arange(_OPTIONS.normals) * (2 * np.pi / _OPTIONS.normals)
     normal = np.stack([np.cos(angle), np.sin(angle)])
     if prior.shapes:
         return np.stack([(shape[:, :2] @ normal).max(0) for shape in prior.shapes])
@@ -64,29 +86,36 @@ def face(seen: Bearings, prior: LabelPrior) -> Fit | None:
       seen: of the object, views whose sides the picture did not cut off.
       prior: of its label.
     """
-    if len(seen.frame) < _MIN_VIEWS or not len(prior.extents):
+    if len(seen.frame) < _OPTIONS.min_views or not len(prior.extents):
         return None
     rim = np.stack([seen.direction - seen.half, seen.direction + seen.half], -1)
     outward = rim + np.array([-np.pi / 2, np.pi / 2])  # (n, 2) rad
     normal = np.stack([np.cos(outward), np.sin(outward)], -1)
     right = np.einsum("nri,ni->nr", normal, seen.viewpoint)
-    error = np.repeat(np.sqrt(_RIM**2 + (_DIRECTION * seen.reach) ** 2 + (_SHARE * seen.width) ** 2), 2)
+    error = np.repeat(
+        np.sqrt(
+            _OPTIONS.rim_sigma**2
+            + (_OPTIONS.direction_sigma * seen.reach) ** 2
+            + (_OPTIONS.width_error * seen.width) ** 2
+        ),
+        2,
+    )
     outline = supports(prior)
-    step = 2 * np.pi / _NORMALS
+    step = 2 * np.pi / _OPTIONS.normals
     own = np.remainder(outward.reshape(-1)[None] - _HEADINGS[:, None], 2 * np.pi) / step  # (h, 2 n)
-    support = outline[:, np.round(own).astype(int) % _NORMALS]  # (k, h, 2 n)
+    support = outline[:, np.round(own).astype(int) % _OPTIONS.normals]  # (k, h, 2 n)
     A = np.concatenate([np.broadcast_to(normal.reshape(-1, 2), (*support.shape, 2)), support[..., None]], -1)
     A = A / error[:, None]
     b = np.broadcast_to(right.reshape(-1) / error, support.shape)
     trust = np.ones(support.shape)
-    for _ in range(_ROUNDS):
+    for _ in range(_OPTIONS.rounds):
         W = trust[..., None] * A
         normal_matrix = np.einsum("khni,khnj->khij", W, A, optimize=True)
-        normal_matrix[..., 2, 2] += 1.0 / _SCALE**2
+        normal_matrix[..., 2, 2] += 1.0 / _OPTIONS.scale_sigma**2
         values = np.einsum("khni,khn->khi", W, b, optimize=True)
-        values[..., 2] += 1.0 / _SCALE**2
+        values[..., 2] += 1.0 / _OPTIONS.scale_sigma**2
         x = np.linalg.solve(normal_matrix, values[..., None])[..., 0]
         off = np.einsum("khni,khi->khn", A, x) - b
         trust = 1.0 / (1.0 + (off / 2.0) ** 2) ** 2
-    cost = (off**2 / (1.0 + (off / 2.0) ** 2)).sum(-1) + ((x[..., 2] - 1.0) / _SCALE) ** 2
+    cost = (off**2 / (1.0 + (off / 2.0) ** 2)).sum(-1) + ((x[..., 2] - 1.0) / _OPTIONS.scale_sigma) ** 2
     return Fit(_HEADINGS, cost.min(0))

@@ -5,9 +5,9 @@
     python -m urbanverse_mjx.distillation.train_perception --train perception_train.npz --test perception_test.npz \\
         --minutes 16 --out perception.npz
 
-Frames are rendered while it trains, each from a random place with a random lens, look and camera fault; none is seen
-twice. The rate of learning follows the clock, so that any machine's run ends with it at zero. Prints one JSON line a
-progress report and a table at the end. Weights are written every minute and at the end; with `--state` all else that
+Frames are rendered while it trains, each from a random place with a random lens, appearance and camera fault; none is
+seen twice. The rate of learning follows the clock, so that any machine's run ends with it at zero. Prints one JSON line
+a progress report and a table at the end. Weights are written every minute and at the end; with `--state` all else that
 the learner knows, too: the same command after a killed or a paused (`--pause-after`) run goes on where that one was.
 """
 
@@ -34,14 +34,29 @@ from .perception_model.decode import Decoded, decode
 from .perception_model.targets import GroundTruth, loss
 from .perception_model.views import Views
 
-#: Share of the run in which the rate rises; then it falls along a cosine.
-_WARM_UP = 0.04
-_WEIGHT_DECAY = 1e-2
-#: Weights are averaged over about so many steps; the average is what is scored and kept.
-_AVERAGE = 0.998
-#: Share of the grounds that are laid with another kind's material; see `Views.of`.
-_MIXED = 0.4
-_SAVE_EVERY, _SAY_EVERY = 60.0, 20.0  # s
+
+@dataclasses.dataclass(frozen=True)
+class LearningOptions:
+    """How the network learns; set by hand.
+
+    Attributes:
+      warm_up: share of the run in which the rate rises; then it falls along a cosine.
+      weight_decay: AdamW's.
+      average_decay: per step, of the running average of the weights, which is what is scored and kept.
+      mixed_ground: share of the grounds that are laid with another kind's material; see `Views.of`.
+      save_interval: s.
+      report_interval: s.
+    """
+
+    warm_up: float = 0.04
+    weight_decay: float = 1e-2
+    average_decay: float = 0.998
+    mixed_ground: float = 0.4
+    save_interval: float = 60.0
+    report_interval: float = 20.0
+
+
+_OPTIONS = LearningOptions()
 
 
 class Learner(NamedTuple):
@@ -61,7 +76,9 @@ class Progress:
 
 
 def _optimiser() -> optax.GradientTransformation:
-    return optax.chain(optax.clip_by_global_norm(5.0), optax.scale_by_adam(), optax.add_decayed_weights(_WEIGHT_DECAY))
+    return optax.chain(
+        optax.clip_by_global_norm(5.0), optax.scale_by_adam(), optax.add_decayed_weights(_OPTIONS.weight_decay)
+    )
 
 
 def begin(model: Any, key: jax.Array, height: int, width: int) -> Learner:
@@ -88,7 +105,8 @@ def make_step(model: Any, views: Views, batch: int) -> Any:
         updates, moments = _optimiser().update(slopes, learner.moments, learner.variables["params"])
         params = jax.tree.map(lambda p, u: p - rate * u, learner.variables["params"], updates)
         variables = {"params": params, "batch_stats": statistics}
-        average = jax.tree.map(lambda a, b: _AVERAGE * a + (1 - _AVERAGE) * b, learner.average, variables)
+        decay = _OPTIONS.average_decay
+        average = jax.tree.map(lambda a, b: decay * a + (1 - decay) * b, learner.average, variables)
         return Learner(variables, average, moments), parts
 
     return jax.jit(step, donate_argnums=0)
@@ -96,9 +114,10 @@ def make_step(model: Any, views: Views, batch: int) -> Any:
 
 def rate_at(progress: float, peak: float) -> float:
     """Learning rate after a share `progress` of the run."""
-    if progress < _WARM_UP:
-        return peak * progress / _WARM_UP
-    return peak * 0.5 * (1.0 + float(np.cos(np.pi * min((progress - _WARM_UP) / (1.0 - _WARM_UP), 1.0))))
+    if progress < _OPTIONS.warm_up:
+        return peak * progress / _OPTIONS.warm_up
+    fallen = min((progress - _OPTIONS.warm_up) / (1.0 - _OPTIONS.warm_up), 1.0)
+    return peak * 0.5 * (1.0 + float(np.cos(np.pi * fallen)))
 
 
 class Frame(NamedTuple):
@@ -148,7 +167,7 @@ def train(arguments: argparse.Namespace) -> dict[str, Any]:
     started = time.monotonic()
     model = weights.network(jnp.dtype(arguments.dtype))
     size = arguments.height, arguments.width
-    views = Views.of(SceneBank.load(arguments.train), *size, mixed=_MIXED, samples=arguments.samples)
+    views = Views.of(SceneBank.load(arguments.train), *size, mixed=_OPTIONS.mixed_ground, samples=arguments.samples)
     test = Views.of(SceneBank.load(arguments.test), *size, appearance=0.0, samples=arguments.samples)
     key = jax.random.key(arguments.seed)
     learner = begin(model, jax.random.fold_in(key, 0), arguments.height, arguments.width)
@@ -193,11 +212,11 @@ def _run(
         done.steps += 1
         now = time.monotonic()
         done.seconds = before + now - begin
-        if now - said > _SAY_EVERY or done.steps == 1:
+        if now - said > _OPTIONS.report_interval or done.steps == 1:
             losses = {name: round(float(x), 4) for name, x in parts.items()}
             _say({"event": "step", "steps": done.steps, "seconds": round(done.seconds, 1), **losses})
             said = now
-        if now - saved > _SAVE_EVERY:
+        if now - saved > _OPTIONS.save_interval:
             _keep(arguments, learner, done, record)
             saved = now
         if done.steps % 8 == 0:  # a bounded queue: the clock then measures work that is done

@@ -16,18 +16,39 @@ from .metric import Metric
 from .observation import FrameObservation
 from .structure import Structure
 
-#: m: farther ground is seen too flat for its level to say how far it is.
-_GROUND_RANGE = 40.0
-#: m: ground points within so far of the camera say on what level their kind lies.
-_LEVEL_REACH = 15.0
-_MIN_LEVEL = 8  # points
-#: Relative errors (1 sigma) of a single point's depth, of the foot's, and of the guess after scaling.
-_POINT, _FOOT, _GUESS = 0.1, 0.06, 0.15
-#: Errors that points of one mask share (they sit on one side of the object): more points do not help beyond.
-_POINT_FLOOR = 0.03
-#: Share of a mask's height within which its lowest pixels stand on the ground; above are the gaps between wheels.
-_FOOT_SHARE = 0.15
-_MIN_POINTS = 3
+
+@dataclasses.dataclass(frozen=True)
+class DepthOptions:
+    """How the estimates of a pixel's depth are weighed.
+
+    Set by hand; the table of depth in docs/decisions/gen_perception.md measures what comes of them.
+
+    Attributes:
+      ground_range: m: farther ground is seen too flat for its level to tell how far it is.
+      level_range: m: ground points within so far of the camera tell on what level their kind lies.
+      min_level_points: fewest of them.
+      point_error: relative error (1 sigma) of a single point's depth.
+      foot_error: relative error of the depth of an object's foot.
+      guess_error: relative error of the network's depth after scaling.
+      shared_point_error: relative error that points of one mask share (they are on one side of the object): more
+        points do not help beyond.
+      foot_share: share of a mask's height within which its lowest pixels stand on the ground; above are the gaps
+        between wheels.
+      min_points: fewest points of an object that tell its depth.
+    """
+
+    ground_range: float = 40.0
+    level_range: float = 15.0
+    min_level_points: int = 8
+    point_error: float = 0.1
+    foot_error: float = 0.06
+    guess_error: float = 0.15
+    shared_point_error: float = 0.03
+    foot_share: float = 0.15
+    min_points: int = 3
+
+
+_OPTIONS = DepthOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,10 +66,10 @@ def levels(metric: Metric) -> Levels:
     height = np.interp(frames, frames[known], metric.heights[known])
     z = np.repeat((cameras[:, 2] - height)[:, None], len(GROUND_KINDS), 1)
     for k, camera in enumerate(cameras):
-        near = np.linalg.norm(metric.points[:, :2] - camera[:2], axis=1) < _LEVEL_REACH
+        near = np.linalg.norm(metric.points[:, :2] - camera[:2], axis=1) < _OPTIONS.level_range
         for kind in np.unique(metric.ground[near & (metric.ground > 0)]):
             own = metric.points[near & (metric.ground == kind), 2]
-            if len(own) >= _MIN_LEVEL:
+            if len(own) >= _OPTIONS.min_level_points:
                 z[k, kind] = np.median(own)
     return Levels(z)
 
@@ -77,13 +98,14 @@ def dense_depth(
         if box is None:
             continue
         mask = observation.masks[box] == k
-        estimates = [(overall, _GUESS)] if observation.depth is not None else []
+        estimates = [(overall, _OPTIONS.guess_error)] if observation.depth is not None else []
         own = ratio[owner == k]
-        if len(own) >= _MIN_POINTS:
-            estimates.append((float(np.median(own)), float(np.hypot(_POINT / np.sqrt(len(own)), _POINT_FLOOR))))
+        if len(own) >= _OPTIONS.min_points:
+            error = np.hypot(_OPTIONS.point_error / np.sqrt(len(own)), _OPTIONS.shared_point_error)
+            estimates.append((float(np.median(own)), float(error)))
         foot = _foot(mask, box, flat, guess)
         if foot is not None:
-            estimates.append((foot, _FOOT))
+            estimates.append((foot, _OPTIONS.foot_error))
         if estimates:
             value, sigma = np.array(estimates).T
             out[box][mask] = guess[box][mask] * np.exp(np.average(value, weights=sigma**-2.0))
@@ -98,7 +120,7 @@ def _ground_depth(camera: Camera, pose: np.ndarray, surfaces: np.ndarray, z: np.
     drop = z[kind] - pose[2, 3]
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = drop / fall
-    return np.where((kind > 0) & (fall < 0) & (drop < 0) & (depth < _GROUND_RANGE), depth, 0.0)
+    return np.where((kind > 0) & (fall < 0) & (drop < 0) & (depth < _OPTIONS.ground_range), depth, 0.0)
 
 
 def _overall(ratio: np.ndarray, flat: np.ndarray, guess: np.ndarray) -> float:
@@ -120,7 +142,7 @@ def _foot(mask: np.ndarray, box: tuple[slice, slice], flat: np.ndarray, guess: n
     """Logarithm of the factor that puts an object's foot on the ground under it; None where no foot is in sight."""
     columns = np.flatnonzero(mask.any(0))
     low = mask.shape[0] - 1 - mask[::-1, columns].argmax(0)
-    stands = low >= (1.0 - _FOOT_SHARE) * (mask.shape[0] - 1)
+    stands = low >= (1.0 - _OPTIONS.foot_share) * (mask.shape[0] - 1)
     rows, columns = low[stands] + box[0].start, columns[stands] + box[1].start
     inside = rows + 1 < flat.shape[0]
     below = flat[rows[inside] + 1, columns[inside]]

@@ -17,7 +17,7 @@ from ...datatypes.recording import UNREADABLE
 from .privacy import Blur
 from .screening import Measures, ScreenLimits, measure, screen, turned
 
-PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 FILE = "frames.json"
 SCHEMA = "urbanverse.frames/1"
 
@@ -219,9 +219,9 @@ def _grouped(pictures: Iterator[tuple[float, np.ndarray]], each: int) -> Iterato
 
 
 def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
-    files = sorted(p for p in path.iterdir() if p.suffix.lower() in PICTURES)
+    files = sorted(p for p in path.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES)
     if not files:
-        raise v.fail(str(path), "no picture", f"files ending in {', '.join(PICTURES)}", "check the path")
+        raise v.fail(str(path), "no picture", f"files ending in {', '.join(IMAGE_SUFFIXES)}", "check the path")
     if len(files) > options.max_frames:
         raise v.fail(str(path), f"{len(files)} pictures", f"at most {options.max_frames}", "leave out some")
 

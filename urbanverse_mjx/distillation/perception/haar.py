@@ -19,7 +19,7 @@ _CASCADES = (
 )
 #: Each step shrinks the picture by so much; so many neighbours must agree. More found is better than less: what is
 #: blurred without need costs a signboard.
-_STEP, _NEIGHBOURS = 1.1, 3
+_SCALE_STEP, _MIN_NEIGHBOURS = 1.1, 3
 
 
 def detector() -> "HaarDetector":
@@ -57,6 +57,8 @@ class HaarDetector:
         return np.concatenate(found)
 
     def _boxes(self, cascade: Any, grey: np.ndarray) -> np.ndarray:
-        boxes = np.array(cascade.detectMultiScale(grey, scaleFactor=_STEP, minNeighbors=_NEIGHBOURS), np.float64)
+        boxes = np.array(
+            cascade.detectMultiScale(grey, scaleFactor=_SCALE_STEP, minNeighbors=_MIN_NEIGHBOURS), np.float64
+        )
         boxes = boxes.reshape(-1, 4)
         return np.concatenate([boxes[:, :2], boxes[:, :2] + boxes[:, 2:]], 1)

@@ -10,14 +10,31 @@ from .structure import Structure
 
 #: Ground points fewer than this fit no plane worth the name.
 MIN_POINTS = 20
-#: Ground nearer than so many camera heights says how high the camera is; the second where the first holds none. What
-#: is nearest is what is walked on, the road beside a pavement lies lower.
-_NEAR = 2.0, 5.0
-#: Of the camera's height: what still lies on the plane; a kerb of 0.15 m under a camera at 1.5 m is within.
-_THICKNESS = 0.12
-_TRIALS = 400
-#: Walkers hold a camera level to this angle: the normal of the ground is within it of the cameras' mean up.
-_TILT = np.radians(25.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class MetricOptions:
+    """How the ground under a walker tells scale and up.
+
+    Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
+
+    Attributes:
+      ranges: camera heights; ground nearer than the first tells how high the camera is; the second where the first
+        holds none. What is nearest is what is walked on, the road beside a pavement lies lower.
+      plane_error: share of the camera's height within which points are on the plane; a kerb of 0.15 m under a camera
+        at 1.5 m is within.
+      trials: random triples of ground points.
+      max_tilt: rad; walkers hold a camera level to this angle: the normal of the ground is within it of the cameras'
+        mean up.
+    """
+
+    ranges: tuple[float, float] = (2.0, 5.0)
+    plane_error: float = 0.12
+    trials: int = 400
+    max_tilt: float = np.radians(25.0)
+
+
+_OPTIONS = MetricOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -158,17 +175,17 @@ def _normal(points: np.ndarray, cameras: np.ndarray, rough: np.ndarray) -> np.nd
     Slopes bend the whole, so that a point only has to agree within a share of the camera's height.
     """
     height = float(np.median((cameras.mean(0) - points) @ rough))
-    reach = _THICKNESS * abs(height)
+    reach = _OPTIONS.plane_error * abs(height)
     random = np.random.default_rng(0)
     best, most = np.zeros(len(points), bool), 0
-    for _ in range(_TRIALS):
+    for _ in range(_OPTIONS.trials):
         a, b, c = points[random.choice(len(points), 3, replace=False)]
         normal = np.cross(b - a, c - a)
         length = np.linalg.norm(normal)
         if length < 1e-12:
             continue
         normal *= np.sign(normal @ rough) / length
-        if normal @ rough < np.cos(_TILT):
+        if normal @ rough < np.cos(_OPTIONS.max_tilt):
             continue
         near = np.abs((points - a) @ normal) < reach
         if near.sum() > most:
@@ -179,7 +196,7 @@ def _normal(points: np.ndarray, cameras: np.ndarray, rough: np.ndarray) -> np.nd
     normal = np.linalg.svd(centred, full_matrices=False)[2][2]
     normal *= np.sign(normal @ rough)
     # Points along one line fit planes at any angle about it.
-    return normal if normal @ rough > np.cos(_TILT) else rough
+    return normal if normal @ rough > np.cos(_OPTIONS.max_tilt) else rough
 
 
 def _heights(points: np.ndarray, cameras: np.ndarray, up: np.ndarray) -> np.ndarray:
@@ -190,7 +207,7 @@ def _heights(points: np.ndarray, cameras: np.ndarray, up: np.ndarray) -> np.ndar
         down = (camera - points) @ up
         aside = np.linalg.norm(points - camera + down[:, None] * up, axis=1)
         below = down > 0.2 * usual
-        found = [down[below & (aside < reach * usual)] for reach in _NEAR]
+        found = [down[below & (aside < reach * usual)] for reach in _OPTIONS.ranges]
         near = next((heights for heights in found if len(heights) >= 3), None)
         if near is not None:
             out[k] = np.median(near)

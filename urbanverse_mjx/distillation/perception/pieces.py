@@ -14,19 +14,43 @@ from scipy import ndimage
 
 from ...geometry import rotations
 
-#: Steps on either side that say how fast the walker goes, and frames that a piece holds at least.
-_WINDOW, _LEAST = 5, 4
-#: A step so many times as long as those around it is a jump to a place that looks alike.
-_JUMP = 3.0
-#: Steps that grow or shrink so many times at once: the unit has changed.
-_BREAK = 2.0
-#: m: what is nearer to where two pieces meet is compared; m above and below the cameras.
-_REACH, _BELOW, _ABOVE = 40.0, 1.1, 5.0
-#: Of the coarse and the fine search: rad from one turn to the next and how far to either side, m of a cell, and m from
-#: one shift to the next.
-_COARSE, _FINE = (np.radians(2.0), np.pi, 0.5, 0.5), (np.radians(0.5), np.radians(4.0), 0.25, 0.125)
-#: m that the meeting place is off at once, and for every frame in between.
-_SHIFT, _SHIFT_FRAME, _MOST_SHIFT = 0.5, 0.25, 3.0
+
+@dataclasses.dataclass(frozen=True)
+class CutOptions:
+    """Where a trajectory is cut, and what of its pieces is compared.
+
+    Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
+
+    Attributes:
+      window: steps on either side that tell how fast the walker goes.
+      min_frames: fewest frames of a piece.
+      jump_ratio: a step so many times as long as those around it is a jump to a place that looks similar.
+      break_ratio: where steps grow or shrink so many times at once the unit has changed.
+      max_range: m; what is nearer to where two pieces meet is compared.
+      max_below: m below the cameras, down to which it is.
+      max_above: m above the cameras, up to which it is.
+      coarse_search: rad from one turn to the next, rad to either side, m of a cell, m from one shift to the next.
+      fine_search: the same around the best of the coarse ones.
+      meeting_error: m, by which the place where two pieces meet may be off.
+      meeting_error_frame: m, by which it may be off more for every frame in between.
+      max_meeting_error: m, at most.
+    """
+
+    window: int = 5
+    min_frames: int = 4
+    jump_ratio: float = 3.0
+    break_ratio: float = 2.0
+    max_range: float = 40.0
+    max_below: float = 1.1
+    max_above: float = 5.0
+    coarse_search: tuple[float, float, float, float] = (np.radians(2.0), np.pi, 0.5, 0.5)
+    fine_search: tuple[float, float, float, float] = (np.radians(0.5), np.radians(4.0), 0.25, 0.125)
+    meeting_error: float = 0.5
+    meeting_error_frame: float = 0.25
+    max_meeting_error: float = 3.0
+
+
+_CUT = CutOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,7 +107,7 @@ def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np
         rows = np.flatnonzero(model == one)
         way = np.linalg.norm(np.diff(poses[rows, :3, 3], axis=0), axis=1)
         pieces += _cut(rows, way / np.diff(registered[rows]), float(np.median(way)) if len(way) else 0.0)
-    return [rows for rows in pieces if len(rows) >= _LEAST] or [max(pieces, key=len)]
+    return [rows for rows in pieces if len(rows) >= _CUT.min_frames] or [max(pieces, key=len)]
 
 
 def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]:
@@ -92,10 +116,10 @@ def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]
     floor = 0.1 * common + 1e-12
     worst, at = 1.0, -1
     for k in range(len(steps)):
-        sides = [side for side in (steps[max(0, k - _WINDOW) : k], steps[k + 1 : k + 1 + _WINDOW]) if len(side)]
+        sides = [side for side in (steps[max(0, k - _CUT.window) : k], steps[k + 1 : k + 1 + _CUT.window]) if len(side)]
         usual = [float(np.median(side)) + floor for side in sides] or [np.inf]
-        breaks = max(usual) / min(usual) / _BREAK if min(k, len(steps) - 1 - k) >= 3 else 0.0
-        wrong = max(float(steps[k]) / (_JUMP * max(common, *usual)), breaks)
+        breaks = max(usual) / min(usual) / _CUT.break_ratio if min(k, len(steps) - 1 - k) >= 3 else 0.0
+        wrong = max(float(steps[k]) / (_CUT.jump_ratio * max(common, *usual)), breaks)
         if wrong > worst:
             worst, at = wrong, k
     if at < 0:
@@ -175,18 +199,18 @@ def _meet(joined: Piece, piece: Piece, turned: float | None) -> np.ndarray | Non
     def goes_on(angle: float) -> np.ndarray:
         return frames / 2 * (before + rotations.about_z(angle) @ after)
 
-    grown = min(_SHIFT + _SHIFT_FRAME * (abs(frames) - 1), _MOST_SHIFT)
+    grown = min(_CUT.meeting_error + _CUT.meeting_error_frame * (abs(frames) - 1), _CUT.max_meeting_error)
     known, own = _near(joined.points - here), _near(piece.points - there)
     angle, shift = turned, np.zeros(2)
     if len(known) and len(own):
         cells = np.unique(np.round(own / 0.3).astype(int), axis=0) * 0.3
-        turns, scores, shifts = _search(known, cells, goes_on, 0.0, np.zeros(2), _COARSE, grown)
+        turns, scores, shifts = _search(known, cells, goes_on, 0.0, np.zeros(2), _CUT.coarse_search, grown)
         best = int(scores.argmax())
-        rival = _JOIN.other_turn_ratio * scores[_away(turns, turns[best]) > _JOIN.other_turn].max()
+        second = _JOIN.other_turn_ratio * scores[_away(turns, turns[best]) > _JOIN.other_turn].max()
         if turned is not None:
-            rival = max(rival, _JOIN.model_turn_ratio * scores[_away(turns, turned) < _JOIN.model_turn].max())
-        if scores[best] > max(_JOIN.min_share, rival):
-            fine = _search(known, cells, goes_on, turns[best], shifts[best], _FINE, _COARSE[3])
+            second = max(second, _JOIN.model_turn_ratio * scores[_away(turns, turned) < _JOIN.model_turn].max())
+        if scores[best] > max(_JOIN.min_share, second):
+            fine = _search(known, cells, goes_on, turns[best], shifts[best], _CUT.fine_search, _CUT.coarse_search[3])
             best = int(fine[1].argmax())
             angle, shift = float(fine[0][best]), fine[2][best]
     if angle is None:
@@ -204,7 +228,8 @@ def _away(turns: np.ndarray, turn: float) -> np.ndarray:
 
 def _near(points: np.ndarray) -> np.ndarray:
     """Points (p, 3) relative to the meeting place that stand above the ground near it."""
-    return points[(np.abs(points[:, :2]) < _REACH).all(1) & (points[:, 2] > -_BELOW) & (points[:, 2] < _ABOVE)]
+    near = (np.abs(points[:, :2]) < _CUT.max_range).all(1)
+    return points[near & (points[:, 2] > -_CUT.max_below) & (points[:, 2] < _CUT.max_above)]
 
 
 def _search(
@@ -220,9 +245,10 @@ def _search(
     shift (t, 2) m. Points are relative to where the pieces meet, on either side."""
     turn_step, turn_reach, size, shift_step = steps
     cell = np.array([size, size, 1.0])
-    low = -np.array([_REACH + _MOST_SHIFT + 3.0, _REACH + _MOST_SHIFT + 3.0, _BELOW + 1.0])
+    reach = _CUT.max_range + _CUT.max_meeting_error + 3.0
+    low = -np.array([reach, reach, _CUT.max_below + 1.0])
     shape = np.ceil(-2 * low[:2] / size).astype(int)
-    grid = np.zeros((*shape, int(_ABOVE - low[2]) + 2), np.float32)
+    grid = np.zeros((*shape, int(_CUT.max_above - low[2]) + 2), np.float32)
     grid[tuple(np.floor((known - low) / cell).astype(int).T)] = 1.0
     # A point counts less the farther it lies from a known one: 1 in its cell, a half some 0.6 cells aside.
     near = np.minimum(4.0 * ndimage.gaussian_filter(grid, (0.8, 0.8, 0.5)), 1.0)

@@ -8,9 +8,9 @@ import numpy as np
 from scipy import ndimage
 
 #: Rows and columns of the small grey picture on which motion is measured.
-_SMALL = (54, 96)
+_MOTION_SIZE = (54, 96)
 #: Rows that sharpness is measured at: fewer hide slight blur, more show the noise of the sensor.
-_ROWS = 270
+_SHARPNESS_ROWS = 270
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,11 +45,11 @@ def measure(rgb: np.ndarray) -> Measures:
     """Measures of a picture (H, W, 3) u8. Sharpness: deviation of its Laplacian over that of its brightness."""
     grey = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2GRAY)
     height, width = grey.shape
-    step = max(1, height // _ROWS)
+    step = max(1, height // _SHARPNESS_ROWS)
     part = cv2.resize(grey, (width // step, height // step), interpolation=cv2.INTER_AREA) if step > 1 else grey
     contrast = float(part.std())
     sharpness = float(cv2.Laplacian(part, cv2.CV_32F, ksize=1).std()) / contrast if contrast > 0.01 else 0.0
-    small = cv2.resize(grey, _SMALL[::-1], interpolation=cv2.INTER_AREA)
+    small = cv2.resize(grey, _MOTION_SIZE[::-1], interpolation=cv2.INTER_AREA)
     return Measures(float(np.quantile(grey[::4, ::4], 0.95)), sharpness, small)
 
 
@@ -59,12 +59,12 @@ def turned(before: Measures, after: Measures) -> float:
     Source: Kuglin and Hines, "The phase correlation image alignment method", 1975. OpenCV's `phaseCorrelate` sums the
     response around the peak, which tells noise from a match no longer: 0.27 for noise, 0.24 for a turn by half a width.
     """
-    window = np.outer(np.hanning(_SMALL[0]), np.hanning(_SMALL[1]))
+    window = np.outer(np.hanning(_MOTION_SIZE[0]), np.hanning(_MOTION_SIZE[1]))
     a, b = (np.fft.rfft2((x.small - x.small.mean()) * window) for x in (before, after))
     cross = a * b.conj()
-    peak = np.fft.irfft2(cross / np.maximum(np.abs(cross), 1e-9), _SMALL)
-    _, column = np.unravel_index(np.argmax(peak), _SMALL)
-    shift = min(column, _SMALL[1] - column) / _SMALL[1]
+    peak = np.fft.irfft2(cross / np.maximum(np.abs(cross), 1e-9), _MOTION_SIZE)
+    _, column = np.unravel_index(np.argmax(peak), _MOTION_SIZE)
+    shift = min(column, _MOTION_SIZE[1] - column) / _MOTION_SIZE[1]
     # Two pictures with nothing in common have a highest peak too, of about 0.05 at this size.
     return float(shift) if peak.max() > 0.1 else 0.0
 

@@ -22,30 +22,57 @@ from .pieces import cut
 
 #: Fewer frames with a pose are no trajectory.
 MIN_FRAMES = 3
-#: Lens distortion below so many pixels at the corner is left alone.
-_STRAIGHT = 0.3
-#: Focal length over the longer side that the search starts from, and the least and most that a street camera has: from
-#: an action camera (120° wide) over a phone's main lens (0.72, 26 mm on film 36 mm wide) to its second lens.
-_FOCAL, _LEAST_FOCAL, _MOST_FOCAL = 0.72, 0.25, 2.2
-#: No lens for filming bends more (k1): what comes out beyond is a structure that collapsed.
-_MOST_BENT = 0.5
-#: Models of fewer frames beside a larger one say little about where they stand.
-_SMALL_MODEL = 6
-#: Models that share a frame are one if at least so many points that it shows are in both.
-_SHARED_POINTS = 8
-#: SIFT's least contrast, COLMAP's own. With less the bricks of a near wall crowd out all else, and what is seen of one
-#: plane alone fits two poses: on three of twelve captures the way then bent by 50 to 90° before a wall.
-_CONTRAST = 0.0067
-#: Pixels by which matches of two frames may miss, those of a new frame, and points. COLMAP's own (4, 12, 4) are for
-#: pictures of several thousand pixels and let the wrong one of a wall's two poses pass. The focal length comes from all
-#: pairs: those of a short clip keep 4, for with 2 nine soft frames of a corridor gave a lens half too long.
-_PAIR_ERROR, _POSE_ERROR, _POINT_ERROR = 2.0, 6.0, 2.0
-_SHORT_CLIP, _SHORT_PAIR_ERROR = 30, 4.0
-#: The same of the two frames that a model begins with. It likes to begin before walls, where most matches are. Where
-#: the way breaks, the structure is made again with the next of these, and the one that breaks least is taken.
-_FIRST_ERRORS = 1.0, 4.0
-#: Decimals of the focal length, pixels, that the mapping starts from.
-_FOCAL_DIGITS = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class MappingOptions:
+    """Limits that COLMAP is given.
+
+    Chosen on twelve rendered captures and a corridor of nine frames (docs/decisions/gen_perception.md).
+
+    Attributes:
+      min_distortion: pixels at the corner; less lens distortion is left alone.
+      focal: focal length over the longer side that the search starts from: a phone's main lens (26 mm on film 36 mm
+        wide).
+      min_focal: the least that a street camera has: an action camera, 120° wide.
+      max_focal: the most: a phone's second lens.
+      max_distortion: k1; no lens for filming bends more: what comes out beyond is a structure that collapsed.
+      min_model: frames; smaller models beside a larger one say little about where they stand.
+      min_shared_points: models that share a frame are one if at least so many points that it shows are in both.
+      contrast: SIFT's least contrast, COLMAP's own. With less, the bricks of a near wall crowd out all else, and what
+        is seen of one plane alone fits two poses: on three of twelve captures the trajectory then bent by 50 to 90°
+        before a wall.
+      pair_error: pixels by which matches of two frames may miss. COLMAP's own errors (4, 12, 4) are for images of
+        several thousand pixels and let the wrong one of a wall's two poses pass.
+      pose_error: pixels by which matches of a new frame may miss.
+      point_error: pixels by which points may miss.
+      short_clip: clips of fewer frames keep `short_pair_error`: the focal length comes from all pairs, and with 2
+        nine soft frames of a corridor gave a lens half too long.
+      short_pair_error: pixels, `pair_error` of short clips.
+      first_errors: pixels, the error allowed to the two frames that a model begins with. It likes to begin before
+        walls, where most matches are. Where the trajectory breaks, the structure is made again with the next of
+        these, and the one that breaks least is taken.
+      focal_digits: decimals of the focal length, pixels, that the mapping starts from.
+    """
+
+    min_distortion: float = 0.3
+    focal: float = 0.72
+    min_focal: float = 0.25
+    max_focal: float = 2.2
+    max_distortion: float = 0.5
+    min_model: int = 6
+    min_shared_points: int = 8
+    contrast: float = 0.0067
+    pair_error: float = 2.0
+    pose_error: float = 6.0
+    point_error: float = 2.0
+    short_clip: int = 30
+    short_pair_error: float = 4.0
+    first_errors: tuple[float, ...] = (1.0, 4.0)
+    focal_digits: int = 3
+
+
+_OPTIONS = MappingOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -112,7 +139,7 @@ class Structure:
         """A frame (H, W, 3) u8 without the lens's distortion."""
         camera = self.camera
         corner = (camera.cx**2 + camera.cy**2) / camera.fx**2
-        if abs(self.distortion) * corner * np.hypot(camera.cx, camera.cy) < _STRAIGHT:
+        if abs(self.distortion) * corner * np.hypot(camera.cx, camera.cy) < _OPTIONS.min_distortion:
             return rgb
         # OpenCV counts pixels from the centre of the first, we from its corner. COLMAP's k1 is OpenCV's.
         pinhole = np.array([[camera.fx, 0.0, camera.cx - 0.5], [0.0, camera.fy, camera.cy - 0.5], [0.0, 0.0, 1.0]])
@@ -148,7 +175,7 @@ def reconstruct(
             if score < best_score:
                 best, best_score = structure, score
             # Of a short clip every frame counts, and trying again costs little.
-            if breaks <= 0 and (len(frames) >= _SHORT_CLIP or len(structure.registered) == len(frames)):
+            if breaks <= 0 and (len(frames) >= _OPTIONS.short_clip or len(structure.registered) == len(frames)):
                 break
     if best is None:
         raise ValidationError(
@@ -162,9 +189,9 @@ def _has_a_possible_lens(model: Any) -> bool:
     """Whether the cameras of a model are some that `_mapping` allows: COLMAP itself asks from 20 frames on."""
     for camera in model.cameras.values():
         focal, distortion = camera.params[0], camera.params[3]
-        if not _LEAST_FOCAL <= focal / max(camera.width, camera.height) <= _MOST_FOCAL:
+        if not _OPTIONS.min_focal <= focal / max(camera.width, camera.height) <= _OPTIONS.max_focal:
             return False
-        if abs(distortion) > _MOST_BENT:
+        if abs(distortion) > _OPTIONS.max_distortion:
             return False
     return True
 
@@ -172,7 +199,7 @@ def _has_a_possible_lens(model: Any) -> bool:
 def _maps(
     frames: Frames, options: StructureOptions, work: pathlib.Path, progress: Callable[[int, int], None]
 ) -> Iterator[list[Any]]:
-    """COLMAP's models, made with one of `_FIRST_ERRORS` after the other; of a short clip, last, without distortion.
+    """COLMAP's models, made with one of `first_errors` after the other; of a short clip, last, without distortion.
 
     Few frames hardly tell a long lens that bends from a short one that does not.
     """
@@ -184,8 +211,8 @@ def _maps(
     database, threads, steps = work / "database.db", settings.num_threads(), 3 * len(frames)
     extraction = pycolmap.FeatureExtractionOptions(num_threads=threads)
     extraction.sift.max_num_features = options.features
-    extraction.sift.peak_threshold = _CONTRAST
-    reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_FOCAL)
+    extraction.sift.peak_threshold = _OPTIONS.contrast
+    reader = pycolmap.ImageReaderOptions(camera_model="SIMPLE_RADIAL", default_focal_length_factor=_OPTIONS.focal)
     if options.focal is not None:
         reader.camera_params = f"{options.focal},{frames.width / 2},{frames.height / 2},0"
     # Its approximate search gives now and then other matches where several threads ask it.
@@ -193,7 +220,9 @@ def _maps(
     pairing = pycolmap.SequentialPairingOptions(overlap=options.overlap, quadratic_overlap=False)
     verification = pycolmap.TwoViewGeometryOptions()
     verification.ransac.random_seed = 0
-    verification.ransac.max_error = _SHORT_PAIR_ERROR if len(frames) < _SHORT_CLIP else _PAIR_ERROR
+    verification.ransac.max_error = (
+        _OPTIONS.short_pair_error if len(frames) < _OPTIONS.short_clip else _OPTIONS.pair_error
+    )
     mapping = _mapping(pycolmap, options.focal is None)
     registered = 2 * len(frames)
 
@@ -216,9 +245,9 @@ def _maps(
             pycolmap.calibrate_view_graph(database, calibration)
             _round_focal_length(database)
         progress(2 * len(frames), steps)
-        attempts = [(error, True) for error in _FIRST_ERRORS]
-        if len(frames) < _SHORT_CLIP:
-            attempts.append((_FIRST_ERRORS[0], False))
+        attempts = [(error, True) for error in _OPTIONS.first_errors]
+        if len(frames) < _OPTIONS.short_clip:
+            attempts.append((_OPTIONS.first_errors[0], False))
         for mapping.mapper.init_max_error, bent in attempts:
             mapping.ba_refine_extra_params = mapping.mapper.abs_pose_refine_extra_params = bent
             models = pycolmap.incremental_mapping(
@@ -239,7 +268,7 @@ def _round_focal_length(database: pathlib.Path) -> None:
 
     with pycolmap.Database.open(database) as opened:
         for camera in opened.read_all_cameras():
-            camera.focal_length = round(camera.focal_length, _FOCAL_DIGITS)
+            camera.focal_length = round(camera.focal_length, _OPTIONS.focal_digits)
             opened.update_camera(camera)
 
 
@@ -253,14 +282,14 @@ def _mapping(pycolmap: Any, refine_focal: bool) -> Any:
     mapping.min_model_size = MIN_FRAMES
     mapping.ba_refine_focal_length = refine_focal
     for limited in (mapping, mapping.mapper, mapping.triangulation):
-        limited.min_focal_length_ratio, limited.max_focal_length_ratio = _LEAST_FOCAL, _MOST_FOCAL
-        limited.max_extra_param = _MOST_BENT
+        limited.min_focal_length_ratio, limited.max_focal_length_ratio = _OPTIONS.min_focal, _OPTIONS.max_focal
+        limited.max_extra_param = _OPTIONS.max_distortion
     mapping.ba_global_max_num_iterations = 30
     mapping.ba_local_max_num_iterations = 15
     mapping.mapper.init_min_tri_angle = 8.0
     mapping.mapper.abs_pose_min_num_inliers = 20
-    mapping.mapper.abs_pose_max_error = _POSE_ERROR
-    mapping.mapper.filter_max_reproj_error = _POINT_ERROR
+    mapping.mapper.abs_pose_max_error = _OPTIONS.pose_error
+    mapping.mapper.filter_max_reproj_error = _OPTIONS.point_error
     mapping.mapper.abs_pose_refine_focal_length = refine_focal
     mapping.mapper.filter_min_tri_angle = 1.0
     mapping.triangulation.min_angle = 1.0
@@ -278,7 +307,7 @@ def _structure(models: list[Any], frames: Frames) -> Structure:
     frame, point, straight = [], [], []
     for k, model in enumerate(models):
         images = [i for i in model.images.values() if i.has_pose and i.name not in taken]
-        if k > 0 and len(images) < _SMALL_MODEL:
+        if k > 0 and len(images) < _OPTIONS.min_model:
             continue
         taken.update(i.name for i in images)
         own = next(iter(model.cameras.values()))
@@ -318,7 +347,9 @@ def _laid_on_each_other(models: list[Any]) -> list[int]:
     group = list(range(len(models)))
     for k, model in enumerate(models):
         shared = [
-            (depths, j) for j in range(k) if len((depths := _shared_depths(model, models[j]))[1]) >= _SHARED_POINTS
+            (depths, j)
+            for j in range(k)
+            if len((depths := _shared_depths(model, models[j]))[1]) >= _OPTIONS.min_shared_points
         ]
         if not shared:
             continue

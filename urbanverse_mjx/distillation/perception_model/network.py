@@ -3,7 +3,7 @@
 The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
 every pixel of an object the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al.,
 ICCV 2023): depth times `CANONICAL_FOCAL` over the picture's own focal length, which makes it a matter of the picture
-alone. Added are also the leaves within each class, at a quarter of the size: an object's pixels settle them together.
+alone. Added are also the leaves within each class, at a quarter of the size: an object's pixels decide them together.
 """
 
 from collections.abc import Sequence

@@ -1,5 +1,6 @@
 """What the network should answer for a rendered frame, and how far off an answer is. Runs inside jit, one frame."""
 
+import dataclasses
 from typing import NamedTuple
 
 import jax
@@ -9,21 +10,49 @@ from . import classes
 from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, OUTPUT_STRIDE, Seen
 
 #: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab; of objects
-#: with fewer output pixels than `_SMALL` half of that again, or two that stand close together would share a peak.
+#: with fewer output pixels than `small_object` half of that again, or two that stand close together would share a peak.
 SIGMA, SIGMA_SMALL = 4.0, 2.0
-_SMALL = 200.0
 #: Instances with fewer output pixels have no centre: nobody could say what they are.
 MIN_PIXELS = 12
 NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
-#: An object's pixel counts `_SIDE` over the side of a square with as many output pixels times what the ground's counts,
-#: within these bounds: otherwise what is near or a house rules the loss, and poles and what is far are lost in it.
-_SIDE, _LIGHTEST, _HEAVIEST = 60.0, 1.0, 8.0
-#: What a miss near the narrow bump of a small object counts more: the bump has a quarter of the wide one's area.
-_NARROW = 3.0
-#: Weights of the parts of the loss: Panoptic-DeepLab's are 1, 200 and 0.01 a pixel of the full picture (0.32 a unit of
-#: ours). Our streets hold some thirty objects a picture, so that 200 would leave the classes little of the slope;
-#: the way is doubled because half of our objects touch another; depth and the leaves are ours.
-_CENTRE, _OFFSET, _DEPTH, _LEAF = 50.0, 0.64, 0.5, 0.3
+
+
+@dataclasses.dataclass(frozen=True)
+class LossOptions:
+    """What a pixel and a part of the loss weigh.
+
+    Panoptic-DeepLab's parts weigh 1, 200 and 0.01 a pixel of the full image (0.32 a unit of ours). Our streets hold
+    some thirty objects an image, so that 200 would leave the classes little of the gradient; the offset's weight is
+    doubled because half of our objects touch another. All else is set by hand; docs/decisions/gen_perception.md has
+    the scores.
+
+    Attributes:
+      small_object: output pixels; objects of fewer have the narrow bump.
+      reference_side: output pixels; an object's pixel weighs this over the side of a square with as many output
+        pixels, times what the ground's weighs: otherwise near objects and houses rule the loss, and poles and far
+        objects are lost in it.
+      min_weight: bound of that ratio.
+      max_weight: bound of that ratio.
+      narrow_weight: what a miss near the narrow bump of a small object weighs more: the bump has a quarter of the
+        wide one's area.
+      centre: weight of the centre map.
+      offset: weight of the offset to the centre.
+      depth: weight of the logarithm of depth.
+      leaf: weight of the leaves.
+    """
+
+    small_object: float = 200.0
+    reference_side: float = 60.0
+    min_weight: float = 1.0
+    max_weight: float = 8.0
+    narrow_weight: float = 3.0
+    centre: float = 50.0
+    offset: float = 0.64
+    depth: float = 0.5
+    leaf: float = 0.3
+
+
+_OPTIONS = LossOptions()
 
 
 class GroundTruth(NamedTuple):
@@ -67,9 +96,11 @@ def ground_truth(
     big = (count >= MIN_PIXELS) & (jnp.arange(slots + 1) < slots)
     way = middle[owner] - jnp.stack([rows, columns], -1)
     valid = (depth > NEAREST) & (depth < FARTHEST)
-    small = count < _SMALL
+    small = count < _OPTIONS.small_object
     narrow = _bumps(middle, big & small, h, w, SIGMA_SMALL)
-    heavier = jnp.clip(_SIDE / jnp.sqrt(jnp.maximum(count[owner], 1.0)), _LIGHTEST, _HEAVIEST)
+    heavier = jnp.clip(
+        _OPTIONS.reference_side / jnp.sqrt(jnp.maximum(count[owner], 1.0)), _OPTIONS.min_weight, _OPTIONS.max_weight
+    )
     canonical = jnp.clip(depth, NEAREST, FARTHEST) * CANONICAL_FOCAL / focal
     return GroundTruth(
         classes=kind,
@@ -77,7 +108,7 @@ def ground_truth(
         weight=jnp.where(obj, heavier, 1.0),
         owner=jnp.where(obj, slot, -1),
         centre=jnp.maximum(narrow, _bumps(middle, big & ~small, h, w, SIGMA)),
-        centre_weight=1.0 + _NARROW * jnp.sqrt(narrow),
+        centre_weight=1.0 + _OPTIONS.narrow_weight * jnp.sqrt(narrow),
         offset=way / OFFSET_UNIT,
         has_centre=obj & big[owner],
         log_depth=jnp.log(canonical / DEPTH_UNIT),
@@ -117,11 +148,11 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
     focal = jax.lax.stop_gradient(1.0 - jnp.exp(-miss))
     parts = {
         "classes": (heavier * focal * miss).sum() / total,
-        "centre": _CENTRE * (weight * wanted.centre_weight * (seen.centre - wanted.centre) ** 2).sum() / total,
-        "offset": _OFFSET * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * heavier),
-        "depth": _DEPTH * _mean(jnp.abs(seen.log_depth - wanted.log_depth), wanted.has_depth * weight),
+        "centre": _OPTIONS.centre * (weight * wanted.centre_weight * (seen.centre - wanted.centre) ** 2).sum() / total,
+        "offset": _OPTIONS.offset * _mean(jnp.abs(seen.offset - wanted.offset).sum(-1), wanted.has_centre * heavier),
+        "depth": _OPTIONS.depth * _mean(jnp.abs(seen.log_depth - wanted.log_depth), wanted.has_depth * weight),
     }
-    parts["leaves"] = _LEAF * _leaf_loss(jnp.asarray(seen.leaves), wanted, weight)
+    parts["leaves"] = _OPTIONS.leaf * _leaf_loss(jnp.asarray(seen.leaves), wanted, weight)
     return sum(parts.values(), jnp.zeros(())), parts
 
 

@@ -16,17 +16,37 @@ from . import classes
 from .augment import recolour
 from .targets import GroundTruth, ground_truth
 
-#: Where cameras stand, and how often: robots and people on the pavement, cyclists and cars on the road.
-_STANDS = {"sidewalk": 0.55, "crosswalk": 0.1, "ground": 0.1, "road": 0.25}
-_PLACES = 1024  # per scene and kind of ground, drawn from the map's cells
 HEIGHTS = (0.4, 1.8)  # m above the ground: from a delivery robot's mast to a hand held up
 FIELDS_OF_VIEW = (32.0, 70.0)  # degrees, vertical: from a phone's main lens held upright to an action camera
-_AHEAD = 0.65  # share of the views along the street
-#: Share of the pictures whose objects keep their colours: where everything is dyed anew, neighbouring houses always
-#: differ, and a model that saw nothing else takes two alike for one.
-_PLAIN = 0.35
-#: A frame whose near fifth lies closer than this shows the inside of something, m.
-_BLOCKED = 0.35
+
+
+@dataclasses.dataclass(frozen=True)
+class ViewOptions:
+    """Where cameras stand, where they point, and what is drawn anew; set by hand.
+
+    Attributes:
+      ground_shares: how often cameras stand on each kind of ground: robots and people on the pavement, cyclists and
+        cars on the road.
+      places: per scene and kind of ground, drawn from the map's cells.
+      ahead_share: share of the views along the street.
+      plain_share: share of the images whose objects keep their colours: where everything is dyed anew, neighbouring
+        houses always differ, and a model that saw nothing else takes two similar ones for one.
+      min_distance: m; a frame whose near fifth is closer than this shows the inside of something.
+    """
+
+    ground_shares: tuple[tuple[str, float], ...] = (
+        ("sidewalk", 0.55),
+        ("crosswalk", 0.1),
+        ("ground", 0.1),
+        ("road", 0.25),
+    )
+    places: int = 1024
+    ahead_share: float = 0.65
+    plain_share: float = 0.35
+    min_distance: float = 0.35
+
+
+_OPTIONS = ViewOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,7 +54,7 @@ class Views:
     """Draws random frames of a bank with the ground truth about them.
 
     Attributes:
-      places: (Z, K, _PLACES, 3) f32 m, points on the ground by scene and kind of `_STANDS`; weights: (Z, K) f32.
+      places: (Z, K, places, 3) f32 m, points on the ground by scene and kind of `ground_shares`; weights: (Z, K) f32.
       table: (A + 1, 2) `classes.class_table` of the bank.
     """
 
@@ -79,10 +99,10 @@ class Views:
     def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, GroundTruth, jax.Array]:
         """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
 
-        With `dye`, every object takes on colours of its own in all but `_PLAIN` of the pictures.
+        With `dye`, every object takes on colours of its own in all but `plain_share` of the pictures.
         """
         scene, viewpoint, turn, fovy, number = jax.vmap(self._pose)(keys)
-        dyed = dye & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _PLAIN))(keys)
+        dyed = dye & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _OPTIONS.plain_share))(keys)
         number = jnp.where(dyed, number, 0)
 
         def draw(scene, viewpoint, turn, fovy, number):
@@ -103,14 +123,14 @@ class Views:
             dyes = jax.vmap(lambda key: jax.random.fold_in(key, 1))(keys)
             anew = jax.vmap(lambda k, x, r: recolour(k, x, r, slots + classes.FIRST_OBJECT))(dyes, images, region)
             images = jnp.where(dyed[:, None, None, None], anew, images)
-        return images, wanted, (near > _BLOCKED).astype(jnp.float32)
+        return images, wanted, (near > _OPTIONS.min_distance).astype(jnp.float32)
 
     def _pose(self, key: jax.Array) -> tuple[jax.Array, ...]:
         """Scene, position (3,), quaternion (4,), vertical field of view and seed of its appearance."""
         keys = jax.random.split(key, 8)
         scene = jax.random.randint(keys[0], (), 0, len(self.places))
         kind = jax.random.categorical(keys[1], jnp.log(self.weights[scene]))
-        place = self.places[scene, kind, jax.random.randint(keys[2], (), 0, _PLACES)]
+        place = self.places[scene, kind, jax.random.randint(keys[2], (), 0, _OPTIONS.places)]
         viewpoint = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(
             keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1]
         )
@@ -118,7 +138,7 @@ class Views:
         along, anywhere, noise, straight = jax.random.split(keys[4], 4)
         ahead = jnp.pi * jax.random.bernoulli(along) + 0.4 * jax.random.normal(noise)
         yaw = jnp.where(
-            jax.random.bernoulli(straight, _AHEAD),
+            jax.random.bernoulli(straight, _OPTIONS.ahead_share),
             ahead,
             jax.random.uniform(anywhere, (), minval=-jnp.pi, maxval=jnp.pi),
         )
@@ -177,19 +197,20 @@ def _stands(bank: SceneBank, rng: np.random.Generator) -> tuple[np.ndarray, np.n
       ValidationError: a scene without any of the kinds of ground.
     """
     heights = _kind_heights(bank)
-    places = np.zeros((bank.num_scenes, len(_STANDS), _PLACES, 3), np.float32)
+    places = np.zeros((bank.num_scenes, len(_OPTIONS.ground_shares), _OPTIONS.places, 3), np.float32)
     weights = np.zeros(places.shape[:2], np.float32)
     for z in range(bank.num_scenes):
-        for k, (kind, share) in enumerate(_STANDS.items()):
+        for k, (kind, share) in enumerate(_OPTIONS.ground_shares):
             cells = np.argwhere(bank.map_kind[z] == GROUND_KINDS.index(kind))
             if len(cells):
-                chosen = cells[rng.integers(len(cells), size=_PLACES)] + rng.random((_PLACES, 2))
+                chosen = cells[rng.integers(len(cells), size=_OPTIONS.places)] + rng.random((_OPTIONS.places, 2))
                 places[z, k, :, :2] = bank.map_origin[z] + chosen * bank.map_resolution
                 places[z, k, :, 2] = heights[z, GROUND_KINDS.index(kind)]
                 weights[z, k] = share
         if not weights[z].any():
             raise ValidationError(
-                f"scene {bank.scene_ids[z]!r}: found no ground to stand on; needed {', '.join(_STANDS)}."
+                f"scene {bank.scene_ids[z]!r}: found no ground to stand on; needed "
+                f"{', '.join(kind for kind, _ in _OPTIONS.ground_shares)}."
             )
     return places, weights
 

@@ -24,8 +24,8 @@ SCHEMA = "urbanverse.eye/3"
 _META = "meta"
 #: Ends the name of the array that holds a kernel's scales.
 _SCALE = "/scale8"
-_LEVELS = 127
-_SMALLEST = 2.0**-24  # the least number of 16 bits above 0
+_MAX_LEVEL = 127
+_MIN_SCALE = 2.0**-24  # the least number of 16 bits above 0
 
 
 def shipped() -> pathlib.Path:
@@ -78,8 +78,8 @@ def _packed(name: str, x: np.ndarray) -> dict[str, np.ndarray]:
         return {name: x.astype(np.float16)}
     largest = np.abs(x).max(axis=tuple(range(x.ndim - 1)))
     # Rounded before it is used, so that the numbers belong to the scale that is stored.
-    scale = np.maximum(largest / _LEVELS, _SMALLEST).astype(np.float16)
-    levels = np.clip(np.round(x / scale.astype(np.float32)), -_LEVELS, _LEVELS)
+    scale = np.maximum(largest / _MAX_LEVEL, _MIN_SCALE).astype(np.float16)
+    levels = np.clip(np.round(x / scale.astype(np.float32)), -_MAX_LEVEL, _MAX_LEVEL)
     return {name: levels.astype(np.int8), name + _SCALE: scale}
 
 

@@ -28,10 +28,10 @@ from ...datatypes.recording import UNREADABLE
 from ..perception.observation import Predictor
 from ..perception.perceive import identifier
 
-_PICTURES = (".png", ".jpg", ".jpeg")
+_IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
 _MATRICES = ("K", "intrinsics", "camera_matrix")
 #: Share of a frame's pixels of least confidence whose depth is not used.
-_DOUBTED = 0.15
+_UNTRUSTED_SHARE = 0.15
 
 
 def read_authors_tree(
@@ -54,7 +54,7 @@ def read_authors_tree(
       ValidationError: a part is missing, parts of different number, or numbers that are no pose, depth or lens.
     """
     root = pathlib.Path(root)
-    pictures = _files(pathlib.Path(images) if images is not None else root / "images", _PICTURES)
+    pictures = _files(pathlib.Path(images) if images is not None else root / "images", _IMAGE_SUFFIXES)
     depths = _files(root / "depth", (".npy",))
     poses = _upright(_poses(root / "poses"))
     if not len(pictures) == len(depths) == len(poses):
@@ -76,7 +76,7 @@ def read_authors_tree(
             surety = _array(trusted[k], 2)
             if surety.shape != depth.shape:
                 raise v.fail(str(trusted[k]), f"shape {surety.shape}", f"the depth's {depth.shape}", "write it again")
-            depth = np.where(surety >= np.quantile(surety, _DOUBTED), depth, 0.0)
+            depth = np.where(surety >= np.quantile(surety, _UNTRUSTED_SHARE), depth, 0.0)
         rgb = _rgb(picture, camera)
         observation = predictor(rgb, camera.fx)
         writer.add(k / rate, rgb, depth, observation.masks, observation.surfaces, poses[k], observation.detections)

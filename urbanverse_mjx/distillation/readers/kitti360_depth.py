@@ -15,13 +15,13 @@ from .kitti360_boxes import Kitti360Box
 #: m, the cameras over the road (the data set's sensor drawing).
 CAMERA_HEIGHT = 1.55
 #: Pixels to which one of the laser's points spreads: its lines lie 6 to 8 pixels apart.
-_SPREAD = 3
+_POINT_SPREAD = 3
 #: m; farther the road is seen too flat for its level to say how far it is.
 _ROAD_RANGE = 40.0
 
 
 def scan_depth(path: pathlib.Path, T_camera_scan: np.ndarray, camera: Camera) -> np.ndarray:
-    """(H, W) f32 m: every pixel within `_SPREAD` of a point takes the nearest point's depth, 0 elsewhere.
+    """(H, W) f32 m: every pixel within `_POINT_SPREAD` of a point takes the nearest point's depth, 0 elsewhere.
 
     Raises:
       ValidationError: no such scan, or one that is no list of four floats each.
@@ -43,7 +43,7 @@ def scan_depth(path: pathlib.Path, T_camera_scan: np.ndarray, camera: Camera) ->
     if not len(z):
         return np.zeros_like(sparse)
     away, at = scipy.ndimage.distance_transform_edt(np.isinf(sparse), return_indices=True)
-    return np.where(away <= _SPREAD, sparse[tuple(at)], 0.0).astype(np.float32)
+    return np.where(away <= _POINT_SPREAD, sparse[tuple(at)], 0.0).astype(np.float32)
 
 
 def boxes_depth(
@@ -62,7 +62,7 @@ def boxes_depth(
       boxes: that hold at the frame; origin: (3,) m, of the recording's world in KITTI-360's.
     """
     rays = camera.rays() @ T_world_camera[:3, :3].T
-    eye = T_world_camera[:3, 3]
+    camera_position = T_world_camera[:3, 3]
     depth = np.zeros(masks.shape, np.float32)
     down = rays[..., 2]
     ground = (surfaces > 0) & (surfaces != SKY) & (down < 0)
@@ -71,7 +71,7 @@ def boxes_depth(
     for k, detection in enumerate(detections):
         box = boxes.get(detection.track or "")
         mine = masks == k
-        depth[mine] = 0.0 if box is None else _entry(box.corners - origin - eye, rays[mine])
+        depth[mine] = 0.0 if box is None else _entry(box.corners - origin - camera_position, rays[mine])
     return depth
 
 

@@ -8,7 +8,7 @@ from ...datatypes import Recording, SceneGraph
 from ...datatypes import validation as v
 from ...datatypes.recording import FILE as RECORDING_FILE
 
-PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,7 +32,7 @@ def recognise(source: str | pathlib.Path) -> Input:
         pictures = [path / name for f in recording.frames for name in (f.rgb, f.depth, f.masks, f.surfaces) if name]
         return Input("recording", path, _key(path / RECORDING_FILE, *pictures))
     if path.is_dir():
-        frames = sorted(p for p in path.iterdir() if p.suffix.lower() in PICTURES)
+        frames = sorted(p for p in path.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES)
         if not frames:
             found = "a folder without recording.json and without a picture"
             raise v.fail(str(path), found, "a recording or frames", "name a video, a folder or graph.json")
