@@ -10,13 +10,27 @@ from scipy.spatial.transform import Rotation
 from ..datatypes import SceneBank, ValidationError
 from .street import CELL, StreetGrid, street_grid
 
-#: m: nobody walks nearer to an object than half a shoulder's width and a hand.
-_BODY = 0.35
-#: m: ways nearer than this to objects cost more.
-_COMFORT = 1.0
-_SMOOTH = 1.5  # m, window over which corners are rounded
-_AHEAD = 0.5  # m, the point of the way that the walker goes for
-_TICK = 0.05  # s, on which turns are spread
+
+@dataclasses.dataclass(frozen=True)
+class WalkOptions:
+    """How near to objects a walker goes and how smoothly; set by hand.
+
+    Attributes:
+      min_clearance: m: nobody walks nearer to an object than half a shoulder's width and a hand.
+      comfort_clearance: m: paths nearer than this to objects cost more.
+      corner_window: m, window over which corners are rounded.
+      lookahead: m, how far ahead the point of the path is that the walker heads for.
+      turn_step: s, time step on which turns are spread.
+    """
+
+    min_clearance: float = 0.35
+    comfort_clearance: float = 1.0
+    corner_window: float = 1.5
+    lookahead: float = 0.5
+    turn_step: float = 0.05
+
+
+_WALK = WalkOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,10 +109,10 @@ def _at(along: np.ndarray, lengths: np.ndarray, ring: np.ndarray) -> np.ndarray:
 
 def _heading(ring: np.ndarray, lengths: np.ndarray, time_s: np.ndarray, options: PathOptions) -> np.ndarray:
     """(n,) rad: where the walker faces; the way's direction, each change spread evenly over `turn_time`."""
-    half = round(options.turn_time / 2 / _TICK)
-    ticks = np.arange(-half, round(time_s[-1] / _TICK) + half + 1) * _TICK
+    half = round(options.turn_time / 2 / _WALK.turn_step)
+    ticks = np.arange(-half, round(time_s[-1] / _WALK.turn_step) + half + 1) * _WALK.turn_step
     along = np.clip(ticks, 0.0, time_s[-1]) * options.speed
-    towards = _at((along + _AHEAD) % lengths[-1], lengths, ring) - _at(along % lengths[-1], lengths, ring)
+    towards = _at((along + _WALK.lookahead) % lengths[-1], lengths, ring) - _at(along % lengths[-1], lengths, ring)
     yaw = np.unwrap(np.arctan2(towards[:, 1], towards[:, 0]))
     spread = np.convolve(yaw, np.full(2 * half + 1, 1.0 / (2 * half + 1)), "valid")
     return np.interp(time_s, ticks[half : len(ticks) - half], spread)
@@ -126,11 +140,11 @@ def _floor(street: StreetGrid, place: np.ndarray) -> np.ndarray:
 
 def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
     """(n, 2) m: from one end of a side to the other, across and back; closed."""
-    component, _ = scipy.ndimage.label(street.clearance > _BODY, np.ones((3, 3)))
+    component, _ = scipy.ndimage.label(street.clearance > _WALK.min_clearance, np.ones((3, 3)))
     sizes = np.bincount(component.ravel())
     if len(sizes) < 2:
         raise ValidationError(
-            f"scene {name!r}: found no ground with {_BODY:g} m to every side, needed some to walk on."
+            f"scene {name!r}: found no ground with {_WALK.min_clearance:g} m to every side, needed some to walk on."
         )
     cells = np.argwhere(component == 1 + np.argmax(sizes[1:]))
     points = street.middle(cells)
@@ -143,12 +157,12 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
     stops = []
     for side, backwards in ((across <= np.median(across), False), (across > np.median(across), True)):
         order = np.flatnonzero(side)
-        wide = order[street.clearance[tuple(cells[order].T)] > _BODY]
+        wide = order[street.clearance[tuple(cells[order].T)] > _WALK.min_clearance]
         low, high = wide[np.argmin(along[wide])], wide[np.argmax(along[wide])]
         stops += [high, low] if backwards else [low, high]
     # Walking in comfort is worth a detour of some steps; 20 keeps it off the rims of objects without closing gaps.
-    near = np.clip(_COMFORT - street.clearance, 0.0, None) / _COMFORT
-    cost = np.where(street.clearance > _BODY, 1.0 + 20.0 * near**2, np.inf)
+    near = np.clip(_WALK.comfort_clearance - street.clearance, 0.0, None) / _WALK.comfort_clearance
+    cost = np.where(street.clearance > _WALK.min_clearance, 1.0 + 20.0 * near**2, np.inf)
     paths = []
     for start, stop in zip(stops, [*stops[1:], stops[0]], strict=True):
         path, _ = skimage.graph.route_through_array(cost, cells[start], cells[stop], geometric=True)
@@ -159,7 +173,7 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
 
 def _smooth(ring: np.ndarray) -> np.ndarray:
     """The way with its corners rounded, a point every few centimetres to decimetres; ends stay."""
-    window = max(3, int(_SMOOTH / CELL) | 1)
+    window = max(3, int(_WALK.corner_window / CELL) | 1)
     half = window // 2
     padded = np.concatenate([np.repeat(ring[:1], half, 0), ring, np.repeat(ring[-1:], half, 0)])
     kernel = np.ones(window) / window

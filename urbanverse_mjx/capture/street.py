@@ -13,7 +13,7 @@ from ..geometry.raster import outline
 
 CELL = 0.2  # m: a path is smoothed afterwards, and streets of 200 m stay under 200,000 cells
 #: m above the ground between which something is in the way of a person with a camera.
-_LOW, _HIGH = 0.3, 2.0
+_MIN_OBSTACLE_HEIGHT, _MAX_OBSTACLE_HEIGHT = 0.3, 2.0
 GROUND_PREFIX = "ground:"
 
 
@@ -89,7 +89,10 @@ def _draw_solids(bank: SceneBank, scene: int, street: "StreetGrid") -> np.ndarra
     floor = np.nan_to_num(street.height, nan=0.0)
     for world in bank.standing_hulls(scene):
         i, j = street.cell(world[:, :2].mean(0))
-        if world[:, 2].min() > floor[i, j] + _HIGH or world[:, 2].max() < floor[i, j] + _LOW:
+        if (
+            world[:, 2].min() > floor[i, j] + _MAX_OBSTACLE_HEIGHT
+            or world[:, 2].max() < floor[i, j] + _MIN_OBSTACLE_HEIGHT
+        ):
             continue
         solid[filled(street.grid, outline(world[:, :2]))] = True
     return solid

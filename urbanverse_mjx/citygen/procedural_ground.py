@@ -17,7 +17,7 @@ from .section import CROSSWALK_HALF_WIDTH, FLARE, KERB, LOT_DEPTH, RAMP_HALF_WID
 
 PAVEMENT: Plane = (0.0, 0.0, KERB)
 _GRID = 0.001  # m
-_SMALLEST = 0.05  # m², pieces smaller than this are left out
+_MIN_AREA = 0.05  # m², pieces smaller than this are left out
 
 
 @dataclasses.dataclass(frozen=True)
@@ -156,7 +156,7 @@ def _regions(
     number = 0
     for whole in _without_holes(shape):
         for piece in _apart(whole, beside):
-            if piece.area >= _SMALLEST:
+            if piece.area >= _MIN_AREA:
                 ring = tuple((round(x, 3), round(y, 3)) for x, y in piece.exterior.coords[:-1])
                 yield GroundRegion(f"{name}_{number}", kind, ring, plane)
                 number += 1

@@ -22,7 +22,7 @@ ROAM, GO, STAY = 0, 1, 2
 #: 0.45-1.2 m), and between two in a queue: as near as its lower half leaves room for two bodies.
 TALK_DISTANCE, QUEUE_DISTANCE = 0.85, 0.75
 #: 1/s, how fast one who stays returns to its point, and m/s at most.
-_RETURN, _RETURN_SPEED = 1.0, 0.6
+_RETURN_RATE, _RETURN_SPEED = 1.0, 0.6
 
 
 class Script(NamedTuple):
@@ -116,7 +116,7 @@ def scripted_velocity(mode: Any, anchor: tuple[Any, Any], face: Any, speed: Any,
     distance = jnp.sqrt(dx * dx + dy * dy)
     goes = mode == GO
     # Who has come to its point stops there within a step's length.
-    pace = jnp.where(goes, jnp.minimum(speed, 2.0 * distance), jnp.minimum(_RETURN * distance, _RETURN_SPEED))
+    pace = jnp.where(goes, jnp.minimum(speed, 2.0 * distance), jnp.minimum(_RETURN_RATE * distance, _RETURN_SPEED))
     scale = pace / jnp.maximum(distance, 1e-3)
     look = jnp.where(goes & (distance > 0.3), jnp.arctan2(dy, dx), face)
     return PreferredVelocity(dx * scale, dy * scale, look)

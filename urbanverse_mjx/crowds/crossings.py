@@ -5,6 +5,7 @@ Out:  who has to wait, and how fast vehicles may go.
 When: the table once per scene; the rest every crowd step, before `orca`, inside jit.
 """
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -19,16 +20,33 @@ from .free_space import CELL, FreeSpace
 
 #: Cells of the free space along a cell of the table.
 POOL = 4
-#: m ahead at which a walker decides at the kerb, and steps (m) at which a driver looks for a crosswalk.
-_KERB = 0.8
-_AHEAD = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
-#: s, what a walker adds to the time it needs: start-up and end clearance of the Highway Capacity Manual (2000).
-_CLEARANCE = 3.0
-#: m/s, slower vehicles have stopped for one.
-_STOPPED = 0.8
-#: m, kept between a stopped vehicle's front and the crosswalk, and m/s², how it brakes for one: AASHTO's 3.4 m/s² is
-#: for emergencies, half of it is ordinary.
-_LINE, _EASY_BRAKING = 1.0, 1.7
+#: m ahead at which a driver looks for a crosswalk.
+_LOOKAHEAD_STEPS = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
+
+
+@dataclasses.dataclass(frozen=True)
+class CrossingOptions:
+    """How walkers and drivers meet at crosswalks.
+
+    The clearance time is the Highway Capacity Manual's (2000), braking is half of AASHTO's 3.4 m/s² for
+    emergencies; the others are set by hand.
+
+    Attributes:
+      decision_distance: m ahead at which a walker decides at the kerb.
+      clearance_time: s, what a walker adds to the time it needs: start-up and end clearance.
+      stopped_speed: m/s; slower vehicles have stopped for a walker.
+      stop_distance: m, kept between a stopped vehicle's front and the crosswalk.
+      braking: m/s², how a vehicle brakes for a walker.
+    """
+
+    decision_distance: float = 0.8
+    clearance_time: float = 3.0
+    stopped_speed: float = 0.8
+    stop_distance: float = 1.0
+    braking: float = 1.7
+
+
+_OPTIONS = CrossingOptions()
 
 
 class Crossings(NamedTuple):
@@ -97,26 +115,32 @@ def give_way(
     """
     here = crossing_at(table, scene, bodies.x, bodies.y)
     cos, sin = jnp.cos(course), jnp.sin(course)
-    ahead = crossing_at(table, scene, bodies.x + _KERB * cos, bodies.y + _KERB * sin)
+    ahead = crossing_at(
+        table, scene, bodies.x + _OPTIONS.decision_distance * cos, bodies.y + _OPTIONS.decision_distance * sin
+    )
     at_kerb = walks & present & (here == 0) & (ahead > 0)
     on_it = walks & present & (here > 0)
     wanted = jnp.where(on_it, here, jnp.where(at_kerb, ahead, -1))
     # Drivers: the first crosswalk ahead and how far it is from the front.
     drives = ~walks & present
     cos, sin = jnp.cos(bodies.heading), jnp.sin(bodies.heading)
-    seen = crossing_at(table, scene, bodies.x + _AHEAD[:, None] * cos, bodies.y + _AHEAD[:, None] * sin)
+    seen = crossing_at(
+        table, scene, bodies.x + _LOOKAHEAD_STEPS[:, None] * cos, bodies.y + _LOOKAHEAD_STEPS[:, None] * sin
+    )
     first = jnp.argmax(seen > 0, axis=0)
     coming = jnp.where(drives & (here == 0), jnp.take_along_axis(seen, first[None], axis=0)[0], 0)
-    room = jnp.asarray(_AHEAD)[first] - 1.0 - front
+    room = jnp.asarray(_LOOKAHEAD_STEPS)[first] - 1.0 - front
     going = jnp.sqrt(bodies.vx * bodies.vx + bodies.vy * bodies.vy)
     arrives = jnp.maximum(room, 0.0) / jnp.maximum(going, 0.1)
-    needs = table.width[scene, ahead] / jnp.maximum(speed, 0.1) + _CLEARANCE
+    needs = table.width[scene, ahead] / jnp.maximum(speed, 0.1) + _OPTIONS.clearance_time
     same = coming[:, None] == ahead[None]
-    threatened = same & (coming > 0)[:, None] & (arrives[:, None] < needs[None]) & (going > _STOPPED)[:, None]
+    threatened = (
+        same & (coming > 0)[:, None] & (arrives[:, None] < needs[None]) & (going > _OPTIONS.stopped_speed)[:, None]
+    )
     # A vehicle that stands on the crosswalk itself is in the way, too.
     threatened |= drives[:, None] & (here > 0)[:, None] & (here[:, None] == ahead[None])
     wait = at_kerb & threatened.any(0)
     busy = ((wanted[None] == coming[:, None]) & (coming > 0)[:, None]).any(1)
-    stop = busy & (going * going < 2.0 * 2.0 * _EASY_BRAKING * jnp.maximum(room, 0.0))
-    limit = jnp.sqrt(2.0 * _EASY_BRAKING * jnp.maximum(room - _LINE, 0.0))
+    stop = busy & (going * going < 2.0 * 2.0 * _OPTIONS.braking * jnp.maximum(room, 0.0))
+    limit = jnp.sqrt(2.0 * _OPTIONS.braking * jnp.maximum(room - _OPTIONS.stop_distance, 0.0))
     return Order(wait, jnp.where(stop, limit, jnp.inf))

@@ -36,13 +36,13 @@ from .spawning import Observer
 from .traversability import Traversability
 
 #: m from a goal (and half a vehicle's length) at which one has arrived.
-_ARRIVED = 1.0
+_GOAL_DISTANCE = 1.0
 #: s, after which somebody who is held up forgets where its script sent it.
-_GIVES_UP = 8.0
+_BLOCKED_TIME = 8.0
 #: s, that somebody goes on before it brakes for who appears: two steps of choosing and one of turning.
-_REACTION = 0.5
+_REACTION_TIME = 0.5
 #: s, how far ahead of its front a vehicle reads its way.
-_PREVIEW = 0.4
+_PREVIEW_TIME = 0.4
 
 
 class Crowd(NamedTuple):
@@ -212,7 +212,7 @@ class CrowdModel:
         bodies = crowd.bodies
         # Nobody stops for who was not there: a car would run over another that appears in front of it.
         square = bodies.vx * bodies.vx + bodies.vy * bodies.vy
-        room = size + _REACTION * jnp.sqrt(square) + 0.5 * square / self._traits.braking
+        room = size + _REACTION_TIME * jnp.sqrt(square) + 0.5 * square / self._traits.braking
         place, found = spawning.choose(
             keys[0], routes.place[scene], size[who], bodies.x, bodies.y, room, others, observer, hidden, self.reach
         )
@@ -276,7 +276,7 @@ class CrowdModel:
         """Who has reached its goal gets another; a vehicle appears elsewhere once it is out of sight, and so does who
         is far from the robot where there is a `reach`. Who has gone where its script said roams from there."""
         at_anchor = (crowd.bodies.x - crowd.anchor_x) ** 2 + (crowd.bodies.y - crowd.anchor_y) ** 2 < 0.5**2
-        given_up = (crowd.mode == GO) & (at_anchor | (crowd.still > _GIVES_UP))
+        given_up = (crowd.mode == GO) & (at_anchor | (crowd.still > _BLOCKED_TIME))
         crowd = crowd._replace(mode=jnp.where(given_up, ROAM, crowd.mode))
         for group, rows in self._groups.items():
             if not len(rows):
@@ -284,7 +284,7 @@ class CrowdModel:
             routes, some = self.tables.routes[group], jnp.asarray(rows)
             goal = routes.goal[scene, crowd.goal[some]]
             x, y = crowd.bodies.x[some], crowd.bodies.y[some]
-            near = _ARRIVED + self._traits.half_length[some]
+            near = _GOAL_DISTANCE + self._traits.half_length[some]
             there = (x - goal[:, 0]) ** 2 + (y - goal[:, 1]) ** 2 < near * near
             there &= crowd.present[some] & (crowd.mode[some] == ROAM)
             far = jnp.zeros(some.shape, bool)
@@ -323,8 +323,8 @@ class CrowdModel:
                 if RULES[group].from_middle is not None:
                     reach, heading = self._traits.half_length[some], crowd.bodies.heading[some]
                     place = (
-                        place[0] + reach * jnp.cos(heading) + _PREVIEW * crowd.bodies.vx[some],
-                        place[1] + reach * jnp.sin(heading) + _PREVIEW * crowd.bodies.vy[some],
+                        place[0] + reach * jnp.cos(heading) + _PREVIEW_TIME * crowd.bodies.vx[some],
+                        place[1] + reach * jnp.sin(heading) + _PREVIEW_TIME * crowd.bodies.vy[some],
                     )
                 heading = goal_fields.heading_at(
                     self.tables.routes[group], RULES[group].node, scene, crowd.goal[some], *place
@@ -350,7 +350,7 @@ class CrowdModel:
                 some = jnp.asarray(rows)
                 goal = self.tables.routes[group].goal[scene, crowd.goal[some]]
                 left = jnp.hypot(goal[:, 0] - crowd.bodies.x[some], goal[:, 1] - crowd.bodies.y[some])
-                stop = jnp.sqrt(self._traits.braking[some] * jnp.maximum(left - 0.5 * _ARRIVED, 0.0))
+                stop = jnp.sqrt(self._traits.braking[some] * jnp.maximum(left - 0.5 * _GOAL_DISTANCE, 0.0))
                 pace = pace.at[some].min(stop)
         roam = PreferredVelocity(pace * jnp.cos(course), pace * jnp.sin(course), course)
         script = behaviours.scripted_velocity(

@@ -11,6 +11,7 @@ step to the side they are used to, in most countries the right (Moussaïd et al.
 four of five meetings), and the ring starts to turn.
 """
 
+import dataclasses
 from typing import Any
 
 import jax
@@ -21,10 +22,6 @@ from .motion import wrapped
 
 #: s, over which coming forward is averaged.
 MEMORY = 1.5
-#: Share of the preferred velocity that must fail before one steps aside, and where one does so fully.
-_FROM, _FULLY = 0.35, 0.8
-#: m/s, preferred velocities below it are those of people who have arrived or wait.
-_SLOW = 0.3
 #: rad, how far the preferred velocity is turned at most: just past sideways one would walk back.
 MOST = 1.3
 #: s, mean time after which one who is held up tries the other side.
@@ -33,6 +30,24 @@ CHANGE_MIND = 3.0
 STUCK, BACK_TIME, BACK_SPEED = 4.0, 3.0, 0.8
 #: Share of people who step to the right (Moussaïd et al. 2009, right-hand side countries).
 RIGHT = 0.8
+
+
+@dataclasses.dataclass(frozen=True)
+class DeadlockOptions:
+    """When a blocked walker steps aside; set by hand.
+
+    Attributes:
+      first_share: share of the preferred velocity that must fail before one steps aside.
+      full_share: share at which one does so fully.
+      min_speed: m/s, preferred velocities below it are those of people who have arrived or wait.
+    """
+
+    first_share: float = 0.35
+    full_share: float = 0.8
+    min_speed: float = 0.3
+
+
+_OPTIONS = DeadlockOptions()
 
 
 def habitual_side(key: Any, agents: int, right: float = RIGHT) -> Any:
@@ -50,14 +65,18 @@ def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple
     """
     (wx, wy, _), (vx, vy) = preferred_velocity, velocity
     square = wx * wx + wy * wy
-    wanted = square > _SLOW * _SLOW
+    wanted = square > _OPTIONS.min_speed * _OPTIONS.min_speed
     forward = jnp.where(wanted, (wx * vx + wy * vy) / jnp.where(wanted, square, 1.0), 1.0)
     return blocked + min(1.0, dt / MEMORY) * (1.0 - jnp.clip(forward, 0.0, 1.0) - blocked)
 
 
 def step_aside(preferred_velocity: PreferredVelocity, blocked: Any, side: Any) -> PreferredVelocity:
     """Preferred velocities (A,), turned to `side` (see `habitual_side`; 0 never turns) by those who are held up."""
-    angle = side * MOST * jnp.clip((blocked - _FROM) / (_FULLY - _FROM), 0.0, 1.0)
+    angle = (
+        side
+        * MOST
+        * jnp.clip((blocked - _OPTIONS.first_share) / (_OPTIONS.full_share - _OPTIONS.first_share), 0.0, 1.0)
+    )
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     return PreferredVelocity(
         cos * preferred_velocity.x - sin * preferred_velocity.y,
@@ -87,5 +106,5 @@ def backing_time(backing: Any, still: Any, key: Any, dt: float) -> Any:
 
 def reconsider(side: Any, blocked: Any, key: Any, dt: float) -> Any:
     """Sides (A,) one step later: who stepped aside and still stands tries the other side after `CHANGE_MIND` or so."""
-    chance = jnp.where(blocked >= _FULLY, min(1.0, dt / CHANGE_MIND), 0.0)
+    chance = jnp.where(blocked >= _OPTIONS.full_share, min(1.0, dt / CHANGE_MIND), 0.0)
     return jnp.where(jax.random.uniform(key, side.shape) < chance, -side, side)

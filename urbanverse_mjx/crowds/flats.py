@@ -31,7 +31,7 @@ REACH = {"foot": 3.0, "road": 6.0}
 #: m, unit of the stored distances; 255 units mean no flat.
 UNIT = 0.025
 #: m, what may stick out of a flat: the steps of a slanted wall drawn in cells.
-_ROUGH = 0.05
+_MAX_PROTRUSION = 0.05
 _DIRECTIONS = 256
 #: Cells worked on at a time.
 _CHUNK = 8192
@@ -78,7 +78,7 @@ def _peel(blocked: Any, corner: Any, offsets: Any) -> tuple[Any, Any]:
         cell = jnp.clip(cell, 0, jnp.array(blocked.shape) - 1)
         stands = ~inside | blocked[cell[:, 0], cell[:, 1]]
         q = (offsets[n] + 0.5) * CELL
-        covered = (mx * q[0] + my * q[1] >= behind - _ROUGH).any(0)
+        covered = (mx * q[0] + my * q[1] >= behind - _MAX_PROTRUSION).any(0)
         new = stands & ~covered & (used < NUM_FLATS)
         code = jnp.round(jnp.arctan2(q[1], q[0]) * (_DIRECTIONS / (2.0 * jnp.pi))).astype(jnp.int32) % _DIRECTIONS
         slot = new & (jnp.arange(NUM_FLATS)[:, None] == used)

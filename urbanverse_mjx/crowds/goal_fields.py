@@ -24,15 +24,29 @@ from ..geometry.grids import pooled
 from .free_space import CELL, FreeSpace
 from .kinds import SURFACES
 
-#: Cost of a metre on the wrong side of the road, and of one that is a metre too near to its middle.
-_WRONG_SIDE, _MIDDLE = 5.0, 1.0
-#: Nodes ahead on the way that a direction looks: about 1.2 m on foot and 2.5 m on the road.
-_AHEAD = 4
-_DIRECTIONS = 256
-#: Nodes after which a vehicle has found its side of the road.
-_SETTLED = 40
-#: Nodes from a vehicle's centre to its ends' discs: 1.6 m.
-_ENDS = 4
+
+@dataclasses.dataclass(frozen=True)
+class FieldOptions:
+    """What a field of directions costs and looks at; set by hand.
+
+    Attributes:
+      wrong_side_cost: of a metre on the wrong side of the road.
+      middle_cost: of a metre that is a metre too near to the road's middle.
+      lookahead: nodes ahead on the route that a direction points to: about 1.2 m on foot and 2.5 m on the road.
+      directions: units of a full turn in which directions are stored.
+      side_nodes: nodes after which a vehicle has found its side of the road.
+      end_nodes: nodes from a vehicle's centre to its ends' discs: 1.6 m.
+    """
+
+    wrong_side_cost: float = 5.0
+    middle_cost: float = 1.0
+    lookahead: int = 4
+    directions: int = 256
+    side_nodes: int = 40
+    end_nodes: int = 4
+
+
+_OPTIONS = FieldOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -113,13 +127,13 @@ def _graph(space: FreeSpace, rules: RouteRules) -> tuple[np.ndarray, GridGraph]:
         return nodes, GridGraph(nodes, lambda step, tail, _: np.hypot(*step) * rules.node * price[tail])
     allowed = np.array([k in SURFACES[rules.surface] for k in GROUND_KINDS])[space.kind]
     to_edge, from_middle = _sides(pooled(allowed, rules.pool, np.all), rules.node)
-    price += _MIDDLE * np.clip(rules.from_middle - from_middle, 0.0, None)
+    price += _OPTIONS.middle_cost * np.clip(rules.from_middle - from_middle, 0.0, None)
 
     def on_its_side(step: Step, tail: Cells, _: Cells) -> np.ndarray:
         (di, dj), length = step, np.hypot(*step)
         hand = (dj / length, -di / length) if not rules.left_hand else (-dj / length, di / length)
         wrong = to_edge[..., 0] * hand[0] + to_edge[..., 1] * hand[1] < -0.3
-        return length * rules.node * price[tail] * np.where(wrong[tail], _WRONG_SIDE, 1.0)
+        return length * rules.node * price[tail] * np.where(wrong[tail], _OPTIONS.wrong_side_cost, 1.0)
 
     return nodes, GridGraph(nodes, on_its_side)
 
@@ -128,7 +142,7 @@ def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -
     """(X, Y) u8: along the way where there is one, elsewhere to the nearest node that has one."""
     cells = np.argwhere(nodes)
     ahead = np.arange(len(cells))
-    for _ in range(_AHEAD):
+    for _ in range(_OPTIONS.lookahead):
         ahead = following[ahead]
     on_route = np.zeros(nodes.shape, bool)
     on_route[tuple(cells[reached].T)] = True
@@ -137,8 +151,8 @@ def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -
     i, j = np.indices(nodes.shape)
     ni, nj = ndimage.distance_transform_edt(~on_route, return_distances=False, return_indices=True)
     vector = np.where(on_route[..., None], vector, np.stack([ni - i, nj - j], -1))
-    units = np.round(np.arctan2(vector[..., 1], vector[..., 0]) * _DIRECTIONS / (2 * np.pi))
-    return (units.astype(int) % _DIRECTIONS).astype(np.uint8)
+    units = np.round(np.arctan2(vector[..., 1], vector[..., 0]) * _OPTIONS.directions / (2 * np.pi))
+    return (units.astype(int) % _OPTIONS.directions).astype(np.uint8)
 
 
 def ways_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.ndarray, ...]:
@@ -170,7 +184,7 @@ def ways_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.ndar
         costs.append(cost)
         goals.append(at)
         fields.append(_directions(nodes, following, np.isfinite(cost)))
-        taken.append(_on_the_route(following, main & (cost > _SETTLED * rules.node)))
+        taken.append(_on_the_route(following, main & (cost > _OPTIONS.side_nodes * rules.node)))
         farthest = np.where(main, np.min(costs, axis=0), -1.0)
         at = int(farthest.argmax())
         if farthest[at] < 5.0:
@@ -188,9 +202,11 @@ def ways_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.ndar
 
 
 def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
-    """Whether a vehicle that stands along its way has room for both ends (`_ENDS` nodes from its centre)."""
-    angle = field[tuple(cell)] * (2 * np.pi / _DIRECTIONS)
-    ends = np.round(cell + np.array([[-_ENDS], [_ENDS]]) * [np.cos(angle), np.sin(angle)]).astype(int)
+    """Whether a vehicle that stands along its way has room for both ends (`end_nodes` nodes from its centre)."""
+    angle = field[tuple(cell)] * (2 * np.pi / _OPTIONS.directions)
+    ends = np.round(
+        cell + np.array([[-_OPTIONS.end_nodes], [_OPTIONS.end_nodes]]) * [np.cos(angle), np.sin(angle)]
+    ).astype(int)
     inside = (ends >= 0).all(1) & (ends < nodes.shape).all(1)
     return bool(inside.all()) and bool(nodes[tuple(ends.T)].all())
 
@@ -198,7 +214,7 @@ def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
 def _on_the_route(following: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Nodes where those who set out from the nodes `start` are some way on: there they have found their side."""
     at = np.flatnonzero(start)
-    for _ in range(_SETTLED // 2):
+    for _ in range(_OPTIONS.side_nodes // 2):
         at = following[at]
     return np.unique(at)
 
@@ -240,7 +256,7 @@ def heading_at(routes: GoalRoutes, node: float, scene: Any, goal: Any, x: Any, y
         for dj in (0, 1):
             weight = jnp.abs(1.0 - di - (u - i)) * jnp.abs(1.0 - dj - (w - j))
             a, b = jnp.clip(i + di, 0, columns - 1), jnp.clip(j + dj, 0, rows - 1)
-            angle = routes.direction[scene, goal, a, b].astype(jnp.float32) * (2.0 * jnp.pi / _DIRECTIONS)
+            angle = routes.direction[scene, goal, a, b].astype(jnp.float32) * (2.0 * jnp.pi / _OPTIONS.directions)
             dx, dy = dx + weight * jnp.cos(angle), dy + weight * jnp.sin(angle)
     gx, gy = routes.goal[scene, goal, 0] - x, routes.goal[scene, goal, 1] - y
     close = gx * gx + gy * gy < (2.0 * node) ** 2

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 
 from .linear_program import NO_LIMIT, HalfPlanes
 
-_TINY = 1e-9
+_EPSILON = 1e-9
 
 
 def towards_neighbours(
@@ -57,11 +57,11 @@ def towards_neighbours(
     length = jnp.sqrt(length2)
     back = wx * ax + wy * ay
     on_disc = touching | ((back < 0.0) & (back * back > reach * reach * length2))
-    still = length < _TINY
+    still = length < _EPSILON
     scale = 1.0 / jnp.where(still, 1.0, length)
     disc_x, disc_y = jnp.where(still, side, wx * scale), jnp.where(still, 0.0, wy * scale)
     # The legs touch the reach disc: turned from `apart` by the angle of sine reach / distance.
-    inverse2 = 1.0 / jnp.maximum(distance2, _TINY)
+    inverse2 = 1.0 / jnp.maximum(distance2, _EPSILON)
     leg = jnp.sqrt(jnp.maximum(distance2 - reach * reach, 0.0))
     turn = jnp.where(ax * wy - ay * wx > 0.0, 1.0, -1.0)
     leg_x = -turn * (turn * ax * reach + ay * leg) * inverse2
@@ -93,7 +93,7 @@ def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tu
         best_x, best_y = jnp.where(shorter, dx, best_x), jnp.where(shorter, dy, best_y)
         place, best = jnp.where(shorter, at, place), jnp.where(shorter, distance, best)
 
-    own, other = 1.0 / jnp.maximum(ax * ax + ay * ay, _TINY), 1.0 / jnp.maximum(bx * bx + by * by, _TINY)
+    own, other = 1.0 / jnp.maximum(ax * ax + ay * ay, _EPSILON), 1.0 / jnp.maximum(bx * bx + by * by, _EPSILON)
     for end in (1.0, -1.0):
         # From an end of the own axis to the other axis, and the other way round.
         dx, dy = px - end * ax, py - end * ay

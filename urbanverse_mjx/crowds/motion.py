@@ -12,9 +12,10 @@ of the arc it makes, against the same half-planes. That is the choice of control
 (Alonso-Mora et al. 2010 and 2012), solves the program for a disc grown by a tracking error and then tracks the
 result; its bound is worked out per robot for a fixed range of speeds, and a car at 8 m/s that may track nothing but
 what lies within centimetres of its lane has no velocity left there. Judging what can be driven needs no such bound:
-where the wheels go is what was judged, and the only error is that an arc counts as its chord (`_HORIZON`).
+where the wheels go is what was judged, and the only error is that an arc counts as its chord (`horizon`).
 """
 
+import dataclasses
 from typing import Any
 
 import jax.numpy as jnp
@@ -23,22 +24,39 @@ import numpy as np
 from .bodies import Bodies, PreferredVelocity, Traits
 from .linear_program import HalfPlanes
 
-#: s, length of the arcs that are judged; the chord of 1 s at the largest lateral acceleration (2.5 m/s²) lies at most
-#: 2.5 / 8 = 0.31 m beside the arc at its middle, and the step that follows uses a tenth or fifth of it.
-_HORIZON = 1.0
-#: Turn rates that are tried, as shares of the largest.
-_TURNS = (-1.0, -0.6, -0.3, -0.12, 0.0, 0.12, 0.3, 0.6, 1.0)
-#: Accelerations that are tried: shares of the braking (negative) and of the acceleration (positive).
-_PUSHES = (-1.0, -0.5, -0.2, 0.0, 1.0)
-#: Cost of one m/s of violation, m²/s². One m/s off the preferred velocity costs at most twice the speed (17 m²/s² for a
-#: car), so that these come first: walls, then others, then the preferred velocity.
-_NEIGHBOUR_COST, _WALL_COST = 100.0, 400.0
-#: m/s, speed below which a walker does not turn to where it goes.
-_SHUFFLE = 0.35
-#: Cost of the largest turn rate and of full braking, m²/s²: ties go to the calmer control.
-_CALM = 0.02
-#: Weight of where the vehicle will point.
-_AIM = 0.2
+
+@dataclasses.dataclass(frozen=True)
+class MotionOptions:
+    """Which controls of a vehicle are tried, and what each costs; set by hand.
+
+    One m/s off the preferred velocity costs at most twice the speed (17 m²/s² for a car), so that violations come
+    first: walls, then others, then the preferred velocity.
+
+    Attributes:
+      horizon: s, length of the arcs that are judged; the chord of 1 s at the largest lateral acceleration (2.5 m/s²)
+        lies at most 2.5 / 8 = 0.31 m beside the arc at its middle, and the step that follows uses a tenth or fifth of
+        it.
+      turn_shares: turn rates that are tried, as shares of the largest.
+      acceleration_shares: accelerations that are tried: shares of the braking (negative) and of the acceleration
+        (positive).
+      neighbour_cost: m²/s², of one m/s of violation of another's half-plane.
+      wall_cost: m²/s², of one m/s of violation of a wall's half-plane.
+      min_turn_speed: m/s, speed below which a walker does not turn to where it goes.
+      effort_cost: m²/s², of the largest turn rate and of full braking: ties go to the smaller control.
+      heading_weight: weight of where the vehicle will point.
+    """
+
+    horizon: float = 1.0
+    turn_shares: tuple[float, ...] = (-1.0, -0.6, -0.3, -0.12, 0.0, 0.12, 0.3, 0.6, 1.0)
+    acceleration_shares: tuple[float, ...] = (-1.0, -0.5, -0.2, 0.0, 1.0)
+    neighbour_cost: float = 100.0
+    wall_cost: float = 400.0
+    min_turn_speed: float = 0.35
+    effort_cost: float = 0.02
+    heading_weight: float = 0.2
+
+
+_OPTIONS = MotionOptions()
 
 
 def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPlanes, dt: float) -> tuple[Any, Any]:
@@ -74,7 +92,7 @@ def step_on(velocity: tuple[Any, Any], face: Any, bodies: Bodies, traits: Traits
     vx, vy = velocity
     speed = jnp.sqrt(vx * vx + vy * vy)
     # Below a slow shuffle one steps aside or back without turning.
-    going = speed > _SHUFFLE
+    going = speed > _OPTIONS.min_turn_speed
     turn = wrapped(jnp.where(going, jnp.arctan2(vy, vx), face) - bodies.heading)
     most = traits.turn_rate * dt * jnp.where(going, jnp.minimum(speed, 1.0), 0.5)
     heading = wrapped(bodies.heading + jnp.clip(turn, -most, most))
@@ -146,20 +164,22 @@ def drive(
     # What the preferred velocity itself asks for stands among the controls: an arc whose chord points along it.
     own_speed = jnp.where(back, -preferred_speed, preferred_speed * jnp.maximum(jnp.cos(error), 0.0))
     own_push = jnp.clip(own_speed - speed, -traits.braking, traits.acceleration)
-    pushes = jnp.stack([*(s * (traits.acceleration if s > 0 else traits.braking) for s in _PUSHES), own_push])
-    mean, _ = _speeds(speed, pushes, jnp.where(back, -preferred_speed, 0.0), traits.limit, _HORIZON)
+    pushes = jnp.stack(
+        [*(s * (traits.acceleration if s > 0 else traits.braking) for s in _OPTIONS.acceleration_shares), own_push]
+    )
+    mean, _ = _speeds(speed, pushes, jnp.where(back, -preferred_speed, 0.0), traits.limit, _OPTIONS.horizon)
     # The least radius bounds the arc at its mean speed, so that a vehicle at rest may pull out in a curve.
     most = turn_limit(mean, traits)
-    shares = jnp.asarray(np.array(_TURNS, np.float32)).reshape(-1, 1, 1, 1)
-    own_turn = jnp.clip(2.0 * error / _HORIZON, -most, most)
+    shares = jnp.asarray(np.array(_OPTIONS.turn_shares, np.float32)).reshape(-1, 1, 1, 1)
+    own_turn = jnp.clip(2.0 * error / _OPTIONS.horizon, -most, most)
     turns = jnp.concatenate([shares * most, own_turn[None]])
     pushes = jnp.broadcast_to(pushes, turns.shape)
-    half = 0.5 * turns * _HORIZON
+    half = 0.5 * turns * _OPTIONS.horizon
     chord = mean * jnp.sinc(half / jnp.pi)
     # In the vehicle's frame first: the way of its centre, and what its ends move against that while it turns.
     along, across = chord * jnp.cos(half), chord * jnp.sin(half)
-    swing_along = traits.half_length / _HORIZON * (jnp.cos(2.0 * half) - 1.0)
-    swing_across = traits.half_length / _HORIZON * jnp.sin(2.0 * half)
+    swing_along = traits.half_length / _OPTIONS.horizon * (jnp.cos(2.0 * half) - 1.0)
+    swing_across = traits.half_length / _OPTIONS.horizon * jnp.sin(2.0 * half)
 
     def deepest(rows: HalfPlanes, ends: Any) -> Any:
         worst = jnp.zeros_like(along)
@@ -176,8 +196,8 @@ def drive(
     effort = jnp.abs(turns) / traits.turn_rate + jnp.abs(pushes / traits.braking)
     # A vehicle that can not go where it wants yet at least turns there.
     aim = preferred_speed * preferred_speed * (1.0 - jnp.cos(error - 2.0 * half))
-    cost = (along - ahead) ** 2 + (across - left) ** 2 + _CALM * effort + _AIM * aim
-    cost += _NEIGHBOUR_COST * soft + _WALL_COST * hard
+    cost = (along - ahead) ** 2 + (across - left) ** 2 + _OPTIONS.effort_cost * effort + _OPTIONS.heading_weight * aim
+    cost += _OPTIONS.neighbour_cost * soft + _OPTIONS.wall_cost * hard
     flat = cost.reshape(-1, *cost.shape[2:])
     best = jnp.argmin(flat, axis=0)[None]
     turn = jnp.take_along_axis(turns.reshape(flat.shape), best, axis=0)[0]

@@ -33,12 +33,12 @@ from .linear_program import HalfPlanes
 
 #: Rounds in which people may follow into a place that somebody leaves. Bodies keep more than a step's length apart
 #: where there is room (`AgentKind.margin`), so that hardly anybody needs the second.
-_ROUNDS = 3
+_FOLLOWING_ROUNDS = 3
 #: Bits of a word in which conflicts are kept: a round is then as cheap as a look at each agent.
-_BITS = 32
+_WORD_BITS = 32
 #: m by which bodies may enter each other, or pass a flat: rounding of two who touch and go on together, or of who
 #: slides along a wall. It does not add up: who is this deep already comes no deeper.
-_SLACK = 1e-4
+_MAX_PENETRATION = 1e-4
 
 
 def keeps_off(walls: HalfPlanes, rear: HalfPlanes, before: Bodies, after: Bodies, traits: Traits) -> Any:
@@ -58,7 +58,7 @@ def keeps_off(walls: HalfPlanes, rear: HalfPlanes, before: Bodies, after: Bodies
         dx = new.x - old.x + half * (jnp.cos(new.heading) - jnp.cos(old.heading))
         dy = new.y - old.y + half * (jnp.sin(new.heading) - jnp.sin(old.heading))
         # An offset is minus the free space over the horizon: the way there is that much, whatever the velocity.
-        return jnp.all(rows.x * dx + rows.y * dy >= rows.offset * horizon - _SLACK, axis=0)
+        return jnp.all(rows.x * dx + rows.y * dy >= rows.offset * horizon - _MAX_PENETRATION, axis=0)
 
     found = kept(walls, slice(None), 1.0)
     if not wheeled:
@@ -94,10 +94,10 @@ def apart(one: Bodies, other: Bodies, half: tuple[Any, Any], long: slice) -> Any
 
 def packed(flags: Any) -> Any:
     """(W, ..., E) u32: bools (B, ..., E), 32 of the first axis in a word, the first in its lowest bit."""
-    words = -(-flags.shape[0] // _BITS)
-    rows = jnp.pad(flags, [(0, words * _BITS - flags.shape[0])] + [(0, 0)] * (flags.ndim - 1))
-    rows = rows.reshape(words, _BITS, *flags.shape[1:])
-    bit = (jnp.uint32(1) << jnp.arange(_BITS, dtype=jnp.uint32)).reshape(_BITS, *(1,) * (flags.ndim - 1))
+    words = -(-flags.shape[0] // _WORD_BITS)
+    rows = jnp.pad(flags, [(0, words * _WORD_BITS - flags.shape[0])] + [(0, 0)] * (flags.ndim - 1))
+    rows = rows.reshape(words, _WORD_BITS, *flags.shape[1:])
+    bit = (jnp.uint32(1) << jnp.arange(_WORD_BITS, dtype=jnp.uint32)).reshape(_WORD_BITS, *(1,) * (flags.ndim - 1))
     return jnp.where(rows, bit, jnp.uint32(0)).sum(1, dtype=jnp.uint32)
 
 
@@ -113,7 +113,7 @@ def who_goes(into_place: Any, into_step: Any, may: Any) -> Any:
     row = jnp.arange(agents)
     first = packed(row[:, None] < row)[..., None]
     go = jnp.zeros_like(may)
-    for _ in range(_ROUNDS):
+    for _ in range(_FOLLOWING_ROUNDS):
         gone = packed(go)[:, None]
         blocked = ((into_place & ~gone) | (into_step & gone)).any(0)
         candidate = may & ~go & ~blocked
@@ -135,7 +135,7 @@ def resolved(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: 
     pairs = (row[:, None] != row[:agents])[..., None] & traits.present[:, None] & like.present
     halves, long = (like.half_length, traits.half_length), slice(agents - num_long, agents)
     # Who overlaps already may come no nearer; everybody else may come to the touch.
-    reach = traits.radius[:, None] + like.radius - _SLACK
+    reach = traits.radius[:, None] + like.radius - _MAX_PENETRATION
     least = jnp.minimum(reach * reach, apart(here, bodies, halves, long))
     into_place = pairs & (apart(after, bodies, halves, long) < least)
     into_step = pairs[:agents] & (apart(after, after, (halves[0], halves[0]), long) < least[:agents])

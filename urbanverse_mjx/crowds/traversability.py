@@ -18,7 +18,7 @@ from .linear_program import HalfPlanes
 from .orca import no_walls
 
 #: Where on its axis a vehicle asks for free ground: 1 at its front end. Between two of them a car has 0.75 m.
-_ALONG = (1.0, 0.5, 0.0, -0.5, -1.0)
+_AXIS_POSITIONS = (1.0, 0.5, 0.0, -0.5, -1.0)
 
 
 class Traversability:
@@ -77,7 +77,7 @@ class Traversability:
     def stays(self, before: Bodies, after: Bodies, scene: Any) -> Any:
         """(A,) bool: no place of a body's axis that is on free ground leaves it. Who is on none may go anywhere."""
         found = jnp.ones(len(self._everybody), bool)
-        for end in _ALONG:
+        for end in _AXIS_POSITIONS:
             for surface, some in self._members(self._everybody if end == 1.0 else self._vehicles).items():
                 was, now = (
                     open_ground.is_open(self._ground[surface], scene, *self._at(bodies, some, end))

@@ -12,7 +12,7 @@ from ..geometry.grids import Grid, cell_of
 
 #: m, side of a cell; a kerb's edge is known to half of it.
 CELL = 0.05
-_UPRIGHT = 1e-6
+_VERTICAL_TOLERANCE = 1e-6
 
 
 def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.ndarray, origin: np.ndarray) -> None:
@@ -21,8 +21,8 @@ def _paint(heights: np.ndarray, planes: np.ndarray, low: np.ndarray, high: np.nd
     window = grid.window(low, high)
     points = np.stack(np.meshgrid(*grid.axes(window), indexing="ij"), -1)
     rest = planes[:, 3] - points @ planes[:, :2].T
-    up = planes[:, 2] > _UPRIGHT
-    side = np.abs(planes[:, 2]) <= _UPRIGHT
+    up = planes[:, 2] > _VERTICAL_TOLERANCE
+    side = np.abs(planes[:, 2]) <= _VERTICAL_TOLERANCE
     top = (rest[..., up] / planes[up, 2]).min(-1)
     inside = (rest[..., side] >= -1e-6).all(-1)
     part = heights[window]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .staged import StagedBase
 
 #: m; a robot that is further away one state later has begun another episode.
-_ANOTHER_EPISODE = 2.0
+_MAX_STEP = 2.0
 
 
 class StateRenderer:
@@ -88,7 +88,7 @@ class StateRenderer:
         from ..simulation.rendering.cameras import following_cameras
 
         scene, xpos, xquat = (np.asarray(x) for x in (carried.sim.scene, carried.sim.xpos, carried.sim.xquat))
-        apart = np.linalg.norm(np.diff(xpos[:, 1], axis=0), axis=-1) > _ANOTHER_EPISODE
+        apart = np.linalg.norm(np.diff(xpos[:, 1], axis=0), axis=-1) > _MAX_STEP
         starts = np.flatnonzero((np.diff(scene) != 0) | apart) + 1
         parts = zip(np.split(xpos, starts), np.split(xquat, starts), strict=True)
         found = [following_cameras(p, q, self._frames_per_second, self._height) for p, q in parts]

@@ -30,29 +30,10 @@ from ..envs.navigation import terms
 from ..envs.navigation.room import CELL, build_room
 from ..geometry import rotations
 from ..robots.waypoint import WAYPOINT_REACH
+from .planner_options import PlannerOptions
 from .route_fields import NODE, build_route_fields
 
-#: s of each look ahead at 2 m/s, faster than which nothing drives: between two looks it moves less than a robot's
-#: length. How many of them the first phase lasts; whoever is slower looks as many metres ahead after that.
-_STEPS, _FIRST, _FASTEST = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3), 2, 2.0
-#: Shares of the top speed and of the top yaw rate in the first and in the second phase.
-_SPEEDS, _TURNS = (0.0, 0.2, 0.4, 0.7, 1.0), (-1.0, -0.6, -0.25, 0.0, 0.25, 0.6, 1.0)
-_SPEEDS_AFTER, _TURNS_AFTER = (0.0, 0.35, 1.0), (-1.0, -0.4, 0.0, 0.4, 1.0)
-#: Shares of the top speed at which the second phase may also follow the field downhill, and (rad/s) / rad of that.
-_FOLLOW, _GAIN = (0.15, 0.35, 0.6, 1.0), 2.5
-#: m ahead of the robot where its field is felt, too, so that it minds where it points; and rad to both sides.
-_NOSE, _SIDES = 0.6, 0.6
-#: m; nearer than the first counts as touching, and up to the second, more at speed (per m/s), it costs.
-_TOUCH, _SHY, _SHY_SPEED = 0.02, 0.10, 0.08
-#: Cost of a second right beside something at 2 m/s (the slower pay as much for the metre), of touching at once, and m
-#: of way left that still count as arrived.
-_SHY_COST, _TOUCH_COST, _ARRIVED = 20.0, 1000.0, 0.6
-#: m that wheels keep from an edge.
-_EDGE = 0.04
-#: m that agents are kept away by, and how much more per second ahead: nobody knows where they will go.
-_AGENT, _AGENT_DRIFT = 0.15, 0.1
-#: Share of the mean way left in the cost: of two commands that end alike the one that gets there sooner is better.
-_SOON = 1.0
+_OPTIONS = PlannerOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -167,15 +148,19 @@ class Planner:
         self._root = env.mj_model.body(robot.root_body).id
         self._robot, self._motion = robot, MOTIONS.get(robot.name, DEFAULT)
         self._body = footprint(robot)
-        self._slower = _FASTEST / robot.max_speed
-        self._steps = np.array(_STEPS) * np.where(np.arange(len(_STEPS)) < _FIRST, 1.0, self._slower)
+        self._slower = _OPTIONS.reference_speed / robot.max_speed
+        self._steps = np.array(_OPTIONS.steps) * np.where(
+            np.arange(len(_OPTIONS.steps)) < _OPTIONS.first_steps, 1.0, self._slower
+        )
         scenes = [int(s) for s in env.scenes]
         self._room = build_room(env.bank, scenes, robot.planner_height)
         self._to_hull, self._to_edge = (
             _Field.of(x, scenes, self._room.origin) for x in (self._room.to_hull, self._room.to_edge)
         )
-        self.first = jnp.asarray(_commands(robot, self._motion, _SPEEDS, _TURNS), jnp.float32)
-        self._after = jnp.asarray(_commands(robot, self._motion, _SPEEDS_AFTER, _TURNS_AFTER), jnp.float32)
+        self.first = jnp.asarray(_commands(robot, self._motion, _OPTIONS.speeds, _OPTIONS.turns), jnp.float32)
+        self._after = jnp.asarray(
+            _commands(robot, self._motion, _OPTIONS.later_speeds, _OPTIONS.later_turns), jnp.float32
+        )
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteField:
         """What it knows of n episodes: leading axis n.
@@ -210,7 +195,7 @@ class Planner:
         zero = jnp.float32(0.0)
         start = _Ahead(state[:3], state[3], state[4], zero, zero, zero, zero, jnp.float32(1.0))
 
-        dts, numbers = jnp.asarray(self._steps, jnp.float32), jnp.arange(len(_STEPS))
+        dts, numbers = jnp.asarray(self._steps, jnp.float32), jnp.arange(len(_OPTIONS.steps))
         ends = jnp.cumsum(dts)
 
         def drive(ahead: _Ahead, command: Any, part: slice, follow: bool = False) -> _Ahead:
@@ -221,12 +206,12 @@ class Planner:
             # A loop and not a row of copies: compiled in a tenth of the time.
             return jax.lax.scan(lookahead_step, ahead, (numbers[part], dts[part], ends[part]))[0]
 
-        begin, go_on = slice(0, _FIRST), slice(_FIRST, None)
+        begin, go_on = slice(0, _OPTIONS.first_steps), slice(_OPTIONS.first_steps, None)
 
         def whole(first: Any) -> Any:
             middle = drive(start, first, begin)
             held = jax.vmap(lambda after: _cost(drive(middle, after, go_on)))(self._after)
-            speeds = jnp.array(_FOLLOW) * self._robot.max_speed
+            speeds = jnp.array(_OPTIONS.follow_speeds) * self._robot.max_speed
             return jnp.concatenate([held, jax.vmap(lambda v: _cost(drive(middle, v, go_on, follow=True)))(speeds)])
 
         return jax.vmap(whole)(self.first)
@@ -242,12 +227,17 @@ class Planner:
 
     def _downhill(self, route: RouteField, pose: Any, speed: Any) -> Any:
         """(2,) command that turns to where the field falls, and drives at up to `speed` when it points there."""
-        left, right = (_field_at(route, pose, _NOSE, side) for side in (_SIDES, -_SIDES))
-        ahead, here = _field_at(route, pose, _NOSE), _field_at(route, pose, 0.0)
+        left, right = (
+            _field_at(route, pose, _OPTIONS.nose, side) for side in (_OPTIONS.nose_angle, -_OPTIONS.nose_angle)
+        )
+        ahead, here = _field_at(route, pose, _OPTIONS.nose), _field_at(route, pose, 0.0)
         # On a plane field that falls by 1 a metre at an angle e from straight ahead: sin e and cos e.
-        sine, cosine = (right - left) / (2.0 * _NOSE * np.sin(_SIDES)), (here - ahead) / _NOSE
+        sine, cosine = (
+            (right - left) / (2.0 * _OPTIONS.nose * np.sin(_OPTIONS.nose_angle)),
+            (here - ahead) / _OPTIONS.nose,
+        )
         top = self._robot.max_yaw_rate
-        omega = jnp.clip(_GAIN * jnp.arctan2(sine, cosine), -top, top)
+        omega = jnp.clip(_OPTIONS.follow_gain * jnp.arctan2(sine, cosine), -top, top)
         v = speed * jnp.clip(cosine, 0.0, 1.0)
         if np.isfinite(self._motion.curvature):
             v = speed
@@ -270,14 +260,16 @@ class Planner:
         gap = self._gap(scene, pose)
         if agents is not None:
             gap = jnp.minimum(gap, self._agent_gap(agents, pose[:2], end))
-        wanted = _SHY + _SHY_SPEED * v
+        wanted = _OPTIONS.margin + _OPTIONS.margin_time * v
         under_way = ahead.under_way
         shy = dt / self._slower * under_way * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
-        touched = under_way * (gap < _TOUCH) * (2.0 - k / len(_STEPS))
-        here = _field_at(route, pose, 0.0) - _ARRIVED
+        touched = under_way * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
+        here = _field_at(route, pose, 0.0) - _OPTIONS.goal_distance
         # The episode ends where the goal is reached: what would come then does not count.
         under_way = under_way * (here > 0.0)
-        left = under_way * (0.5 * (here + _field_at(route, pose, _NOSE) - _ARRIVED) + _NOSE)
+        left = under_way * (
+            0.5 * (here + _field_at(route, pose, _OPTIONS.nose) - _OPTIONS.goal_distance) + _OPTIONS.nose
+        )
         mean = ahead.mean + left * dt / self._steps.sum()
         return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, under_way)
 
@@ -290,11 +282,19 @@ class Planner:
             return pose[0] + c * px - s * py, pose[1] + s * px + c * py
 
         to_hull = self._to_hull.at(scene, *world(self._body.discs)) - self._body.discs[:, 2].astype(np.float32)
-        return jnp.minimum(to_hull.min(), self._to_edge.at(scene, *world(self._body.feet)).min() - _EDGE)
+        return jnp.minimum(
+            to_hull.min(), self._to_edge.at(scene, *world(self._body.feet)).min() - _OPTIONS.edge_distance
+        )
 
     def _agent_gap(self, agents: Any, xy: Any, ahead: Any) -> Any:
         dx, dy = agents[:, 0] + ahead * agents[:, 2] - xy[0], agents[:, 1] + ahead * agents[:, 3] - xy[1]
-        gap = jnp.sqrt(dx * dx + dy * dy) - agents[:, 4] - self._body.half_width - _AGENT - _AGENT_DRIFT * ahead
+        gap = (
+            jnp.sqrt(dx * dx + dy * dy)
+            - agents[:, 4]
+            - self._body.half_width
+            - _OPTIONS.agent_distance
+            - _OPTIONS.agent_drift * ahead
+        )
         return jnp.where(agents[:, 5] > 0.0, gap, jnp.inf).min()
 
 
@@ -309,7 +309,12 @@ def waypoint_of(v: Any, omega: Any, max_speed: float, control_period: float) -> 
 
 
 def _cost(ahead: _Ahead) -> Any:
-    return ahead.left + _SOON * ahead.mean + _SHY_COST * ahead.shy + _TOUCH_COST * ahead.touched
+    return (
+        ahead.left
+        + _OPTIONS.mean_weight * ahead.mean
+        + _OPTIONS.margin_cost * ahead.shy
+        + _OPTIONS.touch_cost * ahead.touched
+    )
 
 
 def _field_at(route: RouteField, pose: Any, ahead: float, side: float = 0.0) -> Any:

@@ -17,18 +17,34 @@ from ..geometry.grids import cell_of, pooled
 #: Cells of the room along a node, and m between nodes.
 POOL = 2
 NODE = POOL * CELL
-#: A metre where the robot just fits costs so many times as much.
-_TIGHT = 3.0
-#: m that may be missing from half the robot's width: nodes seldom lie in the middle of a gap.
-_SLACK = 0.015
-#: m of tightness: fits by less than this.
-_SNUG = 0.03
-#: m around a route that its window shows, and times its length and m that a field reaches.
-_MARGIN, _REACH, _MORE = 8.0, 2.0, 15.0
-#: Cost of a metre off the passable nodes, added to that of the nearest passable one.
-_OUTSIDE = 3.0
 #: Of the diagonals one needs both cells beside it, the other neither: fields that scores are known with are so.
 _STEPS = {**STEPS, (1, -1): ((0, -1), (1, 0)), (-1, 1): ((0, 1), (-1, 0))}
+
+
+@dataclasses.dataclass(frozen=True)
+class RouteFieldOptions:
+    """What a metre costs a robot, and how far a field reaches; set by hand.
+
+    Attributes:
+      tight_cost: a metre where the robot just fits costs so many times as much.
+      width_slack: m that may be missing from half the robot's width: nodes seldom lie in the middle of a gap.
+      tight_margin: m; a gap fits tightly with less room than this.
+      window_margin: m around a route that its window shows.
+      reach_ratio: times a route's length that a field reaches,
+      reach_margin: and m more.
+      outside_cost: of a metre off the passable nodes, added to that of the nearest passable one.
+    """
+
+    tight_cost: float = 3.0
+    width_slack: float = 0.015
+    tight_margin: float = 0.03
+    window_margin: float = 8.0
+    reach_ratio: float = 2.0
+    reach_margin: float = 15.0
+    outside_cost: float = 3.0
+
+
+_OPTIONS = RouteFieldOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,8 +70,8 @@ def build_route_fields(
       routes: (n, W, 2) m, points of the routes, which the windows enclose; lengths: (n,) m.
       half_width: m, of the robot across its heading.
     """
-    low = routes.min(1) - _MARGIN
-    spans = np.ceil((routes.max(1) + _MARGIN - low) / NODE).astype(int)
+    low = routes.min(1) - _OPTIONS.window_margin
+    spans = np.ceil((routes.max(1) + _OPTIONS.window_margin - low) / NODE).astype(int)
     shape = np.minimum(spans.max(0), np.array(room.to_hull.shape[1:]) // POOL)
     first = cell_of(low, room.origin[scenes], NODE)
     first = np.clip(first, 0, np.array(room.to_hull.shape[1:]) // POOL - shape)
@@ -66,7 +82,7 @@ def build_route_fields(
         places, which = np.unique(goals[rows], axis=0, return_inverse=True)
         for k, goal in enumerate(places):
             own = rows[which.ravel() == k]
-            field = graph.costs(goal, float(lengths[own].max()) * _REACH + _MORE)
+            field = graph.costs(goal, float(lengths[own].max()) * _OPTIONS.reach_ratio + _OPTIONS.reach_margin)
             for row in own:
                 i, j = first[row]
                 cost[row] = field[i : i + shape[0], j : j + shape[1]]
@@ -81,9 +97,9 @@ class _Costs:
         clear = np.minimum(room.to_hull[scene], room.to_edge[scene]).astype(np.float32)
         clear = pooled(clear, POOL, np.mean)
         self._origin = room.origin[scene]
-        self._passable = clear >= half_width - _SLACK
+        self._passable = clear >= half_width - _OPTIONS.width_slack
         near = 1.0 + extra_near(clear, half_width)
-        price = np.where(clear < half_width + _SNUG, _TIGHT * near, near)
+        price = np.where(clear < half_width + _OPTIONS.tight_margin, _OPTIONS.tight_cost * near, near)
 
         def mean(step: Step, a: Cells, b: Cells) -> np.ndarray:
             return NODE * np.hypot(*step) * (price[a] + price[b]) / 2
@@ -99,6 +115,6 @@ class _Costs:
         found, _ = self._graph.to_goal(int(self._graph.number[tuple(self._nearest[:, i, j])]), limit)
         field = np.full(self._passable.shape, limit, np.float32)
         field[self._passable] = np.minimum(found, limit)
-        return field[self._nearest[0], self._nearest[1]] + np.float32(_OUTSIDE * NODE) * self._outside.astype(
-            np.float32
-        )
+        return field[self._nearest[0], self._nearest[1]] + np.float32(
+            _OPTIONS.outside_cost * NODE
+        ) * self._outside.astype(np.float32)

@@ -48,7 +48,7 @@ _PARTS: dict[str, tuple[Callable[[EpisodeResult], float], Callable[[EpisodeResul
 }
 SCORES = tuple(_PARTS)
 #: Metres below which a way driven is too short for a rate per 100 m.
-_SHORTEST = 1.0
+_MIN_DISTANCE = 1.0
 
 Score = float | None
 Table = dict[str, dict[str, Score]]
@@ -61,7 +61,7 @@ def _sums(results: Sequence[EpisodeResult]) -> np.ndarray:
 
 def _ratios(sums: np.ndarray) -> np.ndarray:
     """(..., scores) from (..., scores, 2); NaN where there is nothing to divide by."""
-    least = np.array([_SHORTEST if name == "failures" else 1e-9 for name in SCORES])
+    least = np.array([_MIN_DISTANCE if name == "failures" else 1e-9 for name in SCORES])
     return np.where(sums[..., 1] > least, sums[..., 0] / np.maximum(sums[..., 1], 1e-9), np.nan)
 
 

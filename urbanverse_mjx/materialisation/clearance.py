@@ -12,18 +12,33 @@ from . import overlap
 
 #: m to both sides of the camera's way that were free: a person's shoulders, a delivery robot's half width and a hand.
 HALF_WIDTH = 0.45
-#: m over the ground between which objects are in a walker's way: over a low kerb, under branches and awnings.
-_LOW, _HIGH = 0.25, 1.3
-#: m; two places of the trajectory farther apart (a cut, a lost stretch) are not joined.
-_LONGEST_STEP = 5.0
-#: A building keeps at least this share of its ground when it is cut back from the way; else it is left as it is.
-_KEPT = 0.5
+
+
+@dataclasses.dataclass(frozen=True)
+class ClearanceOptions:
+    """What is kept out of the camera's path; set by hand.
+
+    Attributes:
+      min_height: m over the ground; lower objects are not in a walker's way: kerbs.
+      max_height: m; higher ones are not either: branches and awnings.
+      max_step: m; two places of the trajectory farther apart (a cut, a lost stretch) are not joined.
+      min_kept_share: a building keeps at least this share of its ground when it is cut back from the path; else it is
+        left as it is.
+    """
+
+    min_height: float = 0.25
+    max_height: float = 1.3
+    max_step: float = 5.0
+    min_kept_share: float = 0.5
+
+
+_OPTIONS = ClearanceOptions()
 
 
 def walked(path: np.ndarray) -> BaseGeometry:
     """The strip that a trajectory (n, 2 or more) m passed over; empty without one."""
     steps = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
-    parts = np.split(path[:, :2], np.flatnonzero(steps > _LONGEST_STEP) + 1)
+    parts = np.split(path[:, :2], np.flatnonzero(steps > _OPTIONS.max_step) + 1)
     lines = [shapely.LineString(p) if len(p) > 1 else shapely.Point(p[0]) for p in parts if len(p)]
     return shapely.union_all([line.buffer(HALF_WIDTH) for line in lines])
 
@@ -33,7 +48,7 @@ def blocks(body: overlap.Body, strip: BaseGeometry, ground: float) -> bool:
     if strip.is_empty or not strip.intersects(shapely.box(*body.bounds)):
         return False
     shift = np.array(body.offset)
-    reach = [p for p in body.prisms if p.low < ground + _HIGH and p.high > ground + _LOW]
+    reach = [p for p in body.prisms if p.low < ground + _OPTIONS.max_height and p.high > ground + _OPTIONS.min_height]
     return any(strip.intersects(shapely.Polygon(p.corners + shift)) for p in reach)
 
 
@@ -62,7 +77,7 @@ def cut_back(building: GraphObject, strip: BaseGeometry) -> GraphObject:
     kept = [(half[a] + low[a] if sign > 0 else half[a] - high[a]) / (2 * half[a]) for a, sign in sides]
     best = int(np.argmax(kept))
     axis, sign = sides[best]
-    if kept[best] < _KEPT:
+    if kept[best] < _OPTIONS.min_kept_share:
         return building
     size, shift = list(building.size), np.zeros(2)
     size[axis] = float(kept[best] * size[axis])

@@ -18,9 +18,9 @@ from scipy.spatial.distance import cdist
 from ..datatypes import validation as v
 
 #: Points of a shape's longest side between which centres are tried, and samples of its surface.
-_CENTRES, _SAMPLES = 13, 20
+_CENTRES_PER_SIDE, _SAMPLES_PER_SIDE = 13, 20
 #: Samples along the longest side on which the error of a finished cover is measured.
-_CHECKS = 80
+_ERROR_SAMPLES = 80
 _HALVINGS = 7
 
 
@@ -77,12 +77,12 @@ def _cover(data: bytes, options: FitOptions) -> Cover:
     planes = hull.equations
     centres = _candidates(points, planes)
     depth = _depth(centres, planes)
-    surface = _surface(points, hull, _SAMPLES)
+    surface = _surface(points, hull, _SAMPLES_PER_SIDE)
     # (p, c) what a sphere about c that touches the surface from inside leaves between itself and p.
     gap = cdist(surface, centres).astype(np.float32) - depth[None].astype(np.float32)
     chosen = _chosen(gap, options)
     centre, inner = centres[chosen], depth[chosen]
-    fine = _surface(points, hull, _CHECKS)
+    fine = _surface(points, hull, _ERROR_SAMPLES)
     uncovered = cdist(fine, centre) - inner[None]
     half = max(float(uncovered.min(1).max()), 0.0) / 2
     return Cover(centre, inner + half, half, half)
@@ -96,7 +96,7 @@ def _depth(at: np.ndarray, planes: np.ndarray) -> np.ndarray:
 def _candidates(points: np.ndarray, planes: np.ndarray) -> np.ndarray:
     """(n, 3) points inside: a grid along the axes that has a layer in the middle of thin shapes."""
     low, high = points.min(0), points.max(0)
-    step = (high - low).max() / _CENTRES
+    step = (high - low).max() / _CENTRES_PER_SIDE
     axes = []
     for a, b in zip(low, high, strict=True):
         count = max(1, round((b - a) / step)) | 1
@@ -168,7 +168,7 @@ def wheel(points: np.ndarray, axis: np.ndarray, anchor: np.ndarray) -> Cover:
     # Of a sphere the point farthest from the shape lies on the axis, or on its rim, where it is half as wide.
     ball = trimesh.creation.icosphere(subdivisions=3, radius=radius).vertices
     out = (centre[:, None] + ball[None]).reshape(-1, 3)
-    fine = _surface(np.asarray(points, np.float64), hull, _CHECKS)
+    fine = _surface(np.asarray(points, np.float64), hull, _ERROR_SAMPLES)
     gap = cdist(fine, centre).min(1) - radius
     return Cover(centre, np.full(count, radius), _outside(out, hull, fine), max(float(gap.max()), 0.0))
 

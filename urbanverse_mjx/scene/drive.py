@@ -22,7 +22,7 @@ LOOKAHEAD = 1.0
 ARRIVED = 0.5
 #: Slowest average speed (m/s) and waiting time (s) before a drive counts as stuck.
 SLOWEST, PATIENCE = 0.6, 6.0
-_SPACING = 0.1
+_PATH_SPACING = 0.1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +66,7 @@ def drive_all(
     adr = int(model.jnt_qposadr[model.body(f"robot/{robot.root_body}").jntadr[0]])
     state = _initial_states(model, data, adr, robot, starts)
     substeps = round(CONTROL_PERIOD / model.opt.timestep)
-    dense = [np.concatenate([p[:1], resample(p, _SPACING)]) for p in paths]
+    dense = [np.concatenate([p[:1], resample(p, _PATH_SPACING)]) for p in paths]
     progress = np.zeros(len(paths), int)
     limit = np.array([path_length(p) / SLOWEST + PATIENCE for p in paths])
     drives: list[Drive | None] = [None] * len(paths)
@@ -116,7 +116,7 @@ def _target(pose: np.ndarray, path: np.ndarray, progress: int) -> tuple[int, np.
     """The nearest point of the path from `progress` on, and the body-frame point to steer for."""
     window = path[progress : progress + 30]
     progress += int(np.linalg.norm(window - pose[:2], axis=1).argmin())
-    ahead = path[min(progress + round(LOOKAHEAD / _SPACING), len(path) - 1)] - pose[:2]
+    ahead = path[min(progress + round(LOOKAHEAD / _PATH_SPACING), len(path) - 1)] - pose[:2]
     yaw = rotations.yaw_of(pose[3:7])
     c, s = np.cos(yaw), np.sin(yaw)
     return progress, np.array([c * ahead[0] + s * ahead[1], -s * ahead[0] + c * ahead[1]])

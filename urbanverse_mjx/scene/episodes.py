@@ -18,6 +18,28 @@ DriveAll = Callable[[np.ndarray, Sequence[np.ndarray]], list[Drive]]
 
 
 @dataclasses.dataclass(frozen=True)
+class SamplingOptions:
+    """How many starts and goals are tried; set by hand.
+
+    Attributes:
+      starts_per_goal: starts tried for every goal; the mix is chosen among them.
+      samples: places tried for starts in sight of a goal.
+      goal_spacing: m that goals keep from each other while places last.
+      min_island: smallest share of the largest connected place's size at which another place is used too.
+      min_crossing: m of crosswalk on a route from which it counts as a crossing.
+    """
+
+    starts_per_goal: int = 28
+    samples: int = 400
+    goal_spacing: float = 2.0
+    min_island: float = 0.4
+    min_crossing: float = 2.0
+
+
+_OPTIONS = SamplingOptions()
+
+
+@dataclasses.dataclass(frozen=True)
 class EpisodeRules:
     """What a table holds (paper: goals 10-30 m away; here 256 rows, 32 goals, waypoints every 5 m).
 
@@ -38,18 +60,8 @@ class EpisodeRules:
     crossing_share: float = 0.2
 
 
-#: Starts tried for every goal; the mix is chosen among them.
-_STARTS_PER_GOAL = 28
-#: Places tried for starts in sight of a goal.
-_SAMPLES = 400
 #: Fewest rows with which a scene can be used.
 MIN_ROWS = 256
-#: Goals keep this distance (m) from each other while places last.
-_GOAL_SPACING = 2.0
-#: Smallest share of the largest connected place's size at which another place is used too.
-_ISLAND = 0.4
-#: Length (m) of crosswalk on a way from which it counts as a crossing.
-_CROSSING = 2.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,7 +118,7 @@ def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
     place, _ = ndimage.label(space.cost > 0, np.ones((3, 3)))
     sizes = np.bincount(place.ravel())
     sizes[0] = 0
-    middle = np.argwhere(sizes[place] >= max(1, _ISLAND * sizes.max()))
+    middle = np.argwhere(sizes[place] >= max(1, _OPTIONS.min_island * sizes.max()))
     i, j = space.cell(space.coarse_center(middle))
     roomy = space.distance[i, j] >= size.radius + size.end_margin
     on_sidewalk = space.map.kind[i, j] == KIND_INDEX["sidewalk"]
@@ -118,7 +130,7 @@ def _candidate_pool(space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rn
     order = rng.permutation(len(cells))
     pool: list[_Row] = []
     taken: list[np.ndarray] = []
-    for spacing in (_GOAL_SPACING, 2 * POOL * space.map.resolution):
+    for spacing in (_OPTIONS.goal_spacing, 2 * POOL * space.map.resolution):
         for goal in cells[order]:
             if len(taken) == rules.goals:
                 return pool
@@ -126,7 +138,7 @@ def _candidate_pool(space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rn
             if taken and np.linalg.norm(np.array(taken) - place, axis=1).min() < spacing:
                 continue
             rows = _candidates(space, cells, goal, len(taken), rules, rng)
-            if len(rows) >= _STARTS_PER_GOAL // 3:
+            if len(rows) >= _OPTIONS.starts_per_goal // 3:
                 taken.append(place)
                 pool += rows
     return pool
@@ -145,10 +157,10 @@ def _candidates(
     reach = (
         np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
     )
-    sampled = rng.permutation(np.flatnonzero(reach))[:_SAMPLES]
+    sampled = rng.permutation(np.flatnonzero(reach))[: _OPTIONS.samples]
     in_sight = sampled[_seen(space, space.coarse_center(cells[sampled]), end)].tolist()
     chosen: list[int] = []
-    for draw, wanted in enumerate(rng.uniform(*rules.distance, _STARTS_PER_GOAL)):
+    for draw, wanted in enumerate(rng.uniform(*rules.distance, _OPTIONS.starts_per_goal)):
         near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))
         if in_sight and draw % 2 == 0:
             chosen.append(in_sight.pop(int(np.abs(away[in_sight] - wanted).argmin())))
@@ -167,7 +179,7 @@ def _seen(space: FreeSpace, places: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 def _crosses(space: FreeSpace, path: np.ndarray) -> bool:
     points = resample(path, 0.1)
-    return bool((space.map.kind[space.cell(points)] == KIND_INDEX["crosswalk"]).sum() * 0.1 >= _CROSSING)
+    return bool((space.map.kind[space.cell(points)] == KIND_INDEX["crosswalk"]).sum() * 0.1 >= _OPTIONS.min_crossing)
 
 
 def _mixed_order(pool: list[_Row], rules: EpisodeRules, rng: np.random.Generator) -> list[int]:

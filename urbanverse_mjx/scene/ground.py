@@ -20,9 +20,9 @@ THICKNESS = 0.3
 #: Paint is drawn this high (m) above what it is painted on.
 PAINT_LIFT = 0.003
 #: Frames of regions sit on this raster (m), a power of two: float32 holds it exactly, so seams stay level.
-_RASTER = 1 / 64
+_FRAME_RASTER = 1 / 64
 #: m within which a road borders on a crosswalk, and the least border that says where the traffic goes.
-_BORDER = 0.05
+_MIN_BORDER = 0.05
 
 
 class Region(Protocol):
@@ -82,7 +82,7 @@ def plane_height(plane: Sequence[float], xy: np.ndarray) -> np.ndarray:
 def _frame(region: Region) -> np.ndarray:
     ring = np.asarray(region.polygon)
     middle = np.append((ring.min(0) + ring.max(0)) / 2, plane_height(region.plane, ring).min())
-    return np.round(middle / _RASTER) * _RASTER
+    return np.round(middle / _FRAME_RASTER) * _FRAME_RASTER
 
 
 def _lowest(region: Region) -> float:
@@ -111,7 +111,7 @@ def traffic_turn(region: Region, regions: Sequence[Region]) -> float:
     if region.kind != "crosswalk":
         return 0.0
     roads = shapely.union_all([shapely.Polygon(r.polygon) for r in regions if r.kind == "road"])
-    roads = roads.buffer(_BORDER)
+    roads = roads.buffer(_MIN_BORDER)
     ring = np.asarray(region.polygon)
     edges = np.roll(ring, -1, 0) - ring
     lengths = np.array(
@@ -119,7 +119,7 @@ def traffic_turn(region: Region, regions: Sequence[Region]) -> float:
     )
     across = np.arctan2(-edges[:, 0], edges[:, 1])
     mean = (lengths * np.exp(2j * across)).sum()
-    return float(np.round(np.angle(mean) / 2, 6)) if abs(mean) > _BORDER else 0.0
+    return float(np.round(np.angle(mean) / 2, 6)) if abs(mean) > _MIN_BORDER else 0.0
 
 
 def region_mesh(

@@ -9,9 +9,9 @@ from ..datatypes import PlacedGround, SceneLayout
 from ..datatypes import validation as v
 
 #: Corners nearer to each other than this (m) are one. Corners are not rounded: neighbours still meet after the cut.
-_SAME = 1e-4
+_MERGE_DISTANCE = 1e-4
 #: Pieces of ground smaller than this (m²) are left out.
-_SMALLEST = 0.05
+_MIN_AREA = 0.05
 
 
 def half_layouts(layout: SceneLayout) -> tuple[SceneLayout, SceneLayout]:
@@ -52,9 +52,9 @@ def _half(layout: SceneLayout, origin: np.ndarray, out: np.ndarray, span: float,
     ground: list[PlacedGround] = []
     for region in layout.ground:
         cut = shapely.intersection(shapely.Polygon(region.polygon), side)
-        pieces = [p for p in shapely.get_parts(cut) if isinstance(p, shapely.Polygon) and p.area >= _SMALLEST]
+        pieces = [p for p in shapely.get_parts(cut) if isinstance(p, shapely.Polygon) and p.area >= _MIN_AREA]
         for k, piece in enumerate(pieces):
-            ring = tuple((x, y) for x, y in shapely.remove_repeated_points(piece, _SAME).exterior.coords[:-1])
+            ring = tuple((x, y) for x, y in shapely.remove_repeated_points(piece, _MERGE_DISTANCE).exterior.coords[:-1])
             name = region.id if len(pieces) == 1 else f"{region.id}_{k}"
             ground.append(dataclasses.replace(region, id=name, polygon=ring))
     if not ground:

@@ -15,15 +15,15 @@ RESOLUTION = 0.05
 #: Clearance of a cell with nothing above it, and the height (m) from which on nothing counts (navbench's format).
 FREE, CEILING = 9.99, 6.4
 #: Ground-free cells around the regions, m.
-_MARGIN = 0.5
+_MAP_MARGIN = 0.5
 
 
 def ground_map(regions: Sequence[Region]) -> SceneMap:
     """Height and kind of the ground; nothing stands on it yet."""
     rings = [np.asarray(r.polygon) for r in regions]
     low, high = np.min([r.min(0) for r in rings], 0), np.max([r.max(0) for r in rings], 0)
-    origin = np.floor((low - _MARGIN) / RESOLUTION) * RESOLUTION
-    width, depth = (int(n) for n in np.ceil((high + _MARGIN - origin) / RESOLUTION))
+    origin = np.floor((low - _MAP_MARGIN) / RESOLUTION) * RESOLUTION
+    width, depth = (int(n) for n in np.ceil((high + _MAP_MARGIN - origin) / RESOLUTION))
     shape = (width, depth)
     grid = Grid(origin, RESOLUTION, shape)
     height, kind = np.full(shape, np.nan, np.float32), np.zeros(shape, np.uint8)

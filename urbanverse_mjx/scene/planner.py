@@ -24,9 +24,9 @@ NEAR_COST, NEAR_DISTANCE = 1.0, 0.5
 #: A step (m) between neighbouring cells from which on it counts as a kerb (same source).
 KERB = 0.03
 #: Road at most this far (m) from painted stripes on two sides is part of the crosswalk (same source).
-_STRIPES = 0.6
+_MAX_STRIPE_GAP = 0.6
 #: Further passes that shorten a path, an even number: each turns it round.
-_PULLS = 2
+_SHORTENING_PASSES = 2
 
 
 @dataclasses.dataclass(frozen=True)
@@ -158,7 +158,7 @@ def whole_crosswalks(scene_map: SceneMap) -> SceneMap:
     and ways would weave from one to the next."""
     stripes = scene_map.kind == KIND_INDEX["crosswalk"]
     road = np.isin(scene_map.kind, [KIND_INDEX["road"], KIND_INDEX["road_marking"]])
-    between = closed(stripes, _STRIPES, scene_map.resolution) & road
+    between = closed(stripes, _MAX_STRIPE_GAP, scene_map.resolution) & road
     return dataclasses.replace(scene_map, kind=np.where(between, np.uint8(KIND_INDEX["crosswalk"]), scene_map.kind))
 
 
@@ -194,7 +194,7 @@ class GoalField:
             paths.append(self._space.coarse_center(cells))
         paths = _pull_all(self._space, paths)
         # Corners lie on planning cells; cutting again between finer points, from either end, takes most of that back.
-        for _ in range(_PULLS):
+        for _ in range(_SHORTENING_PASSES):
             fine = [np.concatenate([p[:1], resample(p, self._space.pool * self._space.map.resolution)]) for p in paths]
             paths = _pull_all(self._space, [p[::-1] for p in fine])
         return paths

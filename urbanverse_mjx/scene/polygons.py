@@ -6,9 +6,9 @@ import numpy as np
 import shapely
 
 #: Cross products (m^2) smaller than this count as straight.
-_STRAIGHT = 1e-9
+_STRAIGHT_TOLERANCE = 1e-9
 #: Merge orders tried before the fewest parts found are taken.
-_ORDERS = 64
+_MERGE_ORDERS = 64
 
 Ring = list[int]
 
@@ -20,7 +20,7 @@ def without_straight_corners(polygon: np.ndarray) -> np.ndarray:
         before, after = np.roll(ring, 1, 0), np.roll(ring, -1, 0)
         turn = _cross(ring - before, after - ring)
         scale = np.linalg.norm(ring - before, axis=1) * np.linalg.norm(after - ring, axis=1)
-        straight = np.flatnonzero(np.abs(turn) <= _STRAIGHT * np.maximum(scale, 1.0))
+        straight = np.flatnonzero(np.abs(turn) <= _STRAIGHT_TOLERANCE * np.maximum(scale, 1.0))
         if not len(straight):
             break
         ring = np.delete(ring, straight[0], 0)
@@ -35,12 +35,12 @@ def convex_parts(polygon: np.ndarray, max_corners: int = 8) -> list[np.ndarray]:
     """
     ring = without_straight_corners(polygon)
     rings = [list(range(len(ring)))]
-    reflex = int(np.sum(_turns(ring, rings[0]) < -_STRAIGHT))
+    reflex = int(np.sum(_turns(ring, rings[0]) < -_STRAIGHT_TOLERANCE))
     if reflex:
         rings = _fewest(ring, _triangles(ring), bound=(reflex + 1) // 2 + 1)
     rings = [part for whole in rings for part in _chunks(whole, max_corners)]
     # Corners in one line, ramp tops along a pavement, may leave triangles without area.
-    return [ring[part] for part in rings if shapely.Polygon(ring[part]).area > _STRAIGHT]
+    return [ring[part] for part in rings if shapely.Polygon(ring[part]).area > _STRAIGHT_TOLERANCE]
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -66,7 +66,7 @@ def _fewest(corners: np.ndarray, triangles: list[Ring], bound: int) -> list[Ring
     """The best of several merge orders; stops at the theoretical least number of parts."""
     generator = np.random.default_rng(0)
     best: list[Ring] = triangles
-    for attempt in range(_ORDERS):
+    for attempt in range(_MERGE_ORDERS):
         parts = _merge(corners, triangles, None if attempt == 0 else generator)
         if len(parts) < len(best):
             best = parts
@@ -89,7 +89,7 @@ def _merge(corners: np.ndarray, triangles: list[Ring], generator: np.random.Gene
     for a, b in (tuple(map(int, d)) for d in diagonals):
         left, right = owner[a, b], owner[b, a]
         merged = _join(parts[left], parts[right], a, b)
-        if left != right and (_turns(corners, merged) >= -_STRAIGHT).all():
+        if left != right and (_turns(corners, merged) >= -_STRAIGHT_TOLERANCE).all():
             del parts[right]
             parts[left] = merged
             owner |= dict.fromkeys(zip(merged, merged[1:] + merged[:1], strict=True), left)

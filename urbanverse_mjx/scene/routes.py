@@ -30,9 +30,9 @@ SNAP = 1.0
 #: Of each goal of the chosen routes, how far off the starts are, in shares of the costliest way there.
 SHARES = ((1.0, 0.75, 0.5, 0.25), (0.9, 0.65, 0.4, 0.2), (1.0, 0.7, 0.45, 0.2))
 #: m kept free beyond the radius at chosen starts and goals.
-_ROOM = 0.15
+_START_CLEARANCE = 0.15
 #: Starts within this share of the wanted cost are equally good.
-_ALIKE = 0.03
+_COST_TOLERANCE = 0.03
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,7 +106,7 @@ class RoutePlanner:
             costs = self._costs(cells, goal)
             for share in shares:
                 off = np.abs(costs - share * costs.max())
-                alike = np.flatnonzero(off <= max(_ALIKE * costs.max(), off.min()))
+                alike = np.flatnonzero(off <= max(_COST_TOLERANCE * costs.max(), off.min()))
                 ends.append((cells[int(rng.choice(alike))], goal))
         centres = [tuple(self._point(cell) for cell in pair) for pair in ends]
         return [Wanted(f"r{i:03d}", start, goal) for i, (start, goal) in enumerate(centres, 1) if start != goal]
@@ -118,7 +118,7 @@ class RoutePlanner:
         sizes[0] = 0
         cells = np.argwhere((place == sizes.argmax()) & (self.space.cost > 0))
         i, j = self.space.cell(self.space.coarse_center(cells))
-        roomy = self.space.distance[i, j] >= self.size.radius + _ROOM
+        roomy = self.space.distance[i, j] >= self.size.radius + _START_CLEARANCE
         on_sidewalk = roomy & (self.space.map.kind[i, j] == KIND_INDEX["sidewalk"])
         return cells[on_sidewalk if on_sidewalk.any() else roomy]
 

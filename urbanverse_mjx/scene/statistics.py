@@ -32,12 +32,27 @@ HEAD = 1.0
 #: Narrower strips (m) are no pavement (what is left before steps and in corners), and neither are gaps between houses
 #: up to this wide (m).
 LEAST, _SLIT = 0.9, 1.5
-#: m between cross-sections, and of the map's cells that their middle lines are found on.
-_EVERY, _POOL = 0.5, 2
-#: m from a cross-section's middle within which the middle line's direction is taken.
-_REACH = 1.0
-#: A cross-section that is this much wider than twice the distance to the nearest rim looks into a corner.
-_SKEW = 1.3
+
+
+@dataclasses.dataclass(frozen=True)
+class SectionOptions:
+    """How cross-sections of pavements are taken; set by hand.
+
+    Attributes:
+      spacing: m between cross-sections.
+      pooled_cells: cells of the map along a cell of the grid that their middle lines are found on.
+      direction_radius: m from a cross-section's middle within which the middle line's direction is taken.
+      max_width_ratio: a cross-section that is this much wider than twice the distance to the nearest rim looks into a
+        corner.
+    """
+
+    spacing: float = 0.5
+    pooled_cells: int = 2
+    direction_radius: float = 1.0
+    max_width_ratio: float = 1.3
+
+
+_OPTIONS = SectionOptions()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +81,7 @@ def scene_statistics(geometry: SceneGeometry) -> dict[str, Any]:
         "kerbs": kerbs(geometry.map),
         "spacing_m": _quantiles(_nearest(places)),
         "pavement": {
-            "length_m": round(len(widths.full) * _EVERY, 1),
+            "length_m": round(len(widths.full) * _OPTIONS.spacing, 1),
             "width_m": _quantiles(widths.full),
             "clear_width_m": _quantiles(widths.clear),
             "width_under": {f"{width:g}": _share(widths.full < width) for width in WIDTHS},
@@ -133,23 +148,23 @@ def pavement_widths(geometry: SceneGeometry, houses: np.ndarray | None = None) -
     for start in range(0, len(spots), 512):
         part = slice(start, start + 512)
         width, gap = _cross(pavement, clear, spots[part], directions[part], reach[part], m.resolution)
-        straight = (width <= 2 * _SKEW * reach[part]) & (width >= LEAST)
+        straight = (width <= 2 * _OPTIONS.max_width_ratio * reach[part]) & (width >= LEAST)
         full.append(width[straight])
         gaps.append(gap[straight])
     return PavementWidths(np.concatenate(full), np.concatenate(gaps))
 
 
 def _middle_lines(pavement: np.ndarray, resolution: float) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 2) cells on the middle lines of a mask, one in every `_EVERY` metres, and (n, 2) directions along them."""
-    line = np.argwhere(skeletonize(pooled(pavement, _POOL, np.all)))
+    """(n, 2) cells on the middle lines of a mask, one in every `spacing` metres, and (n, 2) directions along them."""
+    line = np.argwhere(skeletonize(pooled(pavement, _OPTIONS.pooled_cells, np.all)))
     if not len(line):
         return np.zeros((0, 2), int), np.zeros((0, 2))
-    pitch = _POOL * resolution
-    _, first = np.unique(np.floor(line * pitch / _EVERY).astype(int), axis=0, return_index=True)
+    pitch = _OPTIONS.pooled_cells * resolution
+    _, first = np.unique(np.floor(line * pitch / _OPTIONS.spacing).astype(int), axis=0, return_index=True)
     chosen = line[first]
-    near = cKDTree(line).query_ball_point(chosen, _REACH / pitch)
+    near = cKDTree(line).query_ball_point(chosen, _OPTIONS.direction_radius / pitch)
     directions = np.array([_main_axis(line[n]) for n in near])
-    return chosen * _POOL + _POOL // 2, directions
+    return chosen * _OPTIONS.pooled_cells + _OPTIONS.pooled_cells // 2, directions
 
 
 def _main_axis(points: np.ndarray) -> np.ndarray:
@@ -162,7 +177,7 @@ def _cross(
     pavement: np.ndarray, clear: np.ndarray, spots: np.ndarray, along: np.ndarray, reach: np.ndarray, resolution: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Width (m) of the pavement and of its widest clear gap across each spot."""
-    half = max(2, int(np.ceil(_SKEW * reach.max(initial=0.0) / resolution)) + 1)
+    half = max(2, int(np.ceil(_OPTIONS.max_width_ratio * reach.max(initial=0.0) / resolution)) + 1)
     across = np.stack([-along[:, 1], along[:, 0]], -1)
     steps = np.arange(-half, half + 1)
     cells = np.rint(spots[:, None] + steps[None, :, None] * across[:, None]).astype(int)

@@ -20,7 +20,7 @@ GROUND_COLOURS = {
 }
 FOUND, TRUE, PATH = (214, 66, 40), (40, 96, 190), (30, 30, 30)
 _EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
-_NEAR = 0.2  # m before the camera where edges are cut off
+_NEAR_PLANE = 0.2  # m before the camera where edges are cut off
 
 
 def corners(obj: GraphObject) -> np.ndarray:
@@ -86,11 +86,11 @@ def overlay(recording: Recording, frame: int, objects: Sequence[GraphObject], re
         local = (corners(obj) - pose[:3, 3]) @ pose[:3, :3]
         for i, j in _EDGES:
             a, b = local[i], local[j]
-            if max(a[2], b[2]) < _NEAR:
+            if max(a[2], b[2]) < _NEAR_PLANE:
                 continue
-            if a[2] < _NEAR or b[2] < _NEAR:
-                cut = a + (b - a) * (_NEAR - a[2]) / (b[2] - a[2])
-                a, b = (cut, b) if a[2] < _NEAR else (a, cut)
+            if a[2] < _NEAR_PLANE or b[2] < _NEAR_PLANE:
+                cut = a + (b - a) * (_NEAR_PLANE - a[2]) / (b[2] - a[2])
+                a, b = (cut, b) if a[2] < _NEAR_PLANE else (a, cut)
             line = [(camera.fx * p[0] / p[2] + camera.cx, camera.fy * p[1] / p[2] + camera.cy) for p in (a, b)]
             draw.line(line, fill=TRUE if {i, j} <= {0, 1, 4, 5} else FOUND, width=2)
     return np.asarray(image)

@@ -12,7 +12,7 @@ from .graphs import GROUND_COLOURS
 
 #: Share of white in the ground's colours, so that ways and objects stand out, and sRGB of what stands and of how an
 #: episode ended.
-_PALE = 0.55
+_WHITE_SHARE = 0.55
 OBJECT, OVERHEAD = (92, 88, 92), (180, 190, 172)
 ENDS = {
     "goal": (24, 140, 60),
@@ -24,9 +24,9 @@ ENDS = {
     "non_finite": (0, 0, 0),
 }
 #: m above the ground below which a hull is in a robot's way.
-_LOW = 1.0
+_OBSTACLE_HEIGHT = 1.0
 #: Pixels of the longer side at most, and per metre at most.
-_LONGEST, _FINEST = 1800, 24.0
+_MAX_SIDE, _MAX_RESOLUTION = 1800, 24.0
 _LEGEND = 26
 
 
@@ -39,7 +39,7 @@ def route_image(
       ways: (T, 2) m each; ends: result of each; goals: (n, 2) m, drawn as rings of the success radius.
     """
     low, high = _extent(bank, scene, ways)
-    scale = min(_FINEST, _LONGEST / float((high - low).max()))
+    scale = min(_MAX_RESOLUTION, _MAX_SIDE / float((high - low).max()))
     width, height = (int(np.ceil(n * scale)) for n in high - low)
     # Twice as large, then halved: smooth edges.
     fine = 2.0 * scale
@@ -86,7 +86,7 @@ def _ground(bank: SceneBank, scene: int, low: np.ndarray, fine: float, size: tup
     i, j = (cell_of(a, o, resolution) for a, o in zip((x, y), origin, strict=True))
     seen = kind[np.clip(i, 0, kind.shape[0] - 1)[None, :], np.clip(j, 0, kind.shape[1] - 1)[:, None]]
     colours = np.array([GROUND_COLOURS[name] for name in GROUND_KINDS])
-    return Image.fromarray((_PALE * 255 + (1.0 - _PALE) * colours).astype(np.uint8)[seen])
+    return Image.fromarray((_WHITE_SHARE * 255 + (1.0 - _WHITE_SHARE) * colours).astype(np.uint8)[seen])
 
 
 def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, int, int]]]:
@@ -96,7 +96,7 @@ def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, 
     found = []
     for corners in bank.standing_hulls(scene):
         ring = outline(corners[:, :2])
-        found.append((ring, OVERHEAD if corners[:, 2].min() > ground + _LOW else OBJECT))
+        found.append((ring, OVERHEAD if corners[:, 2].min() > ground + _OBSTACLE_HEIGHT else OBJECT))
     return sorted(found, key=lambda entry: entry[1] == OBJECT)
 
 

@@ -22,12 +22,12 @@ SIZE, MAP_SIZE = (768, 400), (960, 540)
 ELEVATION = np.radians(74.0)
 SAMPLES = 2
 #: What begins lower than this (m) above the ground is drawn as being in the way, the rest as a shade.
-_HEAD = 1.0
+_OBSTACLE_HEIGHT = 1.0
 _OBSTACLE, _SHADE = (70, 62, 60), 0.82
 _ROUTES = ((214, 66, 40), (40, 96, 190), (32, 140, 90), (150, 60, 160), (230, 150, 20), (20, 150, 170))
 #: Where a person looks from: at least this far (m) from anything, at objects this near and far (m) and this far (rad)
 #: to the side.
-_ROOM, _SEEN, _CONE = 1.2, (3.0, 25.0), np.radians(35.0)
+_VIEW_CLEARANCE, _VIEW_RANGE, _VIEW_HALF_ANGLE = 1.2, (3.0, 25.0), np.radians(35.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,8 +63,10 @@ def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
     to = places[None] - way[:, None]
     away = np.linalg.norm(to, axis=-1)
-    straight = (to * ahead[:, None]).sum(-1) / np.maximum(away, 1e-9) > np.cos(_CONE)
-    score = (straight & (away > _SEEN[0]) & (away < _SEEN[1])).sum(1) * (away.min(1, initial=np.inf) > _ROOM)
+    straight = (to * ahead[:, None]).sum(-1) / np.maximum(away, 1e-9) > np.cos(_VIEW_HALF_ANGLE)
+    score = (straight & (away > _VIEW_RANGE[0]) & (away < _VIEW_RANGE[1])).sum(1) * (
+        away.min(1, initial=np.inf) > _VIEW_CLEARANCE
+    )
     score = score[: max(1, len(way) - 6)]  # the last metres look nowhere
     found = []
     for part in np.array_split(np.arange(len(score)), 2):
@@ -87,7 +89,7 @@ def route_map(scene: CompiledScene) -> np.ndarray:
     colours = np.array([GROUND_COLOURS[kind] for kind in GROUND_KINDS], np.float64)
     picture = colours[m.kind]
     picture[m.clearance < 9.0] *= _SHADE
-    picture[m.clearance < _HEAD] = _OBSTACLE
+    picture[m.clearance < _OBSTACLE_HEIGHT] = _OBSTACLE
     image = Image.fromarray(picture.astype(np.uint8).transpose(1, 0, 2)[::-1])
     scale = min(MAP_SIZE[0] / image.width, MAP_SIZE[1] / image.height)
     size = max(1, round(image.width * scale)), max(1, round(image.height * scale))

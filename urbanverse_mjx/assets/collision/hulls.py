@@ -26,12 +26,12 @@ BUILD_COMMAND = "python -m urbanverse_mjx.assets hulls"
 MILLIMETRE = 1e-3
 # Rounding bins are shifted so that hand-chosen sizes (multiples of 0.5 mm) never lie on a bin's edge, where the last
 # bit of a sine that differs between machines would change the key.
-_SHIFT = 0.317
+_BIN_SHIFT = 0.317
 
 
 def mesh_key(mesh: AssetMesh, budget: int) -> str:
     """32 hexadecimal digits over the vertices (1 mm bins), the faces and the hull budget."""
-    bins = np.floor(mesh.vertices.astype(np.float64) / MILLIMETRE + _SHIFT).astype(np.int32)
+    bins = np.floor(mesh.vertices.astype(np.float64) / MILLIMETRE + _BIN_SHIFT).astype(np.int32)
     digest = hashlib.sha256(f"{budget}/{len(bins)}/{len(mesh.faces)}/".encode())
     digest.update(bins.astype("<i4").tobytes())
     digest.update(mesh.faces.astype("<i4").tobytes())

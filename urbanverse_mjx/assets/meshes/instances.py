@@ -46,7 +46,7 @@ _KNOWN_TOPS = frozenset({"vehicle"})
 _RIGID_MIDDLES = frozenset({"traffic signs", "sports equipments", "animal", "person"})
 # Base shapes whose box comes this near to the best one's are as good; which one is taken then falls to the uid. Shapes
 # that are not bent at all differ by pose (a stride is longer than a stance), so more of a miss is forgiven.
-_AS_GOOD, _AS_GOOD_RIGID = 1.15, 1.6
+_MISFIT_RATIO, _RIGID_MISFIT_RATIO = 1.15, 1.6
 LEAST_PAINT = 0.02  # share of the surface below which a colour is a detail that keeps its meaning
 #: Key of `AssetRecord.params` that makes a record an instance.
 KEY = "instance"
@@ -127,7 +127,7 @@ def place(leaf: str, uids: Sequence[str], extents: Floats) -> Placed:
     scale = _scales(rule, wanted[:, None] / sides)  # (n, b, 3)
     miss = wanted[:, None] / (sides * scale)
     cost = np.maximum(miss, 1.0 / miss).prod(-1)
-    good = cost <= (_AS_GOOD_RIGID if rule.stretch == 1.0 else _AS_GOOD) * cost.min(1, keepdims=True)
+    good = cost <= (_RIGID_MISFIT_RATIO if rule.stretch == 1.0 else _MISFIT_RATIO) * cost.min(1, keepdims=True)
     draw = uniforms([f"{uid}#shape" for uid in uids])[:, 0]
     turn = np.floor(draw * good.sum(1)).astype(np.int64)  # the turn-th of the good ones
     base = (good & (good.cumsum(1) == turn[:, None] + 1)).argmax(1)

@@ -66,7 +66,7 @@ _MATTER = (
 )
 # Distance of chromaticities (r, g, b over their sum) below which a colour counts as the matter's, its shades included;
 # our lightest skin and our beige paint lie 0.03 apart.
-_SAME = 0.03
+_COLOUR_TOLERANCE = 0.03
 MILD = 0.04  # share of the hue's turn that a colour with a meaning takes: at most 0.02, 7 degrees
 MILD_VALUE = 0.4  # share of the other two
 SATURATION, VALUE = 0.25, 0.18  # greatest relative change of a painted cell; our judgement of one street's spread
@@ -111,7 +111,7 @@ def is_paint(colors: NDArray) -> NDArray[np.bool_]:
     """(...,) which of (..., 3) colours (0-255) are paint rather than matter that has its colour by nature."""
     chroma = _chroma(np.asarray(colors, dtype=np.float64))
     distance = ((chroma[..., None, :] - _matter()) ** 2).sum(-1).min(-1)
-    return distance > _SAME * _SAME
+    return distance > _COLOUR_TOLERANCE * _COLOUR_TOLERANCE
 
 
 def tinted(colors: NDArray, tint: NDArray, free: bool, paint: NDArray[np.bool_] | None = None) -> Floats:

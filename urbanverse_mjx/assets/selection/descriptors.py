@@ -21,7 +21,7 @@ COLORS = HUES * VALUES + GREYS
 LAYOUT = CELLS * CELLS
 SIZE = COLORS + LAYOUT + 1
 # Saturation below which a colour counts as grey, and above which as coloured; between, as both.
-_GREY, _COLORED = 0.10, 0.28
+_MAX_GREY_SATURATION, _MIN_COLOUR_SATURATION = 0.10, 0.28
 # Octaves of width over height that the aspect's byte spans, 2^-4 to 2^4.
 _ASPECT_SPAN = 8.0
 #: Weights of the three parts of the distance; chosen on renders of 300 records of other leaves than those reported.
@@ -36,7 +36,7 @@ def histogram(colors: NDArray, share: NDArray) -> NDArray[np.float64]:
       share: (..., C), sums to 1.
     """
     hue, saturation, value = hsv(colors)
-    colored = np.clip((saturation - _GREY) / (_COLORED - _GREY), 0.0, 1.0)
+    colored = np.clip((saturation - _MAX_GREY_SATURATION) / (_MIN_COLOUR_SATURATION - _MAX_GREY_SATURATION), 0.0, 1.0)
     low_h, part_h = _split(hue * HUES)
     low_v, part_v = _split(np.clip(value * VALUES - 0.5, 0.0, VALUES - 1.0))
     low_g, part_g = _split(np.clip(value * GREYS - 0.5, 0.0, GREYS - 1.0))

@@ -27,7 +27,7 @@ from .search import ObjectLibrary, library
 
 KEEP = 1000  # the paper's number of candidates after the geometric step
 # A leaf whose score is this near to the best one's is a candidate too; a name that matches leaves no doubt.
-_NEAR, _MOST_LEAVES = 0.9, 3
+_MIN_SCORE_RATIO, _MAX_LEAVES = 0.9, 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -126,7 +126,7 @@ class Matcher:
         """The leaves with shapes that a label may speak of, best first, at least one."""
         ranked = rank_leaves(label, 659, text)
         best = ranked[0][1]
-        alike = [leaf for leaf, score in ranked[:_MOST_LEAVES] if score >= _NEAR * best]
+        alike = [leaf for leaf, score in ranked[:_MAX_LEAVES] if score >= _MIN_SCORE_RATIO * best]
         if best >= 0.9:  # a name or a noun
             alike = [ranked[0][0]]
         found = [name for leaf in alike if (name := self._index.stand_in(leaf))]

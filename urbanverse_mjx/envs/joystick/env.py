@@ -24,19 +24,19 @@ from .schedule import TerrainLevels
 from .terms import CONTACT_FORCE, Motion, terms
 
 #: The world's up axis in the body's frame, below which a robot counts as fallen (72 degrees).
-_FALLEN = 0.3
+_MIN_UP = 0.3
 #: m, trunk above the ground, below which it lies.
-_LYING = 0.12
+_MIN_TRUNK_HEIGHT = 0.12
 #: m/s or rad/s, beyond which physics has come apart (the fastest motor turns at 30 rad/s).
-_BLOWN_UP = 1e3
+_MAX_SPEED = 1e3
 #: The least reward of a step: no single impact shall outweigh a fall many times.
-_WORST = -5.0
+_MIN_REWARD = -5.0
 #: m from the rim of a scene, where an episode ends.
-_RIM = 1.0
+_RIM_DISTANCE = 1.0
 #: m in front of and beside the trunk, where critics are told the ground's height: (63, 2).
 SCAN = np.array([(x, y) for x in np.linspace(-0.6, 0.75, 9) for y in np.linspace(-0.45, 0.45, 7)], np.float32)
 #: Unit that brings forces (N) near 1.
-_FORCE = 0.01
+_FORCE_SCALE = 0.01
 
 
 class _GaitFields(NamedTuple):
@@ -181,7 +181,7 @@ class JoystickEnv(StagedBase[GaitState]):
         ctrl = angles + gait.body.strength * (asked - gait.body.joint_bias - angles)
         kick = draw_push(push, config.randomization, self.dt)
         sim = self.engine.step(gait.sim._replace(qvel=gait.sim.qvel.at[:6].add(kick)), ctrl)
-        sound = given & finite.is_sound(sim) & (jnp.abs(sim.qvel) < _BLOWN_UP).all()
+        sound = given & finite.is_sound(sim) & (jnp.abs(sim.qvel) < _MAX_SPEED).all()
         sim = finite.choose(sound, sim, gait.sim)
         motion = self._motion(gait, sim, action, ctrl)
         steps = gait.steps + 1
@@ -211,7 +211,7 @@ class JoystickEnv(StagedBase[GaitState]):
         )
         values = terms(motion, config.reward_config, legs.stand, legs.limits)
         rewards = {n: jnp.float32(self.dt * s) * values[n] for n, s in config.reward_config.scales.items()}
-        total = jnp.maximum(sum(rewards.values(), jnp.float32(0.0)), _WORST)
+        total = jnp.maximum(sum(rewards.values(), jnp.float32(0.0)), _MIN_REWARD)
         return new, total, done, self._metrics(new, motion, rewards)
 
     @full_precision
@@ -284,13 +284,13 @@ class JoystickEnv(StagedBase[GaitState]):
             touch=sim.contacts.hit_fraction,
             action=action,
             last_action=gait.action,
-            fell=(up[2] < _FALLEN) | (sim.xpos[legs.root, 2] - under.min() < _LYING),
+            fell=(up[2] < _MIN_UP) | (sim.xpos[legs.root, 2] - under.min() < _MIN_TRUNK_HEIGHT),
             command=gait.command,
         )
 
     def _result(self, sim: SimState, motion: Motion, finite: jax.Array, steps: jax.Array) -> jax.Array:
         p_xy = sim.xpos[self._legs.root, :2]
-        low, high = self._heights.low[sim.scene] + _RIM, self._heights.high[sim.scene] - _RIM
+        low, high = self._heights.low[sim.scene] + _RIM_DISTANCE, self._heights.high[sim.scene] - _RIM_DISTANCE
         late = (steps >= self._config.episode_length) | (p_xy < low).any() | (p_xy > high).any()
         result = jnp.where(late, Result.TIMEOUT, Result.RUNNING)
         result = jnp.where(motion.fell, Result.FALL, result)
@@ -309,7 +309,7 @@ class JoystickEnv(StagedBase[GaitState]):
             sensor_frame(jnp, sensed[:3], sensed[3:6], bend, sensed[6 + n :], gait.command, gait.action),
             to_body(sim.qvel[:2], yaw),
             sim.qvel[2:3],
-            _FORCE * sim.contacts.foot_force,
+            _FORCE_SCALE * sim.contacts.foot_force,
             10.0 * soles,
             gait.air_time,
             5.0 * jnp.clip(position[2] - around - self.robot.spawn_height, -1.0, 1.0),

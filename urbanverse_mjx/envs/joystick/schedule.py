@@ -9,7 +9,7 @@ from ml_collections import ConfigDict
 from ...datatypes import SceneBank, ValidationError
 
 #: m; an episode that asked for a shorter way says nothing about the level.
-_SHORT = 2.0
+_MIN_REQUEST = 2.0
 
 
 class TerrainLevels:
@@ -53,7 +53,7 @@ class TerrainLevels:
           lasted: () bool, it ended by its time alone. distance, asked: () m along the commands, gone and asked for.
         """
         count = self.scenes.shape[1]
-        share, long = distance / jnp.maximum(asked, 1e-3), asked > _SHORT
+        share, long = distance / jnp.maximum(asked, 1e-3), asked > _MIN_REQUEST
         up = long & lasted & (share > self._config.promote)
         down = ~lasted | (long & (share < self._config.demote))
         level = levels[kind] + up.astype(jnp.int32) - down.astype(jnp.int32)

@@ -30,7 +30,7 @@ from .dynamic_tables import POOL, kept_tables
 #: s, at most, between two steps of a crowd: those for which `crowds` was measured.
 _CROWD_DT = 0.1
 #: m/s that nobody exceeds: who covers more ground in a control step has appeared elsewhere.
-_TELEPORT = 12.0
+_MAX_AGENT_SPEED = 12.0
 #: m between body and body that Hall (The Hidden Dimension, 1966) calls intimate and personal distance.
 INTIMATE, PERSONAL = 0.45, 1.2
 #: m; distances to people are not told beyond.
@@ -169,7 +169,7 @@ class DynamicStreet:
         """How everybody moves from one state to the next; who appears elsewhere is absent meanwhile."""
         start, end = self.places(before, scene), self.places(after, scene)
         velocity = (end.position - start.position) / self._dt
-        there = jnp.sum(velocity * velocity, -1) < _TELEPORT**2
+        there = jnp.sum(velocity * velocity, -1) < _MAX_AGENT_SPEED**2
         return start._replace(
             velocity=jnp.where(there[:, None], velocity, 0.0),
             turn_rate=wrapped(end.heading - start.heading) / self._dt,

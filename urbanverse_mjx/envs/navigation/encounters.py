@@ -17,11 +17,11 @@ from ...crowds.behaviours import ROAM, Script
 from ...datatypes import ValidationError
 
 #: m that one who starts somewhere keeps from objects, and others' centres from each other.
-_ROOM, _APART = KINDS["pedestrian"].radius + 0.1, 0.75
+_OBJECT_CLEARANCE, _AGENT_DISTANCE = KINDS["pedestrian"].radius + 0.1, 0.75
 #: m from the robot's start within which nobody is put.
-_START = 2.2
+_START_RADIUS = 2.2
 #: m/s, about what a robot drives: who cuts its way sets out so that both may meet.
-_PACE = 1.2
+_ROBOT_SPEED = 1.2
 
 Pose = tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]
 Ranges = tuple[float, float]
@@ -80,7 +80,7 @@ def _queue(pose: Pose, left: Float[Array, ""]) -> Script:
 ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Float[Array, ""]], Script]]] = {
     "head_on": (1, (8.0, 16.0), _head_on),
     # Who crosses has 2.5 m at 1.34 m/s to the route, in which a robot covers 2.2 m.
-    "cross": (1, (2.5 * _PACE / 1.34 + 1.0, 2.5 * _PACE / 1.34 + 3.0), _cross),
+    "cross": (1, (2.5 * _ROBOT_SPEED / 1.34 + 1.0, 2.5 * _ROBOT_SPEED / 1.34 + 3.0), _cross),
     "obstruct": (1, (4.0, 14.0), _obstruct),
     "overtaken": (1, (3.0, 6.0), _overtaken),
     "talk": (2, (4.0, 20.0), _talk),
@@ -134,11 +134,11 @@ class Encounters:
             left = jax.random.uniform(keys[1], (), minval=-1.2, maxval=1.2)
             script = make(route_pose(start, waypoints, arc), left)
             here = jnp.stack([script.x, script.y], -1)
-            room = clearance(here).min() > _ROOM
-            apart = jnp.linalg.norm(here - start[:2], axis=-1).min() > _START
+            room = clearance(here).min() > _OBJECT_CLEARANCE
+            apart = jnp.linalg.norm(here - start[:2], axis=-1).min() > _START_RADIUS
             for other in scripts:
                 there = jnp.stack([other.x, other.y], -1)
-                near = jnp.linalg.norm(here[:, None] - there, axis=-1) < _APART
+                near = jnp.linalg.norm(here[:, None] - there, axis=-1) < _AGENT_DISTANCE
                 apart &= ~(near & (other.mode != ROAM)).any()
             takes_place = (jax.random.uniform(keys[2]) < chance) & room & apart
             scripts.append(script._replace(mode=jnp.where(takes_place, script.mode, ROAM)))

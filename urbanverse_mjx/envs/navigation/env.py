@@ -23,7 +23,7 @@ from .schedule import EpisodeSchedule
 from .surroundings import Surroundings
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
-_UPRIGHT = 0.5
+_MIN_UP = 0.5
 #: (15, 2) m in the heading frame, where critics are told the distance to hulls and edges.
 PROBES = np.array([(x, y) for x in (0.0, 0.6, 1.2, 1.8, 2.4) for y in (-0.6, 0.0, 0.6)], np.float32)
 #: (20, 16, 2) m in the heading frame, 7.6 m along by 6 m across: where `privileged_map` tells the same distances.
@@ -202,7 +202,7 @@ class NavEnv(StagedBase[NavState]):
         agent = sim.contacts.hit_agent
         result = terms.result_of(
             finite=sound,
-            fallen=rotations.up_of(quaternion) < _UPRIGHT,
+            fallen=rotations.up_of(quaternion) < _MIN_UP,
             hit=hit & config.terminate_on_hit,
             off_traversable=(~self.is_traversable(sim.scene, p_xy)) & config.terminate_off_traversable,
             at_goal=(distance < config.success_radius) & (steps > config.success_after_step),

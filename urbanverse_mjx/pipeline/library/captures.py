@@ -31,7 +31,7 @@ SIZE = (320, 180)
 PERIOD, SWAY, SWAY_FRAMES = 1.7, np.radians(38.0), 7
 PITCH = np.radians(5.0)
 #: m that a walker keeps from objects, and how far the way is moved for it.
-_BODY, _REACH = 0.3, 3.0
+_WALKER_CLEARANCE, _MAX_SHIFT = 0.3, 3.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -87,13 +87,13 @@ def _way(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> Cam
 
 def _cleared(places: np.ndarray, street: StreetGrid) -> np.ndarray:
     """(n, 2) m: places in something are moved to the nearest free one, if that is near."""
-    free = np.argwhere(street.clearance >= _BODY)
+    free = np.argwhere(street.clearance >= _WALKER_CLEARANCE)
     points = street.middle(free)
     out = places.copy()
     for k, place in enumerate(places):
-        if street.clearance[tuple(street.cell(place))] < _BODY and len(points):
+        if street.clearance[tuple(street.cell(place))] < _WALKER_CLEARANCE and len(points):
             away = np.linalg.norm(points - place, axis=1)
-            if away.min() <= _REACH:
+            if away.min() <= _MAX_SHIFT:
                 out[k] = points[away.argmin()]
     return out
 

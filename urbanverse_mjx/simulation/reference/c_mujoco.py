@@ -34,9 +34,9 @@ __all__ = [
 _GROUND = "ground/"
 _ROBOT = "robot/"
 #: Height of a contact's normal below which the ground is a kerb (45 degrees).
-_STEEP = 0.7
+_MIN_GROUND_NORMAL = 0.7
 #: cos of the tilt (60 degrees) at which a robot counts as fallen, as in `envs`.
-_FALLEN = 0.5
+_MIN_UP = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -141,7 +141,7 @@ def drive_reference(models: Sequence[mujoco.MjModel], robot: RobotSpec, drives: 
             for contact in data.contact[: data.ncon]:
                 own, other = sorted((names[g] for g in contact.geom), key=lambda n: not n.startswith(_ROBOT))
                 if contact.dist >= 0 or (other.startswith(_GROUND) and own in feet):
-                    met[i, step] |= contact.dist < 0 and abs(contact.frame[2]) < _STEEP
+                    met[i, step] |= contact.dist < 0 and abs(contact.frame[2]) < _MIN_GROUND_NORMAL
                     continue
                 hit[i, step] = met[i, step] = True
                 ground[i] |= other.startswith(_GROUND)
@@ -182,7 +182,7 @@ def drive_engine(
 def _ends(trace: Trace) -> list[str]:
     """Why an episode would end, per drive; what comes first counts, and a hit before a fall."""
     up = rotations.up_of(trace.qpos[..., 3:7])
-    events = {"hit": trace.hit, "fall": up < _FALLEN, "nan": ~np.isfinite(trace.qpos).all(-1)}
+    events = {"hit": trace.hit, "fall": up < _MIN_UP, "nan": ~np.isfinite(trace.qpos).all(-1)}
     first = {name: np.where(e.any(1), e.argmax(1), e.shape[1]) for name, e in events.items()}
     steps = trace.hit.shape[1]
     return [

@@ -19,14 +19,14 @@ KINDS = ("free", "ramp", "kerb", "graze", "head_on", "wedge", "aimed")
 #: Proposals looked at together, and how often, before a scene counts as having no such place.
 _PROPOSALS, _ROUNDS = 64, 6
 #: m between the robot's shell and whatever a drive shall not meet.
-_SPARE = 0.3
+_CLEARANCE = 0.3
 #: m between two places of a path at which the ground is compared; a kerb is a step, a ramp a slope.
-_PACE = 0.1
-_STEP, _SLOPE, _FLAT = 0.05, 0.03, 0.004
+_GROUND_SPACING = 0.1
+_MIN_KERB, _MAX_RAMP_STEP, _MAX_UNEVENNESS = 0.05, 0.03, 0.004
 #: m above the ground, where the robot is widest.
-_MIDDLE = 0.3
+_WIDEST_HEIGHT = 0.3
 #: m between two objects that let no robot through but hold it.
-_GAP = (0.35, 0.62)
+_TRAP_WIDTH = (0.35, 0.62)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -109,8 +109,8 @@ class _Plan:
     pulse: np.ndarray
 
     def path(self, seconds: float) -> np.ndarray:
-        """(n, k, 2) m of an ideal robot, `_PACE` apart at full speed."""
-        dt = _PACE / 2.0
+        """(n, k, 2) m of an ideal robot, `_GROUND_SPACING` apart at full speed."""
+        dt = _GROUND_SPACING / 2.0
         time = np.arange(0.0, seconds, dt)
         yaw = self.yaw[:, None] + self.swing[:, None] * np.cumsum(np.sin(self.pulse[:, None] * time), 1) * dt
         way = np.stack([np.cos(yaw), np.sin(yaw)], -1) * self.speed[:, None, None] * dt
@@ -163,7 +163,7 @@ def _between_objects(street: _Street, robot: RobotSpec, rng: np.random.Generator
         local = np.einsum("nij,nki->nkj", street.rotation, corners[a][None] - street.centre[:, None])
         nearest = np.clip(local, -street.half[:, None], street.half[:, None])
         gap = np.linalg.norm((local - nearest)[..., :2], axis=-1)
-        for b, k in np.argwhere((gap > _GAP[0]) & (gap < _GAP[1])):
+        for b, k in np.argwhere((gap > _TRAP_WIDTH[0]) & (gap < _TRAP_WIDTH[1])):
             if b != a and gap[b].argmin() == k:
                 there = street.centre[b] + street.rotation[b] @ nearest[b, k]
                 ends.append((corners[a, k, :2], there[:2]))
@@ -179,24 +179,24 @@ def _good_starts(street: _Street, robot: RobotSpec, plan: _Plan) -> np.ndarray:
     """Numbers of the plans that start on flat ground with nothing in the way."""
     corners = robot.planner_radius * 0.8 * np.array([(0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)])
     height = street.height((plan.place[:, None] + corners).reshape(-1, 2)).reshape(-1, len(corners))
-    free = street.clearance(np.column_stack([plan.place, height[:, 0] + _MIDDLE]))
-    return np.flatnonzero((np.ptp(height, axis=1) < _FLAT) & (free > robot.planner_radius + 0.1))
+    free = street.clearance(np.column_stack([plan.place, height[:, 0] + _WIDEST_HEIGHT]))
+    return np.flatnonzero((np.ptp(height, axis=1) < _MAX_UNEVENNESS) & (free > robot.planner_radius + 0.1))
 
 
 def _suits(kind: str, street: _Street, robot: RobotSpec, path: np.ndarray) -> bool:
     """Whether a path (k, 2) meets what a drive of the kind shall, and nothing else."""
     ground = street.height(path)
-    free = street.clearance(np.column_stack([path, np.full(len(path), ground[0] + _MIDDLE)])).min()
+    free = street.clearance(np.column_stack([path, np.full(len(path), ground[0] + _WIDEST_HEIGHT)])).min()
     if np.isnan(ground).any():
         return False
     if kind in ("graze", "head_on", "wedge"):
-        return bool(np.ptp(ground) < _FLAT and free < robot.planner_radius)
-    if free < robot.planner_radius + _SPARE:
+        return bool(np.ptp(ground) < _MAX_UNEVENNESS and free < robot.planner_radius)
+    if free < robot.planner_radius + _CLEARANCE:
         return False
     step = np.abs(np.diff(ground)).max()
     if kind == "free":
-        return bool(np.ptp(ground) < _FLAT)
-    return bool(step > _STEP) if kind == "kerb" else bool(np.ptp(ground) > _STEP and step < _SLOPE)
+        return bool(np.ptp(ground) < _MAX_UNEVENNESS)
+    return bool(step > _MIN_KERB) if kind == "kerb" else bool(np.ptp(ground) > _MIN_KERB and step < _MAX_RAMP_STEP)
 
 
 def _find(

@@ -24,7 +24,7 @@ from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_
 from .street_batch import StreetBatch, Streets
 
 #: m and 1 - cos of half the angle from which an object stands elsewhere than in the bank, to be seen at all.
-_MOVED, _TURNED = 1e-3, 1e-6
+_MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6
 
 __all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
 
@@ -210,8 +210,8 @@ class Renderer:
             return jnp.full(number, -1, jnp.int32), jnp.zeros((number, 3)), still
         slot = jnp.clip(bodies.object_index, 0, self.bank.slot_mesh.shape[1] - 1)
         place, turn = (home[scene, slot] for home in self._homes)
-        gone = jnp.max(jnp.abs(bodies.position - place), axis=-1) > _MOVED
-        gone |= jnp.abs(jnp.sum(bodies.quaternion * turn, axis=-1)) < 1.0 - _TURNED
+        gone = jnp.max(jnp.abs(bodies.position - place), axis=-1) > _MIN_SHIFT
+        gone |= jnp.abs(jnp.sum(bodies.quaternion * turn, axis=-1)) < 1.0 - _MIN_TURN
         return jnp.where(gone & (bodies.object_index >= 0), bodies.object_index, -1), bodies.position, bodies.quaternion
 
     def _agent_bodies(self, agents: AgentMotion | None) -> tuple[jax.Array, jax.Array]:

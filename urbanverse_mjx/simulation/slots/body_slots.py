@@ -25,7 +25,7 @@ PRISMS, HULLS = 6, 4
 #: m/s that a body is expected not to exceed where what is near it is looked for; COCO pushes at 2.
 FAST = 2.0
 #: m between balls around bodies within which one that moves wakes another.
-_NEAR = 0.1
+_WAKE_DISTANCE = 0.1
 
 
 class Sizes(NamedTuple):
@@ -142,7 +142,7 @@ def wake(table: BodyConstants, scene: Any, bodies: Bodies, robot: Any, reach: fl
     moving = jnp.linalg.norm(bodies.velocity, axis=-1) > SLOW
     moving = there & (moving | (jnp.linalg.norm(bodies.spin, axis=-1) > SLOW_SPIN))
     gap = jnp.linalg.norm(place[:, None] - place, axis=-1) - radius[:, None] - radius
-    beside = jnp.any((gap < _NEAR) & moving, axis=1)
+    beside = jnp.any((gap < _WAKE_DISTANCE) & moving, axis=1)
     wanted = there & (moving | beside | (far < reach))
     # A body in the air is stopped last.
     order = jnp.where(wanted, jnp.where(moving, far - 1e3, far), jnp.inf)

@@ -20,15 +20,15 @@ from ...geometry import rotations
 #: Points of a body's surface: COCO's largest neighbours, chairs of four hulls, have some 60 corners.
 NUM_POINTS = 64
 #: m; corners nearer to each other than this are one, and a point deeper than this in another hull is none.
-_SAME = 0.01
+_MERGE_DISTANCE = 0.01
 #: m by which a body may be larger around than the bank's grids reach (a scooter's handlebar is 1.1 m from its middle);
 #: ground that begins out there may be missed.
-_LEAN = 0.3
+_GRID_OVERHANG = 0.3
 #: s that a shape is watched alone on flat ground in C MuJoCo, and rad by which it may tip meanwhile: what falls by
 #: itself (a scooter whose stand ends in the air) would do so as soon as a robot comes near, and is no body.
-_WATCHED, _TIPPED = 1.5, np.radians(15.0)
+_STABILITY_TIME, _MAX_TIPPING = 1.5, np.radians(15.0)
 #: m between the surface points from which the even ones are picked.
-_GRAIN = 0.04
+_SURFACE_SPACING = 0.04
 
 
 class BodyTable(NamedTuple):
@@ -91,10 +91,12 @@ def _spread(points: np.ndarray, chosen: list[np.ndarray], number: int, least: fl
 
 
 def _surface(corners: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(n, 3) points on triangles (f, 3), about `_GRAIN` apart."""
+    """(n, 3) points on triangles (f, 3), about `_SURFACE_SPACING` apart."""
     found = []
     for a, b, c in corners[triangles].astype(np.float64):
-        number = int(np.ceil(max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b)) / _GRAIN))
+        number = int(
+            np.ceil(max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b)) / _SURFACE_SPACING)
+        )
         u, v = (x.ravel() / max(number, 1) for x in np.meshgrid(np.arange(number + 1), np.arange(number + 1)))
         keep = u + v <= 1.0 + 1e-9
         found.append(a + u[keep, None] * (b - a) + v[keep, None] * (c - a))
@@ -112,10 +114,10 @@ def surface_points(bank: SceneBank, hulls: tuple[int, ...], number: int = NUM_PO
             for other in hulls:
                 if other != t:
                     planes = bank.hull_planes[other, : bank.hull_num_triangles[other]].astype(np.float64)
-                    outside &= _inside(points, planes) > -_SAME
+                    outside &= _inside(points, planes) > -_MERGE_DISTANCE
             out.append(points[outside])
-    chosen = _spread(np.concatenate(corners), [], number, _SAME)
-    chosen = _spread(np.concatenate(surface), chosen, number, _SAME)
+    chosen = _spread(np.concatenate(corners), [], number, _MERGE_DISTANCE)
+    chosen = _spread(np.concatenate(surface), chosen, number, _MERGE_DISTANCE)
     return np.array(chosen + [chosen[0]] * (number - len(chosen)))
 
 
@@ -148,14 +150,14 @@ def stands(bank: SceneBank, hulls: tuple[int, ...]) -> bool:
     model = spec.compile()
     model.opt.timestep = 0.005
     data = mujoco.MjData(model)
-    mujoco.mj_step(model, data, round(_WATCHED / model.opt.timestep))
-    return bool(rotations.up_of(data.qpos[3:7]) > np.cos(_TIPPED))
+    mujoco.mj_step(model, data, round(_STABILITY_TIME / model.opt.timestep))
+    return bool(rotations.up_of(data.qpos[3:7]) > np.cos(_MAX_TIPPING))
 
 
 def body_table(bank: SceneBank, num_hulls: int = 4) -> BodyTable:
     """The objects that may become bodies: movable, with weight, of at most `num_hulls` hulls, that stand by themselves,
     and not much larger around than the bank's grids reach (`grid_reach`), so that what is near them is listed."""
-    reach = float(bank.meta["grid_reach"]) + _LEAN
+    reach = float(bank.meta["grid_reach"]) + _GRID_OVERHANG
     row = np.full(bank.slot_mesh.shape, -1, np.int32)
     shapes: dict[tuple[int, ...], int] = {}
     found: list[tuple[np.ndarray, ...]] = []
