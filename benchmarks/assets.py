@@ -174,7 +174,7 @@ def main(as_json: Annotated[bool, tyro.conf.arg(name="json")] = False, renders: 
 
     Args:
       as_json: print one line of JSON.
-      renders: pictures to look up again; 0 leaves the appearance step out (it needs OpenGL).
+      renders: images to look up again; 0 leaves the appearance step out (it needs OpenGL).
       matches: matches to time.
     """
     result = measure(renders, matches)

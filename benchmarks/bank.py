@@ -5,7 +5,7 @@
 Streets are 200 m long, with kerbs, ramps at four crosswalks, house fronts, vehicles, furniture and people, materials
 and skies. Meshes and hulls are the shipped index's; a hull is cut in halves until an object has as many as asked for,
 so the solid stays the same. Episodes are planned over the free pavement; unlike those of the shipped streets they are
-not driven once. `--hulls-per-scene` thins the collision set out (whole objects lose their hulls, pictures and episodes
+not driven once. `--hulls-per-scene` thins the collision set out (whole objects lose their hulls, images and episodes
 stay), which is how cost over the number of hulls is measured; benchmarks.throughput can do that to a bank as it loads.
 Prints one JSON line. The same options give the same content hash.
 """

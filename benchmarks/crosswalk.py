@@ -5,7 +5,7 @@
 drives COCO in the environment's own physics along an episode's route that uses a crosswalk, while four people come
 over it towards the robot and the rest of the street lives as in the scenario `dynamic`. Nothing learnt drives: a rule
 that knows where everybody is follows the route, stops at the kerb while somebody is on the crosswalk or a vehicle
-nears it, and stops for whoever is right ahead. The picture shows what the robot's camera sees and the crosswalk from
+nears it, and stops for whoever is right ahead. The image shows what the robot's camera sees and the crosswalk from
 above. The last line of stdout is one JSON object: how long it waited, how it ended, how near it came to people.
 """
 

@@ -14,10 +14,10 @@ true object counts as seen where it covers 0.15 % of some frame; finding one tha
 wrong.
 
 Rows: perfect inputs; the protocol's errors (`lib.injection`), each object from its view of median size alone and fused;
-with --rgb, from captures with pictures: perfect inputs with Ast, the small network on true poses and depth, and all
+with --rgb, from captures with images: perfect inputs with Ast, the small network on true poses and depth, and all
 from the RGB alone; and one row for every folder given with --recordings (a perception's recordings of the same
 captures: NAME/<scene>/recording.json). --kitti360 takes recordings that `urbanverse gen import` made, with their boxes
-as ground truth. Tracks are never used. One process films and scores one street, with pictures or without; a row that
+as ground truth. Tracks are never used. One process films and scores one street, with images or without; a row that
 fails on a street is named and missing there. --results keeps what was scored, and a second call goes on with the rest:
 empty it when the code changes.
 `--scaling` times instead how long the first 10, 40, 80, 180 and 720 frames of one capture take, or those named, from
@@ -115,7 +115,7 @@ class Plan:
 class Street:
     """One street's work, whole in one process: bank file and row, or an imported recording; which rows it has.
 
-    captures: folder of the films. frames, size: of the capture. rgb: whether it is filmed with pictures, for the rows
+    captures: folder of the films. frames, size: of the capture. rgb: whether it is filmed with images, for the rows
     that look at them. others: folders of recordings of the same captures. seed: of the errors. results: folder of
     scores.
     """
@@ -138,7 +138,7 @@ class Street:
             return [perfect]
         if self.rgb:
             return [
-                dataclasses.replace(perfect, row="perfect inputs, with pictures", describe=DESCRIBE),
+                dataclasses.replace(perfect, row="perfect inputs, with images", describe=DESCRIBE),
                 Plan("the small network, true poses and depth", DistilOptions(), seen_by_the_model),
                 Plan("RGB alone", DistilOptions(), from_images),
             ]
@@ -213,7 +213,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--scenes", type=int, default=10, help="at most so many streets of each bank")
     parser.add_argument("--frames", type=int, default=180, help="of each capture, one a second")
     parser.add_argument("--size", type=int, nargs=2, default=(384, 216), metavar=("WIDTH", "HEIGHT"))
-    parser.add_argument("--rgb", type=int, default=0, help="so many streets of each bank are filmed with pictures, too")
+    parser.add_argument("--rgb", type=int, default=0, help="so many streets of each bank are filmed with images, too")
     parser.add_argument("--rgb-frames", type=int, default=120, help="of these captures, two a second")
     parser.add_argument("--rgb-size", type=int, nargs=2, default=(480, 270), metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--kitti360", type=pathlib.Path, nargs="*", default=[], help="recordings that were imported")
@@ -243,7 +243,7 @@ def streets_of(arguments: argparse.Namespace, captures: pathlib.Path) -> list[St
     felt = {"frames": arguments.frames, "size": tuple(arguments.size), "rgb": False}
     work = [Street(None, 0, path, **felt, **common) for path in arguments.kitti360]
     scenes = [(path, range(min(SceneBank.load(path).num_scenes, arguments.scenes))) for path in paths]
-    # Those with pictures take longest: they come first.
+    # Those with images take longest: they come first.
     work += [Street(path, z, None, **seen, **common) for path, rows in scenes for z in rows if z < arguments.rgb]
     return work + [Street(path, z, None, **felt, **common) for path, rows in scenes for z in rows]
 

@@ -1,4 +1,4 @@
-"""Makes the streets that the small network learns on and is scored on: pictures only, nothing to collide with.
+"""Makes the streets that the small network learns on and is scored on: images only, nothing to collide with.
 
     python -m benchmarks.perception_streets --split train --layouts 256 --processes 16 --out perception_train.npz
     python -m benchmarks.perception_streets --split test --layouts 20 --out perception_test.npz
@@ -45,7 +45,7 @@ TEST_SKIES = ("golden_hour", "overcast_grey", "partly_cloudy")
 #: Layouts of the splits come from different seeds.
 SEEDS = {"train": 11, "test": 12}
 LENGTH = 70.0  # m; what is farther than this from an eye at 1.5 m is a few pixels high
-#: Houses among them; the more there stands, the more there is to learn from a picture.
+#: Houses among them; the more there stands, the more there is to learn from a image.
 OBJECTS = {"train": (90, 140), "test": (70, 120)}
 #: Instances of the training variants of each leaf that stand beside them.
 INSTANCES = 16

@@ -172,7 +172,7 @@ def families_of(texts: Sequence[str]) -> dict[str, list[pathlib.Path]]:
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("families", nargs="+", help="NAME=FOLDER: compiled scenes, or folders of them")
-    parser.add_argument("--out", type=pathlib.Path, required=True, help="picture to write, .json beside it")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="image to write, .json beside it")
     args = parser.parse_args(argv)
     try:
         told = measure(families_of(args.families))

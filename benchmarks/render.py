@@ -66,7 +66,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--threads", type=int, help="on the CPU (default: all cores)")
     parser.add_argument("--blocks", default="", help="THREADSxBLOCKS, ...: our kernels with these launch bounds")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=pathlib.Path, help="file for the JSON lines; pictures go to its .npz")
+    parser.add_argument("--out", type=pathlib.Path, help="file for the JSON lines; images go to its .npz")
     parser.add_argument("--json", action="store_true", help="print the JSON lines, too")
     arguments = parser.parse_args(argv)
     try:

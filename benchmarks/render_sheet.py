@@ -1,4 +1,4 @@
-"""What each style of the renderer costs and adds, side by side in one picture.
+"""What each style of the renderer costs and adds, side by side in one image.
 
     python -m benchmarks.render_sheet --results render_1.jsonl --out docs/renderer_looks.jpg
 
@@ -34,7 +34,7 @@ ROWS = (
     (36, 64, "pbr", "plain"),
 )
 SHOWN = (135, 240)
-#: Pixels left of the pictures and above them.
+#: Pixels left of the images and above them.
 LABEL, TITLE = 190, 36
 
 
@@ -56,7 +56,7 @@ def costs(results: pathlib.Path | None) -> dict[str, dict[str, Any]]:
 
 
 def frames(bank: SceneBank, robot: RobotSpec, row: tuple[int, int, str, str], places: tuple) -> np.ndarray:
-    """(n, 135, 240, 3) u8: each place in one style; smaller pictures with their pixels enlarged."""
+    """(n, 135, 240, 3) u8: each place in one style; smaller images with their pixels enlarged."""
     height, width, shading, style = row
     options = dict(render.STYLES[style])
     if not options.pop("textures", True):

@@ -71,7 +71,7 @@ def imported_assets() -> pathlib.Path:
 
 @dataclasses.dataclass(frozen=True)
 class VisionEndpoint:
-    """Where pictures are sent to be described; `key` is empty where the endpoint wants none."""
+    """Where images are sent to be described; `key` is empty where the endpoint wants none."""
 
     url: str
     model: str

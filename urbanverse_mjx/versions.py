@@ -83,7 +83,7 @@ CODE: Mapping[str, Code] = {
     ),
     "bank": Code(1, ("pipeline.banks",), ("scenes",)),
     "rendering": Code(1, _below("simulation", "rendering", "warp_bridge"), ("datatypes",)),
-    # Pictures and numbers on the page of scenes.
+    # Images and numbers on the page of scenes.
     "cards": Code(2, _below("viz", "graphs", "images", "scene_cards", "scene_gallery"), ("scenes", "rendering")),
     # Frames and recordings from videos.
     "perception": Code(

@@ -20,7 +20,7 @@ from urbanverse_mjx.distillation.perception_model.inference import PerceptionMod
 from urbanverse_mjx.materialisation import materialise_cousin, materialise_cousins
 from urbanverse_mjx.settings import scene_root
 
-#: Frames per second of the captures with pictures: COLMAP wants steps of less than a metre.
+#: Frames per second of the captures with images: COLMAP wants steps of less than a metre.
 RGB_RATE = 2.0
 
 
@@ -39,15 +39,15 @@ class Capture:
 
 
 def film(bank: SceneBank, scene: int, folder: pathlib.Path, frames: int, size: tuple[int, int], rgb: bool) -> Capture:
-    """One capture, with pictures or black; a folder that holds it already is read."""
+    """One capture, with images or black; a folder that holds it already is read."""
     name = bank.scene_ids[scene]
     folder = folder / (f"{name}_rgb" if rgb else name)
     if (folder / "recording.json").is_file() and len(Recording.load(folder)) == frames:
         recording = Recording.load(folder)
     else:
         options = FilmOptions(width=size[0], height=size[1], rgb=rgb)
-        # With pictures he turns in some seconds, as `urbanverse capture` films: of a turn between two frames, which no
-        # video shows, no picture could tell the angle.
+        # With images he turns in some seconds, as `urbanverse capture` films: of a turn between two frames, which no
+        # video shows, no image could tell the angle.
         path = PathOptions(frames=frames, rate=RGB_RATE) if rgb else PathOptions(frames=frames, turn_time=0.0)
         recording = film_scene(bank, scene, folder, path, options)
     ground_truth = SceneGraph.load(folder / "truth.json").objects
@@ -79,7 +79,7 @@ def _with_ground_truth(recording: Recording, ground_truth: Any, turnable: dict[s
 
 
 def from_images(filmed: Capture, folder: pathlib.Path) -> Recording:
-    """Everything from the pictures alone: COLMAP's poses and the small network's objects, surfaces and depth."""
+    """Everything from the images alone: COLMAP's poses and the small network's objects, surfaces and depth."""
     (folder / "frames").mkdir(parents=True)
     names = []
     for k, frame in enumerate(filmed.recording.frames):

@@ -10,7 +10,7 @@ from urbanverse_mjx.pipeline import GenerationOptions, generate
 from urbanverse_mjx.work_folder import work_folder
 
 FRAMES = (10, 40, 80, 180, 720)
-#: What `urbanverse gen` does of a recording, up to MJCF, USD and the bank; the report draws pictures beside.
+#: What `urbanverse gen` does of a recording, up to MJCF, USD and the bank; the report draws images beside.
 _STAGES = ("graph", "cousins", "scenes", "bank")
 _OPTIONS = GenerationOptions(cousins=5, pictures=False)
 
@@ -42,7 +42,7 @@ def scaling(recording: Recording, frames: tuple[int, ...] = FRAMES) -> list[dict
 
 
 def _first(recording: Recording, count: int, folder: pathlib.Path) -> pathlib.Path:
-    """The first frames of a recording as one of its own; the pictures are linked."""
+    """The first frames of a recording as one of its own; the images are linked."""
     folder.mkdir(parents=True)
     for part in recording.folder.iterdir():
         if part.is_dir():

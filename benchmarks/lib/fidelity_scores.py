@@ -12,7 +12,7 @@ from urbanverse_mjx.materialisation.overlap import ground_box
 GATE = 5.0  # m
 SMALL = 50.0  # m^3: Scale and mAP25 leave buildings out
 IOU = 0.25
-#: Share of a picture that an object must cover in some frame to count as seen (0.15 %: 11 x 11 pixels of 384 x 216).
+#: Share of an image that an object must cover in some frame to count as seen (0.15 %: 11 x 11 pixels of 384 x 216).
 SEEN_SHARE = 0.0015
 #: A footprint whose least and greatest bounding rectangle differ by less than this has no heading.
 _ROUND = 1.12

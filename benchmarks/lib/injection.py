@@ -1,7 +1,7 @@
 """Errors put into a perfect recording: estimated poses, depth and masks at fixed sizes.
 
 Pose drift of 1 % of the path and 0.3° per 10 m; depth x (1 + N(0, 0.08)) per frame and 5 % correlated over the
-picture; detector recall 0.75, precision 0.8; 8 % of the labels confused; masks eroded or dilated by 5 % of their size.
+image; detector recall 0.75, precision 0.8; 8 % of the labels confused; masks eroded or dilated by 5 % of their size.
 """
 
 import dataclasses
@@ -21,8 +21,8 @@ class Errors:
     Attributes:
       drift: share of the path by which it is too long, and as much again sideways from the turn below.
       turn: rad per m.
-      frame_depth: sigma of each frame's depth factor; pixel_depth: sigma of the field over the picture, whose
-        features are about a tenth of the picture wide.
+      frame_depth: sigma of each frame's depth factor; pixel_depth: sigma of the field over the image, whose
+        features are about a tenth of the image wide.
       recall, precision: of detections per frame. confusion: share of labels that are another label of the capture.
       mask: by what share of its size (square root of its area) a mask grows or shrinks.
     """

@@ -1,4 +1,4 @@
-"""The picture of `benchmarks.realism`: a panel per measure with a dot per scene, published values as bands."""
+"""The image of `benchmarks.realism`: a panel per measure with a dot per scene, published values as bands."""
 
 import pathlib
 from collections.abc import Mapping, Sequence

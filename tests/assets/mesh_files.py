@@ -81,7 +81,7 @@ def split_gltf(mesh: AssetMesh, folder: pathlib.Path, stem: str) -> dict[str, An
 
 
 def vertex_coloured(mesh: AssetMesh) -> bytes:
-    """The asset with colours at its vertices and no picture."""
+    """The asset with colours at its vertices and no image."""
     height, width = mesh.texture.shape[:2]
     u, v = (mesh.uv * [width - 1, height - 1]).round().astype(int).T
     colors = np.column_stack([mesh.texture[height - 1 - v, u], np.full(len(u), 255)])
@@ -97,10 +97,10 @@ def with_copyright(scene: trimesh.Scene, **asset: Any) -> bytes:
 
 
 def checkered(solid: trimesh.Trimesh) -> trimesh.Trimesh:
-    """A z-up mesh with a picture on it, in glTF's frame."""
+    """A z-up mesh with an image on it, in glTF's frame."""
     board = np.kron(np.indices((8, 8)).sum(0) % 2, np.ones((8, 8)))[..., None] * [180, 90, 40] + 40
-    picture = Image.fromarray(board.astype(np.uint8))
-    visual = TextureVisuals(uv=solid.vertices[:, :2] * 0.1, material=PBRMaterial(baseColorTexture=picture))
+    texture = Image.fromarray(board.astype(np.uint8))
+    visual = TextureVisuals(uv=solid.vertices[:, :2] * 0.1, material=PBRMaterial(baseColorTexture=texture))
     return trimesh.Trimesh(solid.vertices @ TO_GLTF.T, solid.faces, visual=visual, process=False)
 
 

@@ -155,7 +155,7 @@ def store(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.Pa
 
 
 def test_an_exported_asset_comes_back_with_its_annotation(store: pathlib.Path) -> None:
-    """OBJ with its official JSON: mass, friction and description are the annotation's, and pictures are drawn."""
+    """OBJ with its official JSON: mass, friction and description are the annotation's, and images are drawn."""
     from urbanverse_mjx.assets.exporting.export import export_asset
 
     record = load_index().by_leaf("trash bin")[0]
@@ -168,7 +168,7 @@ def test_an_exported_asset_comes_back_with_its_annotation(store: pathlib.Path) -
     assert mine.extent_xyz == pytest.approx(record.extent_xyz, abs=1e-3)
     home = pathlib.Path(os.environ["URBANVERSE_CACHE"]) / "assets" / "imported" / mine.params["path"]
     views = sorted(home.parent.glob("view_*.png"))
-    assert len(views) == 4 or any("no pictures" in note for note in entry.notes)
+    assert len(views) == 4 or any("no images" in note for note in entry.notes)
 
 
 def _stuck() -> None:

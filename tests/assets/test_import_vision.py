@@ -87,11 +87,11 @@ def ask(folder: pathlib.Path, server: Model) -> Entry:
 
 
 def test_an_endpoint_names_what_its_file_does_not(model: Model, folder: pathlib.Path) -> None:
-    """It is asked again after a 503, sees four pictures, and what it says wrongly is left out."""
+    """It is asked again after a 503, sees four images, and what it says wrongly is left out."""
     put(folder, "qz81_final.glb")
     model.answers = [503, f"Here it is:\n```json\n{json.dumps(ANSWER)}\n```"]
     entry = ask(folder, model)
-    if any("no pictures" in note for note in entry.notes):
+    if any("no images" in note for note in entry.notes):
         pytest.skip("no off-screen OpenGL here")
     assert entry.uid, entry
     record = imported_index().get(entry.uid)

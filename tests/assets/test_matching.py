@@ -11,7 +11,7 @@ from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.categories.semantics import NgramIndex, known_names, rank_leaves
 from urbanverse_mjx.assets.selection import descriptors
 from urbanverse_mjx.assets.selection.matching import Matcher, distortions
-from urbanverse_mjx.assets.selection.neural import PictureEmbedder, SentenceEmbedder
+from urbanverse_mjx.assets.selection.neural import ImageEmbedder, SentenceEmbedder
 from urbanverse_mjx.assets.selection.overview import overview
 from urbanverse_mjx.assets.selection.search import ObjectLibrary
 from urbanverse_mjx.datatypes import ValidationError
@@ -138,7 +138,7 @@ def test_matching_is_quick(matcher: Matcher) -> None:
     assert max(spent[3:]) < 0.1
 
 
-@pytest.mark.parametrize("load", [SentenceEmbedder.load, PictureEmbedder.load])
+@pytest.mark.parametrize("load", [SentenceEmbedder.load, ImageEmbedder.load])
 def test_neural_embeddings_say_what_they_need(load, tmp_path) -> None:
     """Without the packages, the command that installs them; with them, that the folder holds no weights."""
     with pytest.raises(ValidationError, match=r"urbanverse_mjx\[embeddings\]|no weights"):
@@ -153,8 +153,8 @@ def test_dinov2_embeds_pictures(tmp_path) -> None:
     transformers.Dinov2Model(config).save_pretrained(tmp_path)
     size = {"height": 56, "width": 56}
     transformers.BitImageProcessor(size={"shortest_edge": 56}, crop_size=size).save_pretrained(tmp_path)
-    pictures = np.random.default_rng(0).integers(0, 256, (3, 80, 60, 3)).astype(np.uint8)
-    found = PictureEmbedder.load(str(tmp_path))([*pictures, pictures[0]])
+    images = np.random.default_rng(0).integers(0, 256, (3, 80, 60, 3)).astype(np.uint8)
+    found = ImageEmbedder.load(str(tmp_path))([*images, images[0]])
     assert found.shape == (4, 16)
     assert np.linalg.norm(found, axis=1) == pytest.approx(1.0, abs=1e-5)
     assert found[3] == pytest.approx(found[0], abs=1e-5)

@@ -185,8 +185,8 @@ def test_skies_and_grounds_answer_as_objects_do(name: str, number: int, classes:
     assert set(conditions) < set(library.filters())
     rows = library.load_annotations(found[:2])
     assert list(rows) == found[:2]
-    pictures = library.load_thumbnails(found[:2])
-    assert all(picture.dtype == np.uint8 and picture.std() > 1.0 for picture in pictures.values())
+    images = library.load_thumbnails(found[:2])
+    assert all(image.dtype == np.uint8 and image.std() > 1.0 for image in images.values())
     for field in rows[found[0]]:
         assert library.explain_annotation(field).startswith(f"{field}: ")
     with pytest.raises(ValidationError, match="'taste'"):
@@ -204,7 +204,7 @@ def test_a_damaged_sheet_of_thumbnails_is_found_and_fixed(tmp_path, monkeypatch)
     try:
         assert "no file" in skies.check_integrity()[0]
         path.write_bytes(whole[: len(whole) // 2])
-        assert "no whole picture" in skies.check_integrity()[0]
+        assert "no whole image" in skies.check_integrity()[0]
         monkeypatch.setattr(
             appearance_search, "build_thumbnails", lambda name: path.write_bytes(whole)
         )  # painting takes minutes
@@ -226,7 +226,7 @@ def test_a_damaged_catalogue_is_found_and_fixed(tmp_path, monkeypatch, catalogue
     assert any("not whole" in sentence for sentence in integrity.problems())
     (tmp_path / "assets" / "thumbnails").mkdir()
     (tmp_path / "assets" / "thumbnails" / "bad.png").write_bytes(b"\x89PNG")
-    assert any("no whole pictures" in sentence for sentence in integrity.problems())
+    assert any("no whole images" in sentence for sentence in integrity.problems())
     assert integrity.repair() == []
     assert store.load_store().num_rows == 102_444
     store.forget()

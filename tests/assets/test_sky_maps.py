@@ -1,4 +1,4 @@
-"""The 306 skies: light that follows the formulas, pictures without black, bands or seams, search and matching."""
+"""The 306 skies: light that follows the formulas, images without black, bands or seams, search and matching."""
 
 import hashlib
 

@@ -1,4 +1,4 @@
-"""The cache of thumbnails; the drawing itself needs OpenGL and is replaced by a picture of the texture."""
+"""The cache of thumbnails; the drawing itself needs OpenGL and is replaced by an image of the texture."""
 
 import numpy as np
 import pytest
@@ -19,8 +19,8 @@ def drawn(tmp_path, monkeypatch) -> list[str]:
 
     def draw(mesh, path):
         names.append(path.name)
-        picture = Image.fromarray(np.resize(mesh.texture, (160, 160, 3)))
-        return write_atomically(path, lambda p: picture.save(p, "PNG"))
+        image = Image.fromarray(np.resize(mesh.texture, (160, 160, 3)))
+        return write_atomically(path, lambda p: image.save(p, "PNG"))
 
     monkeypatch.setenv("URBANVERSE_CACHE", str(tmp_path))
     monkeypatch.setattr(thumbnails, "draw", draw)

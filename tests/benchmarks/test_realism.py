@@ -1,4 +1,4 @@
-"""The realism figure: measures of a scene by hand, diversity by hand, a picture that is one."""
+"""The realism figure: measures of a scene by hand, diversity by hand, an image that is one."""
 
 import json
 import pathlib

@@ -17,12 +17,12 @@ from urbanverse_mjx.datatypes import GROUND_KINDS, Camera, Detection, RecordingW
 GRAPH = pathlib.Path(__file__).parents[2] / "scenes" / "residential_bins" / "graph.json"
 
 
-def _video(path: pathlib.Path, pictures: list[np.ndarray]) -> pathlib.Path:
-    """Writes an mp4 of (180, 320, 3) u8 pictures, ten a second."""
+def _video(path: pathlib.Path, frames: list[np.ndarray]) -> pathlib.Path:
+    """Writes an mp4 of (180, 320, 3) u8 images, ten a second."""
     writer = imageio_ffmpeg.write_frames(str(path), (320, 180), fps=10, macro_block_size=2)
     writer.send(None)
-    for picture in pictures:
-        writer.send(np.ascontiguousarray(picture))
+    for frame in frames:
+        writer.send(np.ascontiguousarray(frame))
     writer.close()
     return path
 
@@ -95,7 +95,7 @@ def _broken(kind: str, folder: pathlib.Path) -> pathlib.Path:
 @pytest.mark.parametrize(
     ("kind", "word"),
     [
-        ("not a video", "no picture"),
+        ("not a video", "no image"),
         ("one-frame video", "at least two"),
         ("black video", "dark"),
         ("pictures of 2.5 gigapixels", "0.png"),

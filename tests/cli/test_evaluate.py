@@ -70,7 +70,7 @@ class MovableEngine(UnicycleEngine):
         return super().step(state, ctrl, agents)._replace(bodies=state.bodies)
 
 
-class BodyPicture(GoalImage):
+class BodyImage(GoalImage):
     """A renderer that is told where the movable objects are."""
 
     def __call__(
@@ -93,7 +93,7 @@ def kinematic(name: str, config: Any, bank: SceneBank) -> NavEnv:
     robot = unicycle_robot()
     sizes = Sizes(**config.movable.to_dict())
     engine = MovableEngine(bank, sizes, robot, config.ctrl_dt, jnp.inf, config.scenario == "dynamic")
-    return NavEnv(config, bank, robot, engine, BodyPicture())
+    return NavEnv(config, bank, robot, engine, BodyImage())
 
 
 @pytest.fixture(scope="module")
@@ -179,7 +179,7 @@ def test_what_is_neither_a_folder_nor_a_rule_is_refused() -> None:
 def test_the_video_shows_a_random_draw_with_how_each_episode_ended(
     policy: pathlib.Path, small_bank: SceneBank, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The draw is the same whatever the episodes' outcomes, and the outcomes handed to the picture are the report's."""
+    """The draw is the same whatever the episodes' outcomes, and the outcomes handed to the image are the report's."""
     shown: dict[str, Any] = {}
     monkeypatch.setattr(video, "write_rollout_video", lambda *_, **given: shown.update(given))
     evaluate_policy(policy, small_bank, tmp_path, 9, 5, True, True, "all")

@@ -50,10 +50,10 @@ def test_sources_are_known_by_their_content(tmp_path: pathlib.Path) -> None:
     (folder / "2.png").rename(folder / "5.png")
     assert recognise(folder).key == key
     (folder / "5.png").write_bytes(b"3.png")
-    assert recognise(folder).key != key, "another picture of the same size under the same name"
+    assert recognise(folder).key != key, "another image of the same size under the same name"
     (folder / "1.png").write_bytes(b"2.png")
     (folder / "5.png").write_bytes(b"1.png")
-    assert recognise(folder).key != key, "the same pictures in another order"
+    assert recognise(folder).key != key, "the same images in another order"
     video = tmp_path / "tour.mp4"
     video.write_bytes(bytes(2**20 + 10))
     key = recognise(video).key
@@ -66,8 +66,8 @@ def test_a_recording_is_known_by_the_content_of_its_pictures(tmp_path: pathlib.P
         recording = drawn_street.record(tmp_path / name, [], np.eye(4)[None])
     key = recognise(tmp_path / "a").key
     assert recognise(tmp_path / "b").key == key
-    picture = tmp_path / "a" / recording.frames[0].rgb
-    picture.write_bytes(picture.read_bytes()[:-1] + b"x")
+    image = tmp_path / "a" / recording.frames[0].rgb
+    image.write_bytes(image.read_bytes()[:-1] + b"x")
     assert recognise(tmp_path / "a").key != key
 
 

@@ -104,7 +104,7 @@ def test_spoiled_images_are_refused_when_read(tmp_path: pathlib.Path) -> None:
     (tmp_path / "rgb/000000.png").write_bytes(body[: len(body) // 2])
     with pytest.raises(ValidationError, match="unreadable"):
         recording.rgb(0)
-    (tmp_path / "masks/000001.png").write_bytes(b"not a picture")
+    (tmp_path / "masks/000001.png").write_bytes(b"not an image")
     with pytest.raises(ValidationError, match="unreadable"):
         recording.masks(1)
 

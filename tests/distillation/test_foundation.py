@@ -27,7 +27,7 @@ def logit(p: float) -> float:
 
 
 def test_owls_boxes_are_in_the_square_that_the_picture_was_padded_to() -> None:
-    """A box over the picture's right half: the square's side is 80, so its height is half of the picture's share."""
+    """A box over the image's right half: the square's side is 80, so its height is half of the image's share."""
     logits = np.array([[logit(0.1), logit(0.9)], [logit(0.05), logit(0.02)], [logit(0.6), logit(0.3)]])
     share = np.array([[0.75, 0.25, 0.5, 0.5], [0.5, 0.5, 0.1, 0.1], [0.1, 0.9, 0.2, 0.2]])
     found = boxes.decode_owl(logits, share, H, W, 0.2)
@@ -46,11 +46,11 @@ def test_small_objects_lie_on_large_ones_and_specks_vanish() -> None:
     masks = np.zeros((3, H, W), bool)
     masks[0, 10:20, 10:20] = masks[1, 5:35, 5:60] = True
     masks[2, 0, 0] = True
-    picture, kept = boxes.paint(masks, np.array([0.4, 0.8, 0.99]))
+    painted, kept = boxes.paint(masks, np.array([0.4, 0.8, 0.99]))
     assert kept.tolist() == [1, 0]
-    assert picture[15, 15] == 1
-    assert picture[30, 30] == 0
-    assert picture[0, 0] == -1
+    assert painted[15, 15] == 1
+    assert painted[30, 30] == 0
+    assert painted[0, 0] == -1
 
 
 def test_grounds_of_two_label_sets() -> None:
@@ -101,7 +101,7 @@ class Inputs(dict):
 
 
 class Detector:
-    """Asked for 70 words in two lists; sees the 66th in the left half of the picture."""
+    """Asked for 70 words in two lists; sees the 66th in the left half of the image."""
 
     asked: tuple[str, ...] = ()
 
@@ -233,9 +233,9 @@ def test_the_endpoint_is_shown_frames_from_all_of_the_tour(
     endpoint: Any = types.SimpleNamespace(model="m", url="https://x", key="")
     assert listing.list_categories(endpoint, sorted(tmp_path.iterdir())) == ["tree"]
     (body,) = sent
-    text, *pictures = body["messages"][0]["content"]
-    assert len(pictures) == listing.FRAMES
-    assert len({p["image_url"]["url"] for p in pictures}) == listing.FRAMES
+    text, *shown = body["messages"][0]["content"]
+    assert len(shown) == listing.FRAMES
+    assert len({p["image_url"]["url"] for p in shown}) == listing.FRAMES
     assert all(leaf in text["text"] for leaf in list(ontology.categories())[:20])
 
 

@@ -53,7 +53,7 @@ def _pose(along: float, yaw: float, pitch: float = -0.1) -> np.ndarray:
 
 
 def _look(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.ndarray, FrameObservation, np.ndarray]:
-    """Picture (H, W, 3) u8, what it shows, and true depth (H, W) m (0 = sky)."""
+    """Image (H, W, 3) u8, what it shows, and true depth (H, W) m (0 = sky)."""
     rays = CAMERA.rays() @ pose[:3, :3].T
     _, y0, z0 = pose[:3, 3]
     with np.errstate(divide="ignore"):
@@ -254,7 +254,7 @@ def test_lens_distortion_is_taken_out():
         CAMERA, -0.2, none, np.zeros((0, 4, 4)), np.zeros((0, 3)), none, none, np.zeros((0, 2), np.float32), 0.0, none
     )
     rays = CAMERA.rays()
-    # The bent picture: each of its pixels shows the ray whose distortion leads there (a few fixed-point steps).
+    # The bent image: each of its pixels shows the ray whose distortion leads there (a few fixed-point steps).
     straight = rays[..., :2].copy()
     for _ in range(30):
         straight = rays[..., :2] / (1.0 - 0.2 * (straight**2).sum(-1, keepdims=True))
@@ -265,7 +265,7 @@ def test_lens_distortion_is_taken_out():
 
 
 def _rise(image: np.ndarray) -> float:
-    """Rows between the highest and the lowest middle of the columns of a picture (H, W) of one line."""
+    """Rows between the highest and the lowest middle of the columns of an image (H, W) of one line."""
     middle = (image * np.arange(len(image))[:, None]).sum(0) / image.sum(0)
     return float(np.ptp(middle[20:300]))
 

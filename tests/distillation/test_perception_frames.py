@@ -24,7 +24,7 @@ def _wall(height: int = 108, width: int = 192) -> np.ndarray:
 
 
 def _pan(count: int, step: int) -> list[np.ndarray]:
-    """Pictures that slide along the wall by `step` pixels each."""
+    """Images that slide along the wall by `step` pixels each."""
     wall = _wall()
     return [wall[:, k * step : k * step + 192] for k in range(count)]
 
@@ -92,8 +92,8 @@ def test_a_sideways_turn_is_measured_and_a_fast_one_dropped():
     ("make", "said"),
     [
         (lambda p: p / "nothing.mp4", "no such file"),
-        (lambda p: _text(p / "text.mp4"), "OpenCV reads no picture"),
-        (lambda p: _folder(p / "empty", []), "no picture"),
+        (lambda p: _text(p / "text.mp4"), "OpenCV reads no image"),
+        (lambda p: _folder(p / "empty", []), "no image"),
         (lambda p: _folder(p / "one", _pan(1, 1)), "1 usable frames of 1"),
         (lambda p: _folder(p / "black", [np.zeros((60, 80, 3), np.uint8)] * 3), "0 usable frames of 3 .3 dark"),
         (lambda p: _folder(p / "sizes", [_wall()[:60], _wall()[:80]]), "768x80 pixels"),

@@ -198,9 +198,9 @@ def test_small_objects_side_by_side_keep_their_own_peaks():
 
 
 def test_recolouring_gives_every_region_one_other_colour():
-    picture = jnp.asarray(np.tile(np.array([200, 60, 40], np.uint8), (8, 12, 1)))
+    image = jnp.asarray(np.tile(np.array([200, 60, 40], np.uint8), (8, 12, 1)))
     region = jnp.asarray(np.repeat(np.arange(4), 3)[None] * np.ones((8, 1), int))
-    dyed = np.asarray(jax.jit(recolour, static_argnums=3)(jax.random.key(3), picture, region, 4))
+    dyed = np.asarray(jax.jit(recolour, static_argnums=3)(jax.random.key(3), image, region, 4))
     colours = {tuple(c) for c in dyed.reshape(-1, 3).tolist()}
     assert len(colours) == 4
     assert all(len(np.unique(dyed[:, 3 * k : 3 * k + 3].reshape(-1, 3), axis=0)) == 1 for k in range(4))
@@ -284,8 +284,8 @@ def test_missing_and_foreign_weights_are_named(tmp_path: pathlib.Path, variables
 @pytest.mark.parametrize("size", [(45, 80), (80, 45), (33, 31)])
 def test_the_model_takes_images_of_any_size(variables, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]):
     monkeypatch.setattr(inference, "SIZE", (32, 64))
-    picture = np.random.default_rng(0).integers(0, 255, (*size, 3), dtype=np.uint8)
-    observation = inference.PerceptionModel(variables, {})(picture, 60.0)
+    image = np.random.default_rng(0).integers(0, 255, (*size, 3), dtype=np.uint8)
+    observation = inference.PerceptionModel(variables, {})(image, 60.0)
     assert observation.surfaces.shape == observation.masks.shape == size
     assert observation.depth is not None
     assert observation.depth.shape == size

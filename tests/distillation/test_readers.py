@@ -31,7 +31,7 @@ def text_of(values: np.ndarray) -> str:
 
 
 def write_kitti(root: pathlib.Path) -> dict[int, np.ndarray]:
-    """A sequence of frames 0, 5 and 7, of which 5 has no picture; returns T_world_camera (rectified) by frame."""
+    """A sequence of frames 0, 5 and 7, of which 5 has no image; returns T_world_camera (rectified) by frame."""
     calibration = root / "calibration"
     calibration.mkdir(parents=True)
     P = np.array([[FOCAL, 0, 31.5, 0], [0, FOCAL, 11.5, 0], [0, 0, 1, 0]])
@@ -121,7 +121,7 @@ def boxes_text() -> str:
             f"{matrix('vertices', cube)}{matrix('faces', np.zeros((12, 3)))}</object{number}>"
         )
 
-    # A static car (box id 13), one that moves and holds at another frame, and a class without pictures.
+    # A static car (box id 13), one that moves and holds at another frame, and a class without images.
     return (
         '<?xml version="1.0"?>\n<opencv_storage>'
         + node(1, 13, 3, -1)
@@ -199,9 +199,9 @@ def test_kitti360s_laser_gives_depth(tmp_path: pathlib.Path):
     [
         ("calibration/perspective.txt", "S_rect_00: 64 24\n", "no P_rect_00"),
         (f"data_poses/{SEQUENCE}/poses.txt", "0 1 2 nan\n", "3 numbers"),
-        (f"data_poses/{SEQUENCE}/poses.txt", "3 " + "1 " * 12, "no picture of them"),
+        (f"data_poses/{SEQUENCE}/poses.txt", "3 " + "1 " * 12, "no image of them"),
         (f"data_3d_bboxes/train/{SEQUENCE}.xml", "<a><b>", "no XML"),
-        (f"data_2d_semantics/train/{SEQUENCE}/image_00/instance/0000000000.png", "x", "no readable picture"),
+        (f"data_2d_semantics/train/{SEQUENCE}/image_00/instance/0000000000.png", "x", "no readable image"),
     ],
 )
 def test_broken_kitti360_is_one_sentence(tmp_path: pathlib.Path, file: str, content: str, said: str):
@@ -213,7 +213,7 @@ def test_broken_kitti360_is_one_sentence(tmp_path: pathlib.Path, file: str, cont
 
 
 class OneCar:
-    """Predictor a car in the middle of every picture and road below."""
+    """Predictor a car in the middle of every image and road below."""
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
         assert focal == 30.0

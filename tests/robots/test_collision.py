@@ -235,8 +235,8 @@ def test_it_stops_at_a_wall_where_c_mujoco_stops_its_own_shapes(folder: pathlib.
 
 
 def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path: pathlib.Path, capsys) -> None:
-    picture = tmp_path / "fit.png"
-    assert cli.main(["robot", str(folder), "--picture", str(picture)]) == 0
+    drawing = tmp_path / "fit.png"
+    assert cli.main(["robot", str(folder), "--picture", str(drawing)]) == 0
     *lines, last = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == ["chassis", "bumper", "battery", "caster", "left_tyre", "right_tyre"]
     said = json.loads(last)
@@ -244,7 +244,7 @@ def test_the_command_reports_the_fit_and_draws_it(folder: pathlib.Path, tmp_path
     assert 0.0 < said["largest_error"] < 0.1
     from PIL import Image
 
-    with Image.open(picture) as image:
+    with Image.open(drawing) as image:
         assert image.size == (1260, 420)
         assert len(image.convert("RGB").getcolors(100_000) or []) > 10
 

@@ -192,7 +192,7 @@ def test_what_a_waypoint_means() -> None:
 
 
 def test_nothing_of_itself_stands_before_its_camera() -> None:
-    """Rays through the whole of a 16:9 picture meet none of its own geoms, seen or not."""
+    """Rays through the whole of a 16:9 image meet none of its own geoms, seen or not."""
     model = mujoco.MjModel.from_xml_string(make_go2().mjcf)
     data = mujoco.MjData(model)
     data.qpos[:] = model.key_qpos[0]

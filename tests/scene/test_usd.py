@@ -74,7 +74,7 @@ def test_the_sun_shines_from_where_the_sky_has_it(stage: Usd.Stage) -> None:
 
 
 def test_the_domes_columns_look_where_ours_do(stage: Usd.Stage) -> None:
-    """In a dome's picture column u shows longitude pi (1 - 2u): +z in the middle, +x a quarter from the left."""
+    """In a dome's image column u shows longitude pi (1 - 2u): +z in the middle, +x a quarter from the left."""
     dome = UsdGeom.Xformable(stage.GetPrimAtPath("/World/Sky"))
     matrix = dome.ComputeLocalToWorldTransform(Usd.TimeCode.Default())
     width = SKY.radiance.shape[1]

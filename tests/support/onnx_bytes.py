@@ -29,7 +29,7 @@ def linear_policy(weights: np.ndarray, batch: int | str = "n", image: tuple[int 
     """ModelProto of goal (batch, 2) -> goal @ weights (2, 2).
 
     Args:
-      picture: shape of a second input `rgb` of floats, whose mean is added to the action.
+      image: shape of a second input `rgb` of floats, whose mean is added to the action.
     """
     nodes = [_bytes(1, "goal_vector") + _bytes(1, "weights") + _bytes(2, "turned") + _bytes(4, "MatMul")]
     inputs = [_value("goal_vector", 1, (batch, 2))]

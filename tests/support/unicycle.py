@@ -72,7 +72,7 @@ class UnicycleEngine:
 
 
 class GoalImage:
-    """A renderer whose picture shows where the robot stands: enough to see frames change."""
+    """A renderer whose image shows where the robot stands: enough to see frames change."""
 
     def __call__(
         self, scene: Any, xpos: Any, xquat: Any, appearance_seed: Any = 0, agents: Any = None, bodies: Any = None

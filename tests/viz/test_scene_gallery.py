@@ -77,7 +77,7 @@ def test_pictures_are_drawn_where_the_scene_changed(tmp_path: pathlib.Path) -> N
     calls: list[str] = []
     folder = _scene(tmp_path / "a", "a")
     card = make_card(folder, tmp_path / "page", _draw(calls))
-    assert card.pictures == {"above": "pictures/a.jpg"}
+    assert card.images == {"above": "pictures/a.jpg"}
     assert make_card(folder, tmp_path / "page", _draw(calls)) == card
     assert calls == ["a"]
     (tmp_path / "page" / "pictures" / "a.jpg").unlink()

@@ -29,9 +29,9 @@ class FilmOptions:
 
     Attributes:
       width, height: pixels; fovy: rad, vertical field of view (50° and 16:9 see 79° wide, as an action camera does).
-      samples: rays per pixel and side of the RGB picture; depth and masks take the middle of each pixel.
+      samples: rays per pixel and side of the RGB image; depth and masks take the middle of each pixel.
       shadows: whether the sun casts shadows.
-      rgb: False leaves the pictures black: enough where geometry alone is asked for.
+      rgb: False leaves the images black: enough where geometry alone is asked for.
       min_pixels: objects that cover fewer pixels of a frame are not in its masks.
     """
 
@@ -105,7 +105,7 @@ class _Labels:
         }
 
     def masks(self, slots: np.ndarray, min_pixels: int) -> tuple[np.ndarray, list[Detection]]:
-        """(H, W) index of a detection or -1, and the detections, of a picture of visual slots."""
+        """(H, W) index of a detection or -1, and the detections, of an image of visual slots."""
         seen, inverse, counts = np.unique(slots, return_inverse=True, return_counts=True)
         number, found = np.full(len(seen), -1), []
         for k, slot in enumerate(seen.tolist()):

@@ -1,4 +1,4 @@
-"""Options that several commands read alike: JSON, and sizes of pictures."""
+"""Options that several commands read alike: JSON, and sizes of images."""
 
 import json
 import re

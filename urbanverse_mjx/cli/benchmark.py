@@ -1,4 +1,4 @@
-"""`urbanverse benchmark NAME`: a policy on a frozen benchmark; tables, results and pictures in a folder."""
+"""`urbanverse benchmark NAME`: a policy on a frozen benchmark; tables, results and images in a folder."""
 
 import dataclasses
 import pathlib
@@ -15,7 +15,7 @@ from ._options import EnvOverrides
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class BenchmarkArgs(BenchmarkOptions):
-    """Score a policy on a frozen benchmark: prints the table; report.md, results and pictures go to a folder."""
+    """Score a policy on a frozen benchmark: prints the table; report.md, results and images go to a folder."""
 
     name: Annotated[str, tyro.conf.Positional]
     """autobench, craftbench, shipped, validation, or a file made by `python -m benchmarks.freeze`."""

@@ -22,7 +22,7 @@ class CaptureArgs(CaptureOptions):
     out: pathlib.Path
     """Folder of the recording (recording.json, rgb/, depth/, masks/, surfaces/, truth.json)."""
     size: ImageSize = (360, 640)
-    """Of the pictures, in pixels."""
+    """Of the images, in pixels."""
     quiet: bool = False
 
 

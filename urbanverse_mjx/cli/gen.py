@@ -28,11 +28,11 @@ class GenArgs:
     usd: bool = True
     """Write every scene as USD too."""
     pictures: bool = True
-    """Render pictures of the cousins for the report."""
+    """Render images of the cousins for the report."""
     workers: int | None = None
     """Processes that compile; default: the cores this process may use."""
     rate: float = 2.0
-    """Frames taken of a video per second; of a folder's pictures, how many were taken in a second."""
+    """Frames taken of a video per second; of a folder's images, how many were taken in a second."""
     camera_height: float = 1.5
     """Height (m) of the camera above the ground that is walked on: it gives the scale of a video."""
     blur: str | None = None
@@ -100,7 +100,7 @@ class BatchArgs:
     usd: bool = True
     """Write every scene as USD too."""
     pictures: bool = False
-    """Render pictures of the cousins for the reports."""
+    """Render images of the cousins for the reports."""
     rate: float = 2.0
     """Frames taken of a video per second."""
     camera_height: float = 1.5

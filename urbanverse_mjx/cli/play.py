@@ -17,7 +17,7 @@ class PlayArgs(PlayOptions):
     """Drive episodes and write them as an mp4; prints one JSON line with how they ended."""
 
     size: ImageSize = (180, 320)
-    """Of each of the two pictures, in pixels."""
+    """Of each of the two images, in pixels."""
     out: pathlib.Path = pathlib.Path("rollout.mp4")
     env_overrides: EnvOverrides = dataclasses.field(default_factory=dict)
     """JSON of flat dotted env config keys, e.g. '{"robot": "/robots/tug", "sim_dt": 0.005}'."""

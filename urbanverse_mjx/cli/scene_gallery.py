@@ -1,4 +1,4 @@
-"""`urbanverse scene gallery`: a page of compiled scenes with pictures and numbers."""
+"""`urbanverse scene gallery`: a page of compiled scenes with images and numbers."""
 
 import dataclasses
 import json
@@ -17,7 +17,7 @@ class GalleryArgs:
     scenes: Annotated[tuple[pathlib.Path, ...], tyro.conf.Positional] = ()
     """Compiled scenes, or folders of them (a set of the scene library); none: the shipped streets, compiled first."""
     out: pathlib.Path | None = None
-    """Folder of the page; default: in the cache. Pictures that are there and current are kept."""
+    """Folder of the page; default: in the cache. Images that are there and current are kept."""
     report: pathlib.Path | None = None
     """report.json of a benchmark: how often the planner failed in each scene is its difficulty."""
     agent: str = "planner"

@@ -1,4 +1,4 @@
-"""`Recording`: posed frames with depth, instance masks and ground kinds. A folder with `recording.json` and pictures.
+"""`Recording`: posed frames with depth, instance masks and ground kinds. A folder with `recording.json` and images.
 
 Camera frame (OpenCV): x right, y down, z forward; pixel (u, v) = (fx x / z + cx, fy y / z + cy), where the centre of
 the top left pixel is (0.5, 0.5). World frame: z up, metres.
@@ -20,17 +20,17 @@ from .scene_graph import Source
 
 SCHEMA = "urbanverse.recording/1"
 FILE = "recording.json"
-#: What Pillow raises for files that are no picture, cut off, or said to have hundreds of millions of pixels.
+#: What Pillow raises for files that are no image, cut off, or said to have hundreds of millions of pixels.
 UNREADABLE = (OSError, SyntaxError, Image.DecompressionBombError)
-#: Value of a surface picture where the sky is seen; 0 is anything else, others index `ground.GROUND_KINDS`.
+#: Value of a surface image where the sky is seen; 0 is anything else, others index `ground.GROUND_KINDS`.
 SKY = 255
-#: Steps of a depth picture (m) unless its recording says otherwise: 16 bits then reach 327 m.
+#: Steps of a depth image (m) unless its recording says otherwise: 16 bits then reach 327 m.
 DEPTH_UNIT = 0.005
 MAX_FRAMES = 100_000
 MAX_DETECTIONS = 65_535  # per frame: masks are 16-bit and 0 is "none"
 MAX_SIDE = 16_384  # pixels
 _ROTATION_TOLERANCE = 1e-3
-_PICTURES = ("rgb", "depth", "masks", "surfaces")
+_KINDS = ("rgb", "depth", "masks", "surfaces")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,11 +81,11 @@ class Detection:
 
 @dataclasses.dataclass(frozen=True)
 class Frame:
-    """One picture and what is known about it.
+    """One image and what is known about it.
 
     Attributes:
       time_s: s since the first frame of the video.
-      rgb: file of the picture (PNG or JPEG), relative to the recording's folder like the others.
+      rgb: file of the image (PNG or JPEG), relative to the recording's folder like the others.
       depth: 16-bit PNG, planar depth (along the camera's z) in the recording's `depth_unit_m`, 0 = unknown; or None.
       masks: 16-bit PNG, 0 = nothing, k = `detections[k - 1]`; or None.
       surfaces: 8-bit PNG, codes of `ground.GROUND_KINDS`, 0 = anything else, 255 = sky; or None.
@@ -104,7 +104,7 @@ class Frame:
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         set_(self, "time_s", v.number(self.time_s, "frame.time_s", 0.0))
-        for name in _PICTURES:
+        for name in _KINDS:
             if name == "rgb" or getattr(self, name) is not None:
                 _relative(getattr(self, name), f"frame.{name}")
         if self.T_world_camera is not None:
@@ -139,15 +139,15 @@ class Frame:
 
 @dataclasses.dataclass(frozen=True)
 class Recording:
-    """A capture through a street, frame by frame. The pictures stay on disk and are read one at a time.
+    """A capture through a street, frame by frame. The images stay on disk and are read one at a time.
 
     Attributes:
       id: letters, digits, "_" and "-".
       source: where the video comes from.
       camera: one pinhole for all frames.
       frames: in the order of their times, at least one.
-      folder: where the pictures are.
-      depth_unit_m: m, one step of the depth pictures.
+      folder: where the images are.
+      depth_unit_m: m, one step of the depth images.
     """
 
     id: str
@@ -197,23 +197,23 @@ class Recording:
         frame = self.frames[index]
         if frame.masks is None:
             return None
-        picture = self._read(index, "masks", ("I;16", "I"), np.uint16).astype(np.int32) - 1
-        if picture.max() >= len(frame.detections):
+        codes = self._read(index, "masks", ("I;16", "I"), np.uint16).astype(np.int32) - 1
+        if codes.max() >= len(frame.detections):
             where = f"{self.folder / frame.masks}"
-            raise v.fail(where, f"detection {picture.max() + 1}", f"at most {len(frame.detections)}", "write it again")
-        return picture
+            raise v.fail(where, f"detection {codes.max() + 1}", f"at most {len(frame.detections)}", "write it again")
+        return codes
 
     def surfaces(self, index: int) -> np.ndarray | None:
         """(H, W) u8: codes of `ground.GROUND_KINDS`, 0 = anything else, 255 = sky; None where there are none."""
         name = self.frames[index].surfaces
         if name is None:
             return None
-        picture = self._read(index, "surfaces", ("L",), np.uint8)
-        wrong = picture[(picture >= len(ground.GROUND_KINDS)) & (picture != SKY)]
+        codes = self._read(index, "surfaces", ("L",), np.uint8)
+        wrong = codes[(codes >= len(ground.GROUND_KINDS)) & (codes != SKY)]
         if wrong.size:
             needed = f"0 to {len(ground.GROUND_KINDS) - 1}, or {SKY} for the sky"
             raise v.fail(str(self.folder / name), f"the value {wrong[0]}", needed, "write it again")
-        return picture
+        return codes
 
     def _read(self, index: int, kind: str, modes: Sequence[str], dtype: Any) -> np.ndarray:
         path = self.folder / getattr(self.frames[index], kind)
@@ -222,19 +222,17 @@ class Recording:
                 self._check_header(image, path, kind, modes)
                 return np.asarray(image.convert("RGB") if kind == "rgb" else image).astype(dtype)
         except FileNotFoundError as error:
-            raise v.fail(str(path), "no such file", f"the {kind} picture of frame {index}", "record again") from error
+            raise v.fail(str(path), "no such file", f"the {kind} image of frame {index}", "record again") from error
         except UNREADABLE as error:
-            raise v.fail(
-                str(path), f"an unreadable picture ({error})", "a whole PNG or JPEG", "record again"
-            ) from error
+            raise v.fail(str(path), f"an unreadable image ({error})", "a whole PNG or JPEG", "record again") from error
 
     def _check_header(self, image: Image.Image, path: pathlib.Path, kind: str, modes: Sequence[str]) -> None:
         size = self.camera.width, self.camera.height
         if image.size != size:
             found, needed = f"{image.size[0]}x{image.size[1]} pixels", f"the camera's {size[0]}x{size[1]}"
-            raise v.fail(str(path), found, needed, "scale the picture or fix the camera")
+            raise v.fail(str(path), found, needed, "scale the image or fix the camera")
         if image.mode not in modes:
-            raise v.fail(str(path), f"pixels of mode {image.mode}", f"mode {modes[0]} for a {kind} picture")
+            raise v.fail(str(path), f"pixels of mode {image.mode}", f"mode {modes[0]} for a {kind} image")
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -247,24 +245,24 @@ class Recording:
         }
 
     def save(self) -> pathlib.Path:
-        """Writes `recording.json` into the folder; the pictures must be there already.
+        """Writes `recording.json` into the folder; the images must be there already.
 
         Raises:
-          ValidationError: a picture is missing.
+          ValidationError: an image is missing.
         """
         self._check_files()
         return v.write_json(self.folder / FILE, self.to_json())
 
     def _check_files(self) -> None:
         for frame in self.frames:
-            for kind in _PICTURES:
+            for kind in _KINDS:
                 name = getattr(frame, kind)
                 if name is not None and not (self.folder / name).is_file():
-                    raise v.fail(str(self.folder / name), "no such file", f"the {kind} picture", "record again")
+                    raise v.fail(str(self.folder / name), "no such file", f"the {kind} image", "record again")
 
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> "Recording":
-        """Reads a recording's folder; every picture must be there, and is checked when it is read."""
+        """Reads a recording's folder; every image must be there, and is checked when it is read."""
         folder = pathlib.Path(folder)
         m = v.mapping(
             v.read_json(folder / FILE, "recording"),

@@ -15,12 +15,12 @@ from .scene_graph import Source
 
 _JPEG_QUALITY = 92
 _KINDS = ("rgb", "depth", "masks", "surfaces")
-#: Stands in the folder as long as a recording is not whole: whose pictures these are.
+#: Stands in the folder as long as a recording is not whole: whose images these are.
 _UNFINISHED = ".unfinished-recording"
 
 
 class RecordingWriter:
-    """Writes pictures as they come; the folder is a recording only once `close` has written `recording.json`.
+    """Writes images as they come; the folder is a recording only once `close` has written `recording.json`.
 
     Args:
       folder: made where it is missing; a recording that stands there is replaced.
@@ -28,7 +28,7 @@ class RecordingWriter:
       lossless: RGB as PNG instead of JPEG.
 
     Raises:
-      ValidationError: the folder cannot be written, or holds pictures that are not of a recording.
+      ValidationError: the folder cannot be written, or holds images that are not of a recording.
     """
 
     def __init__(
@@ -109,14 +109,14 @@ class RecordingWriter:
         pose = None if T_world_camera is None else np.asarray(T_world_camera, np.float64).tolist()
         self._frames.append(Frame(time_s, T_world_camera=pose, detections=tuple(detections), **files))  # type: ignore
 
-    def _write(self, picture: np.ndarray, kind: str, number: int, suffix: str = "png") -> str:
+    def _write(self, image: np.ndarray, kind: str, number: int, suffix: str = "png") -> str:
         size = self.camera.height, self.camera.width
-        if picture.shape[:2] != size:
-            raise v.fail(f"{kind} of frame {number}", f"shape {picture.shape}", f"{size[0]} rows of {size[1]} pixels")
+        if image.shape[:2] != size:
+            raise v.fail(f"{kind} of frame {number}", f"shape {image.shape}", f"{size[0]} rows of {size[1]} pixels")
         name = f"{kind}/{number:06d}.{suffix}"
         options: dict[str, Any] = {"quality": _JPEG_QUALITY} if suffix == "jpg" else {"compress_level": 3}
         try:
-            Image.fromarray(picture).save(self.folder / name, **options)
+            Image.fromarray(image).save(self.folder / name, **options)
         except OSError as error:
             raise v.fail(str(self.folder / name), f"an error while writing ({error})", "write access") from error
         return name

@@ -172,7 +172,7 @@ def fit(
       noise: relative error of depth.
       top: m, height of its top where some view was not cut off there; None hides the top.
       sigma: m, standard error of the centre.
-      seen: its views that the picture's sides did not cut off, from above; None for none.
+      seen: its views that the image's sides did not cut off, from above; None for none.
       axis: rad, along or across which objects around stand; None where that is not known.
     """
     nearest = float(np.linalg.norm(viewpoints - points.mean(0), axis=1).min())

@@ -1,4 +1,4 @@
-"""Pictures that the graph's descriptors come from: of objects, of ground and of the sky, and their descriptors."""
+"""Images that the graph's descriptors come from: of objects, of ground and of the sky, and their descriptors."""
 
 import dataclasses
 import itertools
@@ -13,7 +13,7 @@ from ..datatypes import GROUND_KINDS, Recording
 from ..datatypes.recording import SKY
 from .lifting import Views
 
-#: A descriptor of a picture (H, W, 3) u8 and its mask (H, W) bool: at most 64 numbers of 8 bits.
+#: A descriptor of an image (H, W, 3) u8 and its mask (H, W) bool: at most 64 numbers of 8 bits.
 Descriptor = Callable[[np.ndarray, np.ndarray], Sequence[int]]
 #: Frames whose sky and ground are kept, evenly over the trajectory.
 KEPT_FRAMES = 8
@@ -80,7 +80,7 @@ def collect(
 
 
 def _best_views(views: Views, object_of_view: np.ndarray, names: dict[int, str]) -> dict[int, np.ndarray]:
-    """Per object the `KEPT_VIEWS` with the most pixels; whole ones before those cut by the picture's rim."""
+    """Per object the `KEPT_VIEWS` with the most pixels; whole ones before those cut by the image's rim."""
     rank = np.where(views.clipped.any(1), views.pixels // 4, views.pixels)
     order = np.lexsort((-rank, object_of_view))
     bounds = np.r_[0, np.flatnonzero(np.diff(object_of_view[order])) + 1, len(order)]

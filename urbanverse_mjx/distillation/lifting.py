@@ -1,7 +1,7 @@
 """Masks and depth become point sets in the camera's frame, the same number for every view of an object.
 
 A *view* is one detection in one frame. Its points stay in the camera's frame, so that a better pose or depth scale
-found later moves them without reading the pictures again.
+found later moves them without reading the images again.
 """
 
 import dataclasses
@@ -44,7 +44,7 @@ class Views:
     frame (n,) i32: row of the registered frames; label (n,) i32: row of `labels`; score (n,) f32.
     track (n,) i32: row of the recording's tracks, -1 = none.
     points (n, POINTS, 3) f32 m, camera frame.
-    pixels (n,) i32. clipped (n, 4) bool: whether it touches the left, right, top or bottom of the picture.
+    pixels (n,) i32. clipped (n, 4) bool: whether it touches the left, right, top or bottom of the image.
     origin: (n, 2) i32: number of the frame in the recording and of the detection in it.
     """
 
@@ -190,7 +190,7 @@ def _main_groups(which: np.ndarray, z: np.ndarray, reach: np.ndarray) -> np.ndar
 
 
 def _ground(surfaces: np.ndarray, depth: np.ndarray, rays: np.ndarray, row: int) -> tuple[np.ndarray, ...]:
-    """Frame, kind and points of ground pixels, thinned evenly over the picture."""
+    """Frame, kind and points of ground pixels, thinned evenly over the image."""
     paint = [GROUND_KINDS.index(name) for name in PAINT_KINDS]
     usable = (surfaces > 0) & (surfaces != SKY) & (depth > 0) & ~np.isin(surfaces, paint)
     flat = np.flatnonzero(usable)

@@ -213,7 +213,7 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
     """At most `boxes.MAX_VIEWS` views: the best from every direction."""
     if len(rows) <= boxes.MAX_VIEWS:
         return rows
-    # A view cut off by the picture's rim is worth one from three times as far.
+    # A view cut off by the image's rim is worth one from three times as far.
     cost = placed.sigma[rows] * np.where(clipped[rows].any(1), 3.0, 1.0)
     middle = np.median(placed.center[rows], axis=0)
     side = placed.viewpoint[rows] - middle
@@ -227,7 +227,7 @@ def _chosen(rows: np.ndarray, placed: fusion.Placed, clipped: np.ndarray) -> np.
 
 
 def _top(rows: np.ndarray, views: Views, placed: fusion.Placed) -> float | None:
-    """m: the height of an object's top, from its best views that the picture's upper rim did not cut; None without any.
+    """m: the height of an object's top, from its best views that the image's upper rim did not cut; None without any.
 
     Other objects may hide the top in some of them, depth may raise it in others: the 80th percentile is between.
     """
@@ -242,7 +242,7 @@ def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrio
     """Probability that an object is there: every view speaks for it by the odds of its score, every frame that should
     have shown it and did not speaks against it by the odds of `missed_odds`.
 
-    A frame should have shown it if its middle is in the picture, no farther than in its farthest view, and nothing
+    A frame should have shown it if its middle is in the image, no farther than in its farthest view, and nothing
     stands before it.
     """
     camera, frames = fused.camera, np.unique(fused.views.frame[rows])

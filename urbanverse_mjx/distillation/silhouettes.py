@@ -83,7 +83,7 @@ def face(seen: Bearings, prior: LabelPrior) -> Fit | None:
     """How well every heading fits what was seen of an object; None where views are too few.
 
     Args:
-      seen: of the object, views whose sides the picture did not cut off.
+      seen: of the object, views whose sides the image did not cut off.
       prior: of its label.
     """
     if len(seen.frame) < _OPTIONS.min_views or not len(prior.extents):

@@ -280,7 +280,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate")
     parser.add_argument("--height", type=int, default=height, help="pixels, a multiple of 32")
     parser.add_argument("--width", type=int, default=width)
-    parser.add_argument("--samples", type=int, default=2, help="rays per pixel and side of the pictures")
+    parser.add_argument("--samples", type=int, default=2, help="rays per pixel and side of the images")
     parser.add_argument("--dtype", choices=("bfloat16", "float32"), default="bfloat16", help="of the arithmetic")
     parser.add_argument("--test-frames", type=int, default=512)
     parser.add_argument("--test-batch", type=int, default=32)

@@ -35,7 +35,7 @@ def _same(a: Any, b: Any, tolerance: float = 0.0) -> bool:
 
 
 def _unseen(obs: Any) -> dict[str, Any]:
-    """Observations but for pictures."""
+    """Observations but for images."""
     return {name: x for name, x in obs.items() if not name.startswith("pixels/")}
 
 

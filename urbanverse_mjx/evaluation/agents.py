@@ -99,7 +99,7 @@ def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
 
 
 class _Cover:
-    """Observations with all pixels 0, and black pictures of the given shapes where there are none."""
+    """Observations with all pixels 0, and black images of the given shapes where there are none."""
 
     def __init__(self, images: Mapping[str, Sequence[int]]) -> None:
         self._shapes = {name: tuple(shape) for name, shape in images.items()}
@@ -126,7 +126,7 @@ def blank_image(agent: Any, images: Mapping[str, Sequence[int]] | None = None) -
     """The same agent with its camera covered (all pixels 0): what it does without seeing.
 
     Args:
-      pictures: shapes of the pictures that it looks at, for an environment that draws none.
+      images: shapes of the images that it looks at, for an environment that draws none.
     """
     cover = _Cover(images or {})
     if isinstance(agent, Recurrent):

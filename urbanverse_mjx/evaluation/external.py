@@ -30,7 +30,7 @@ class ExternalPolicy:
     Attributes:
       agent: observations of n envs -> actions (n, 2).
       observations: names of what it is given, of `OBSERVATIONS`.
-      size: (height, width) of the pictures it looks at, None = whatever the preset draws.
+      size: (height, width) of the images it looks at, None = whatever the preset draws.
       record: what an ONNX file says about itself, None where it says nothing that we know.
     """
 
@@ -59,7 +59,7 @@ class ExternalPolicy:
 
     @property
     def sees(self) -> bool:
-        """Whether it looks at pictures."""
+        """Whether it looks at images."""
         return IMAGE in self.observations
 
     @property
@@ -74,7 +74,7 @@ def load_callable(name: str) -> ExternalPolicy:
     It is given observations by name, each with a leading axis of n envs that begin together and keep their places, and
     returns (n, 2) actions in [-1, 1]. An instance may remember: its method `begin(n)`, where it has one, is called
     before n episodes begin. Its attribute `observations` names those that it is given, of `OBSERVATIONS`; without one
-    it is given the picture and the goal. Pictures are drawn only where "pixels/front" is among them; "privileged" is
+    it is given the image and the goal. Images are drawn only where "pixels/front" is among them; "privileged" is
     recorded in the report.
 
     Raises:

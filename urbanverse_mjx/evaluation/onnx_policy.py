@@ -24,7 +24,7 @@ _DTYPES: dict[str, Any] = {"tensor(float)": np.float32, "tensor(double)": np.flo
 def load_onnx(path: pathlib.Path) -> ExternalPolicy:
     """A policy from an ONNX file.
 
-    Its inputs are observations by name (see `ALIASES`): pictures (n, H, W, C) or (n, C, H, W), as uint8 or as floats in
+    Its inputs are observations by name (see `ALIASES`): images (n, H, W, C) or (n, C, H, W), as uint8 or as floats in
     [0, 1]. The output `action`, or else the first one, is the action (n, 2). An input X with an output `next_`X is
     memory: zeros when an episode begins, then that output of the step before. A file made for one env (a first axis of
     1) is asked n times.
@@ -64,7 +64,7 @@ def _session(path: pathlib.Path) -> Any:
 
 @dataclasses.dataclass(frozen=True)
 class _Input:
-    """One input of an ONNX file; channels_first: pictures are (n, C, H, W); single: its first axis is 1."""
+    """One input of an ONNX file; channels_first: images are (n, C, H, W); single: its first axis is 1."""
 
     name: str
     observation: str

@@ -1,4 +1,4 @@
-"""A policy on a frozen benchmark: tables, results and pictures in a folder."""
+"""A policy on a frozen benchmark: tables, results and images in a folder."""
 
 import dataclasses
 import json
@@ -58,7 +58,7 @@ def benchmark(
     bank: str | os.PathLike[str] | None = None,
     quiet: bool = True,
 ) -> BenchmarkRun:
-    """Scores a policy on a frozen benchmark and writes report.md, results and pictures into a folder.
+    """Scores a policy on a frozen benchmark and writes report.md, results and images into a folder.
 
     Args:
       name: autobench, craftbench, shipped, validation, or a file made by `python -m benchmarks.freeze`.
@@ -325,9 +325,9 @@ def _draw(runs: Any, outcome: Any, folder: pathlib.Path) -> None:
         rows = [i for i, r in enumerate(outcome.results) if r.scene == scene]
         goals = np.array([runs.bank.episode_goal[number, outcome.results[i].episode, :2] for i in rows])
         trajectories, ends = [outcome.trajectories[i] for i in rows], [outcome.results[i].result for i in rows]
-        picture = Image.fromarray(route_image(runs.bank, number, trajectories, ends, goals))
+        image = Image.fromarray(route_image(runs.bank, number, trajectories, ends, goals))
 
-        def save(path: pathlib.Path, picture: Image.Image = picture) -> None:
-            picture.save(path, "PNG", optimize=True)
+        def save(path: pathlib.Path, image: Image.Image = image) -> None:
+            image.save(path, "PNG", optimize=True)
 
         v.write_atomically(folder / f"routes_{scene}.png", save)

@@ -108,8 +108,8 @@ def _trained(
     env = registry.load_nav_env(environment, config, bank)
     # Without a renderer: nothing is drawn for those who do not look.
     blind = NavEnv(env.config, env.bank, env.robot, env.engine, None)
-    pictures = {name: shape for name, shape in spec.observations.items() if name.startswith("pixels/")}
-    unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act, pictures)}
+    images = {name: shape for name, shape in spec.observations.items() if name.startswith("pixels/")}
+    unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act, images)}
     record = {"policy": str(policy), "privileged": False, "steps": spec.steps, "versions": spec.versions}
     return _Entrants(
         "trained",

@@ -34,7 +34,7 @@ class CaptureOptions:
     samples: int = 2
     """Rays per pixel along each side."""
     video: pathlib.Path | None = None
-    """Write the pictures as an mp4, too; it plays in real time and needs even sizes."""
+    """Write the images as an mp4, too; it plays in real time and needs even sizes."""
 
 
 def capture(out: str | os.PathLike[str], options: CaptureOptions | None = None, quiet: bool = True) -> dict[str, Any]:

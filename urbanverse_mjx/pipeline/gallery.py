@@ -1,4 +1,4 @@
-"""A page of compiled scenes with pictures and numbers."""
+"""A page of compiled scenes with images and numbers."""
 
 import dataclasses
 import os
@@ -34,7 +34,7 @@ def draw_gallery(
 
     Args:
       scenes: compiled scenes, or folders of them; none: the shipped streets, compiled first.
-      out: folder of the page; None for the cache. Pictures that are there and current are kept.
+      out: folder of the page; None for the cache. Images that are there and current are kept.
       report: report.json of a benchmark: how often `agent` failed in each scene is its difficulty.
       quiet: draw no progress bar on standard error.
 

@@ -42,9 +42,9 @@ class PlayOptions:
     """At most so many episodes in the video, drawn at random with --seed."""
     seed: int = 0
     fps: float | None = None
-    """Pictures a second, a multiple of the control rate, at which the agent still decides; default: that rate."""
+    """Images a second, a multiple of the control rate, at which the agent still decides; default: that rate."""
     size: tuple[int, int] = (180, 320)
-    """Height and width of each of the two pictures."""
+    """Height and width of each of the two images."""
     samples: int = 1
     """Rays a pixel along each side."""
     quality: float = 7.0
@@ -145,7 +145,7 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
 
 
 def _steps_held(fps: float | None, control_period: float) -> int:
-    """How many pictures one control step is.
+    """How many images one control step is.
 
     Raises:
       ValidationError: no whole number.

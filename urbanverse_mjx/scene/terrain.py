@@ -39,7 +39,7 @@ STAIRS = 4  # steps of a flight
 PIECE = (0.6, 1.2)  # m, of rough ground
 #: Of concrete under rubber; `envs` scale it.
 FRICTION = 0.8
-_TILE = 1.0  # m, a repetition of the picture
+_TILE = 1.0  # m, a repetition of the image
 
 #: A strip of ground: its length along x (m), and its height (m) where it begins and ends.
 Strip = tuple[float, float, float]

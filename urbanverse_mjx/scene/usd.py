@@ -174,7 +174,7 @@ def _add_light(stage: Any, scene: SceneGeometry, sky: Sky, folder: pathlib.Path)
 
 
 def hdr_bytes(radiance: np.ndarray) -> bytes:
-    """(H, W, 3) linear radiance as a Radiance picture (.hdr), pixels of 8-bit mantissas and one exponent, unpacked.
+    """(H, W, 3) linear radiance as a Radiance image (.hdr), pixels of 8-bit mantissas and one exponent, unpacked.
 
     The format: G. Ward, "Real Pixels", Graphics Gems II, 1991.
     """

@@ -165,7 +165,7 @@ def _converted(step: _Step) -> Any:
 
 
 def _random(step: _Step, count: int, seed: int) -> Iterator[list[np.ndarray]]:
-    """Batches of `count` observations in all: pictures of noise, vectors of some units, memories in [-1, 1]."""
+    """Batches of `count` observations in all: images of noise, vectors of some units, memories in [-1, 1]."""
     rng = np.random.default_rng(seed)
     for begin in range(0, count, _AT_ONCE):
         n = min(_AT_ONCE, count - begin)

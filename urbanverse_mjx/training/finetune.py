@@ -1,6 +1,6 @@
 """PPO of a student with a camera after imitation: it learns from its own episodes what its teacher could not show it.
 
-A privileged teacher drives as close to objects as it can measure; a student that sees pictures has to keep a distance
+A privileged teacher drives as close to objects as it can measure; a student that sees images has to keep a distance
 that only its own mistakes can teach. The critic sees what the teacher sees and learns alone at first, the steps of the
 actor are small, and the teacher's answers stay in the loss as an anchor that fades. Algorithm: Schulman et al.,
 "Proximal Policy Optimization Algorithms", 2017, over whole sequences, so that a memory is trained through time; the

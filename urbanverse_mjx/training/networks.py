@@ -1,4 +1,4 @@
-"""The paper's networks for Brax PPO: conv 16/32/64 on the picture, an MLP on the goal, 3 x 128 ELU.
+"""The paper's networks for Brax PPO: conv 16/32/64 on the image, an MLP on the goal, 3 x 128 ELU.
 
 Pixels arrive as uint8 and are scaled here, nowhere else. Convolutions are written as space-to-depth and matrix
 products: XLA's CPU convolutions have gradients that run 13-20 times slower inside `lax.scan`, where Brax does its

@@ -272,7 +272,7 @@ def load_compatible(folder: pathlib.Path, env: Any, ppo_config: ConfigDict) -> A
         if (part == "actor" or theirs) and jax.tree.map(jnp.shape, mine) != jax.tree.map(jnp.shape, theirs):
             raise ValidationError(
                 f"--start-from: found {part} layers of other shapes in {path}, needed those that this preset makes; "
-                "take the preset, picture size and networks that the policy was trained with."
+                "take the preset, image size and networks that the policy was trained with."
             )
     return found
 

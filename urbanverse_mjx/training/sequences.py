@@ -1,6 +1,6 @@
 """What learning from sequences of camera observations shares: mirrors, lighting, and epochs over minibatches.
 
-Half of the envs are seen in a mirror: picture, goal, speeds and labels are flipped left to right, and the student's
+Half of the envs are seen in a mirror: image, goal, speeds and labels are flipped left to right, and the student's
 action is flipped back before it drives. Streets and their mirror images are equally likely, so this doubles them.
 """
 
@@ -39,7 +39,7 @@ def mirrored_view(obs: Mapping[str, jax.Array], mirrored: jax.Array) -> dict[str
 
 
 def relit(pixels: jax.Array, key: jax.Array, light: float, noise: float) -> jax.Array:
-    """Pictures (T, n, H, W, 3) u8 with another exposure, contrast and colour for each of the n sequences."""
+    """Images (T, n, H, W, 3) u8 with another exposure, contrast and colour for each of the n sequences."""
     if light == 0.0 and noise == 0.0:
         return pixels
     n = pixels.shape[1]

@@ -1,1 +1,1 @@
-"""Pictures, galleries and videos of scenes and rollouts."""
+"""Images, galleries and videos of scenes and rollouts."""

@@ -1,4 +1,4 @@
-"""Pictures of scene graphs: from above, and as boxes over the frames of a recording."""
+"""Images of scene graphs: from above, and as boxes over the frames of a recording."""
 
 from collections.abc import Sequence
 

@@ -1,7 +1,7 @@
-"""Pictures of scenes for people: from eye level and from above.
+"""Images of scenes for people: from eye level and from above.
 
-Nine rays a pixel, sun shadows on. A `Studio` keeps the bank's meshes and textures for many pictures; `render_view`
-and `birdseye` are one picture each.
+Nine rays a pixel, sun shadows on. A `Studio` keeps the bank's meshes and textures for many images; `render_view`
+and `birdseye` are one image each.
 """
 
 from typing import Any
@@ -14,7 +14,7 @@ from ..simulation.rendering.cameras import look_at
 from ..simulation.rendering.renderer import Renderer
 
 EYE_HEIGHT = 1.6
-#: rad; a normal lens sees about this much from top to bottom on a wide picture.
+#: rad; a normal lens sees about this much from top to bottom on a wide image.
 FOV = np.radians(55.0)
 
 
@@ -33,10 +33,10 @@ def scene_extent(bank: SceneBank, scene: int) -> np.ndarray:
 
 
 class Studio:
-    """Takes pictures of one bank at one size.
+    """Takes images of one bank at one size.
 
     Args:
-      bank: the scenes; robot: to be in the pictures, or None.
+      bank: the scenes; robot: to be in the images, or None.
       width, height: pixels; samples: rays per pixel along each side; shading: see `Renderer`.
     """
 
@@ -71,7 +71,7 @@ class Studio:
 
         Args:
           elevation: rad, of the camera over the ground; π/2 is straight down.
-          margin: how much more than the scene's ground is in the picture.
+          margin: how much more than the scene's ground is in the image.
         """
         low, high = scene_extent(self.bank, scene)
         middle, size = (low + high) / 2, high - low
@@ -96,7 +96,7 @@ class Studio:
 def render_view(
     bank: SceneBank, scene: int, eye: Any, target: Any, width: int = 960, height: int = 540, fov: float = FOV
 ) -> np.ndarray:
-    """(height, width, 3) uint8: one picture of a scene from `eye` (3,) towards `target` (3,); fov: vertical, rad."""
+    """(height, width, 3) uint8: one image of a scene from `eye` (3,) towards `target` (3,); fov: vertical, rad."""
     return Studio(bank, width, height).view(scene, eye, target, fov)
 
 

@@ -101,7 +101,7 @@ def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, 
 
 
 def _with_legend(image: Image.Image, ends: Sequence[str]) -> Image.Image:
-    """The picture above a line that says how many episodes ended how."""
+    """The image above a line that says how many episodes ended how."""
     whole = Image.new("RGB", (image.width, image.height + _LEGEND), (255, 255, 255))
     whole.paste(image, (0, 0))
     draw, x = ImageDraw.Draw(whole), 8

@@ -1,4 +1,4 @@
-"""Pictures of one compiled scene for its card: from above, at eye level twice, and its map with the routes."""
+"""Images of one compiled scene for its card: from above, at eye level twice, and its map with the routes."""
 
 import dataclasses
 import io
@@ -16,7 +16,7 @@ from .graphs import GROUND_COLOURS
 from .images import EYE_HEIGHT, Studio
 from .scene_gallery import NAMES
 
-#: Pixels of the rendered pictures, and the most of a map.
+#: Pixels of the rendered images, and the most of a map.
 SIZE, MAP_SIZE = (768, 400), (960, 540)
 #: Steep, or houses hide narrow streets.
 ELEVATION = np.radians(74.0)
@@ -39,16 +39,14 @@ class Viewpoint:
 
 
 def draw_card(folder: pathlib.Path, out: pathlib.Path) -> dict[str, str]:
-    """Draws a compiled scene's pictures; `NAMES` -> the file's name in `out`."""
+    """Draws a compiled scene's images; `NAMES` -> the file's name in `out`."""
     scene = CompiledScene.load(folder)
     bank = pack_bank([folder], ["test"])
     studio = Studio(bank, *SIZE, samples=SAMPLES)
-    pictures = {"map": route_map(scene), "above": studio.birdseye(0, ELEVATION)}
+    images = {"map": route_map(scene), "above": studio.birdseye(0, ELEVATION)}
     for k, view in enumerate(viewpoints(scene)):
-        pictures[f"eye_{k}"] = studio.view(0, view.eye, view.target)
-    return {
-        name: _save(pictures[name], out / f"{scene.layout.id}_{name}.jpg").name for name in NAMES if name in pictures
-    }
+        images[f"eye_{k}"] = studio.view(0, view.eye, view.target)
+    return {name: _save(images[name], out / f"{scene.layout.id}_{name}.jpg").name for name in NAMES if name in images}
 
 
 def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
@@ -87,10 +85,10 @@ def route_map(scene: CompiledScene) -> np.ndarray:
     """(H, W, 3) u8: ground by kind, what is in the way, and the delivery robot's routes; north up."""
     m = scene.geometry.map
     colours = np.array([GROUND_COLOURS[kind] for kind in GROUND_KINDS], np.float64)
-    picture = colours[m.kind]
-    picture[m.clearance < 9.0] *= _SHADE
-    picture[m.clearance < _OBSTACLE_HEIGHT] = _OBSTACLE
-    image = Image.fromarray(picture.astype(np.uint8).transpose(1, 0, 2)[::-1])
+    colour = colours[m.kind]
+    colour[m.clearance < 9.0] *= _SHADE
+    colour[m.clearance < _OBSTACLE_HEIGHT] = _OBSTACLE
+    image = Image.fromarray(colour.astype(np.uint8).transpose(1, 0, 2)[::-1])
     scale = min(MAP_SIZE[0] / image.width, MAP_SIZE[1] / image.height)
     size = max(1, round(image.width * scale)), max(1, round(image.height * scale))
     image = image.resize(size, Image.Resampling.BOX)
@@ -105,7 +103,7 @@ def route_map(scene: CompiledScene) -> np.ndarray:
     return np.asarray(image)
 
 
-def _save(picture: np.ndarray, path: pathlib.Path) -> pathlib.Path:
+def _save(image: np.ndarray, path: pathlib.Path) -> pathlib.Path:
     file = io.BytesIO()
-    Image.fromarray(picture).save(file, "JPEG", quality=82, optimize=True)
+    Image.fromarray(image).save(file, "JPEG", quality=82, optimize=True)
     return write_atomically(path, lambda temporary: temporary.write_bytes(file.getvalue()))

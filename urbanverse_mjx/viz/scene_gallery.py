@@ -1,6 +1,6 @@
-"""A page of scene cards: pictures and numbers of compiled scenes, to be searched and sorted in a browser.
+"""A page of scene cards: images and numbers of compiled scenes, to be searched and sorted in a browser.
 
-The page stands alone beside its pictures: no server, no other site. A file beside a scene's pictures says what they
+The page stands alone beside its images: no server, no other site. A file beside a scene's images says what they
 were drawn from, so that a second run draws what changed alone.
 """
 
@@ -15,8 +15,8 @@ from .. import versions
 from ..datatypes import BenchmarkReport, ValidationError
 from ..datatypes import validation as v
 
-_PICTURES = "pictures"
-#: Pictures of a card, in the order they are shown.
+_IMAGE_FOLDER = "pictures"
+#: Images of a card, in the order they are shown.
 NAMES = ("above", "eye_0", "eye_1", "map")
 _STYLE = """
 body{font:15px/1.4 system-ui,sans-serif;margin:0 auto;max-width:1700px;padding:1em 1.4em;color:#22262b;
@@ -61,12 +61,12 @@ class Card:
 
     Attributes:
       metadata: the compiled scene's `metadata.json`.
-      pictures: name (`scene_cards.NAMES`) -> file below the page's folder.
+      images: name (`scene_cards.NAMES`) -> file below the page's folder.
       difficulty: share of the planner's episodes that failed, None where no report tells.
     """
 
     metadata: dict[str, Any]
-    pictures: Mapping[str, str]
+    images: Mapping[str, str]
     difficulty: float | None = None
 
 
@@ -74,9 +74,9 @@ Draw = Callable[[pathlib.Path, pathlib.Path], dict[str, str]]
 
 
 def make_card(folder: pathlib.Path, out: pathlib.Path, draw: Draw) -> Card:
-    """The card of a compiled scene; its pictures are drawn where they are missing or of another layout."""
+    """The card of a compiled scene; its images are drawn where they are missing or of another layout."""
     metadata = v.read_json(folder / "metadata.json", "scene's metadata")
-    record = out / _PICTURES / f"{metadata['id']}.json"
+    record = out / _IMAGE_FOLDER / f"{metadata['id']}.json"
     drawn_from = {
         "layout": metadata["hashes"]["layout"],
         "compiler": metadata.get("code"),
@@ -86,11 +86,11 @@ def make_card(folder: pathlib.Path, out: pathlib.Path, draw: Draw) -> Card:
     if known.get("from") != drawn_from or not all((record.parent / n).is_file() for n in known["files"].values()):
         known = {"from": drawn_from, "files": draw(folder, record.parent)}
         v.write_json(record, known)
-    return Card(metadata, {name: f"{_PICTURES}/{file}" for name, file in known["files"].items()})
+    return Card(metadata, {name: f"{_IMAGE_FOLDER}/{file}" for name, file in known["files"].items()})
 
 
 def _known(record: pathlib.Path) -> dict[str, Any]:
-    """What a card's pictures were drawn from and their names; nothing where the file is none."""
+    """What a card's images were drawn from and their names; nothing where the file is none."""
     try:
         body = v.read_json(record, "card") if record.is_file() else {}
     except ValidationError:
@@ -150,16 +150,16 @@ def _card(card: Card) -> str:
     by_count = sorted(s["categories"].items(), key=lambda item: (-item[1], item[0]))
     most = ", ".join(f"{n} {label}" for label, n in by_count[:8])
     where = ", ".join(x for x in (m["city"], m["country"]) if x != "none")
-    pictures = [
-        f'<a href="{html.escape(card.pictures[n])}"><img loading="lazy" src="{html.escape(card.pictures[n])}" '
+    images = [
+        f'<a href="{html.escape(card.images[n])}"><img loading="lazy" src="{html.escape(card.images[n])}" '
         f'alt="{name}: {n}"></a>'
         for n in NAMES
-        if n in card.pictures
+        if n in card.images
     ]
     return (
         f'<article id="{name}" {data} data-text="{html.escape(text, quote=True)}"><h2>{name}</h2>'
         f'<p class="small">{html.escape(" · ".join(x for x in (where, m["source"], m["sky"]) if x))}</p>'
-        f'<div class="pair">{"".join(pictures)}</div><dl>{_facts(m, s, card.difficulty)}</dl>'
+        f'<div class="pair">{"".join(images)}</div><dl>{_facts(m, s, card.difficulty)}</dl>'
         f'<p class="small">{html.escape(most)}</p></article>'
     )
 

@@ -1,4 +1,4 @@
-"""`python -m urbanverse_mjx.viz.streets`: two pictures of each shipped street, into `runs/streets/`.
+"""`python -m urbanverse_mjx.viz.streets`: two images of each shipped street, into `runs/streets/`.
 
 Each street from above and from the pavement, lit and shaded as a policy sees it.
 """
@@ -31,7 +31,7 @@ MAX_BYTES = 250_000
 
 
 def jpeg(image: np.ndarray) -> bytes:
-    """The best JPEG of an (H, W, 3) uint8 picture that fits into `MAX_BYTES`.
+    """The best JPEG of an (H, W, 3) uint8 image that fits into `MAX_BYTES`.
 
     Raises:
       ValidationError: even the coarsest is larger.
@@ -41,7 +41,7 @@ def jpeg(image: np.ndarray) -> bytes:
         Image.fromarray(image).save(file, "JPEG", quality=quality, optimize=True)
         if file.tell() <= MAX_BYTES:
             return file.getvalue()
-    raise ValidationError(f"picture: found {file.tell()} bytes at quality 60, needed {MAX_BYTES}; render it smaller.")
+    raise ValidationError(f"image: found {file.tell()} bytes at quality 60, needed {MAX_BYTES}; render it smaller.")
 
 
 def street_images(bank: SceneBank, out: pathlib.Path, only: str | None = None) -> list[pathlib.Path]:
@@ -62,7 +62,7 @@ def street_images(bank: SceneBank, out: pathlib.Path, only: str | None = None) -
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bank", type=pathlib.Path, help="scene bank; default: the shipped streets' own")
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/streets"), help="folder of the pictures")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/streets"), help="folder of the images")
     parser.add_argument("--only", choices=sorted(PAVEMENT_VIEWS), help="one street instead of all")
     args = parser.parse_args()
     bank = SceneBank.load(args.bank or default_bank_path())

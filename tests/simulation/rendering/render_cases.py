@@ -15,7 +15,7 @@ HEIGHT, WIDTH = 36, 64
 OBJECTS = 40
 #: Looks along +x with +z up.
 AHEAD = np.array([0.5, 0.5, -0.5, -0.5])
-#: Looks straight down, +y up in the picture.
+#: Looks straight down, +y up in the image.
 DOWN = np.array([1.0, 0.0, 0.0, 0.0])
 
 

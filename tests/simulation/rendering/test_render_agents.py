@@ -1,4 +1,4 @@
-"""Moving agents in pictures: where they stand, what they are labelled, and nobody where nobody is."""
+"""Moving agents in images: where they stand, what they are labelled, and nobody where nobody is."""
 
 import jax
 import jax.numpy as jnp

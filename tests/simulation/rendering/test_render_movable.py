@@ -1,4 +1,4 @@
-"""Things that were pushed in pictures: as if the bank had them there, and the same picture where nothing moved."""
+"""Things that were pushed in images: as if the bank had them there, and the same image where nothing moved."""
 
 import dataclasses
 
@@ -74,7 +74,7 @@ def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
 
 
 def test_each_world_has_its_own(bank: SceneBank) -> None:
-    """Two streets in one batch, in one of which an object was lifted out of the picture."""
+    """Two streets in one batch, in one of which an object was lifted out of the image."""
     slots, home = homes(bank)
     moving = Renderer(bank, None, 54, 96, ("object",), bodies=3)
     lifted = home._replace(position=home.position.at[0, 2].add(30.0))

@@ -1,4 +1,4 @@
-"""The walk through a street: its trees, its light, and its pictures beside mujoco-warp-pbr's own."""
+"""The walk through a street: its trees, its light, and its images beside mujoco-warp-pbr's own."""
 
 # A kernel is Warp's language in Python's clothes; Warp itself checks its types when it compiles it.
 # pyright: reportArgumentType=false, reportAssignmentType=false, reportAttributeAccessIssue=false

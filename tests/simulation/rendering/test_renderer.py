@@ -1,4 +1,4 @@
-"""What the renderer draws: against C MuJoCo's rays, against light computed by hand, and against committed pictures."""
+"""What the renderer draws: against C MuJoCo's rays, against light computed by hand, and against committed images."""
 
 import dataclasses
 import pathlib
@@ -161,8 +161,8 @@ def test_textures_lie_as_their_uv_say(bank: SceneBank) -> None:
     """A texture of four colours on everything: each pixel has the colour that its own triangle's UV point at."""
     height, width = 64, 64
     quarters = np.array([[[0.8, 0.1, 0.1], [0.1, 0.8, 0.1]], [[0.1, 0.1, 0.8], [0.8, 0.8, 0.1]]])  # [lower row][right]
-    picture = np.kron(quarters, np.ones((height // 2, width // 2, 1)))
-    srgb = np.where(picture <= 0.0031308, picture * 12.92, 1.055 * picture ** (1 / 2.4) - 0.055)
+    pattern = np.kron(quarters, np.ones((height // 2, width // 2, 1)))
+    srgb = np.where(pattern <= 0.0031308, pattern * 12.92, 1.055 * pattern ** (1 / 2.4) - 0.055)
     number = len(bank.texture_shape)
     painted = dataclasses.replace(
         bank,
@@ -249,7 +249,7 @@ def test_shadows_are_where_mj_ray_finds_the_sun_hidden(bank: SceneBank, robot: R
     free = np.array([render_reference.is_free(street, points[i, j], sun) for i, j in np.ndindex(*seen.shape)])
     expected = facing & free.reshape(seen.shape)
     lit = image["rgb"].max(-1) > 20
-    assert (facing & ~expected & seen).sum() > 40, "no shadow in the picture"
+    assert (facing & ~expected & seen).sum() > 40, "no shadow in the image"
     assert (lit == expected)[seen].mean() > 0.995
 
 
@@ -268,7 +268,7 @@ def test_colours_respond_to_the_sky(bank: SceneBank, robot: RobotSpec, places: c
 
 
 def test_more_rays_per_pixel_are_the_mean_of_a_finer_picture(bank: SceneBank, robot: RobotSpec) -> None:
-    """Four rays a pixel agree with a picture of twice the size, averaged in linear light."""
+    """Four rays a pixel agree with an image of twice the size, averaged in linear light."""
     eye = np.array([3.0, 5.5, 0.9])
     coarse = cases.make_renderer(bank, None, samples=2).view(0, eye, cases.AHEAD, 1.0)["rgb"]
     large = Renderer(bank, None, 2 * cases.HEIGHT, 2 * cases.WIDTH, shading="matte")

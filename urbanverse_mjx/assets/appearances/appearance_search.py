@@ -23,12 +23,12 @@ from urbanverse_mjx.settings import asset_root
 from .collection import Collection, as_filters
 from .grounds import GroundRecord, ground_records, paint_ground
 from .sky_maps import SkyRecord, paint_sky, sky_records
-from .sky_maps.painting import picture, with_disc
+from .sky_maps.painting import preview, with_disc
 
 #: (height, width) px of a thumbnail, multiples of JPEG's 8 px blocks, so that neighbours on a sheet do not mix.
 GROUND_THUMBNAIL, SKY_THUMBNAIL = (96, 96), (80, 160)
 _COLUMNS = 18
-#: Side of the pictures whose pixels are compared.
+#: Side of the images whose pixels are compared.
 MATCH_SIZE = 32
 #: Cells a side of a ground's descriptor: 4 · 4 · 3 mean colours and 4 · 4 contrasts are 64 numbers.
 GROUND_CELLS = 4
@@ -40,13 +40,13 @@ _GREYS, _HUES, _SATURATIONS, _VALUES = 16, 8, (0.10, 0.25, 0.45), 2
 
 def ground_thumbnail(uid: str) -> np.ndarray:
     """(96, 96, 3) uint8, painted now: the whole tile, lit from above."""
-    return _shrunk(paint_ground(uid).picture, GROUND_THUMBNAIL)
+    return _shrunk(paint_ground(uid).preview, GROUND_THUMBNAIL)
 
 
 def sky_thumbnail(uid: str) -> np.ndarray:
     """(80, 160, 3) uint8, painted now: the panorama with the disc of its sun."""
     sky = paint_sky(uid, 160)
-    return _shrunk(picture(with_disc(sky)), SKY_THUMBNAIL)
+    return _shrunk(preview(with_disc(sky)), SKY_THUMBNAIL)
 
 
 def _shrunk(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
@@ -93,11 +93,11 @@ def _sheet(name: str) -> dict[str, np.ndarray]:
     try:
         image = np.asarray(Image.open(path).convert("RGB"))
     except (OSError, UnidentifiedImageError) as error:
-        raise v.fail(name, f"no whole picture ({error})", "the sheet of thumbnails", cure) from error
+        raise v.fail(name, f"no whole image ({error})", "the sheet of thumbnails", cure) from error
     uids = [record.uid for record in records()]
     needed = (-(-len(uids) // _COLUMNS) * height, _COLUMNS * width)
     if image.shape[:2] != needed:
-        raise v.fail(name, f"a picture of {image.shape[:2]}", f"one of {needed}", cure)
+        raise v.fail(name, f"an image of {image.shape[:2]}", f"one of {needed}", cure)
     cells = image.reshape(-1, height, _COLUMNS, width, 3).swapaxes(1, 2).reshape(-1, height, width, 3)
     return dict(zip(uids, cells, strict=False))
 
@@ -163,7 +163,7 @@ _GROUND_MEANINGS = _SAID | {
 }
 _SKY_MEANINGS = _SAID | {
     "sun_azimuth": "direction of the sun (at night of the moon), degrees counter-clockwise from +x; drawn from the uid",
-    "exposure": "brightness of a white surface on the picture, 0 to 1; of the time of day, darker under rain clouds",
+    "exposure": "brightness of a white surface on the image, 0 to 1; of the time of day, darker under rain clouds",
 }
 _GROUND_LEVELS, _SKY_LEVELS = ("family", "matter"), ("kind", "weather")
 _GROUND_SHEET, _SKY_SHEET = StoredSheet("ground_thumbnails.jpg"), StoredSheet("sky_thumbnails.jpg")
@@ -199,7 +199,7 @@ def rank_grounds(crops: np.ndarray | Sequence[np.ndarray], kind: str) -> list[tu
     """All materials of a kind by pixel-wise mean squared error against crops of the ground, best first.
 
     Args:
-      crops: one or more (h, w, 3) uint8 sRGB pictures of nothing but ground; each is brought to 32 x 32 pixels, and
+      crops: one or more (h, w, 3) uint8 sRGB images of nothing but ground; each is brought to 32 x 32 pixels, and
         the errors of several are averaged.
       kind: "road" or "sidewalk".
 
@@ -229,25 +229,25 @@ def ground_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ..
     return tuple(int(x) for x in np.round(np.clip(cells, 0.0, 255.0)))
 
 
-def ground_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
-    """`ground_descriptor` of the largest square of a picture (H, W, 3) uint8 that a mask (H, W) fills.
+def ground_crop_descriptor(crop: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
+    """`ground_descriptor` of the largest square of an image (H, W, 3) uint8 that a mask (H, W) fills.
 
     Raises:
       ValidationError: an empty mask.
     """
-    _checked(picture)
+    _checked(crop)
     padded = np.pad(np.asarray(mask, bool), 1)
     reach = ndimage.distance_transform_cdt(padded, "chessboard")[1:-1, 1:-1]
     if reach.max() < 1:
         raise v.fail("mask of the ground", "no pixel", "at least one")
     row, column = np.unravel_index(int(reach.argmax()), reach.shape)
     half = int(reach[row, column]) - 1
-    return ground_descriptor(picture[row - half : row + half + 1, column - half : column + half + 1])
+    return ground_descriptor(crop[row - half : row + half + 1, column - half : column + half + 1])
 
 
-def _cells(picture: np.ndarray) -> np.ndarray:
+def _cells(crop: np.ndarray) -> np.ndarray:
     """(64,) see `ground_descriptor`."""
-    small = _shrunk(picture, (MATCH_SIZE, MATCH_SIZE)).astype(np.float64)
+    small = _shrunk(crop, (MATCH_SIZE, MATCH_SIZE)).astype(np.float64)
     step = MATCH_SIZE // GROUND_CELLS
     cells = small.reshape(GROUND_CELLS, step, GROUND_CELLS, step, 3)
     contrast = (cells @ (0.2126, 0.7152, 0.0722)).std((1, 3))  # Rec. 709
@@ -287,11 +287,11 @@ def rank_ground_descriptors(descriptor: Sequence[int] | np.ndarray, kind: str) -
 def _checked(crops: np.ndarray | Sequence[np.ndarray]) -> list[np.ndarray]:
     several = [crops] if isinstance(crops, np.ndarray) and crops.ndim == 3 else list(crops)
     if not several:
-        raise v.fail("crops", "none", "at least one picture")
+        raise v.fail("crops", "none", "at least one image")
     for crop in several:
         if not (isinstance(crop, np.ndarray) and crop.ndim == 3 and crop.shape[2] == 3 and crop.dtype == np.uint8):
             found = f"{crop.dtype} {crop.shape}" if isinstance(crop, np.ndarray) else v.show(crop)
-            raise v.fail("crop", found, "a (h, w, 3) uint8 picture")
+            raise v.fail("crop", found, "a (h, w, 3) uint8 image")
     return several
 
 
@@ -307,8 +307,8 @@ def sky_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ...]:
     return _roots(bins)
 
 
-def sky_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
-    """`sky_descriptor` of the pixels of a picture (H, W, 3) uint8 that a mask (H, W) holds: what is seen between roofs.
+def sky_crop_descriptor(crop: np.ndarray, mask: np.ndarray) -> tuple[int, ...]:
+    """`sky_descriptor` of the pixels of an image (H, W, 3) uint8 that a mask (H, W) holds: what is seen between roofs.
 
     Of the rows that the mask touches the upper half counts, as the paper takes the upper half of frames: at a street's
     end the sky reaches down into haze and far land.
@@ -316,13 +316,13 @@ def sky_crop_descriptor(picture: np.ndarray, mask: np.ndarray) -> tuple[int, ...
     Raises:
       ValidationError: an empty mask.
     """
-    _checked(picture)
+    _checked(crop)
     mask = np.asarray(mask, bool)
     rows = np.flatnonzero(mask.any(1))
     if not len(rows):
         raise v.fail("mask of the sky", "no pixel", "at least one")
     upper = slice(rows[0], rows[0] + max(1, (rows[-1] + 1 - rows[0]) // 2))
-    return _roots(_hsv_shares(picture[upper][mask[upper]]))
+    return _roots(_hsv_shares(crop[upper][mask[upper]]))
 
 
 def _hsv_shares(pixels: np.ndarray) -> np.ndarray:

@@ -37,7 +37,7 @@ class Filter:
     meaning: str
 
 
-class Pictures(Protocol):
+class Thumbnails(Protocol):
     """Where a collection's thumbnails lie."""
 
     def load(self, uids: Sequence[str]) -> np.ndarray:
@@ -62,7 +62,7 @@ class Collection[R: Record]:
       levels: fields that class the records, the wider first.
       filters: what may be asked for.
       meanings: field -> what it means, of the fields that no filter speaks of.
-      pictures: where thumbnails come from.
+      thumbnails: where thumbnails come from.
 
     Raises:
       ValidationError: a field of the records that neither a filter nor a meaning explains.
@@ -70,14 +70,14 @@ class Collection[R: Record]:
 
     def __init__(
         self, kind: str, records: Sequence[R], levels: Sequence[str], filters: Sequence[Filter],
-        meanings: Mapping[str, str], pictures: Pictures,
+        meanings: Mapping[str, str], thumbnails: Thumbnails,
     ) -> None:  # fmt: skip
         self.kind = kind
         self._records = {record.uid: record for record in records}
         self._levels = tuple(levels)
         self._filters = {f.name: f for f in filters}
         self._meanings = dict(meanings)
-        self._pictures = pictures
+        self._thumbnails = thumbnails
         known = {f.field for f in filters} | set(meanings)
         stray = [name for name in dataclasses.asdict(records[0]) if name not in known]  # pyright: ignore[reportArgumentType]
         if stray:
@@ -141,21 +141,21 @@ class Collection[R: Record]:
         return {uid: dataclasses.asdict(self.record(uid)) for uid in (self._records if uids is None else uids)}  # pyright: ignore[reportArgumentType]
 
     def load_thumbnails(self, uids: Sequence[str] | None = None) -> dict[str, np.ndarray]:
-        """uid -> (h, w, 3) uint8 picture."""
+        """uid -> (h, w, 3) uint8 image."""
         wanted = list(self._records if uids is None else uids)
         for uid in wanted:
             self.record(uid)
-        return dict(zip(wanted, self._pictures.load(wanted), strict=True))
+        return dict(zip(wanted, self._thumbnails.load(wanted), strict=True))
 
     def check_integrity(self) -> list[str]:
         """One sentence per file that is missing or damaged; empty where all is well."""
-        return self._pictures.problems()
+        return self._thumbnails.problems()
 
     def repair(self) -> list[str]:
         """Paints the thumbnails anew where they are not whole (minutes); returns what is still wrong."""
-        if self._pictures.problems():
-            self._pictures.repair()
-        return self._pictures.problems()
+        if self._thumbnails.problems():
+            self._thumbnails.repair()
+        return self._thumbnails.problems()
 
     def explain_annotation(self, name: str | None = None) -> str:
         """What a field or a filter means and which values there are; all filters without a name.

@@ -1,1 +1,1 @@
-"""Pictures of assets: thumbnails, galleries and contact sheets."""
+"""Images of assets: thumbnails, galleries and contact sheets."""

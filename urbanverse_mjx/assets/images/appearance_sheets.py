@@ -83,8 +83,9 @@ def ground(uid: str, out: pathlib.Path) -> None:
       out: folder to write into.
     """
     maps = paint_ground(uid)
-    for name in ("albedo", "normal", "roughness", "picture"):
-        image = Image.fromarray(getattr(maps, name))
+    files = {"albedo": maps.albedo, "normal": maps.normal, "roughness": maps.roughness, "picture": maps.preview}
+    for name, values in files.items():
+        image = Image.fromarray(values)
         write_atomically(out / f"{name}.png", lambda p, image=image: image.save(p, "PNG"))
     Console().print(f"{out}: {maps.record.description}; {maps.record.tile_size_m} m a tile")
 
@@ -98,7 +99,7 @@ def sky(uid: str, out: pathlib.Path, height: int = 256) -> None:
       height: rows; twice as many columns.
     """
     painted = paint_sky(uid, height)
-    image = Image.fromarray(appearance_search.picture(appearance_search.with_disc(painted)))
+    image = Image.fromarray(appearance_search.preview(appearance_search.with_disc(painted)))
     write_atomically(out / "picture.png", lambda p: image.save(p, "PNG"))
     write_atomically(out / "radiance.npy", lambda p: _save(p, painted.radiance))
     sun = np.round(painted.sun_irradiance * painted.lux_per_unit, 1).tolist()

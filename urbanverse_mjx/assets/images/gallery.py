@@ -1,4 +1,4 @@
-"""Pictures of assets by MuJoCo's renderer: a tile per leaf with its variants, and a contact sheet of all."""
+"""Images of assets by MuJoCo's renderer: a tile per leaf with its variants, and a contact sheet of all."""
 
 import contextlib
 import os
@@ -93,7 +93,7 @@ def _add_visual(spec: mujoco.MjSpec, name: str, mesh: AssetMesh, position: Seque
 def render_row(
     meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float = -32.0, elevation_deg: float = ELEVATION
 ) -> np.ndarray:
-    """A picture of meshes side by side, seen from the front at a slant.
+    """An image of meshes side by side, seen from the front at a slant.
 
     Args:
       size: (width, height) pixels.
@@ -108,12 +108,12 @@ def render_row(
 
 
 def render_masked(mesh: AssetMesh, size: tuple[int, int], yaw_deg: float = -32.0) -> tuple[np.ndarray, np.ndarray]:
-    """A picture of one mesh, (height, width, 3) uint8, and where in it the mesh is seen, (height, width) bool."""
+    """An image of one mesh, (height, width, 3) uint8, and where in it the mesh is seen, (height, width) bool."""
     with _seen([mesh], size, yaw_deg) as renderer:
-        picture = renderer.render()
+        image = renderer.render()
         renderer.enable_segmentation_rendering()
         geom = renderer.render()[:, :, 0]
-    return picture, geom == 1  # the floor is geom 0
+    return image, geom == 1  # the floor is geom 0
 
 
 @contextlib.contextmanager
@@ -139,7 +139,7 @@ def _seen(
 
 
 def _distance(bounds: np.ndarray, camera: mujoco.MjvCamera, fovy: float, aspect: float) -> float:
-    """Distance at which the box just fits into the picture, m."""
+    """Distance at which the box just fits into the image, m."""
     azimuth, elevation = np.radians(camera.azimuth), np.radians(camera.elevation)
     forward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
     right = np.cross(forward, (0, 0, 1))
@@ -188,7 +188,7 @@ def contact_sheet(
     for k, leaf in enumerate(progress(list(names))):
         meshes = [build_mesh(r) for r in index.by_leaf(leaf)[:variants]]
         sheet.paste(leaf_tile(names[leaf], meshes, tile), ((k % columns) * tile[0], (k // columns) * tile[1]))
-    # Six bits a channel make the file smaller; a picture of 256 colours would do so with dull greens.
+    # Six bits a channel make the file smaller; an image of 256 colours would do so with dull greens.
     reduced = Image.fromarray(np.asarray(sheet) // 4 * 4 + 2)
     return write_atomically(path, lambda p: reduced.save(p, optimize=True))
 

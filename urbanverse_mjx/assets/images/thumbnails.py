@@ -1,8 +1,8 @@
 """Thumbnails in the cache: every base shape by `make thumbnails`, an instance when it is asked for.
 
 Drawn by MuJoCo's renderer as the galleries are (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
-A picture's name holds the mesh's and the texture's content and the version of the drawing, so a changed recipe never
-shows an old picture.
+An image's name holds the mesh's and the texture's content and the version of the drawing, so a changed recipe never
+shows an old image.
 """
 
 import hashlib
@@ -28,17 +28,17 @@ def folder() -> pathlib.Path:
 
 
 def thumbnail(record: AssetRecord) -> np.ndarray:
-    """(160, 160, 3) uint8 picture of a record, from the cache or drawn into it."""
+    """(160, 160, 3) uint8 image of a record, from the cache or drawn into it."""
     mesh = build_mesh(record)
     path = path_of(record, mesh)
     if not path.is_file():
         draw(mesh, path)
-    with Image.open(path) as picture:
-        return np.asarray(picture.convert("RGB"))
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"))
 
 
 def path_of(record: AssetRecord, mesh: AssetMesh) -> pathlib.Path:
-    """The file of a record's picture."""
+    """The file of a record's image."""
     digest = hashlib.sha256(np.round(mesh.vertices, 3).tobytes() + mesh.faces.tobytes() + mesh.texture.tobytes())
     # The mesh is here: the number of the drawing counts, not those of what makes meshes.
     digest.update(str(versions.CODE["thumbnails"].version).encode())
@@ -49,17 +49,17 @@ def draw(mesh: AssetMesh, path: pathlib.Path) -> pathlib.Path:
     """Renders one mesh into a file, which appears whole or not at all."""
     from .gallery import render_row
 
-    picture = Image.fromarray(render_row([mesh], SIZE))
-    return write_atomically(path, lambda p: picture.save(p, "PNG", optimize=True))
+    image = Image.fromarray(render_row([mesh], SIZE))
+    return write_atomically(path, lambda p: image.save(p, "PNG", optimize=True))
 
 
 def draw_missing(
     records: Sequence[AssetRecord], progress: Callable[[int, int], object] = lambda done, total: None
 ) -> tuple[int, int]:
-    """Draws the records that have no picture yet; one that was interrupted goes on where it stopped.
+    """Draws the records that have no image yet; one that was interrupted goes on where it stopped.
 
     Returns:
-      (pictures drawn, pictures that were there).
+      (images drawn, images that were there).
     """
     drawn = 0
     for k, record in enumerate(records, 1):
@@ -73,12 +73,12 @@ def draw_missing(
 
 
 def damaged() -> list[pathlib.Path]:
-    """The files in the cache that are no whole picture."""
+    """The files in the cache that are no whole image."""
     broken = []
     for path in sorted(folder().glob("*.png")) if folder().is_dir() else []:
         try:
-            with Image.open(path) as picture:
-                picture.load()
+            with Image.open(path) as image:
+                image.load()
         except (OSError, UnidentifiedImageError):
             broken.append(path)
     return broken

@@ -1,4 +1,4 @@
-"""One texture for a file with many materials: pictures side by side, plain colours as palette cells."""
+"""One texture for a file with many materials: images side by side, plain colours as palette cells."""
 
 import numpy as np
 from PIL import Image
@@ -6,15 +6,15 @@ from PIL import Image
 from ..meshes import atlas
 from .reading import Part
 
-REPEATS = 4  # a picture that repeats more often over one face is replaced by its mean colour
+REPEATS = 4  # an image that repeats more often over one face is replaced by its mean colour
 CELLS = 48  # most colours that vertex colours are reduced to
-LARGEST = 256  # pixels, side of a picture among several; halved until all fit
+LARGEST = 256  # pixels, side of an image among several; halved until all fit
 
 
 def bake(parts: tuple[Part, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(vertices (V, 3), faces (F, 3), uv (V, 2), texture (H, W, 3) uint8) of all parts with one texture."""
     first = parts[0]
-    if first.picture is not None and all(_looks_alike(p, first) for p in parts):
+    if first.texture is not None and all(_equal_finish(p, first) for p in parts):
         starts = np.cumsum([0, *[len(p.vertices) for p in parts[:-1]]])
         faces = np.concatenate([p.faces + start for p, start in zip(parts, starts, strict=True)])
         uv = np.concatenate([p.uv for p in parts if p.uv is not None])
@@ -24,48 +24,48 @@ def bake(parts: tuple[Part, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
         try:
             return _pack(parts, side)
         except ValueError:
-            if side < 8:  # hundreds of pictures: their mean colours must do
+            if side < 8:  # hundreds of images: their mean colours must do
                 return _pack(parts, 0)
             side //= 2
 
 
-def _looks_alike(a: Part, b: Part) -> bool:
-    same = a.picture is b.picture or (
-        a.picture is not None and b.picture is not None and np.array_equal(a.picture, b.picture)
+def _equal_finish(a: Part, b: Part) -> bool:
+    same = a.texture is b.texture or (
+        a.texture is not None and b.texture is not None and np.array_equal(a.texture, b.texture)
     )
     return same and a.color == b.color
 
 
 def _tinted(part: Part, largest: int) -> np.ndarray:
-    """The part's picture times its colour, at most so many pixels wide and high."""
-    assert part.picture is not None
-    image = Image.fromarray(part.picture)
+    """The part's image times its colour, at most so many pixels wide and high."""
+    assert part.texture is not None
+    image = Image.fromarray(part.texture)
     image.thumbnail((largest, largest))
     return np.round(np.asarray(image) * (np.asarray(part.color) / 255.0)).astype(np.uint8)
 
 
 def _pack(parts: tuple[Part, ...], side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     colors: list[tuple[int, int, int]] = []
-    pictures: list[np.ndarray] = []
+    textures: list[np.ndarray] = []
     plans = []
     for part in parts:
         vertices, faces, uv, repeats = _unwrapped(part)
-        if part.picture is None or side == 0 or max(repeats) > REPEATS:
+        if part.texture is None or side == 0 or max(repeats) > REPEATS:
             cells, corner_cells = _cells(part)
             first = len(colors)
             colors += cells
             plans.append((*_split(part, corner_cells + first), None))
         else:
             shrunk = _tinted(part, max(side // max(repeats), 4))
-            pictures.append(np.tile(shrunk, (repeats[1], repeats[0], 1)))
-            plans.append((vertices, faces, uv / np.array(repeats), len(pictures) - 1))
-    packed = atlas.pack(colors, pictures)
+            textures.append(np.tile(shrunk, (repeats[1], repeats[0], 1)))
+            plans.append((vertices, faces, uv / np.array(repeats), len(textures) - 1))
+    packed = atlas.pack(colors, textures)
     places = []
-    for _, _, where, picture in plans:
-        if picture is None:
+    for _, _, where, texture in plans:
+        if texture is None:
             places.append(packed.cells[where])
         else:
-            u0, v0, u1, v1 = packed.rectangles[picture]
+            u0, v0, u1, v1 = packed.rectangles[texture]
             places.append(np.array([u0, v0]) + np.clip(where, 0, 1) * np.array([u1 - u0, v1 - v0]))
     starts = np.cumsum([0, *[len(plan[0]) for plan in plans[:-1]]])
     faces = np.concatenate([plan[1] + start for plan, start in zip(plans, starts, strict=True)])
@@ -73,7 +73,7 @@ def _pack(parts: tuple[Part, ...], side: int) -> tuple[np.ndarray, np.ndarray, n
 
 
 def _unwrapped(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
-    """The part with every face moved to the first tile of its picture, and how many tiles a face spans."""
+    """The part with every face moved to the first tile of its image, and how many tiles a face spans."""
     if part.uv is None:
         return part.vertices, part.faces, np.zeros((len(part.vertices), 2)), (1, 1)
     shift = np.floor(part.uv[part.faces].min(1) + 1e-4)  # (F, 2)
@@ -89,8 +89,8 @@ def _cells(part: Part) -> tuple[list[tuple[int, int, int]], np.ndarray]:
     """(colours, (F,) number of the colour of each face)."""
     if part.colors is None:
         color = np.asarray(part.color)
-        if part.picture is not None:
-            color = color * part.picture.mean((0, 1)) / 255.0
+        if part.texture is not None:
+            color = color * part.texture.mean((0, 1)) / 255.0
         r, g, b = (round(float(c)) for c in color)
         return [(r, g, b)], np.zeros(len(part.faces), int)
     means = np.round(part.colors[part.faces].mean(1)).astype(np.uint8)

@@ -184,12 +184,12 @@ def _bad_mesh(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findi
 
 
 def _textured(source: Source) -> bool:
-    return any(p.picture is not None and np.ptp(p.picture.reshape(-1, 3), axis=0).max() > 4 for p in source.parts)
+    return any(p.texture is not None and np.ptp(p.texture.reshape(-1, 3), axis=0).max() > 4 for p in source.parts)
 
 
 def _coloured(source: Source) -> bool:
     """Several colours by material or vertex: a look, if a plain one."""
-    plain = {tuple(np.round(p.color)) for p in source.parts if p.picture is None and p.colors is None}
+    plain = {tuple(np.round(p.color)) for p in source.parts if p.texture is None and p.colors is None}
     return len(plain) > 1 or any(p.colors is not None and np.ptp(p.colors, axis=0).max() > 8 for p in source.parts)
 
 

@@ -1,4 +1,4 @@
-"""Four pictures of one asset, from its front and its three other sides, by the gallery's scene and light."""
+"""Four images of one asset, from its front and its three other sides, by the gallery's scene and light."""
 
 import mujoco
 import numpy as np
@@ -20,7 +20,7 @@ def render_views(mesh: AssetMesh, size: tuple[int, int]) -> list[np.ndarray]:
       size: (width, height), pixels.
 
     Returns:
-      four pictures (height, width, 3) uint8.
+      four images (height, width, 3) uint8.
     """
     model, bounds = scene_of([mesh])
     width, height = size
@@ -34,12 +34,12 @@ def render_views(mesh: AssetMesh, size: tuple[int, int]) -> list[np.ndarray]:
     model.vis.map.znear = 0.02 / max(model.stat.extent, 1e-3)
     model.vis.map.zfar = 10 * (camera.distance + 10) / model.stat.extent
     light, data = model.light_dir[0].copy(), mujoco.MjData(model)
-    pictures = []
+    views = []
     with mujoco.Renderer(model, height, width) as renderer:
         for k in range(VIEWS):
             model.light_dir[0] = rotations.about_z(np.pi / 2 * k) @ light
             mujoco.mj_forward(model, data)
             camera.azimuth = 180.0 + 90.0 * k
             renderer.update_scene(data, camera)
-            pictures.append(renderer.render().copy())
-    return pictures
+            views.append(renderer.render().copy())
+    return views

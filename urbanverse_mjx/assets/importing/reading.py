@@ -1,4 +1,4 @@
-"""Loads a screened file: triangles, texture coordinates, pictures, and what the file says of itself."""
+"""Loads a screened file: triangles, texture coordinates, images, and what the file says of itself."""
 
 import dataclasses
 import os
@@ -14,8 +14,8 @@ from trimesh.visual.texture import TextureVisuals
 
 from .screening import LIMITS, Limits, RefusedFileError, inside, screen
 
-MAX_PICTURE_BYTES = 256 * 2**20
-MAX_PICTURE_PIXELS = 64 * 10**6
+MAX_IMAGE_BYTES = 256 * 2**20
+MAX_IMAGE_PIXELS = 64 * 10**6
 WHITE = (255.0, 255.0, 255.0)
 
 
@@ -25,16 +25,16 @@ class Part:
 
     Attributes:
       vertices: (V, 3); faces: (F, 3).
-      uv: (V, 2) from the picture's lower left corner, or None.
-      picture: (H, W, 3) uint8, or None.
-      color: (3,) sRGB 0-255, what the picture is multiplied by, or the colour itself.
+      uv: (V, 2) from the texture's lower left corner, or None.
+      texture: (H, W, 3) uint8, or None.
+      color: (3,) sRGB 0-255, what the texture is multiplied by, or the colour itself.
       colors: (V, 3) sRGB 0-255 of each vertex, or None.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
     uv: np.ndarray | None
-    picture: np.ndarray | None
+    texture: np.ndarray | None
     color: tuple[float, float, float]
     colors: np.ndarray | None
 
@@ -88,7 +88,7 @@ class _Neighbours(trimesh.resolvers.Resolver):
         except RefusedFileError as error:
             self.refused = error
             raise
-        if not path.is_file() or path.stat().st_size > MAX_PICTURE_BYTES:
+        if not path.is_file() or path.stat().st_size > MAX_IMAGE_BYTES:
             self.missing.append(name[:80])
             raise FileNotFoundError(name)
         return path.read_bytes()
@@ -110,7 +110,7 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
       RefusedFileError: it must not be read, cannot be, or holds no triangles or no finite ones.
     """
     tree = screen(path, folder, limits)
-    Image.MAX_IMAGE_PIXELS = MAX_PICTURE_PIXELS // 2  # PIL raises at twice this
+    Image.MAX_IMAGE_PIXELS = MAX_IMAGE_PIXELS // 2  # PIL raises at twice this
     neighbours = _Neighbours(folder, path.parent)
     kind = path.suffix.lower().removeprefix(".")
     try:
@@ -132,8 +132,8 @@ def read_source(path: pathlib.Path, folder: pathlib.Path, limits: Limits = LIMIT
     parts = tuple(_part(solid, kind != "obj") for solid in solids)
     asset = _object(tree, "asset")
     notes = [f"found no file {name!r}" for name in neighbours.missing]
-    if tree.get("images") and all(part.picture is None for part in parts):
-        notes.append(f"its pictures are missing, damaged or of more than {MAX_PICTURE_PIXELS} pixels")
+    if tree.get("images") and all(part.texture is None for part in parts):
+        notes.append(f"its images are missing, damaged or of more than {MAX_IMAGE_PIXELS} pixels")
     largest = max(solids, key=lambda s: s.area)
     return Source(
         parts,
@@ -168,13 +168,13 @@ def _part(solid: trimesh.Trimesh, linear: bool) -> Part:
     if isinstance(visual, TextureVisuals):
         material = visual.material
         image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-        picture = None if image is None else _opaque(image)
+        texture = None if image is None else _opaque(image)
         uv = None if visual.uv is None else np.asarray(visual.uv, np.float64)
         if uv is not None and not (uv.shape == (len(vertices), 2) and np.isfinite(uv).all()):
             uv = None
         factor = getattr(material, "baseColorFactor", None) if linear else getattr(material, "diffuse", None)
         color = WHITE if factor is None else _srgb(np.asarray(factor, float)[:3], linear)
-        return Part(vertices, faces, uv, picture if uv is not None else None, color, None)
+        return Part(vertices, faces, uv, texture if uv is not None else None, color, None)
     colors = None
     if visual is not None and visual.kind == "vertex":
         colors = np.asarray(visual.vertex_colors, np.float64)[:, :3]

@@ -232,7 +232,7 @@ def _key(path: pathlib.Path, name: str, options: Options) -> tuple[str, str]:
         else:
             content.update(f"{status.st_mode} {status.st_size}".encode())
         beside = [path.with_suffix(".json")]
-        # Materials, buffers and pictures lie beside other files than GLB; a change of one shows in its time.
+        # Materials, buffers and images lie beside other files than GLB; a change of one shows in its time.
         if path.suffix.lower() != ".glb":
             beside = sorted(p for p in path.parent.iterdir() if p.is_file())
         for other in beside:

@@ -37,7 +37,7 @@ class VisionError(ValidationError):
     """The endpoint gave no usable answer."""
 
 
-def annotate(endpoint: VisionEndpoint, pictures: Sequence[bytes], name: str) -> tuple[dict[str, Any], list[str]]:
+def annotate(endpoint: VisionEndpoint, images: Sequence[bytes], name: str) -> tuple[dict[str, Any], list[str]]:
     """(fields under the official names, what was left out of the answer and why).
 
     Args:
@@ -49,8 +49,8 @@ def annotate(endpoint: VisionEndpoint, pictures: Sequence[bytes], name: str) -> 
     """
     question = _ASK.format(name=json.dumps(name[:120]), leaves=", ".join(ontology.categories()))
     content: list[dict[str, Any]] = [{"type": "text", "text": question}]
-    for picture in pictures:
-        url = "data:image/png;base64," + base64.b64encode(picture).decode()
+    for image in images:
+        url = "data:image/png;base64," + base64.b64encode(image).decode()
         content.append({"type": "image_url", "image_url": {"url": url}})
     answer = post(
         endpoint,

@@ -166,7 +166,7 @@ def _write_asset(task: Task, mesh: AssetMesh, uid: str, leaf: str, fields: Mappi
 
 
 def write_preview(task: Task) -> None:
-    """Writes the file as one textured GLB a metre across, for pictures of what it is.
+    """Writes the file as one textured GLB a metre across, for images of what it is.
 
     Raises:
       RefusedFileError: as `make_asset`.
@@ -195,11 +195,11 @@ def draw(staging: pathlib.Path, mesh_name: str) -> None:
     try:
         from .images import render_views
 
-        pictures = render_views(read_glb(staging / mesh_name), VIEW_SIZE)
+        views = render_views(read_glb(staging / mesh_name), VIEW_SIZE)
     except (ImportError, RuntimeError, AttributeError, OSError, mujoco.FatalError) as error:
-        raise ValidationError(f"no pictures: {type(error).__name__}: {str(error)[:120]}; try MUJOCO_GL=egl.") from error
-    for k, picture in enumerate(pictures):
-        Image.fromarray(picture).save(staging / view_name(k))
+        raise ValidationError(f"no images: {type(error).__name__}: {str(error)[:120]}; try MUJOCO_GL=egl.") from error
+    for k, view in enumerate(views):
+        Image.fromarray(view).save(staging / view_name(k))
 
 
 def view_name(k: int) -> str:

@@ -1,6 +1,6 @@
 """How an object looks, in 61 numbers of 8 bits: 44 for colours, 16 for the silhouette, 1 for its aspect.
 
-Computed from a picture and its mask, or straight from a record's parameters (the colours that one sees of its base
+Computed from an image and its mask, or straight from a record's parameters (the colours that one sees of its base
 shape, after the tint, under the light of our thumbnails), so that matching needs no rendering. They fit the
 `descriptor` of a scene graph's object.
 """
@@ -60,26 +60,26 @@ def _split(position: NDArray) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     return low.astype(np.int64), position - low
 
 
-def of_image(picture: NDArray, mask: NDArray | None = None) -> NDArray[np.uint8]:
+def of_image(image: NDArray, mask: NDArray | None = None) -> NDArray[np.uint8]:
     """(61,) the descriptor of a crop.
 
     Args:
-      picture: (H, W, 3) uint8.
-      mask: (H, W) true on the object; None for all of the picture.
+      image: (H, W, 3) uint8.
+      mask: (H, W) true on the object; None for all of the image.
 
     Raises:
       ValidationError: other shapes, or an empty mask.
     """
-    picture = np.asarray(picture)
-    mask = np.ones(picture.shape[:2], bool) if mask is None else np.asarray(mask, bool)
-    if picture.ndim != 3 or picture.shape[2] != 3 or mask.shape != picture.shape[:2] or not mask.any():
+    image = np.asarray(image)
+    mask = np.ones(image.shape[:2], bool) if mask is None else np.asarray(mask, bool)
+    if image.ndim != 3 or image.shape[2] != 3 or mask.shape != image.shape[:2] or not mask.any():
         raise ValidationError(
-            f"crop: found a picture {picture.shape} and a mask {mask.shape} with {int(mask.sum())} pixels, "
+            f"crop: found an image {image.shape} and a mask {mask.shape} with {int(mask.sum())} pixels, "
             "needed (H, W, 3) and (H, W) with at least one."
         )
     rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
     inner = mask[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    seen = picture[mask].astype(np.float64)
+    seen = image[mask].astype(np.float64)
     colors = histogram(seen[None], np.full((1, len(seen)), 1.0 / len(seen)))[0]
     height, width = inner.shape
     pick_r, pick_c = ((np.arange(GRID) + 0.5) / GRID * n for n in (height, width))

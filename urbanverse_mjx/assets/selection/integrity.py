@@ -22,7 +22,7 @@ def problems() -> list[str]:
         found.append(f"{hulls_path().name}: no collision hulls; take the file from the repository again.")
     broken = damaged()
     if broken:
-        found.append(f"thumbnails: {len(broken)} files are no whole pictures, first {broken[0].name}.")
+        found.append(f"thumbnails: {len(broken)} files are no whole images, first {broken[0].name}.")
     return found
 
 

@@ -3,7 +3,7 @@
 1. Semantic: the label's leaves (`semantics.rank_leaves`); a leaf without shapes is stood in for.
 2. Geometric: of their records the 1,000 whose boxes need the least distortion to become the object's.
 3. Appearance: of those the ones that look most like the crop, by the built-in descriptor (`descriptors`) computed from
-   the records' parameters, or by DINOv2 over thumbnails (`neural.PictureEmbedder`).
+   the records' parameters, or by DINOv2 over thumbnails (`neural.ImageEmbedder`).
 """
 
 import dataclasses
@@ -22,7 +22,7 @@ from ..meshes.base_shapes import BaseShape, shape_of
 from ..meshes.tints import is_free
 from ..records.index import AssetIndex, load_index
 from . import descriptors
-from .neural import PictureEmbedder
+from .neural import ImageEmbedder
 from .search import ObjectLibrary, library
 
 KEEP = 1000  # the paper's number of candidates after the geometric step
@@ -113,11 +113,11 @@ class Matcher:
             matches.append(Match(leaf.uids[at], leaf.name, float(distortion[row]), seen, yaw, base))
         return matches
 
-    def rerank(self, matches: Sequence[Match], crop: np.ndarray, pictures: PictureEmbedder) -> list[Match]:
-        """Matches in the order of a neural picture embedding of the crop against their thumbnails (drawn where the
+    def rerank(self, matches: Sequence[Match], crop: np.ndarray, embedder: ImageEmbedder) -> list[Match]:
+        """Matches in the order of a neural image embedding of the crop against their thumbnails (drawn where the
         cache has none)."""
         thumbnails = self._objects.load_thumbnails([m.uid for m in matches])
-        vectors = pictures([crop, *(thumbnails[m.uid] for m in matches)])
+        vectors = embedder([crop, *(thumbnails[m.uid] for m in matches)])
         appearance_distance = 1.0 - vectors[1:] @ vectors[0]
         order = np.argsort(appearance_distance, kind="stable")
         return [dataclasses.replace(matches[k], appearance_distance=float(appearance_distance[k])) for k in order]

@@ -1,4 +1,4 @@
-"""Embeddings by neural networks, for who has them: sentences (sentence-transformers) and pictures (DINOv2).
+"""Embeddings by neural networks, for who has them: sentences (sentence-transformers) and images (DINOv2).
 
 Optional (`pip install "urbanverse_mjx[embeddings]"`); the first use of a model downloads its weights unless a folder
 that holds them is named.
@@ -14,7 +14,7 @@ import numpy as np
 from ...datatypes import optional
 
 SENTENCE_MODEL = "sentence-transformers/all-mpnet-base-v2"  # the official toolkit's default
-PICTURE_MODEL = "facebook/dinov2-base"  # DINOv2 with patches of 14 pixels and vectors of 768 numbers
+IMAGE_MODEL = "facebook/dinov2-base"  # DINOv2 with patches of 14 pixels and vectors of 768 numbers
 BATCH = 32
 
 
@@ -49,32 +49,32 @@ class SentenceEmbedder:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class PictureEmbedder:
-    """Pictures -> vectors of length 1: DINOv2's class token."""
+class ImageEmbedder:
+    """Images -> vectors of length 1: DINOv2's class token."""
 
     model: Any
     processor: Any
 
     @staticmethod
     @functools.lru_cache(maxsize=2)
-    def load(model: str = PICTURE_MODEL) -> "PictureEmbedder":
+    def load(model: str = IMAGE_MODEL) -> "ImageEmbedder":
         """Loads a DINOv2 model by name or folder, onto the GPU where there is one.
 
         Raises:
           ValidationError: the packages or the weights are not there.
         """
         torch, package = _module("torch"), _module("transformers")
-        network = _loaded("picture model", lambda: package.AutoModel.from_pretrained(model), model)
-        processor = _loaded("picture model", lambda: package.AutoImageProcessor.from_pretrained(model), model)
+        network = _loaded("image model", lambda: package.AutoModel.from_pretrained(model), model)
+        processor = _loaded("image model", lambda: package.AutoImageProcessor.from_pretrained(model), model)
         device = "cuda" if torch.cuda.is_available() else "cpu"
-        return PictureEmbedder(network.eval().to(device), processor)
+        return ImageEmbedder(network.eval().to(device), processor)
 
-    def __call__(self, pictures: Sequence[np.ndarray]) -> np.ndarray:
-        """(n, d) float32 of (H, W, 3) uint8 pictures."""
+    def __call__(self, images: Sequence[np.ndarray]) -> np.ndarray:
+        """(n, d) float32 of (H, W, 3) uint8 images."""
         torch = _module("torch")
         vectors = []
-        for start in range(0, len(pictures), BATCH):
-            batch = self.processor(images=list(pictures[start : start + BATCH]), return_tensors="pt")
+        for start in range(0, len(images), BATCH):
+            batch = self.processor(images=list(images[start : start + BATCH]), return_tensors="pt")
             with torch.inference_mode():
                 token = self.model(**batch.to(self.model.device)).last_hidden_state[:, 0]
             vectors.append(torch.nn.functional.normalize(token, dim=-1).float().cpu().numpy())

@@ -163,7 +163,7 @@ class ObjectLibrary:
         return [record_of(row) for row in self._take(uids)]
 
     def load_thumbnails(self, uids: Sequence[str]) -> dict[str, np.ndarray]:
-        """uid -> (H, W, 3) uint8 picture, drawn where the cache has none (needs an OpenGL that renders off screen).
+        """uid -> (H, W, 3) uint8 image, drawn where the cache has none (needs an OpenGL that renders off screen).
 
         Raises:
           ValidationError: no such uid, or one without a mesh.

@@ -1,7 +1,7 @@
-"""Depth for every pixel: what one picture lets guess, held to the reconstruction and to the ground.
+"""Depth for every pixel: what one image lets guess, held to the reconstruction and to the ground.
 
 * Ground is where the ray meets the level on which its kind lies near the camera.
-* An object keeps the shape that the picture lets guess; its distance is the weighted mean (of logarithms) of what the
+* An object keeps the shape that the image lets guess; its distance is the weighted mean (of logarithms) of what the
   points inside its mask say, of where its foot meets the ground, and of the guess itself.
 * All else takes the guess, scaled as a whole. The sky has no depth.
 """

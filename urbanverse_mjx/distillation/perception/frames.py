@@ -1,4 +1,4 @@
-"""A video or a folder of pictures becomes a folder of frames: sampled, of one size, and the unusable ones left out."""
+"""A video or a folder of images becomes a folder of frames: sampled, of one size, and the unusable ones left out."""
 
 import collections
 import dataclasses
@@ -27,9 +27,9 @@ class SamplingOptions:
     """How frames are taken.
 
     Attributes:
-      rate: frames per second; of a folder's pictures, how many were taken in a second.
-      candidates: so many pictures of a video are looked at for each frame; the sharpest is taken.
-      short_side: pixels; larger pictures are scaled down to it.
+      rate: frames per second; of a folder's images, how many were taken in a second.
+      candidates: so many images of a video are looked at for each frame; the sharpest is taken.
+      short_side: pixels; larger images are scaled down to it.
       max_frames: longer videos are sampled at a lower rate; longer folders are refused.
       limits: of the screen.
     """
@@ -52,7 +52,7 @@ class Frames:
     """Frames on disk.
 
     Attributes:
-      folder: of the pictures. names: PNG files in it. time_s: s of each since the video's beginning.
+      folder: of the images. names: PNG files in it. time_s: s of each since the video's beginning.
       width, height: pixels of all.
       dropped: time (s) and reason of each frame left out.
       blur: name of the detector that found what was blurred, or None where nothing was looked for.
@@ -91,16 +91,16 @@ def sample(
     blur: Blur | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Frames:
-    """Writes the usable frames of a video or of a folder of pictures, and `frames.json`.
+    """Writes the usable frames of a video or of a folder of images, and `frames.json`.
 
     Args:
-      source: a video of any container that FFmpeg (inside OpenCV) reads, or a folder of pictures in the order of
+      source: a video of any container that FFmpeg (inside OpenCV) reads, or a folder of images in the order of
         their names.
       folder: made; emptied of earlier frames.
       blur: finds faces and plates and makes them unreadable before anything is written.
 
     Raises:
-      ValidationError: no video, no pictures, pictures of different sizes, fewer than two usable frames, or no write
+      ValidationError: no video, no images, images of different sizes, fewer than two usable frames, or no write
         access.
     """
     options = options or SamplingOptions()
@@ -165,34 +165,34 @@ Group = Sequence[tuple[float, np.ndarray]]
 
 
 def _video(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
-    """Groups of neighbouring pictures, one group for each frame wanted, and about how many groups."""
+    """Groups of neighbouring images, one group for each frame wanted, and about how many groups."""
     video = _opened(path)
     fps, count = video.get(cv2.CAP_PROP_FPS), video.get(cv2.CAP_PROP_FRAME_COUNT)
     duration = count / fps if fps > 0 and count > 0 else 0.0
     rate = min(options.rate, fps or options.rate, options.max_frames / duration if duration > 0 else options.rate)
     each = max(1, min(options.candidates, int(fps / rate))) if fps > 0 else 1
-    pictures = itertools.islice(_pictures(video, rate * each, options.short_side), options.max_frames * each)
-    return _grouped(pictures, each), min(options.max_frames, max(1, round(duration * rate)))
+    images = itertools.islice(_images(video, rate * each, options.short_side), options.max_frames * each)
+    return _grouped(images, each), min(options.max_frames, max(1, round(duration * rate)))
 
 
 def _opened(path: pathlib.Path) -> cv2.VideoCapture:
     if not path.is_file():
-        raise v.fail(str(path), "no such file", "a video or a folder of pictures", "check the path")
+        raise v.fail(str(path), "no such file", "a video or a folder of images", "check the path")
     video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     if not video.isOpened():
-        raise v.fail(str(path), "something that OpenCV reads no picture from", "a video", "play it to check")
+        raise v.fail(str(path), "something that OpenCV reads no image from", "a video", "play it to check")
     return video
 
 
-def _pictures(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[tuple[float, np.ndarray]]:
-    """Time (s) and RGB of the pictures nearest to every 1 / `rate` s; what lies between is decoded and left out."""
+def _images(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator[tuple[float, np.ndarray]]:
+    """Time (s) and RGB of the images nearest to every 1 / `rate` s; what lies between is decoded and left out."""
     period = 1.0 / (video.get(cv2.CAP_PROP_FPS) or rate)
     first, time, due = None, -period, 0
     try:
         while video.grab():
             stamp = video.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
             first = stamp if first is None else first
-            # AVI stamps pictures when they are decoded: all late by the same time, and 0 where the file has ended.
+            # AVI stamps images when they are decoded: all late by the same time, and 0 where the file has ended.
             time = stamp - first if stamp - first > time else time + period
             if (time + period / 2) * rate < due:
                 continue
@@ -205,7 +205,7 @@ def _pictures(video: cv2.VideoCapture, rate: float, short_side: int) -> Iterator
 
 
 def _scaled(rgb: np.ndarray, short_side: int) -> np.ndarray:
-    """A picture (H, W, 3) u8 shrunk to a shorter side of at most `short_side` px, by means over what a pixel covers."""
+    """An image (H, W, 3) u8 shrunk to a shorter side of at most `short_side` px, by means over what a pixel covers."""
     height, width = rgb.shape[:2]
     factor = short_side / min(height, width)
     if factor >= 1.0:
@@ -213,33 +213,33 @@ def _scaled(rgb: np.ndarray, short_side: int) -> np.ndarray:
     return cv2.resize(rgb, (round(width * factor), round(height * factor)), interpolation=cv2.INTER_AREA)
 
 
-def _grouped(pictures: Iterator[tuple[float, np.ndarray]], each: int) -> Iterator[Group]:
-    while group := list(itertools.islice(pictures, each)):
+def _grouped(images: Iterator[tuple[float, np.ndarray]], each: int) -> Iterator[Group]:
+    while group := list(itertools.islice(images, each)):
         yield group
 
 
 def _folder(path: pathlib.Path, options: SamplingOptions) -> tuple[Iterator[Group], int]:
     files = sorted(p for p in path.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES)
     if not files:
-        raise v.fail(str(path), "no picture", f"files ending in {', '.join(IMAGE_SUFFIXES)}", "check the path")
+        raise v.fail(str(path), "no image", f"files ending in {', '.join(IMAGE_SUFFIXES)}", "check the path")
     if len(files) > options.max_frames:
-        raise v.fail(str(path), f"{len(files)} pictures", f"at most {options.max_frames}", "leave out some")
+        raise v.fail(str(path), f"{len(files)} images", f"at most {options.max_frames}", "leave out some")
 
-    def pictures() -> Iterator[Group]:
+    def images() -> Iterator[Group]:
         size = None
         for k, file in enumerate(files):
             try:
                 with Image.open(file) as image:
-                    picture = image.convert("RGB")
+                    rgb = image.convert("RGB")
             except UNREADABLE as error:
-                raise v.fail(str(file), f"an unreadable picture ({error})", "a whole one", "leave it out") from error
-            size = size or picture.size
-            if picture.size != size:
+                raise v.fail(str(file), f"an unreadable image ({error})", "a whole one", "leave it out") from error
+            size = size or rgb.size
+            if rgb.size != size:
                 needed = "{}x{} as the first has".format(*size)
-                raise v.fail(str(file), "{}x{} pixels".format(*picture.size), needed, "scale it")
-            yield [(k / options.rate, _scaled(np.asarray(picture), options.short_side))]
+                raise v.fail(str(file), "{}x{} pixels".format(*rgb.size), needed, "scale it")
+            yield [(k / options.rate, _scaled(np.asarray(rgb), options.short_side))]
 
-    return pictures(), len(files)
+    return images(), len(files)
 
 
 def _empty(folder: pathlib.Path) -> None:

@@ -17,7 +17,7 @@ _CASCADES = (
     "haarcascade_profileface.xml",
     "haarcascade_russian_plate_number.xml",
 )
-#: Each step shrinks the picture by so much; so many neighbours must agree. More found is better than less: what is
+#: Each step shrinks the image by so much; so many neighbours must agree. More found is better than less: what is
 #: blurred without need costs a signboard.
 _SCALE_STEP, _MIN_NEIGHBOURS = 1.1, 3
 

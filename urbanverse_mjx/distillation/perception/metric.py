@@ -76,7 +76,7 @@ def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> 
     if (ground > 0).sum() < MIN_POINTS:
         raise ValidationError(
             f"metric scale: found {(ground > 0).sum()} points on the ground, needed {MIN_POINTS}; film with the ground "
-            "in the lower half of the picture."
+            "in the lower half of the image."
         )
     rows = cut(structure.model, structure.registered, structure.poses)
     owner = _owner(structure, rows)

@@ -15,7 +15,7 @@ class FrameObservation:
     Attributes:
       surfaces: (H, W) u8, see `Frame.surfaces`.
       masks: (H, W) i32 row of `detections`, -1 = none. detections: objects with their labels and scores.
-      depth: (H, W) f32 m along the camera's axis as one picture lets guess it; None where the model guesses none.
+      depth: (H, W) f32 m along the camera's axis as one image lets guess it; None where the model guesses none.
     """
 
     surfaces: np.ndarray
@@ -25,8 +25,8 @@ class FrameObservation:
 
 
 class Predictor(Protocol):
-    """Finds objects, surfaces and, where it can, depth in a picture."""
+    """Finds objects, surfaces and, where it can, depth in a image."""
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
-        """(H, W, 3) u8 picture of a pinhole with focal length `focal` (pixels)."""
+        """(H, W, 3) u8 image of a pinhole with focal length `focal` (pixels)."""
         ...

@@ -1,6 +1,6 @@
 """Pieces of a trajectory whose place to each other no match tells: where they break, and how they are joined again.
 
-A walker who turns about before a bare wall leaves the pictures before and after without a match. Each piece alone is
+A walker who turns about before a bare wall leaves the images before and after without a match. Each piece alone is
 right, upright and metric. What is missing is a turn about z and a shift, and the shift is nearly known: the camera goes
 on at the speed at which it went. The turn is the one at which walls, poles and cars that one piece saw stand where
 others saw them: both saw the street around the place where they meet.

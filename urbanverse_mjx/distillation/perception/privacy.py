@@ -34,7 +34,7 @@ class Blur:
     margin: float = 0.15
 
     def __call__(self, rgb: np.ndarray) -> np.ndarray:
-        """A copy of a picture (H, W, 3) u8 with the boxes filled by their own mean colours, four cells to a side.
+        """A copy of an image (H, W, 3) u8 with the boxes filled by their own mean colours, four cells to a side.
 
         Raises:
           ValidationError: the detector answered something else than boxes.
@@ -56,7 +56,7 @@ class Blur:
 
 
 def _coarse(part: np.ndarray) -> np.ndarray:
-    """A picture whose detail is gone: means of at most 4 x 4 cells. Unlike a blur, nothing can be sharpened again."""
+    """An image whose detail is gone: means of at most 4 x 4 cells. Unlike a blur, nothing can be sharpened again."""
     height, width = part.shape[:2]
     cells = cv2.resize(part, (min(4, width), min(4, height)), interpolation=cv2.INTER_AREA)
     return cv2.resize(cells, (width, height), interpolation=cv2.INTER_NEAREST)

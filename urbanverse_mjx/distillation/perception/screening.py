@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
-#: Rows and columns of the small grey picture on which motion is measured.
+#: Rows and columns of the small grey image on which motion is measured.
 _MOTION_SIZE = (54, 96)
 #: Rows that sharpness is measured at: fewer hide slight blur, more show the noise of the sensor.
 _SHARPNESS_ROWS = 270
@@ -42,7 +42,7 @@ class Measures:
 
 
 def measure(rgb: np.ndarray) -> Measures:
-    """Measures of a picture (H, W, 3) u8. Sharpness: deviation of its Laplacian over that of its brightness."""
+    """Measures of an image (H, W, 3) u8. Sharpness: deviation of its Laplacian over that of its brightness."""
     grey = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2GRAY)
     height, width = grey.shape
     step = max(1, height // _SHARPNESS_ROWS)
@@ -54,7 +54,7 @@ def measure(rgb: np.ndarray) -> Measures:
 
 
 def turned(before: Measures, after: Measures) -> float:
-    """Share of the width by which the picture moved sideways, by phase correlation; 0 where nothing matches.
+    """Share of the width by which the image moved sideways, by phase correlation; 0 where nothing matches.
 
     Source: Kuglin and Hines, "The phase correlation image alignment method", 1975. OpenCV's `phaseCorrelate` sums the
     response around the peak, which tells noise from a match no longer: 0.27 for noise, 0.24 for a turn by half a width.
@@ -65,7 +65,7 @@ def turned(before: Measures, after: Measures) -> float:
     peak = np.fft.irfft2(cross / np.maximum(np.abs(cross), 1e-9), _MOTION_SIZE)
     _, column = np.unravel_index(np.argmax(peak), _MOTION_SIZE)
     shift = min(column, _MOTION_SIZE[1] - column) / _MOTION_SIZE[1]
-    # Two pictures with nothing in common have a highest peak too, of about 0.05 at this size.
+    # Two images with nothing in common have a highest peak too, of about 0.05 at this size.
     return float(shift) if peak.max() > 0.1 else 0.0
 
 

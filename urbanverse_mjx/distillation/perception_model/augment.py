@@ -1,4 +1,4 @@
-"""What cameras, codecs and lenses do to a picture, at random. Runs inside jit, on one rendered frame."""
+"""What cameras, codecs and lenses do to an image, at random. Runs inside jit, on one rendered frame."""
 
 import jax
 import jax.numpy as jnp
@@ -33,7 +33,7 @@ def jpeg(image: jax.Array, quality: jax.Array) -> jax.Array:
     """The block artefacts of JPEG: every 8 x 8 block rounded in frequency, each colour alike.
 
     Args:
-      picture: (H, W, 3) in [0, 1], sides multiples of 8; quality: () 1 to 100 as libjpeg counts it.
+      image: (H, W, 3) in [0, 1], sides multiples of 8; quality: () 1 to 100 as libjpeg counts it.
     """
     h, w, _ = image.shape
     scale = jnp.where(quality < 50.0, 50.0 / quality, 2.0 - quality / 50.0)
@@ -67,7 +67,7 @@ _YIQ = np.array([[0.299, 0.587, 0.114], [0.596, -0.274, -0.322], [0.211, -0.523,
 
 
 def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) -> jax.Array:
-    """A picture (H, W, 3) u8 whose regions (H, W) i32 < `regions` each have another hue, saturation and brightness.
+    """An image (H, W, 3) u8 whose regions (H, W) i32 < `regions` each have another hue, saturation and brightness.
 
     Most of the regions keep about their hue. What an object is, its shape has to say.
     """
@@ -84,7 +84,7 @@ def recolour(key: jax.Array, image: jax.Array, region: jax.Array, regions: int) 
 
 
 def augment(key: jax.Array, image: jax.Array) -> jax.Array:
-    """(H, W, 3) float in [0, 1] of a clean uint8 picture: blur, exposure, white balance, tone, noise, JPEG."""
+    """(H, W, 3) float in [0, 1] of a clean uint8 image: blur, exposure, white balance, tone, noise, JPEG."""
     keys = jax.random.split(key, 8)
     x = image.astype(jnp.float32) / 255.0
     # Focus and shake: mostly under a pixel, along one axis now and then two.

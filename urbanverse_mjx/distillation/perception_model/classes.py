@@ -59,7 +59,7 @@ def names() -> tuple[str, ...]:
     return ("sky", *GROUND_KINDS[1:], OTHER, *groups())
 
 
-#: House fronts, which fill most pictures.
+#: House fronts, which fill most images.
 HOUSE = names().index("house")
 
 
@@ -93,7 +93,7 @@ def class_table(categories: Sequence[str]) -> np.ndarray:
 
 
 def surface_codes() -> np.ndarray:
-    """(classes,) u8: what a `Recording`'s surface picture says of each class."""
+    """(classes,) u8: what a `Recording`'s surface image says of each class."""
     codes = np.zeros(len(names()), np.uint8)
     codes[SKY_CLASS] = SKY
     codes[1:FIRST_OBJECT] = np.arange(1, FIRST_OBJECT)

@@ -24,7 +24,7 @@ TRUST = (-2.78, 1.23, 2.64, -4.05, 1.4)
 
 @dataclasses.dataclass(frozen=True)
 class FoundObject:
-    """One object in one picture: number of its class, chance in [0, 1] that it is right, which of `classes.leaves()` it
+    """One object in one image: number of its class, chance in [0, 1] that it is right, which of `classes.leaves()` it
     looks like, and on what the chance rests (see `_evidence`)."""
 
     kind: int
@@ -35,7 +35,7 @@ class FoundObject:
 
 @dataclasses.dataclass(frozen=True)
 class Decoded:
-    """What one picture shows, at the outputs' size.
+    """What one image shows, at the outputs' size.
 
     kinds: (h, w) i32 class of every pixel; masks: (h, w) i32 index into `objects`, -1 = none;
     depth: (h, w) f32 m along the camera's axis, the sky included.
@@ -55,11 +55,11 @@ class Decoded:
 
 
 def decode(seen: Seen, focal: float) -> Decoded:
-    """One picture's outputs.
+    """One image's outputs.
 
     Args:
-      seen: arrays of one picture, without the leading axis.
-      focal: of the picture that the network saw, pixels.
+      seen: arrays of one image, without the leading axis.
+      focal: of the image that the network saw, pixels.
     """
     p = np.exp(seen.classes - seen.classes.max(-1, keepdims=True))
     p /= p.sum(-1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Inference of the perception model on pictures of any size."""
+"""Inference of the perception model on images of any size."""
 
 import dataclasses
 import functools
@@ -40,7 +40,7 @@ class PerceptionModel:
         return PerceptionModel(*weights.load(path))
 
     def __call__(self, rgb: np.ndarray, focal: float) -> FrameObservation:
-        """See `Predictor`. The picture is scaled so that its longer side is as long as in training."""
+        """See `Predictor`. The image is scaled so that its longer side is as long as in training."""
         height, width = rgb.shape[:2]
         factor = max(SIZE) / max(height, width)
         small = round(height * factor), round(width * factor)

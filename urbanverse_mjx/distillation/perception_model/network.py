@@ -2,7 +2,7 @@
 
 The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
 every pixel of an object the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al.,
-ICCV 2023): depth times `CANONICAL_FOCAL` over the picture's own focal length, which makes it a matter of the picture
+ICCV 2023): depth times `CANONICAL_FOCAL` over the image's own focal length, which makes it a matter of the image
 alone. Added are also the leaves within each class, at a quarter of the size: an object's pixels decide them together.
 """
 
@@ -14,9 +14,9 @@ import jax.numpy as jnp
 import numpy as np
 from flax import linen as nn
 
-#: Sides of a picture are multiples of this: the encoder halves five times.
+#: Sides of an image are multiples of this: the encoder halves five times.
 STRIDE = 32
-#: Pixels of the picture per pixel of the outputs.
+#: Pixels of the image per pixel of the outputs.
 OUTPUT_STRIDE = 2
 #: Output pixels per pixel of the leaves.
 LEAF_STRIDE = 2
@@ -35,7 +35,7 @@ type Array = jax.Array | np.ndarray
 
 
 class Seen(NamedTuple):
-    """Outputs at half the picture's size, h x w.
+    """Outputs at half the image's size, h x w.
 
     classes: (n, h, w, C) logits; centre: (n, h, w) in about [0, 1]; offset: (n, h, w, 2) rows and columns to the
     centre, in `OFFSET_UNIT` output pixels; log_depth: (n, h, w) log of canonical depth over `DEPTH_UNIT`; leaves:
@@ -89,7 +89,7 @@ def _double(x: jax.Array) -> jax.Array:
 
 
 class PerceptionNetwork(nn.Module):
-    """Pictures to `Seen`.
+    """Images to `Seen`.
 
     Attributes:
       classes, leaves: how many there are.
@@ -114,7 +114,7 @@ class PerceptionNetwork(nn.Module):
             for i in range(blocks):
                 x = _Block(width, 2 if level > 0 and i == 0 else 1, dtype=self.dtype)(x, train)
             levels.append(x)
-        # What the whole picture shows tells a wall beside the camera from one across the street.
+        # What the whole image shows tells a wall beside the camera from one across the street.
         whole = nn.relu(nn.Dense(self.widths[-1], dtype=self.dtype)(x.mean((1, 2))))
         x = x + whole[:, None, None]
         for width, skip in zip(_PYRAMID, levels[-2::-1], strict=True):

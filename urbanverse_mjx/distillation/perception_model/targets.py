@@ -78,7 +78,7 @@ def ground_truth(
     """Of one frame.
 
     Args:
-      category, slot: (H, W) i32 as rendered, -1 = sky; depth: (H, W) m; focal: () pixels of the full picture.
+      category, slot: (H, W) i32 as rendered, -1 = sky; depth: (H, W) m; focal: () pixels of the full image.
       table: `classes.class_table` of the bank; slots: how many visual slots its scenes have.
     """
     # Of each output pixel's four the one below and right: its first ray is the one nearest to their middle.

@@ -97,9 +97,9 @@ class Views:
         return Views(renderer, jnp.asarray(places), jnp.asarray(weights), jnp.asarray(table))
 
     def __call__(self, keys: jax.Array, dye: bool = True) -> tuple[jax.Array, GroundTruth, jax.Array]:
-        """One frame per key: pictures (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
+        """One frame per key: images (n, H, W, 3) u8, what they show, and (n,) 0 where the view is blocked.
 
-        With `dye`, every object takes on colours of its own in all but `plain_share` of the pictures.
+        With `dye`, every object takes on colours of its own in all but `plain_share` of the images.
         """
         scene, viewpoint, turn, fovy, number = jax.vmap(self._pose)(keys)
         dyed = dye & ~jax.vmap(lambda key: jax.random.bernoulli(jax.random.fold_in(key, 2), _OPTIONS.plain_share))(keys)

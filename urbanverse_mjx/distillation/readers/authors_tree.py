@@ -6,10 +6,10 @@
     camera.yaml             fx, fy, cx, cy, or a 3 x 3 matrix under K, intrinsics or camera_matrix
     segmentations_2d/ *.jpg, scene_pcd.glb, config_params.json, distilled_scene_graph.pkl.gz
 
-Read are frames, depth, confidence, poses and intrinsics. The masks are painted pictures with JPEG's smear, and the
+Read are frames, depth, confidence, poses and intrinsics. The masks are painted images with JPEG's smear, and the
 graph is a pickle, which runs whatever its writer wanted: neither is opened; objects are found anew by a `Predictor`.
 The documents name no world axes, so the world is turned until the cameras' mean "up" is z, and put down so that the
-first camera is at zero. Where pictures and depth differ in size, pictures are scaled to the depth, whose lens
+first camera is at zero. Where images and depth differ in size, images are scaled to the depth, whose lens
 camera.yaml is.
 """
 
@@ -54,11 +54,11 @@ def read_authors_tree(
       ValidationError: a part is missing, parts of different number, or numbers that are no pose, depth or lens.
     """
     root = pathlib.Path(root)
-    pictures = _files(pathlib.Path(images) if images is not None else root / "images", _IMAGE_SUFFIXES)
+    rgb_files = _files(pathlib.Path(images) if images is not None else root / "images", _IMAGE_SUFFIXES)
     depths = _files(root / "depth", (".npy",))
     poses = _upright(_poses(root / "poses"))
-    if not len(pictures) == len(depths) == len(poses):
-        found = f"{len(pictures)} pictures, {len(depths)} depth maps and {len(poses)} poses"
+    if not len(rgb_files) == len(depths) == len(poses):
+        found = f"{len(rgb_files)} images, {len(depths)} depth maps and {len(poses)} poses"
         raise v.fail(str(root), found, "as many of each", "run the distillation again")
     trusted = _files(root / "conf", (".npy",)) if (root / "conf").is_dir() else []
     if trusted and len(trusted) != len(depths):
@@ -67,7 +67,7 @@ def read_authors_tree(
     first = _array(depths[0], 2)
     camera = _camera(root / "camera.yaml", first.shape[1], first.shape[0])
     writer = RecordingWriter(folder, identifier(root.name), source, camera, lossless=False)
-    for k, (picture, path) in enumerate(zip(pictures, depths, strict=True)):
+    for k, (rgb_file, path) in enumerate(zip(rgb_files, depths, strict=True)):
         depth = _array(path, 2)
         if depth.shape != first.shape:
             raise v.fail(str(path), f"shape {depth.shape}", f"that of the first, {first.shape}", "write it again")
@@ -77,11 +77,11 @@ def read_authors_tree(
             if surety.shape != depth.shape:
                 raise v.fail(str(trusted[k]), f"shape {surety.shape}", f"the depth's {depth.shape}", "write it again")
             depth = np.where(surety >= np.quantile(surety, _UNTRUSTED_SHARE), depth, 0.0)
-        rgb = _rgb(picture, camera)
+        rgb = _rgb(rgb_file, camera)
         observation = predictor(rgb, camera.fx)
         writer.add(k / rate, rgb, depth, observation.masks, observation.surfaces, poses[k], observation.detections)
         if progress is not None:
-            progress(k + 1, len(pictures))
+            progress(k + 1, len(rgb_files))
     return writer.close()
 
 
@@ -160,4 +160,4 @@ def _rgb(path: pathlib.Path, camera: Camera) -> np.ndarray:
             size = camera.width, camera.height
             return np.asarray(image.convert("RGB").resize(size, Image.Resampling.BILINEAR))
     except UNREADABLE as error:
-        raise v.fail(str(path), f"no readable picture ({error})", "a PNG or JPEG", "write it again") from error
+        raise v.fail(str(path), f"no readable image ({error})", "a PNG or JPEG", "write it again") from error

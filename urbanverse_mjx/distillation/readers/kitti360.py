@@ -7,7 +7,7 @@
     data_3d_bboxes/train/<sequence>.xml
     data_3d_raw/<sequence>/velodyne_points/data/<frame>.bin          float32 x, y, z, reflectance
 
-Only frames with a pose and a picture are taken. The world is shifted to the first camera; z is up there already.
+Only frames with a pose and an image are taken. The world is shifted to the first camera; z is up there already.
 """
 
 import dataclasses
@@ -76,7 +76,7 @@ def read_kitti360(
     ]
     frames = [f for f in wanted if (images / f"{f:010d}.png").is_file()]
     if not frames:
-        found = f"{len(wanted)} frames with a pose there and no picture of them"
+        found = f"{len(wanted)} frames with a pose there and no image of them"
         raise v.fail(str(images), found, "at least one frame with both", "check the sequence and its frames")
     boxes = read_boxes(_split(root / "data_3d_bboxes", f"{name}.xml"))
     labels = _split(root / "data_2d_semantics", name) / image
@@ -195,7 +195,7 @@ def _image(path: pathlib.Path, camera: Camera, dtype: type, mode: str | None = N
         with Image.open(path) as image:
             pixels = np.asarray(image.convert(mode) if mode else image).astype(dtype)
     except UNREADABLE as error:
-        raise v.fail(str(path), f"no readable picture ({error})", "one of KITTI-360", "download it again") from error
+        raise v.fail(str(path), f"no readable image ({error})", "one of KITTI-360", "download it again") from error
     if pixels.shape[:2] != (camera.height, camera.width):
         found = f"{pixels.shape[1]}x{pixels.shape[0]} pixels"
         raise v.fail(str(path), found, f"the calibration's {camera.width}x{camera.height}", "use data_rect")

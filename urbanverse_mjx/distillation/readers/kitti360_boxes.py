@@ -34,7 +34,7 @@ class Kitti360Box:
 
     @property
     def id(self) -> str:
-        """The name that its pixels have in the instance pictures, too."""
+        """The name that its pixels have in the instance images, too."""
         return object_id(self.kind, self.instance)
 
     def upright(self, origin: np.ndarray) -> GraphObject:
@@ -47,7 +47,7 @@ class Kitti360Box:
 
 
 def read_boxes(path: str | os.PathLike[str]) -> list[Kitti360Box]:
-    """Reads a sequence's file; classes that the label pictures do not know are passed over.
+    """Reads a sequence's file; classes that the label images do not know are passed over.
 
     Raises:
       ValidationError: no such file, no XML, or a node that is not as described above.

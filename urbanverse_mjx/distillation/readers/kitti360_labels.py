@@ -1,4 +1,4 @@
-"""KITTI-360's classes (Liao, Xie, Geiger 2022; ids of its label pictures and of its box files) in our words."""
+"""KITTI-360's classes (Liao, Xie, Geiger 2022; ids of its label images and of its box files) in our words."""
 
 import dataclasses
 
@@ -11,9 +11,9 @@ class Kitti360Class:
     """One class.
 
     Attributes:
-      name, id: as label pictures have them; box_id: its number in the 3D boxes' files, -1 = has none.
+      name, id: as label images have them; box_id: its number in the 3D boxes' files, -1 = has none.
       label: our leaf for its instances; None where it has none that stand for an object.
-      surface: code of a recording's surface pictures; 0 where it is no ground and no sky.
+      surface: code of a recording's surface images; 0 where it is no ground and no sky.
     """
 
     name: str
@@ -65,10 +65,10 @@ CLASSES = (
 )
 BY_ID = {c.id: c for c in CLASSES}
 BY_BOX_ID = {c.box_id: c for c in CLASSES if c.box_id >= 0}
-#: A pixel of an instance picture is `INSTANCES` times its class id plus the instance's number; 0 is no single one.
+#: A pixel of an instance image is `INSTANCES` times its class id plus the instance's number; 0 is no single one.
 INSTANCES = 1000
 
 
 def object_id(kind: Kitti360Class, instance: int) -> str:
-    """One name for an instance in pictures and boxes."""
+    """One name for an instance in images and boxes."""
     return f"{kind.name.replace(' ', '_')}_{instance}"

@@ -149,7 +149,7 @@ def _dense_rewards() -> ConfigDict:
 
 
 def _fast() -> ConfigDict:
-    """The paper's task and picture on a GPU, for thousands of envs: other reward weights and a simpler light."""
+    """The paper's task and image on a GPU, for thousands of envs: other reward weights and a simpler light."""
     config = _paper()
     config.preset = "fast"
     config.vision_config.shading = "matte"
@@ -158,7 +158,7 @@ def _fast() -> ConfigDict:
 
 
 def _cpu() -> ConfigDict:
-    """The paper's task on a laptop: a smaller picture and other reward weights, nothing else."""
+    """The paper's task on a laptop: a smaller image and other reward weights, nothing else."""
     config = _paper()
     config.preset = "cpu"
     config.vision_config.height, config.vision_config.width = 27, 48
@@ -169,7 +169,7 @@ def _cpu() -> ConfigDict:
 
 
 def _quick() -> ConfigDict:
-    """As `cpu` with a larger picture, for a training by imitation: it drives by proprioception too, and predicts a map
+    """As `cpu` with a larger image, for a training by imitation: it drives by proprioception too, and predicts a map
     of distances."""
     config = _cpu()
     config.preset = "quick"

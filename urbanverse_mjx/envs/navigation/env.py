@@ -61,7 +61,7 @@ class NavEnv(StagedBase[NavState]):
         odometry or a state estimator gives; with `config.observations.proprio`.
       privileged_map: (640,) u8 cm, the two distances of `privileged` at the (20, 16) `MAP_PROBES` around the robot,
         for teachers and auxiliary losses only; with `config.observations.privileged_map`. Flat, because Brax keeps
-        statistics of every observation that is no picture and takes each for a vector.
+        statistics of every observation that is no image and takes each for a vector.
     Action: in [-1, 1]; by `config.action_mode`:
       waypoint: (2,), (dx, dy) in the body frame, turned by the robot's ideal PD into (v, omega);
       velocity: (2,), ((a0 + 1) / 2 * max_speed, a1 * max_yaw_rate);

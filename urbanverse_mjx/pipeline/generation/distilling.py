@@ -17,8 +17,8 @@ from ...distillation import Describe, distil
 Report = Callable[[int, int], None]
 
 
-def _descriptor_of_object(picture: np.ndarray, mask: np.ndarray) -> list[int]:
-    return descriptors.of_image(picture, mask).tolist()
+def _descriptor_of_object(image: np.ndarray, mask: np.ndarray) -> list[int]:
+    return descriptors.of_image(image, mask).tolist()
 
 
 #: What the materialisation compares: the index's own descriptors.

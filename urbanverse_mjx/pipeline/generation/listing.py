@@ -17,22 +17,22 @@ moves in it. Answer with one JSON object with the single field "categories": a l
 where one fits. Categories: {leaves}"""
 
 
-def list_categories(endpoint: VisionEndpoint, pictures: Sequence[pathlib.Path]) -> list[str]:
+def list_categories(endpoint: VisionEndpoint, images: Sequence[pathlib.Path]) -> list[str]:
     """Leaves of the ontology that the endpoint saw in some of the pictures, in its order.
 
     Raises:
       VisionError: no answer, none in JSON, or none that names a leaf.
     """
-    step = max(1, len(pictures) // FRAMES)
-    answer = post(endpoint, request(endpoint.model, [p.read_bytes() for p in pictures[step // 2 :: step][:FRAMES]]))
+    step = max(1, len(images) // FRAMES)
+    answer = post(endpoint, request(endpoint.model, [p.read_bytes() for p in images[step // 2 :: step][:FRAMES]]))
     return leaves_of(answer)
 
 
-def request(model: str, pictures: Sequence[bytes]) -> dict[str, Any]:
+def request(model: str, images: Sequence[bytes]) -> dict[str, Any]:
     """The question with PNG pictures, as the chat completions of OpenAI's interface want it."""
     content: list[dict[str, Any]] = [{"type": "text", "text": _ASK.format(leaves=", ".join(ontology.categories()))}]
-    for picture in pictures:
-        url = "data:image/png;base64," + base64.b64encode(picture).decode()
+    for image in images:
+        url = "data:image/png;base64," + base64.b64encode(image).decode()
         content.append({"type": "image_url", "image_url": {"url": url}})
     return {
         "model": model,

@@ -1,4 +1,4 @@
-"""Video or pictures -> frames -> recording: the stages in front of the distillation."""
+"""Video or images -> frames -> recording: the stages in front of the distillation."""
 
 import pathlib
 from collections.abc import Callable
@@ -13,7 +13,7 @@ Report = Callable[[int, int], None]
 
 
 def sample_to(source: pathlib.Path, folder: pathlib.Path, options: VideoOptions, report: Report) -> None:
-    """Writes the usable frames of a video or folder of pictures.
+    """Writes the usable frames of a video or folder of images.
 
     Raises:
       ValidationError: see `sample`.
@@ -25,7 +25,7 @@ def sample_to(source: pathlib.Path, folder: pathlib.Path, options: VideoOptions,
 def perceive_to(
     frames: pathlib.Path, folder: pathlib.Path, video: pathlib.Path, options: VideoOptions, report: Report
 ) -> Recording:
-    """Makes a recording of frames, poses from the pictures, objects and surfaces by the model that the options name.
+    """Makes a recording of frames, poses from the images, objects and surfaces by the model that the options name.
 
     Raises:
       ValidationError: see `perceive` and `make_predictor`.

@@ -18,7 +18,7 @@ def make_predictor(video: VideoOptions, frames: pathlib.Path | None = None) -> P
     """The model that the options name.
 
     Args:
-      frames: folder of the capture's pictures. Where an endpoint is configured and frames were blurred it lists what to
+      frames: folder of the capture's images. Where an endpoint is configured and frames were blurred it lists what to
         look for in some of them; else the ontology does.
 
     Raises:
@@ -36,6 +36,6 @@ def make_predictor(video: VideoOptions, frames: pathlib.Path | None = None) -> P
                 "URBANVERSE_VISION_URL: found an endpoint and no detector of faces and plates, needed --blur: frames "
                 "that are not blurred never leave this machine; name a detector or unset the address."
             )
-        pictures = sorted(p for p in frames.iterdir() if p.suffix == ".png")
-        labels = list_categories(endpoint, pictures)
+        images = sorted(p for p in frames.iterdir() if p.suffix == ".png")
+        labels = list_categories(endpoint, images)
     return FoundationPredictor.load(labels, None if video.models is None else pathlib.Path(video.models))

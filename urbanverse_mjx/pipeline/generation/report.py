@@ -1,4 +1,4 @@
-"""`report.html`: what a run saw, chose and built, with pictures."""
+"""`report.html`: what a run saw, chose and built, with images."""
 
 import colorsys
 import hashlib
@@ -14,7 +14,7 @@ from ...datatypes import Recording, SceneBank, SceneGraph
 from . import report_images, report_map
 from .sources import Input
 
-#: Rows of matches with pictures; the others are in materialisation.json.
+#: Rows of matches with images; the others are in materialisation.json.
 MATCH_ROWS = 16
 FOLDER = "report"
 _STYLE = """
@@ -33,15 +33,15 @@ def write_report(
     folder: pathlib.Path,
     given: Input,
     recorded: pathlib.Path | None,
-    with_pictures: bool,
+    with_images: bool,
     seconds: Mapping[str, float],
     progress: Callable[[int, int], None],
 ) -> str:
-    """Draws the report's pictures into a folder (that will be `report/`) and returns the page.
+    """Draws the report's images into a folder (that will be `report/`) and returns the page.
 
     Args:
       run: the run's folder, all stages before done. given: its source. recorded: the recording's folder.
-      seconds: by stage. progress: called with (pictures done, pictures in all).
+      seconds: by stage. progress: called with (images done, images in all).
     """
     graph = SceneGraph.load(run / "graph" / "graph.json")
     record = json.loads((run / "materialisation.json").read_text(encoding="utf-8"))
@@ -55,12 +55,12 @@ def write_report(
     if recording is not None:
         parts.append(_frames(recording, colours, folder))
     parts.append(_above(graph, recording, colours, folder))
-    if with_pictures:
+    if with_images:
         bank = SceneBank.load(run / "bank.npz")
-        pictures = report_images.cousin_pictures(bank, graph, folder, progress)
-        parts.append(_cousins(pictures, graph, recording, folder))
+        images = report_images.cousin_images(bank, graph, folder, progress)
+        parts.append(_cousins(images, graph, recording, folder))
     parts += [_checks(record, checks), _appearances(record, folder)]
-    parts += [_matches(run, record, folder, with_pictures), _left_out(record)]
+    parts += [_matches(run, record, folder, with_images), _left_out(record)]
     body = "\n".join(parts)
     title = html.escape(graph.id)
     return (
@@ -70,7 +70,7 @@ def write_report(
 
 
 def colour_of(label: str) -> str:
-    """A label's colour: the same in every picture and run."""
+    """A label's colour: the same in every image and run."""
     hue = int.from_bytes(hashlib.sha256(label.encode()).digest()[:2], "big") / 65536
     return "#" + "".join(f"{round(255 * c):02x}" for c in colorsys.hsv_to_rgb(hue, 0.75, 0.85))
 
@@ -109,12 +109,12 @@ def _above(graph: SceneGraph, recording: Recording | None, colours: dict[str, st
 
 
 def _cousins(
-    pictures: Sequence[tuple[str, list[str]]], graph: SceneGraph, recording: Recording | None, folder: pathlib.Path
+    images: Sequence[tuple[str, list[str]]], graph: SceneGraph, recording: Recording | None, folder: pathlib.Path
 ) -> str:
     parts = ["<h2>Cousins side by side</h2>"]
-    parts.append(_row([_figure(_image(top), f"cousin {k}") for k, (top, _) in enumerate(pictures)], 2))
+    parts.append(_row([_figure(_image(top), f"cousin {k}") for k, (top, _) in enumerate(images)], 2))
     for view, row in enumerate(report_images.viewpoint_rows(graph) if graph.camera_path else []):
-        cells = [_figure(_image(names[view]), f"cousin {k}") for k, (_, names) in enumerate(pictures)]
+        cells = [_figure(_image(names[view]), f"cousin {k}") for k, (_, names) in enumerate(images)]
         if recording is not None and row < len(recording.registered):
             number = int(recording.registered[row])
             name = report_images.save_jpeg(recording.rgb(number), folder / f"tour_{number:06d}.jpg")
@@ -157,11 +157,11 @@ def _appearances(record: Mapping[str, Any], folder: pathlib.Path) -> str:
 
 def _appearance(appearance: Mapping[str, Any], files: Mapping[str, str]) -> str:
     distance = "not seen" if appearance["distance"] is None else f"distance {appearance['distance']:.3f}"
-    picture = _image(files[appearance["uid"]], "thumb") if appearance["uid"] in files else ""
-    return f"{picture}<span class='small'>{html.escape(appearance['uid'])}<br>{distance}</span>"
+    image = _image(files[appearance["uid"]], "thumb") if appearance["uid"] in files else ""
+    return f"{image}<span class='small'>{html.escape(appearance['uid'])}<br>{distance}</span>"
 
 
-def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path, with_pictures: bool) -> str:
+def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path, with_images: bool) -> str:
     # One object of each kind of match: series share theirs.
     shown = {}
     for name, found in record["matches"].items():
@@ -169,15 +169,15 @@ def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path,
             shown.setdefault(tuple(m["uid"] for m in found), name)
     chosen = list(shown.values())[:: max(1, len(shown) // MATCH_ROWS)][:MATCH_ROWS]
     uids = [m["uid"] for name in chosen for m in record["matches"][name]]
-    files = report_images.asset_thumbnails(uids, folder) if with_pictures else {}
+    files = report_images.asset_thumbnails(uids, folder) if with_images else {}
     rows = []
     for name in chosen:
         crop = run / "graph" / "crops" / "objects" / f"{name}_0.png"
-        picture = ""
+        image = ""
         if crop.is_file():
             Image.open(crop).save(folder / f"crop_{name}.png")
-            picture = _image(f"crop_{name}.png", "thumb")
-        cells = [f"{picture}{html.escape(name)}"]
+            image = _image(f"crop_{name}.png", "thumb")
+        cells = [f"{image}{html.escape(name)}"]
         for match in record["matches"][name]:
             appearance = "" if match["look"] is None else f", look {match['look']:.2f}"
             image = _image(files[match["uid"]], "thumb") if match["uid"] in files else ""

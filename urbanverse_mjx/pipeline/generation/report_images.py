@@ -1,4 +1,4 @@
-"""Pictures of a report: frames with masks, thumbnails of what was matched, cousins from eye level and above."""
+"""Images of a report: frames with masks, thumbnails of what was matched, cousins from eye level and above."""
 
 import pathlib
 from collections.abc import Callable, Sequence
@@ -20,9 +20,9 @@ SAMPLES, LOOK_DOWN, ELEVATION = 2, 0.4, np.radians(78.0)
 _QUALITY = 88
 
 
-def save_jpeg(picture: np.ndarray, path: pathlib.Path) -> str:
+def save_jpeg(image: np.ndarray, path: pathlib.Path) -> str:
     """Writes (H, W, 3) uint8 and returns the file's name."""
-    Image.fromarray(picture).save(path, "JPEG", quality=_QUALITY, optimize=True)
+    Image.fromarray(image).save(path, "JPEG", quality=_QUALITY, optimize=True)
     return path.name
 
 
@@ -31,18 +31,18 @@ def masked_frames(recording: Recording, colours: dict[str, str], folder: pathlib
     chosen = np.unique(np.linspace(0, len(recording) - 1, min(FRAMES, len(recording))).round().astype(int))
     names = []
     for number in chosen.tolist():
-        picture, masks = recording.rgb(number), recording.masks(number)
+        image, masks = recording.rgb(number), recording.masks(number)
         if masks is not None:
             labels = [d.label for d in recording.frames[number].detections]
-            picture = _overlaid(picture, masks, [_rgb(colours.get(label, "#888888")) for label in labels])
-        names.append(save_jpeg(picture, folder / f"frame_{number:06d}.jpg"))
+            image = _overlaid(image, masks, [_rgb(colours.get(label, "#888888")) for label in labels])
+        names.append(save_jpeg(image, folder / f"frame_{number:06d}.jpg"))
     return names
 
 
-def _overlaid(picture: np.ndarray, masks: np.ndarray, tints: Sequence[tuple[int, int, int]]) -> np.ndarray:
+def _overlaid(image: np.ndarray, masks: np.ndarray, tints: Sequence[tuple[int, int, int]]) -> np.ndarray:
     table = np.array([*tints, (0, 0, 0)], np.float64)  # -1, nothing, picks the last
-    tinted = 0.55 * picture + 0.45 * table[masks]
-    shown = np.where(masks[..., None] >= 0, tinted, 0.8 * picture + 40.0)
+    tinted = 0.55 * image + 0.45 * table[masks]
+    shown = np.where(masks[..., None] >= 0, tinted, 0.8 * image + 40.0)
     edge = np.zeros(masks.shape, bool)
     edge[:-1] |= masks[:-1] != masks[1:]
     edge[:, :-1] |= masks[:, :-1] != masks[:, 1:]
@@ -61,7 +61,7 @@ def asset_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str
     except (ValidationError, ImportError, OSError, AttributeError, mujoco.FatalError):
         # MuJoCo's own renderer without OpenGL, or with half of one, ends in any of these.
         return {}
-    return {uid: save_jpeg(picture, folder / f"{uid.replace('/', '--')}.jpg") for uid, picture in found.items()}
+    return {uid: save_jpeg(image, folder / f"{uid.replace('/', '--')}.jpg") for uid, image in found.items()}
 
 
 def appearance_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str, str]:
@@ -75,23 +75,23 @@ def appearance_thumbnails(uids: Sequence[str], folder: pathlib.Path) -> dict[str
     return names
 
 
-def cousin_pictures(
+def cousin_images(
     bank: SceneBank, graph: SceneGraph, folder: pathlib.Path, report: Callable[[int, int], None]
 ) -> list[tuple[str, list[str]]]:
-    """For every scene of the bank its picture from above and its views along the trajectory; names of the files."""
+    """For every scene of the bank its image from above and its views along the trajectory; names of the files."""
     eye_level, above = (Studio(bank, *size, samples=SAMPLES) for size in (VIEW_SIZE, ABOVE_SIZE))
     views = viewpoints(graph)
-    total, pictures = bank.num_scenes * (1 + len(views)), []
+    total, images = bank.num_scenes * (1 + len(views)), []
     for scene in range(bank.num_scenes):
         top = save_jpeg(above.birdseye(scene, ELEVATION), folder / f"cousin_{scene}_above.jpg")
         report(scene * (1 + len(views)) + 1, total)
         names = []
         for k, (eye, target) in enumerate(views):
-            picture = eye_level.view(scene, eye, target)
-            names.append(save_jpeg(picture, folder / f"cousin_{scene}_view_{k}.jpg"))
+            image = eye_level.view(scene, eye, target)
+            names.append(save_jpeg(image, folder / f"cousin_{scene}_view_{k}.jpg"))
             report(scene * (1 + len(views)) + 2 + k, total)
-        pictures.append((top, names))
-    return pictures
+        images.append((top, names))
+    return images
 
 
 def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:

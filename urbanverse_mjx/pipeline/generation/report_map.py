@@ -9,7 +9,7 @@ import numpy as np
 from ...datatypes import Recording, SceneGraph
 from ...viz.graphs import GROUND_COLOURS
 
-#: m of a cell of the picture from above, and every how many pixels and frames the recording is read.
+#: m of a cell of the image from above, and every how many pixels and frames the recording is read.
 CELL, PIXEL_STRIDE, MOST_FRAMES = 0.1, 3, 60
 #: m: what is farther from the camera is too coarse for cells of 10 cm; what is higher over it hides the street.
 FAR, HIGH = 25.0, 1.0
@@ -50,21 +50,21 @@ def seen_from_above(recording: Recording, area: Sequence[float]) -> np.ndarray:
     return np.column_stack([mean, np.where(count > 0, 255, 0)]).astype(np.uint8).reshape(rows, columns, 4)
 
 
-def svg(graph: SceneGraph, colours: dict[str, str], picture: str | None = None) -> str:
+def svg(graph: SceneGraph, colours: dict[str, str], image: str | None = None) -> str:
     """The graph from above as SVG; objects carry their label as a tooltip and a tick along their heading.
 
     Args:
       colours: label -> CSS colour.
-      picture: file to lie under it, of `seen_from_above` over the graph's `extent`.
+      image: file to lie under it, of `seen_from_above` over the graph's `extent`.
     """
     x0, y0, x1, y1 = extent(graph)
     lines = [f'<svg class="map" viewBox="{x0:.2f} {-y1:.2f} {x1 - x0:.2f} {y1 - y0:.2f}">']
-    if picture:
+    if image:
         size = f'width="{x1 - x0:.2f}" height="{y1 - y0:.2f}"'
-        lines.append(f'<image href="{picture}" x="{x0:.2f}" y="{-y1:.2f}" {size} preserveAspectRatio="none"/>')
+        lines.append(f'<image href="{image}" x="{x0:.2f}" y="{-y1:.2f}" {size} preserveAspectRatio="none"/>')
     for region in graph.ground:
         corners = " ".join(f"{x:.2f},{-y:.2f}" for x, y in region.polygon)
-        opacity = 0.0 if picture else 1.0
+        opacity = 0.0 if image else 1.0
         fill = f"rgb{GROUND_COLOURS[region.kind]}"
         style = f'fill="{fill}" fill-opacity="{opacity}" stroke="#3a3f46" stroke-width="0.06"'
         lines.append(f'<polygon points="{corners}" {style}><title>{html.escape(region.id)}</title></polygon>')

@@ -29,12 +29,12 @@ def recognise(source: str | pathlib.Path) -> Input:
     path = pathlib.Path(source).expanduser().absolute()
     if path.is_dir() and (path / RECORDING_FILE).is_file():
         recording = Recording.load(path)
-        pictures = [path / name for f in recording.frames for name in (f.rgb, f.depth, f.masks, f.surfaces) if name]
-        return Input("recording", path, _key(path / RECORDING_FILE, *pictures))
+        images = [path / name for f in recording.frames for name in (f.rgb, f.depth, f.masks, f.surfaces) if name]
+        return Input("recording", path, _key(path / RECORDING_FILE, *images))
     if path.is_dir():
         frames = sorted(p for p in path.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES)
         if not frames:
-            found = "a folder without recording.json and without a picture"
+            found = "a folder without recording.json and without an image"
             raise v.fail(str(path), found, "a recording or frames", "name a video, a folder or graph.json")
         return Input("frames", path, _key(*frames))
     if not path.is_file():

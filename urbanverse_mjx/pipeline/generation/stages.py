@@ -28,7 +28,7 @@ class GenerationOptions:
     Attributes:
       cousins: how many, 1 to 64. seed: chooses among what fits equally well.
       kerb: m, of sidewalks whose step to the road the source does not show.
-      usd: whether to write each scene as USD too. pictures: whether the report has rendered pictures.
+      usd: whether to write each scene as USD too. pictures: whether the report has rendered images.
       workers: processes that compile; None for as many as there are cores.
       video: what is known of a video or folder of frames, and how it is looked at.
     """
@@ -193,7 +193,7 @@ def _report(
     recording: pathlib.Path | None,
     before: str,
 ) -> None:
-    """`report.html` and its pictures in `report/`."""
+    """`report.html` and its images in `report/`."""
     key = key_of("report", stage="report", before=before, pictures=options.pictures)
     report = progress.task("report")
     if not run.done(REPORT, key, "report.html", REPORT):

@@ -25,7 +25,7 @@ from ...scene.compiler import scene_geometry
 from ...scene.geometry import EpisodeTable
 from ..generation.distilling import DESCRIBE
 
-#: Pixels of the pictures: a bollard 8 m away is still 14 pixels high.
+#: Pixels of the images: a bollard 8 m away is still 14 pixels high.
 SIZE = (320, 180)
 #: s between frames; rad that the camera looks to both sides in turn, and frames of one turn to and fro.
 PERIOD, SWAY, SWAY_FRAMES = 1.7, np.radians(38.0), 7

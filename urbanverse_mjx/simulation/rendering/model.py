@@ -31,7 +31,7 @@ class RobotCamera:
 
     Attributes:
       body: number of the body in the robot's model.
-      position (3,) m, quaternion (4,) wxyz: T_body_camera; the camera looks along its -z, +y is up in the picture.
+      position (3,) m, quaternion (4,) wxyz: T_body_camera; the camera looks along its -z, +y is up in the image.
       fovy: vertical field of view, rad.
     """
 

@@ -179,7 +179,7 @@ class Renderer:
           scene: () i32.
           position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
           fovy: () vertical field of view, rad.
-          xpos, xquat: the robot's bodies; None leaves the robot out of the picture, far below the ground.
+          xpos, xquat: the robot's bodies; None leaves the robot out of the image, far below the ground.
           appearance_seed: () i32, agents, bodies: see `__call__`.
         """
         own = self.num_bodies

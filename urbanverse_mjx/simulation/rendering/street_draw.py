@@ -21,7 +21,7 @@ BLOCK = (64, 14)
 
 
 def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kernel:
-    """The kernel for pictures of one size; dim (worlds, pixels).
+    """The kernel for images of one size; dim (worlds, pixels).
 
     far: m, nothing is seen beyond; sky_width: texels around a sky.
     """
@@ -81,10 +81,10 @@ def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kern
             x = column * wp.static(2.0 / (samples * width)) - 1.0
             y = 1.0 - row * wp.static(2.0 / (samples * height))
             ahead = right * x + up * y - back
-            # The picture's plane stands at distance 1.
+            # The image's plane stands at distance 1.
             length = wp.length(ahead)
             direction = ahead / length
-            # Neighbouring rays are this far apart in the picture's plane, and turned by this much of it.
+            # Neighbouring rays are this far apart in the image's plane, and turned by this much of it.
             gap = at[3] * wp.static(2.0 * share / height) / length
             lean = x * wp.static(width / height) * at[3] / length
             spread = gap * wp.sqrt(wp.max(1.0 - lean * lean, 0.0))

@@ -24,7 +24,7 @@ OBJECT = 5
 PART = 2
 #: Rows of a face: normal and a scalar each of three corners, then the UV of the second and third corner.
 FACE = 4
-#: Rows of a camera: eye, right and up as far as the picture reaches, back.
+#: Rows of a camera: eye, right and up as far as the image reaches, back.
 CAMERA = 4
 #: Rows of a scene's light: coefficients of 1, x, y, z, xx, yy, xy, yz, xz of the normal, and one scalar each.
 LIGHT = 9
@@ -200,7 +200,7 @@ def place(
     number = street.num_parts
     centre = wp.vec3(0.0)
     in_view = int(0)  # noqa: RUF046, UP018 (Warp takes a bare number for a constant)
-    # Lengths of the normals of the picture's side planes.
+    # Lengths of the normals of the image's side planes.
     slant_x = wp.sqrt(1.0 + right * right)
     slant_y = wp.sqrt(1.0 + up * up)
     for i in range(number):

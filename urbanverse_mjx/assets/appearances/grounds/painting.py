@@ -20,7 +20,7 @@ class GroundMaps:
       normal: (512, 512, 3) uint8, (n + 1) / 2 with x along u, y along v (up the image), z out of the ground.
       roughness: (512, 512) uint8, 255 is 1.
       height: (512, 512) float32 m, 0 at the top of what one walks on.
-      picture: (512, 512, 3) uint8, lit from above: what thumbnails are cut from.
+      preview: (512, 512, 3) uint8, lit from above: what thumbnails are cut from.
     """
 
     record: GroundRecord
@@ -28,7 +28,7 @@ class GroundMaps:
     normal: np.ndarray
     roughness: np.ndarray
     height: np.ndarray
-    picture: np.ndarray
+    preview: np.ndarray
 
 
 def paint_ground(uid: str) -> GroundMaps:
@@ -52,5 +52,5 @@ def paint_ground(uid: str) -> GroundMaps:
         normal=eight_bits(normal * 0.5 + 0.5),
         roughness=roughness,
         height=surface.height.astype(np.float32),
-        picture=lit(albedo / 255.0, normal, roughness / 255.0),
+        preview=lit(albedo / 255.0, normal, roughness / 255.0),
     )

@@ -1,4 +1,4 @@
-"""A surface while it is being made (colour, height, roughness), and what becomes of it: maps and a lit picture."""
+"""A surface while it is being made (colour, height, roughness), and what becomes of it: maps and a lit image."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from .board import Board, Field
 
-#: Light of the pictures: half past ten on a fair day, from the upper left. Unit vector in (u, v, up).
+#: Light of the images: half past ten on a fair day, from the upper left. Unit vector in (u, v, up).
 _SUN = np.array([-0.45, 0.5, 0.74], np.float32)
 
 
@@ -41,7 +41,7 @@ def eight_bits(values: np.ndarray) -> np.ndarray:
 
 
 def lit(colour: np.ndarray, normal: np.ndarray, roughness: Field) -> np.ndarray:
-    """(h, w, 3) uint8 picture of maps seen from above in sun and skylight.
+    """(h, w, 3) uint8 image of maps seen from above in sun and skylight.
 
     Diffuse light is Lambert's; what is smooth mirrors the sky by Schlick's approximation of Fresnel's law for water
     (0.02 at right angles) seen at 60 degrees, as a passer-by does.

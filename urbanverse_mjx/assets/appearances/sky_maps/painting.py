@@ -27,7 +27,7 @@ _ZENITH_GLOW, _HORIZON_GLOW = 0.006 / SUN_LUX, 0.030 / SUN_LUX
 
 @dataclasses.dataclass(frozen=True)
 class SkyMap:
-    """A painted sky. Radiances are scaled to a picture: a white surface in the open is `record.exposure` bright.
+    """A painted sky. Radiances are scaled to an image: a white surface in the open is `record.exposure` bright.
 
     Attributes:
       record: what it is of.
@@ -230,7 +230,7 @@ def _irradiance(sky: np.ndarray) -> np.ndarray:
 def _developed(
     sky: np.ndarray, sunlight: np.ndarray, sun: np.ndarray, record: SkyRecord, rng: np.random.Generator
 ) -> SkyMap:
-    """Adds the land, and exposes and balances the picture as a camera would."""
+    """Adds the land, and exposes and balances the image as a camera would."""
     # A camera sees walls as well as ground: a low sun counts as if it stood at 20 degrees.
     facing = max(float(sun[2]), 0.35) if sun[2] > 0 else 0.0
     total = _irradiance(sky) + sunlight * facing
@@ -271,7 +271,7 @@ def with_disc(sky: SkyMap) -> np.ndarray:
     return image + (cover / weight)[..., None].astype(np.float32) * sky.sun_irradiance
 
 
-def picture(radiance: np.ndarray, gain: float = 2.0) -> np.ndarray:
+def preview(radiance: np.ndarray, gain: float = 2.0) -> np.ndarray:
     """uint8 sRGB of radiances, exposed for the sky: a film's shoulder 1 - exp(-gain x) keeps bright places."""
     shown = 1.0 - np.exp(-gain * np.maximum(radiance, 0.0))
     shown = np.where(shown <= 0.0031308, shown * 12.92, 1.055 * np.maximum(shown, 1e-6) ** (1 / 2.4) - 0.055)

@@ -12,7 +12,7 @@ from .. import noise
 
 @dataclasses.dataclass(frozen=True)
 class Moment:
-    """season, time of day, height of the sun in degrees, brightness of a white surface on the picture, words."""
+    """season, time of day, height of the sun in degrees, brightness of a white surface on the image, words."""
 
     season: str
     time: str
@@ -88,7 +88,7 @@ class SkyRecord:
       turbidity: 1 for pure air, 1.6 clear (optical depth of haze 0.065 at 550 nm), 6 smog.
       cover: share of the sky under clouds.
       horizon: what stands far away: plain, hills, trees, town or towers; snow: whether the land is white.
-      exposure: brightness of a white surface on the picture.
+      exposure: brightness of a white surface on the image.
     """
 
     uid: str

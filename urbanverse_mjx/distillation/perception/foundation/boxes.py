@@ -1,4 +1,4 @@
-"""What open-vocabulary detectors and box-prompted segmenters answer, as labels, boxes and one picture of masks."""
+"""What open-vocabulary detectors and box-prompted segmenters answer, as labels, boxes and one image of masks."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -20,8 +20,8 @@ def decode_owl(logits: np.ndarray, boxes: np.ndarray, height: int, width: int, l
 
     Args:
       logits: (p, q) of every patch for every query. boxes: (p, 4) centre, width and height in shares of the square that
-        the picture was padded to at its right and bottom.
-      height, width: of the picture. least: smallest score.
+        the image was padded to at its right and bottom.
+      height, width: of the image. least: smallest score.
     """
     score = 1.0 / (1.0 + np.exp(-logits.astype(np.float64)))
     label = score.argmax(1)
@@ -62,7 +62,7 @@ def _area(box: np.ndarray) -> np.ndarray:
 
 
 def paint(masks: np.ndarray, score: np.ndarray, least_pixels: int = 24) -> tuple[np.ndarray, np.ndarray]:
-    """One picture of masks: small objects lie on top of large ones, as what stands in front of a wall does.
+    """One image of masks: small objects lie on top of large ones, as what stands in front of a wall does.
 
     Args:
       masks: (k, H, W) bool. score: (k,).
