@@ -47,7 +47,7 @@ _VEHICLE, _ROLLING = 12.0, 0.8
 #: m/s, how fast people come over: unhurried, so that they are still on the crosswalk when the robot comes to it.
 _STROLL = (0.7, 0.6, 0.55, 0.5)
 #: m from its way across, beside and above, from where the crosswalk is seen.
-_EYE = (6.0, 6.0)
+_CAMERA_POSITION = (6.0, 6.0)
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
@@ -142,8 +142,8 @@ class Controller:
         waits = taken & ((arc < self.first) | comes) & ~here
         aim = jnp.where(waits, jnp.minimum(arc + _AHEAD, line), arc + _AHEAD)
         x, y, _ = route_pose(self.start, self.waypoints, aim)
-        way = self.around(p_xy, jnp.stack([x, y]) - p_xy)
-        way = terms.to_body(way, yaw)
+        walk = self.around(p_xy, jnp.stack([x, y]) - p_xy)
+        walk = terms.to_body(walk, yaw)
         ahead = p_xy + terms.to_world(jnp.array([[0.6, 0.0], [1.1, 0.0]]), yaw)
         blocked = self.dynamic.gaps(nav.crowd, ahead).min() < _STOP - 0.6
         at_line = waits & (comes | (line - arc < 0.1))
@@ -152,12 +152,12 @@ class Controller:
         still = jnp.where(at_line & ~blocked, over, 0.0)
         # A waypoint 1 m ahead means 2 m/s: this is at most 1.1 m/s, less where it is to stop.
         stands = jnp.linalg.norm(nav.sim.qvel[:2]) < 0.1
-        return jnp.where(blocked | at_line, still, terms.limit_norm(way, 0.55)), stands & (waits | blocked)
+        return jnp.where(blocked | at_line, still, terms.limit_norm(walk, 0.55)), stands & (waits | blocked)
 
-    def around(self, p_xy: Any, way: Any) -> Any:
+    def around(self, p_xy: Any, walk: Any) -> Any:
         """A way (2,) m turned as little as keeps `_CLEAR` from what stands: routes cut corners between waypoints."""
-        turned = jax.vmap(lambda a: terms.to_world(way, a))(_TURNS)
-        ahead = turned / jnp.maximum(jnp.linalg.norm(way), 1e-6)
+        turned = jax.vmap(lambda a: terms.to_world(walk, a))(_TURNS)
+        ahead = turned / jnp.maximum(jnp.linalg.norm(walk), 1e-6)
         points = p_xy + jnp.array([0.4, 0.8, 1.2])[:, None, None] * ahead
         room = self.env._surroundings.distances(self.scene, points)[..., 0].min(0)
         cost = jnp.abs(_TURNS) + 10.0 * jnp.maximum(_CLEAR - room, 0.0)
@@ -187,10 +187,10 @@ def film(env: NavEnv, controller: Controller, path: Any, every: int) -> list[np.
     middle = np.asarray(controller.middle)
     along = np.asarray(controller.waypoints[-1, :2] - controller.start[:2])
     side = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-    eye = np.array([*(middle - _EYE[0] * side), _EYE[1]])
-    turn = look_at(eye, np.array([*middle, 0.4]))
+    camera_position = np.array([*(middle - _CAMERA_POSITION[0] * side), _CAMERA_POSITION[1]])
+    turn = look_at(camera_position, np.array([*middle, 0.4]))
     seen = jax.jit(lambda p, q, a: renderer(controller.scene, p, q, 0, a)["rgb"])
-    above = jax.jit(lambda p, q, a: renderer.view(controller.scene, eye, turn, FOV, p, q, 0, a)["rgb"])
+    above = jax.jit(lambda p, q, a: renderer.view(controller.scene, camera_position, turn, FOV, p, q, 0, a)["rgb"])
     xpos, xquat, agents = path[:3]
     frames = []
     for t in range(0, len(xpos), every):

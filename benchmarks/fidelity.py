@@ -302,12 +302,12 @@ def _worked(streets: Sequence[Street], processes: int, threads: int) -> Iterator
         os.environ[name] = str(threads)
     os.environ["JAX_PLATFORMS"] = "cpu"
     taken = multiprocessing.get_context("spawn").Value("i", 0)
-    with worker_pool(processes, initializer=_settle, initargs=(taken, threads)) as pool:
+    with worker_pool(processes, initializer=_pin_to_cores, initargs=(taken, threads)) as pool:
         for ticket in concurrent.futures.as_completed([pool.submit(street_rows, street) for street in streets]):
             yield ticket.result()
 
 
-def _settle(taken: Any, threads: int) -> None:
+def _pin_to_cores(taken: Any, threads: int) -> None:
     """Keeps this process on cores of its own, the next that no other has: XLA takes as many threads as it sees."""
     if hasattr(os, "sched_setaffinity"):
         cores = sorted(os.sched_getaffinity(0))

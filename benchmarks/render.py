@@ -126,10 +126,10 @@ class Bare:
         scene, xpos, xquat = place
         camera, number, settings = renderer.camera, len(scene), renderer.settings
         assert camera is not None, "the renderer has a robot"
-        turn, both, eyes, turns = np.zeros(9), np.zeros(4), [], []
+        turn, both, camera_positions, turns = np.zeros(9), np.zeros(4), [], []
         for p, q in zip(xpos[:, camera.body], xquat[:, camera.body].astype(float), strict=True):
             mujoco.mju_quat2Mat(turn, q)
-            eyes.append(p + turn.reshape(3, 3) @ camera.position)
+            camera_positions.append(p + turn.reshape(3, 3) @ camera.position)
             mujoco.mju_mulQuat(both, q, camera.quaternion.astype(float))
             turns.append(both.copy())
         self.renderer, self.number, self.device = renderer, number, wp.get_preferred_device()
@@ -138,7 +138,7 @@ class Bare:
                 wp.array(scene, dtype=int),
                 wp.array(xpos, dtype=wp.vec3),
                 wp.array(xquat, dtype=wp.vec4),
-                wp.array(np.array(eyes), dtype=wp.vec3),
+                wp.array(np.array(camera_positions), dtype=wp.vec3),
                 wp.array(np.array(turns), dtype=wp.vec4),
                 wp.full(number, camera.fovy, dtype=float),
                 wp.zeros(number, dtype=int),
@@ -223,17 +223,17 @@ def measure(bank: SceneBank, robot: RobotSpec, case: tuple[int, ...], shading: s
     if not options.pop("textures", True):
         bank = dataclasses.replace(bank, material_texture=np.full_like(bank.material_texture, -1))
     start = time.perf_counter()
-    rival = shading in ("megakernel", "stock")
-    kind = "pbr" if rival else shading
+    other = shading in ("megakernel", "stock")
+    kind = "pbr" if other else shading
     renderer = Renderer(bank, robot, height, width, shading=kind, threads=arguments.threads, **options)
     places = [random_places(bank, robot, number, arguments.seed + i) for i in range(PLACES)]
-    bare = Megakernel(renderer, places[0], shading == "stock") if rival else Bare(renderer, places[0])
+    bare = Megakernel(renderer, places[0], shading == "stock") if other else Bare(renderer, places[0])
     bare.draw()
     wp.synchronize()
     result: dict[str, Any] = {"start_s": time.perf_counter() - start}
     result["bare_ms"] = 1e3 * time_bare(bare.draw, arguments.repeats)
     result["place_ms"] = 1e3 * time_bare(bare.place, arguments.repeats)
-    if rival:
+    if other:
         result["frames_per_s"] = number / (1e-3 * result["bare_ms"])
         return result, None if shading == "stock" else bare.outputs["rgb"][:KEPT_FRAMES].numpy()
     call = through_jax(renderer, places, arguments.frames)

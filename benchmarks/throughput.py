@@ -186,7 +186,7 @@ def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str,
     yield report.rounded({**row, "memory": memory.report()})
     for name in case.rivals if env is not None else ():
         same = {k: row[k] for k in ("num_envs", "pixels", "physics_steps_per_env_step", "bank", "machine", "steps")}
-        yield report.rounded({"scenes": 1, **same, **_rival(name, env, case), "memory": memory.report()})
+        yield report.rounded({"scenes": 1, **same, **_baseline_row(name, env, case), "memory": memory.report()})
 
 
 def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[str, Any]]:
@@ -216,7 +216,7 @@ def _figures(env: Any, case: Case, proof: pathlib.Path | None) -> Iterator[dict[
         yield {"learn": measurements.learn(case, env)}
 
 
-def _rival(name: str, env: Any, case: Case) -> dict[str, Any]:
+def _baseline_row(name: str, env: Any, case: Case) -> dict[str, Any]:
     try:
         return baselines.measure(name, env, case)
     except Exception as error:

@@ -75,7 +75,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
             for name, sample in samples.items()
             if name != "static"
         },
-        **_bodies_under_way(runs.get("movable")),
+        **_moving_bodies(runs.get("movable")),
         "compile_s": {name: {k: round(s, 1) for k, s in run.compile_s.items()} for name, run in runs.items()},
         "ended_share": {name: round(f["ended_share"], 4) for name, f in figures.items()},
         "slot_overflow": {name: f["slot_overflow"] for name, f in figures.items()},
@@ -83,7 +83,7 @@ def environment(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _bodies_under_way(run: measure.Run | None) -> dict[str, Any]:
+def _moving_bodies(run: measure.Run | None) -> dict[str, Any]:
     """How many objects of an env moved in the timed steps, on average, and how many were no longer in their places."""
     if run is None:
         return {}

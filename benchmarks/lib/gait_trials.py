@@ -23,7 +23,7 @@ from urbanverse_mjx.simulation.reference.c_mujoco import reference_model
 #: Random commands: m/s, m/s, rad/s (the issue's ranges); each is held so long (s).
 RANGE, HOLD = np.array([1.0, 0.5, 1.0]), 5.0
 #: s after a new command in which the error does not count; s over which velocities are averaged: two strides or so.
-SETTLE, WINDOW = 1.0, 0.5
+RISE_TIME, WINDOW = 1.0, 0.5
 #: m, and share of the height (up) at which a robot has passed a kerb that lies at x = 0.
 PASSED = 0.7
 KERBS = (0.05, 0.08, 0.10, 0.12, 0.15, 0.18, 0.20)
@@ -160,12 +160,12 @@ def settled_errors(found: Walk, control_dt: float) -> tuple[np.ndarray, np.ndarr
     Returns:
       (n,) each, over all robots and times at which they count.
     """
-    window, hold, settle = (round(s / control_dt) for s in (WINDOW, HOLD, SETTLE))
+    window, hold, rise = (round(s / control_dt) for s in (WINDOW, HOLD, RISE_TIME))
     kernel = np.ones(window) / window
     smooth = np.apply_along_axis(lambda x: np.convolve(x, kernel, "valid"), 1, found.velocity)
     command = found.command[:, window - 1 :]
     time = np.arange(window - 1, found.command.shape[1]) % hold
-    counts = time >= settle + window - 1
+    counts = time >= rise + window - 1
     off = (command - smooth)[:, counts].reshape(-1, 3)
     off = off[np.isfinite(off).all(1)]
     return np.linalg.norm(off[:, :2], axis=1), np.abs(off[:, 2])
@@ -210,7 +210,7 @@ def judge_straight(judge: Judge, episodes: int, seed: int) -> dict[str, Any]:
     yaws = np.random.default_rng([seed, 3]).uniform(-np.pi, np.pi, episodes)
     told = Wandering(np.tile([speed, 0.0, 0.0], (episodes, 1, 1)))
     found = judge.run(model, judge.start(model, np.zeros((episodes, 3)), yaws), told, seconds)
-    settled = found.velocity[:, round(SETTLE / judge.gait.control_dt) :, 0]
+    settled = found.velocity[:, round(RISE_TIME / judge.gait.control_dt) :, 0]
     return {"episodes": episodes, "told_m_s": speed, "speed_m_s": _mean(settled)}
 
 
@@ -243,12 +243,12 @@ def _crossing(
 def judge_kerbs(judge: Judge, episodes: int, seed: int, heights: Sequence[float] = KERBS) -> Iterator[dict[str, Any]]:
     """Kerbs up and down, met at up to `ANGLE` and at `SPEED`."""
     for height in heights:
-        for way, regions, begin in (("up", kerb(0.0, height), 0.0), ("down", kerb(height, 0.0), height)):
-            rng = np.random.default_rng([seed, 3, round(1e3 * height), way == "up"])
+        for route, regions, begin in (("up", kerb(0.0, height), 0.0), ("down", kerb(height, 0.0), height)):
+            rng = np.random.default_rng([seed, 3, round(1e3 * height), route == "up"])
             passed = _crossing(judge, regions, begin, 0.0, episodes, rng)
             yield {
                 "height_m": height,
-                "way": way,
+                "way": route,
                 "episodes": episodes,
                 "passed_percent": 100.0 * float(passed.mean()),
             }

@@ -189,18 +189,18 @@ class WorldBatch:
         worlds.ngeom = self.assets.render_model.model.ngeom
         return worlds
 
-    def render(self, scene, xpos, xquat, eye, turn, fovy, rgb: wp.array) -> None:
+    def render(self, scene, xpos, xquat, camera_position, turn, fovy, rgb: wp.array) -> None:
         """Draws one frame of every world into `rgb` (n, H, W, 3) u8.
 
         Args (Warp arrays): scene (n,) int; xpos (n, nbody) vec3, xquat (n, nbody) vec4: the robot's bodies;
           eye (n,) vec3, turn (n,) vec4, fovy (n,) float: the cameras.
         """
-        self.place(scene, xpos, xquat, eye, turn, fovy)
+        self.place(scene, xpos, xquat, camera_position, turn, fovy)
         pbr.render(self.model, self.data, self.context)
         pixels = rgb.shape[1] * rgb.shape[2]
         wp.launch(kernels.unpack_colour, dim=(self.num_worlds, pixels), inputs=[self.context.base.rgb_data, rgb])
 
-    def place(self, scene, xpos, xquat, eye, turn, fovy) -> None:
+    def place(self, scene, xpos, xquat, camera_position, turn, fovy) -> None:
         """Brings objects, robots, cameras and the search tree to where they stand in this frame; see `render`."""
         n, assets, worlds = self.num_worlds, self.assets, self.worlds
         num_slots, robots = assets.render_model.num_slots, len(assets.render_model.robot_body)
@@ -210,7 +210,7 @@ class WorldBatch:
                 dim=(n, robots),
                 inputs=[assets.robot, xpos, xquat, num_slots, worlds],
             )
-        wp.launch(kernels.place_camera, dim=n, inputs=[eye, turn, fovy, worlds])
+        wp.launch(kernels.place_camera, dim=n, inputs=[camera_position, turn, fovy, worlds])
         self._update_tree(scene)
 
     def _update_tree(self, scene) -> None:

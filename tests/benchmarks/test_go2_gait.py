@@ -56,7 +56,7 @@ def test_what_is_published_stands_beside_the_same_of_ours() -> None:
     found = {
         "meta": {"steps": 60_000_000, "wall_seconds": [100, 20], "device": "a GPU"},
         "straight": {"episodes": 1, "told_m_s": 1.0, "speed_m_s": 0.987},
-        "kerbs": [{"height_m": h, "way": way, "episodes": 9, "passed_percent": p} for h, way, p in kerbs],
+        "kerbs": [{"height_m": h, "way": route, "episodes": 9, "passed_percent": p} for h, route, p in kerbs],
         "ramps": [{"slope": 0.125, "episodes": 9, "passed_percent": 100.0}],
     }
     table = published_table(found)

@@ -78,8 +78,8 @@ def test_crowded_poses_face_the_nearest_hull_and_hold_the_most(small_bank: Scene
     everywhere = placing.crowded_poses(small_bank, robot, 5000, control_dt=0.2)
     assert poses.in_reach.max() == everywhere.in_reach.max()
     for scene, position, yaw, distance in zip(poses.scene, poses.position, poses.yaw, poses.distance, strict=True):
-        eye = position + np.array([0.0, 0.0, 0.5 * robot.planner_height])
-        offsets = placing._offsets_to_boxes(small_bank, int(scene), eye[None].astype(np.float32))[0]
+        camera_position = position + np.array([0.0, 0.0, 0.5 * robot.planner_height])
+        offsets = placing._offsets_to_boxes(small_bank, int(scene), camera_position[None].astype(np.float32))[0]
         lengths = np.linalg.norm(offsets, axis=-1)
         assert lengths.min() == pytest.approx(distance, abs=1e-5)
         x, y = offsets[lengths.argmin(), :2]

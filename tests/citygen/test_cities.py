@@ -145,8 +145,8 @@ def test_the_lane_stays_free() -> None:
     taken = shapely.union_all(filler._shapes)
     for side, lane in filler.lanes.items():
         for (s0, v0), (s1, v1) in itertools.pairwise(lane):
-            way = shapely.LineString([filler.at(s0, side, v0), filler.at(s1, side, v1)])
-            assert way.buffer(0.45).intersection(taken).area < 0.02
+            route = shapely.LineString([filler.at(s0, side, v0), filler.at(s1, side, v1)])
+            assert route.buffer(0.45).intersection(taken).area < 0.02
     assert len(filler.objects) > 15
 
 

@@ -26,7 +26,7 @@ def street(kerb: float = 0.12) -> Canvas:
 def test_what_is_laid_later_is_cut_out_of_what_was_there():
     canvas = street()
     canvas.ground("pit", "ground", rectangle(5, 6, 7, 8), 0.12)
-    canvas.settle()
+    canvas.lay_ground()
     shapes = {r.id: shapely.Polygon(r.polygon) for r in canvas.regions}
     assert sum(s.area for s in shapes.values()) == pytest.approx(40 * 24, abs=1e-6)
     assert shapely.union_all(list(shapes.values())).area == pytest.approx(40 * 24, abs=1e-6)
@@ -47,7 +47,7 @@ def test_a_dropped_kerb_joins_road_and_pavement_in_any_direction():
         canvas.ground("walk", "sidewalk", [at(0, -9), at(6, -9), at(6, 9), at(0, 9)], 0.15)
         canvas.ground("road", "road", [at(-6, -9), at(0, -9), at(0, 9), at(-6, 9)])
         canvas.ramp("ramp", (0.0, 0.0), degrees)
-        canvas.settle()
+        canvas.lay_ground()
         assert canvas.problems() == []
         ramp = next(r for r in canvas.regions if r.id == "ramp")
         assert height_at(ramp.plane, *at(0.0, 0.3)) == pytest.approx(0.0, abs=2e-4)
@@ -62,7 +62,7 @@ def test_stairs_climb_evenly():
     canvas.ground("low", "sidewalk", rectangle(0, 0, 5, 5))
     canvas.ground("high", "sidewalk", rectangle(5, 0, 12, 5), 0.6)
     canvas.stairs("flight", (5, 2.5), 0.0, 3.0, 3)
-    canvas.settle()
+    canvas.lay_ground()
     tops = [r.plane[2] for r in canvas.regions if r.id.startswith("flight")]
     assert tops == pytest.approx([0.15, 0.3, 0.45])
 

@@ -57,8 +57,8 @@ def test_a_scene_has_no_faults(scene_id):
 def test_rich_and_long_enough(graph):
     assert 150 <= len(graph.objects) <= 300
     assert len({o.label for o in graph.objects}) >= 30
-    way = [p[:2] for p in graph.camera_path]
-    assert 80.0 <= sum(math.dist(a, b) for a, b in itertools.pairwise(way)) <= 600.0
+    route = [p[:2] for p in graph.camera_path]
+    assert 80.0 <= sum(math.dist(a, b) for a, b in itertools.pairwise(route)) <= 600.0
     assert graph.source.video == "hand"
     assert graph.sky_descriptor is not None
 

@@ -103,9 +103,11 @@ def test_fronts_close_the_view_on_all_sides(site: Site) -> None:
     fronts = shapely.union_all([clearance.footprint(o).buffer(0.1) for o in site.canvas.objects if _is_front(o.label)])
     out = 0
     for lane in site.lanes:
-        eye = lane.interpolate(0.5, normalized=True)
+        camera_position = lane.interpolate(0.5, normalized=True)
         for angle in np.linspace(0.0, 2 * np.pi, 50, endpoint=False):
-            ray = shapely.LineString([eye, (eye.x + 300 * np.cos(angle), eye.y + 300 * np.sin(angle))])
+            ray = shapely.LineString(
+                [camera_position, (camera_position.x + 300 * np.cos(angle), camera_position.y + 300 * np.sin(angle))]
+            )
             out += not ray.intersects(fronts)
     assert out <= len(site.lanes), f"{out} of {50 * len(site.lanes)} rays"
 

@@ -40,8 +40,8 @@ def test_rich_and_of_the_size_of_a_street(graph):
     assert len({o.label for o in graph.objects}) >= 50
     x0, y0, x1, y1 = composed.walkable(graph).bounds
     assert 55.0 <= max(x1 - x0, y1 - y0) <= 95.0
-    way = [p[:2] for p in graph.camera_path]
-    assert sum(math.dist(a, b) for a, b in itertools.pairwise(way)) >= 80.0
+    route = [p[:2] for p in graph.camera_path]
+    assert sum(math.dist(a, b) for a, b in itertools.pairwise(route)) >= 80.0
     assert graph.source.video == "hand"
     assert graph.sky_descriptor is not None
 

@@ -69,9 +69,9 @@ class Run:
 
     def progress(self, scene: Scene) -> np.ndarray:
         """(A,) m gone towards the goals."""
-        way = scene.goal - scene.start
-        way /= np.linalg.norm(way, axis=1, keepdims=True)
-        return (self.x[-1] - self.x[0]) * way[:, 0] + (self.y[-1] - self.y[0]) * way[:, 1]
+        route = scene.goal - scene.start
+        route /= np.linalg.norm(route, axis=1, keepdims=True)
+        return (self.x[-1] - self.x[0]) * route[:, 0] + (self.y[-1] - self.y[0]) * route[:, 1]
 
 
 def segment_distance(points: np.ndarray, centre: np.ndarray, axis: np.ndarray) -> np.ndarray:

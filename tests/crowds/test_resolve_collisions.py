@@ -35,16 +35,16 @@ def distances(bodies: Bodies, half: np.ndarray, crossed: bool) -> np.ndarray:
     centre = np.stack([x, y], -1)
     found = np.full((len(x), len(x)), np.inf)
     for end in (-1.0, 1.0):
-        way = (centre + end * axis)[:, None] - centre
-        along = np.clip((way * axis).sum(-1) / np.maximum((axis**2).sum(-1), 1e-12), -1.0, 1.0)
-        found = np.minimum(found, np.linalg.norm(way - along[..., None] * axis, axis=-1))
+        route = (centre + end * axis)[:, None] - centre
+        along = np.clip((route * axis).sum(-1) / np.maximum((axis**2).sum(-1), 1e-12), -1.0, 1.0)
+        found = np.minimum(found, np.linalg.norm(route - along[..., None] * axis, axis=-1))
     found = np.minimum(found, found.T)
     if crossed:
-        way = centre[None] - centre[:, None]
+        route = centre[None] - centre[:, None]
         cross = axis[:, None, 0] * axis[None, :, 1] - axis[:, None, 1] * axis[None, :, 0]
         safe = np.where(np.abs(cross) > 1e-12, cross, np.inf)
-        own = (way[..., 0] * axis[None, :, 1] - way[..., 1] * axis[None, :, 0]) / safe
-        their = (way[..., 0] * axis[:, None, 1] - way[..., 1] * axis[:, None, 0]) / safe
+        own = (route[..., 0] * axis[None, :, 1] - route[..., 1] * axis[None, :, 0]) / safe
+        their = (route[..., 0] * axis[:, None, 1] - route[..., 1] * axis[:, None, 0]) / safe
         found = np.where((np.abs(own) < 1.0) & (np.abs(their) < 1.0) & np.isfinite(safe), 0.0, found)
     return found
 
@@ -55,11 +55,11 @@ def crowd(rng: np.random.Generator, side: float, reach: float) -> tuple[Bodies, 
     velocity = [rng.normal(0, 1, AGENTS + 1) for _ in range(2)]
     heading = rng.uniform(-np.pi, np.pi, AGENTS + 1)
     step = reach * rng.uniform(0, 1, AGENTS)
-    way = rng.uniform(-np.pi, np.pi, AGENTS)
+    route = rng.uniform(-np.pi, np.pi, AGENTS)
     turned = heading[:AGENTS] + rng.uniform(-0.3, 0.3, AGENTS)
     later = [
-        now[0][:AGENTS] + step * np.cos(way),
-        now[1][:AGENTS] + step * np.sin(way),
+        now[0][:AGENTS] + step * np.cos(route),
+        now[1][:AGENTS] + step * np.sin(route),
         *(v[:AGENTS] for v in velocity),
     ]
     bodies, after = (
@@ -161,8 +161,8 @@ def test_a_body_keeps_off_a_flat_with_both_ends() -> None:
     for turn, fits in ((0.95 * most, True), (1.05 * most, False), (-0.95 * most, True), (-1.05 * most, False)):
         after = before._replace(heading=jnp.array([turn, turn]))
         np.testing.assert_array_equal(resolve_collisions.keeps_off(walls, rear, before, after, traits), [True, fits])
-    for way, fits in ((0.72, [True, False]), (0.11, [True, True]), (0.74, [False, False]), (-5.0, [True, True])):
-        after = before._replace(y=zero + way)
+    for route, fits in ((0.72, [True, False]), (0.11, [True, True]), (0.74, [False, False]), (-5.0, [True, True])):
+        after = before._replace(y=zero + route)
         np.testing.assert_array_equal(resolve_collisions.keeps_off(walls, rear, before, after, traits), fits)
 
 

@@ -120,7 +120,7 @@ def test_walls_stop_a_walker_at_the_body(spaces: dict[str, FreeSpace]) -> None:
 def test_ways_lead_to_their_goals(spaces: dict[str, FreeSpace], group: str) -> None:
     rules = goal_fields.RULES[group]
     space = spaces[rules.surface]
-    fields, goals, places, place_goal = goal_fields.ways_of(space, rules)
+    fields, goals, places, place_goal = goal_fields.fields_of(space, rules)
     assert len(goals) >= 2
     apart = np.linalg.norm(goals[:, None] - goals[None], axis=-1)
     assert apart[np.triu_indices(len(goals), 1)].min() > 3.0
@@ -297,9 +297,9 @@ def test_who_looks_at_nothing_still_runs_into_nobody(small_bank: SceneBank, tabl
     model = CrowdModel(tables, kinds)
 
     def reckless(bodies: Bodies, *_: object) -> tuple[Bodies, None]:
-        x, y, way = (a[: len(kinds)] for a in (bodies.x, bodies.y, bodies.heading + 0.02))
-        vx, vy = 1.5 * jnp.cos(way), 1.5 * jnp.sin(way)
-        return Bodies(x + vx * model.dt, y + vy * model.dt, vx, vy, way), None
+        x, y, vector = (a[: len(kinds)] for a in (bodies.x, bodies.y, bodies.heading + 0.02))
+        vx, vy = 1.5 * jnp.cos(vector), 1.5 * jnp.sin(vector)
+        return Bodies(x + vx * model.dt, y + vy * model.dt, vx, vy, vector), None
 
     model._step = reckless  # type: ignore[assignment]
     scene, still = jnp.array([0, 1]), jnp.zeros(())

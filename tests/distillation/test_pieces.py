@@ -39,7 +39,7 @@ def _street() -> tuple[np.ndarray, np.ndarray]:
 POINTS, GROUND = _street()
 
 
-def _way() -> np.ndarray:
+def _trajectory() -> np.ndarray:
     """(2 OUT, 4, 4): along one side, half a turn from one frame to the next, and back along the other."""
     there = np.c_[5.0 + 0.9 * np.arange(OUT), np.full(OUT, -1.2), np.full(OUT, HEIGHT)]
     back = there[::-1] + [0.2, 0.8, 0.0]
@@ -47,20 +47,20 @@ def _way() -> np.ndarray:
     return camera_poses(np.concatenate([there, back]), yaw)
 
 
-WAY = _way()
+TRAJECTORY = _trajectory()
 
 
 def _model(
-    rows: np.ndarray, seed: int, unit: float, points: np.ndarray = POINTS, way: np.ndarray = WAY
+    rows: np.ndarray, seed: int, unit: float, points: np.ndarray = POINTS, trajectory: np.ndarray = TRAJECTORY
 ) -> dict[str, np.ndarray]:
     """What the frames of some rows see within 14 m, in a unit and axes of the model's own."""
     own = np.eye(4)
     own[:3, :3] = Rotation.random(random_state=seed).as_matrix()
     own[:3, 3] = 3.0 * seed
-    ahead = points[None] - way[rows, None, :3, 3]
-    seen = (np.linalg.norm(ahead, axis=-1) < 14.0) & (np.einsum("mpi,mi->mp", ahead, way[rows, :3, 2]) > 1.0)
+    ahead = points[None] - trajectory[rows, None, :3, 3]
+    seen = (np.linalg.norm(ahead, axis=-1) < 14.0) & (np.einsum("mpi,mi->mp", ahead, trajectory[rows, :3, 2]) > 1.0)
     frame, point = np.nonzero(seen)
-    poses = own @ way[rows]
+    poses = own @ trajectory[rows]
     poses[:, :3, 3] *= unit
     moved = unit * (points @ own[:3, :3].T + own[:3, 3])
     return {"rows": rows, "poses": poses, "points": moved, "frame": frame, "point": point}
@@ -89,7 +89,7 @@ def _structure(models: list[dict[str, np.ndarray]]) -> tuple[Structure, np.ndarr
 
 def _off(structure: Structure, metric: Metric) -> float:
     """m, the worst place after the two ways were laid on each other."""
-    return trajectory_error(metric.poses, WAY[structure.registered[metric.kept]]).worst
+    return trajectory_error(metric.poses, TRAJECTORY[structure.registered[metric.kept]]).worst
 
 
 THERE, BACK = np.arange(OUT), np.arange(OUT, 2 * OUT)
@@ -128,7 +128,7 @@ def test_a_unit_that_changes_on_the_way_is_fixed(factor: float):
     model["point"] = np.where(later, model["point"] + len(POINTS), model["point"])
     model["poses"][at + 1 :, :3, 3] = anchor + factor * (model["poses"][at + 1 :, :3, 3] - anchor)
     structure, codes = _structure([model])
-    assert trajectory_error(structure.poses, WAY[:OUT]).worst > 3.0
+    assert trajectory_error(structure.poses, TRAJECTORY[:OUT]).worst > 3.0
     metric = to_metric(structure, codes, HEIGHT)
     assert metric.pieces == 2
     assert _off(structure, metric) < 0.5
@@ -146,7 +146,7 @@ def test_a_jump_to_a_house_that_looks_alike_is_undone():
     model["poses"][OUT:, :3, :3] = wrong @ model["poses"][OUT:, :3, :3]
     model["poses"][OUT:, :3, 3] = ahead + (model["poses"][OUT:, :3, 3] - anchor) @ wrong.T
     structure, codes = _structure([model])
-    assert trajectory_error(structure.poses, WAY).worst > 5.0
+    assert trajectory_error(structure.poses, TRAJECTORY).worst > 5.0
     metric = to_metric(structure, codes, HEIGHT)
     assert metric.pieces == 2
     assert _off(structure, metric) < 0.5
@@ -172,11 +172,11 @@ def test_a_piece_without_ground_takes_the_speed_of_the_others():
 
 
 def test_who_stands_still_for_a_while_does_not_change_the_scale():
-    way = np.concatenate([WAY[:15], np.repeat(WAY[15:16], 7, 0), WAY[16:OUT]])
-    structure, codes = _structure([_model(np.arange(len(way)), 1, 0.5, way=way)])
+    trajectory = np.concatenate([TRAJECTORY[:15], np.repeat(TRAJECTORY[15:16], 7, 0), TRAJECTORY[16:OUT]])
+    structure, codes = _structure([_model(np.arange(len(trajectory)), 1, 0.5, trajectory=trajectory)])
     metric = to_metric(structure, codes, HEIGHT)
-    assert list(metric.kept) == list(range(len(way)))
-    assert trajectory_error(metric.poses, way).worst < 0.5
+    assert list(metric.kept) == list(range(len(trajectory)))
+    assert trajectory_error(metric.poses, trajectory).worst < 0.5
     np.testing.assert_allclose(metric.scale, 2.0, rtol=0.02)
 
 

@@ -78,8 +78,8 @@ def write_kitti(root: pathlib.Path) -> dict[int, np.ndarray]:
 
 
 def car_center() -> np.ndarray:
-    eye = ORIGIN + T_IMU_CAMERA[:3, 3]
-    return eye + [10.0, -1.0, -CAMERA_HEIGHT + CAR_SIZE[2] / 2]
+    camera_position = ORIGIN + T_IMU_CAMERA[:3, 3]
+    return camera_position + [10.0, -1.0, -CAMERA_HEIGHT + CAR_SIZE[2] / 2]
 
 
 def car_entry(T_world_camera: np.ndarray) -> np.ndarray:
@@ -88,9 +88,9 @@ def car_entry(T_world_camera: np.ndarray) -> np.ndarray:
     rays = np.stack([(u - 31.5) / FOCAL, (v - 11.5) / FOCAL, np.ones_like(u)], -1) @ T_world_camera[:3, :3].T
     c, s = np.cos(CAR_YAW), np.sin(CAR_YAW)
     turn = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    eye, rays = turn @ (T_world_camera[:3, 3] - car_center()), rays @ turn.T
+    camera_position, rays = turn @ (T_world_camera[:3, 3] - car_center()), rays @ turn.T
     with np.errstate(divide="ignore"):
-        a, b = (-CAR_SIZE / 2 - eye) / rays, (CAR_SIZE / 2 - eye) / rays
+        a, b = (-CAR_SIZE / 2 - camera_position) / rays, (CAR_SIZE / 2 - camera_position) / rays
     enter, leave = np.minimum(a, b).max(-1), np.maximum(a, b).min(-1)
     return np.where((enter <= leave) & (enter > 0), enter, np.inf)
 

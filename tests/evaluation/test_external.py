@@ -71,13 +71,13 @@ def test_a_callable_drives_as_the_same_rule_inside_jax(small_bank: SceneBank) ->
     episodes = fixed_episodes(env, 6)
     policy = load_callable(f"{__name__}:Remembering")
     assert not policy.sees
-    outside, ways = Rollout(env).run_batch("rule", policy, episodes)
+    outside, routes = Rollout(env).run_batch("rule", policy, episodes)
     inside, _ = Rollout(env).run({"rule": go_to_goal}, episodes)
     for a, b in zip(outside, inside, strict=True):
         assert (a.result, a.steps, a.touches) == (b.result, b.steps, b.touches)
         assert a.path_length == pytest.approx(b.path_length, abs=0.02)
     assert policy.agent.begun == [6]  # type: ignore[attr-defined]
-    assert policy.agent.asked == len(ways.xpos) == max(r.steps for r in outside)  # type: ignore[attr-defined]
+    assert policy.agent.asked == len(routes.xpos) == max(r.steps for r in outside)  # type: ignore[attr-defined]
 
 
 def test_what_is_no_callable_is_refused(small_bank: SceneBank) -> None:

@@ -114,10 +114,10 @@ def test_it_stands_rather_than_touch(small_bank: SceneBank) -> None:
     """Dropped in front of a wall at full speed, with every way ahead barred, it brakes."""
     env = unicycle_env(small_bank)
     planner, episodes = Planner(env), fixed_episodes(env, 1)
-    way = jax.tree.map(lambda x: x[0], planner.prepare(episodes.scenes, episodes.episodes))
+    route = jax.tree.map(lambda x: x[0], planner.prepare(episodes.scenes, episodes.episodes))
     state = jnp.asarray(np.append(small_bank.episode_start[0, 0, :2], [0.0, 2.0, 0.0]), jnp.float32)
     agents = jnp.array([[*(np.asarray(state[:2]) + [2.2, 0.0]), 0.0, 0.0, 1.0, 1.0]])
-    costs = np.asarray(planner.costs(0, state, way, agents))
+    costs = np.asarray(planner.costs(0, state, route, agents))
     fast = costs[np.asarray(planner.first[:, 0]) == 2.0].min()
     still = costs[np.asarray(planner.first[:, 0]) == 0.0].min()
     assert still < fast

@@ -27,13 +27,13 @@ def test_ways_around_a_wall_by_hand() -> None:
     graph = GridGraph(passable, length)
     cost, following = graph.to_goal(graph.number[8, 2])
     assert cost[graph.number[6, 3]] == pytest.approx(SIDE * np.sqrt(5.0))
-    node, way = graph.number[2, 2], []
+    node, route = graph.number[2, 2], []
     while node != following[node]:
-        way.append(tuple(graph.cells[node]))
+        route.append(tuple(graph.cells[node]))
         node = following[node]
     assert tuple(graph.cells[node]) == (8, 2)
-    assert {c[1] for c in way if c[0] == 4} <= {7, 8}
-    assert any(c[1] >= 7 for c in way)
+    assert {c[1] for c in route if c[0] == 4} <= {7, 8}
+    assert any(c[1] >= 7 for c in route)
     walled = passable.copy()
     walled[4] = False
     graph = GridGraph(walled, length)

@@ -30,7 +30,7 @@ STRIP = clearance.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5,
 
 
 @pytest.mark.parametrize(
-    ("block", "stands_in_the_way"),
+    ("block", "obstructs"),
     [
         (body(5, 0, 0, 1), True),
         (body(5, 1.2, 0, 1), False),  # half its diagonal and the strip reach 1.16 m
@@ -41,14 +41,14 @@ STRIP = clearance.walked(np.array([[0.0, 0, 1.5, 0], [4, 0, 1.5, 0], [8, 0, 1.5,
         (body(42, 0, 0, 1), True),
     ],
 )
-def test_what_blocks_the_way(block: overlap.Body, stands_in_the_way: bool) -> None:
-    assert (clearance.in_the_way([block], STRIP) == [0]) is stands_in_the_way
+def test_what_blocks_the_way(block: overlap.Body, obstructs: bool) -> None:
+    assert (clearance.obstructing([block], STRIP) == [0]) is obstructs
 
 
 def test_a_moved_object_counts_where_it_is_and_no_tour_blocks_nothing() -> None:
     block = body(5, 0, 0, 1)
-    assert clearance.in_the_way([dataclasses.replace(block, offset=(0.0, 2.0))], STRIP) == []
-    assert clearance.in_the_way([block], clearance.walked(np.zeros((0, 4)))) == []
+    assert clearance.obstructing([dataclasses.replace(block, offset=(0.0, 2.0))], STRIP) == []
+    assert clearance.obstructing([block], clearance.walked(np.zeros((0, 4)))) == []
     assert clearance.walked(np.array([[1.0, 1, 0, 0]])).contains(shapely.Point(1.2, 1.2))
 
 

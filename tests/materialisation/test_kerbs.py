@@ -69,29 +69,31 @@ def box(label: str, foot: float, height: float, x: float = 5.0) -> GraphObject:
 
 
 def test_feet_near_the_ground_are_put_onto_it():
-    assert standing.footing(box("bollard", 0.35, 0.9), "bollard", SUPPORT) == standing.Footing(0.15, 0.9)
-    assert standing.footing(box("bollard", -1.0, 0.9), "bollard", SUPPORT).z == pytest.approx(0.15)
+    assert standing.place_on_support(box("bollard", 0.35, 0.9), "bollard", SUPPORT) == standing.Placement(0.15, 0.9)
+    assert standing.place_on_support(box("bollard", -1.0, 0.9), "bollard", SUPPORT).z == pytest.approx(0.15)
 
 
 def test_a_hidden_lower_part_is_filled_in_and_what_hangs_stays():
     """A tree seen over a hedge reaches down; a sconce on a wall does not; a person never flies."""
-    tree = standing.footing(box("tree", 1.65, 4.0), "tree", SUPPORT)
+    tree = standing.place_on_support(box("tree", 1.65, 4.0), "tree", SUPPORT)
     assert tree.z == pytest.approx(0.15)
     assert tree.height == pytest.approx(5.5)
-    assert standing.footing(box("sconce", 2.4, 0.4), "sconce", SUPPORT).z == pytest.approx(2.4)
-    assert standing.footing(box("pedestrian adult", 3.0, 1.7), "pedestrian adult", SUPPORT).z == pytest.approx(0.15)
+    assert standing.place_on_support(box("sconce", 2.4, 0.4), "sconce", SUPPORT).z == pytest.approx(2.4)
+    assert standing.place_on_support(box("pedestrian adult", 3.0, 1.7), "pedestrian adult", SUPPORT).z == pytest.approx(
+        0.15
+    )
 
 
 def test_a_pot_stands_on_a_table():
     table = standing.Top("table", shapely.box(4, 4, 6, 6), 0.9)
-    assert standing.footing(box("plant pot", 0.85, 0.3), "plant pot", SUPPORT, [table]).on == "table"
-    beside = standing.footing(box("plant pot", 0.85, 0.3, x=9.0), "plant pot", SUPPORT, [table])
+    assert standing.place_on_support(box("plant pot", 0.85, 0.3), "plant pot", SUPPORT, [table]).on == "table"
+    beside = standing.place_on_support(box("plant pot", 0.85, 0.3, x=9.0), "plant pot", SUPPORT, [table])
     assert beside.on is None
 
 
 def test_house_fronts_behind_the_pavement_take_its_height():
     house = box("house", 0.2, 8.0, x=24.0)
-    assert standing.footing(house, "house", SUPPORT).z == pytest.approx(0.15)
+    assert standing.place_on_support(house, "house", SUPPORT).z == pytest.approx(0.15)
     far = box("house", 0.2, 8.0, x=24.0 + 2 * standing.REACH)
-    assert standing.footing(far, "house", SUPPORT).z == pytest.approx(0.2)
+    assert standing.place_on_support(far, "house", SUPPORT).z == pytest.approx(0.2)
     assert math.isfinite(far.center[0])

@@ -198,10 +198,10 @@ def test_nothing_of_itself_stands_before_its_camera() -> None:
     data.qpos[:] = model.key_qpos[0]
     mujoco.mj_forward(model, data)
     camera = model.camera("front_cam").id
-    eye, turn = data.cam_xpos[camera], data.cam_xmat[camera].reshape(3, 3)
+    camera_position, turn = data.cam_xpos[camera], data.cam_xmat[camera].reshape(3, 3)
     high = np.tan(np.radians(model.cam_fovy[camera]) / 2)
     for up in np.linspace(-high, high, 15):
         for right in np.linspace(-high, high, 27) * 16 / 9:
             hit = np.full(1, -1, np.int32)
-            away = mujoco.mj_ray(model, data, eye, turn @ np.array([right, up, -1.0]), None, 1, -1, hit)
+            away = mujoco.mj_ray(model, data, camera_position, turn @ np.array([right, up, -1.0]), None, 1, -1, hit)
             assert away < 0.0, model.geom(hit[0]).name

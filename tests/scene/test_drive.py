@@ -30,12 +30,12 @@ def _straight(model: mujoco.MjModel, robot: RobotSpec, start: np.ndarray, speed:
     x, y, z, yaw = start
     data.qpos[:7] = [x, y, z + robot.spawn_height, *rotations.from_yaw(yaw)]
     command = np.asarray(robot.command(np.array([speed, 0.0])))
-    way = []
+    route = []
     for _ in range(round(seconds / model.opt.timestep)):
         data.ctrl[:] = command
         mujoco.mj_step(model, data)
-        way.append(data.qpos[:3].copy())
-    return np.array(way)
+        route.append(data.qpos[:3].copy())
+    return np.array(route)
 
 
 def _skewed_strips() -> tuple[GroundRegion, ...]:
@@ -64,8 +64,8 @@ def test_seams_are_not_felt(drive: Drive) -> None:
     """Issue 2, item 6: 20 m over prism seams at 1.5 m/s move the body less than 2 mm."""
     robot = make_coco(drive)
     model, _ = _ground(_skewed_strips(), robot)
-    way = _straight(model, robot, np.array([1.5, 1.5, 0.15, 0.0]), 1.5, 15.5)
-    rolling = way[way[:, 0] > 3.0]
+    route = _straight(model, robot, np.array([1.5, 1.5, 0.15, 0.0]), 1.5, 15.5)
+    rolling = route[route[:, 0] > 3.0]
     assert rolling[-1, 0] - rolling[0, 0] > 20.0
     assert np.ptp(rolling[:, 2]) < 0.002
     # Nobody steers: at a skewed seam a wheel touches two prisms and is nudged aside, a hundredth of the way in all.
@@ -78,9 +78,9 @@ def test_kerb_stops_the_robot(drive: Drive) -> None:
     road = GroundRegion("road", "road", ((0, 0), (6, 0), (6, 4), (0, 4)), (0.0, 0.0, 0.0))
     walk = GroundRegion("walk", "sidewalk", ((6, 0), (10, 0), (10, 4), (6, 4)), (0.0, 0.0, 0.15))
     model, _ = _ground((road, walk), robot)
-    way = _straight(model, robot, np.array([3.0, 2.0, 0.0, 0.0]), 0.5, 15.0)
-    assert way[-1, 0] < 6.0
-    assert way[:, 2].max() < robot.spawn_height + 0.05
+    route = _straight(model, robot, np.array([3.0, 2.0, 0.0, 0.0]), 0.5, 15.0)
+    assert route[-1, 0] < 6.0
+    assert route[:, 2].max() < robot.spawn_height + 0.05
 
 
 @pytest.mark.parametrize("path", GRAPHS, ids=lambda p: p.parent.name)
@@ -89,7 +89,7 @@ def test_every_ramp_is_taken_up_and_down(path) -> None:
     controller = make_controller()
     regions = SceneGraph.load(path).ground
     model, space = _ground(regions, controller.robot)
-    starts, ways = [], []
+    starts, routes = [], []
     for region in regions:
         slope = np.array(region.plane[:2])
         ring = np.array(region.polygon)
@@ -98,16 +98,16 @@ def test_every_ramp_is_taken_up_and_down(path) -> None:
         up = slope / np.linalg.norm(slope)
         reach = np.ptp(ring @ up) / 2 + 1.0
         middle = (ring.min(0) + ring.max(0)) / 2
-        for way in (
+        for route in (
             np.array([middle - reach * up, middle + reach * up]),
             np.array([middle + reach * up, middle - reach * up]),
         ):
-            heading = way[1] - way[0]
-            starts.append([*way[0], space.map.height[space.cell(way[0])], np.arctan2(heading[1], heading[0])])
-            ways.append(way)
-    assert len(ways) >= 8
-    drives = drive_all(model, controller, space, np.array(starts), ways)
-    assert [d.reason for d in drives] == [""] * len(ways)
+            heading = route[1] - route[0]
+            starts.append([*route[0], space.map.height[space.cell(route[0])], np.arctan2(heading[1], heading[0])])
+            routes.append(route)
+    assert len(routes) >= 8
+    drives = drive_all(model, controller, space, np.array(starts), routes)
+    assert [d.reason for d in drives] == [""] * len(routes)
 
 
 def test_a_kerb_in_the_way_fails_the_drive() -> None:
@@ -117,7 +117,11 @@ def test_a_kerb_in_the_way_fails_the_drive() -> None:
     road = GroundRegion("road", "road", ((0, 4), (12, 4), (12, 8), (0, 8)), (0.0, 0.0, 0.0))
     model, space = _ground((low, high, road), controller.robot)
     starts = np.array([[3.0, 2.0, 0.0, 0.0], [3.0, 2.0, 0.0, 1.5], [1.0, 2.0, 0.0, 0.0]])
-    ways = [np.array([[3.0, 2.0], [9.0, 2.0]]), np.array([[3.0, 2.0], [3.0, 6.0]]), np.array([[1.0, 2.0], [4.5, 2.0]])]
-    drives = drive_all(model, controller, space, starts, ways)
+    routes = [
+        np.array([[3.0, 2.0], [9.0, 2.0]]),
+        np.array([[3.0, 2.0], [3.0, 6.0]]),
+        np.array([[1.0, 2.0], [4.5, 2.0]]),
+    ]
+    drives = drive_all(model, controller, space, starts, routes)
     assert [d.reason for d in drives] == ["stuck", "off the traversable area", ""]
     assert drives[2].seconds == pytest.approx(3.0 / 2.0, abs=1.2)

@@ -56,14 +56,14 @@ def walk(count: int, y: float = 5.9, x0: float = 4.0, step: float = 1.4, back: b
     return poses
 
 
-def _hit_box(obj: GraphObject, eye: np.ndarray, rays: np.ndarray) -> np.ndarray:
+def _hit_box(obj: GraphObject, camera_position: np.ndarray, rays: np.ndarray) -> np.ndarray:
     """(n,) ray parameter of the first hit, inf where there is none: the slab method in the box's own axes."""
     c, s = np.cos(obj.yaw), np.sin(obj.yaw)
     turn = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    start, way = turn @ (eye - obj.center), rays @ turn.T
+    start, direction = turn @ (camera_position - obj.center), rays @ turn.T
     half = np.array(obj.size) / 2
     with np.errstate(divide="ignore", invalid="ignore"):
-        a, b = (-half - start) / way, (half - start) / way
+        a, b = (-half - start) / direction, (half - start) / direction
     near, far = np.minimum(a, b).max(1), np.maximum(a, b).min(1)
     return np.where((near <= far) & (near > 0.05), near, np.inf)
 
@@ -71,7 +71,7 @@ def _hit_box(obj: GraphObject, eye: np.ndarray, rays: np.ndarray) -> np.ndarray:
 def draw(objects: Sequence[GraphObject], pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth (H, W) m (0 = sky), object (H, W) or -1, and surface codes (H, W)."""
     rays = CAMERA.rays().reshape(-1, 3)
-    world, eye = rays @ pose[:3, :3].T, pose[:3, 3]
+    world, camera_position = rays @ pose[:3, :3].T, pose[:3, 3]
     depth, obj = np.full(len(rays), np.inf), np.full(len(rays), -1)
     surface = np.full(len(rays), SKY, np.uint8)
     for height, kind, inside in (
@@ -79,12 +79,12 @@ def draw(objects: Sequence[GraphObject], pose: np.ndarray) -> tuple[np.ndarray, 
         (KERB, "sidewalk", lambda y: (np.abs(y) > HALF_ROAD) & (np.abs(y) <= HALF_STREET)),
     ):
         with np.errstate(divide="ignore", invalid="ignore"):
-            t = (height - eye[2]) / world[:, 2]
-        place = eye + t[:, None] * np.where(np.isfinite(t), 1, 0)[:, None] * world
+            t = (height - camera_position[2]) / world[:, 2]
+        place = camera_position + t[:, None] * np.where(np.isfinite(t), 1, 0)[:, None] * world
         good = (t > 0.05) & inside(place[:, 1]) & (place[:, 0] > 0) & (place[:, 0] < LENGTH) & (t < depth)
         depth[good], surface[good] = t[good], KIND_INDEX[kind]
     for i, solid in enumerate(objects):
-        t = _hit_box(solid, eye, world)
+        t = _hit_box(solid, camera_position, world)
         nearer = t < depth
         depth[nearer], obj[nearer], surface[nearer] = t[nearer], i, 0
     shape = CAMERA.height, CAMERA.width

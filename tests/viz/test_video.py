@@ -15,11 +15,15 @@ from urbanverse_mjx.viz.video import OUTCOMES, caption, write_video
 
 def test_cameras_look_at_their_target_with_the_horizon_level() -> None:
     rng = np.random.default_rng(0)
-    eye, target = rng.normal(size=(50, 3)) * 5, rng.normal(size=(50, 3)) * 5
-    rotation = Rotation.from_quat(np.roll([look_at(e, t) for e, t in zip(eye, target, strict=True)], -1, axis=-1))
+    camera_position, target = rng.normal(size=(50, 3)) * 5, rng.normal(size=(50, 3)) * 5
+    rotation = Rotation.from_quat(
+        np.roll([look_at(e, t) for e, t in zip(camera_position, target, strict=True)], -1, axis=-1)
+    )
     forward = rotation.apply([0.0, 0.0, -1.0])
     np.testing.assert_allclose(
-        forward, (target - eye) / np.linalg.norm(target - eye, axis=-1, keepdims=True), atol=1e-6
+        forward,
+        (target - camera_position) / np.linalg.norm(target - camera_position, axis=-1, keepdims=True),
+        atol=1e-6,
     )
     np.testing.assert_allclose(rotation.apply([1.0, 0.0, 0.0])[:, 2], 0.0, atol=1e-6)
     assert (rotation.apply([0.0, 1.0, 0.0])[:, 2] > 0).all()
@@ -32,12 +36,12 @@ def test_following_camera_stays_behind_and_above(steps: int, rate: float) -> Non
     xpos, xquat = np.zeros((steps, 2, 3)), np.zeros((steps, 2, 4))
     xpos[:, 1, 0] = np.arange(steps)
     xquat[:, 1, 0], xquat[:, 1, 3] = np.cos(yaw / 2), np.sin(yaw / 2)
-    eye, _ = following_cameras(xpos, xquat, rate, 1.0)
+    camera_position, _ = following_cameras(xpos, xquat, rate, 1.0)
     ahead = np.stack([np.cos(yaw), np.sin(yaw)], -1)
-    assert (((eye - xpos[:, 1])[:, :2] * ahead).sum(-1) < -2.0).all()
-    assert (eye[:, 2] > 1.0).all()
+    assert (((camera_position - xpos[:, 1])[:, :2] * ahead).sum(-1) < -2.0).all()
+    assert (camera_position[:, 2] > 1.0).all()
     nearer, _ = following_cameras(xpos, xquat, rate, 0.5)
-    np.testing.assert_allclose(nearer - xpos[:, 1], 0.75 * (eye - xpos[:, 1]), atol=1e-5)
+    np.testing.assert_allclose(nearer - xpos[:, 1], 0.75 * (camera_position - xpos[:, 1]), atol=1e-5)
 
 
 def test_mp4_round_trip(tmp_path: pathlib.Path) -> None:

@@ -123,20 +123,22 @@ def _render(bank: SceneBank, scene: int, path: CameraPath, options: FilmOptions)
     size = options.height, options.width
     ground_truth = Renderer(bank, None, *size, outputs=("depth", "object", "category"), shading="matte", sky=False)
     film = Renderer(bank, None, *size, shadows=options.shadows, samples=options.samples) if options.rgb else None
-    eyes = path.T_world_camera[:, :3, 3].astype(np.float32)
+    camera_positions = path.T_world_camera[:, :3, 3].astype(np.float32)
     rotations = Rotation.from_matrix(path.T_world_camera[:, :3, :3] @ _FLIP)
     turns = rotations.as_quat(scalar_first=True).astype(np.float32)
 
     def batch(renderer: Renderer) -> Callable[..., dict[str, jax.Array]]:
-        return jax.jit(jax.vmap(lambda eye, turn: renderer.view(scene, eye, turn, options.fovy)))
+        return jax.jit(
+            jax.vmap(lambda camera_position, turn: renderer.view(scene, camera_position, turn, options.fovy))
+        )
 
     see, film_it = batch(ground_truth), batch(film) if film else None
     black = np.zeros((*size, 3), np.uint8)
-    for start in range(0, len(eyes), _BATCH):
-        rows = np.minimum(np.arange(start, start + _BATCH), len(eyes) - 1)
-        cameras = jnp.asarray(eyes[rows]), jnp.asarray(turns[rows])
+    for start in range(0, len(camera_positions), _BATCH):
+        rows = np.minimum(np.arange(start, start + _BATCH), len(camera_positions) - 1)
+        cameras = jnp.asarray(camera_positions[rows]), jnp.asarray(turns[rows])
         out = {name: np.asarray(x) for name, x in see(*cameras).items()}
         rgb = np.asarray(film_it(*cameras)["rgb"]) if film_it else None
-        for k in range(min(_BATCH, len(eyes) - start)):
+        for k in range(min(_BATCH, len(camera_positions) - start)):
             image = black if rgb is None else rgb[k]
             yield image, out["depth"][k], out["object"][k], out["category"][k]

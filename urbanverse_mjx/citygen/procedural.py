@@ -73,7 +73,7 @@ DENSITY = {"kerb": (1.0, 2.0), "clear": (0.3, 0.9), "front": (0.4, 1.0), "road":
 KERB_ZONE, FRONT_ZONE = (0.25, 1.35), 1.0
 #: m between any two objects; m on either side of a crosswalk's middle that stay free.
 APART, MOUTH = 0.3, 3.0
-EYE = 1.6
+CAMERA_HEIGHT = 1.6
 _TRIES = 30
 
 
@@ -106,7 +106,7 @@ def _trajectory(arm: Arm, offset: float) -> tuple[tuple[float, float, float, flo
     for k in range(int((arm.free[1] - arm.free[0]) // 5) + 1):
         (x, y), (u, w) = arm.frame(arm.free[0] + 5.0 * k)
         heading = round(math.atan2(w, u), 3)
-        path.append((round(x + w * offset, 3), round(y - u * offset, 3), KERB + EYE, heading))
+        path.append((round(x + w * offset, 3), round(y - u * offset, 3), KERB + CAMERA_HEIGHT, heading))
     return tuple(path)
 
 

@@ -66,8 +66,8 @@ def talk(x: Any, y: Any, number: int, turn: Any = 0.0) -> Script:
 
 def queue(x: Any, y: Any, back: Any, number: int) -> Script:
     """`number` people in a line that starts at a point () m and runs in the direction `back` rad; all look forward."""
-    way = QUEUE_DISTANCE * jnp.arange(number)
-    return _stay(x + way * jnp.cos(back), y + way * jnp.sin(back), jnp.full((number,), back + jnp.pi))
+    behind_first = QUEUE_DISTANCE * jnp.arange(number)
+    return _stay(x + behind_first * jnp.cos(back), y + behind_first * jnp.sin(back), jnp.full((number,), back + jnp.pi))
 
 
 def obstruct(x: Any, y: Any, face: Any) -> Script:

@@ -303,7 +303,7 @@ class CrowdModel:
                 gone = there | far
             if RULES[group].from_middle is None and self.reach is None:
                 continue
-            gone &= ~spawning.in_sight(observer, x, y)
+            gone &= ~spawning.visible(observer, x, y)
             who = some[jnp.argmax(gone)]
             luck = keys[1]
             if RULES[group].from_middle is not None:

@@ -155,7 +155,7 @@ def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -
     return (units.astype(int) % _OPTIONS.directions).astype(np.uint8)
 
 
-def ways_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.ndarray, ...]:
+def fields_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.ndarray, ...]:
     """Directions (G, X, Y) u8, goals (G, 2) m, places (S, 2) m and their goals (S,) of one scene.
 
     All are empty where there is no room.
@@ -227,7 +227,7 @@ def make_routes(spaces: Sequence[FreeSpace], rules: RouteRules, seed: int = 0) -
     """
     if not spaces:
         raise v.fail("ways", "no scene", "at least one")
-    found = [ways_of(space, rules, seed) for space in spaces]
+    found = [fields_of(space, rules, seed) for space in spaces]
     size = np.max([f.shape[1:] for f, *_ in found], axis=0)
     number = max(1, max(len(g) for _, g, *_ in found))
     direction = np.zeros((len(found), number, *size), np.uint8)

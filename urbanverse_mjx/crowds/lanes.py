@@ -42,8 +42,8 @@ def stop_in_time(
         dy = bodies.y + end * traits.half_length * jnp.sin(bodies.heading) - bodies.y[own, None]
         along = dx * cos + dy * sin - traits.half_length[own, None]
         in_lane = others & (along > 0.0) & (jnp.abs(dy * cos - dx * sin) < reach)
-        way = jnp.maximum(along - reach - BUMPER, 0.0)
-        safe = jnp.sqrt(2.0 * traits.braking[own, None] * way) + ahead
+        gap = jnp.maximum(along - reach - BUMPER, 0.0)
+        safe = jnp.sqrt(2.0 * traits.braking[own, None] * gap) + ahead
         most = jnp.minimum(most, jnp.where(in_lane, safe, jnp.inf).min(-1))
     x, y = preferred_velocity.x[own], preferred_velocity.y[own]
     forwards = x * cos[:, 0] + y * sin[:, 0] > 0.0

@@ -218,10 +218,10 @@ def roll(
     most = turn_limit(mean, traits)
     half = 0.5 * jnp.clip(turn, -most, most) * dt
     middle, heading = bodies.heading + half, bodies.heading + 2.0 * half
-    way = mean * dt * jnp.sinc(half / jnp.pi)
+    step = mean * dt * jnp.sinc(half / jnp.pi)
     return Bodies(
-        x=bodies.x + way * jnp.cos(middle),
-        y=bodies.y + way * jnp.sin(middle),
+        x=bodies.x + step * jnp.cos(middle),
+        y=bodies.y + step * jnp.sin(middle),
         vx=end * jnp.cos(heading),
         vy=end * jnp.sin(heading),
         heading=wrapped(heading),

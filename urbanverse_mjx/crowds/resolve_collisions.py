@@ -81,9 +81,9 @@ def apart(one: Bodies, other: Bodies, half: tuple[Any, Any], long: slice) -> Any
     own, theirs = jax.lax.optimization_barrier(tuple(axes))
 
     def between(rows: slice, columns: slice) -> Any:
-        way = dx[rows, columns], dy[rows, columns]
+        delta = dx[rows, columns], dy[rows, columns]
         near_x, near_y, _ = half_planes.nearest_places(
-            way, (own[0][columns], own[1][columns]), (theirs[0][rows, None], theirs[1][rows, None])
+            delta, (own[0][columns], own[1][columns]), (theirs[0][rows, None], theirs[1][rows, None])
         )
         return near_x * near_x + near_y * near_y
 

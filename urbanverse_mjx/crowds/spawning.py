@@ -30,7 +30,7 @@ class Observer(NamedTuple):
     present: Any
 
 
-def in_sight(observer: Observer, x: Any, y: Any) -> Any:
+def visible(observer: Observer, x: Any, y: Any) -> Any:
     """(...) bool: the observer would see who appears or goes at places (...) m; what stands between is not asked."""
     dx, dy = x - observer.x, y - observer.y
     distance = jnp.sqrt(dx * dx + dy * dy)
@@ -65,7 +65,7 @@ def choose(
     clear = jnp.all((gap > 0.5) | ~present, axis=1)
     away = jnp.sqrt((place[:, 0] - observer.x) ** 2 + (place[:, 1] - observer.y) ** 2) - size
     if hidden:
-        clear &= ~in_sight(observer, place[:, 0], place[:, 1])
+        clear &= ~visible(observer, place[:, 0], place[:, 1])
     else:
         clear &= (away > 1.5) | ~observer.present
     luck = jax.random.uniform(key, clear.shape)

@@ -57,12 +57,12 @@ def odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple
     """Rows of what the odometry says of the correction (k, 4): (r, 4 k) slopes and (r,) what is to be made up."""
     count = len(correction)
     place = np.array([poses[int(column.argmax()), :3, 3] for column in at.T])
-    way = np.diff(place, axis=0)
+    step = np.diff(place, axis=0)
     change = np.diff(np.eye(count), axis=0)
     turn = 0.5 * (correction[1:, 3] + correction[:-1, 3])
     c, s = np.cos(turn), np.sin(turn)
-    bent = np.stack([(c - 1) * way[:, 0] - s * way[:, 1], s * way[:, 0] + (c - 1) * way[:, 1], 0 * c], -1)
-    slope = np.stack([-s * way[:, 0] - c * way[:, 1], c * way[:, 0] - s * way[:, 1], 0 * c], -1)
+    bent = np.stack([(c - 1) * step[:, 0] - s * step[:, 1], s * step[:, 0] + (c - 1) * step[:, 1], 0 * c], -1)
+    slope = np.stack([-s * step[:, 0] - c * step[:, 1], c * step[:, 0] - s * step[:, 1], 0 * c], -1)
     middle = 0.5 * np.abs(change)
     blocks, values = [], []
     for axis, sigma in enumerate((_OPTIONS.shift_sigma, _OPTIONS.shift_sigma, _OPTIONS.shift_sigma / 2)):

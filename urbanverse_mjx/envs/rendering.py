@@ -51,9 +51,11 @@ class StateRenderer:
             sim = carried.sim
             return renderer(sim.scene, sim.xpos, sim.xquat, 0, env.agents_of(carried), sim.bodies)["rgb"]
 
-        def following(carried: Any, eye: jax.Array, turn: jax.Array) -> jax.Array:
+        def following(carried: Any, camera_position: jax.Array, turn: jax.Array) -> jax.Array:
             sim, agents = carried.sim, env.agents_of(carried)
-            view = renderer.view(sim.scene, eye, turn, FOLLOWING_FOV, sim.xpos, sim.xquat, 0, agents, sim.bodies)
+            view = renderer.view(
+                sim.scene, camera_position, turn, FOLLOWING_FOV, sim.xpos, sim.xquat, 0, agents, sim.bodies
+            )
             return view["rgb"]
 
         self._draw = jax.jit(jax.vmap(following if self._follows else through_robot))
@@ -92,5 +94,5 @@ class StateRenderer:
         starts = np.flatnonzero((np.diff(scene) != 0) | apart) + 1
         parts = zip(np.split(xpos, starts), np.split(xquat, starts), strict=True)
         found = [following_cameras(p, q, self._frames_per_second, self._height) for p, q in parts]
-        eye, turn = (np.concatenate(x) for x in zip(*found, strict=True))
-        return eye, turn
+        camera_position, turn = (np.concatenate(x) for x in zip(*found, strict=True))
+        return camera_position, turn

@@ -104,8 +104,8 @@ class _Walker:
 
     def slip(self, control_dt: float) -> float:
         """m/s, mean speed of the feet that stood in the last step."""
-        way = np.linalg.norm((self.data.geom_xpos[self.body.feet] - self.feet)[:, :2], axis=1)
-        return float(way[self.standing].mean() / control_dt) if self.standing.any() else np.nan
+        moved = np.linalg.norm((self.data.geom_xpos[self.body.feet] - self.feet)[:, :2], axis=1)
+        return float(moved[self.standing].mean() / control_dt) if self.standing.any() else np.nan
 
     def felt(self) -> tuple[np.ndarray, np.ndarray]:
         """(3,) angular velocity and (3,) gravity's direction in the body frame."""

@@ -131,7 +131,7 @@ class _Ahead(NamedTuple):
     mean: Any
     touched: Any
     left: Any
-    under_way: Any
+    driving: Any
 
 
 class Planner:
@@ -261,17 +261,15 @@ class Planner:
         if agents is not None:
             gap = jnp.minimum(gap, self._agent_gap(agents, pose[:2], end))
         wanted = _OPTIONS.margin + _OPTIONS.margin_time * v
-        under_way = ahead.under_way
-        shy = dt / self._slower * under_way * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
-        touched = under_way * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
+        driving = ahead.driving
+        shy = dt / self._slower * driving * jnp.clip((wanted - gap) / wanted, 0.0, 1.0) ** 2
+        touched = driving * (gap < _OPTIONS.touch_distance) * (2.0 - k / len(_OPTIONS.steps))
         here = _field_at(route, pose, 0.0) - _OPTIONS.goal_distance
         # The episode ends where the goal is reached: what would come then does not count.
-        under_way = under_way * (here > 0.0)
-        left = under_way * (
-            0.5 * (here + _field_at(route, pose, _OPTIONS.nose) - _OPTIONS.goal_distance) + _OPTIONS.nose
-        )
+        driving = driving * (here > 0.0)
+        left = driving * (0.5 * (here + _field_at(route, pose, _OPTIONS.nose) - _OPTIONS.goal_distance) + _OPTIONS.nose)
         mean = ahead.mean + left * dt / self._steps.sum()
-        return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, under_way)
+        return _Ahead(pose, v, w, ahead.shy + shy, mean, jnp.maximum(ahead.touched, touched), left, driving)
 
     def _gap(self, scene: Any, pose: Any) -> Any:
         """m, how near the discs are to hulls, or the feet to an edge."""

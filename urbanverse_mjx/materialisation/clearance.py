@@ -52,7 +52,9 @@ def blocks(body: overlap.Body, strip: BaseGeometry, ground: float) -> bool:
     return any(strip.intersects(shapely.Polygon(p.corners + shift)) for p in reach)
 
 
-def in_the_way(bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float] | None = None) -> list[int]:
+def obstructing(
+    bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float] | None = None
+) -> list[int]:
     """Numbers of the objects that stand where the camera went.
 
     Args:

@@ -172,11 +172,11 @@ def _materialise(
     cousins = []
     for k in numbers:
         chosen = {obj.id: drawn[obj.id][k] for obj in known}
-        bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
+        bodies, away = _without_obstructing(_stand(known, chosen, support, flat, hulls_of), strip, floors)
         cleared = clearing.clear(bodies, support, graph_objects)
         if cleared.crowded:
             chosen |= _slimmer(cleared.crowded, bodies, others, graph_objects, flat, hulls_of)
-            bodies, away = _out_of_the_way(_stand(known, chosen, support, flat, hulls_of), strip, floors)
+            bodies, away = _without_obstructing(_stand(known, chosen, support, flat, hulls_of), strip, floors)
             cleared = clearing.clear(bodies, support, graph_objects)
         layout = SceneLayout(
             **surroundings.identity(graph, k, seed),
@@ -236,7 +236,7 @@ def _stand(
     tops: list[standing.Top] = []
     for obj in sorted(graph_objects, key=lambda t: (t.center[2] - t.size[2] / 2, t.id)):
         candidate = chosen[obj.id]
-        place = standing.footing(obj, candidate.match.leaf, support, tops)
+        place = standing.place_on_support(obj, candidate.match.leaf, support, tops)
         placed = _placed(obj, candidate, place, path)
         bodies[obj.id] = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
         if prior(candidate.match.leaf).support_surface:
@@ -261,11 +261,11 @@ def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
     return max(support.under(obj) or support.near(obj, standing.REACH), default=bottom)
 
 
-def _out_of_the_way(
+def _without_obstructing(
     bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
     """Things without those that stand where the camera went, and these: somebody passed through them."""
-    gone = set(clearance.in_the_way(bodies, strip, floors))
+    gone = set(clearance.obstructing(bodies, strip, floors))
     reason = "the camera went through where it would stand"
     left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]
     return [body for k, body in enumerate(bodies) if k not in gone], left_out
@@ -286,7 +286,7 @@ def _slimmer(
     for name in crowded:
         standing_now = now[name]
         for candidate in others[name]:
-            place = standing.Footing(standing_now.placed.position[2], graph_objects[name].size[2])
+            place = standing.Placement(standing_now.placed.position[2], graph_objects[name].size[2])
             placed = _placed(graph_objects[name], candidate, place, _trajectory(graph))
             body = overlap.Body(placed, candidate.record, overlap.prisms_of(placed, hulls_of(candidate.record)))
             if all(overlap.penetration(body, other) == 0.0 for other in now.values() if other is not standing_now):
@@ -305,7 +305,7 @@ def _top(body: overlap.Body) -> standing.Top:
     return standing.Top(body.placed.id, outline, max(p.high for p in body.prisms))
 
 
-def _placed(obj: GraphObject, candidate: Candidate, place: standing.Footing, path: np.ndarray) -> PlacedObject:
+def _placed(obj: GraphObject, candidate: Candidate, place: standing.Placement, path: np.ndarray) -> PlacedObject:
     record = candidate.record
     height = place.height
     scale = choice.scale_to((*candidate.box[:2], height), record)

@@ -21,7 +21,7 @@ HIDDEN = 1.1
 
 
 @dataclasses.dataclass(frozen=True)
-class Footing:
+class Placement:
     """Where an object's asset is put.
 
     Attributes:
@@ -44,7 +44,7 @@ class Top:
     z: float
 
 
-def footing(obj: GraphObject, leaf: str, support: overlap.Support, tops: Sequence[Top] = ()) -> Footing:
+def place_on_support(obj: GraphObject, leaf: str, support: overlap.Support, tops: Sequence[Top] = ()) -> Placement:
     """Puts an object on what carries it.
 
     On the ground where its foot is within `SNAP` of it. Else on another thing's top that is as near; else, where it
@@ -55,18 +55,18 @@ def footing(obj: GraphObject, leaf: str, support: overlap.Support, tops: Sequenc
     foot, head = middle[2] - size[2] / 2, middle[2] + size[2] / 2
     below = min(support.under(obj) or support.near(obj, REACH), key=lambda z: abs(z - foot), default=None)
     if below is not None and abs(below - foot) <= SNAP:
-        return Footing(below, size[2])
+        return Placement(below, size[2])
     here = shapely.Point(middle[:2])
     carrying = [t for t in tops if t.id != obj.id and abs(t.z - foot) <= SNAP and t.outline.covers(here)]
     if carrying:
         top = min(carrying, key=lambda t: abs(t.z - foot))
-        return Footing(top.z, size[2], top.id)
+        return Placement(top.z, size[2], top.id)
     if below is None:
-        return Footing(foot, size[2])
+        return Placement(foot, size[2])
     row = prior(leaf)
     reaches = row.rest != "hangs" and 0.0 < head - below <= HIDDEN * row.height[2]
     if foot < below:  # sunk, or seen through a wrong depth: nothing here is built below the ground
-        return Footing(below, size[2])
+        return Placement(below, size[2])
     if reaches:
-        return Footing(below, head - below)
-    return Footing(below if row.rest in GROUNDED else foot, size[2])
+        return Placement(below, head - below)
+    return Placement(below if row.rest in GROUNDED else foot, size[2])

@@ -21,7 +21,7 @@ LOOKAHEAD = 1.0
 #: Distance (m) to the goal that counts as arrived.
 ARRIVED = 0.5
 #: Slowest average speed (m/s) and waiting time (s) before a drive counts as stuck.
-SLOWEST, PATIENCE = 0.6, 6.0
+SLOWEST, MAX_WAIT = 0.6, 6.0
 _PATH_SPACING = 0.1
 
 
@@ -68,7 +68,7 @@ def drive_all(
     substeps = round(CONTROL_PERIOD / model.opt.timestep)
     dense = [np.concatenate([p[:1], resample(p, _PATH_SPACING)]) for p in paths]
     progress = np.zeros(len(paths), int)
-    limit = np.array([path_length(p) / SLOWEST + PATIENCE for p in paths])
+    limit = np.array([path_length(p) / SLOWEST + MAX_WAIT for p in paths])
     drives: list[Drive | None] = [None] * len(paths)
     alive, time = np.arange(len(paths)), 0.0
     while len(alive):

@@ -158,12 +158,12 @@ def _candidates(
         np.isfinite(field.cost[cells[:, 0], cells[:, 1]]) & (away >= rules.distance[0]) & (away <= rules.distance[1])
     )
     sampled = rng.permutation(np.flatnonzero(reach))[: _OPTIONS.samples]
-    in_sight = sampled[_seen(space, space.coarse_center(cells[sampled]), end)].tolist()
+    visible = sampled[_seen(space, space.coarse_center(cells[sampled]), end)].tolist()
     chosen: list[int] = []
     for draw, wanted in enumerate(rng.uniform(*rules.distance, _OPTIONS.starts_per_goal)):
         near = np.flatnonzero(reach & (np.abs(away - wanted) < 0.5))
-        if in_sight and draw % 2 == 0:
-            chosen.append(in_sight.pop(int(np.abs(away[in_sight] - wanted).argmin())))
+        if visible and draw % 2 == 0:
+            chosen.append(visible.pop(int(np.abs(away[visible] - wanted).argmin())))
         elif len(near):
             chosen.append(int(rng.choice(near)))
     paths = field.paths(cells[chosen])
@@ -216,15 +216,15 @@ def _start(space: FreeSpace, row: _Row, rules: EpisodeRules, rng: np.random.Gene
 
 
 def _table(space: FreeSpace, chosen: list[Any], rules: EpisodeRules) -> EpisodeTable:
-    ways = [resample(row.path, rules.spacing) for row, _, _ in chosen]
-    most = max(len(w) for w in ways)
-    flat = np.stack([np.concatenate([w, np.repeat(w[-1:], most - len(w), 0)]) for w in ways])
+    resampled = [resample(row.path, rules.spacing) for row, _, _ in chosen]
+    most = max(len(w) for w in resampled)
+    flat = np.stack([np.concatenate([w, np.repeat(w[-1:], most - len(w), 0)]) for w in resampled])
     waypoints = np.concatenate([flat, space.map.height[space.cell(flat)][..., None]], -1)
     return EpisodeTable(
         start=np.stack([s for _, s, _ in chosen]),
         goal=waypoints[:, -1],
         waypoints=waypoints,
-        num_waypoints=np.array([len(w) for w in ways], np.int32),
+        num_waypoints=np.array([len(w) for w in resampled], np.int32),
         length=np.array([path_length(r.path) for r, _, _ in chosen]),
         line_free=np.array([r.line_free for r, _, _ in chosen]),
         crosses_road=np.array([r.crosses for r, _, _ in chosen]),

@@ -165,8 +165,8 @@ def _skirt(top: np.ndarray, bottom: float, tile: float, first: int) -> tuple[np.
     low, low_after = top.copy(), after.copy()
     low[:, 2] = low_after[:, 2] = bottom
     vertices = np.stack([top, low, low_after, after], 1)
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm((after - top)[:, :2], axis=1))])
-    along = np.stack([way[:-1], way[:-1], way[1:], way[1:]], 1) / tile
+    arc_length = np.concatenate([[0.0], np.cumsum(np.linalg.norm((after - top)[:, :2], axis=1))])
+    along = np.stack([arc_length[:-1], arc_length[:-1], arc_length[1:], arc_length[1:]], 1) / tile
     uv = np.stack([along, vertices[..., 2] / tile], -1)
     quad = first + 4 * np.arange(len(top))[:, None]
     faces = np.concatenate([quad + np.array([0, 1, 2]), quad + np.array([0, 2, 3])])

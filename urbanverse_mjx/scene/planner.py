@@ -110,13 +110,13 @@ class FreeSpace:
     def _lines(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Cells (i, j) under points at most one cell (half a cell where lines are weighed) apart on each way from a to
         b, (n, 2) m, one way after the other, and (n,) where in them each way begins."""
-        way, resolution = b - a, self.map.resolution
+        span, resolution = b - a, self.map.resolution
         apart = resolution if self.price is None else resolution / 2
-        number = np.maximum(1, np.ceil(np.sqrt((way * way).sum(1)) / apart)).astype(np.intp)
+        number = np.maximum(1, np.ceil(np.sqrt((span * span).sum(1)) / apart)).astype(np.intp)
         first = np.concatenate([[0], np.cumsum(number + 1)])
         step = np.arange(first[-1]) - np.repeat(first[:-1], number + 1)
         line = np.repeat(np.arange(len(a)), number + 1)
-        cells = ((a - self.map.origin)[line] + step[:, None] * (way / number[:, None])[line]) / resolution
+        cells = ((a - self.map.origin)[line] + step[:, None] * (span / number[:, None])[line]) / resolution
         i, j = cells.astype(np.intp).T
         return i, j, first
 
@@ -205,7 +205,7 @@ def _pull_all(space: FreeSpace, paths: Sequence[np.ndarray]) -> list[np.ndarray]
     kept: list[np.ndarray] = [np.zeros((0, 2))] * len(paths)
     pulls = {n: _pull(len(path)) for n, path in enumerate(paths)}
     answers: dict[int, bool | None] = dict.fromkeys(pulls)
-    ways = None if space.price is None else [_costs_along(space, path) for path in paths]
+    running_costs = None if space.price is None else [_costs_along(space, path) for path in paths]
     while pulls:
         asked = {}
         for n, pull in list(pulls.items()):
@@ -218,9 +218,9 @@ def _pull_all(space: FreeSpace, paths: Sequence[np.ndarray]) -> list[np.ndarray]
             a = np.array([paths[n][i] for n, (i, _) in asked.items()])
             b = np.array([paths[n][j] for n, (_, j) in asked.items()])
             good = space.lines_free(a, b)
-            if ways is not None:
+            if running_costs is not None:
                 # One part in a thousand: sampling may price the same line a little differently.
-                along = np.array([ways[n][j] - ways[n][i] for n, (i, j) in asked.items()])
+                along = np.array([running_costs[n][j] - running_costs[n][i] for n, (i, j) in asked.items()])
                 good &= space.line_prices(a, b) <= 1.001 * along
             answers = dict(zip(asked, good.tolist(), strict=True))
     return kept
@@ -258,9 +258,9 @@ def path_length(path: np.ndarray) -> float:
 
 def resample(path: np.ndarray, spacing: float) -> np.ndarray:
     """Points on a polyline (n, 2) every `spacing` m from its first point (left out) to its last (always there)."""
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    number = max(1, int(np.ceil(way[-1] / spacing - 1e-6)))
-    at = np.minimum(spacing * np.arange(1, number + 1), way[-1])
-    points = np.column_stack([np.interp(at, way, path[:, k]) for k in (0, 1)])
+    span = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    number = max(1, int(np.ceil(span[-1] / spacing - 1e-6)))
+    at = np.minimum(spacing * np.arange(1, number + 1), span[-1])
+    points = np.column_stack([np.interp(at, span, path[:, k]) for k in (0, 1)])
     points[-1] = path[-1]  # to the bit: the same goal in every row
     return points

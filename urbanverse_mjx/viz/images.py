@@ -13,7 +13,7 @@ from ..datatypes import RobotSpec, SceneBank, ValidationError
 from ..simulation.rendering.cameras import look_at
 from ..simulation.rendering.renderer import Renderer
 
-EYE_HEIGHT = 1.6
+VIEW_HEIGHT = 1.6
 #: rad; a normal lens sees about this much from top to bottom on a wide image.
 FOV = np.radians(55.0)
 
@@ -55,15 +55,16 @@ class Studio:
     def view(
         self,
         scene: int,
-        eye: Any,
+        camera_position: Any,
         target: Any,
         fov: float = FOV,
         up: Any = (0.0, 0.0, 1.0),
         xpos: Any = None,
         xquat: Any = None,
     ) -> np.ndarray:
-        """(H, W, 3) uint8 from `eye` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the robot."""
-        image = self.renderer.view(scene, eye, look_at(eye, target, up), fov, xpos, xquat)
+        """(H, W, 3) uint8 from `camera_position` (3,) towards `target` (3,); fov: vertical, rad; xpos, xquat: the
+        robot."""
+        image = self.renderer.view(scene, camera_position, look_at(camera_position, target, up), fov, xpos, xquat)
         return np.asarray(image["rgb"])
 
     def birdseye(self, scene: int, elevation: float = np.radians(55.0), margin: float = 1.02) -> np.ndarray:
@@ -89,15 +90,26 @@ class Studio:
     def eye_level(self, scene: int, row: int = 0, distance: float = 8.0) -> np.ndarray:
         """(H, W, 3) uint8: what a person sees who stands where episode `row` starts, looking the way it goes."""
         x, y, z, yaw = self.bank.episode_start[scene, row].astype(np.float64)
-        eye = np.array([x, y, z + EYE_HEIGHT])
-        return self.view(scene, eye, eye + np.array([np.cos(yaw) * distance, np.sin(yaw) * distance, -0.08 * distance]))
+        camera_position = np.array([x, y, z + VIEW_HEIGHT])
+        return self.view(
+            scene,
+            camera_position,
+            camera_position + np.array([np.cos(yaw) * distance, np.sin(yaw) * distance, -0.08 * distance]),
+        )
 
 
 def render_view(
-    bank: SceneBank, scene: int, eye: Any, target: Any, width: int = 960, height: int = 540, fov: float = FOV
+    bank: SceneBank,
+    scene: int,
+    camera_position: Any,
+    target: Any,
+    width: int = 960,
+    height: int = 540,
+    fov: float = FOV,
 ) -> np.ndarray:
-    """(height, width, 3) uint8: one image of a scene from `eye` (3,) towards `target` (3,); fov: vertical, rad."""
-    return Studio(bank, width, height).view(scene, eye, target, fov)
+    """(height, width, 3) uint8: one image of a scene from `camera_position` (3,) towards `target` (3,); fov: vertical,
+    rad."""
+    return Studio(bank, width, height).view(scene, camera_position, target, fov)
 
 
 def birdseye(bank: SceneBank, scene: int, width: int = 1280, height: int = 480) -> np.ndarray:

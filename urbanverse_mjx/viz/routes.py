@@ -31,14 +31,14 @@ _LEGEND = 26
 
 
 def route_image(
-    bank: SceneBank, scene: int, ways: Sequence[np.ndarray], ends: Sequence[str], goals: np.ndarray
+    bank: SceneBank, scene: int, trajectories: Sequence[np.ndarray], ends: Sequence[str], goals: np.ndarray
 ) -> np.ndarray:
     """(H, W, 3) uint8, north (y) up.
 
     Args:
-      ways: (T, 2) m each; ends: result of each; goals: (n, 2) m, drawn as rings of the success radius.
+      trajectories: (T, 2) m each; ends: result of each; goals: (n, 2) m, drawn as rings of the success radius.
     """
-    low, high = _extent(bank, scene, ways)
+    low, high = _extent(bank, scene, trajectories)
     scale = min(_MAX_RESOLUTION, _MAX_SIDE / float((high - low).max()))
     width, height = (int(np.ceil(n * scale)) for n in high - low)
     # Twice as large, then halved: smooth edges.
@@ -52,17 +52,17 @@ def route_image(
     draw = ImageDraw.Draw(image)
     for ring, colour in _outlines(bank, scene):
         draw.polygon(pixels(ring), fill=colour)
-    order = sorted(range(len(ways)), key=lambda i: ends[i] != "goal")
+    order = sorted(range(len(trajectories)), key=lambda i: ends[i] != "goal")
     for i in order:
         colour = ENDS[ends[i]]
         goal = pixels(goals[i : i + 1])[0]
         draw.ellipse([goal[0] - fine, goal[1] - fine, goal[0] + fine, goal[1] + fine], outline=colour, width=2)
-        if len(ways[i]) > 1:
-            draw.line(pixels(ways[i]), fill=colour, width=max(3, round(0.12 * fine)), joint="curve")
+        if len(trajectories[i]) > 1:
+            draw.line(pixels(trajectories[i]), fill=colour, width=max(3, round(0.12 * fine)), joint="curve")
         r = 0.25 * fine
-        x, y = pixels(ways[i][:1])[0]
+        x, y = pixels(trajectories[i][:1])[0]
         draw.ellipse([x - r, y - r, x + r, y + r], fill=colour)
-        x, y = pixels(ways[i][-1:])[0]
+        x, y = pixels(trajectories[i][-1:])[0]
         if ends[i] != "goal":
             draw.line([(x - r, y - r), (x + r, y + r)], fill=(0, 0, 0), width=4)
             draw.line([(x - r, y + r), (x + r, y - r)], fill=(0, 0, 0), width=4)
@@ -70,11 +70,11 @@ def route_image(
     return np.asarray(_with_legend(small, ends))
 
 
-def _extent(bank: SceneBank, scene: int, ways: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _extent(bank: SceneBank, scene: int, trajectories: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """(2,), (2,) m: the ground of the scene that anybody could walk or drive on, and all ways."""
     cells = np.argwhere(bank.map_kind[scene] > 0)
     resolution = float(bank.map_resolution)
-    points = np.concatenate([bank.map_origin[scene] + (cells + 0.5) * resolution, *ways])
+    points = np.concatenate([bank.map_origin[scene] + (cells + 0.5) * resolution, *trajectories])
     return points.min(0) - 1.0, points.max(0) + 1.0
 
 

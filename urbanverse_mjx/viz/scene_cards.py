@@ -13,7 +13,7 @@ from ..scene import CompiledScene, pack_bank
 from ..scene.exchange_routes import load_planned
 from ..scene.planner import path_length, resample
 from .graphs import GROUND_COLOURS
-from .images import EYE_HEIGHT, Studio
+from .images import VIEW_HEIGHT, Studio
 from .scene_gallery import NAMES
 
 #: Pixels of the rendered images, and the most of a map.
@@ -34,7 +34,7 @@ _VIEW_CLEARANCE, _VIEW_RANGE, _VIEW_HALF_ANGLE = 1.2, (3.0, 25.0), np.radians(35
 class Viewpoint:
     """(x, y, z) m of an eye, and what it looks at."""
 
-    eye: np.ndarray
+    camera_position: np.ndarray
     target: np.ndarray
 
 
@@ -45,7 +45,7 @@ def draw_card(folder: pathlib.Path, out: pathlib.Path) -> dict[str, str]:
     studio = Studio(bank, *SIZE, samples=SAMPLES)
     images = {"map": route_map(scene), "above": studio.birdseye(0, ELEVATION)}
     for k, view in enumerate(viewpoints(scene)):
-        images[f"eye_{k}"] = studio.view(0, view.eye, view.target)
+        images[f"eye_{k}"] = studio.view(0, view.camera_position, view.target)
     return {name: _save(images[name], out / f"{scene.layout.id}_{name}.jpg").name for name in NAMES if name in images}
 
 
@@ -55,30 +55,30 @@ def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
     if not routes:
         return []
     path = max(routes, key=lambda r: path_length(r.path)).path
-    way = np.concatenate([path[:1], resample(path, 1.0)])
+    walk = np.concatenate([path[:1], resample(path, 1.0)])
     places = scene.geometry.object_position[:, :2]
-    ahead = way[np.minimum(np.arange(len(way)) + 5, len(way) - 1)] - way
+    ahead = walk[np.minimum(np.arange(len(walk)) + 5, len(walk) - 1)] - walk
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
-    to = places[None] - way[:, None]
+    to = places[None] - walk[:, None]
     away = np.linalg.norm(to, axis=-1)
     straight = (to * ahead[:, None]).sum(-1) / np.maximum(away, 1e-9) > np.cos(_VIEW_HALF_ANGLE)
     score = (straight & (away > _VIEW_RANGE[0]) & (away < _VIEW_RANGE[1])).sum(1) * (
         away.min(1, initial=np.inf) > _VIEW_CLEARANCE
     )
-    score = score[: max(1, len(way) - 6)]  # the last metres look nowhere
+    score = score[: max(1, len(walk) - 6)]  # the last metres look nowhere
     found = []
     for part in np.array_split(np.arange(len(score)), 2):
         if len(part):
             row = int(part[score[part].argmax()])
-            found.append(_viewpoint(scene, way[row], ahead[row]))
+            found.append(_viewpoint(scene, walk[row], ahead[row]))
     return found
 
 
 def _viewpoint(scene: CompiledScene, place: np.ndarray, ahead: np.ndarray) -> Viewpoint:
     m = scene.geometry.map
     i, j = np.clip(((place - m.origin) / m.resolution).astype(int), 0, np.array(m.kind.shape) - 1)
-    eye = np.array([*place, float(m.height[i, j]) + EYE_HEIGHT])
-    return Viewpoint(eye, eye + np.array([*(ahead * 8.0), -0.7]))
+    camera_position = np.array([*place, float(m.height[i, j]) + VIEW_HEIGHT])
+    return Viewpoint(camera_position, camera_position + np.array([*(ahead * 8.0), -0.7]))
 
 
 def route_map(scene: CompiledScene) -> np.ndarray:

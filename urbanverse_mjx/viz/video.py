@@ -110,9 +110,9 @@ def write_rollout_video(
         length = int(trajectory.running[:, column].sum())
         xpos, xquat = trajectory.xpos[:length, column], trajectory.xquat[:length, column]
         where = np.full(length, scene, np.int32)
-        eye, turn = following_cameras(xpos, xquat, frames_per_second, robot.planner_height)
+        camera_position, turn = following_cameras(xpos, xquat, frames_per_second, robot.planner_height)
         moving = [] if trajectory.agents is None else [x[:length, column] for x in trajectory.agents]
-        left = in_batches(chase, where, eye, turn, xpos, xquat, *moving)
+        left = in_batches(chase, where, camera_position, turn, xpos, xquat, *moving)
         right = in_batches(front, where, xpos, xquat, *moving)
         for t in range(length):
             away = float(np.linalg.norm(xpos[t, 1, :2] - goal[:2]))

@@ -24,8 +24,8 @@ def test_the_objects_nearest_to_the_route_are_chosen(small_bank: SceneBank) -> N
     near = jax.jit(movables.near)
     for z in range(small_bank.num_scenes):
         for e in (0, 7):
-            start, way = small_bank.episode_start[z, e, :3], small_bank.episode_waypoints[z, e]
-            points, objects = np.concatenate([start[None], way])[:, :2], np.flatnonzero(row[z] >= 0)
+            start, route = small_bank.episode_start[z, e, :3], small_bank.episode_waypoints[z, e]
+            points, objects = np.concatenate([start[None], route])[:, :2], np.flatnonzero(row[z] >= 0)
             distance = []
             for place in small_bank.slot_position[z, objects, :2]:
                 pieces = []
@@ -35,10 +35,10 @@ def test_the_objects_nearest_to_the_route_are_chosen(small_bank: SceneBank) -> N
                     pieces.append(np.linalg.norm(place - a - share * (b - a)))
                 distance.append(min(pieces))
             wanted = objects[np.argsort(distance)[:5]]
-            assert set(np.asarray(near(z, start, way)).tolist()) == set(wanted.tolist())
+            assert set(np.asarray(near(z, start, route)).tolist()) == set(wanted.tolist())
     few = np.full_like(row, -1)
     few[0, objects[:2]] = 0
-    found = np.asarray(Movables(small_bank, few, 5).near(jnp.int32(0), jnp.asarray(start), jnp.asarray(way)))
+    found = np.asarray(Movables(small_bank, few, 5).near(jnp.int32(0), jnp.asarray(start), jnp.asarray(route)))
     assert sorted(found.tolist()) == sorted([-1, -1, -1, *objects[:2].tolist()])
 
 

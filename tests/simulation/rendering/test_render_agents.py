@@ -13,7 +13,7 @@ from urbanverse_mjx.simulation.rendering.renderer import AGENT_LABEL, Renderer
 
 from . import render_cases as cases
 
-EYE = np.array([20.0, 6.0, KERB + 1.0])
+CAMERA_POSITION = np.array([20.0, 6.0, KERB + 1.0])
 
 
 def standing(*places: tuple[float, float, float, bool]) -> AgentMotion:
@@ -40,7 +40,7 @@ def test_agents_are_seen_where_they_stand(renderer: Renderer) -> None:
         standing((25.0, 6.0, 0.0, False), (30.0, 6.0, np.pi / 2, True)),
     ]
     agents = jax.tree.map(lambda *x: jnp.asarray(np.stack(x)), *people)
-    view = jax.jit(jax.vmap(lambda a: renderer.view(0, EYE, cases.AHEAD, 0.9, agents=a)))
+    view = jax.jit(jax.vmap(lambda a: renderer.view(0, CAMERA_POSITION, cases.AHEAD, 0.9, agents=a)))
     seen = {name: np.asarray(x)[:, 18, 32] for name, x in view(agents).items()}
     (length, width, _), (_, car_width, _) = BOXES["pedestrian"], BOXES["car"]
     np.testing.assert_allclose(seen["depth"], [5.0 - length / 2, 5.0 - width / 2, 10.0 - car_width / 2], atol=2e-3)
@@ -50,10 +50,10 @@ def test_agents_are_seen_where_they_stand(renderer: Renderer) -> None:
 
 
 def test_nobody_is_seen_where_nobody_is(renderer: Renderer) -> None:
-    alone = jax.jit(lambda: renderer.view(0, EYE, cases.AHEAD, 0.9))()
+    alone = jax.jit(lambda: renderer.view(0, CAMERA_POSITION, cases.AHEAD, 0.9))()
     assert not (np.asarray(alone["object"]) == AGENT_LABEL).any()
     plain = Renderer(renderer.bank, make_coco(), 36, 64, outputs=("depth", "category", "object"))
-    same = jax.jit(lambda: plain.view(0, EYE, cases.AHEAD, 0.9))()
+    same = jax.jit(lambda: plain.view(0, CAMERA_POSITION, cases.AHEAD, 0.9))()
     for name, x in same.items():
         np.testing.assert_array_equal(np.asarray(x), np.asarray(alone[name]), err_msg=name)
 

@@ -14,12 +14,12 @@ from urbanverse_mjx.simulation.rendering.renderer import Renderer
 
 OUTPUTS = ("rgb", "depth", "category", "object", "normal")
 LIGHT = {"shadows": True, "shading": "matte", "appearance": 0.2}
-EYE, AT = np.array([20.0, 0.0, 5.0]), np.array([26.0, 6.0, 0.0])
+CAMERA_POSITION, AT = np.array([20.0, 0.0, 5.0]), np.array([26.0, 6.0, 0.0])
 
 
 def looking() -> np.ndarray:
-    """Quaternion of a camera at `EYE` that looks at `AT`."""
-    back = (EYE - AT) / np.linalg.norm(EYE - AT)
+    """Quaternion of a camera at `CAMERA_POSITION` that looks at `AT`."""
+    back = (CAMERA_POSITION - AT) / np.linalg.norm(CAMERA_POSITION - AT)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     turn = np.zeros(4)
@@ -46,9 +46,9 @@ def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     slots, home = homes(bank)
     view = looking()
     moving = Renderer(bank, None, 54, 96, OUTPUTS, bodies=3, **LIGHT)
-    frame = jax.jit(lambda b: moving.view(0, EYE, view, 1.2, appearance_seed=3, bodies=b))
-    plain = Renderer(bank, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, appearance_seed=3)
-    at_rest, unasked = frame(home), moving.view(0, EYE, view, 1.2, appearance_seed=3)
+    frame = jax.jit(lambda b: moving.view(0, CAMERA_POSITION, view, 1.2, appearance_seed=3, bodies=b))
+    plain = Renderer(bank, None, 54, 96, OUTPUTS, **LIGHT).view(0, CAMERA_POSITION, view, 1.2, appearance_seed=3)
+    at_rest, unasked = frame(home), moving.view(0, CAMERA_POSITION, view, 1.2, appearance_seed=3)
     for name in OUTPUTS:
         np.testing.assert_array_equal(at_rest[name], plain[name], err_msg=name)
         np.testing.assert_array_equal(unasked[name], plain[name], err_msg=name)
@@ -59,7 +59,7 @@ def test_a_object_is_seen_where_it_was_pushed(bank: SceneBank) -> None:
     place, turn = bank.slot_position.copy(), bank.slot_quaternion.copy()
     place[0, slots[:2]], turn[0, slots[:2]] = pushed.position[:2], pushed.quaternion[:2]
     other = dataclasses.replace(bank, slot_position=place, slot_quaternion=turn)
-    reference = Renderer(other, None, 54, 96, OUTPUTS, **LIGHT).view(0, EYE, view, 1.2, appearance_seed=3)
+    reference = Renderer(other, None, 54, 96, OUTPUTS, **LIGHT).view(0, CAMERA_POSITION, view, 1.2, appearance_seed=3)
     found = frame(pushed)
     assert (np.asarray(found["object"]) != np.asarray(plain["object"])).sum() > 20
     for name in ("category", "object"):
@@ -80,7 +80,7 @@ def test_each_world_has_its_own(bank: SceneBank) -> None:
     lifted = home._replace(position=home.position.at[0, 2].add(30.0))
     both = jax.tree.map(lambda *x: jnp.stack(x), home, lifted)
     view = looking()
-    seen = jax.jit(jax.vmap(lambda b: moving.view(0, EYE, view, 1.2, bodies=b)["object"]))(both)
+    seen = jax.jit(jax.vmap(lambda b: moving.view(0, CAMERA_POSITION, view, 1.2, bodies=b)["object"]))(both)
     counts = (np.asarray(seen) == slots[0]).sum((1, 2))
     assert counts[0] > 0
     assert counts[1] == 0

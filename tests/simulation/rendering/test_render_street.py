@@ -103,18 +103,18 @@ def _draw_both(bank: SceneBank, robot: RobotSpec, places: cases.Places, settings
     """Frames of our renderer and of mujoco-warp-pbr."""
     model, number = build_render_model(bank, robot), len(places.scene)
     camera = model.cameras[robot.camera]
-    eyes, turns, turn, both = [], [], np.zeros(9), np.zeros(4)
+    camera_positions, turns, turn, both = [], [], np.zeros(9), np.zeros(4)
     for p, q in zip(places.xpos[:, camera.body], places.xquat[:, camera.body], strict=True):
         mujoco.mju_quat2Mat(turn, q)
         mujoco.mju_mulQuat(both, q, camera.quaternion.astype(float))
-        eyes.append(p + turn.reshape(3, 3) @ camera.position)
+        camera_positions.append(p + turn.reshape(3, 3) @ camera.position)
         turns.append(both.copy())
     with wp.ScopedDevice("cpu"):
         inputs = [
             wp.array(places.scene, dtype=int),
             wp.array(places.xpos, dtype=wp.vec3),
             wp.array(places.xquat, dtype=wp.vec4),
-            wp.array(np.array(eyes), dtype=wp.vec3),
+            wp.array(np.array(camera_positions), dtype=wp.vec3),
             wp.array(np.array(turns), dtype=wp.vec4),
             wp.full(number, camera.fovy, dtype=float),
             wp.zeros(number, dtype=int),

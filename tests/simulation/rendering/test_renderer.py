@@ -89,12 +89,12 @@ def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> No
     start = np.array([10.0, 6.5, 0.15, 0.7])
     street = render_reference.build_street(bank, 0, robot)
     render_reference.place(street, robot, start)
-    eye, fovy = np.array([10.0, 6.5, 3.0]), np.radians(50.0)
+    camera_position, fovy = np.array([10.0, 6.5, 3.0]), np.radians(50.0)
     renderer = cases.make_renderer(bank, robot, outputs=("depth", "object"))
-    image = renderer.view(0, eye, cases.DOWN, fovy, street.data.xpos, street.data.xquat)
+    image = renderer.view(0, camera_position, cases.DOWN, fovy, street.data.xpos, street.data.xquat)
     camera = street.model.cam(robot.camera).id
     street.model.cam_fovy[camera] = np.degrees(fovy)
-    street.data.cam_xpos[camera], street.data.cam_xmat[camera] = eye, np.eye(3).ravel()
+    street.data.cam_xpos[camera], street.data.cam_xmat[camera] = camera_position, np.eye(3).ravel()
     depth, slot = render_reference.cast(street, robot.camera, cases.HEIGHT, cases.WIDTH)
     assert (slot == ROBOT_LABEL).sum() > 60
     same = np.asarray(image["object"]) == slot
@@ -102,7 +102,7 @@ def test_free_camera_sees_the_robot_where_it_is(bank: SceneBank, who: str) -> No
     # MuJoCo meets cylinders and meshes of the robot with the same rays; where we draw facets, it knows round shapes.
     off = 1e-4 if who == "coco" else 2e-3
     np.testing.assert_allclose(np.asarray(image["depth"])[same], depth[same], rtol=1e-4, atol=off)
-    without = renderer.view(0, eye, cases.DOWN, fovy)
+    without = renderer.view(0, camera_position, cases.DOWN, fovy)
     assert not (np.asarray(without["object"]) == ROBOT_LABEL).any()
 
 
@@ -173,12 +173,12 @@ def test_textures_lie_as_their_uv_say(bank: SceneBank) -> None:
     )
     light = cases.with_light(painted, np.ones((16, 32, 3)), [0, 0, 1], np.zeros(3))
     renderer = cases.make_renderer(light, None, outputs=("rgb", "depth", "object"))
-    eye, fovy = np.array([4.0, 6.0, 1.2]), 1.2
-    image = {name: np.asarray(x) for name, x in renderer.view(0, eye, cases.AHEAD, fovy).items()}
+    camera_position, fovy = np.array([4.0, 6.0, 1.2]), 1.2
+    image = {name: np.asarray(x) for name, x in renderer.view(0, camera_position, cases.AHEAD, fovy).items()}
     forward = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     rays = render_reference.pixel_rays(fovy, cases.HEIGHT, cases.WIDTH) @ forward.T
     near = (image["object"] >= 0) & (image["depth"] < 6.0)
-    points = (eye + rays * image["depth"][..., None])[near]
+    points = (camera_position + rays * image["depth"][..., None])[near]
     uv = np.array([cases.uv_at(bank, 0, s, p) for s, p in zip(image["object"][near], points, strict=True)])
     lower, right = np.floor(2 * (1 - uv[:, 1])).astype(int) % 2, np.floor(2 * uv[:, 0]).astype(int) % 2
     expected = 2 * lower + right
@@ -236,14 +236,14 @@ def test_shadows_are_where_mj_ray_finds_the_sun_hidden(bank: SceneBank, robot: R
     """With the sun as the only light what is black faces away from it or is hidden from it, and nothing else."""
     sun = np.array([0.8, 0.36, 0.48])
     light = cases.with_light(cases.plain_bank(bank, 0.5), np.zeros((16, 32, 3)), sun, np.full(3, 3.0))
-    eye, fovy = np.array([20.0, 6.0, 7.0]), 1.2
+    camera_position, fovy = np.array([20.0, 6.0, 7.0]), 1.2
     renderer = cases.make_renderer(light, None, outputs=OUTPUTS, shadows=True, shading=shading)
-    image = {name: np.asarray(x) for name, x in renderer.view(0, eye, cases.DOWN, fovy).items()}
+    image = {name: np.asarray(x) for name, x in renderer.view(0, camera_position, cases.DOWN, fovy).items()}
     street = render_reference.build_street(bank, 0, robot)
     street.data.qpos[2] = -100.0
     mujoco.mj_kinematics(street.model, street.data)
     rays = render_reference.pixel_rays(fovy, cases.HEIGHT, cases.WIDTH)
-    points = eye + rays * image["depth"][..., None] + 1e-3 * image["normal"]
+    points = camera_position + rays * image["depth"][..., None] + 1e-3 * image["normal"]
     facing = image["normal"] @ sun > 0.02
     seen = (image["object"] >= 0) & (facing | (image["normal"] @ sun < -0.02))
     free = np.array([render_reference.is_free(street, points[i, j], sun) for i, j in np.ndindex(*seen.shape)])
@@ -269,10 +269,10 @@ def test_colours_respond_to_the_sky(bank: SceneBank, robot: RobotSpec, places: c
 
 def test_more_rays_per_pixel_are_the_mean_of_a_finer_picture(bank: SceneBank, robot: RobotSpec) -> None:
     """Four rays a pixel agree with an image of twice the size, averaged in linear light."""
-    eye = np.array([3.0, 5.5, 0.9])
-    coarse = cases.make_renderer(bank, None, samples=2).view(0, eye, cases.AHEAD, 1.0)["rgb"]
+    camera_position = np.array([3.0, 5.5, 0.9])
+    coarse = cases.make_renderer(bank, None, samples=2).view(0, camera_position, cases.AHEAD, 1.0)["rgb"]
     large = Renderer(bank, None, 2 * cases.HEIGHT, 2 * cases.WIDTH, shading="matte")
-    fine = large.view(0, eye, cases.AHEAD, 1.0)["rgb"]
+    fine = large.view(0, camera_position, cases.AHEAD, 1.0)["rgb"]
     mean = cases.to_linear(fine).reshape(cases.HEIGHT, 2, cases.WIDTH, 2, 3).mean((1, 3))
     error = np.abs(cases.to_linear(coarse) - mean)
     assert np.quantile(error, 0.95) < 0.02

@@ -132,10 +132,10 @@ def test_distances_are_those_of_c_mujoco() -> None:
     data.mocap_quat[:2] = np.stack([np.cos(heading / 2), [0, 0], [0, 0], np.sin(heading / 2)], -1)
     points = rng.uniform([-1.5, -1.5, -0.5], [1.5, 1.5, 2.4], (300, 3))
     distance = jax.jit(lambda p: agent_slots.prism_distance(p, jnp.asarray(heading), SHAPES))
-    gaps, ways = (np.asarray(x) for x in distance(jnp.asarray(points[:, None], jnp.float32)))
-    back = np.asarray(distance(jnp.asarray(points[:, None] - gaps[..., None] * ways, jnp.float32))[0])
+    gaps, routes = (np.asarray(x) for x in distance(jnp.asarray(points[:, None], jnp.float32)))
+    back = np.asarray(distance(jnp.asarray(points[:, None] - gaps[..., None] * routes, jnp.float32))[0])
     np.testing.assert_allclose(back, 0.0, atol=2e-5, err_msg="a step back along the normal ends on the surface")
-    np.testing.assert_allclose(np.linalg.norm(ways, axis=-1), 1.0, atol=1e-5)
+    np.testing.assert_allclose(np.linalg.norm(routes, axis=-1), 1.0, atol=1e-5)
     probe, line = model.geom("probe").id, np.zeros(6)
     geoms = [np.flatnonzero(model.geom_bodyid == model.body(f"agent/{a}").id) for a in range(2)]
     for point, gap in zip(points, gaps - 0.1, strict=True):

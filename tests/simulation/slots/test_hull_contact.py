@@ -88,7 +88,7 @@ class Case:
     def reference(self) -> tuple[np.ndarray, np.ndarray]:
         """Distance (h, s) by C MuJoCo and the vector (h, s, 3) between the nearest points."""
         distance = np.zeros((NUM_HULLS, SPHERES_PER_HULL))
-        way = np.zeros((NUM_HULLS, SPHERES_PER_HULL, 3))
+        route = np.zeros((NUM_HULLS, SPHERES_PER_HULL, 3))
         for h in range(NUM_HULLS):
             spec = mujoco.MjSpec()
             spec.add_mesh(name="hull", uservert=self.corners[h].astype(np.float64).ravel())
@@ -105,8 +105,8 @@ class Case:
             for s in range(SPHERES_PER_HULL):
                 ends = np.zeros(6)
                 distance[h, s] = mujoco.mj_geomDistance(model, data, 0, 1 + s, 10.0, ends)
-                way[h, s] = ends[3:] - ends[:3]
-        return distance, way
+                route[h, s] = ends[3:] - ends[:3]
+        return distance, route
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def case() -> Case:
 
 def test_distances_are_those_of_c_mujoco(case: Case) -> None:
     distance, normal, bound, position = case.ours
-    reference, way = case.reference
+    reference, route = case.reference
     touching = reference < 0
     assert touching.sum() > 250
     assert (~touching).sum() > 100
@@ -138,7 +138,7 @@ def test_distances_are_those_of_c_mujoco(case: Case) -> None:
     assert (bound < reference + 1e-5).all()
     # The normal points from the hull to the sphere; C gives the vector between the nearest points.
     deep = touching & (reference < -0.005)
-    expected = -way[deep] / np.linalg.norm(way[deep], axis=1, keepdims=True)
+    expected = -route[deep] / np.linalg.norm(route[deep], axis=1, keepdims=True)
     # Where several ways out are nearly equally long (inside, at an edge) C and we may differ, though not in depth.
     assert (np.einsum("ni,ni->n", normal[deep], expected) > 0.999).mean() > 0.97
     np.testing.assert_allclose(np.linalg.norm(normal, axis=-1), 1.0, atol=1e-5)
@@ -150,10 +150,10 @@ def test_distances_are_those_of_c_mujoco(case: Case) -> None:
 def test_touching_spheres_outside_have_exact_normals(case: Case) -> None:
     """A sphere whose centre is outside has one nearest point: normal and distance must agree to float precision."""
     _, normal, _, _ = case.ours
-    reference, way = case.reference
+    reference, route = case.reference
     outside = (reference < -0.005) & (reference > -0.9 * case.radius)
     assert outside.sum() > 150
-    expected = -way[outside] / np.linalg.norm(way[outside], axis=1, keepdims=True)
+    expected = -route[outside] / np.linalg.norm(route[outside], axis=1, keepdims=True)
     angle = np.linalg.norm(np.cross(normal[outside], expected), axis=1)
     assert np.quantile(angle, 0.98) < 2e-3
 

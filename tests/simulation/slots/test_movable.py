@@ -88,15 +88,15 @@ def test_a_box_is_pushed_two_metres_as_in_c_mujoco(impl: str) -> None:
     its path is held against those of 21 runs whose robots start up to 1 mm aside: all the way it is within 20 cm of one
     of them. Each of theirs is within 11 cm of another (docs/decisions/movable.md)."""
     reference, (found, state) = in_c_mujoco("a box of 10 kg"), in_engine("a box of 10 kg", impl)
-    way, ours = (np.linalg.norm(x.places[:, 0, :2] - x.places[0, 0, :2], axis=-1) for x in (reference, found))
-    assert way[-1] > 2.0
+    route, ours = (np.linalg.norm(x.places[:, 0, :2] - x.places[0, 0, :2], axis=-1) for x in (reference, found))
+    assert route[-1] > 2.0
     onset = int(reference.hit.argmax())
     assert int(found.hit.argmax()) == onset
     np.testing.assert_allclose(found.robot[:onset], reference.robot[:onset], atol=1e-3)
     np.testing.assert_allclose(found.places[:onset], reference.places[:onset], atol=2e-3)
     np.testing.assert_allclose(found.places[onset], reference.places[onset], atol=1e-2)
-    two = int((way > 2.0).argmax())
-    assert abs(ours[two] - way[two]) < 0.1 * way[two]
+    two = int((route > 2.0).argmax())
+    assert abs(ours[two] - route[two]) < 0.1 * route[two]
     apart = np.linalg.norm(runs_of_c_mujoco("a box of 10 kg") - found.places[:, 0], axis=-1)[:, : two + 1].max(1)
     assert apart.min() < 0.2, apart
     assert (found.obj[onset:] == 0).all()

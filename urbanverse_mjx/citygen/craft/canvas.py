@@ -22,7 +22,7 @@ from ..stage import JOINT, Stage
 from . import faults, ground_layers, object_sizes
 from .ground_layers import Corner, Layer
 
-EYE = 1.6  # m, height of the camera path over the ground
+CAMERA_HEIGHT = 1.6  # m, height of the camera path over the ground
 
 #: Label, metres along an edge, metres from it, facing, and where it matters the variant (row of the label's sizes).
 #: Facing is "street" (towards the edge), "wall" (away from it), "+" or "-" (along it), or degrees
@@ -164,7 +164,7 @@ class Canvas(Stage):
             )
         self._layers.append(layer)
 
-    def settle(self) -> None:
+    def lay_ground(self) -> None:
         """Turns what was laid into regions; the first object put down does it too."""
         if not self.regions:
             self.lay(ground_layers.tiles(self._layers, self._cuts))
@@ -205,7 +205,7 @@ class Canvas(Stage):
           variant: row of the label's sizes; size: m (along, across, up) instead of one of them.
           above: m over the ground; from 0.3 on it hangs, or stands on another object.
         """
-        self.settle()
+        self.lay_ground()
         if variant is not None:
             if not 0 <= variant < len(self.sizes[label]):
                 raise ValidationError(
@@ -256,13 +256,13 @@ class Canvas(Stage):
 
     def problems(self, clear_width: float = faults.CLEARANCE) -> list[str]:
         """Faults of the composition, a sentence each; see `faults`."""
-        self.settle()
+        self.lay_ground()
         return faults.problems(self, self.trajectory, clear_width)
 
     # The scene graph.
 
     def graph(self) -> SceneGraph:
-        self.settle()
+        self.lay_ground()
         sky = None if self._sky is None else _sky_descriptor(self._sky)
         return SceneGraph(
             self.scene_id, self.source, tuple(self.objects), self._dressed(), sky, tuple(self._camera_path())
@@ -290,7 +290,7 @@ class Canvas(Stage):
             yaw = round(math.atan2(b[1] - a[1], b[0] - a[0]), 3)
             for i in range(steps):
                 x, y = (a[k] + (b[k] - a[k]) * i / steps for k in (0, 1))
-                path.append((round(x, 3), round(y, 3), round(self.ground_height(x, y) + EYE, 3), yaw))
+                path.append((round(x, 3), round(y, 3), round(self.ground_height(x, y) + CAMERA_HEIGHT, 3), yaw))
         return path
 
 

@@ -219,9 +219,9 @@ def _level(up: np.ndarray, cameras: np.ndarray) -> np.ndarray:
     return _axes(up, cameras[np.argmax(np.linalg.norm(cameras - cameras[0], axis=1))] - cameras[0])
 
 
-def _axes(up: np.ndarray, way: np.ndarray) -> np.ndarray:
+def _axes(up: np.ndarray, forward: np.ndarray) -> np.ndarray:
     """(3, 3) rotation that turns up to z and a way, as far as it is level, to x."""
-    along = way - (way @ up) * up
+    along = forward - (forward @ up) * up
     if np.linalg.norm(along) < 1e-9:
         along = np.cross(up, [0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0])
     along /= np.linalg.norm(along)

@@ -108,7 +108,7 @@ def _codes(structure: Structure, observations: list[FrameObservation]) -> np.nda
 def _record(
     frames: Frames, structure: Structure, metric: Metric, observations: list[FrameObservation]
 ) -> dict[str, Any]:
-    way = np.linalg.norm(np.diff(metric.poses[:, :3, 3], axis=0), axis=1).sum()
+    length = np.linalg.norm(np.diff(metric.poses[:, :3, 3], axis=0), axis=1).sum()
     return {
         "schema": "urbanverse.perception/1",
         "frames": {"kept": len(frames), "dropped": [list(d) for d in frames.dropped], "blurred_by": frames.blur},
@@ -119,7 +119,7 @@ def _record(
         "ground_points": int((metric.ground > 0).sum()),
         "reprojection_error_pixels": round(structure.error, 3),
         "pieces": metric.pieces,
-        "way_m": round(float(way), 2),
+        "way_m": round(float(length), 2),
         "detections": sum(len(s.detections) for s in observations),
     }
 

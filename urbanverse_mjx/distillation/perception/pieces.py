@@ -105,8 +105,8 @@ def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np
     pieces: list[np.ndarray] = []
     for one in np.unique(model):
         rows = np.flatnonzero(model == one)
-        way = np.linalg.norm(np.diff(poses[rows, :3, 3], axis=0), axis=1)
-        pieces += _cut(rows, way / np.diff(registered[rows]), float(np.median(way)) if len(way) else 0.0)
+        distance = np.linalg.norm(np.diff(poses[rows, :3, 3], axis=0), axis=1)
+        pieces += _cut(rows, distance / np.diff(registered[rows]), float(np.median(distance)) if len(distance) else 0.0)
     return [rows for rows in pieces if len(rows) >= _CUT.min_frames] or [max(pieces, key=len)]
 
 

@@ -94,7 +94,7 @@ def ground_truth(
         -1,
     )
     big = (count >= MIN_PIXELS) & (jnp.arange(slots + 1) < slots)
-    way = middle[owner] - jnp.stack([rows, columns], -1)
+    to_middle = middle[owner] - jnp.stack([rows, columns], -1)
     valid = (depth > NEAREST) & (depth < FARTHEST)
     small = count < _OPTIONS.small_object
     narrow = _bumps(middle, big & small, h, w, SIGMA_SMALL)
@@ -109,7 +109,7 @@ def ground_truth(
         owner=jnp.where(obj, slot, -1),
         centre=jnp.maximum(narrow, _bumps(middle, big & ~small, h, w, SIGMA)),
         centre_weight=1.0 + _OPTIONS.narrow_weight * jnp.sqrt(narrow),
-        offset=way / OFFSET_UNIT,
+        offset=to_middle / OFFSET_UNIT,
         has_centre=obj & big[owner],
         log_depth=jnp.log(canonical / DEPTH_UNIT),
         has_depth=valid & (kind != classes.SKY_CLASS),

@@ -106,13 +106,13 @@ def read_kitti360(
     return recording
 
 
-def _near(boxes: Sequence[Kitti360Box], origin: np.ndarray, way: np.ndarray) -> tuple:
+def _near(boxes: Sequence[Kitti360Box], origin: np.ndarray, positions: np.ndarray) -> tuple:
     """Static objects with a label of ours within 60 m of the way."""
     kept = {}
     for box in boxes:
         if box.timestamp < 0 and box.kind.label is not None and box.instance > 0:
             middle = box.corners.mean(0) - origin
-            if np.linalg.norm(way - middle, axis=1).min() < 60.0:
+            if np.linalg.norm(positions - middle, axis=1).min() < 60.0:
                 kept[box.id] = box.upright(origin)
     return tuple(kept.values())
 

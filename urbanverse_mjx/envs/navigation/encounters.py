@@ -35,9 +35,9 @@ def route_pose(start: Float[Array, " s"], waypoints: Float[Array, "W 3"], arc: F
     before = jnp.cumsum(length) - length
     # The last segment that begins before the place; repeated waypoints are no segments.
     row = jnp.max(jnp.where((before <= arc) & (length > 1e-6), jnp.arange(len(length)), 0))
-    way = span[row] / jnp.maximum(length[row], 1e-6)
-    x, y = points[row] + jnp.clip(arc - before[row], 0.0, length[row]) * way
-    return x, y, jnp.arctan2(way[1], way[0])
+    direction = span[row] / jnp.maximum(length[row], 1e-6)
+    x, y = points[row] + jnp.clip(arc - before[row], 0.0, length[row]) * direction
+    return x, y, jnp.arctan2(direction[1], direction[0])
 
 
 def _beside(pose: Pose, left: Float[Array, ""], ahead: float = 0.0) -> Pose:

@@ -79,15 +79,15 @@ def cousin_images(
     bank: SceneBank, graph: SceneGraph, folder: pathlib.Path, report: Callable[[int, int], None]
 ) -> list[tuple[str, list[str]]]:
     """For every scene of the bank its image from above and its views along the trajectory; names of the files."""
-    eye_level, above = (Studio(bank, *size, samples=SAMPLES) for size in (VIEW_SIZE, ABOVE_SIZE))
+    street_level, above = (Studio(bank, *size, samples=SAMPLES) for size in (VIEW_SIZE, ABOVE_SIZE))
     views = viewpoints(graph)
     total, images = bank.num_scenes * (1 + len(views)), []
     for scene in range(bank.num_scenes):
         top = save_jpeg(above.birdseye(scene, ELEVATION), folder / f"cousin_{scene}_above.jpg")
         report(scene * (1 + len(views)) + 1, total)
         names = []
-        for k, (eye, target) in enumerate(views):
-            image = eye_level.view(scene, eye, target)
+        for k, (camera_position, target) in enumerate(views):
+            image = street_level.view(scene, camera_position, target)
             names.append(save_jpeg(image, folder / f"cousin_{scene}_view_{k}.jpg"))
             report(scene * (1 + len(views)) + 2 + k, total)
         images.append((top, names))
@@ -101,8 +101,8 @@ def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
     places = viewpoint_rows(graph)
     found = []
     for x, y, z, yaw in (graph.camera_path[i] for i in places):
-        eye = np.array([x, y, z])
-        found.append((eye, eye + 8.0 * np.array([np.cos(yaw), np.sin(yaw), -LOOK_DOWN / 8.0])))
+        camera_position = np.array([x, y, z])
+        found.append((camera_position, camera_position + 8.0 * np.array([np.cos(yaw), np.sin(yaw), -LOOK_DOWN / 8.0])))
     return found
 
 

@@ -69,8 +69,8 @@ def svg(graph: SceneGraph, colours: dict[str, str], image: str | None = None) ->
         style = f'fill="{fill}" fill-opacity="{opacity}" stroke="#3a3f46" stroke-width="0.06"'
         lines.append(f'<polygon points="{corners}" {style}><title>{html.escape(region.id)}</title></polygon>')
     if graph.camera_path:
-        way = " ".join(f"{p[0]:.2f},{-p[1]:.2f}" for p in graph.camera_path)
-        lines.append(f'<polyline points="{way}" fill="none" stroke="#d0342c" stroke-width="0.15"/>')
+        line = " ".join(f"{p[0]:.2f},{-p[1]:.2f}" for p in graph.camera_path)
+        lines.append(f'<polyline points="{line}" fill="none" stroke="#d0342c" stroke-width="0.15"/>')
     for obj in graph.objects:
         along, across, _ = obj.size
         x, y, _ = obj.center

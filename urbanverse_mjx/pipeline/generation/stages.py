@@ -77,7 +77,7 @@ def generate(
 def _recording(
     run: RunFolder, progress: Progress, video: VideoOptions, given: Input
 ) -> tuple[pathlib.Path | None, str]:
-    """`frames/` and `recording/` of raw pictures; where the recording lies (None for a graph), and its key."""
+    """`frames/` and `recording/` of raw images; where the recording lies (None for a graph), and its key."""
     if given.kind in ("graph", "recording"):
         return (given.path if given.kind == "recording" else None), given.key
     key = key_of("perception", stage="frames", source=given.key, rate=video.rate, blur=video.blur)

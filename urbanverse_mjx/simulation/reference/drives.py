@@ -113,8 +113,8 @@ class _Plan:
         dt = _GROUND_SPACING / 2.0
         time = np.arange(0.0, seconds, dt)
         yaw = self.yaw[:, None] + self.swing[:, None] * np.cumsum(np.sin(self.pulse[:, None] * time), 1) * dt
-        way = np.stack([np.cos(yaw), np.sin(yaw)], -1) * self.speed[:, None, None] * dt
-        return self.place[:, None] + np.cumsum(way, 1) - way[:, :1]
+        span = np.stack([np.cos(yaw), np.sin(yaw)], -1) * self.speed[:, None, None] * dt
+        return self.place[:, None] + np.cumsum(span, 1) - span[:, :1]
 
     def row(self, number: int) -> "_Plan":
         return _Plan(*(getattr(self, f.name)[number : number + 1] for f in dataclasses.fields(self)))
@@ -294,5 +294,5 @@ def _aim(bank: SceneBank, scene: int, rng: np.random.Generator) -> tuple[np.ndar
     apart = np.linalg.norm(rows[:, None, :2] - targets[None, :, :2], axis=-1)
     near = np.argwhere((apart > 1.5) & (apart < 4.0))
     row, target = near[rng.integers(len(near))] if len(near) else np.unravel_index(apart.argmin(), apart.shape)
-    way = targets[target] - rows[row]
-    return rows[row], float(np.arctan2(way[1], way[0]) + rng.uniform(-0.15, 0.15))
+    span = targets[target] - rows[row]
+    return rows[row], float(np.arctan2(span[1], span[0]) + rng.uniform(-0.15, 0.15))

@@ -18,17 +18,18 @@ _SMOOTH = 1.8  # s
 _BATCH = 16
 
 
-def look_at(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.ndarray:
-    """(4,) wxyz rotation R_world_camera of a camera at `eye` that looks at `target` with `up` upwards (3,) each.
+def look_at(camera_position: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.ndarray:
+    """(4,) wxyz rotation R_world_camera of a camera at `camera_position` that looks at `target` with `up` upwards (3,)
+    each.
 
     Raises:
       ValidationError: eye and target coincide, or the camera would look along `up`.
     """
-    back = np.asarray(eye, np.float64) - np.asarray(target, np.float64)
+    back = np.asarray(camera_position, np.float64) - np.asarray(target, np.float64)
     right = np.cross(np.asarray(up, np.float64), back)
     if np.linalg.norm(back) < 1e-9 or np.linalg.norm(right) < 1e-9 * np.linalg.norm(back):
         raise ValidationError(
-            f"camera: found eye {eye}, target {target}; needed two points not above one another; move one"
+            f"camera: found eye {camera_position}, target {target}; needed two points not above one another; move one"
         )
     back, right = back / np.linalg.norm(back), right / np.linalg.norm(right)
     return Rotation.from_matrix(np.column_stack([right, np.cross(back, right), back])).as_quat(scalar_first=True)
@@ -52,10 +53,10 @@ def following_cameras(
     smooth /= np.maximum(np.linalg.norm(smooth, axis=-1, keepdims=True), 1e-6)
     root = xpos[:, 1]
     near = 0.5 + 0.5 * height
-    eye = root + near * (np.array([0.0, 0.0, _UP]) - _BACK * np.pad(smooth, ((0, 0), (0, 1))))
+    camera_position = root + near * (np.array([0.0, 0.0, _UP]) - _BACK * np.pad(smooth, ((0, 0), (0, 1))))
     target = root + 1.5 * np.pad(smooth, ((0, 0), (0, 1)))
-    turn = np.stack([look_at(e, t) for e, t in zip(eye, target, strict=True)])
-    return eye.astype(np.float32), turn.astype(np.float32)
+    turn = np.stack([look_at(e, t) for e, t in zip(camera_position, target, strict=True)])
+    return camera_position.astype(np.float32), turn.astype(np.float32)
 
 
 def in_batches(function: Any, *columns: Any) -> np.ndarray:

@@ -157,9 +157,9 @@ class Renderer:
             )
         xpos, xquat = jnp.asarray(xpos, jnp.float32), jnp.asarray(xquat, jnp.float32)
         body = self.camera.body
-        eye = xpos[body] + rotations.rotate(xquat[body], jnp.asarray(self.camera.position))
+        camera_position = xpos[body] + rotations.rotate(xquat[body], jnp.asarray(self.camera.position))
         turn = rotations.product(xquat[body], jnp.asarray(self.camera.quaternion))
-        return self.view(scene, eye, turn, self.camera.fovy, xpos, xquat, appearance_seed, agents, bodies)
+        return self.view(scene, camera_position, turn, self.camera.fovy, xpos, xquat, appearance_seed, agents, bodies)
 
     def view(
         self,

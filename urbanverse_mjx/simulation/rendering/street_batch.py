@@ -240,11 +240,11 @@ class StreetBatch:
 
     def jobs(self, inputs: Sequence[wp.array], outputs: dict[str, wp.array]) -> list[Callable[[], None]]:
         """What draws the pieces of the batch; see `Renderer._render` for the arrays."""
-        scene, xpos, xquat, eye, turn, fovy, appearance_seeds, *moved = inputs
+        scene, xpos, xquat, camera_position, turn, fovy, appearance_seeds, *moved = inputs
         s, settings = self.streets, self.streets.settings
         aspect = settings.width / settings.height
         robot = [s.street, s.shapes, s.bodies, xpos, xquat]
-        views = [*robot, eye, turn, fovy, aspect, NOWHERE, *self._placed]
+        views = [*robot, camera_position, turn, fovy, aspect, NOWHERE, *self._placed]
         elsewhere = [scene, *(moved or [self._unmoved]), s.object_of_slot, self._moved]
         wp.launch(place, dim=self.num_worlds, inputs=[*views, *elsewhere])
         kept = [s.street, self.views, scene, s.roots, s.textures, s.skies, s.labels, appearance_seeds]

@@ -165,7 +165,7 @@ def place(
     body: wp.array[int],
     xpos: wp.array2d[wp.vec3],
     xquat: wp.array2d[wp.vec4],
-    eye: wp.array[wp.vec3],
+    camera_position: wp.array[wp.vec3],
     quaternion: wp.array[wp.vec4],
     fovy: wp.array[float],
     aspect: float,
@@ -185,7 +185,7 @@ def place(
     that stand elsewhere, -1 = none, whose objects are object_of_slot (Z, N).
     """
     w = wp.tid()
-    origin = eye[w]
+    origin = camera_position[w]
     q = quaternion[w]
     turn = wp.quat_to_matrix(wp.quat(q[1], q[2], q[3], q[0]))
     if not (wp.isfinite(origin) and wp.isfinite(q)):

@@ -132,11 +132,11 @@ def edge_distance(point: Any, edges: Any, normal: Any) -> tuple[Any, Any]:
     # Differences before squares, because ground prisms are tens of metres long.
     start, edge = point[:, None] - edges[:3], edges[3:]
     share = jnp.clip(_dot(start, edge) / _dot(edge, edge), 0.0, 1.0)
-    way = start - share * edge
-    square = _dot(way, way)
+    to_edge = start - share * edge
+    square = _dot(to_edge, to_edge)
     nearest = jnp.argmin(square)
     distance = jnp.sqrt(square[nearest])
-    return distance, jnp.where(distance > _ON_EDGE, way[:, nearest] / jnp.maximum(distance, _ON_EDGE), normal)
+    return distance, jnp.where(distance > _ON_EDGE, to_edge[:, nearest] / jnp.maximum(distance, _ON_EDGE), normal)
 
 
 def _with_edges(

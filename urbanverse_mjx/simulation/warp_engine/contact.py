@@ -35,7 +35,7 @@ class Hulls:
     offset: wp.array[float]
     edge_start: wp.array[int]
     start: wp.array[wp.vec3]
-    way: wp.array[wp.vec3]
+    edge: wp.array[wp.vec3]
     centre: wp.array[wp.vec3]
     half: wp.array[wp.vec3]
 
@@ -124,8 +124,8 @@ def hull_distance(hulls: Hulls, hull: int, point: wp.vec3, limit: float) -> wp.v
             direction = wp.vec3(0.0, 0.0, 0.0)
             for e in range(hulls.edge_start[hull], hulls.edge_start[hull + 1]):
                 # Differences before squares, because ground prisms are tens of metres long.
-                offset, way = point - hulls.start[e], hulls.way[e]
-                away = offset - wp.clamp(wp.dot(offset, way) / wp.dot(way, way), 0.0, 1.0) * way
+                offset, edge = point - hulls.start[e], hulls.edge[e]
+                away = offset - wp.clamp(wp.dot(offset, edge) / wp.dot(edge, edge), 0.0, 1.0) * edge
                 square = wp.dot(away, away)
                 if square < nearest:
                     nearest = square

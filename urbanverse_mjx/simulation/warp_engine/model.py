@@ -170,7 +170,7 @@ def _hulls(bank: SceneBank) -> Any:
     out = contact.Hulls()
     out.plane_start, out.edge_start = (wp.array(start, dtype=int) for start in starts)
     out.normal, out.offset = wp.array(planes[:, :3], dtype=wp.vec3), wp.array(planes[:, 3], dtype=float)
-    out.start, out.way = wp.array(edges[:, :3], dtype=wp.vec3), wp.array(edges[:, 3:], dtype=wp.vec3)
+    out.start, out.edge = wp.array(edges[:, :3], dtype=wp.vec3), wp.array(edges[:, 3:], dtype=wp.vec3)
     out.centre, out.half = (wp.array(bank.hull_box[:, i], dtype=wp.vec3) for i in range(2))
     return out
 

@@ -70,8 +70,8 @@ class Board:
             steps = max(int(length * self.rng.uniform(0.6, 1.4) / self.pixel), 4)
             # Turns with a memory: the crack follows grains of stone but keeps its way.
             turn = np.cumsum(self.rng.normal(0.0, wander, steps)) * 0.35 + self.rng.normal(0.0, wander * 2, steps)
-            way = heading + turn
-            path = start + np.cumsum(np.stack([np.sin(way), np.cos(way)], -1), 0) * self.pixel
+            direction = heading + turn
+            path = start + np.cumsum(np.stack([np.sin(direction), np.cos(direction)], -1), 0) * self.pixel
             rows, columns = np.floor(path / self.pixel).astype(int).T % self.size
             image[rows, columns] = np.linspace(1.0, 0.55, steps)
             for k in np.flatnonzero(self.rng.random(steps) < branches / (0.3 / self.pixel)):

@@ -152,7 +152,7 @@ def heap_clouds(
     field = np.stack([water, depth], -1).reshape(-1, 2)
     sine = np.maximum(directions[..., 2], 1e-3).astype(np.float32)
     flat = np.maximum(np.hypot(directions[..., 0], directions[..., 1]), 1e-6)
-    way = (directions[..., :2] / flat[..., None]).astype(np.float32)
+    slope = (directions[..., :2] / flat[..., None]).astype(np.float32)
     cosine = directions @ light.direction
     forward = 4 * np.pi * (0.7 * henyey_greenstein(cosine, 0.55) + 0.3 * henyey_greenstein(cosine, -0.15))
     passed = np.ones(sine.shape, np.float32)
@@ -168,8 +168,8 @@ def heap_clouds(
     deep = 0.34 * min(1.0, 0.15 + 2.5 * max(float(light.direction[2]), 0.0))
     for k in range(heaps.levels):
         at = distance_to(sine, heaps.base + (k + jitter) * step) * flat
-        x = at * way[..., 0] * (CELLS / heaps.tile) + offset[0]
-        y = at * way[..., 1] * (CELLS / heaps.tile) + offset[1]
+        x = at * slope[..., 0] * (CELLS / heaps.tile) + offset[0]
+        y = at * slope[..., 1] * (CELLS / heaps.tile) + offset[1]
         value = _bilinear(field, k, x.astype(np.float32), y.astype(np.float32))
         share = 1.0 - np.exp(-heaps.density * crossed * value[..., 0])
         tau = value[..., 1]
