@@ -42,7 +42,7 @@ _FRONT = (0.7, 0.9, 1.1)
 _TURNS, _CLEAR = jnp.radians(jnp.arange(-75.0, 76.0, 15.0)), 0.6
 #: m of route that a row has at least before its crosswalk (and twice that at most) and behind it.
 _BEFORE, _BEHIND = 4.5, 2.6
-#: m from a crosswalk at which a vehicle under way keeps the robot from it, and the slowest (m/s) that counts.
+#: m from a crosswalk at which a moving vehicle keeps the robot from it, and the slowest (m/s) that counts.
 _VEHICLE, _ROLLING = 12.0, 0.8
 #: m/s, how fast people come over: unhurried, so that they are still on the crosswalk when the robot comes to it.
 _STROLL = (0.7, 0.6, 0.55, 0.5)
@@ -119,7 +119,7 @@ class Controller:
         self.drives = jnp.array([k.surface == "road" for k in self.dynamic.model.kinds])
 
     def taken(self, crowd: Any) -> Any:
-        """() bool: somebody is on the crosswalk or about to be, or a vehicle under way nears it."""
+        """() bool: somebody is on the crosswalk or about to be, or a moving vehicle nears it."""
         body = crowd.bodies
         reach = jnp.array([0.0, 0.8])[:, None]
         x, y = (p + reach * f(body.heading) for p, f in ((body.x, jnp.cos), (body.y, jnp.sin)))

@@ -2,7 +2,7 @@
 
     python -m benchmarks.crowds --json
 
-steps crowds on a wrapped square, everybody under way in some direction, and prints one JSON line for each size
+steps crowds on a wrapped square, everybody moving in some direction, and prints one JSON line for each size
 `ENVSxAGENTSxNEIGHBOURS` as soon as it is measured: agent-steps/s (median over the repeats; `*_spread` is
 (slowest - fastest) / median), seconds to compile, and with --parts the seconds of a step that looking around, building
 half-planes, the programs and the resolution of collisions take when run alone over the same state. It needs numpy and
@@ -200,8 +200,8 @@ def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments:
     bodies, traits = jax.tree.map(lambda a: a.T, (bodies, traits))
     speed = 0.8 * traits.limit
     preferred_velocity = (speed * jnp.cos(direction.T)).reshape(-1), (speed * jnp.sin(direction.T)).reshape(-1)
-    look = timing.compile_(lambda b, t: orca.look_around(b, t, case.agents, options), bodies, traits)
-    near = look.call(bodies, traits)
+    search = timing.compile_(lambda b, t: orca.look_around(b, t, case.agents, options), bodies, traits)
+    near = search.call(bodies, traits)
     build = timing.compile_(lambda b, t, n: orca.permitted(b, t, case.agents, n, options), bodies, traits, near)
     lines = linear_program.join(walls, build.call(bodies, traits, near)[0])
     flat = HalfPlanes(*(a.reshape(a.shape[0], -1) for a in lines))
@@ -216,7 +216,7 @@ def parts(case: Case, bodies: Bodies, traits: Traits, direction: Any, arguments:
     failed = first.call(flat, limit, *preferred_velocity)[2]
     samples = timing.time_in_turn(
         {
-            "look_around": lambda: look.call(bodies, traits),
+            "look_around": lambda: search.call(bodies, traits),
             "half_planes": lambda: build.call(bodies, traits, near),
             "first_program": lambda: first.call(flat, limit, *preferred_velocity),
             "both_programs": lambda: both.call(flat, limit, *preferred_velocity),

@@ -4,7 +4,7 @@
 
 writes benchmarks/protocols/NAME.json with 64 episodes of every scene of a bank, spread evenly over the scene's episode
 table, in random order, with their seeds and the scene's canonical hash. The same bank, name and seed give the same
-file. `--half` keeps to ways within the first half of each scene, at most 100 m of it, under the name NAME_half.
+file. `--half` keeps to paths within the first half of each scene, at most 100 m of it, under the name NAME_half.
 Prints one JSON line. Existing lists are replaced only with --force: that makes another benchmark of them.
 """
 
@@ -27,7 +27,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("name", help="of the benchmark, which is that of its set of scenes")
     parser.add_argument("--bank", type=pathlib.Path, help="bank of its scenes; default: the set's own")
     parser.add_argument("--extra", nargs="*", default=[], help="ids of scenes that the protocol `paper` leaves out")
-    parser.add_argument("--half", action="store_true", help="half-length ways, under the name NAME_half")
+    parser.add_argument("--half", action="store_true", help="half-length paths, under the name NAME_half")
     parser.add_argument("--episodes", type=int, default=EPISODES)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=pathlib.Path, default=FOLDER, help="folder of the list")

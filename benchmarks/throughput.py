@@ -169,7 +169,7 @@ def load_env(case: Case) -> Any:
 
 
 def rows_of(case: Case, proof: pathlib.Path | None = None) -> Iterator[dict[str, Any]]:
-    """Measures a case and then its rivals, one row after the other; what fails becomes a row with "error"."""
+    """Measures a case and then its baselines, one row after the other; what fails becomes a row with "error"."""
     row = {**report.planned(case), "machine": report.machine()}
     env = None
     try:

@@ -60,7 +60,7 @@ def seen_objects(recording: Recording, objects: Iterable[GraphObject], share: fl
 
 def alignment(poses: np.ndarray, true_poses: np.ndarray) -> np.ndarray:
     """(4, 4) rigid T_true_found, no scale: least squares over camera centres and points 5 m along each camera's axes,
-    which settle the turn about a straight path."""
+    which determine the turn about a straight path."""
 
     def marks(p: np.ndarray) -> np.ndarray:
         arms = 5.0 * np.concatenate([np.zeros((1, 3)), np.eye(3)])
@@ -75,7 +75,7 @@ def alignment(poses: np.ndarray, true_poses: np.ndarray) -> np.ndarray:
 
 
 def moved(objects: Sequence[GraphObject], T: np.ndarray) -> list[GraphObject]:
-    """Things under a rigid transform that hardly leans."""
+    """Objects under a rigid transform that hardly leans."""
     turn = float(np.arctan2(T[1, 0], T[0, 0]))
     return [
         dataclasses.replace(
@@ -164,7 +164,7 @@ def iou(a: GraphObject, b: GraphObject) -> float:
 def _detections(
     found: Sequence[GraphObject], ground_truth: Sequence[GraphObject]
 ) -> tuple[dict[str, np.ndarray], dict[str, int]]:
-    """Per label the small found objects as (score, true positive), best score first, each ground ground truth found
+    """Per label the small found objects as (score, true positive), best score first, each ground truth found
     once."""
     positives: dict[str, int] = {}
     for t in ground_truth:

@@ -287,7 +287,7 @@ def _put_somewhere(street: _Street, band: str) -> None:
             if _try_place(street, other, side, record):
                 return
     raise ValidationError(
-        f"--objects: found no free place for another thing in a street with {len(street.objects)}, needed one; "
+        f"--objects: found no free place for another object in a street with {len(street.objects)}, needed one; "
         "ask for fewer."
     )
 

@@ -89,8 +89,8 @@ def test_variants_differ_in_shape_and_look(leaf: str) -> None:
             same_shape = first.mesh.vertices.shape == second.mesh.vertices.shape and np.allclose(
                 first.mesh.vertices / first.mesh.extent, second.mesh.vertices / second.mesh.extent, atol=1e-3
             )
-            same_look = np.array_equal(first.mesh.texture, second.mesh.texture)
-            assert not (same_shape and same_look)
+            same_texture = np.array_equal(first.mesh.texture, second.mesh.texture)
+            assert not (same_shape and same_texture)
 
 
 @pytest.mark.parametrize("leaf", ["shoe store", "church", "pond", "road"])

@@ -1,4 +1,5 @@
-"""Assets as GLB, OBJ, MJCF and USD: read back by others' readers they have the same box, volume, mass and look."""
+"""Assets as GLB, OBJ, MJCF and USD: read back by others' readers they have the same box, volume, mass and
+appearance."""
 
 import json
 from typing import Any

@@ -82,7 +82,7 @@ def put(folder: pathlib.Path, name: str, leaf: str = "bench") -> None:
 
 def ask(folder: pathlib.Path, server: Model) -> Entry:
     endpoint = VisionEndpoint(f"http://127.0.0.1:{server.server_port}/v1", "eyes-1", "the key")
-    (entry,) = import_folder(folder, Options(jobs=1, pictures=False, endpoint=endpoint), lambda *_: None)
+    (entry,) = import_folder(folder, Options(jobs=1, shown=False, endpoint=endpoint), lambda *_: None)
     return entry
 
 
@@ -104,9 +104,9 @@ def test_an_endpoint_names_what_its_file_does_not(model: Model, folder: pathlib.
     assert len(model.asked) == 2
     path, authorization, body = model.asked[1]
     assert (path, authorization, body["model"]) == ("/v1/chat/completions", "Bearer the key", "eyes-1")
-    text, *pictures = body["messages"][0]["content"]
+    text, *shown = body["messages"][0]["content"]
     assert "fire hydrant" in text["text"]
-    seen = [Image.open(io.BytesIO(base64.b64decode(p["image_url"]["url"].partition(",")[2]))) for p in pictures]
+    seen = [Image.open(io.BytesIO(base64.b64decode(p["image_url"]["url"].partition(",")[2]))) for p in shown]
     assert [p.size for p in seen] == [(256, 256)] * 4
     assert len({p.tobytes() for p in seen}) == 4
 

@@ -144,8 +144,8 @@ def test_variants_differ(leaf: str, variants: Variants) -> None:
     for i, first in enumerate(assets):
         for second in assets[i + 1 :]:
             a, b = first.mesh, second.mesh
-            same_picture = a.texture.shape == b.texture.shape and np.array_equal(a.texture, b.texture)
-            assert not same_picture or np.abs(a.extent / b.extent - 1).max() > 0.02, leaf
+            same_texture = a.texture.shape == b.texture.shape and np.array_equal(a.texture, b.texture)
+            assert not same_texture or np.abs(a.extent / b.extent - 1).max() > 0.02, leaf
 
 
 def test_builds_are_the_same_every_time(variants: Variants) -> None:

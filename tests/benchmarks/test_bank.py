@@ -210,7 +210,7 @@ def test_the_command_writes_a_bank_and_says_what_is_in_it(
     ("options", "said"),
     [
         (["--objects", "20"], "--objects: found 20, needed at least"),
-        (["--objects", "2000"], "no free place for another thing"),
+        (["--objects", "2000"], "no free place for another object"),
         (["--map-cell", "0.07"], "needed a multiple of 0.05 m"),
     ],
 )

@@ -104,6 +104,6 @@ def test_a_walker_turns_about_in_seconds_not_between_two_frames(small_bank: Scen
         path = walk(small_bank, 0, PathOptions(rate=4.0, sway=0.0, turn_time=turn_time))
         return float(np.abs(np.diff(np.unwrap(path.plan()[:, 3]))).max()) * 4.0
 
-    # The way comes back along itself: half a turn, in a quarter of a second or spread over three.
+    # The path comes back along itself: half a turn, in a quarter of a second or spread over three.
     assert fastest(0.0) > np.radians(300.0)
     assert fastest(3.0) < np.radians(90.0)

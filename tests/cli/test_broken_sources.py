@@ -40,7 +40,7 @@ def _recording(folder: pathlib.Path) -> pathlib.Path:
     return writer.close().folder
 
 
-def _huge_picture() -> bytes:
+def _huge_image() -> bytes:
     """A PNG of a few bytes that says it has 50,000 x 50,000 pixels."""
 
     def chunk(kind: bytes, body: bytes) -> bytes:
@@ -71,13 +71,13 @@ def _broken(kind: str, folder: pathlib.Path) -> pathlib.Path:
         source = folder / "pictures"
         source.mkdir()
         for k in range(3):
-            (source / f"{k}.png").write_bytes(_huge_picture())
+            (source / f"{k}.png").write_bytes(_huge_image())
         return source
     if kind.endswith("video"):
         return _video(source, [TEXTURE] if kind == "one-frame video" else [np.zeros_like(TEXTURE)] * 20)
     recording = _recording(folder / "recording")
     if kind == "mask of 2.5 gigapixels":
-        (recording / "masks" / "000001.png").write_bytes(_huge_picture())
+        (recording / "masks" / "000001.png").write_bytes(_huge_image())
     elif kind == "corrupt mask":
         mask = recording / "masks" / "000001.png"
         mask.write_bytes(mask.read_bytes()[:50])

@@ -73,7 +73,7 @@ def test_a_recording_is_known_by_the_content_of_its_pictures(tmp_path: pathlib.P
 
 def test_a_folder_with_other_objects_or_of_another_run_is_not_touched(tmp_path: pathlib.Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(ValidationError, match="other things"):
+    with pytest.raises(ValidationError, match="other files"):
         generate(GRAPH, tmp_path)
     assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
     other = tmp_path / "run"

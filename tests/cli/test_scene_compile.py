@@ -124,7 +124,7 @@ def test_folder_with_other_objects_stays_as_it_is(tmp_path: pathlib.Path, capsys
     out = tmp_path / "mine"
     out.mkdir()
     (out / "diary.txt").write_text("dear diary")
-    _refused(path, out, "other things", capsys)
+    _refused(path, out, "other files", capsys)
     assert [p.name for p in out.iterdir()] == ["diary.txt"]
     _refused(path, out / "diary.txt", "a file", capsys)
     assert (out / "diary.txt").read_text() == "dear diary"

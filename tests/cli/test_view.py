@@ -101,7 +101,7 @@ def test_a_cousin_of_a_graph_is_compiled_once(
 
 
 def test_the_camera_of_a_rule_is_drawn_and_everything_is_as_in_the_bank() -> None:
-    config = drivers._fresh_config(None, False, drivers.PICTURE)
+    config = drivers._fresh_config(None, False, drivers.IMAGE_SIZE)
     assert config.vision
-    assert (config.vision_config.height, config.vision_config.width) == drivers.PICTURE
+    assert (config.vision_config.height, config.vision_config.width) == drivers.IMAGE_SIZE
     assert config.randomization.appearance == 0

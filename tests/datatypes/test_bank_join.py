@@ -37,8 +37,8 @@ def mesh(bank: SceneBank, number: int) -> tuple[np.ndarray, ...]:
     faces = slice(*bank.mesh_face_start[number : number + 2])
     material = bank.mesh_material[number]
     texture = bank.texture(int(bank.material_texture[material]))
-    look = np.array([bank.material_roughness[material], bank.material_metallic[material]])
-    return bank.mesh_vertices[vertices], bank.mesh_uv[vertices], bank.mesh_faces[faces], texture, look
+    style = np.array([bank.material_roughness[material], bank.material_metallic[material]])
+    return bank.mesh_vertices[vertices], bank.mesh_uv[vertices], bank.mesh_faces[faces], texture, style
 
 
 def assert_same_scene(a: SceneBank, i: int, b: SceneBank, j: int) -> None:

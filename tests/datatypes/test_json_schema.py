@@ -78,10 +78,10 @@ def test_bounds_are_those_of_the_datatypes() -> None:
     tried = 0
     for name, (datatype, body) in DATATYPES.items():
         for path, low, high in _bounds(SCHEMAS[name](), body):
-            for bound, way in ((low, -1.0), (high, 1.0)):
+            for bound, sign in ((low, -1.0), (high, 1.0)):
                 if bound is None:
                     continue
-                for value, fine in ((bound, True), (bound + way * max(abs(bound), 1) * 1e-6, False)):
+                for value, fine in ((bound, True), (bound + sign * max(abs(bound), 1) * 1e-6, False)):
                     changed = _put(body, path, value)
                     assert VALIDATORS[name].is_valid(changed) is fine, (path, value)
                     if fine:

@@ -14,8 +14,8 @@ NOISE = 0.04
 
 
 def walk(turn: float, drift: float = 0.0, noise: float = NOISE) -> tuple[Views, np.ndarray, np.ndarray, np.ndarray]:
-    """Sixty posts along a straight way of 100 m, seen by a camera whose odometry turns by `turn` rad and is `drift` too
-    long with every metre. Returns views, what each shows, and the given and the true poses."""
+    """Sixty posts along a straight path of 100 m, seen by a camera whose odometry turns by `turn` rad and is `drift`
+    too long with every metre. Returns views, what each shows, and the given and the true poses."""
     rng = np.random.default_rng(5)
     posts = np.c_[rng.uniform(0, 110, 60), rng.choice([-1, 1], 60) * rng.uniform(3, 8, 60), rng.uniform(0.2, 2, 60)]
     true = np.tile(np.eye(4), (81, 1, 1))

@@ -60,7 +60,7 @@ def test_poses_without_drift_stay() -> None:
 
 
 def test_a_tour_that_bends_all_the_time_is_straightened() -> None:
-    """0.03° a metre to one side, as the fidelity benchmark has it, adds up to 4.2° and carries the way with it."""
+    """0.03° a metre to one side, as the fidelity benchmark has it, adds up to 4.2° and carries the path with it."""
     views, placed, obj, poses, _ = two_passes(0.0)
     steps = np.diff(poses[:, :2, 3], axis=0)
     turn = np.r_[0.0, np.cumsum(np.radians(0.03) * np.linalg.norm(steps, axis=1))]

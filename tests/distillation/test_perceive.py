@@ -52,7 +52,7 @@ def _pose(along: float, yaw: float, pitch: float = -0.1) -> np.ndarray:
     return pose
 
 
-def _look(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.ndarray, FrameObservation, np.ndarray]:
+def _frame(pose: np.ndarray, textures: list[np.ndarray] = TEXTURES) -> tuple[np.ndarray, FrameObservation, np.ndarray]:
     """Image (H, W, 3) u8, what it shows, and true depth (H, W) m (0 = sky)."""
     rays = CAMERA.rays() @ pose[:3, :3].T
     _, y0, z0 = pose[:3, 3]
@@ -80,7 +80,7 @@ POSES = np.array([_pose(0.4 * k, 0.7 + 0.15 * np.sin(k / 1.5)) for k in range(9)
 def frames(tmp_path_factory: pytest.TempPathFactory) -> Frames:
     folder = tmp_path_factory.mktemp("corridor")
     for k, pose in enumerate(POSES):
-        Image.fromarray(_look(pose)[0]).save(folder / f"{k}.png")
+        Image.fromarray(_frame(pose)[0]).save(folder / f"{k}.png")
     return sample(folder, folder / "frames")
 
 
@@ -96,7 +96,7 @@ class _Oracle:
         self.calls, self.guess = 0, guess
 
     def __call__(self, rgb: np.ndarray, focal: float) -> FrameObservation:
-        _, observation, depth = _look(POSES[self.calls])
+        _, observation, depth = _frame(POSES[self.calls])
         self.calls += 1
         return (
             observation
@@ -139,7 +139,7 @@ def test_a_short_clip_gets_a_lens_that_a_camera_has(tmp_path: pathlib.Path, seed
     step, swing, yaw = rng.uniform(0.3, 0.55), rng.uniform(0.05, 0.2), rng.uniform(0.3, 0.9)
     blur, noise = rng.uniform(0, 0.8), rng.uniform(0, 4)
     for k in range(9):
-        image = _look(_pose(step * k, yaw + swing * np.sin(k / 1.5)), textures)[0].astype(float)
+        image = _frame(_pose(step * k, yaw + swing * np.sin(k / 1.5)), textures)[0].astype(float)
         image = ndimage.gaussian_filter(image, (blur, blur, 0)) + rng.normal(0, noise, image.shape[:2])[..., None]
         Image.fromarray(image.clip(0, 255).astype(np.uint8)).save(tmp_path / f"{k}.png")
     structure = reconstruct(sample(tmp_path, tmp_path / "frames"), StructureOptions(features=1500))
@@ -154,7 +154,7 @@ def test_depth_is_held_to_points_and_ground(
 ):
     recording = _perceive(frames, structure, tmp_path, guess)
     for k in (0, 4, 8):
-        _, observation, true = _look(POSES[k])
+        _, observation, true = _frame(POSES[k])
         found = recording.depth(k)
         assert found is not None
         known = (true > 0) & (true < 25.0)
@@ -169,10 +169,10 @@ def test_the_recording_and_its_record_are_whole(frames: Frames, structure: Struc
     _perceive(frames, structure, tmp_path)
     recording = Recording.load(tmp_path)
     assert recording.id == "corridor_north"
-    assert recording.frames[2].detections == _look(POSES[2])[1].detections
+    assert recording.frames[2].detections == _frame(POSES[2])[1].detections
     masks = recording.masks(2)
     assert masks is not None
-    assert np.array_equal(masks, _look(POSES[2])[1].masks)
+    assert np.array_equal(masks, _frame(POSES[2])[1].masks)
     record = json.loads((tmp_path / "perception.json").read_text())
     assert record["registered"] == 9
     assert record["ground_points"] >= 20

@@ -1,4 +1,4 @@
-"""Models of a made-up street, each in a unit and axes of its own, become one metric way again."""
+"""Models of a made-up street, each in a unit and axes of its own, become one metric trajectory again."""
 
 import dataclasses
 import pathlib

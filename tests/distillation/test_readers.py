@@ -47,9 +47,9 @@ def write_kitti(root: pathlib.Path) -> dict[int, np.ndarray]:
     (calibration / "calib_cam_to_pose.txt").write_text("\n".join(lines) + "\n")
     (calibration / "calib_cam_to_velo.txt").write_text(text_of(T_IMU_CAMERA[:3]) + "\n")
     poses, cameras = [], {}
-    for frame, way in ((0, 0.0), (5, 1.0), (7, 2.0)):
+    for frame, along in ((0, 0.0), (5, 1.0), (7, 2.0)):
         T = np.eye(4)
-        T[:3, 3] = ORIGIN + [way, 0, 0]
+        T[:3, 3] = ORIGIN + [along, 0, 0]
         poses.append(f"{frame} {text_of(T[:3])}")
         cameras[frame] = T @ T_IMU_CAMERA
     folder = root / "data_poses" / SEQUENCE

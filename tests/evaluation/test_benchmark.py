@@ -226,6 +226,6 @@ def test_contact_is_counted_where_an_episode_goes_on(hashed: SceneBank) -> None:
     results = benchmark.drive(env, "go_to_goal", go_to_goal, runs.episodes, False, 15).results
     assert {r.result for r in results} <= {"goal", "timeout"}
     touched = [r for r in results if r.touched]
-    assert touched, "some way leads beyond the wall"
+    assert touched, "some path leads beyond the wall"
     assert not any(r.success for r in touched)
     assert all(r.touches and r.hit_time > 0.0 for r in touched)

@@ -134,7 +134,7 @@ def test_rollouts_tell_agents_apart_and_repeat(small_bank: SceneBank) -> None:
 
 
 def test_another_way_than_the_lists_completes_no_more_than_is_true(small_bank: SceneBank) -> None:
-    """The list's way leads round two sides of a square and the robot drives along its diagonal."""
+    """The list's path leads round two sides of a square and the robot drives along its diagonal."""
     start, goal = small_bank.episode_start[..., None, :2], small_bank.episode_goal[..., None, :2]
     across = (goal - start)[..., ::-1] * np.array([-0.5, 0.5], np.float32)
     waypoints = small_bank.episode_waypoints.copy()

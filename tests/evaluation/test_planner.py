@@ -111,7 +111,7 @@ def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:
 
 
 def test_it_stands_rather_than_touch(small_bank: SceneBank) -> None:
-    """Dropped in front of a wall at full speed, with every way ahead barred, it brakes."""
+    """Dropped in front of a wall at full speed, with every path ahead barred, it brakes."""
     env = unicycle_env(small_bank)
     planner, episodes = Planner(env), fixed_episodes(env, 1)
     route = jax.tree.map(lambda x: x[0], planner.prepare(episodes.scenes, episodes.episodes))

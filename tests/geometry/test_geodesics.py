@@ -1,4 +1,4 @@
-"""Ways over a grid cost what a plain search finds, and keep off what is not passable."""
+"""Paths over a grid cost what a plain search finds, and keep off what is not passable."""
 
 import heapq
 

@@ -65,8 +65,8 @@ def test_the_same_inputs_give_the_same_layouts_and_another_seed_others(cousins):
 def test_a_cousin_is_the_same_alone_and_among_any_number(cousins):
     """With what was seen known and not: the draw among near matches must not depend on how many cousins there are."""
     image = np.random.default_rng(1).integers(0, 255, (60, 90, 3)).astype(np.uint8)
-    look = tuple(map(int, descriptors.of_image(image)))
-    seen = [dataclasses.replace(node, descriptor=look) for node in OBJECTS[:2]]
+    appearance = tuple(map(int, descriptors.of_image(image)))
+    seen = [dataclasses.replace(node, descriptor=appearance) for node in OBJECTS[:2]]
     walk = dataclasses.replace(WALK, descriptor=appearance_search.own_ground_descriptor("sidewalk/flags_buff"))
     graph = street(
         *seen,
@@ -179,8 +179,8 @@ def test_nothing_shares_a_place_and_moves_are_small(cousins):
 def test_the_nearest_cousin_is_what_was_seen(cousins):
     """A node with a record's box and descriptor gets that record, or one that looks as much like it."""
     record = cousins[2].chosen["car"].record
-    look = tuple(int(x) for x in _own_descriptor(record))
-    node = obj("car", "sedan", 5, -4, 0.0, size=record.extent_xyz, descriptor=look)
+    appearance = tuple(int(x) for x in _own_descriptor(record))
+    node = obj("car", "sedan", 5, -4, 0.0, size=record.extent_xyz, descriptor=appearance)
     best, *others = materialise_cousins(street(node), 5, seed=9, objects=few_objects())
     distances = [c.chosen["car"].match.appearance_distance or 0.0 for c in (best, *others)]
     assert distances[0] == min(distances)

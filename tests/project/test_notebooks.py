@@ -56,10 +56,10 @@ def test_a_notebook_is_kept_without_outputs(path: pathlib.Path) -> None:
 def test_the_quick_start_drives(tmp_path: pathlib.Path, small_bank: SceneBank) -> None:
     small_bank.save(tmp_path / "streets.npz")
     (path,) = [path for path in NOTEBOOKS if path.stem == "quick_start"]
-    streets, moved, picture, training = run(path, tmp_path, leave_out="pipeline.train(")
+    streets, moved, image, training = run(path, tmp_path, leave_out="pipeline.train(")
     assert small_bank.scene_ids[0] in streets
     assert "moved (m)" in moved
-    assert "image/png" in picture
+    assert "image/png" in image
     assert training == "[]"
 
 

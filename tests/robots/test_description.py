@@ -35,7 +35,7 @@ def blocks(language: str) -> list[str]:
 
 @pytest.fixture
 def folder(tmp_path: pathlib.Path) -> pathlib.Path:
-    """The tutorial's robot, written somewhere else, with a mesh in a folder of its own for its looks."""
+    """The tutorial's robot, written somewhere else, with a mesh in a folder of its own for its appearance."""
     (tmp_path / "tug.xml").write_text(blocks("xml")[0])
     (tmp_path / "robot.json").write_text(blocks("json")[0])
     (tmp_path / "parts").mkdir()

@@ -186,7 +186,7 @@ def test_failure_leaves_nothing_and_keeps_what_was_there(compiled: CompiledScene
     assert {p: p.stat().st_mtime_ns for p in compiled.folder.rglob("*")} == before
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "diary.txt").write_text("mine")
-    with pytest.raises(ValidationError, match="folder with other things"):
+    with pytest.raises(ValidationError, match="folder with other files"):
         compile_scene(layout, toy_index(), tmp_path / "notes", make_controller(), source=TOY_SOURCE)
     assert [p.name for p in (tmp_path / "notes").iterdir()] == ["diary.txt"]
 

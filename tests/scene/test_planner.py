@@ -7,7 +7,7 @@ from urbanverse_mjx.scene.geometry import SceneMap
 from urbanverse_mjx.scene.planner import GoalField, RobotSize, free_space, path_length, resample
 
 BOX = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (0.0, 1.0)])
-EYE = np.eye(3)
+IDENTITY = np.eye(3)
 
 
 def _region(name: str, kind: str, x0: float, y0: float, x1: float, y1: float, z: float = 0.0) -> GroundRegion:
@@ -19,7 +19,7 @@ def _yard() -> SceneMap:
 
 
 def _blocked(scene_map: SceneMap, centre: tuple[float, float, float], size: tuple[float, float, float]) -> SceneMap:
-    return maps.with_clearance(scene_map, [BOX * size], EYE[None], np.array([centre]))
+    return maps.with_clearance(scene_map, [BOX * size], IDENTITY[None], np.array([centre]))
 
 
 def _cell(space, x: float, y: float) -> np.ndarray:
@@ -88,7 +88,7 @@ def test_a_kerb_is_no_way_but_a_low_step_is() -> None:
 
 
 def test_way_around_a_wall_is_the_shortest() -> None:
-    """A wall from y = 0 to 4 leaves a gap at the top: the taut way touches its inflated end."""
+    """A wall from y = 0 to 4 leaves a gap at the top: the taut path touches its inflated end."""
     m = _blocked(_yard(), (6.0, 2.0, 0.0), (0.2, 4.0, 2.0))
     space = free_space(m, RobotSize())
     start, goal = np.array([4.0, 1.0]), np.array([8.0, 1.0])

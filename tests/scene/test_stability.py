@@ -18,7 +18,7 @@ LEANING = CUBE * np.array([0.05, 0.05, 5.0], np.float32) + np.where(CUBE[:, 2:] 
 
 
 def scene_of(*hulls: np.ndarray, movable: bool = True) -> SceneGeometry:
-    """Things a metre apart on the sidewalk of a box street."""
+    """Objects a metre apart on the sidewalk of a box street."""
     count, none = len(hulls), box_scene(0)
     walk = np.flatnonzero(none.prism_kind == 4)[0]
     corner = (none.hulls[none.prism_hull[walk]] + none.prism_position[walk]).mean(0)

@@ -2,7 +2,7 @@
 
 What is known of a category stands in `categories`; how a mesh is built in `meshes`, and the recipes in `recipes`; what
 the index and the catalogue hold in `records`; hulls and inertia in `collision`; ground materials and skies in
-`appearances`; thumbnails and galleries in `pictures`; which asset fits a label, box or crop in `selection`; GLB, MJCF
+`appearances`; thumbnails and galleries in `images`; which asset fits a label, box or crop in `selection`; GLB, MJCF
 and USD in `exporting`, and the user's own files in `importing`.
 """
 

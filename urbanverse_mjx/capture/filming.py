@@ -61,7 +61,7 @@ def film_scene(
     Args:
       bank, scene: what is filmed.
       folder: of the recording.
-      path: where the camera goes; options of `walk`, or the way itself.
+      path: where the camera goes; options of `walk`, or the path itself.
       options: size, field of view and quality.
       progress: called with (frames done, frames in all).
 

@@ -1,4 +1,4 @@
-"""A walker's way through a street: along one side, over the road and back along the other."""
+"""A walker's path through a street: along one side, over the road and back along the other."""
 
 import dataclasses
 
@@ -45,7 +45,7 @@ class PathOptions:
       pitch: rad, looking up.
       turn_time: s over which a change of direction is spread; whoever films turns about in some seconds (at 3 s by
         60° a second), not from one frame to the next.
-      frames: exactly so many, going round again where the way is too short; None = the way once.
+      frames: exactly so many, going round again where the path is too short; None = the path once.
     """
 
     speed: float = 1.4
@@ -82,7 +82,7 @@ class CameraPath:
 
 
 def walk(bank: SceneBank, scene: int, options: PathOptions | None = None) -> CameraPath:
-    """The way along both sides of a scene's street.
+    """The path along both sides of a scene's street.
 
     Raises:
       ValidationError: no ground where a walker fits.
@@ -108,7 +108,7 @@ def _at(along: np.ndarray, lengths: np.ndarray, ring: np.ndarray) -> np.ndarray:
 
 
 def _heading(ring: np.ndarray, lengths: np.ndarray, time_s: np.ndarray, options: PathOptions) -> np.ndarray:
-    """(n,) rad: where the walker faces; the way's direction, each change spread evenly over `turn_time`."""
+    """(n,) rad: where the walker faces; the path's direction, each change spread evenly over `turn_time`."""
     half = round(options.turn_time / 2 / _WALK.turn_step)
     ticks = np.arange(-half, round(time_s[-1] / _WALK.turn_step) + half + 1) * _WALK.turn_step
     along = np.clip(ticks, 0.0, time_s[-1]) * options.speed
@@ -172,7 +172,7 @@ def _round_trip(street: StreetGrid, name: str) -> np.ndarray:
 
 
 def _smooth(ring: np.ndarray) -> np.ndarray:
-    """The way with its corners rounded, a point every few centimetres to decimetres; ends stay."""
+    """The path with its corners rounded, a point every few centimetres to decimetres; ends stay."""
     window = max(3, int(_WALK.corner_window / CELL) | 1)
     half = window // 2
     padded = np.concatenate([np.repeat(ring[:1], half, 0), ring, np.repeat(ring[-1:], half, 0)])

@@ -48,5 +48,5 @@ def _draw(path: pathlib.Path, robot: Any, fits: Any) -> None:
 
     from ..viz.robot_shapes import robot_shapes
 
-    picture = Image.fromarray(robot_shapes(robot, fits))
-    v.write_atomically(path, lambda p: picture.save(p, "PNG"))
+    image = Image.fromarray(robot_shapes(robot, fits))
+    v.write_atomically(path, lambda p: image.save(p, "PNG"))

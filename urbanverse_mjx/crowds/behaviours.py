@@ -4,7 +4,7 @@ In:   places and headings.
 Out:  `Script` rows: where somebody starts, what it holds on to, where it looks.
 When: at reset, inside jit; all are plain functions of their arguments.
 
-Everybody follows one of three modes. Who ROAMs takes the ways of the scene from goal to goal. Who GOes heads for one
+Everybody follows one of three modes. Who ROAMs takes the routes of the scene from goal to goal. Who GOes heads for one
 point by the straight line. Who STAYs keeps to a point, steps aside for others as ORCA has it, comes back and looks one
 way.
 """
@@ -118,5 +118,5 @@ def scripted_velocity(mode: Any, anchor: tuple[Any, Any], face: Any, speed: Any,
     # Who has come to its point stops there within a step's length.
     pace = jnp.where(goes, jnp.minimum(speed, 2.0 * distance), jnp.minimum(_RETURN_RATE * distance, _RETURN_SPEED))
     scale = pace / jnp.maximum(distance, 1e-3)
-    look = jnp.where(goes & (distance > 0.3), jnp.arctan2(dy, dx), face)
-    return PreferredVelocity(dx * scale, dy * scale, look)
+    heading = jnp.where(goes & (distance > 0.3), jnp.arctan2(dy, dx), face)
+    return PreferredVelocity(dx * scale, dy * scale, heading)

@@ -41,7 +41,7 @@ _GOAL_DISTANCE = 1.0
 _BLOCKED_TIME = 8.0
 #: s, that somebody goes on before it brakes for who appears: two steps of choosing and one of turning.
 _REACTION_TIME = 0.5
-#: s, how far ahead of its front a vehicle reads its way.
+#: s, how far ahead of its front a vehicle reads its route.
 _PREVIEW_TIME = 0.4
 
 
@@ -49,7 +49,7 @@ class Crowd(NamedTuple):
     """State of the A agents of one env.
 
     Attributes:
-      bodies: `Bodies` (A,). present: (A,) bool. speed: (A,) m/s, preferred. goal: (A,) i32, of its way.
+      bodies: `Bodies` (A,). present: (A,) bool. speed: (A,) m/s, preferred. goal: (A,) i32, of its route.
       mode, anchor_x, anchor_y, face: (A,), see `behaviours.Script`.
       blocked, side: (A,), see `deadlock`. still: (A,) s, how long somebody with a preferred velocity has hardly moved.
       backing: (A,) s, how long a vehicle still backs up.
@@ -313,13 +313,13 @@ class CrowdModel:
         return crowd
 
     def _courses(self, crowd: Crowd, scene: Any) -> Any:
-        """(A,) rad, where everybody's way leads."""
+        """(A,) rad, where everybody's route leads."""
         course = jnp.zeros(self.num_agents)
         for group, rows in self._groups.items():
             if len(rows):
                 some = jnp.asarray(rows)
                 place = crowd.bodies.x[some], crowd.bodies.y[some]
-                # A vehicle reads its way ahead of its front, so that it turns in time.
+                # A vehicle reads its route ahead of its front, so that it turns in time.
                 if RULES[group].from_middle is not None:
                     reach, heading = self._traits.half_length[some], crowd.bodies.heading[some]
                     place = (
@@ -333,7 +333,7 @@ class CrowdModel:
         return course
 
     def _preferred_velocities(self, crowd: Crowd, scene: Any, course: Any) -> PreferredVelocity:
-        """What everybody wants: its way or its script, at the speed that crossings and goals allow."""
+        """What everybody wants: its route or its script, at the speed that crossings and goals allow."""
         order = crossings.give_way(
             self.tables.crossings,
             scene,

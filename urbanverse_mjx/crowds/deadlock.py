@@ -89,7 +89,7 @@ def back_up(preferred_velocity: PreferredVelocity, backing: Any, heading: Any) -
     """Preferred velocities (A,) of vehicles, backwards for those with time left to back up, (A,) s."""
     backs = backing > 0.0
     x, y = -BACK_SPEED * jnp.cos(heading), -BACK_SPEED * jnp.sin(heading)
-    # It looks where its way leads and turns there, but never so far round that backwards became forwards.
+    # It looks where its route leads and turns there, but never so far round that backwards became forwards.
     turn = jnp.clip(wrapped(preferred_velocity.face - heading), -0.7, 0.7)
     return PreferredVelocity(
         jnp.where(backs, x, preferred_velocity.x),

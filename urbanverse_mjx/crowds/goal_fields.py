@@ -4,7 +4,7 @@ In:   `FreeSpace` of each scene.
 Out:  `GoalRoutes`, directions to the goals and places to appear at, as a table on the device.
 When: the table once per scene, on the host; `heading_at` every crowd step, inside jit.
 
-Ways are cheapest paths on a grid of 16 directions: near objects they cost more, and on the road they cost more on the
+Routes are cheapest paths on a grid of 16 directions: near objects they cost more, and on the road they cost more on the
 wrong side of it, which makes the price of an edge depend on its direction.
 """
 
@@ -55,7 +55,7 @@ class RouteRules:
 
     Attributes:
       surface: row of `SURFACES`. pool: cells of the free space along a node.
-      clearance: m, kept free around the way. from_middle: m, kept to the middle of the road; None keeps to no side.
+      clearance: m, kept free around the route. from_middle: m, kept to the middle of the road; None keeps to no side.
       num_goals: goals a scene. left_hand: traffic keeps left.
     """
 
@@ -90,7 +90,7 @@ class GoalRoutes(NamedTuple):
     Attributes:
       direction: (Z, G, X, Y) u8, units of 2π/256, the way to go; off the routes it leads back to them.
       origin: (Z, 2) f32 m. goal: (Z, G, 2) f32 m. num_goals: (Z,) i32; 0 where the scene has no room for the group.
-      place: (Z, S, 2) f32 m, places on routes that reach every goal. place_goal: (Z, S) i32, the goal whose way leads
+      place: (Z, S, 2) f32 m, places on routes that reach every goal. place_goal: (Z, S) i32, the goal whose route leads
         through the place, for those who keep to a side; -1 where any goal will do.
     """
 
@@ -160,7 +160,7 @@ def fields_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.nd
 
     All are empty where there is no room.
 
-    Goals are far from each other: each is the place with the longest way to all before it.
+    Goals are far from each other: each is the place with the longest path to all before it.
     """
     nodes, graph = _graph(space, rules)
     empty = np.zeros((0, *nodes.shape), np.uint8), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, int)
@@ -202,7 +202,7 @@ def fields_of(space: FreeSpace, rules: RouteRules, seed: int = 0) -> tuple[np.nd
 
 
 def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
-    """Whether a vehicle that stands along its way has room for both ends (`end_nodes` nodes from its centre)."""
+    """Whether a vehicle that stands along its route has room for both ends (`end_nodes` nodes from its centre)."""
     angle = field[tuple(cell)] * (2 * np.pi / _OPTIONS.directions)
     ends = np.round(
         cell + np.array([[-_OPTIONS.end_nodes], [_OPTIONS.end_nodes]]) * [np.cos(angle), np.sin(angle)]

@@ -73,7 +73,7 @@ def towards_neighbours(
 
 
 def nearest_places(apart: tuple[Any, Any], axis: tuple[Any, Any], other_axis: tuple[Any, Any]) -> tuple[Any, Any, Any]:
-    """The shortest way (m) between two capsules' axes, which are segments.
+    """The shortest path (m) between two capsules' axes, which are segments.
 
     Args:
       apart: (K, ...) m, from centre to centre.

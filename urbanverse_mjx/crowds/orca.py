@@ -192,7 +192,7 @@ def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) 
 
     Args:
       preferred_velocity: (A,). key: for this step.
-      side: (A,), 1 for a preferred velocity drawn to the left, -1 to the right: it settles who meets head on and
+      side: (A,), 1 for a preferred velocity drawn to the left, -1 to the right: it decides who meets head on and
         neither has a reason to prefer a side.
     """
     angle, size = jax.random.uniform(key, (2, *preferred_velocity.x.shape))

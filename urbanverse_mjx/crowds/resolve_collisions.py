@@ -4,8 +4,8 @@ In:   where bodies are, where `orca` would have them, whether the ground there i
 Out:  where they go: each takes its whole step, or holds.
 When: every crowd step, after `orca`, inside jit; per env, alone or under `jax.vmap`.
 
-Half-planes promise no such thing. Where a crowd is too dense they cannot all be kept, legs and wheels lag behind the
-velocity that was chosen, and an arc is not its chord. So every step is looked at once more as a whole, all pairs of
+Half-planes promise nothing of the kind. Where a crowd is too dense they cannot all be kept, legs and wheels lag behind
+the velocity that was chosen, and an arc is not its chord. So every step is looked at once more as a whole, all pairs of
 bodies with it. A pair is safe if its bodies are apart afterwards or, where they were not apart before, no nearer:
 
 * both go: their new places are compared;

@@ -1,4 +1,4 @@
-"""Where agents appear: on their ways, clear of each other and out of the robot's sight.
+"""Where agents appear: on their routes, clear of each other and out of the robot's sight.
 
 In:   a table of places, who is there already, where the robot looks.
 Out:  a place.

@@ -5,8 +5,8 @@ Odometry that turns a little too far with every step leads the lines of sight to
 (shifts and turns at control points, `control_points`) and the places of objects are found together that bring every
 view's direction and distance nearest to what was seen: a bundle adjustment (Triggs et al., "Bundle Adjustment - A
 Modern Synthesis", 2000) whose points are whole objects. What faces the camera is nearer than an object's middle; by how
-much is unknown for each object and found with it, or distances would shrink the way. Outliers (views of another thing,
-half hidden ones) are outvoted as in `drift`.
+much is unknown for each object and found with it, or distances would shrink the path. Outliers (views of another
+object, half hidden ones) are outvoted as in `drift`.
 """
 
 import dataclasses

@@ -29,7 +29,8 @@ _OPTIONS = DriftOptions()
 
 
 def between(frames: int) -> tuple[np.ndarray, np.ndarray]:
-    """(frames,) the knot before each frame (never the last), and (frames,) the share of the way to the next."""
+    """(frames,) the control point before each frame (never the last), and (frames,) the share of the path to the
+    next."""
     count = max(2, int(np.ceil((frames - 1) / _OPTIONS.spacing)) + 1)
     place = np.arange(frames) * ((count - 1) / max(frames - 1, 1))
     before = np.minimum(place.astype(int), count - 2)
@@ -80,7 +81,7 @@ def odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple
 
 
 def anchor(correction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows that hold the first knot."""
+    """Rows that hold the first control point."""
     block = np.zeros((4, correction.size))
     block[np.arange(4), np.arange(4)] = 1e3
     return block, -block @ correction.ravel()

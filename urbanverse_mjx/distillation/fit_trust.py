@@ -24,7 +24,7 @@ from .perception_model.decode import Decoded
 from .perception_model.views import Views
 from .train_perception import predict
 
-#: Weight of the squared coefficients, so that evidence which settles everything keeps them finite.
+#: Weight of the squared coefficients, so that evidence which decides everything keeps them finite.
 _RIDGE = 1e-4
 
 

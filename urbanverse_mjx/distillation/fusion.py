@@ -102,7 +102,7 @@ def place(views: Views, poses: np.ndarray, scale: np.ndarray, noise: float) -> P
 
 
 class _Map:
-    """Things seen so far: boxes, best sigma, votes for labels."""
+    """Objects seen so far: boxes, best sigma, votes for labels."""
 
     def __init__(self, capacity: int, labels: int) -> None:
         self.size = 0
@@ -227,7 +227,7 @@ def associate(views: Views, placed: Placed, similarity: np.ndarray) -> np.ndarra
 
 
 def _merged(object_of_view: np.ndarray, views: Views, known: _Map, similarity: np.ndarray) -> np.ndarray:
-    """Things of the map that are one, joined, best first; numbers close up."""
+    """Objects of the map that are one, joined, best first; numbers close up."""
     n = known.size
     if n < 2:
         return object_of_view

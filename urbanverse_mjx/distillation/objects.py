@@ -180,8 +180,8 @@ def _object(
 
 
 def without_fragments(objects: list[FusedObject], fused: Fused) -> list[FusedObject]:
-    """Things without the fragments that turn out to lie in the box of an object of their label seen more often: the top
-    of a house over a roof, the end of a car behind another."""
+    """Objects without the fragments that turn out to lie in the box of an object of their label seen more often: the
+    top of a house over a roof, the end of a car behind another."""
     if len(objects) < 2:
         return objects
     views, placed, alike = fused.views, fused.placed, fused.alike

@@ -35,7 +35,7 @@ class FrozenEpisode:
 
     Attributes:
       start: x, y, z of the ground (m), yaw (rad). goal: x, y, z (m).
-      way: waypoints x, y, z (m) of the shortest way, every 5 m and the goal. length: m, of the way.
+      way: waypoints x, y, z (m) of the shortest path, every 5 m and the goal. length: m, of the way.
       seed: of what draws along the way.
     """
 
@@ -226,7 +226,7 @@ def freeze(
 
     Args:
       extra: ids of scenes that the protocol `paper` leaves out.
-      half: m; only ways that stay within so much of the scene's beginning along its longer side: half a street.
+      half: m; only paths that stay within so much of the scene's beginning along its longer side: half a street.
 
     Raises:
       ValidationError: fewer episodes than wanted, a bank without hashes, an unknown id in `extra`.

@@ -5,11 +5,11 @@ Out:  a waypoint, the same action as any policy's.
 When: every control step, inside jit, per env.
 
 It judges a few hundred commands of two phases each by driving a simple model of the robot ahead: a lag of first order
-on speed and yaw rate (`Motion`), the robot's collision spheres as discs on the ground. What counts is the way left at
-the end (`route_fields`), how near the discs come to hulls and wheels to edges, and touching nothing, which goes before
-all else: a command is taken only while some continuation of it stays clear, to stand still among them. That is the
-dynamic window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global dynamic
-window planning (Brock, Khatib 1999).
+on speed and yaw rate (`Motion`), the robot's collision spheres as discs on the ground. What counts is the distance left
+at the end (`route_fields`), how near the discs come to hulls and wheels to edges, and touching nothing, which goes
+before all else: a command is taken only while some continuation of it stays clear, to stand still among them. That is
+the dynamic window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global
+dynamic window planning (Brock, Khatib 1999).
 
 It is told of moving agents, too, where it shall be: their discs go on as they move now.
 """

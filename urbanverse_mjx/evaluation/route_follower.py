@@ -110,7 +110,7 @@ class RouteFollower:
         return jax.lax.fori_loop(0, SWEEPS, sweep, jnp.where(far < 1.5 * STEP, far, 1e3))
 
     def _cost(self, nav: NavState, start: Any, speed: Any, turn: Any, to_go: Any, command: Any) -> Any:
-        """Metres that are left after a drive and during it, and what it costs to come near to things."""
+        """Metres that are left after a drive and during it, and what it costs to come near to objects."""
         motion = self._motion
         told_v, told_w = motion.obeyed(command[0], command[1])
         pose, v, w, before, poses = start, speed, turn, 0.0, []

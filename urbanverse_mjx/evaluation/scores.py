@@ -9,7 +9,7 @@ Every score is a ratio of sums over episodes, so that it can be taken of any set
 | RC | %, mean share of the route done (paper) |
 | DTG | m, mean distance to the goal at the end (paper) |
 | hit_episodes | %, episodes with any contact |
-| SPL | %, success weighted by the shortest way over the way driven (Anderson et al. 2018) |
+| SPL | %, success weighted by the shortest path over the path driven (Anderson et al. 2018) |
 | failures | per 100 m driven: contacts begun, and episodes that end by leaving the ground, falling or being late |
 | speed | m/s, mean |
 | reached | %, episodes that end at the goal, whatever was touched on the way |

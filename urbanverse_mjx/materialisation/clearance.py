@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 from ..datatypes import GraphObject
 from . import overlap
 
-#: m to both sides of the camera's way that were free: a person's shoulders, a delivery robot's half width and a hand.
+#: m to both sides of the camera's path that were free: a person's shoulders, a delivery robot's half width and a hand.
 HALF_WIDTH = 0.45
 
 

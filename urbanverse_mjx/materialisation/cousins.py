@@ -264,7 +264,7 @@ def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
 def _without_obstructing(
     bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
-    """Things without those that stand where the camera went, and these: somebody passed through them."""
+    """Objects without those that stand where the camera went, and these: somebody passed through them."""
     gone = set(clearance.obstructing(bodies, strip, floors))
     reason = "the camera went through where it would stand"
     left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]

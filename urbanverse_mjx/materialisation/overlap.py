@@ -279,5 +279,5 @@ def resolve(bodies: Sequence[Body], support: Support, kerbs: bool = False) -> li
             continue
         bodies[mover].offset = shift
         pairs = [pair for pair in pairs if mover not in pair]
-        # the place it left may be what another thing was looking for
+        # the place it left may be what another object was looking for
         stuck = {i for i in stuck if not _within_reach(bodies[i], left_behind)}

@@ -22,8 +22,8 @@ SLACK = 0.08
 TURN_GAIN = 0.2
 #: How many matches are looked at.
 DEPTH = 40
-#: What stands alone in its looks; all else comes in series (lamps, bollards, chairs of one cafe) and looks alike where
-#: boxes and descriptors do.
+#: What has an appearance of its own; all else comes in series (lamps, bollards, chairs of one cafe) and looks alike
+#: where boxes and descriptors do.
 SINGLES = frozenset({"street user", "vehicle", "building"})
 #: Sides (a factor) and descriptors (mean difference of a number) within which objects are of one series.
 ALIKE_SIDE, ALIKE_DESCRIPTOR = 1.15, 12.0

@@ -1,4 +1,4 @@
-"""What an object stands on: the ground, another thing, or nothing, because it hangs."""
+"""What an object stands on: the ground, another object, or nothing, because it hangs."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -47,7 +47,7 @@ class Top:
 def place_on_support(obj: GraphObject, leaf: str, support: overlap.Support, tops: Sequence[Top] = ()) -> Placement:
     """Puts an object on what carries it.
 
-    On the ground where its foot is within `SNAP` of it. Else on another thing's top that is as near; else, where it
+    On the ground where its foot is within `SNAP` of it. Else on another object's top that is as near; else, where it
     cannot hang or where its leaf grows tall enough to reach down, on the ground with its upper end where it was seen;
     else where it is: signs and awnings hang on walls.
     """

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from ..viewer.session import Machine
 
 #: (height, width) px of the camera picture for a policy that does not look.
-PICTURE = (90, 160)
+IMAGE_SIZE = (90, 160)
 
 
 def load_machine(policy: str, bank: SceneBank, people: bool = False, env_name: str | None = None) -> "Machine":
@@ -29,7 +29,7 @@ def load_machine(policy: str, bank: SceneBank, people: bool = False, env_name: s
     from ..viewer.session import Driver, Machine
 
     if policy in BASELINES or policy == "planner":
-        env = registry.load_nav_env(env_name or "CocoNav", _fresh_config(env_name, people, PICTURE), bank)
+        env = registry.load_nav_env(env_name or "CocoNav", _fresh_config(env_name, people, IMAGE_SIZE), bank)
         return Machine(env, Driver(policy, Planner(env) if policy == "planner" else BASELINES[policy]))
     path = pathlib.Path(policy).expanduser()
     if policy.endswith(".onnx"):
@@ -55,7 +55,7 @@ def _onnx_machine(path: pathlib.Path, bank: SceneBank, people: bool, env_name: s
     if policy.record is not None:
         name, config = _trained_config(policy.record.environment, policy.record.env_config, people, env_name)
     else:
-        name, config = env_name or "CocoNav", _fresh_config(env_name, people, policy.size or PICTURE)
+        name, config = env_name or "CocoNav", _fresh_config(env_name, people, policy.size or IMAGE_SIZE)
         config = registry.with_overrides(config, {"observations.proprio": PROPRIO in policy.observations})
     return Machine(registry.load_nav_env(name, config, bank), Driver(path.name, policy, outside=True))
 

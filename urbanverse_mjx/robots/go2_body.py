@@ -137,20 +137,20 @@ def _joint(leg: str, joint: str, front: float) -> str:
 
 def _leg(leg: str) -> str:
     front, left = LEGS[leg]
-    look = leg_appearance(left)
+    shapes = leg_appearance(left)
     return f"""
       <body name="{leg}_hip" pos="{_numbers(front * HIP_X, left * HIP_Y, 0.0)}">
         {_inertial(HIP, front, left)}
         {_joint(leg, "hip", front)}
-        {_spheres(f"{leg}_hip", HIP_SPHERES, left)}{look["hip"]}
+        {_spheres(f"{leg}_hip", HIP_SPHERES, left)}{shapes["hip"]}
         <body name="{leg}_thigh" pos="{_numbers(0.0, left * HIP_TO_THIGH, 0.0)}">
           {_inertial(THIGH, left=left)}
           {_joint(leg, "thigh", front)}
-          {_spheres(f"{leg}_thigh", THIGH_SPHERES)}{look["thigh"]}
+          {_spheres(f"{leg}_thigh", THIGH_SPHERES)}{shapes["thigh"]}
           <body name="{leg}_calf" pos="{_numbers(0.0, 0.0, -THIGH_LENGTH)}">
             {_inertial(CALF, left=left)}
             {_joint(leg, "calf", front)}
-            {_spheres(f"{leg}_calf", CALF_SPHERES)}{look["calf"]}
+            {_spheres(f"{leg}_calf", CALF_SPHERES)}{shapes["calf"]}
             <geom name="{leg}_foot" class="collision" size="{FOOT_RADIUS}" pos="{_numbers(*FOOT_IN_CALF)}"
                   friction="{FOOT_FRICTION} 0.005 0.0001"/>
           </body>

@@ -51,7 +51,7 @@ def _elements(path: pathlib.Path, where: str, depth: int) -> int:
     }
     for element, times in _all_below(root, 1):
         _check_grid(element, path, where)
-        _check_pictures(element, {path.parent, *folders}, where)
+        _check_images(element, {path.parent, *folders}, where)
         total += times
         if element.tag == "include" and total <= MAX_ELEMENTS:
             total += times * _elements(path.parent / element.get("file", ""), where, depth + 1)
@@ -78,7 +78,7 @@ def _check_grid(element: ET.Element, path: pathlib.Path, where: str) -> None:
         raise v.fail(where, f"{path} with a {element.tag} of {shown}", f"at most {MAX_PIXELS}", "make it coarser")
 
 
-def _check_pictures(element: ET.Element, folders: set[pathlib.Path], where: str) -> None:
+def _check_images(element: ET.Element, folders: set[pathlib.Path], where: str) -> None:
     """Whether the PNG files that an element names have no more pixels than a robot needs."""
     for key, name in element.items():
         for folder in folders if key.startswith("file") and name.lower().endswith(".png") else ():

@@ -129,7 +129,7 @@ def check_out_dir(out_dir: pathlib.Path) -> None:
     """
     if out_dir.is_dir() and not ((out_dir / "metadata.json").is_file() and (out_dir / "geometry.npz").is_file()):
         if any(out_dir.iterdir()):
-            raise v.fail(str(out_dir), "a folder with other things", "a new name or a compiled scene", "choose another")
+            raise v.fail(str(out_dir), "a folder with other files", "a new name or a compiled scene", "choose another")
     elif out_dir.exists() and not out_dir.is_dir():
         raise v.fail(str(out_dir), "a file", "the name of a folder", "choose another")
 

@@ -45,7 +45,7 @@ class EpisodeRules:
 
     Attributes:
       rows, goals: how many. distance: (low, high) m, straight from start to goal.
-      detour: longest way in straight distances. spacing: m between waypoints.
+      detour: longest path in straight distances. spacing: m between waypoints.
       yaw: rad, the start may look this far off its first segment.
       line_share, crossing_share: wanted shares of rows with a free straight line, and of rows over a crosswalk.
     """

@@ -1,4 +1,4 @@
-"""Where a robot can go, and the shortest ways there: fields on a coarse grid, paths pulled taut on the 5 cm map.
+"""Where a robot can go, and the shortest paths there: fields on a coarse grid, paths pulled taut on the 5 cm map.
 
 Two price lists: `WALK`, by which our episodes keep to pavements and never meet a kerb (a free straight line is then
 always best), and `NAVBENCH`, by which CraftBench-Nav's robots climb kerbs and cross roads where that is worth it.

@@ -27,7 +27,7 @@ CROSSING = 1.0
 ROAD_KINDS = ("road", "road_marking", "crosswalk")
 #: m that a start, via point or goal on blocked ground may be moved.
 SNAP = 1.0
-#: Of each goal of the chosen routes, how far off the starts are, in shares of the costliest way there.
+#: Of each goal of the chosen routes, how far off the starts are, in shares of the costliest path there.
 SHARES = ((1.0, 0.75, 0.5, 0.25), (0.9, 0.65, 0.4, 0.2), (1.0, 0.7, 0.45, 0.2))
 #: m kept free beyond the radius at chosen starts and goals.
 _START_CLEARANCE = 0.15
@@ -89,7 +89,7 @@ class RoutePlanner:
         return [self._plan(w) for w in wanted]
 
     def choose(self, seed: int = 0) -> list[Wanted]:
-        """Twelve routes that show the scene: to either end of the longest way and to its middle, from far and near.
+        """Twelve routes that show the scene: to either end of the longest path and to its middle, from far and near.
 
         Empty where nothing is walkable for the robot.
         """

@@ -32,7 +32,7 @@ _VIEW_CLEARANCE, _VIEW_RANGE, _VIEW_HALF_ANGLE = 1.2, (3.0, 25.0), np.radians(35
 
 @dataclasses.dataclass(frozen=True)
 class Viewpoint:
-    """(x, y, z) m of an eye, and what it looks at."""
+    """(x, y, z) m of a camera, and what it looks at."""
 
     camera_position: np.ndarray
     target: np.ndarray

@@ -182,7 +182,7 @@ def test_levels_rise_and_fall() -> None:
     assert after(0, True, 3.0, 5.0) == [0, 1]
     assert after(1, True, 1.0, 5.0) == [0, 0]
     assert after(1, False, 5.0, 5.0) == [0, 0]
-    assert after(1, True, 1.0, 1.0) == [0, 1], "a short way says nothing"
+    assert after(1, True, 1.0, 1.0) == [0, 1], "a short path says nothing"
     assert after(0, False, 0.0, 5.0) == [0, 1], "there is nothing below the first level"
     assert after(1, True, 5.0, 5.0)[1] in (0, 1), "behind the last level any may come"
 

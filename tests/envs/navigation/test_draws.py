@@ -1,4 +1,4 @@
-"""Grip, mass and looks of episodes: within their ranges, another every time, and nothing else changes."""
+"""Grip, mass and appearance of episodes: within their ranges, another every time, and nothing else changes."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Things that were pushed in images: as if the bank had them there, and the same image where nothing moved."""
+"""Objects that were pushed in images: as if the bank had them there, and the same image where nothing moved."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""Things that can be pushed: runs against C MuJoCo's free bodies, sleep, and nothing where there are none."""
+"""Objects that can be pushed: runs against C MuJoCo's free bodies, sleep, and nothing where there are none."""
 
 import functools
 from typing import Any

@@ -1,4 +1,4 @@
-"""The 8/59/659 category tree and the way from a free label to one of its leaves.
+"""The 8/59/659 category tree and the mapping from a free label to one of its leaves.
 
 The tree is data (`assets_index/ontology.json`); so are the synonyms (`assets_index/synonyms.json`: leaf -> other names)
 and the leaves that stand in for one without records (`assets_index/stand_ins.json`).

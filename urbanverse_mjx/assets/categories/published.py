@@ -1,8 +1,8 @@
-"""Published dimensions and masses of real things, each with the page it was read on, and how far the records are off.
+"""Published dimensions and masses of real objects, each with the page it was read on, and how far the records are off.
 
 `assets_index/published.csv`: an empty cell is a figure that the page does not give. Where several pages speak of a
 leaf, the median of their figures counts as the truth of the leaf. A figure that does not count stands in
-`published_set_aside.csv` with the reason: the page measures something else than the box of the leaf's thing.
+`published_set_aside.csv` with the reason: the page measures something else than the box of the leaf's object.
 """
 
 import dataclasses
@@ -21,7 +21,7 @@ QUANTITIES = ("length", "width", "height", "mass")
 
 @dataclasses.dataclass(frozen=True)
 class Published:
-    """One thing of a leaf as a page describes it: m and kg, None where the page is silent.
+    """One object of a leaf as a page describes it: m and kg, None where the page is silent.
 
     Attributes:
       leaf: exact leaf name; item: what the page speaks of.

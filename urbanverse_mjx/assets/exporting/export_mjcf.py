@@ -30,9 +30,9 @@ def mjcf_text(
     asset, world = ET.SubElement(root, "asset"), ET.SubElement(root, "worldbody")
     shine = 1.0 - mesh.roughness
     ET.SubElement(asset, "texture", name="visual", type="2d", file=texture_file)
-    look = {"roughness": _numbers([mesh.roughness]), "metallic": _numbers([mesh.metallic])}
-    look |= {"specular": _numbers([0.5 * shine]), "shininess": _numbers([shine])}
-    ET.SubElement(asset, "material", {"name": "visual", "texture": "visual"} | look)
+    appearance = {"roughness": _numbers([mesh.roughness]), "metallic": _numbers([mesh.metallic])}
+    appearance |= {"specular": _numbers([0.5 * shine]), "shininess": _numbers([shine])}
+    ET.SubElement(asset, "material", {"name": "visual", "texture": "visual"} | appearance)
     ET.SubElement(asset, "mesh", name="visual", file=mesh_file, inertia="shell")
     body = ET.SubElement(world, "body", name="asset")
     if record.movable:

@@ -56,7 +56,7 @@ class Finding:
 
 
 def find_in_shape(shape: Shape, source: Source, row: Prior | None) -> list[Finding]:
-    """What is wrong with a file's mesh and look; `row` is the prior of its leaf, None where no leaf is known."""
+    """What is wrong with a file's mesh and appearance; `row` is the prior of its leaf, None where no leaf is known."""
     if len(shape.faces) < 4:
         return [Finding(BAD_MESH, f"{len(shape.faces)} faces with an area, needed at least 4")]
     checks = (_terrain, _several, _paper, _base, _bad_mesh, _cad, _texture)
@@ -188,7 +188,7 @@ def _textured(source: Source) -> bool:
 
 
 def _coloured(source: Source) -> bool:
-    """Several colours by material or vertex: a look, if a plain one."""
+    """Several colours by material or vertex: an appearance, if a plain one."""
     plain = {tuple(np.round(p.color)) for p in source.parts if p.texture is None and p.colors is None}
     return len(plain) > 1 or any(p.colors is not None and np.ptp(p.colors, axis=0).max() > 8 for p in source.parts)
 

@@ -25,7 +25,7 @@ UNITS = {
     "thousandfold": 1000.0,
 }
 SLACK = math.log(1.25)  # beyond the leaf's least and greatest, still believed without a change
-STRETCHED = math.log(2.0)  # beyond them after the best scale: the proportions are another thing's
+STRETCHED = math.log(2.0)  # beyond them after the best scale: the proportions are another object's
 # How much better (in the logarithm of a side) z up must fit than y up before it is believed: glTF says that y is up, an
 # OBJ file mostly says nothing, and one that says z up is believed unless y up fits far better.
 Z_UP = {True: math.log(2.0), None: math.log(1.1), False: -math.log(2.0)}

@@ -294,9 +294,9 @@ def _ask(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]
     if drawn.reason:
         notes.append(f"annotated from the priors: {drawn.sentence}")
         return task, Outcome()
-    pictures = [(task.staging / view_name(k)).read_bytes() for k in range(4)]
+    views = [(task.staging / view_name(k)).read_bytes() for k in range(4)]
     try:
-        seen, complaints = vision.annotate(options.endpoint, pictures, task.path.name)
+        seen, complaints = vision.annotate(options.endpoint, views, task.path.name)
     except vision.VisionError as error:
         notes.append(f"annotated from the priors: {error}")
         return task, Outcome()

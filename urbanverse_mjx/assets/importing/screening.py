@@ -20,7 +20,7 @@ SUFFIXES = (".glb", ".gltf", ".obj")
 # Bytes of one element by component type, and elements by kind (glTF 2.0, section 3.6.2).
 COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 ELEMENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-# Required extensions that change the look alone; others (compressed geometry) need a reader that is not here.
+# Required extensions that change the appearance alone; others (compressed geometry) need a reader that is not here.
 HARMLESS = re.compile(r"KHR_materials_\w+|KHR_lights_punctual")
 
 

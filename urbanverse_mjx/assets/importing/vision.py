@@ -1,4 +1,4 @@
-"""Asks an OpenAI-compatible endpoint what four pictures show; nothing is sent unless one is configured."""
+"""Asks an OpenAI-compatible endpoint what four images show; nothing is sent unless one is configured."""
 
 import base64
 import json
@@ -41,7 +41,7 @@ def annotate(endpoint: VisionEndpoint, images: Sequence[bytes], name: str) -> tu
     """(fields under the official names, what was left out of the answer and why).
 
     Args:
-      pictures: four PNG files, views 0 to 3.
+      images: four PNG files, views 0 to 3.
       name: of the source file, as a hint.
 
     Raises:

@@ -72,8 +72,8 @@ def descriptions(
         of = f" of {' and '.join(matter)}" if matter and row.rest != "alive" else ""
         unit, scale = ("m", 1.0) if max(length, height) >= 1.0 else ("cm", 100.0)
         sides = [f"{_digits(scale * side)} {unit}" for side in (length, width, height)]
-        look = f"{' and '.join(seen[:2])} " if seen else ""
-        texts.append(f"{look}{row.leaf}{of}, {sides[0]} long, {sides[1]} wide and {sides[2]} high, {_weight(mass)}")
+        words = f"{' and '.join(seen[:2])} " if seen else ""
+        texts.append(f"{words}{row.leaf}{of}, {sides[0]} long, {sides[1]} wide and {sides[2]} high, {_weight(mass)}")
     return texts
 
 

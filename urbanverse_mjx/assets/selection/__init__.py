@@ -1,1 +1,1 @@
-"""Which asset fits: by label, box and look, over all collections."""
+"""Which asset fits: by label, box and appearance, over all collections."""

@@ -59,9 +59,14 @@ class Library(Protocol):
         ...
 
 
-_LOOKS = "appearances.appearance_search"
+_APPEARANCES = "appearances.appearance_search"
 #: name of a collection -> module of `assets` with a function `library`.
-MODULES: Mapping[str, str] = {"object": "selection.search", "sky": _LOOKS, "road": _LOOKS, "sidewalk": _LOOKS}
+MODULES: Mapping[str, str] = {
+    "object": "selection.search",
+    "sky": _APPEARANCES,
+    "road": _APPEARANCES,
+    "sidewalk": _APPEARANCES,
+}
 
 
 def library(name: str) -> Library:

@@ -38,7 +38,7 @@ class Match:
       uid, leaf: of the asset.
       distortion: mean |log| of the factors between the boxes' sides; 0 for equal boxes, 0.1 for 10 % a side.
       appearance_distance: distance of the descriptors, or 1 - cosine of the embeddings; None where nothing was known of
-        the look.
+        appearance.
       yaw: rad, quarter turn of the asset that fits its box best, 0 or pi / 2.
       base: uid of the base shape that it is an instance of (its own for a base shape).
     """

@@ -173,7 +173,7 @@ class Canvas(Stage):
                 for p in self._paint
             )
 
-    # Looks.
+    # Appearance.
 
     def wear(self, where: str | Corner, material: str) -> None:
         """Names the material of a piece of ground: of the one at (x, y), or of all of a kind; a uid of

@@ -1,7 +1,7 @@
 """A business district at a T of streets, dug up three times over and still in a hurry.
 
 An avenue of four lanes (96 m) and a street that ends on it (50 m), kerbs of 18 cm. A building site takes half of the
-north-west pavement; a trench closes the south one, so that the way leads down a ramp onto the road, between concrete
+north-west pavement; a trench closes the south one, so that the path leads down a ramp onto the road, between concrete
 barriers, and up again; in the side street scaffolders and cable layers leave 1.2 m.
 """
 

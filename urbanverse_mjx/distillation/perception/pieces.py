@@ -97,7 +97,7 @@ class Piece:
 
 
 def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np.ndarray]:
-    """Rows (k,) of every piece: models, cut where the way jumps or its unit changes.
+    """Rows (k,) of every piece: models, cut where the path jumps or its unit changes.
 
     Args:
       model, registered, poses: (m,), (m,) and (m, 4, 4), as in `Structure`.

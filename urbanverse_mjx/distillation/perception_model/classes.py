@@ -1,4 +1,5 @@
-"""What the eye tells apart: the sky, the kinds of ground, and groups of the ontology's leaves (`classes.json`).
+"""What the perception model tells apart: the sky, the kinds of ground, and groups of the ontology's leaves
+(`classes.json`).
 
 A group is called by the leaf that stands for it, so that the asset search knows its name. Within a group the perception
 model says which of the leaves it was shown an object looks most like (`shown.json`): sizes are known by leaf.

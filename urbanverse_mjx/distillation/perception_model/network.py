@@ -1,7 +1,7 @@
 """The perception model's network: an encoder of residual blocks, a pyramid back up to half size, and small heads.
 
 The outputs follow Panoptic-DeepLab (Cheng et al., CVPR 2020): classes per pixel, a map of instance centres, and for
-every pixel of an object the way to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al.,
+every pixel of an object the offset to its centre. Added is depth in a canonical camera, as Metric3D has it (Yin et al.,
 ICCV 2023): depth times `CANONICAL_FOCAL` over the image's own focal length, which makes it a matter of the image
 alone. Added are also the leaves within each class, at a quarter of the size: an object's pixels decide them together.
 """
@@ -20,10 +20,10 @@ STRIDE = 32
 OUTPUT_STRIDE = 2
 #: Output pixels per pixel of the leaves.
 LEAF_STRIDE = 2
-#: Size that the eye was trained at: height, width.
+#: Size that the perception model was trained at: height, width.
 SIZE = (288, 512)
 CANONICAL_FOCAL = 300.0  # pixels; about the middle of the lenses it was trained with
-#: The way to the centre is in units of so many output pixels, and the logarithm of depth is off this many m.
+#: The offset to the centre is in units of so many output pixels, and the logarithm of depth is off this many m.
 OFFSET_UNIT = 16.0
 DEPTH_UNIT = 8.0
 WIDTHS, BLOCKS = (32, 48, 96, 128, 160), (1, 3, 4, 4, 3)

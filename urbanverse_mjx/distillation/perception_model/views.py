@@ -1,6 +1,7 @@
 """Random views into the streets of a bank: where a camera stands and looks, and what it sees there.
 
-Of this package this module and the training command alone import the renderer: they make what the eye learns from.
+Of this package this module and the training command alone import the renderer: they make what the perception model
+learns from.
 """
 
 import dataclasses

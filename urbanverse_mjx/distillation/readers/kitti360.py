@@ -107,7 +107,7 @@ def read_kitti360(
 
 
 def _near(boxes: Sequence[Kitti360Box], origin: np.ndarray, positions: np.ndarray) -> tuple:
-    """Static objects with a label of ours within 60 m of the way."""
+    """Static objects with a label of ours within 60 m of the path."""
     kept = {}
     for box in boxes:
         if box.timestamp < 0 and box.kind.label is not None and box.instance > 0:

@@ -76,7 +76,7 @@ def _fast() -> ConfigDict:
                 "shares": {"flat": 0.2, "kerbs": 0.4, "stairs": 0.1, "slopes": 0.15, "rough": 0.15},
                 "first_levels": 5,  # an env's first level of each kind is below
                 "start_range": 3.0,  # m from the middle of a scene
-                "promote": 0.75,  # share of the way commanded that was gone
+                "promote": 0.75,  # share of the path commanded that was gone
                 "demote": 0.4,
             },
             "command": {

@@ -8,7 +8,7 @@ from ml_collections import ConfigDict
 
 from ...datatypes import SceneBank, ValidationError
 
-#: m; an episode that asked for a shorter way says nothing about the level.
+#: m; an episode that asked for a shorter path says nothing about the level.
 _MIN_REQUEST = 2.0
 
 

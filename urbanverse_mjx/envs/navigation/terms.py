@@ -64,7 +64,7 @@ def route_completed(
 
     On the route it is the nearest point's place. Who takes another way may come near a later part of the route, or near
     its end with a wall between: no less can be left than the straight line to the goal, and nobody is farther along
-    the shortest way than he has driven.
+    the shortest path than he has driven.
 
     Args:
       left: () m, straight to the goal. driven: () m.

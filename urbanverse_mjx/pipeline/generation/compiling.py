@@ -46,7 +46,7 @@ def compile_cousin(folder: pathlib.Path, with_usd: bool) -> dict[str, Any]:
     try:
         compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     except NoRoomError:
-        # A short clip may show no 256 ways of the task's length.
+        # A short clip may show no 256 paths of the task's length.
         rules = EpisodeRules(distance=NEAR)
         compiled = compile_layout(layout, assets, folder / SCENE, rules, freeze_unstable=True)
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE / "scene.xml"))

@@ -18,7 +18,7 @@ where one fits. Categories: {leaves}"""
 
 
 def list_categories(endpoint: VisionEndpoint, images: Sequence[pathlib.Path]) -> list[str]:
-    """Leaves of the ontology that the endpoint saw in some of the pictures, in its order.
+    """Leaves of the ontology that the endpoint saw in some of the images, in its order.
 
     Raises:
       VisionError: no answer, none in JSON, or none that names a leaf.
@@ -29,7 +29,7 @@ def list_categories(endpoint: VisionEndpoint, images: Sequence[pathlib.Path]) ->
 
 
 def request(model: str, images: Sequence[bytes]) -> dict[str, Any]:
-    """The question with PNG pictures, as the chat completions of OpenAI's interface want it."""
+    """The question with PNG images, as the chat completions of OpenAI's interface want it."""
     content: list[dict[str, Any]] = [{"type": "text", "text": _ASK.format(leaves=", ".join(ontology.categories()))}]
     for image in images:
         url = "data:image/png;base64," + base64.b64encode(image).decode()

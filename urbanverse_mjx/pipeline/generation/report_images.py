@@ -95,7 +95,7 @@ def cousin_images(
 
 
 def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
-    """(eye, target) m, at a few places of the trajectory, looking its way; none without a trajectory."""
+    """(camera_position, target) m, at a few places of the trajectory, looking its way; none without a trajectory."""
     if not graph.camera_path:
         return []
     places = viewpoint_rows(graph)

@@ -54,14 +54,14 @@ class RunFolder:
         What a killed run left half made is swept out; of a run that fails before its first stage is done nothing stays.
 
         Raises:
-          ValidationError: no write access, a file or other things in the way, another process in it, or a record of
+          ValidationError: no write access, a file or other files in the way, another process in it, or a record of
             something else.
         """
         path = pathlib.Path(path)
         if path.exists() and not path.is_dir():
             raise v.fail(str(path), "a file", "the name of a folder", "choose another")
         if path.is_dir() and not (path / FILE).is_file() and any(p.name != LOCK for p in path.iterdir()):
-            raise v.fail(str(path), "a folder with other things", "a new name or an earlier run", "choose another")
+            raise v.fail(str(path), "a folder with other files", "a new name or an earlier run", "choose another")
         made = not path.exists()
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -89,7 +89,7 @@ class RunFolder:
                         path.rmdir()
 
     def done(self, stage: str, key: str, *files: str) -> bool:
-        """Whether a stage was finished from the same things and its files are still there."""
+        """Whether a stage was finished from the same input and its files are still there."""
         entry = self.record["stages"].get(stage)
         return bool(entry and entry["key"] == key and all((self.path / name).exists() for name in files))
 

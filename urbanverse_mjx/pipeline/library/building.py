@@ -114,7 +114,7 @@ def _paths(name: str, scene: str) -> tuple[pathlib.Path, pathlib.Path]:
 
 
 def _record(name: str, scene: str, key: str) -> dict[str, Any] | None:
-    """A scene's record, where it has today's fields, was built of the same things and its folder is whole."""
+    """A scene's record, where it has today's fields, was built of the same input and its folder is whole."""
     folder, path = _paths(name, scene)
     if not (path.is_file() and (folder / "metadata.json").is_file()):
         return None

@@ -59,7 +59,7 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
     geometry = dataclasses.replace(geometry, episodes=_one_episode(ground_truth))
     bank = pack([geometry], ["train"], {layout.sky: build_sky(layout.sky)})
     options = FilmOptions(width=SIZE[0], height=SIZE[1], samples=2)
-    recording = film_scene(bank, 0, folder, _way(ground_truth, profile, bank), options)
+    recording = film_scene(bank, 0, folder, _camera_path(ground_truth, profile, bank), options)
     graph = distil(recording, LabelPriors(load_index()), describe=DESCRIBE).graph
     words = f"synthetic tour of a block that follows the statistics of {profile.city} (block {VERSION}, seed {seed})"
     source = Source(words, "Apache-2.0", profile.city, profile.country)
@@ -75,7 +75,7 @@ def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
     )
 
 
-def _way(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
+def _camera_path(ground_truth: SceneGraph, profile: CityProfile, bank: SceneBank) -> CameraPath:
     """The block's trajectory, moved off objects that came to stand in it, the camera looking to both sides in turn."""
     path = np.array(ground_truth.camera_path)
     if profile.travel == "walk":

@@ -23,7 +23,7 @@ def look_at(camera_position: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.
     each.
 
     Raises:
-      ValidationError: eye and target coincide, or the camera would look along `up`.
+      ValidationError: camera position and target coincide, or the camera would look along `up`.
     """
     back = np.asarray(camera_position, np.float64) - np.asarray(target, np.float64)
     right = np.cross(np.asarray(up, np.float64), back)

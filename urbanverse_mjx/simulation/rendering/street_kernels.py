@@ -24,7 +24,7 @@ OBJECT = 5
 PART = 2
 #: Rows of a face: normal and a scalar each of three corners, then the UV of the second and third corner.
 FACE = 4
-#: Rows of a camera: eye, right and up as far as the image reaches, back.
+#: Rows of a camera: position, right and up as far as the image reaches, back.
 CAMERA = 4
 #: Rows of a scene's light: coefficients of 1, x, y, z, xx, yy, xy, yz, xz of the normal, and one scalar each.
 LIGHT = 9

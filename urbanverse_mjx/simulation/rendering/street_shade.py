@@ -140,7 +140,7 @@ def make_surface(want_colour: bool, gloss: bool, moved: bool) -> Any:
 
 
 def make_shade(settings: Settings, is_hidden: Any) -> Any:
-    """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the eye.
+    """shade(street, views, skies, root, world, scene, point, direction, surface): light that leaves towards the camera.
 
     is_hidden: of `street_kernels.make_rays`.
     """

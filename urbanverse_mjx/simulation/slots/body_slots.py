@@ -98,7 +98,7 @@ def constants(bank: SceneBank, sizes: Sizes) -> tuple[BodyTable, BodyConstants]:
 
 
 def begin(table: BodyConstants, scene: Any, objects: Any) -> Bodies:
-    """Things (M,) i32 of a scene at rest where the bank has them; what cannot be a body becomes -1."""
+    """Objects (M,) i32 of a scene at rest where the bank has them; what cannot be a body becomes -1."""
     known = table.row[scene, jnp.maximum(objects, 0)]
     there = (objects >= 0) & (known >= 0)
     row, zero = jnp.maximum(known, 0), jnp.zeros((objects.shape[0], 3))

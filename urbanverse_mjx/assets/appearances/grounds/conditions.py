@@ -56,7 +56,7 @@ def patched(surface: Surface, board: Board, patch: Surface, count: int = 2, seal
     for _ in range(count):
         across, down = board.rng.uniform(0.16, 0.42, 2) * board.metres * np.array([1.0, 0.75])
         cx, cy = board.rng.random(2) * board.metres
-        # The shortest way round the tile.
+        # The shortest path round the tile.
         dx = np.abs((board.x - cx + board.metres / 2) % board.metres - board.metres / 2)
         dy = np.abs((board.y - cy + board.metres / 2) % board.metres - board.metres / 2)
         inside = np.minimum(across / 2 - dx, down / 2 - dy) + 0.006 * board.noise(0.3)

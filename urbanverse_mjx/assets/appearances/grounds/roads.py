@@ -15,10 +15,15 @@ from .variants import Variant, brick, cast, in_courses, in_herringbone, sett
 
 
 def _asphalt(
-    name: str, colour: str, words: str, conditions: str, tile_m: float = 4.0, **look: float | tuple[float, float, float]
+    name: str,
+    colour: str,
+    words: str,
+    conditions: str,
+    tile_m: float = 4.0,
+    **surface_of: float | tuple[float, float, float],
 ) -> Variant:
     def make(board: Board) -> Surface:
-        return bases.asphalt(board, **look)  # pyright: ignore[reportArgumentType]
+        return bases.asphalt(board, **surface_of)  # pyright: ignore[reportArgumentType]
 
     return cast(name, colour, words, conditions, "asphalt", "asphalt", tile_m, make)
 
