@@ -82,7 +82,7 @@ def put(folder: pathlib.Path, name: str, leaf: str = "bench") -> None:
 
 def ask(folder: pathlib.Path, server: Model) -> Entry:
     endpoint = VisionEndpoint(f"http://127.0.0.1:{server.server_port}/v1", "eyes-1", "the key")
-    (entry,) = import_folder(folder, Options(jobs=1, shown=False, endpoint=endpoint), lambda *_: None)
+    (entry,) = import_folder(folder, Options(jobs=1, pictures=False, endpoint=endpoint), lambda *_: None)
     return entry
 
 

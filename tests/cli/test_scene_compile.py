@@ -62,7 +62,7 @@ BROKEN = {
     "unknown category": (_put("zqxv", "objects", 0, "label"), "zqxv"),
     "NaN": (_put(float("nan"), "objects", 0, "center", 1), "NaN"),
     "infinity": (_put(float("inf"), "ground", 0, "plane", 2), "finite"),
-    "negative size": (_put(-0.2, "objects", 0, "size", 0), "greater than 0"),
+    "negative size": (_put(-0.2, "objects", 0, "size", 0), "at least 0.001"),
     "text for a number": (_put("wide", "objects", 0, "size", 0), "finite number"),
     "self-crossing polygon": (_put([[0, 0], [4, 4], [4, 0], [0, 4]], "ground", 0, "polygon"), "cross"),
     "10,000 objects": (_many, "at most 5000"),

@@ -2,7 +2,7 @@
 
 import abc
 from collections.abc import Callable, Sequence
-from typing import Any, Self
+from typing import Any, Self, no_type_check
 
 import jax
 import jax.numpy as jnp
@@ -31,6 +31,7 @@ class StagedBase[C](ModelNames, abc.ABC):
     num_bodies: int = 0
     _state_renderers: dict[tuple[int, int, str | None], StateRenderer]
 
+    @no_type_check  # what checks annotations while it runs (beartype) takes no Self of a single method
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         # Here and not on import, which is to load neither Playground nor what it loads (Brax, Warp).
         register_with_playground(StagedBase)

@@ -245,8 +245,8 @@ def _search(
     shift (t, 2) m. Points are relative to where the pieces meet, on either side."""
     turn_step, turn_reach, size, shift_step = steps
     cell = np.array([size, size, 1.0])
-    reach = _CUT.max_range + _CUT.max_meeting_error + 3.0
-    low = -np.array([reach, reach, _CUT.max_below + 1.0])
+    extent = _CUT.max_range + _CUT.max_meeting_error + 3.0
+    low = -np.array([extent, extent, _CUT.max_below + 1.0])
     shape = np.ceil(-2 * low[:2] / size).astype(int)
     grid = np.zeros((*shape, int(_CUT.max_above - low[2]) + 2), np.float32)
     grid[tuple(np.floor((known - low) / cell).astype(int).T)] = 1.0
