@@ -62,6 +62,16 @@ class Motion:
         moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
         return moves * v, moves * omega
 
+    def drive(self, pose: Any, v: Any, w: Any, told: tuple[Any, Any], dt: Any) -> tuple[Any, Any, Any]:
+        """Pose (3,) x, y, yaw and speeds (v, w) `dt` s later, under what `obeyed` gives for a command."""
+        new_v = told[0] + (v - told[0]) * jnp.exp(-dt / self.speed_lag)
+        turn_lag = self.turn_lag / (1.0 + 0.5 * jnp.abs(new_v + v) / self.eases)
+        new_w = told[1] + (w - told[1]) * jnp.exp(-dt / turn_lag)
+        mean_v, mean_w = 0.5 * (new_v + v), 0.5 * (new_w + w)
+        heading, side = pose[2] + 0.5 * mean_w * dt, self.pivot * mean_w
+        c, s = jnp.cos(heading), jnp.sin(heading)
+        return pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w]), new_v, new_w
+
 
 #: Robot -> motion; tests/evaluation/test_planner.py drives COCO's and the Go2's in C MuJoCo, whose gait stands
 #: where it is told to walk slower than that (docs/decisions/go2.md); others get `DEFAULT`.
@@ -249,14 +259,7 @@ class Planner:
     ) -> _Ahead:
         """The drive at step `k` ahead, `dt` s after the one before and `end` s from now."""
         motion = self._motion
-        told_v, told_w = motion.obeyed(command[0], command[1])
-        v = told_v + (ahead.speed - told_v) * jnp.exp(-dt / motion.speed_lag)
-        turn_lag = motion.turn_lag / (1.0 + 0.5 * jnp.abs(v + ahead.speed) / motion.eases)
-        w = told_w + (ahead.turn - told_w) * jnp.exp(-dt / turn_lag)
-        mean_v, mean_w = 0.5 * (v + ahead.speed), 0.5 * (w + ahead.turn)
-        heading, side = ahead.pose[2] + 0.5 * mean_w * dt, motion.pivot * mean_w
-        c, s = jnp.cos(heading), jnp.sin(heading)
-        pose = ahead.pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w])
+        pose, v, w = motion.drive(ahead.pose, ahead.speed, ahead.turn, motion.obeyed(command[0], command[1]), dt)
         gap = self._gap(scene, pose)
         if agents is not None:
             gap = jnp.minimum(gap, self._agent_gap(agents, pose[:2], end))
@@ -273,15 +276,10 @@ class Planner:
 
     def _gap(self, scene: Any, pose: Any) -> Any:
         """m, how near the discs are to hulls, or the feet to an edge."""
-        c, s = jnp.cos(pose[2]), jnp.sin(pose[2])
-
-        def world(places: np.ndarray) -> tuple[Any, Any]:
-            px, py = places[:, 0].astype(np.float32), places[:, 1].astype(np.float32)
-            return pose[0] + c * px - s * py, pose[1] + s * px + c * py
-
-        to_hull = self._to_hull.at(scene, *world(self._body.discs)) - self._body.discs[:, 2].astype(np.float32)
+        to_hull = self._to_hull.at(scene, *placed(pose, self._body.discs))
+        to_edge = self._to_edge.at(scene, *placed(pose, self._body.feet))
         return jnp.minimum(
-            to_hull.min(), self._to_edge.at(scene, *world(self._body.feet)).min() - _OPTIONS.edge_distance
+            (to_hull - self._body.discs[:, 2].astype(np.float32)).min(), to_edge.min() - _OPTIONS.edge_distance
         )
 
     def _agent_gap(self, agents: Any, xy: Any, ahead: Any) -> Any:
@@ -294,6 +292,14 @@ class Planner:
             - _OPTIONS.agent_drift * ahead
         )
         return jnp.where(agents[:, 5] > 0.0, gap, jnp.inf).min()
+
+
+def placed(poses: Any, points: np.ndarray) -> tuple[Any, Any]:
+    """x and y (..., n) m of a robot's points (n, 2 or more), in its own frame, at poses (..., 3) x, y, yaw."""
+    px, py = points[:, 0].astype(np.float32), points[:, 1].astype(np.float32)
+    x, y, yaw = (poses[..., k, None] for k in range(3))
+    c, s = jnp.cos(yaw), jnp.sin(yaw)
+    return x + c * px - s * py, y + s * px + c * py
 
 
 def waypoint_of(v: Any, omega: Any, max_speed: float, control_period: float) -> Any:

@@ -17,7 +17,7 @@ from ..datatypes import ValidationError
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
 from ..geometry import rotations
-from .planner import DEFAULT, MOTIONS, footprint, waypoint_of
+from .planner import DEFAULT, MOTIONS, footprint, placed, waypoint_of
 
 #: Shares of top speed and of top yaw rate that a command combines.
 SPEEDS = (0.0, 0.2, 0.4, 0.7, 1.0)
@@ -95,8 +95,8 @@ class RouteFollower:
     def _cost_to_go(self, nav: NavState, pose: Any, target: Any) -> Any:
         """(X, Y) metres, made dear by what is near, from each of the `NODES` around a pose (3,) to a target (2,)."""
         found = self._env.distances(nav, pose[:2] + terms.to_world(jnp.asarray(NODES), pose[2]))
-        room = jnp.minimum(found[..., 0] - self._body.half_width, found[..., 1])
-        dear = 1.0 + CLOSED * jnp.clip((SHY - room) / SHY, 0.0, 1.0) ** 2
+        gap = jnp.minimum(found[..., 0] - self._body.half_width, found[..., 1])
+        dear = 1.0 + CLOSED * jnp.clip((SHY - gap) / SHY, 0.0, 1.0) ** 2
         far = jnp.sqrt(((NODES - target) ** 2).sum(-1) + 1e-9)
         x, y = far.shape
 
@@ -112,18 +112,10 @@ class RouteFollower:
     def _cost(self, nav: NavState, start: Any, speed: Any, turn: Any, to_go: Any, command: Any) -> Any:
         """Metres that are left after a drive and during it, and what it costs to come near to objects."""
         motion = self._motion
-        told_v, told_w = motion.obeyed(command[0], command[1])
-        pose, v, w, before, poses = start, speed, turn, 0.0, []
-        for time in TIMES:
-            dt, before = time - before, time
-            new_v = told_v + (v - told_v) * np.exp(-dt / motion.speed_lag)
-            lag = motion.turn_lag / (1.0 + 0.5 * jnp.abs(v + new_v) / motion.eases)
-            new_w = told_w + (w - told_w) * jnp.exp(-dt / lag)
-            mean_v, mean_w = 0.5 * (v + new_v), 0.5 * (w + new_w)
-            heading, side = pose[2] + 0.5 * mean_w * dt, motion.pivot * mean_w
-            c, s = jnp.cos(heading), jnp.sin(heading)
-            pose = pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w])
-            v, w = new_v, new_w
+        told = motion.obeyed(command[0], command[1])
+        pose, v, w, poses = start, speed, turn, []
+        for dt in np.diff(TIMES, prepend=0.0).tolist():
+            pose, v, w = motion.drive(pose, v, w, told, dt)
             poses.append(pose)
         drive = jnp.stack(poses)
         gaps, times = self._gaps(nav, drive), np.array(TIMES)
@@ -138,14 +130,9 @@ class RouteFollower:
 
     def _gaps(self, nav: NavState, drive: Any) -> Any:
         """(T,) m, how near the robot at poses (T, 3) is to hulls, or its feet to an edge."""
-        c, s = jnp.cos(drive[:, 2:]), jnp.sin(drive[:, 2:])
-
-        def places(points: np.ndarray) -> Any:
-            x, y = points[:, 0].astype(np.float32), points[:, 1].astype(np.float32)
-            return jnp.stack([drive[:, :1] + c * x - s * y, drive[:, 1:2] + s * x + c * y], -1)
-
         discs, feet = self._body.discs, self._body.feet
-        found = self._env.distances(nav, jnp.concatenate([places(discs), places(feet)], 1))
+        points = np.concatenate([discs[:, :2], feet[:, :2]])
+        found = self._env.distances(nav, jnp.stack(placed(drive, points), -1))
         to_hull = found[:, : len(discs), 0] - discs[:, 2].astype(np.float32)
         return jnp.minimum(to_hull.min(-1), found[:, len(discs) :, 1].min(-1) + EDGE)
 
