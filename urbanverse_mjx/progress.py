@@ -58,12 +58,16 @@ class Progress:
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
 
-    def __enter__(self) -> "Progress":
+    def start(self) -> "Progress":
+        """Begins to show, as entering a block does; `stop` ends it."""
         self._bars.start()
         if self._lines:
             self._thread = threading.Thread(target=self._write_lines, name="progress", daemon=True)
             self._thread.start()
         return self
+
+    def __enter__(self) -> "Progress":
+        return self.start()
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.stop()

@@ -6,6 +6,8 @@ import tyro
 from rich.console import Console
 from rich.progress import track
 
+from urbanverse_mjx.progress import Progress
+
 from .exporting.export_command import export
 from .images.appearance_sheets import COMMANDS as APPEARANCES
 from .importing.command import import_assets
@@ -37,17 +39,14 @@ def index(jobs: int = 2) -> None:
     Args:
       jobs: processes at once.
     """
-    from rich.progress import Progress
-
     from .meshes.base_shapes import save_shapes
     from .records.base_build import build_base
     from .records.catalogue import build_catalogue
     from .records.index import save_index
     from .records.store import save_content
 
-    with Progress() as bar:
-        line = bar.add_task("base shapes", total=None)
-        records, shapes = build_base(jobs, lambda done, total: bar.update(line, completed=done, total=total))
+    with Progress() as progress:
+        records, shapes = build_base(jobs, progress.task("base shapes"))
     path = save_index(records)
     measures = save_shapes(shapes)
     save_content(build_catalogue(records))
@@ -113,15 +112,12 @@ def thumbnails(leaf: str | None = None) -> None:
     Args:
       leaf: only this leaf.
     """
-    from rich.progress import Progress
-
     from .images.thumbnails import draw_missing, folder
     from .records.index import load_index
 
     records = load_index().records if leaf is None else load_index().by_leaf(leaf)
-    with Progress() as bar:
-        line = bar.add_task("thumbnails", total=None)
-        drawn, there = draw_missing(records, lambda done, total: bar.update(line, completed=done, total=total))
+    with Progress() as progress:
+        drawn, there = draw_missing(records, progress.task("thumbnails"))
     Console().print(f"{folder()}: {drawn} drawn, {there} were there", soft_wrap=True)
 
 

@@ -27,9 +27,8 @@ class TrainingLog:
         self.rates: list[tuple[int, float]] = []
         self._file = (folder / "log.jsonl").open("a", encoding="utf-8")
         self._board = SummaryWriter(str(folder))
-        self._progress = Progress(quiet)
+        self._progress = Progress(quiet).start()
         self._report = self._progress.task("training", total, start, "steps", "compiling")
-        self._progress.__enter__()
 
     @property
     def steps_per_second(self) -> float:

@@ -11,13 +11,13 @@ import dataclasses
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from rich.progress import Progress
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from urbanverse_mjx.datatypes.asset import MAX_HULL_VERTICES, MAX_HULLS, AssetMesh
 from urbanverse_mjx.process_pool import worker_pool
+from urbanverse_mjx.progress import Progress
 
 from ..meshes.recipe import get_recipe
 from ..records.index import build_mesh, load_index
@@ -302,15 +302,16 @@ def build_missing(
         if (again or key not in found) and leaf in (None, record.leaf):
             tasks[key] = (key, record.recipe, record.leaf, int(record.params["variant"]), budget)
     waiting = list(tasks.values())
-    with Progress() as bar:
-        line = bar.add_task("convex hulls", total=len(waiting))
+    with Progress() as progress:
+        report_done, done = progress.task("convex hulls", len(waiting)), 0
         for first in range(0, len(waiting), BATCH):
             with worker_pool(jobs, niceness=5) as pool:
                 futures = [pool.submit(_work, *task) for task in waiting[first : first + BATCH]]
-                for done in concurrent.futures.as_completed(futures):
-                    key, hulls = done.result()
+                for future in concurrent.futures.as_completed(futures):
+                    key, hulls = future.result()
                     found[key] = hulls
-                    bar.advance(line)
+                    done += 1
+                    report_done(done)
             HullStore(found).save(store_path())
     kept = HullStore({k: h for k, h in found.items() if k in needed})
     path = kept.save(store_path())

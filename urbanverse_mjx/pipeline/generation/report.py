@@ -173,16 +173,16 @@ def _matches(run: pathlib.Path, record: Mapping[str, Any], folder: pathlib.Path,
     rows = []
     for name in chosen:
         crop = run / "graph" / "crops" / "objects" / f"{name}_0.png"
-        image = ""
+        cropped = ""
         if crop.is_file():
             Image.open(crop).save(folder / f"crop_{name}.png")
-            image = _image(f"crop_{name}.png", "thumb")
-        cells = [f"{image}{html.escape(name)}"]
+            cropped = _image(f"crop_{name}.png", "thumb")
+        cells = [f"{cropped}{html.escape(name)}"]
         for match in record["matches"][name]:
             appearance = "" if match["look"] is None else f", look {match['look']:.2f}"
-            image = _image(files[match["uid"]], "thumb") if match["uid"] in files else ""
+            thumbnail = _image(files[match["uid"]], "thumb") if match["uid"] in files else ""
             text = f"{html.escape(match['uid'])}<br>distortion {match['distortion']:.2f}{appearance}"
-            cells.append(f"{image}<span class='small'>{text}</span>")
+            cells.append(f"{thumbnail}<span class='small'>{text}</span>")
         rows.append(cells)
     columns = ("object", *(f"cousin {k}" for k in range(len(record["cousins"]))))
     note = f"{len(rows)} of {len(shown)} different matches; all of them in <code>materialisation.json</code>."
