@@ -100,6 +100,24 @@ def test_a_cousin_of_a_graph_is_compiled_once(
     assert asked == [("construction_narrow", 1)]
 
 
+def test_a_graph_with_the_name_of_a_shipped_street_is_the_users(
+    tmp_path: pathlib.Path, small_bank: SceneBank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = tmp_path / "park_edge" / "graph.json"
+    own.parent.mkdir()
+    own.write_text("{}", encoding="utf-8")
+    asked = []
+
+    def compiled(graph: pathlib.Path, cousin: int) -> SceneBank:
+        asked.append(graph)
+        return small_bank
+
+    monkeypatch.setattr(view_scenes, "_compiled", compiled)
+    scenes = ViewScenes([str(own)])
+    assert scenes.open("park_edge") == (small_bank, 0)
+    assert asked == [own]
+
+
 def test_the_camera_of_a_rule_is_drawn_and_everything_is_as_in_the_bank() -> None:
     config = drivers._fresh_config(None, False, drivers.IMAGE_SIZE)
     assert config.vision

@@ -28,7 +28,8 @@ class ViewScenes:
     """
 
     def __init__(self, given: Sequence[str] = ()) -> None:
-        self._graphs = _shipped_graphs()
+        self._shipped = _shipped_graphs()
+        self._graphs = dict(self._shipped)
         self._folders = _built_folders()
         self._banks: dict[str, tuple[pathlib.Path, str]] = {}
         self._opened: dict[tuple[str, int], tuple[SceneBank, int]] = {}
@@ -53,7 +54,7 @@ class ViewScenes:
           ValidationError: no such scene or cousin, or a graph that cannot be compiled.
         """
         if name not in self.names:
-            raise ValidationError(_unknown(name, self.names))
+            raise ValidationError(self._unknown(name))
         if not 0 <= cousin < self.cousins(name):
             raise ValidationError(f"cousin: found {cousin + 1}, needed one of 1 to {self.cousins(name)} of {name!r}.")
         key = name, cousin
@@ -72,12 +73,22 @@ class ViewScenes:
             return bank, bank.scene_ids.index(scene)
         if name in self._folders:
             return pack_bank([self._folders[name][cousin]], ["test"]), 0
-        if cousin == 0 and name in _shipped_graphs() and settings.chosen_bank_path() is None:
+        # A user's own graph may have the name of a shipped street.
+        shipped = self._graphs[name] == self._shipped.get(name)
+        if cousin == 0 and shipped and settings.chosen_bank_path() is None:
             from .banks import ensure_default_bank
 
             bank = ensure_default_bank()
             return bank, bank.scene_ids.index(name)
         return _compiled(self._graphs[name], cousin), 0
+
+    def _unknown(self, text: str) -> str:
+        near = difflib.get_close_matches(text, self.names, 3, 0.4)
+        hint = f"did you mean {' or '.join(near)}?" if near else "`urbanverse scene library` builds more."
+        return (
+            f"scene: found no {text!r}, needed a shipped street ({', '.join(self._shipped)}), a scene of the built "
+            f"library, a graph.json, a compiled scene's folder or a bank's .npz; {hint}"
+        )
 
     def _add(self, text: str) -> str:
         """Lists what a user named; its name."""
@@ -85,8 +96,10 @@ class ViewScenes:
         if text in self.names:
             return text
         if (path / "metadata.json").is_file():
-            self._folders[path.resolve().name] = [path]
-            return path.resolve().name
+            name = path.resolve().name
+            self._folders[name] = [path]
+            self._graphs.pop(name, None)
+            return name
         if path.suffix == ".npz":
             bank = SceneBank.load(path)
             self._banks |= {f"{path.stem}/{scene}": (path, scene) for scene in bank.scene_ids}
@@ -96,27 +109,21 @@ class ViewScenes:
             name = path.name.split(".")[0]
             name = path.resolve().parent.name if name == "graph" else name
             self._graphs[name] = path
+            self._folders.pop(name, None)
             return name
         found = _NUMBERED.fullmatch(text)
         if found and found[1] in self._folders and 0 < int(found[2]) <= len(self._folders[found[1]]):
             self._folders[text] = [self._folders[found[1]][int(found[2]) - 1]]
             return text
-        raise ValidationError(_unknown(text, self.names))
-
-
-def _unknown(text: str, names: Sequence[str]) -> str:
-    near = difflib.get_close_matches(text, names, 3, 0.4)
-    hint = f"did you mean {' or '.join(near)}?" if near else "`urbanverse scene library` builds more."
-    return (
-        f"scene: found no {text!r}, needed a shipped street ({', '.join(_shipped_graphs())}), a scene of the built "
-        f"library, a graph.json, a compiled scene's folder or a bank's .npz; {hint}"
-    )
+        raise ValidationError(self._unknown(text))
 
 
 def _shipped_graphs() -> dict[str, pathlib.Path]:
+    """Graphs of the shipped streets by name, the test streets first."""
     from .banks import shipped_scenes
 
-    return {path.parent.name: path for path in shipped_scenes()[0]}
+    ordered = sorted(zip(*shipped_scenes(), strict=True), key=lambda row: row[1] != "test")
+    return {path.parent.name: path for path, _ in ordered}
 
 
 def _built_folders() -> dict[str, list[pathlib.Path]]:

@@ -79,7 +79,7 @@ def view(
 
     Args:
       scene: a shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank;
-        None for the first test street.
+        None for the first shipped street kept for tests.
       on_ready: called with the page's address once it can be looked at.
       until: asked between two frames; the page is closed when it says so.
 
@@ -100,7 +100,7 @@ def view(
     # First, so that a wrong port is known before anything heavy is loaded.
     server = start_server(options.host, options.port)
     try:
-        name = scenes.first[0] if scenes.first else "commercial_bike_lane"
+        name = scenes.first[0] if scenes.first else scenes.names[0]
         page = Page(server, choices, name, options.policy, options.robots, options.people)
         address = f"http://{'127.0.0.1' if options.host == '0.0.0.0' else options.host}:{server.get_port()}"
         on_ready(address)
