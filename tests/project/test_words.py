@@ -29,11 +29,9 @@ RETIRED = {
     "way": "path, route, trajectory, offset",
     "wish": "preferred_velocity",
 }
-#: City profiles and the viewer keep their words.
+#: City profiles keep their words.
 SKIPPED = (
     "urbanverse_mjx/citygen/cities/",
-    "urbanverse_mjx/viewer/",
-    "tests/viewer/",
 )
 #: Names of flags, of stored keys, and of options that mirror them; and terms of others.
 ALLOWED = {

@@ -118,7 +118,7 @@ def test_scenes_and_episodes_that_there_are_not(machine: Machine, scene: int, ro
 
 
 def test_without_a_renderer_there_is_no_picture(machine: Machine) -> None:
-    assert Session(machine, 0, [0]).picture(0) is None
+    assert Session(machine, 0, [0]).camera_image(0) is None
 
 
 def test_route_and_goal_lie_where_the_episode_has_them(machine: Machine, small_bank: SceneBank) -> None:

@@ -85,7 +85,7 @@ class _Materials:
             self._known[key] = PBRMaterial(
                 name=name,
                 baseColorFactor=np.clip(np.rint(np.array(surface.rgba) * 255), 0, 255).astype(np.uint8),
-                baseColorTexture=None if surface.texture is None else _picture(surface.texture),
+                baseColorTexture=None if surface.texture is None else _texture_image(surface.texture),
                 roughnessFactor=float(surface.roughness),
                 metallicFactor=float(surface.metallic),
                 alphaMode="BLEND" if surface.rgba[3] < 1.0 else "OPAQUE",
@@ -105,7 +105,7 @@ class _Materials:
             tree.setdefault("extensionsUsed", []).append("KHR_materials_unlit")
 
 
-def _picture(texture: np.ndarray) -> Image.Image:
+def _texture_image(texture: np.ndarray) -> Image.Image:
     """A texture as an image that is written as JPEG: encoded ten times as fast as PNG, and a third of its size."""
     image = Image.fromarray(texture)
     image.format = "JPEG"

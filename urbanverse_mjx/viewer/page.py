@@ -13,7 +13,7 @@ import viser
 
 from ..datatypes import ValidationError
 from ..viz.video import OUTCOMES
-from .recording import html_recording
+from .recording import html_recording, set_initial_view
 from .session import Machine, Session
 from .stage import LAYERS, Stage, chase_view
 from .street import StreetMeshes
@@ -114,22 +114,21 @@ class Page:
             try:
                 order()
             except ValidationError as error:
-                self.playing = False
+                self._pause()
                 self._say(f"**{error}**")
 
     def _tick(self) -> None:
         """One frame on: one that was driven before, or a new one."""
         if self.index == len(self.session) - 1:
             if self.session.over:
-                self.playing = False
-                self._play.label = "Play"
+                self._pause()
                 return
             try:
                 if len(self.session) == 1:
                     self._say(_COMPILING)
                 self.session.step()
             except ValidationError as error:
-                self.playing = False
+                self._pause()
                 self._say(f"**{error}**")
                 return
         self._go(self.index + 1)
@@ -148,18 +147,18 @@ class Page:
         """Puts the cameras of the browsers where the chosen view has them, and draws the robot's own."""
         robot = self._robot()
         if self._view.value != VIEWS[2]:
-            eye, target = chase_view(self.session, self.index, robot)
+            position, target = chase_view(self.session, self.index, robot)
             if self._view.value == VIEWS[1]:
-                eye = target + [-0.3 * _HIGH, 0.0, _HIGH]
+                position = target + [-0.3 * _HIGH, 0.0, _HIGH]
             for client in self._server.get_clients().values():
                 with client.atomic():
-                    client.camera.position, client.camera.look_at = eye, target
-        picture = self.session.picture(self.index, robot) if self._sees.value else None
-        self._picture.visible = picture is not None
-        if picture is not None:
+                    client.camera.position, client.camera.look_at = position, target
+        image = self.session.camera_image(self.index, robot) if self._sees.value else None
+        self._image.visible = image is not None
+        if image is not None:
             # As large pixels: browsers would blur them.
-            times = -(-_WIDTH // picture.shape[1])
-            self._picture.image = picture.repeat(times, 0).repeat(times, 1)
+            times = -(-_WIDTH // image.shape[1])
+            self._image.image = image.repeat(times, 0).repeat(times, 1)
 
     def _report(self) -> None:
         robot, session = self._robot(), self.session
@@ -181,8 +180,7 @@ class Page:
 
     def _begin(self) -> None:
         """A new session of what is chosen; the page shows its first frame."""
-        self.playing = False
-        self._play.label = "Play"
+        self._pause()
         bank = self._machine.env.bank
         number = int(bank.num_episodes[self._row])
         self._episode.max = max(1, number - 1)
@@ -198,26 +196,28 @@ class Page:
         self.session = session
         for layer, box in self._layers.items():
             self.stage.switch(layer, box.value, 0)
-        eye, target = chase_view(self.session, 0, 0)
-        self._server.initial_camera.position, self._server.initial_camera.look_at = tuple(eye), tuple(target)
+        set_initial_view(self._server, self.session)
         self._go(0)
 
     def _open(self) -> None:
         """Opens the chosen scene with the chosen driver."""
-        self.playing = False
+        self._pause()
         scene, policy = self._scene.value, self._path.value.strip() or self._policy.value
         self._say(f"opening {scene}, driven by {policy}")
         cousin = min(int(self._cousin.value), self._choices.cousins(scene)) - 1
         self._machine, self._row = self._choices.open(scene, cousin, policy, self._people.value)
         self._begin()
 
+    def _pause(self) -> None:
+        self.playing = False
+        self._play.label = "Play"
+
     def _toggle(self) -> None:
         self.playing = not self.playing
         self._play.label = "Pause" if self.playing else "Play"
 
     def _step(self) -> None:
-        self.playing = False
-        self._play.label = "Play"
+        self._pause()
         self._tick()
 
     def _share(self, client: viser.ClientHandle | None) -> None:
@@ -259,7 +259,7 @@ class Page:
             self._view = gui.add_dropdown("view", VIEWS)
         with gui.add_folder("Robot's camera"):
             self._sees = gui.add_checkbox("shown", True)
-            self._picture = gui.add_image(np.zeros((9, 16, 3), np.uint8))
+            self._image = gui.add_image(np.zeros((9, 16, 3), np.uint8))
         with gui.add_folder("Choose"):
             self._scene = gui.add_dropdown("scene", list(choices.scenes), initial_value=scene)
             self._cousin = gui.add_number("cousin", 1, min=1, max=64, step=1, hint="Same places, other assets and sky.")
@@ -299,6 +299,5 @@ class Page:
             self._orders.put(self._look)
 
     def _scrub(self, index: int) -> None:
-        self.playing = False
-        self._play.label = "Play"
+        self._pause()
         self._go(index)

@@ -25,14 +25,19 @@ def html_recording(
         stage = Stage(server, session, street)
         for layer in LAYERS:
             stage.switch(layer, layer in shown, 0)
-        eye, target = chase_view(session, 0, 0)
-        server.initial_camera.position, server.initial_camera.look_at = tuple(eye), tuple(target)
+        set_initial_view(server, session)
         serializer = server.get_scene_serializer()
         for index in range(1, len(session)):
             serializer.insert_sleep(session.machine.env.dt)
             stage.show(index)
         serializer.insert_sleep(1.0)
         return serializer.as_html()
+
+
+def set_initial_view(server: viser.ViserServer, session: Session) -> None:
+    """Lets a page open with the camera behind the first robot of a session."""
+    position, target = chase_view(session, 0, 0)
+    server.initial_camera.position, server.initial_camera.look_at = tuple(position), tuple(target)
 
 
 @contextlib.contextmanager

@@ -63,15 +63,15 @@ class Machine:
         self.observe = jax.jit(jax.vmap(env.observe))
         self.act = jax.jit(jax.vmap(self._act))
         self.advance = jax.jit(jax.vmap(self._advance))
-        # Without pixels nothing is drawn: who asks for the picture of one robot does not draw the others.
-        self._picture = jax.jit(lambda nav: env.observe(nav)[IMAGE])
+        # Without pixels nothing is drawn: who asks for the image of one robot does not draw the others.
+        self._image = jax.jit(lambda nav: env.observe(nav)[IMAGE])
         self.agents = jax.jit(jax.vmap(self._agents))
 
-    def picture(self, nav: NavState) -> np.ndarray | None:
+    def camera_image(self, nav: NavState) -> np.ndarray | None:
         """(H, W, 3) u8 of the camera of one robot, or None where the environment draws nothing; nav: its state."""
         if self.env.renderer is None:
             return None
-        return np.asarray(self._picture(nav))[..., :3]
+        return np.asarray(self._image(nav))[..., :3]
 
     def _act(self, nav: NavState, memory: Any, known: Any, key: jax.Array) -> tuple[jax.Array, Any, jax.Array]:
         """The action of one robot, its memory and its next key; keys go as those of `Rollout`."""
@@ -127,7 +127,9 @@ class Session:
             first = agent.first_memory() if isinstance(agent, Recurrent) else ()
             self._memory = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), first)
         nothing = np.zeros((count, machine.env.action_size), np.float32)
-        self.frames = [Frame(nav, nothing, np.zeros(count, bool))]
+        self.frames: list[Frame] = []
+        self._root_positions: list[np.ndarray] = []
+        self._keep(Frame(nav, nothing, np.zeros(count, bool)))
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -158,8 +160,14 @@ class Session:
             action[robot], chosen[robot] = value, True
         new = self.machine.advance(nav, jnp.asarray(action))
         frame = Frame(new, action, chosen)
-        self.frames.append(frame)
+        self._keep(frame)
         return frame
+
+    def _keep(self, frame: Frame) -> None:
+        env = self.machine.env
+        root = env.mj_model.body(env.robot.root_body).id
+        self.frames.append(frame)
+        self._root_positions.append(np.asarray(frame.nav.sim.xpos)[:, root])
 
     def _answers(self, nav: NavState) -> np.ndarray:
         machine = self.machine
@@ -177,9 +185,9 @@ class Session:
             )
         return action
 
-    def picture(self, index: int, robot: int = 0) -> np.ndarray | None:
+    def camera_image(self, index: int, robot: int = 0) -> np.ndarray | None:
         """(H, W, 3) u8: what the camera of a robot shows in a frame; None where the environment draws nothing."""
-        return self.machine.picture(jax.tree.map(lambda x: x[robot], self.frames[index].nav))
+        return self.machine.camera_image(jax.tree.map(lambda x: x[robot], self.frames[index].nav))
 
     def agents(self, index: int, robot: int = 0) -> AgentMotion | None:
         """Where the moving agents around a robot are in a frame, fields (A, ...); None in a street without any."""
@@ -188,8 +196,7 @@ class Session:
 
     def path(self, index: int, robot: int = 0) -> np.ndarray:
         """(index + 1, 3) m, where a robot has been up to a frame."""
-        root = self.machine.env.mj_model.body(self.machine.env.robot.root_body).id
-        return np.array([np.asarray(f.nav.sim.xpos)[robot, root] for f in self.frames[: index + 1]])
+        return np.array([positions[robot] for positions in self._root_positions[: index + 1]])
 
     def outcome(self, index: int, robot: int = 0) -> str | None:
         """How a robot's episode has ended by a frame, of `datatypes.RESULTS`; None while it goes on."""

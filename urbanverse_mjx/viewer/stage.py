@@ -23,7 +23,7 @@ _COLOURS = {
     "hulls": (150, 60, 200),
 }
 _THICKNESS = {"goal": 0.08, "route": 0.05, "path": 0.05, "contacts": 0.03, "hulls": 0.02}
-#: The light of the project's pictures, by this much brighter: the page darkens bright light more (ACES tones).
+#: The light of the project's images, by this much brighter: the page darkens bright light more (ACES tones).
 _EXPOSURE = 1.3
 _AWAY = (0.0, 0.0, -1000.0)
 
@@ -205,7 +205,7 @@ class Stage:
 
 
 def chase_view(session: Session, index: int, robot: int) -> tuple[np.ndarray, np.ndarray]:
-    """(3,) eye and (3,) target m of a camera behind a robot, its heading smoothed over the last two seconds."""
+    """(3,) position and (3,) target m of a camera behind a robot, its heading smoothed over the last two seconds."""
     env = session.machine.env
     root = env.mj_model.body(env.robot.root_body).id
     frames = session.frames[max(0, index - round(2.0 / env.dt)) : index + 1]

@@ -97,11 +97,11 @@ class StreetMeshes:
     def sky(self) -> bytes:
         """A dome with the scene's sky on its inside, around the origin."""
         bank, row = self.bank, int(self.bank.scene_sky[self.scene])
-        picture = _displayed(bank.sky_radiance[row])
+        image = _displayed(bank.sky_radiance[row])
         around = np.linspace(0.0, 2 * np.pi, _DOME_COLUMNS + 1)
         down = np.linspace(0.0, np.pi, _DOME_ROWS + 1)
         polar, azimuth = np.meshgrid(down, around, indexing="ij")
-        # Column 0 of the picture is at yaw -pi of the sky, which the scene turns.
+        # Column 0 of the image is at yaw -pi of the sky, which the scene turns.
         yaw = azimuth - np.pi + float(bank.scene_sky_yaw[self.scene])
         towards = np.stack([np.sin(polar) * np.cos(yaw), np.sin(polar) * np.sin(yaw), np.cos(polar)], -1)
         uv = np.stack([azimuth / (2 * np.pi), 1.0 - polar / np.pi], -1)
@@ -111,7 +111,7 @@ class StreetMeshes:
         faces = np.concatenate([np.stack(x, -1).reshape(-1, 3) for x in ((a, c, b), (a, d, c))])
         vertices = towards.reshape(-1, 3) * _DOME
         return glb(
-            [Part(vertices, faces, Surface(texture=picture, unlit=True), uv.reshape(-1, 2), -towards.reshape(-1, 3))]
+            [Part(vertices, faces, Surface(texture=image, unlit=True), uv.reshape(-1, 2), -towards.reshape(-1, 3))]
         )
 
     def light(self) -> Light:
@@ -177,5 +177,5 @@ def _srgb(linear: np.ndarray) -> np.ndarray:
 
 
 def _displayed(radiance: np.ndarray) -> np.ndarray:
-    """A sky as a picture (H, W, 3) u8."""
+    """A sky as an image (H, W, 3) u8."""
     return _srgb(radiance.astype(np.float64))
