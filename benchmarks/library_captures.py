@@ -22,7 +22,7 @@ from PIL import Image
 from benchmarks.lib import fidelity_scores as scores
 from urbanverse_mjx import settings
 from urbanverse_mjx.citygen import cities
-from urbanverse_mjx.citygen.cities.block import LENGTH
+from urbanverse_mjx.citygen.city_blocks.block import LENGTH
 from urbanverse_mjx.datatypes import Recording, SceneGraph, ValidationError
 from urbanverse_mjx.datatypes import validation as v
 from urbanverse_mjx.process_pool import results_as_completed

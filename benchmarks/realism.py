@@ -107,14 +107,14 @@ def diversity(layouts: Sequence[SceneLayout]) -> dict[str, float]:
     """How much scenes differ: mean Bray-Curtis distance of their counts (0 the same, 1 nothing in common).
 
     Returns:
-      `cousin_assets`, `cousin_things`: between cousins of one graph, by asset and by category; `layout_assets`,
-      `layout_things`: between first cousins of different graphs. Left out where there are no such pairs.
+      `cousin_assets`, `cousin_objects`: between cousins of one graph, by asset and by category; `layout_assets`,
+      `layout_objects`: between first cousins of different graphs. Left out where there are no such pairs.
     """
     found: dict[str, float] = {}
     layouts = sorted(layouts, key=lambda x: (x.graph_id, x.cousin))[:MOST]
     graphs = np.array([x.graph_id for x in layouts])
     first = np.array([i == 0 or graphs[i] != graphs[i - 1] for i in range(len(graphs))])
-    for name, key in (("assets", "asset_uid"), ("things", "category")):
+    for name, key in (("assets", "asset_uid"), ("objects", "category")):
         counts = _counts([[getattr(o, key) for o in x.objects] for x in layouts])
         apart = squareform(pdist(counts, "braycurtis")) if len(layouts) > 1 else np.zeros((1, 1))
         same = (graphs[:, None] == graphs) & ~np.eye(len(graphs), dtype=bool)

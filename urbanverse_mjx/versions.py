@@ -119,7 +119,7 @@ CODE: Mapping[str, Code] = {
     "crowds": Code(1, ("crowds", "envs.navigation.dynamic_tables"), ("datatypes",)),
     "surroundings": Code(1, ("envs.navigation.surroundings",), ("datatypes",)),
     # Blocks after the statistics of a city; the number seeds them.
-    "blocks": Code(1, ("citygen.cities", *_below("citygen", "catalogue", "clearance", "section")), ("cousins",)),
+    "blocks": Code(1, ("citygen.city_blocks", *_below("citygen", "catalogue", "clearance", "section")), ("cousins",)),
 }
 
 

@@ -19,7 +19,7 @@ from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.navigation.dynamic import slot_kinds
 from urbanverse_mjx.envs.registry import load_default_bank
 from urbanverse_mjx.geometry.grids import cell_of
-from urbanverse_mjx.simulation.slots import body_slots
+from urbanverse_mjx.simulation.collision_slots import body_slots
 
 #: s after which somebody with an errand who has hardly moved is stuck, and m that bodies may overlap.
 STUCK, OVERLAP = 20.0, 0.02

@@ -227,7 +227,7 @@ def table_row(captures: Sequence[Scores]) -> dict[str, float | int | None]:
         "map25": round(100 * float(np.mean(aps)), 1) if aps else None,
         "recall_percent": round(100 * len(distance) / max(ground_truths, 1), 1),
         "precision_percent": round(100 * len(distance) / max(found, 1), 1),
-        "things": ground_truths,
+        "objects": ground_truths,
         "found": found,
         "labels": len(labels),
     }

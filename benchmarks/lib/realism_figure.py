@@ -14,9 +14,9 @@ _PLOT = (52, 34, 14, 58)  # left, top, right, bottom of a panel's axes, pixels
 _INK, _FAINT, _BAND = (34, 38, 43), (205, 203, 196), (250, 226, 180)
 _COLOURS = ((40, 96, 190), (214, 66, 40), (32, 140, 90), (150, 60, 160), (200, 130, 20), (20, 150, 170))
 _DIVERSITY = {
-    "cousin_things": "cousins: what",
+    "cousin_objects": "cousins: what",
     "cousin_assets": "cousins: which",
-    "layout_things": "layouts: what",
+    "layout_objects": "layouts: what",
     "layout_assets": "layouts: which",
 }
 _ROWS = 4  # ticks of an axis

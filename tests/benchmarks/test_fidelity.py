@@ -39,7 +39,7 @@ def test_scores_of_a_small_street() -> None:
     assert row["scale_m3"] == 0.0
     assert row["recall_percent"] == 75.0
     # The lamp was hardly seen: finding it counts neither way.
-    assert (row["things"], row["found"]) == (4, 4)
+    assert (row["objects"], row["found"]) == (4, 4)
     assert row["precision_percent"] == 75.0
     # Of car, bench and bin (the house is large) the car alone is found.
     assert row["map25"] == pytest.approx(100 / 3, abs=0.1)

@@ -44,7 +44,7 @@ def test_diversity_is_bray_curtis_between_cousins_and_between_layouts() -> None:
     """Cousins share one of two assets; another layout has one category in common with either first cousin."""
     layouts = [_layout("x", 0, ["a1", "b1"]), _layout("x", 1, ["a1", "b2"]), _layout("y", 0, ["a1", "c1"])]
     found = realism.diversity(layouts)
-    assert found == {"cousin_assets": 0.5, "layout_assets": 0.5, "cousin_things": 0.0, "layout_things": 0.5}
+    assert found == {"cousin_assets": 0.5, "layout_assets": 0.5, "cousin_objects": 0.0, "layout_objects": 0.5}
     assert realism.diversity(layouts[:1]) == {}
 
 

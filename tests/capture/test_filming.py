@@ -16,7 +16,7 @@ SMALL = FilmOptions(width=160, height=90, samples=1, shadows=False)
 
 @pytest.fixture(scope="module")
 def filmed(small_bank: SceneBank, tmp_path_factory: pytest.TempPathFactory) -> Recording:
-    return film_scene(small_bank, 1, tmp_path_factory.mktemp("tour"), PathOptions(frames=6), SMALL)
+    return film_scene(small_bank, 1, tmp_path_factory.mktemp("walk"), PathOptions(frames=6), SMALL)
 
 
 def world_points(recording: Recording, frame: int) -> np.ndarray:

@@ -30,7 +30,7 @@ def _video(path: pathlib.Path, frames: list[np.ndarray]) -> pathlib.Path:
 def _recording(folder: pathlib.Path) -> pathlib.Path:
     """A recording of three frames with one object on a sidewalk."""
     camera = Camera(64, 36, 40.0, 40.0, 32.0, 18.0)
-    writer = RecordingWriter(folder, "tour", Source("hand", "Apache-2.0", "none", "none"), camera)
+    writer = RecordingWriter(folder, "walk", Source("hand", "Apache-2.0", "none", "none"), camera)
     masks, surfaces = np.full((36, 64), -1), np.zeros((36, 64), np.uint8)
     masks[10:20, 20:30], surfaces[25:] = 0, GROUND_KINDS.index("sidewalk")
     for k in range(3):

@@ -72,7 +72,7 @@ def test_the_command_films_and_writes_a_video(
 ) -> None:
     small_bank.save(tmp_path / "bank.npz")
     options = ["--bank", str(tmp_path / "bank.npz"), "--frames", "2", "--size", "36x64", "--samples", "1", "--quiet"]
-    video = tmp_path / "tour.mp4"
+    video = tmp_path / "walk.mp4"
     assert main(["capture", "--out", str(tmp_path / "r"), "--video", str(video), *options]) == 0
     assert '"frames": 2' in capsys.readouterr().out
     assert video.stat().st_size > 500

@@ -18,8 +18,8 @@ from urbanverse_mjx.datatypes import BenchmarkReport, Bodies, SceneBank, SimStat
 from urbanverse_mjx.envs import NavEnv, registry
 from urbanverse_mjx.pipeline.evaluation import SHOWN, evaluate_policy
 from urbanverse_mjx.pipeline.rollout_video import random_draw
-from urbanverse_mjx.simulation.slots.body_slots import Sizes
-from urbanverse_mjx.simulation.slots.body_table import body_table
+from urbanverse_mjx.simulation.collision_slots.body_slots import Sizes
+from urbanverse_mjx.simulation.collision_slots.body_table import body_table
 from urbanverse_mjx.training.config import default_ppo_config
 from urbanverse_mjx.training.policy import PolicySpec, initial_params, save_policy
 from urbanverse_mjx.viz import video

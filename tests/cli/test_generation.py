@@ -33,7 +33,7 @@ def test_sources_are_told_apart(tmp_path: pathlib.Path) -> None:
     (tmp_path / "frames").mkdir()
     (tmp_path / "frames" / "1.png").write_bytes(b"x")
     assert recognise(tmp_path / "frames").kind == "frames"
-    video = tmp_path / "tour.mp4"
+    video = tmp_path / "walk.mp4"
     video.write_bytes(b"x" * 100)
     assert recognise(video).kind == "video"
 
@@ -54,7 +54,7 @@ def test_sources_are_known_by_their_content(tmp_path: pathlib.Path) -> None:
     (folder / "1.png").write_bytes(b"2.png")
     (folder / "5.png").write_bytes(b"1.png")
     assert recognise(folder).key != key, "the same images in another order"
-    video = tmp_path / "tour.mp4"
+    video = tmp_path / "walk.mp4"
     video.write_bytes(bytes(2**20 + 10))
     key = recognise(video).key
     video.write_bytes(bytes(2**20 + 9) + b"x")

@@ -16,7 +16,7 @@ CAMERA = Camera(6, 4, 5.0, 5.0, 3.0, 2.0)
 
 def write(folder: pathlib.Path, frames: int = 3) -> Recording:
     random = np.random.default_rng(7)
-    writer = RecordingWriter(folder, "tour", SOURCE, CAMERA)
+    writer = RecordingWriter(folder, "walk", SOURCE, CAMERA)
     for i in range(frames):
         pose = np.eye(4)
         pose[:3, 3] = i, 0.5, 1.6
@@ -111,7 +111,7 @@ def test_spoiled_images_are_refused_when_read(tmp_path: pathlib.Path) -> None:
 
 def test_an_interrupted_writer_leaves_no_recording(tmp_path: pathlib.Path) -> None:
     write(tmp_path)
-    writer = RecordingWriter(tmp_path, "tour", SOURCE, CAMERA)
+    writer = RecordingWriter(tmp_path, "walk", SOURCE, CAMERA)
     writer.add(0.0, np.zeros((4, 6, 3), np.uint8))
     with pytest.raises(ValidationError, match="no such file"):
         Recording.load(tmp_path)
@@ -123,13 +123,13 @@ def test_pictures_that_are_of_no_recording_are_never_removed(tmp_path: pathlib.P
     (tmp_path / "rgb").mkdir()
     (tmp_path / "rgb" / "holiday.jpg").write_text("mine")
     with pytest.raises(ValidationError, match="files of somebody else"):
-        RecordingWriter(tmp_path, "tour", SOURCE, CAMERA)
+        RecordingWriter(tmp_path, "walk", SOURCE, CAMERA)
     assert [p.name for p in tmp_path.rglob("*")] == ["rgb", "holiday.jpg"]
 
 
 def test_a_recording_takes_the_place_of_a_whole_and_of_an_interrupted_one(tmp_path: pathlib.Path) -> None:
     write(tmp_path, frames=3)
-    RecordingWriter(tmp_path, "tour", SOURCE, CAMERA).add(0.0, np.zeros((4, 6, 3), np.uint8))
+    RecordingWriter(tmp_path, "walk", SOURCE, CAMERA).add(0.0, np.zeros((4, 6, 3), np.uint8))
     write(tmp_path, frames=2)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["depth", "masks", "recording.json", "rgb", "surfaces"]
     assert len(list((tmp_path / "rgb").iterdir())) == 2
@@ -138,4 +138,4 @@ def test_a_recording_takes_the_place_of_a_whole_and_of_an_interrupted_one(tmp_pa
 def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path: pathlib.Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(ValidationError, match="cannot be written"):
-        RecordingWriter(tmp_path / "file" / "r", "tour", SOURCE, CAMERA)
+        RecordingWriter(tmp_path / "file" / "r", "walk", SOURCE, CAMERA)

@@ -43,7 +43,7 @@ def _video(path: pathlib.Path, images: list[np.ndarray], fps: float) -> pathlib.
 
 @pytest.mark.parametrize("ending", ["mp4", "mkv", "avi"])
 def test_a_video_is_sampled_at_the_rate_asked_for(tmp_path: pathlib.Path, ending: str):
-    video = _video(tmp_path / f"tour.{ending}", _pan(24, 8), 8.0)
+    video = _video(tmp_path / f"walk.{ending}", _pan(24, 8), 8.0)
     frames = sample(video, tmp_path / "frames", SamplingOptions(rate=2.0))
     assert len(frames) == 6
     assert np.diff(frames.time_s) == pytest.approx([0.5] * 5, abs=0.26)

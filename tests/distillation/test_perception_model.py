@@ -138,7 +138,7 @@ def test_the_score_counts_found_missed_and_invented_objects(wanted: GroundTruth)
     )
     masks = np.where(seen.masks == cars[1], -1, seen.masks)
     wrong.add(Decoded(seen.kinds, masks, objects, seen.depth), kinds, owner, depth, leaves)
-    rows = wrong.table()["things"]
+    rows = wrong.table()["objects"]
     assert wrong.table()["leaf"] == 0.5
     assert rows["car"] == {"there": 2, "recall": 0.0, "precision": None}
     assert rows["pedestrian adult"] == {"there": 1, "recall": 1.0, "precision": 0.5}

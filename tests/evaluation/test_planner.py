@@ -9,7 +9,7 @@ import pytest
 from benchmarks.lib.gait_trials import Judge, Wandering, flat
 from tests.support.unicycle import unicycle_env
 from urbanverse_mjx.datatypes import SceneBank
-from urbanverse_mjx.envs.navigation.room import build_room
+from urbanverse_mjx.envs.navigation.clearance_maps import build_clearance_maps
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
 from urbanverse_mjx.evaluation import Rollout, fixed_episodes
 from urbanverse_mjx.evaluation.planner import MOTIONS, Planner, footprint, waypoint_of
@@ -84,23 +84,23 @@ def test_coco_covers_its_collision_spheres() -> None:
     assert len(body.feet) == 4
 
 
-def test_the_room_knows_where_hulls_stand(small_bank: SceneBank) -> None:
-    room = build_room(small_bank, [0], 1.0)
+def test_clearance_maps_hold_where_hulls_stand(small_bank: SceneBank) -> None:
+    maps = build_clearance_maps(small_bank, [0], 1.0)
     hull, position = small_bank.inst_hull[0], small_bank.inst_position[0]
     rotation = small_bank.inst_rotation[0]
     checked = 0
     for q in np.flatnonzero(hull >= 0):
         corners = small_bank.hull_vertices[hull[q], : small_bank.hull_num_vertices[hull[q]]]
         middle = (corners @ rotation[q].T + position[q])[:, :2].mean(0)
-        i, j = np.floor((middle - room.origin[0]) / 0.05).astype(int)
-        if min(i, j) >= 0 and i < room.to_hull.shape[1] and j < room.to_hull.shape[2]:
-            assert room.to_hull[0, i, j] < 0.0
+        i, j = np.floor((middle - maps.origin[0]) / 0.05).astype(int)
+        if min(i, j) >= 0 and i < maps.to_hull.shape[1] and j < maps.to_hull.shape[2]:
+            assert maps.to_hull[0, i, j] < 0.0
             checked += 1
     assert checked > 20
     starts = small_bank.episode_start[0, : small_bank.num_episodes[0], :2]
-    i, j = np.floor((starts - room.origin[0]) / 0.05).astype(int).T
-    assert room.to_hull[0, i, j].min() > 0.3
-    assert room.to_edge[0, i, j].min() > 0.3
+    i, j = np.floor((starts - maps.origin[0]) / 0.05).astype(int).T
+    assert maps.to_hull[0, i, j].min() > 0.3
+    assert maps.to_edge[0, i, j].min() > 0.3
 
 
 def test_it_reaches_every_goal_of_a_free_scene(small_bank: SceneBank) -> None:

@@ -1,4 +1,4 @@
-"""A small index of boxes: three sizes of every object in the street catalogue, so that the room is tested on its
+"""A small index of boxes: three sizes of every object in the street catalogue, so that materialisation is tested on its
 own."""
 
 import functools

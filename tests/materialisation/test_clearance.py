@@ -58,7 +58,7 @@ def test_cousins_leave_out_what_the_camera_went_through() -> None:
         obj("beside", "bench", 0, 7.3),
         camera_path=((-9.0, 5.0, 1.6, 0.0), (-5.0, 5.0, 1.6, 0.0), (-1.0, 5.0, 1.6, 0.0), (3.0, 5.0, 1.6, 0.0)),
     )
-    filmed = dataclasses.replace(graph, source=dataclasses.replace(graph.source, video="tour.mp4"))
+    filmed = dataclasses.replace(graph, source=dataclasses.replace(graph.source, video="walk.mp4"))
     (cousin,) = materialise_cousins(filmed, 1, objects=few_objects())
     assert [p.id for p in cousin.layout.objects] == ["beside"]
     assert [(gone.id, "camera went through" in gone.reason) for gone in cousin.left_out] == [("here", True)]

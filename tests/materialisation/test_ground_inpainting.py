@@ -12,7 +12,7 @@ from urbanverse_mjx.datatypes import GraphObject, GroundRegion, HullSet, PlacedO
 from urbanverse_mjx.materialisation import ground_inpainting, overlap
 from urbanverse_mjx.scene.ground import check_regions
 
-SOURCE = Source("tour.mp4", "Apache-2.0", "none", "none")
+SOURCE = Source("walk.mp4", "Apache-2.0", "none", "none")
 LEAVES = {"car": "sedan", "house": "apartment building", "lamp": "street light"}
 #: A road of 20 x 6 m in two halves, around a hole of 4 x 2 m in its middle.
 HALVES = (

@@ -49,7 +49,7 @@ def run(*objects: PlacedObject) -> tuple[Resolved, dict[str, PlacedObject]]:
 
 
 def rectangle(placed) -> tuple[shapely.Polygon, float, float]:
-    """Footprint and heights of a placed box, computed without the room under test."""
+    """Footprint and heights of a placed box, computed without the code under test."""
     x, y, z = (e * s for e, s in zip(fake_index().get(placed.asset_uid).extent_xyz, placed.scale, strict=True))
     flat = affinity.rotate(shapely.box(-x / 2, -y / 2, x / 2, y / 2), placed.yaw, origin=(0, 0), use_radians=True)
     px, py, pz = placed.position

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 from tests.support.box_bank import box_bank
-from urbanverse_mjx.citygen import procedural
+from urbanverse_mjx.citygen import procedural_streets
 from urbanverse_mjx.datatypes import SceneBank, SceneGraph
 from urbanverse_mjx.pipeline import banks, quick_bank
 from urbanverse_mjx.scene import library
@@ -50,4 +50,4 @@ def test_what_it_judges_by_is_held_out_of_the_library() -> None:
     assert set(quick_bank.QUICK_TEST) <= set(held)
     assert not set(quick_bank.QUICK_TRAIN) & set(held)
     assert len(quick_bank.QUICK_TEST) + 2 == 8
-    assert max(int(name[-3:]) for name in quick_bank.QUICK_TRAIN) < procedural.COUNT
+    assert max(int(name[-3:]) for name in quick_bank.QUICK_TRAIN) < procedural_streets.COUNT

@@ -11,7 +11,7 @@ import pytest
 from urbanverse_mjx.assets import load_index
 from urbanverse_mjx.assets.categories import ontology
 from urbanverse_mjx.assets.selection import libraries
-from urbanverse_mjx.citygen import craft, places, procedural, validation
+from urbanverse_mjx.citygen import craftbench, procedural_places, procedural_streets, validation_streets
 from urbanverse_mjx.cli.main import COMMANDS
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.scene import library
@@ -70,11 +70,11 @@ def test_the_counts_are_those_of_the_tables() -> None:
     assert counted("ground materials") == [counts["road"] + counts["sidewalk"]]
     sets = {name: library.scene_set(name) for name in library.sets()}
     layouts = {name: len(s.graphs()) for name, s in sets.items()}
-    procedural_scenes, by_hand = procedural.COUNT, len(craft.BUILDERS) + len(validation.BUILDERS)
+    procedural_scenes, by_hand = procedural_streets.COUNT, len(craftbench.BUILDERS) + len(validation_streets.BUILDERS)
     assert f"{layouts['urbanverse160']} layouts after the paper's cities" in INCLUDED
     assert f"{procedural_scenes} procedural scenes" in INCLUDED
-    assert f"{places.COUNT} procedural places" in INCLUDED
-    made = procedural_scenes + places.COUNT + by_hand
+    assert f"{procedural_places.COUNT} procedural places" in INCLUDED
+    made = procedural_scenes + procedural_places.COUNT + by_hand
     total = sum(s.cousins * layouts[name] for name, s in sets.items() if not s.builder) + made
     assert f"`make scenes` all {total}" in INCLUDED
 

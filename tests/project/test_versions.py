@@ -26,7 +26,7 @@ PACKAGE = ROOT / "urbanverse_mjx"
 APART = {
     *("settings", "versions", "precision", "process_pool", "work_folder", "progress", "simulation.private_modules"),
     *("pipeline.generation.run_folder", "pipeline.generation.sources"),
-    *("citygen.craft", "citygen.places", "citygen.procedural", "scene.library"),
+    *("citygen.craftbench", "citygen.procedural_places", "citygen.procedural_streets", "scene.library"),
 }
 
 

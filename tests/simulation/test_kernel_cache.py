@@ -52,9 +52,9 @@ def test_a_damaged_kernel_is_set_aside_and_compiled_anew(cache: pathlib.Path, tm
     body = bytearray(kernel.read_bytes())
     body[len(body) // 3] ^= 64
     kernel.write_bytes(body)
-    mended = run()
-    assert mended.stdout == "[2.0, 4.0]\n"
-    (line,) = mended.stderr.splitlines()
+    fixed = run()
+    assert fixed.stdout == "[2.0, 4.0]\n"
+    (line,) = fixed.stderr.splitlines()
     assert line.endswith(f"kept as {kernel.parent.name}.bad, compiling it anew")
     assert (kernel.parent.with_suffix(".bad") / kernel.name).read_bytes() == body
     assert kernel.read_bytes() != body

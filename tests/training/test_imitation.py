@@ -14,7 +14,7 @@ from urbanverse_mjx.datatypes import SceneBank, ValidationError
 from urbanverse_mjx.envs import State
 from urbanverse_mjx.envs.navigation.ppo import ppo_config
 from urbanverse_mjx.training import distil as distilling
-from urbanverse_mjx.training.distil import distil
+from urbanverse_mjx.training.imitation import distil
 from urbanverse_mjx.training.policy import PolicySpec, latest_policy, load_policy
 from urbanverse_mjx.training.record import RunRecord
 

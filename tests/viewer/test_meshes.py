@@ -87,11 +87,11 @@ def test_textures_lie_as_in_the_bank(bank: SceneBank) -> None:
     )
     slot = int(np.flatnonzero(bank.slot_mesh[4] == mesh)[0])
     solid = next(iter(read(street.object(slot)).geometry.values()))
-    picture = np.asarray(solid.visual.material.baseColorTexture.convert("RGB"), np.float64)
+    image = np.asarray(solid.visual.material.baseColorTexture.convert("RGB"), np.float64)
     own = bank.texture(int(bank.material_texture[bank.mesh_material[mesh]])).astype(np.float64)
-    assert picture.shape == own.shape
-    assert np.abs(picture - own).mean() < 4.0  # JPEG
-    assert np.abs(picture - own).mean() < 0.3 * np.abs(picture[::-1] - own).mean()
+    assert image.shape == own.shape
+    assert np.abs(image - own).mean() < 4.0  # JPEG
+    assert np.abs(image - own).mean() < 0.3 * np.abs(image[::-1] - own).mean()
     corners = slice(bank.mesh_vertex_start[mesh], bank.mesh_vertex_start[mesh + 1])
     number = corners.stop - corners.start
     np.testing.assert_allclose(solid.visual.uv[:number], bank.mesh_uv[corners], atol=1e-5)
@@ -134,14 +134,14 @@ def test_the_dome_shows_the_sky_by_direction(bank: SceneBank) -> None:
     inside = np.flatnonzero(
         (np.abs(towards[:, 2]) < 0.9) & (dome.visual.uv[:, 0] > 0.05) & (dome.visual.uv[:, 0] < 0.95)
     )
-    picture = np.asarray(dome.visual.material.baseColorTexture.convert("RGB"), np.float64)
+    image = np.asarray(dome.visual.material.baseColorTexture.convert("RGB"), np.float64)
     for corner in rng.choice(inside, 50):
         x, y, z = towards[corner]
         yaw = np.arctan2(y, x) - float(bank.scene_sky_yaw[scene])
         column = int(((yaw + np.pi) / (2 * np.pi) % 1.0) * radiance.shape[1])
         row = int(np.arccos(z) / np.pi * radiance.shape[0])
         u, v = dome.visual.uv[corner]
-        shown = picture[int((1 - v) * picture.shape[0]), int(u * picture.shape[1])]
+        shown = image[int((1 - v) * image.shape[0]), int(u * image.shape[1])]
         near = radiance[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2].reshape(-1, 3)
         low, high = near.min(0) ** (1 / 2.4) * 1.055 - 0.055, near.max(0) ** (1 / 2.4) * 1.055 - 0.055
         assert (shown >= 255 * np.clip(low, 0, 1) - 24).all()

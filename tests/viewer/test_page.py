@@ -91,16 +91,16 @@ def tab(served: tuple[Page, Streets, str]) -> Iterator[Any]:
         yield tab
 
 
-def picture(tab: Any) -> np.ndarray:
+def screenshot(tab: Any) -> np.ndarray:
     """(H, W, 3) of what is left of the panel."""
     return np.asarray(Image.open(io.BytesIO(tab.screenshot(timeout=120_000))).convert("RGB"))[:, :560].astype(int)
 
 
 def test_it_shows_a_street(tab: Any) -> None:
-    """Ground, sky and objects: more than two colours, each over much of the picture."""
+    """Ground, sky and objects: more than two colours, each over much of the image."""
 
     def colours() -> int:
-        coarse = picture(tab)[200:] // 32
+        coarse = screenshot(tab)[200:] // 32
         _, counts = np.unique(coarse.reshape(-1, 3), axis=0, return_counts=True)
         return int((counts > 0.02 * counts.sum()).sum())
 
@@ -108,7 +108,7 @@ def test_it_shows_a_street(tab: Any) -> None:
 
 
 def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) -> None:
-    page, before = served[0], picture(tab)
+    page, before = served[0], screenshot(tab)
     tab.get_by_role("button", name="Step").click()
     wait(lambda: page.index == 1)
     tab.get_by_role("button", name="Play").click()
@@ -117,7 +117,7 @@ def test_step_play_pause_and_scrub(tab: Any, served: tuple[Page, Streets, str]) 
     wait(lambda: not page.playing)
     assert page.index == len(page.session) - 1
     # The camera went with the robot.
-    wait(lambda: bool(np.abs(picture(tab) - before).mean() > 2.0))
+    wait(lambda: bool(np.abs(screenshot(tab) - before).mean() > 2.0))
     tab.get_by_role("textbox").first.fill("2")
     tab.get_by_role("textbox").first.press("Enter")
     wait(lambda: page.index == 2)
@@ -169,7 +169,7 @@ def test_the_recording_is_a_page_of_its_own(
     assert download.value.suggested_filename == f"{served[1].scenes[0]}_go_to_goal.html"
     with_no_server = tab.context.browser.new_page(viewport={"width": 900, "height": 700})
     with_no_server.goto(saved.as_uri())
-    wait(lambda: bool(picture(with_no_server).std() > 20.0))
+    wait(lambda: bool(screenshot(with_no_server).std() > 20.0))
     with_no_server.close()
 
 

@@ -1,4 +1,4 @@
-"""Arrays of moving bodies. Inside the room their axes are (body, env): many envs lie side by side in memory."""
+"""Arrays of moving bodies. Within this package their axes are (body, env): many envs lie side by side in memory."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple

@@ -129,9 +129,9 @@ def give_way(
     )
     first = jnp.argmax(seen > 0, axis=0)
     coming = jnp.where(drives & (here == 0), jnp.take_along_axis(seen, first[None], axis=0)[0], 0)
-    room = jnp.asarray(_LOOKAHEAD_STEPS)[first] - 1.0 - front
+    gap = jnp.asarray(_LOOKAHEAD_STEPS)[first] - 1.0 - front
     going = jnp.sqrt(bodies.vx * bodies.vx + bodies.vy * bodies.vy)
-    arrives = jnp.maximum(room, 0.0) / jnp.maximum(going, 0.1)
+    arrives = jnp.maximum(gap, 0.0) / jnp.maximum(going, 0.1)
     needs = table.width[scene, ahead] / jnp.maximum(speed, 0.1) + _OPTIONS.clearance_time
     same = coming[:, None] == ahead[None]
     threatened = (
@@ -141,6 +141,6 @@ def give_way(
     threatened |= drives[:, None] & (here > 0)[:, None] & (here[:, None] == ahead[None])
     wait = at_kerb & threatened.any(0)
     busy = ((wanted[None] == coming[:, None]) & (coming > 0)[:, None]).any(1)
-    stop = busy & (going * going < 2.0 * 2.0 * _OPTIONS.braking * jnp.maximum(room, 0.0))
-    limit = jnp.sqrt(2.0 * _OPTIONS.braking * jnp.maximum(room - _OPTIONS.stop_distance, 0.0))
+    stop = busy & (going * going < 2.0 * 2.0 * _OPTIONS.braking * jnp.maximum(gap, 0.0))
+    limit = jnp.sqrt(2.0 * _OPTIONS.braking * jnp.maximum(gap - _OPTIONS.stop_distance, 0.0))
     return Order(wait, jnp.where(stop, limit, jnp.inf))

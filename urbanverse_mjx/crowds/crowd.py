@@ -212,9 +212,9 @@ class CrowdModel:
         bodies = crowd.bodies
         # Nobody stops for who was not there: a car would run over another that appears in front of it.
         square = bodies.vx * bodies.vx + bodies.vy * bodies.vy
-        room = size + _REACTION_TIME * jnp.sqrt(square) + 0.5 * square / self._traits.braking
+        braking = size + _REACTION_TIME * jnp.sqrt(square) + 0.5 * square / self._traits.braking
         place, found = spawning.choose(
-            keys[0], routes.place[scene], size[who], bodies.x, bodies.y, room, others, observer, hidden, self.reach
+            keys[0], routes.place[scene], size[who], bodies.x, bodies.y, braking, others, observer, hidden, self.reach
         )
         found &= wanted & (routes.num_goals[scene] > 0)
         x, y = routes.place[scene, place]

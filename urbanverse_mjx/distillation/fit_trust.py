@@ -83,7 +83,7 @@ def main(argv: list[str] | None = None) -> int:
         return 2
     evidence, is_right = (np.concatenate(x) for x in zip(*parts, strict=True))
     trust = [round(float(x), 2) for x in fit(evidence, is_right)]
-    sys.stdout.write(json.dumps({"trust": trust, "things": len(is_right), "right": int(is_right.sum())}) + "\n")
+    sys.stdout.write(json.dumps({"trust": trust, "objects": len(is_right), "right": int(is_right.sum())}) + "\n")
     return 0
 
 

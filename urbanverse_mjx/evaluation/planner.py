@@ -1,6 +1,6 @@
 """The privileged planner: a policy that knows the scene, the ceiling that a benchmark is measured against.
 
-In:   the scene's room, an episode's route fields, the robot's pose and speed.
+In:   the scene's clearance maps, an episode's route fields, the robot's pose and speed.
 Out:  a waypoint, the same action as any policy's.
 When: every control step, inside jit, per env.
 
@@ -27,7 +27,7 @@ import numpy as np
 from ..datatypes import RobotSpec
 from ..envs import NavEnv, NavState
 from ..envs.navigation import terms
-from ..envs.navigation.room import CELL, build_room
+from ..envs.navigation.clearance_maps import CELL, build_clearance_maps
 from ..geometry import rotations
 from ..robots.waypoint import WAYPOINT_REACH
 from .planner_options import PlannerOptions
@@ -163,9 +163,9 @@ class Planner:
             np.arange(len(_OPTIONS.steps)) < _OPTIONS.first_steps, 1.0, self._slower
         )
         scenes = [int(s) for s in env.scenes]
-        self._room = build_room(env.bank, scenes, robot.planner_height)
+        self._maps = build_clearance_maps(env.bank, scenes, robot.planner_height)
         self._to_hull, self._to_edge = (
-            _Field.of(x, scenes, self._room.origin) for x in (self._room.to_hull, self._room.to_edge)
+            _Field.of(x, scenes, self._maps.origin) for x in (self._maps.to_hull, self._maps.to_edge)
         )
         self.first = jnp.asarray(_commands(robot, self._motion, _OPTIONS.speeds, _OPTIONS.turns), jnp.float32)
         self._after = jnp.asarray(
@@ -183,7 +183,7 @@ class Planner:
         routes = np.concatenate([start[:, None, :2], route[..., :2]], 1).astype(np.float64)
         lengths = bank.episode_length[scenes, rows]
         goals = bank.episode_goal[scenes, rows, :2].astype(np.float64)
-        fields = build_route_fields(self._room, scenes, goals, routes, lengths, self._body.half_width)
+        fields = build_route_fields(self._maps, scenes, goals, routes, lengths, self._body.half_width)
         return RouteField(jnp.asarray(fields.origin), jnp.asarray(fields.cost))
 
     def act(self, nav: NavState, route: RouteField) -> Any:
@@ -329,7 +329,7 @@ def _field_at(route: RouteField, pose: Any, ahead: float, side: float = 0.0) -> 
 
 
 class _Field(NamedTuple):
-    """Fields of scenes in half cells of the room, looked up without interpolation, which is off by 1 cm.
+    """Fields of scenes in half cells of the clearance maps, looked up without interpolation, which is off by 1 cm.
 
     Attributes:
       values: (n,) i16 mm, scene after scene. row: (Z,) place of a scene among them. shape: (X, Y). origin: (Z, 2) m.

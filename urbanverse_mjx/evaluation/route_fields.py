@@ -1,6 +1,6 @@
 """How far it is from anywhere to an episode's goal, for who knows the scene: the planner's sense of direction.
 
-In:   `Room`, goals.
+In:   `ClearanceMaps`, goals.
 Out:  `RouteFields`, a field for each episode, in a window around its route.
 When: once per list of episodes, on the host.
 """
@@ -10,11 +10,11 @@ import dataclasses
 import numpy as np
 from scipy import ndimage
 
-from ..envs.navigation.room import CELL, Room
+from ..envs.navigation.clearance_maps import CELL, ClearanceMaps
 from ..geometry.geodesics import STEPS, Cells, GridGraph, Step, extra_near
 from ..geometry.grids import cell_of, pooled
 
-#: Cells of the room along a node, and m between nodes.
+#: Cells of the maps along a node, and m between nodes.
 POOL = 2
 NODE = POOL * CELL
 #: Of the diagonals one needs both cells beside it, the other neither: fields that scores are known with are so.
@@ -28,7 +28,7 @@ class RouteFieldOptions:
     Attributes:
       tight_cost: a metre where the robot just fits costs so many times as much.
       width_slack: m that may be missing from half the robot's width: nodes seldom lie in the middle of a gap.
-      tight_margin: m; a gap fits tightly with less room than this.
+      tight_margin: m; a gap fits tightly with less clearance than this.
       window_margin: m around a route that its window shows.
       reach_ratio: times a route's length that a field reaches,
       reach_margin: and m more.
@@ -61,23 +61,28 @@ class RouteFields:
 
 
 def build_route_fields(
-    room: Room, scenes: np.ndarray, goals: np.ndarray, routes: np.ndarray, lengths: np.ndarray, half_width: float
+    maps: ClearanceMaps,
+    scenes: np.ndarray,
+    goals: np.ndarray,
+    routes: np.ndarray,
+    lengths: np.ndarray,
+    half_width: float,
 ) -> RouteFields:
     """Fields to the goals of n episodes.
 
     Args:
-      scenes: (n,) rows of the room; goals: (n, 2) m.
+      scenes: (n,) rows of the maps; goals: (n, 2) m.
       routes: (n, W, 2) m, points of the routes, which the windows enclose; lengths: (n,) m.
       half_width: m, of the robot across its heading.
     """
     low = routes.min(1) - _OPTIONS.window_margin
     spans = np.ceil((routes.max(1) + _OPTIONS.window_margin - low) / NODE).astype(int)
-    shape = np.minimum(spans.max(0), np.array(room.to_hull.shape[1:]) // POOL)
-    first = cell_of(low, room.origin[scenes], NODE)
-    first = np.clip(first, 0, np.array(room.to_hull.shape[1:]) // POOL - shape)
+    shape = np.minimum(spans.max(0), np.array(maps.to_hull.shape[1:]) // POOL)
+    first = cell_of(low, maps.origin[scenes], NODE)
+    first = np.clip(first, 0, np.array(maps.to_hull.shape[1:]) // POOL - shape)
     cost = np.zeros((len(scenes), *shape), np.float32)
     for scene in np.unique(scenes):
-        graph = _Costs(room, int(scene), half_width)
+        graph = _Costs(maps, int(scene), half_width)
         rows = np.flatnonzero(scenes == scene)
         places, which = np.unique(goals[rows], axis=0, return_inverse=True)
         for k, goal in enumerate(places):
@@ -86,17 +91,17 @@ def build_route_fields(
             for row in own:
                 i, j = first[row]
                 cost[row] = field[i : i + shape[0], j : j + shape[1]]
-    origin = room.origin[scenes] + (first + 0.5) * NODE
+    origin = maps.origin[scenes] + (first + 0.5) * NODE
     return RouteFields(origin.astype(np.float32), cost)
 
 
 class _Costs:
     """The nodes of one scene that the robot's middle may pass, and what a metre there costs."""
 
-    def __init__(self, room: Room, scene: int, half_width: float) -> None:
-        clear = np.minimum(room.to_hull[scene], room.to_edge[scene]).astype(np.float32)
+    def __init__(self, maps: ClearanceMaps, scene: int, half_width: float) -> None:
+        clear = np.minimum(maps.to_hull[scene], maps.to_edge[scene]).astype(np.float32)
         clear = pooled(clear, POOL, np.mean)
-        self._origin = room.origin[scene]
+        self._origin = maps.origin[scene]
         self._passable = clear >= half_width - _OPTIONS.width_slack
         near = 1.0 + extra_near(clear, half_width)
         price = np.where(clear < half_width + _OPTIONS.tight_margin, _OPTIONS.tight_cost * near, near)

@@ -141,7 +141,7 @@ def _imitate(name: str, env: Any, config: Any, folder: pathlib.Path, resume: boo
     import jax
 
     from ..evaluation.route_follower import RouteFollower
-    from ..training.distil import distil
+    from ..training.imitation import distil
 
     follower = RouteFollower(env)
     return distil(

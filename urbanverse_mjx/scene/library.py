@@ -16,8 +16,8 @@ from ..datatypes import validation as v
 TABLE, HASHES, BANK, SCENES, RECORDS = "library.json", "hashes.json", "bank.npz", "scenes", "records"
 #: Hull slots of the physics model (design, section 3); m of COCO's root above the ground.
 SLOTS, ROOT = 16, 0.3
-#: What makes the graphs of a set that has no files: `citygen.craft` and `citygen.validation` by hand,
-#: `citygen.procedural` and `citygen.places` from templates.
+#: What makes the graphs of a set that has no files: `citygen.craftbench` and `citygen.validation_streets` by
+#: hand, `citygen.procedural_streets` and `citygen.procedural_places` from templates.
 GENERATORS = ("craft", "validation", "procedural", "places")
 _OPTIONAL = ("numbered", "builder", "validation")
 

@@ -9,8 +9,8 @@ from mujoco import mjx
 from ..datatypes import AgentMotion, AgentShapes, Bodies, Contacts, RobotSpec, SceneBank, SimState
 from ..datatypes import validation as v
 from ..precision import full_precision
+from .collision_slots import body_contact, body_slots
 from .physics_model import make_physics_model
-from .slots import body_contact, body_slots
 
 #: Pairs of a sphere and an agent that may touch at once: one who stands against a flat side of COCO touches three.
 AGENT_CONTACTS = 6

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import jax
 
 from ..datatypes import AgentShapes, RobotSpec, SceneBank, ValidationError
-from .slots.body_slots import Sizes
+from .collision_slots.body_slots import Sizes
 
 if TYPE_CHECKING:
     from .jax_engine import JaxEngine

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..datatypes import SceneBank
 from ..geometry import rotations
-from ..simulation.slots import static_slots
+from ..simulation.collision_slots import static_slots
 from .session import Frame, Machine
 
 #: m over the ground at which lines lie.

@@ -11,7 +11,7 @@ from urbanverse_mjx.datatypes import Bodies, Contacts, SceneBank, SimState, Vali
 from urbanverse_mjx.envs import registry
 from urbanverse_mjx.envs.navigation.movables import Movables, body_sizes
 from urbanverse_mjx.envs.navigation.scenarios import bank_for
-from urbanverse_mjx.simulation.slots.body_table import body_table
+from urbanverse_mjx.simulation.collision_slots.body_table import body_table
 
 NOBODY = {f"crowd.slots.{kind}": 0 for kind in ("wheelchair", "scooter", "cyclist", "car")}
 ONE_WALKER = {"scenario": "dynamic", "crowd.slots.pedestrian": 1, "vision": False, "impl": "warp", **NOBODY}

@@ -16,8 +16,8 @@ from tests.support.engine_runs import CONTROL_DT, NUM_ENVS, assert_equal, roll, 
 from urbanverse_mjx.datatypes import SceneBank, SimState, ValidationError
 from urbanverse_mjx.robots import make_coco
 from urbanverse_mjx.simulation import engines
+from urbanverse_mjx.simulation.collision_slots import hull_contact
 from urbanverse_mjx.simulation.jax_engine import JaxEngine
-from urbanverse_mjx.simulation.slots import hull_contact
 from urbanverse_mjx.simulation.warp_engine import WarpEngine, contact, kernels
 from urbanverse_mjx.simulation.warp_engine import batch as warp_batch
 from urbanverse_mjx.simulation.warp_engine.batch import WorldBatch
@@ -213,11 +213,11 @@ def slots_of(engine: WarpEngine, scene: np.ndarray, place: np.ndarray) -> tuple[
     return np.concatenate([owner, np.where(prisms < 0, -2, -1)], 1), nearby.missing.numpy().sum(1)
 
 
-@pytest.mark.parametrize("room", [3, 60])
-def test_contacts_are_those_of_the_mjx_engine(small_bank: SceneBank, room: int) -> None:
+@pytest.mark.parametrize("max_contacts", [3, 60])
+def test_contacts_are_those_of_the_mjx_engine(small_bank: SceneBank, max_contacts: int) -> None:
     """Balls at random places, deep and shallow, at faces, edges and corners: distance, normal, place, friction."""
     robot, rng = make_coco(), np.random.default_rng(0)
-    engine = WarpEngine(small_bank, robot, control_dt=CONTROL_DT, num_contacts=room)
+    engine = WarpEngine(small_bank, robot, control_dt=CONTROL_DT, num_contacts=max_contacts)
     other = JaxEngine(small_bank, robot, control_dt=CONTROL_DT, num_contacts=100)
     n, count = 400, len(engine.physics.spheres.radius)
     scene = rng.integers(small_bank.num_scenes, size=n).astype(np.int32)
@@ -237,7 +237,9 @@ def test_contacts_are_those_of_the_mjx_engine(small_bank: SceneBank, room: int) 
     expected, friction, owner = jax.device_get(jax.jit(jax.vmap(reference))(scene, place, balls, origin))
     with wp.ScopedDevice("cpu"):
         shared = DeviceModel(engine.bank, engine._robot_model, engine.reach)
-        batch = WorldBatch(shared, n, engine.num_slots, engine.num_prism_slots, room, 0, graphs=False, agents=None)
+        batch = WorldBatch(
+            shared, n, engine.num_slots, engine.num_prism_slots, max_contacts, 0, graphs=False, agents=None
+        )
         where = [shared.tables, wp.array(scene, dtype=int), wp.array(place, dtype=wp.vec3), engine.num_slots]
         wp.launch(kernels.find_slots, dim=(n, 2), inputs=[*where, engine.num_prism_slots, batch.nearby, batch.nothing])
         wp.launch(kernels.place_slots, dim=batch.slots.hull.shape, inputs=[*where, batch.nearby, batch.slots])
@@ -247,16 +249,16 @@ def test_contacts_are_those_of_the_mjx_engine(small_bank: SceneBank, room: int) 
         wp.launch(contact.find_contacts, dim=batch.slots.hull.shape, inputs=inputs)
         found = {name: getattr(batch.places, name).numpy() for name in ("dist", "pos", "frame", "friction", "slot")}
         geom, number = batch.places.geom.numpy(), batch.places.count.numpy()
-        owners = np.take_along_axis(batch.slots.owner.numpy(), found["slot"].reshape(n, room), 1)
+        owners = np.take_along_axis(batch.slots.owner.numpy(), found["slot"].reshape(n, max_contacts), 1)
     sphere_of = {int(g): s for s, g in enumerate(engine._robot_model.sphere_geom)}
     touching = expected.distance < 0
     np.testing.assert_array_equal(number, touching.sum(1))
-    assert (number > room).any() == (room == 3)
+    assert (number > max_contacts).any() == (max_contacts == 3)
     own, seen = engine.physics.spheres, 0
     for w in range(n):
         theirs = {(int(expected.sphere[w, k]), int(expected.slot[w, k])): k for k in np.flatnonzero(touching[w])}
-        for number_here in range(min(number[w], room)):
-            k = w * room + number_here
+        for number_here in range(min(number[w], max_contacts)):
+            k = w * max_contacts + number_here
             sphere = sphere_of[int(geom[k, 0])]
             match = theirs[sphere, int(found["slot"][k])]
             np.testing.assert_allclose(found["dist"][k], expected.distance[w, match], atol=2e-6)

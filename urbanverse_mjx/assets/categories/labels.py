@@ -1,6 +1,6 @@
 """Labels of public vocabularies (Cityscapes, nuScenes, ADE20K, LVIS, Open Images, OSM street tags) -> leaf or no leaf.
 
-`assets_index/labels.csv` holds one row per label; `python -m urbanverse_mjx.assets labels` makes it from three things:
+`assets_index/labels.csv` holds one row per label; `python -m urbanverse_mjx.assets labels` makes it from three sources:
 the vocabularies' lists, the names and synonyms of the leaves, and `label_decisions.csv`, where a person overruled or
 supplied what names alone get wrong ("zebra" in a photo of animals is no crosswalk). An empty leaf means: not urban, or
 a property of the ground or a part of a building for which no asset stands.

@@ -138,7 +138,7 @@ def report(entries: list[Entry]) -> dict[str, Any]:
         "imported": len(good),
         "rejected": len(bad),
         "rejected_for": reasons,
-        "assets": [{"file": e.file, "uid": e.uid, "mended": _fixed(e), "notes": list(e.notes)} for e in good],
+        "assets": [{"file": e.file, "uid": e.uid, "fixed": _fixed(e), "notes": list(e.notes)} for e in good],
         "refusals": [
             {"file": e.file, "reason": e.reason, "why": e.why, "all": [f"{n}: {w}" for n, w, _ in e.findings]}
             for e in bad

@@ -40,7 +40,7 @@ def pack(colors: list[tuple[int, int, int]], images: list[np.ndarray]) -> Atlas:
             return _paint(colors, images, places, width, height)
     sizes = ", ".join(f"{p.shape[1]}x{p.shape[0]}" for p in images)
     raise ValueError(
-        f"atlas: found {len(colors)} colours and images of {sizes}, needed room in 512x512; draw them smaller."
+        f"atlas: found {len(colors)} colours and images of {sizes}, needed what fits in 512x512; draw them smaller."
     )
 
 

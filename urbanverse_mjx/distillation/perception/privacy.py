@@ -1,4 +1,4 @@
-"""Faces and plates become unreadable before a frame is stored. Nothing in this room sends frames anywhere."""
+"""Faces and plates become unreadable before a frame is stored. Nothing in this module sends frames anywhere."""
 
 import dataclasses
 import importlib

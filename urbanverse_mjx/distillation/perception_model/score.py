@@ -82,7 +82,7 @@ class Score:
         depth = round(float(np.median(self.depth_errors)), 4) if self.depth_errors else None
         all_objects = _row(self.found.sum(), self.missed.sum(), self.invented.sum())
         leaf = round(self.right_leaves / self.with_leaf, 3) if self.with_leaf else None
-        return {"things": rows, "all": all_objects, "leaf": leaf, "surface_iou": surfaces, "depth_error": depth}
+        return {"objects": rows, "all": all_objects, "leaf": leaf, "surface_iou": surfaces, "depth_error": depth}
 
 
 def _row(found: int, missed: int, invented: int) -> dict[str, Any]:
@@ -97,7 +97,7 @@ def _row(found: int, missed: int, invented: int) -> dict[str, Any]:
 def as_markdown(table: dict[str, Any]) -> str:
     """The table for people."""
     lines = ["| class | there | recall | precision |", "| --- | --- | --- | --- |"]
-    for name, row in {**table["things"], "all": table["all"]}.items():
+    for name, row in {**table["objects"], "all": table["all"]}.items():
         lines.append(f"| {name} | {row['there']} | {_show(row['recall'])} | {_show(row['precision'])} |")
     surfaces = ", ".join(f"{name} {iou:.2f}" for name, iou in table["surface_iou"].items())
     return "\n".join(

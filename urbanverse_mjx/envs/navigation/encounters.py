@@ -1,6 +1,6 @@
 """Encounters: what people do on and beside an episode's route, as `crowds.behaviours` has it.
 
-In:   the route, how much room there is, `config.crowd.encounters`.
+In:   the route, the clearance of the ground, `config.crowd.encounters`.
 Out:  a `Script` for the first walkers of a crowd.
 When: when an episode begins, inside jit, per env.
 """
@@ -134,12 +134,12 @@ class Encounters:
             left = jax.random.uniform(keys[1], (), minval=-1.2, maxval=1.2)
             script = make(route_pose(start, waypoints, arc), left)
             here = jnp.stack([script.x, script.y], -1)
-            room = clearance(here).min() > _OBJECT_CLEARANCE
+            fits = clearance(here).min() > _OBJECT_CLEARANCE
             apart = jnp.linalg.norm(here - start[:2], axis=-1).min() > _START_RADIUS
             for other in scripts:
                 there = jnp.stack([other.x, other.y], -1)
                 near = jnp.linalg.norm(here[:, None] - there, axis=-1) < _AGENT_DISTANCE
                 apart &= ~(near & (other.mode != ROAM)).any()
-            takes_place = (jax.random.uniform(keys[2]) < chance) & room & apart
+            takes_place = (jax.random.uniform(keys[2]) < chance) & fits & apart
             scripts.append(script._replace(mode=jnp.where(takes_place, script.mode, ROAM)))
         return behaviours.together(*scripts) if scripts else None

@@ -52,8 +52,8 @@ def wheeled_engine(
     Raises:
       ValidationError: a robot that takes no wheel commands.
     """
+    from ...simulation.collision_slots.body_slots import Sizes
     from ...simulation.engines import make_engine
-    from ...simulation.slots.body_slots import Sizes
 
     told, motors = robot.command(jnp.zeros(2)).shape[0], mujoco.MjModel.from_xml_string(robot.mjcf).nu
     if told != motors:

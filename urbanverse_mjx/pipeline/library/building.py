@@ -1,7 +1,6 @@
 """A layout of a set -> its cousins, compiled; and all scenes of a set -> one bank. Goes on where it stopped."""
 
 import dataclasses
-import importlib
 import pathlib
 import time
 from collections.abc import Callable, Iterator
@@ -39,14 +38,16 @@ class Failure:
 def _makers(scenes: library.SceneSet) -> dict[str, Callable[[], SceneGraph]]:
     """What makes the graph of each layout of a set: a file to read, or the generator that the set's row names."""
     if scenes.builder in ("procedural", "places"):
-        from ...citygen import places, procedural
+        from ...citygen import procedural_places, procedural_streets
 
-        made = {"procedural": procedural, "places": places}[scenes.builder]
+        made = {"procedural": procedural_streets, "places": procedural_places}[scenes.builder]
         names = {f"{scenes.builder}_{k:03d}": k for k in range(made.COUNT)}
         return {name: lambda k=k, name=name: dataclasses.replace(made.build(k), id=name) for name, k in names.items()}
     if scenes.builder in ("craft", "validation"):
+        from ...citygen import craftbench, validation_streets
+
         # Both are packages of hand-made scenes: BUILDERS by id, and `build`.
-        hand = importlib.import_module(f"...citygen.{scenes.builder}", __package__)
+        hand = {"craft": craftbench, "validation": validation_streets}[scenes.builder]
         return {name: lambda name=name: hand.build(name) for name in hand.BUILDERS}
     return {name: lambda path=path: SceneGraph.load(path) for name, path in scenes.graphs().items()}
 

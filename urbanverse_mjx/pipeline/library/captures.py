@@ -15,8 +15,8 @@ from ...assets.selection.label_priors import LabelPriors
 from ...capture import CameraPath, FilmOptions, film_scene
 from ...capture.path import camera_poses
 from ...capture.street import StreetGrid, street_grid
-from ...citygen.cities import CityProfile, block
-from ...citygen.cities.block import LENGTH, VERSION
+from ...citygen.city_blocks import CityProfile, block
+from ...citygen.city_blocks.block import LENGTH, VERSION
 from ...datatypes import Recording, SceneBank, SceneGraph, Source
 from ...distillation import distil
 from ...materialisation import index_of, materialise_cousins

@@ -14,9 +14,9 @@ import numpy as np
 
 from ...datatypes import SceneBank
 from ...geometry import rotations
-from ..slots import body_contact, static_slots
-from ..slots.body_slots import Awake, BodyConstants
-from ..slots.hull_contact import HullTable
+from ..collision_slots import body_contact, static_slots
+from ..collision_slots.body_slots import Awake, BodyConstants
+from ..collision_slots.hull_contact import HullTable
 from .constraint import Pushed, Rows, pyramid_rows, tangents
 
 #: MuJoCo's defaults for every geom of a scene.

@@ -15,8 +15,8 @@ import jax
 import jax.numpy as jnp
 import mujoco
 
+from ..collision_slots.hull_contact import SphereContacts
 from ..physics_model import LimitTable, SphereTable
-from ..slots.hull_contact import SphereContacts
 
 #: A step whose length is within this of Newton's own ended where the quadratic has its minimum.
 _FULL_STEP = 1e-3

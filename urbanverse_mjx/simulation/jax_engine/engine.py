@@ -18,8 +18,8 @@ from mujoco import mjx
 from ...datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ...datatypes import validation as v
 from ...precision import full_precision
+from ..collision_slots import agent_slots, body_slots, hull_contact, static_slots
 from ..engine_base import EngineBase, Substeps
-from ..slots import agent_slots, body_slots, hull_contact, static_slots
 from . import body_dynamics, constraint
 
 

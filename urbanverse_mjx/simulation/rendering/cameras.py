@@ -29,7 +29,7 @@ def look_at(camera_position: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.
     right = np.cross(np.asarray(up, np.float64), back)
     if np.linalg.norm(back) < 1e-9 or np.linalg.norm(right) < 1e-9 * np.linalg.norm(back):
         raise ValidationError(
-            f"camera: found position {camera_position}, target {target}; needed two points not above one another; move one"
+            f"camera: found position {camera_position}, target {target}; needed points not above one another; move one"
         )
     back, right = back / np.linalg.norm(back), right / np.linalg.norm(right)
     return Rotation.from_matrix(np.column_stack([right, np.cross(back, right), back])).as_quat(scalar_first=True)

@@ -7,7 +7,7 @@
 
 import warp as wp
 
-from ..slots import agent_slots
+from ..collision_slots import agent_slots
 from .contact import Places, Slots, Spheres, put_contact
 
 _FIRST_OWNER, _FRICTION = wp.constant(agent_slots.FIRST_OWNER), wp.constant(agent_slots.FRICTION)

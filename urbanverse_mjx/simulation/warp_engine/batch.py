@@ -11,7 +11,7 @@ import numpy as np
 import warp as wp
 
 from ...datatypes import AgentShapes
-from ..slots import body_slots
+from ..collision_slots import body_slots
 from . import agents as warp_agents
 from . import bodies as warp_bodies
 from . import body_types, contact, kernels

@@ -12,7 +12,7 @@ data of each world.
 
 import warp as wp
 
-from ..slots import body_contact, body_slots
+from ..collision_slots import body_contact, body_slots
 from .body_types import Bodies, BodyTable
 from .contact import Hulls, Places, Slots, outside_box, slide, write_contact
 from .kernels import Masses, Tables, find_nearest

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from ...datatypes import Bodies
-from ..slots.body_slots import Awake
+from ..collision_slots.body_slots import Awake
 
 #: Numbers of a body's state: place, quaternion, velocity, spin, warm start.
 STATE = 19

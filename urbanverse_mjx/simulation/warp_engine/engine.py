@@ -18,8 +18,8 @@ import warp as wp
 
 from ...datatypes import AgentMotion, AgentShapes, Contacts, RobotSpec, SceneBank, SimState
 from ...datatypes import validation as v
+from ..collision_slots import body_slots
 from ..engine_base import EngineBase, Substeps
-from ..slots import body_slots
 from ..warp_bridge import DeviceStore, batched_call, device_lock, jax_callable, register
 from . import bodies_input
 from .batch import WorldBatch

@@ -8,7 +8,7 @@
 
 import warp as wp
 
-from ..slots.agent_slots import FIRST_OWNER
+from ..collision_slots.agent_slots import FIRST_OWNER
 from .contact import Places, Slots, outside_box
 
 _EMPTY = wp.constant(-1)

@@ -16,10 +16,10 @@ import warp as wp
 
 from ...datatypes import SceneBank
 from ...datatypes import validation as v
+from ..collision_slots import static_slots
+from ..collision_slots.body_table import BodyTable
+from ..collision_slots.hull_contact import planes_and_edges
 from ..physics_model import PhysicsModel, bare_robot
-from ..slots import static_slots
-from ..slots.body_table import BodyTable
-from ..slots.hull_contact import planes_and_edges
 from . import body_types, contact, kernels
 from .mujoco_warp_private import vec5  # pyright: ignore[reportAttributeAccessIssue] (its package is untyped)
 

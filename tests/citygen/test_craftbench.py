@@ -1,0 +1,96 @@
+"""CraftBench: what is asked of hand-made scenes, counted on the graphs that its modules build."""
+
+import itertools
+import math
+
+import pytest
+
+from urbanverse_mjx.assets import load_index
+from urbanverse_mjx.citygen.craftbench import BUILDERS, build, write
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
+from urbanverse_mjx.scene import library
+
+from . import composed
+
+IDS = list(BUILDERS)
+#: The ids of the authors' release (docs/sources/reference_systems.md b.1).
+PUBLISHED = {
+    "01_residential_street_dual_sidewalks_dense_bollards_trash_bags",
+    "02_residential_street_single_sidewalk_door_to_street_buildings",
+    "03_residential_street_dual_sidewalks_clean",
+    "04_commercial_street_asymmetric_sidewalks_benches_bicycles",
+    "05_japanese_tourist_street_dual_sidewalks_blocked_by_vehicles",
+    "06_bar_street_dual_sidewalks_obstructed_fallen_scooters",
+    "07_narrow_alley_outdoor_dining",
+    "08_commercial_street_bike_lane_dual_sidewalks",
+    "09_cbd_t_intersection_construction_sites",
+    "10_cbd_cross_intersection_diverse_obstacles",
+    "11_urban_park_dogs_sports_area",
+    "12_courtyard_plaza_central_fountain",
+}
+
+
+@pytest.fixture(scope="module", params=IDS)
+def graph(request) -> SceneGraph:
+    return build(request.param)
+
+
+def test_a_graph_has_the_committed_hash_and_survives_its_file(graph, tmp_path):
+    assert graph.content_hash() == library.shipped_hashes("craftbench")[graph.id]["graph"]
+    written = write(graph, tmp_path / "graph.json")
+    assert SceneGraph.load(written) == graph
+    assert written.stat().st_size <= 55_000
+
+
+def test_every_scene_is_one_of_the_published_ids():
+    assert set(IDS) <= PUBLISHED
+    assert set(library.shipped_hashes("craftbench")) == set(IDS)
+    with pytest.raises(ValidationError, match="01_residential"):
+        build("nowhere")
+
+
+@pytest.mark.parametrize("scene_id", IDS)
+def test_a_scene_has_no_faults(scene_id):
+    assert BUILDERS[scene_id]().problems() == []
+
+
+def test_rich_and_long_enough(graph):
+    assert 150 <= len(graph.objects) <= 300
+    assert len({o.label for o in graph.objects}) >= 30
+    route = [p[:2] for p in graph.camera_path]
+    assert 80.0 <= sum(math.dist(a, b) for a, b in itertools.pairwise(route)) <= 600.0
+    assert graph.source.video == "hand"
+    assert graph.sky_descriptor is not None
+
+
+def test_ground_compiles_and_no_place_has_more_prisms_than_an_engine_looks_at(graph):
+    most, place = composed.most_prisms_near(graph)
+    assert most <= composed.PRISMS, f"{most} prisms near {place}"
+
+
+def test_every_object_has_an_asset_of_its_size(graph):
+    """Nothing but house fronts, hedges and fences is stretched when assets are chosen."""
+    assert composed.stretched(graph) == []
+
+
+def test_scenes_differ_in_character():
+    """No two scenes share more than 70 % of their labels, weighted by count."""
+    for a, b in itertools.combinations([build(scene_id) for scene_id in IDS], 2):
+        assert composed.shared_labels(a, b) < 0.7
+
+
+def test_fallen_scooters_lie_and_bollards_are_dense():
+    def graph_objects(prefix: str, label: str) -> list:
+        found = next(s for s in IDS if s.startswith(prefix))
+        return [o for o in build(found).objects if o.label == label]
+
+    scooters = graph_objects("06", "scooter")
+    assert sum(o.size[2] < 0.6 and min(o.size[:2]) > 1.0 for o in scooters) >= 25
+    index = load_index()
+    lying = [r for r in index.by_label("scooter") if r.height < 0.6]
+    assert lying
+    for obj in scooters:
+        best = min(index.by_label("scooter"), key=lambda r: composed.distortion(obj.size, r))
+        assert (best in lying) == (obj.size[2] < 0.6)
+    assert len(graph_objects("01", "bollard")) >= 60
+    assert len(graph_objects("01", "garbage bag")) >= 35

@@ -1,0 +1,74 @@
+"""Validation streets: what is asked of hand-made scenes, and that no plan of CraftBench is among them."""
+
+import itertools
+import math
+
+import pytest
+import shapely
+
+from urbanverse_mjx.citygen import craft
+from urbanverse_mjx.citygen.validation_streets import BUILDERS, build
+from urbanverse_mjx.datatypes import SceneGraph, ValidationError
+from urbanverse_mjx.scene import library
+
+from . import composed
+
+IDS = list(BUILDERS)
+
+
+@pytest.fixture(scope="module", params=IDS)
+def graph(request) -> SceneGraph:
+    return build(request.param)
+
+
+def test_there_are_eight_and_each_has_the_committed_hash(graph):
+    hashes = library.shipped_hashes("validation")
+    assert list(hashes) == IDS
+    assert len(IDS) == 8
+    assert graph.content_hash() == hashes[graph.id]["graph"]
+    with pytest.raises(ValidationError, match="v01_shopping"):
+        build("nowhere")
+
+
+@pytest.mark.parametrize("scene_id", IDS)
+def test_nothing_floats_overlaps_or_blocks_the_route(scene_id):
+    assert BUILDERS[scene_id]().problems() == []
+
+
+def test_rich_and_of_the_size_of_a_street(graph):
+    assert 150 <= len(graph.objects) <= 300
+    assert len({o.label for o in graph.objects}) >= 50
+    x0, y0, x1, y1 = composed.walkable(graph).bounds
+    assert 55.0 <= max(x1 - x0, y1 - y0) <= 95.0
+    route = [p[:2] for p in graph.camera_path]
+    assert sum(math.dist(a, b) for a, b in itertools.pairwise(route)) >= 80.0
+    assert graph.source.video == "hand"
+    assert graph.sky_descriptor is not None
+
+
+def test_no_place_has_more_prisms_than_an_engine_looks_at(graph):
+    most, place = composed.most_prisms_near(graph)
+    assert most <= composed.PRISMS, f"{most} prisms near {place}"
+
+
+def test_no_object_is_stretched(graph):
+    assert composed.stretched(graph) == []
+
+
+def test_no_two_scenes_are_alike_and_none_is_like_craftbench():
+    """Alike: 70 % of the labels, or ground that covers 85 % of the other's when both are laid on one another."""
+    ours = [build(scene_id) for scene_id in IDS]
+    theirs = [craft.build(scene_id) for scene_id in craft.BUILDERS]
+    for a, b in [*itertools.combinations(ours, 2), *itertools.product(ours, theirs)]:
+        assert composed.shared_labels(a, b) < 0.7, (a.id, b.id)
+        assert _overlap(a, b) < 0.85, (a.id, b.id)
+
+
+def _overlap(a: SceneGraph, b: SceneGraph) -> float:
+    """Share of the union of two walkable grounds, the middles of their bounds on one another, that both cover."""
+    moved = []
+    for graph in (a, b):
+        area = composed.walkable(graph)
+        x0, y0, x1, y1 = area.bounds
+        moved.append(shapely.affinity.translate(area, -(x0 + x1) / 2, -(y0 + y1) / 2))
+    return moved[0].intersection(moved[1]).area / moved[0].union(moved[1]).area

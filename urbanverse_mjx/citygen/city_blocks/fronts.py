@@ -1,0 +1,125 @@
+"""House fronts along a block, across its ends and at the back of side streets, and what hangs on them."""
+
+from . import stock
+from .filling import Filler
+from .ground import ARM, CROSS_ROAD, FAR_PAVEMENT, SIDE_DEPTH, Plan
+
+#: m that a front is deep, and the factor by which one is stretched.
+MOST_DEEP, STRETCH = 9.0, 1.25
+#: m between two fronts.
+JOINT = 0.02
+#: m of front left over at the end of a row that a wall closes rather than a stretched house.
+LEAST = 4.5
+
+
+def build(filler: Filler) -> None:
+    """All fronts of a block."""
+    plan = filler.plan
+    for side in (1, -1):
+        at = 0.0
+        for mouth in [*plan.mouths(side), None]:
+            end = filler.line.length if mouth is None else mouth.begin
+            for piece in filler.line.pieces:
+                begin, stop = max(at, piece.begin), min(end, piece.end)
+                if begin < stop - 1.0:
+                    front = side * plan.front(side)
+                    a = begin + filler.line.shift(piece, begin, front) if begin == piece.begin else begin
+                    b = stop + filler.line.shift(piece, stop, front) if stop == piece.end else stop
+                    _row(filler, side, a, b)
+            if mouth is not None:
+                at = mouth.end
+                width = mouth.end - mouth.begin
+                house = _house(filler, width + 3.0)
+                v = plan.front(side) - plan.half + SIDE_DEPTH + house.size[0] / 2
+                filler.put(house, mouth.begin + width / 2, side, v, "street", free=True)
+    for at_end in (False, True):
+        _close(filler, plan, at_end)
+
+
+def _house(filler: Filler, frontage: float) -> stock.Item:
+    """A house of the profile's mix, near to a frontage (m) and to the profile's height."""
+    profile = filler.plan.profile
+    wanted = (MOST_DEEP, frontage, filler.uniform(*profile.height))
+    house = stock.draw(stock.pick(profile.houses, filler.rng), filler.rng, wanted)
+    # Fronts may be stretched: towards what was wanted, by as much as looks right.
+    size = [x * min(max(y / x, 1 / STRETCH), STRETCH) for x, y in zip(house.size, wanted, strict=True)]
+    size[0] = min(house.size[0], 1.4 * MOST_DEEP)
+    return stock.Item(house.label, tuple(round(x, 3) for x in size), house.descriptor)  # type: ignore[arg-type]
+
+
+def _row(filler: Filler, side: int, begin: float, end: float) -> None:
+    """Fronts side by side from begin to end; what is left over is shared as small gaps or closed by a wall."""
+    profile = filler.plan.profile
+    depth = filler.plan.front(side) - filler.plan.half
+    at = begin
+    while end - at > LEAST:
+        left_over = end - at
+        wanted = filler.uniform(*profile.frontage)
+        if left_over - wanted < LEAST:
+            wanted = left_over
+        house = _house(filler, min(wanted, left_over))
+        along, across, up = house.size
+        if across > left_over:
+            along, across = along, left_over - JOINT
+            house = stock.Item(house.label, (along, round(across, 3), up), house.descriptor)
+        filler.put(house, at + across / 2, side, depth + along / 2, "street", free=True)
+        at += across + JOINT
+        if filler.chance(profile.gaps):
+            gap = filler.uniform(2.0, 4.5)
+            _wall(filler, side, at, min(at + gap, end))
+            at += gap
+    _wall(filler, side, at, end)
+
+
+def _wall(filler: Filler, side: int, begin: float, end: float) -> None:
+    """A wall or fence between two houses, a tree behind it."""
+    width = end - begin
+    if width < 0.5:
+        return
+    wall = stock.draw("wall" if filler.chance(0.6) else "fence#2", filler.rng)
+    size = (wall.size[0], round(width - JOINT, 3), wall.size[2])
+    depth = filler.plan.front(side) - filler.plan.half
+    filler.put(stock.Item(wall.label, size, wall.descriptor), begin + width / 2, side, depth + 0.2, "street", free=True)
+    if width > 2.0 and filler.plan.profile.trees:
+        growth = stock.pick(filler.plan.profile.trees, filler.rng)
+        filler.put(stock.draw(f"tree#{growth}", filler.rng), begin + width / 2, side, depth + 2.0, "street", free=True)
+
+
+def _close(filler: Filler, plan: Plan, at_end: bool) -> None:
+    """Fronts along the far side of a cross road, and one at the end of each of its arms."""
+    profile = plan.profile
+    edge, sign, facing = (filler.line.length, 1.0, 180.0) if at_end else (0.0, -1.0, 0.0)
+    away = CROSS_ROAD + FAR_PAVEMENT
+    at, stop = -plan.front(-1) - ARM, plan.front(1) + ARM
+    while stop - at > LEAST:
+        house = _house(filler, filler.uniform(*profile.frontage))
+        along, across, _ = house.size
+        filler.put(house, edge + sign * (away + along / 2), 1, at + across / 2 - plan.half, facing, free=True)
+        at += across + JOINT
+    for side in (1, -1):
+        house = _house(filler, CROSS_ROAD + FAR_PAVEMENT)
+        v = plan.front(side) - plan.half + ARM + house.size[0] / 2
+        filler.put(house, edge + sign * away / 2, side, v, "street", free=True)
+
+
+def hang(filler: Filler) -> None:
+    """Awnings, banners, air conditioners and the like on the fronts."""
+    plan, profile = filler.plan, filler.plan.profile
+    for side in (1, -1):
+        depth, taken = plan.front(side) - plan.half, list[tuple[float, float]]()
+        for _ in range(round(profile.hangings * filler.line.length / 100)):
+            item = stock.draw(stock.pick(profile.hung, filler.rng), filler.rng)
+            s = filler.uniform(4.0, filler.line.length - 4.0)
+            if any(m.begin - 3 < s < m.end + 3 for m in plan.mouths(side)):
+                continue
+            low, high = (2.3, 2.6) if item.label in ("awning", "lantern") else (2.9, min(9.0, profile.height[0] - 2.0))
+            along = item.label == "banner"
+            out = (item.size[1] if along else item.size[0]) / 2
+            foot = max(0.0, filler.uniform(low, max(low, high)))
+            if item.label == "awning":
+                if any(a < s + item.size[1] / 2 and s - item.size[1] / 2 < b for a, b in taken):
+                    continue
+                taken.append((s - item.size[1] / 2, s + item.size[1] / 2))
+            if item.label == "awning" and item.size[2] > 2.0:
+                foot = 0.0  # stands on its own posts
+            filler.put(item, s, side, depth - out - 0.02, "+" if along else "street", foot=foot, free=True)

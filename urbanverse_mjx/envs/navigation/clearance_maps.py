@@ -1,0 +1,96 @@
+"""Clearance maps, to the centimetre: how far it is from anywhere in a scene to what stands there, and to the edge of
+the ground a robot may be on.
+
+In:   a `SceneBank`.
+Out:  `ClearanceMaps`, two signed distance fields of each scene.
+When: once per bank, on the host; for those who may know the scene, such as `evaluation.planner`.
+
+`surroundings` tells critics and rewards about the same in cells of 0.2 m; a robot that shall pass where 10 cm are left
+needs it finer, with signs, and up to the corners of the hulls instead of those of their boxes.
+"""
+
+import dataclasses
+import functools
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy import ndimage
+
+from ...crowds import free_space
+from ...datatypes import SceneBank, traversable
+from ...geometry.grids import Grid
+from ...geometry.raster import Shape, nearest, outline, to_outline
+
+#: m, side of a cell: that of a compiled scene's map.
+CELL = 0.05
+#: m, distances are not told beyond this.
+FAR = 1.0
+#: m, what rises less above the ground is no obstacle: hulls that lie in the pavement, such as lids.
+LOW = 0.005
+#: m, least step of the ground that counts from one cell of `free_space.CELL` to the next: the lowest kerb (4 cm); a
+#: ramp of 1:3 does not.
+STEP = 0.035
+
+
+@dataclasses.dataclass(frozen=True)
+class ClearanceMaps:
+    """Distances (m) at the centres of cells of `CELL`, at most `FAR`.
+
+    Attributes:
+      origin: (Z, 2) m, lower corner of each scene's cells.
+      to_hull: (Z, X, Y) f16 m on the ground plane to the nearest hull's outline, negative inside.
+      to_edge: (Z, X, Y) f16 m to the nearest ground that is not walkable or has a step, negative there.
+    """
+
+    origin: np.ndarray
+    to_hull: np.ndarray
+    to_edge: np.ndarray
+
+
+def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) -> ClearanceMaps:
+    """The clearance maps of some scenes of a bank; the rows of all others stay 0.
+
+    Args:
+      height: m, of the robot: what hangs higher above the ground is no obstacle.
+    """
+    cells = round(float(bank.map_resolution) / CELL)
+    shape = (bank.map_kind.shape[1] * cells, bank.map_kind.shape[2] * cells)
+    to_hull, to_edge = (np.zeros((bank.num_scenes, *shape), np.float16) for _ in range(2))
+    origin = np.asarray(bank.map_origin, np.float64)
+    for scene in scenes:
+        ground = _finer(free_space.ground_height(bank, scene), round(free_space.CELL / CELL), shape)
+        grid = Grid(origin[scene], CELL, shape)
+        to_hull[scene] = nearest(grid, _outlines(bank, scene, grid, ground, height), FAR)
+        to_edge[scene] = _to_edge(np.kron(bank.map_kind[scene], np.ones((cells, cells), np.uint8)), ground)
+    return ClearanceMaps(origin, to_hull, to_edge)
+
+
+def _finer(coarse: np.ndarray, times: int, shape: tuple[int, int]) -> np.ndarray:
+    """Every cell as `times` x `times` ones, the last ones repeated where the map goes on."""
+    fine = np.kron(coarse, np.ones((times, times)))[: shape[0], : shape[1]]
+    missing = [(0, n - m) for n, m in zip(shape, fine.shape, strict=True)]
+    return np.pad(fine, missing, mode="edge")
+
+
+def _outlines(bank: SceneBank, scene: int, grid: Grid, ground: np.ndarray, height: float) -> Iterator[Shape]:
+    """The outlines of the hulls that a robot of that height does not pass under or over."""
+    for corners in bank.standing_hulls(scene):
+        floor = ground[tuple(grid.cell(corners[:, :2].mean(0)))]
+        if corners[:, 2].min() - floor > height or corners[:, 2].max() - floor < LOW:
+            continue
+        flat = corners[:, :2]
+        yield flat.min(0), flat.max(0), functools.partial(to_outline, outline(flat))
+
+
+def _to_edge(kind: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    walkable = traversable(kind)
+    for axis in (0, 1):
+        step = np.abs(np.diff(ground, axis=axis)) > STEP
+        step &= np.take(walkable, range(1, walkable.shape[axis]), axis) & np.take(
+            walkable, range(walkable.shape[axis] - 1), axis
+        )
+        walkable &= ~np.insert(step, step.shape[axis], False, axis) & ~np.insert(step, 0, False, axis)
+    padded = np.pad(walkable, 1)
+    inside = ndimage.distance_transform_edt(padded)[1:-1, 1:-1] * CELL - CELL / 2
+    outside = ndimage.distance_transform_edt(~padded)[1:-1, 1:-1] * CELL - CELL / 2
+    return np.clip(np.where(walkable, inside, -outside), -FAR, FAR)
