@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from urbanverse_mjx.capture.path import camera_poses
 from urbanverse_mjx.datatypes import GROUND_KINDS, Camera
+from urbanverse_mjx.distillation.perception import pieces, trajectory_error
 from urbanverse_mjx.distillation.perception import structure as structure_module
-from urbanverse_mjx.distillation.perception import trajectory_error
 from urbanverse_mjx.distillation.perception.frames import Frames
 from urbanverse_mjx.distillation.perception.metric import Metric, to_metric
 from urbanverse_mjx.distillation.perception.structure import Structure
@@ -231,3 +231,22 @@ def test_a_way_that_breaks_is_made_again_and_the_least_broken_is_kept(monkeypatc
     assert found(jumped, worse) is jumped
     assert found(whole, jumped) is whole
     assert len(tried) == 1
+
+
+def test_shifts_are_searched_as_far_as_the_places_may_be_off() -> None:
+    """The known points lie 2 m beside the own ones: found where the search reaches so far, never beyond its reach."""
+    rng = np.random.default_rng(0)
+    own = np.c_[rng.uniform(-15.0, 15.0, (300, 2)), rng.uniform(0.0, 3.0, 300)]
+    known = own + [2.0, -1.0, 0.0]
+    steps = (np.radians(2.0), np.radians(4.0), 0.5, 0.5)
+    found = {
+        reach: pieces._search(known, own, lambda _: np.zeros(3), 0.0, np.zeros(2), steps, reach) for reach in (1.0, 3.0)
+    }
+    for reach, (turns, scores, shifts) in found.items():
+        assert len(turns) == len(scores) == len(shifts) == 5
+        assert np.abs(shifts).max() <= reach
+    turns, scores, shifts = found[3.0]
+    best = int(scores.argmax())
+    assert turns[best] == pytest.approx(0.0)
+    np.testing.assert_allclose(shifts[best], [2.0, -1.0])
+    assert scores[best] > 1.2 * found[1.0][1].max()
