@@ -13,7 +13,7 @@ from ._options import EnvOverrides, json_object
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class TrainArgs(TrainOptions):
-    """Train a policy with Brax PPO; one that navigates is evaluated on streets it has never seen.
+    """Train a policy by imitation (preset `quick`) or Brax PPO; one that navigates is evaluated on unseen streets.
 
     The last line on stdout is one JSON object: SR, CT, RC (%), DTG (m) with 95 % intervals for each agent.
     """

@@ -1,4 +1,4 @@
-"""One training: bank, environment, PPO, and the evaluation on streets that the policy has never seen."""
+"""One training: bank, environment, imitation or PPO, and the evaluation on streets that the policy has never seen."""
 
 import contextlib
 import dataclasses
@@ -26,8 +26,8 @@ class TrainOptions:
     """Added to a new run folder's name."""
     resume: pathlib.Path | None = None
     """A run folder to go on with after a kill: environment, configs and seed are those of its config.json, and options
-    that say otherwise are refused, but for --num-timesteps. The optimizer's state is not restored, running episodes
-    begin again."""
+    that say otherwise are refused, but for --num-timesteps. A training by imitation goes on to the digits of one that
+    never stopped; with Brax PPO the optimizer's state is not restored and running episodes begin again."""
     start_from: pathlib.Path | None = None
     """A policy or run folder whose networks a new run begins with, e.g. one trained with another robot."""
     num_episodes: int = 100
@@ -45,7 +45,7 @@ class TrainOptions:
 def train(
     request: "RunRequest | None" = None, options: TrainOptions | None = None, quiet: bool = True
 ) -> dict[str, Any]:
-    """Trains a policy with Brax PPO; one that navigates is evaluated on streets it has never seen.
+    """Trains a policy by imitation (preset `quick`) or Brax PPO; one that navigates is evaluated on unseen streets.
 
     Args:
       request: environment, preset and overrides (`urbanverse_mjx.training.record.RunRequest`); None for the defaults.
