@@ -26,7 +26,8 @@ PACKAGE = ROOT / "urbanverse_mjx"
 APART = {
     *("settings", "versions", "precision", "process_pool", "work_folder", "progress", "simulation.private_modules"),
     *("pipeline.generation.run_folder", "pipeline.generation.sources"),
-    *("citygen.craftbench", "citygen.procedural_places", "citygen.procedural_streets", "scene.library"),
+    *("citygen.craftbench", "citygen.procedural_places", "citygen.procedural_streets", "citygen.validation_streets"),
+    "scene.library",
 }
 
 
