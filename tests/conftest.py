@@ -1,6 +1,5 @@
 """Fixtures shared by all packages."""
 
-import contextlib
 import fcntl
 import os
 import pathlib
@@ -12,7 +11,6 @@ from tests.support.box_bank import box_bank
 from urbanverse_mjx import settings
 from urbanverse_mjx.datatypes import SceneBank
 from urbanverse_mjx.pipeline import ensure_default_bank
-from urbanverse_mjx.work_folder import work_folder
 
 TESTS = pathlib.Path(__file__).parent
 #: Folders whose tests take a second each, and longer, by what they take in all.
@@ -25,18 +23,17 @@ LONG = (
 def pytest_configure(config: pytest.Config) -> None:
     """Sets how XLA compiles in this process, in xdist's workers and in the processes that tests start.
 
-    Compiling takes most of the time of the quick tests: they share compiled programs in a folder that goes with the
-    run, and their programs are compiled with few of LLVM's optimizations. Slow tests and those on a GPU compute longer
-    than they compile: they run what users run.
+    Compiling takes most of the time of the quick tests: they share compiled programs in a folder of the cache, which
+    later runs use again (JAX's keys hold the program, its options and its own version), and their programs are compiled
+    with few of LLVM's optimizations. Slow tests and those on a GPU compute longer than they compile: they run what
+    users run.
     """
     if hasattr(config, "workerinput") or "not slow" not in config.option.markexpr:
         return
-    stack = contextlib.ExitStack()
-    folder = stack.enter_context(work_folder("urbanverse-xla-"))
-    config.add_cleanup(stack.close)
     options = {
         "jax_disable_most_optimizations": True,
-        "jax_compilation_cache_dir": str(folder),
+        "jax_compilation_cache_dir": str(settings.cache_dir("tests", "jax")),
+        "jax_compilation_cache_max_size": 2**30,
         "jax_persistent_cache_min_compile_time_secs": 0.1,
     }
     for name, value in options.items():
