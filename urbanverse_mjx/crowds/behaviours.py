@@ -1,12 +1,10 @@
-"""What people do besides walking to a goal: stand, queue, talk, step in the way, come head-on, be overtaken.
+"""Behaviours of people other than walking to a goal: stand, queue, talk, block a route, come head-on, be overtaken.
 
-In:   places and headings.
-Out:  `Script` rows: where somebody starts, what it holds on to, where it looks.
-When: at reset, inside jit; all are plain functions of their arguments.
+In:   places and headings. Out:  `Script` rows: an agent's start, the point it keeps and its heading. When: at reset,
+inside jit; all are plain functions of their arguments.
 
-Everybody follows one of three modes. Who ROAMs takes the routes of the scene from goal to goal. Who GOes heads for one
-point by the straight line. Who STAYs keeps to a point, steps aside for others as ORCA has it, comes back and looks one
-way.
+Every agent has one of three modes. ROAM follows the routes of the scene from goal to goal. GO walks straight to one
+point. STAY keeps to a point with a fixed heading: the agent avoids others by ORCA and returns.
 """
 
 from typing import Any, NamedTuple
@@ -18,10 +16,10 @@ from .bodies import Bodies, PreferredVelocity
 from .motion import wrapped
 
 ROAM, GO, STAY = 0, 1, 2
-#: m between the centres of two who talk: the middle of Hall's "personal" distance (The Hidden Dimension, 1966:
+#: m between the centres of two people who talk: the middle of Hall's "personal" distance (The Hidden Dimension, 1966:
 #: 0.45-1.2 m), and between two in a queue: as near as its lower half leaves room for two bodies.
 TALK_DISTANCE, QUEUE_DISTANCE = 0.85, 0.75
-#: 1/s, how fast one who stays returns to its point, and m/s at most.
+#: 1/s, rate at which a staying agent returns to its point, and its largest speed in m/s.
 _RETURN_RATE, _RETURN_SPEED = 1.0, 0.6
 
 
@@ -31,7 +29,7 @@ class Script(NamedTuple):
     Attributes:
       mode: `ROAM`, `GO` or `STAY`.
       x, y: m, start. heading: rad. speed: m/s, preferred; 0 keeps the agent's own.
-      anchor_x, anchor_y: m, the point that it goes to or keeps. face: rad, where it looks while it stays.
+      anchor_x, anchor_y: m, the point that it goes to or keeps. face: rad, heading while it stays.
     """
 
     mode: Any
@@ -58,25 +56,25 @@ def go(x: Any, y: Any, to_x: Any, to_y: Any, speed: Any) -> Script:
 
 
 def talk(x: Any, y: Any, number: int, turn: Any = 0.0) -> Script:
-    """`number` people in a ring around a point () m who look at each other; `turn` rad turns the ring."""
+    """`number` people in a ring around a point () m, facing each other; `turn` rad rotates the ring."""
     radius = TALK_DISTANCE / (2.0 * jnp.sin(jnp.pi / max(number, 2)))
     angle = turn + 2.0 * jnp.pi * jnp.arange(number) / number
     return _stay(x + radius * jnp.cos(angle), y + radius * jnp.sin(angle), angle + jnp.pi)
 
 
 def queue(x: Any, y: Any, back: Any, number: int) -> Script:
-    """`number` people in a line that starts at a point () m and runs in the direction `back` rad; all look forward."""
+    """`number` people in a line from a point () m in the direction `back` rad; all face its start."""
     behind_first = QUEUE_DISTANCE * jnp.arange(number)
     return _stay(x + behind_first * jnp.cos(back), y + behind_first * jnp.sin(back), jnp.full((number,), back + jnp.pi))
 
 
 def obstruct(x: Any, y: Any, face: Any) -> Script:
-    """One person who stands at a point () m, such as on the robot's route, and looks towards `face` rad."""
+    """One person that stands at a point () m, such as on the robot's route, with heading `face` rad."""
     return _stay(*(jnp.reshape(jnp.asarray(a, jnp.float32), (1,)) for a in (x, y, face)))
 
 
 def head_on(x: Any, y: Any, heading: Any, distance: float, speed: float = 1.34, beside: float = 0.0) -> Script:
-    """One person `distance` m ahead of a pose (m, m, rad) who comes towards it and passes on behind.
+    """One person `distance` m ahead of a pose (m, m, rad) that walks towards it and on behind it.
 
     Args:
       beside: m, how far to the left of the pose's line it walks.
@@ -89,14 +87,14 @@ def head_on(x: Any, y: Any, heading: Any, distance: float, speed: float = 1.34, 
 
 
 def overtaken(x: Any, y: Any, heading: Any, distance: float, speed: float = 0.6) -> Script:
-    """One slow person `distance` m ahead of a pose who goes the same way for 30 m."""
+    """One slow person `distance` m ahead of a pose that walks in the same direction for 30 m."""
     cos, sin = jnp.cos(heading), jnp.sin(heading)
     near, far = ((jnp.reshape(x + d * cos, (1,)), jnp.reshape(y + d * sin, (1,))) for d in (distance, distance + 30.0))
     return go(*near, *far, speed)
 
 
 def cross(x: Any, y: Any, heading: Any, distance: float, aside: float = 4.0, speed: float = 1.34) -> Script:
-    """One person who cuts a pose's line at a right angle, `distance` m ahead, from `aside` m to its left."""
+    """One person that crosses a pose's line at a right angle, `distance` m ahead, from `aside` m to its left."""
     cos, sin = jnp.cos(heading), jnp.sin(heading)
 
     def end(side: float) -> tuple[Any, Any]:
@@ -111,11 +109,11 @@ def together(*scripts: Script) -> Script:
 
 
 def scripted_velocity(mode: Any, anchor: tuple[Any, Any], face: Any, speed: Any, bodies: Bodies) -> PreferredVelocity:
-    """What those who GO or STAY want (rows (A,)); the rows of those who ROAM mean nothing."""
+    """Preferred velocities of agents in mode GO or STAY (rows (A,)); the rows of agents in mode ROAM are undefined."""
     dx, dy = anchor[0] - bodies.x, anchor[1] - bodies.y
     distance = jnp.sqrt(dx * dx + dy * dy)
     goes = mode == GO
-    # Who has come to its point stops there within a step's length.
+    # An agent within a step's length of its point stops.
     pace = jnp.where(goes, jnp.minimum(speed, 2.0 * distance), jnp.minimum(_RETURN_RATE * distance, _RETURN_SPEED))
     scale = pace / jnp.maximum(distance, 1e-3)
     heading = jnp.where(goes & (distance > 0.3), jnp.arctan2(dy, dx), face)

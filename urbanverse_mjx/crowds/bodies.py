@@ -29,8 +29,8 @@ class PreferredVelocity(NamedTuple):
 
     Attributes:
       x, y: m/s, preferred velocity.
-      face: rad, where a walker looks: towards its goal, or whom it talks to. It turns there when it stands, and gives
-        little ground against that direction.
+      face: rad, desired heading of a walker: towards its goal, or towards the person it talks to. It turns there when
+        it stands, and retreats little against that direction.
     """
 
     x: Any
@@ -39,15 +39,15 @@ class PreferredVelocity(NamedTuple):
 
 
 class Traits(NamedTuple):
-    """What bodies are like; every array (B, E) f32, or bool where it says so. See `AgentKind` for the meaning.
+    """Parameters of bodies; every array (B, E) f32, or bool where it says so. See `AgentKind` for the meaning.
 
     Attributes:
-      present: bool; an absent body is not seen and does not move.
+      present: bool; an absent body does not move and others ignore it.
       radius, half_length, margin: m.
       limit: m/s, this body's largest speed.
       acceleration, braking, lateral: m/s². turn_radius: m. pivot, turn_rate: rad/s.
       horizon, wall_horizon: s.
-      yielding: see `AgentKind`; what will not avoid anybody (a robot, perhaps) has 0.
+      yielding: see `AgentKind`; 0 for a body that avoids no other (a robot, for example).
     """
 
     present: Any

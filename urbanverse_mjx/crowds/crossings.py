@@ -1,7 +1,6 @@
 """Crossings: walkers wait for a gap, vehicles stop for walkers.
 
-In:   the scene's crosswalks, bodies, where they are heading.
-Out:  who has to wait, and how fast vehicles may go.
+In:   the scene's crosswalks, bodies, their headings. Out: which agents wait, and the largest speed of each vehicle.
 When: the table once per scene; the rest every crowd step, before `orca`, inside jit.
 """
 
@@ -20,7 +19,7 @@ from .free_space import CELL, FreeSpace
 
 #: Cells of the free space along a cell of the table.
 POOL = 4
-#: m ahead at which a driver looks for a crosswalk.
+#: m ahead within which a vehicle reacts to a crosswalk.
 _LOOKAHEAD_STEPS = np.arange(1.0, 25.0, 1.0, dtype=np.float32)
 
 
@@ -104,10 +103,10 @@ class Order(NamedTuple):
 def give_way(
     table: Crossings, scene: Any, bodies: Bodies, course: Any, speed: Any, walks: Any, front: Any, present: Any
 ) -> Order:
-    """Who waits for whom, for the bodies (A,) of one env.
+    """Right of way at crosswalks, for the bodies (A,) of one env.
 
-    A walker at the kerb goes when every vehicle that comes needs longer than it does, or has stopped. A vehicle
-    stops before a crosswalk that somebody is on or waits at, if it still can.
+    A walker at the kerb crosses when every approaching vehicle needs longer than it does, or has stopped. A vehicle
+    stops before a crosswalk on or at which a walker is, if its braking distance allows.
 
     Args:
       course: (A,) rad, where each is heading. speed: (A,) m/s, preferred. walks: (A,) bool, on foot or on the pavement.
@@ -137,7 +136,7 @@ def give_way(
     threatened = (
         same & (coming > 0)[:, None] & (arrives[:, None] < needs[None]) & (going > _OPTIONS.stopped_speed)[:, None]
     )
-    # A vehicle that stands on the crosswalk itself is in the way, too.
+    # A vehicle on the crosswalk itself also blocks it.
     threatened |= drives[:, None] & (here > 0)[:, None] & (here[:, None] == ahead[None])
     wait = at_kerb & threatened.any(0)
     busy = ((wanted[None] == coming[:, None]) & (coming > 0)[:, None]).any(1)

@@ -1,4 +1,4 @@
-"""A dynamic street: everybody's errands, preferred velocities and motion in one env.
+"""A dynamic street: goals, preferred velocities and motion of all agents in one env.
 
 In:   a bank's tables, the scene, the robot.
 Out:  `Crowd`, the state of all agents, step by step.
@@ -37,9 +37,9 @@ from .traversability import Traversability
 
 #: m from a goal (and half a vehicle's length) at which one has arrived.
 _GOAL_DISTANCE = 1.0
-#: s, after which somebody who is held up forgets where its script sent it.
+#: s, after which a blocked agent drops its script.
 _BLOCKED_TIME = 8.0
-#: s, that somebody goes on before it brakes for who appears: two steps of choosing and one of turning.
+#: s until an agent brakes for another one that appears: two steps of choosing and one of turning.
 _REACTION_TIME = 0.5
 #: s, how far ahead of its front a vehicle reads its route.
 _PREVIEW_TIME = 0.4
@@ -51,8 +51,8 @@ class Crowd(NamedTuple):
     Attributes:
       bodies: `Bodies` (A,). present: (A,) bool. speed: (A,) m/s, preferred. goal: (A,) i32, of its route.
       mode, anchor_x, anchor_y, face: (A,), see `behaviours.Script`.
-      blocked, side: (A,), see `deadlock`. still: (A,) s, how long somebody with a preferred velocity has hardly moved.
-      backing: (A,) s, how long a vehicle still backs up.
+      blocked, side: (A,), see `deadlock`. still: (A,) s, how long an agent with a preferred velocity has hardly moved.
+      backing: (A,) s, for which a vehicle still drives backwards.
       arrived: (A,) i32, goals reached so far.
     """
 
@@ -120,9 +120,9 @@ class CrowdModel:
         """A crowd's rules.
 
         Args:
-          kinds: names in `KINDS`, one a slot; those who walk first.
-          reach: m; agents appear nearer to the robot than this where they can, and who is half as far again away and
-            out of its sight appears elsewhere: few agents fill the street around it. None: the whole scene.
+          kinds: names in `KINDS`, one a slot; walkers first. reach: m; agents are placed nearer to the robot than this
+            where possible, and an agent farther than one and a half times this and out of its sight is placed
+            elsewhere, so that few agents fill the street around the robot. None: the whole scene.
 
         Raises:
           ValidationError: an unknown kind, or walkers after vehicles.
@@ -159,7 +159,7 @@ class CrowdModel:
         Args:
           scene: () i32, row of the tables. observer: where the robot is.
           count: () i32 or None: how many slots, chosen at random, are filled; the others are absent.
-          script: rows for the first slots, who do as it says; rows whose mode is `ROAM` say nothing.
+          script: rows for the first slots; rows whose mode is `ROAM` have no effect.
         """
         keys = jax.random.split(key, 5)
         number = self.num_agents
@@ -205,12 +205,12 @@ class CrowdModel:
     def _appear(
         self, crowd: Crowd, who: Any, wanted: Any, key: Any, group: str, scene: Any, observer: Observer, hidden: bool
     ) -> Crowd:
-        """Agent `who` () i32 of a group put on one of its routes, if that is `wanted` () bool and there is room."""
+        """Agent `who` () i32 of a group placed on one of its routes, if `wanted` () bool and a place is free."""
         keys, routes = jax.random.split(key, 2), self.tables.routes[group]
         size = self._traits.radius + self._traits.half_length
         others = crowd.present & (jnp.arange(self.num_agents) != who)
         bodies = crowd.bodies
-        # Nobody stops for who was not there: a car would run over another that appears in front of it.
+        # Agents cannot brake for one that appears too near: a car would run over another that appears in front of it.
         square = bodies.vx * bodies.vx + bodies.vy * bodies.vy
         braking = size + _REACTION_TIME * jnp.sqrt(square) + 0.5 * square / self._traits.braking
         place, found = spawning.choose(
@@ -273,8 +273,8 @@ class CrowdModel:
         )
 
     def _next_errands(self, crowd: Crowd, scene: Any, observer: Observer, key: Any) -> Crowd:
-        """Who has reached its goal gets another; a vehicle appears elsewhere once it is out of sight, and so does who
-        is far from the robot where there is a `reach`. Who has gone where its script said roams from there."""
+        """An agent at its goal gets another one. A vehicle is placed elsewhere once it is out of sight, and so is an
+        agent far from the robot where there is a `reach`. An agent at the end of its script roams from there."""
         at_anchor = (crowd.bodies.x - crowd.anchor_x) ** 2 + (crowd.bodies.y - crowd.anchor_y) ** 2 < 0.5**2
         given_up = (crowd.mode == GO) & (at_anchor | (crowd.still > _BLOCKED_TIME))
         crowd = crowd._replace(mode=jnp.where(given_up, ROAM, crowd.mode))
@@ -313,7 +313,7 @@ class CrowdModel:
         return crowd
 
     def _courses(self, crowd: Crowd, scene: Any) -> Any:
-        """(A,) rad, where everybody's route leads."""
+        """(A,) rad, direction of each agent's route."""
         course = jnp.zeros(self.num_agents)
         for group, rows in self._groups.items():
             if len(rows):
@@ -333,7 +333,7 @@ class CrowdModel:
         return course
 
     def _preferred_velocities(self, crowd: Crowd, scene: Any, course: Any) -> PreferredVelocity:
-        """What everybody wants: its route or its script, at the speed that crossings and goals allow."""
+        """Preferred velocities of all agents: by route or script, at the speed that crossings and goals allow."""
         order = crossings.give_way(
             self.tables.crossings,
             scene,
@@ -372,7 +372,7 @@ class CrowdModel:
 
 
 def _follow(crowd: Crowd, script: Script) -> Crowd:
-    """The first slots do as the script says."""
+    """The first slots follow the script."""
     rows = script.mode.shape[0]
     zero = jnp.zeros(rows)
 

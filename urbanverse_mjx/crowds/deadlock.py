@@ -1,14 +1,13 @@
-"""Ends deadlocks: how people who block each other come free again.
+"""Ends deadlocks between people that block each other.
 
-In:   preferred velocities and the motion so far.
-Out:  preferred velocities that are turned to one side by those who have not come forward for a while.
-When: every crowd step, before `orca`, inside jit.
+In:   preferred velocities and the motion so far. Out:  preferred velocities, turned to one side for agents without
+progress for a while. When: every crowd step, before `orca`, inside jit.
 
-Where several meet in symmetry, ORCA stops for good: a ring of people who all want across touches, and no one can step
-forward (the published algorithm does, whatever its horizon; `tests/crowds/test_scenes.py` holds the case). The usual
-disturbance of every preferred velocity by a thousandth parts two who meet head on, but no such arch. People do: they
-step to the side they are used to, in most countries the right (Moussaïd et al., Proc. R. Soc. B 276, 2009: the right in
-four of five meetings), and the ring starts to turn.
+Where several agents meet in symmetry, ORCA never resolves the deadlock: in a ring of people whose goals are on the
+opposite side, all touch and none can move forward (the published algorithm does the same, whatever its horizon;
+`tests/crowds/test_scenes.py` holds the case). The usual disturbance of every preferred velocity by a thousandth
+separates two agents that meet head on, but not such a ring. People step to a habitual side, in most countries the right
+(Moussaïd et al., Proc. R. Soc. B 276, 2009: the right in four of five meetings), and the ring starts to rotate.
 """
 
 import dataclasses
@@ -24,11 +23,11 @@ from .motion import wrapped
 MEMORY = 1.5
 #: rad, how far the preferred velocity is turned at most: just past sideways one would walk back.
 MOST = 1.3
-#: s, mean time after which one who is held up tries the other side.
+#: s, mean time after which a blocked agent tries the other side.
 CHANGE_MIND = 3.0
 #: s, how long a vehicle stands before it backs up (about a second more); how long it does, s, and how fast, m/s.
 STUCK, BACK_TIME, BACK_SPEED = 4.0, 3.0, 0.8
-#: Share of people who step to the right (Moussaïd et al. 2009, right-hand side countries).
+#: Share of people that step to the right (Moussaïd et al. 2009, right-hand side countries).
 RIGHT = 0.8
 
 
@@ -37,9 +36,9 @@ class DeadlockOptions:
     """When a blocked walker steps aside; set by hand.
 
     Attributes:
-      first_share: share of the preferred velocity that must fail before one steps aside.
-      full_share: share at which one does so fully.
-      min_speed: m/s, preferred velocities below it are those of people who have arrived or wait.
+      first_share: share of the preferred velocity that must be missing before an agent steps aside. full_share: share
+        at which it does so fully. min_speed: m/s, preferred velocities below it are those of agents that have arrived
+        or wait.
     """
 
     first_share: float = 0.35
@@ -51,7 +50,7 @@ _OPTIONS = DeadlockOptions()
 
 
 def habitual_side(key: Any, agents: int, right: float = RIGHT) -> Any:
-    """(agents,) f32: -1 for those who step to their right, 1 for the others."""
+    """(agents,) f32: -1 for agents that step to their right, 1 for the others."""
     return jnp.where(jax.random.uniform(key, (agents,)) < right, -1.0, 1.0)
 
 
@@ -60,8 +59,8 @@ def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple
 
     Args:
       blocked: (A,), the value one step before; 0 at the start.
-      preferred_velocity, velocity: (A,) m/s, what was asked of `orca` (already turned) and what came of it: who steps
-        aside freely is not held up, and heads for the goal again soon. dt: s.
+      preferred_velocity, velocity: (A,) m/s, the input of `orca` (already turned) and its result: an agent that steps
+        aside freely is not blocked, and soon turns to its goal again. dt: s.
     """
     (wx, wy, _), (vx, vy) = preferred_velocity, velocity
     square = wx * wx + wy * wy
@@ -71,7 +70,7 @@ def held_up(blocked: Any, preferred_velocity: PreferredVelocity, velocity: tuple
 
 
 def step_aside(preferred_velocity: PreferredVelocity, blocked: Any, side: Any) -> PreferredVelocity:
-    """Preferred velocities (A,), turned to `side` (see `habitual_side`; 0 never turns) by those who are held up."""
+    """Preferred velocities (A,), turned to `side` (see `habitual_side`; 0 never turns) for blocked agents."""
     angle = (
         side
         * MOST
@@ -89,7 +88,7 @@ def back_up(preferred_velocity: PreferredVelocity, backing: Any, heading: Any) -
     """Preferred velocities (A,) of vehicles, backwards for those with time left to back up, (A,) s."""
     backs = backing > 0.0
     x, y = -BACK_SPEED * jnp.cos(heading), -BACK_SPEED * jnp.sin(heading)
-    # It looks where its route leads and turns there, but never so far round that backwards became forwards.
+    # The desired heading turns towards the route, but never so far that backwards becomes forwards.
     turn = jnp.clip(wrapped(preferred_velocity.face - heading), -0.7, 0.7)
     return PreferredVelocity(
         jnp.where(backs, x, preferred_velocity.x),
@@ -105,6 +104,6 @@ def backing_time(backing: Any, still: Any, key: Any, dt: float) -> Any:
 
 
 def reconsider(side: Any, blocked: Any, key: Any, dt: float) -> Any:
-    """Sides (A,) one step later: who stepped aside and still stands tries the other side after `CHANGE_MIND` or so."""
+    """Sides (A,) one step later: an agent that stepped aside in vain tries the other side after about `CHANGE_MIND`."""
     chance = jnp.where(blocked >= _OPTIONS.full_share, min(1.0, dt / CHANGE_MIND), 0.0)
     return jnp.where(jax.random.uniform(key, side.shape) < chance, -side, side)

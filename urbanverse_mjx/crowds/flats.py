@@ -1,12 +1,12 @@
-"""The free space around every place as a few flats: what the avoidance sees of a scene's walls, posts and kerbs.
+"""The free space around every place as a few half-planes ("flats"): a scene's walls, posts and kerbs for the avoidance.
 
 In:   `FreeSpace` of each scene.
 Out:  `Flats`, a table on the device; `walls_at` looks it up.
 When: the table once per scene; the look-up every crowd step, inside jit.
 
 Around the centre of every coarse cell the nearest blocked place gives the first flat: the plane through it, square to
-the way there. What lies behind that flat is done with; the nearest of the rest gives the second, and so on. That is the
-order in which the published library takes obstacles and leaves out those that earlier lines cover, done ahead of time,
+the line from the centre. Places behind that flat are removed; the nearest of the rest gives the second, and so on. The
+published library takes obstacles in this order and leaves out those that earlier lines cover; here this is precomputed,
 and the result is a convex piece of free space around the cell. One row of `NUM_FLATS` pairs of bytes is one gather.
 """
 
@@ -25,8 +25,8 @@ from .linear_program import HalfPlanes
 NUM_FLATS = 6
 #: Cells of the free space along a coarse cell.
 POOL = 2
-#: m, how far flats are looked for, by surface: a walker's speed times its wall horizon and its body; a car's is cut
-#: short, since its field keeps it off what stands.
+#: m, search distance of flats, by surface: a walker's speed times its wall horizon and its body; a car's is shorter,
+#: since its route field keeps it away from static obstacles.
 REACH = {"foot": 3.0, "road": 6.0}
 #: m, unit of the stored distances; 255 units mean no flat.
 UNIT = 0.025

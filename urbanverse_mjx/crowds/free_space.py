@@ -28,7 +28,7 @@ class FreeSpace:
     """One scene as one surface's users see it.
 
     Attributes:
-      origin: (2,) m, lower corner. free: (X, Y) bool over cells of `CELL`: allowed ground and nothing in the way.
+      origin: (2,) m, lower corner. free: (X, Y) bool over cells of `CELL`: allowed ground without an obstacle.
       kind: (X, Y) u8, kind of ground at the cell's lower corner.
     """
 
@@ -98,7 +98,7 @@ def _ground(bank: SceneBank, scene: int, grid: Grid) -> np.ndarray:
 
 
 def _blocked(bank: SceneBank, scene: int, grid: Grid) -> np.ndarray:
-    """(X, Y) bool, a hull stands or hangs in the way."""
+    """(X, Y) bool, a hull stands or hangs there below head height."""
     ground, blocked = _ground(bank, scene, grid), np.zeros(grid.shape, bool)
     for corners in bank.standing_hulls(scene):
         cells = touched(grid, corners[:, :2])

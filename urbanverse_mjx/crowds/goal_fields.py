@@ -27,7 +27,7 @@ from .kinds import SURFACES
 
 @dataclasses.dataclass(frozen=True)
 class FieldOptions:
-    """What a field of directions costs and looks at; set by hand.
+    """Costs and distances of a field of directions; chosen manually.
 
     Attributes:
       wrong_side_cost: of a metre on the wrong side of the road.
@@ -72,7 +72,7 @@ class RouteRules:
         return self.pool * CELL
 
 
-#: Who shares a table of routes. The clearances are half of what each is across (kinds.py) and a hand's breadth.
+#: Groups of kinds that share a table of routes. The clearances are half of each width (kinds.py) plus about 0.1 m.
 RULES = {
     "foot": RouteRules("foot", 2, 0.35, None, 8),
     "roll": RouteRules("foot", 2, 0.50, None, 8),
@@ -88,10 +88,10 @@ class GoalRoutes(NamedTuple):
     """Routes of one group in all scenes, padded to the largest.
 
     Attributes:
-      direction: (Z, G, X, Y) u8, units of 2π/256, the way to go; off the routes it leads back to them.
-      origin: (Z, 2) f32 m. goal: (Z, G, 2) f32 m. num_goals: (Z,) i32; 0 where the scene has no room for the group.
+      direction: (Z, G, X, Y) u8, units of 2π/256, direction of travel; off the routes it leads back to them.
+      origin: (Z, 2) f32 m. goal: (Z, G, 2) f32 m. num_goals: (Z,) i32; 0 where the scene has no routes for the group.
       place: (Z, S, 2) f32 m, places on routes that reach every goal. place_goal: (Z, S) i32, the goal whose route leads
-        through the place, for those who keep to a side; -1 where any goal will do.
+        through the place, for groups that keep to a side; -1 where any goal is possible.
     """
 
     direction: Any
@@ -139,7 +139,7 @@ def _graph(space: FreeSpace, rules: RouteRules) -> tuple[np.ndarray, GridGraph]:
 
 
 def _directions(nodes: np.ndarray, following: np.ndarray, reached: np.ndarray) -> np.ndarray:
-    """(X, Y) u8: along the way where there is one, elsewhere to the nearest node that has one."""
+    """(X, Y) u8: along the path where there is one, elsewhere to the nearest node that has one."""
     cells = np.argwhere(nodes)
     ahead = np.arange(len(cells))
     for _ in range(_OPTIONS.lookahead):
@@ -212,7 +212,7 @@ def _roomy(nodes: np.ndarray, cell: np.ndarray, field: np.ndarray) -> bool:
 
 
 def _on_the_route(following: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Nodes where those who set out from the nodes `start` are some way on: there they have found their side."""
+    """Nodes some distance along the paths from the nodes `start`, where agents keep to their side."""
     at = np.flatnonzero(start)
     for _ in range(_OPTIONS.side_nodes // 2):
         at = following[at]

@@ -7,7 +7,7 @@ When: every crowd step, inside jit.
 Towards a neighbour it is the published half-plane (van den Berg et al. 2011, section 4). Bodies longer than wide are
 capsules: the half-plane is that of the discs at the two places where the bodies are nearest, which is the step from
 discs to medial axes of Ma, Manocha and Wang ("Efficient Reciprocal Collision Avoidance between Heterogeneous Agents
-using CTMAT", 2018). Of two discs nothing changes.
+using CTMAT", 2018). For two discs it is the published half-plane.
 """
 
 from typing import Any

@@ -1,8 +1,6 @@
-"""Who moves in a street: sizes, speeds and limits, each number with its source.
+"""The kinds of moving agents: sizes, speeds and limits, each number with its source.
 
-In:   nothing; this is data.
-Out:  `AgentKind`, and `KINDS` by name.
-When: at construction.
+In: none; this is data. Out:  `AgentKind`, and `KINDS` by name. When: at construction.
 """
 
 import dataclasses
@@ -137,7 +135,7 @@ SCOOTER = AgentKind(
     "scooter",
     "foot",
     # German eKFV § 1: at most 0.70 m wide, 20 km/h; a common one is 1.15 m long. With a foot on the ground it turns on
-    # the spot, and under way it leans as fast as its rider sees fit: a disc of 0.40 m.
+    # the spot, and while driving its rider can lean quickly, so it is modelled as a disc of 0.40 m.
     radius=0.40,
     half_length=0.0,
     margin=0.1,

@@ -22,7 +22,7 @@ def stop_in_time(
     """Preferred velocities (A,), those of the vehicles, agents from `first` on, shortened to the speed from which they
     can stop.
 
-    What drives away ahead may be followed as fast as it goes. Backwards nobody looks.
+    A vehicle may follow one that drives ahead at that one's speed. Behind a vehicle nothing is checked.
 
     Args:
       bodies, traits: (B,), the agents and others behind them.

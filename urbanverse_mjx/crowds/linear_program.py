@@ -163,14 +163,14 @@ def least_violation(lines: HalfPlanes, num_hard: int, limit: Any, x: Any, y: Any
       x, y, failed: what `nearest_permitted` returned.
 
     Returns:
-      (...) x and y, m/s; as given where nothing failed.
+      (...) x and y, m/s; the input where the first program succeeded.
     """
     number = lines.offset.shape[0]
     if number == num_hard:
         return x, y
     soft_x, soft_y = lines.x[num_hard:], lines.y[num_hard:]
     program = HalfPlanes(*jax.lax.optimization_barrier(tuple(_bisectors(lines, num_hard))))
-    # On each line the way that lowers its violation; without bounds, so far as they permit.
+    # On each line the direction that lowers its violation, as far as the bounds permit.
     targets = []
     for k in range(number):
         along = program.y[k] * soft_x - program.x[k] * soft_y

@@ -9,10 +9,10 @@ Walkers take the velocity of the published program, no farther from the present 
 Vehicles choose among controls they can execute: a fan of accelerations and turn rates, each judged by the mean velocity
 of the arc it makes, against the same half-planes. That is the choice of controls of Wilkie, van den Berg and Manocha
 ("Generalized Velocity Obstacles", 2009) on the half-planes of ORCA. The other published way, NH-ORCA and B-ORCA
-(Alonso-Mora et al. 2010 and 2012), solves the program for a disc grown by a tracking error and then tracks the
-result; its bound is worked out per robot for a fixed range of speeds, and a car at 8 m/s that may track nothing but
-what lies within centimetres of its lane has no velocity left there. Judging what can be driven needs no such bound:
-where the wheels go is what was judged, and the only error is that an arc counts as its chord (`horizon`).
+(Alonso-Mora et al. 2010 and 2012), solves the program for a disc grown by a tracking error and then tracks the result;
+its bound is worked out per robot for a fixed range of speeds, and for a car at 8 m/s, whose tracking error may be some
+centimetres only, no velocity remains. Evaluating executable controls needs no such bound: the evaluated motion is the
+executed one, and the only error is that an arc counts as its chord (`horizon`).
 """
 
 import dataclasses
@@ -84,7 +84,7 @@ def walk(chosen: tuple[Any, Any], bodies: Bodies, traits: Traits, walls: HalfPla
 
 
 def step_on(velocity: tuple[Any, Any], face: Any, bodies: Bodies, traits: Traits, dt: float) -> Bodies:
-    """Walkers after a step with a velocity (m/s); they look where they go, and where they want to when they stand.
+    """Walkers after a step with a velocity (m/s); they face their motion, and when they stand, their desired heading.
 
     Args:
       velocity, face: (A, E) m/s and rad. bodies, traits: (A, E). dt: s.
@@ -113,8 +113,7 @@ def _speeds(speed: Any, push: Any, low: Any, limit: Any, time: float) -> tuple[A
 
 
 def backs_up(preferred_velocity: PreferredVelocity) -> Any:
-    """Bool: a vehicle whose preferred velocity points away from where it looks goes backwards, turning to look
-    there."""
+    """Bool: a vehicle whose preferred velocity points away from its heading drives backwards while it turns."""
     forward = preferred_velocity.x * jnp.cos(preferred_velocity.face) + preferred_velocity.y * jnp.sin(
         preferred_velocity.face
     )
@@ -161,7 +160,7 @@ def drive(
         jnp.where(back, wrapped(preferred_velocity.face - bodies.heading), jnp.arctan2(left, ahead)),
         0.0,
     )
-    # What the preferred velocity itself asks for stands among the controls: an arc whose chord points along it.
+    # The controls include the one of the preferred velocity: an arc whose chord points along it.
     own_speed = jnp.where(back, -preferred_speed, preferred_speed * jnp.maximum(jnp.cos(error), 0.0))
     own_push = jnp.clip(own_speed - speed, -traits.braking, traits.acceleration)
     pushes = jnp.stack(
@@ -176,7 +175,7 @@ def drive(
     pushes = jnp.broadcast_to(pushes, turns.shape)
     half = 0.5 * turns * _OPTIONS.horizon
     chord = mean * jnp.sinc(half / jnp.pi)
-    # In the vehicle's frame first: the way of its centre, and what its ends move against that while it turns.
+    # In the vehicle's frame: the displacement of its centre, and that of its ends relative to it in the turn.
     along, across = chord * jnp.cos(half), chord * jnp.sin(half)
     swing_along = traits.half_length / _OPTIONS.horizon * (jnp.cos(2.0 * half) - 1.0)
     swing_across = traits.half_length / _OPTIONS.horizon * jnp.sin(2.0 * half)
@@ -194,7 +193,7 @@ def drive(
     hard = jnp.maximum(deepest(walls[0], [1.0] * flats), deepest(walls[1], [-1.0] * flats))
     soft = deepest(lines, place)
     effort = jnp.abs(turns) / traits.turn_rate + jnp.abs(pushes / traits.braking)
-    # A vehicle that can not go where it wants yet at least turns there.
+    # A vehicle that cannot follow its preferred velocity yet turns towards it.
     aim = preferred_speed * preferred_speed * (1.0 - jnp.cos(error - 2.0 * half))
     cost = (along - ahead) ** 2 + (across - left) ** 2 + _OPTIONS.effort_cost * effort + _OPTIONS.heading_weight * aim
     cost += _OPTIONS.neighbour_cost * soft + _OPTIONS.wall_cost * hard

@@ -17,9 +17,8 @@ _NEVER = jnp.iinfo(jnp.int32).max
 
 
 class Neighbours(NamedTuple):
-    """Attributes:
-    index: (K, A, E) i32, numbers of bodies, nearest first. valid: (K, A, E) bool.
-    missed: (A, E) i32, bodies near enough that the search had no place to look at (0 when all are compared).
+    """Attributes: index: (K, A, E) i32, numbers of bodies, nearest first. valid: (K, A, E) bool. missed: (A, E) i32,
+    bodies in range that the search left out for want of places (0 when all are compared).
     """
 
     index: Any
@@ -53,7 +52,7 @@ def all_pairs(x: Any, y: Any, size: Any, present: Any, agents: int, number: int)
 
     Args:
       x, y: (B, E) f32 m. size: (B, E) m, circumscribed radius. present: (B, E) bool.
-      agents: A, the first rows, who look for neighbours.
+      agents: A, the first rows, whose neighbours are searched.
       number: K, at most B - 1.
     """
     bodies = x.shape[0]
@@ -73,12 +72,12 @@ def in_grid(
     """The nearest bodies among those in the 3 x 3 cells around each agent.
 
     The plane is cut into square cells and wrapped onto `cells` x `cells` of them; bodies are sorted by cell, and each
-    agent looks at `depth` bodies of each cell.
+    agent is compared with `depth` bodies of each cell.
 
     Args:
       x, y, size, present, agents, number: as in `all_pairs`.
       cell: m, side of a cell: bodies farther away than that may be missed.
-      cells: cells a side, at least 3. depth: bodies looked at in a cell.
+      cells: cells a side, at least 3. depth: bodies compared in a cell.
     """
     bodies, envs = x.shape
     bits = max(1, (bodies - 1).bit_length())

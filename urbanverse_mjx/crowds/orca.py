@@ -1,4 +1,4 @@
-"""One step of the crowd: look around, choose a velocity, move.
+"""One step of the crowd: find neighbours, choose a velocity, move.
 
 In:   bodies, what they are like, where each would like to go, the walls around each.
 Out:  the bodies `dt` later.
@@ -19,18 +19,17 @@ from .batching import over_envs
 from .bodies import Bodies, PreferredVelocity, Traits
 from .linear_program import NO_LIMIT, HalfPlanes, join, solve
 
-#: m/s, largest disturbance of a preferred velocity. In perfect symmetry nobody is first to give way; the published
-#: library's examples disturb every preferred velocity by up to 1e-4 for that.
+#: m/s, largest disturbance of a preferred velocity, which breaks perfect symmetry; the published library's examples
+#: disturb every preferred velocity by up to 1e-4.
 DISTURBANCE = 1e-3
-#: m/s, how fast a walker gives ground against its preferred velocity. Two who push each other settle, by the published
-#: program, at any common velocity, so that a group drives a single walker back for as long as it likes; people hold
-#: their ground.
+#: m/s, how fast a walker retreats against its preferred velocity. In the published program two agents that push each
+#: other reach some common velocity, so that a group drives a single walker back without limit; people resist.
 GIVE_GROUND = 0.3
 
 
 @dataclasses.dataclass(frozen=True)
 class Grid:
-    """How to look for neighbours where comparing all bodies is too dear; see `neighbours.in_grid`."""
+    """The neighbour search where comparing all bodies costs too much; see `neighbours.in_grid`."""
 
     cell: float = 4.0
     cells: int = 16
@@ -80,7 +79,7 @@ def permitted(
 ) -> tuple[HalfPlanes, Any]:
     """Half-planes (K, A, E) of the first A bodies towards their neighbours.
 
-    The second value (K, A, E) says where on the agent's axis it is nearest: 1 at the front end, -1 at the rear.
+    The second value (K, A, E) is the nearest position on the agent's axis: 1 at the front end, -1 at the rear.
     """
     envs = bodies.x.shape[1]
     row = near.index * envs + jnp.arange(envs, dtype=jnp.int32)
@@ -126,7 +125,7 @@ def _able(bodies: Bodies, traits: Traits, agents: int, options: Options) -> Any:
 
 
 def stand(preferred_velocity: PreferredVelocity) -> HalfPlanes:
-    """One half-plane (1, ...) for each walker (...) that wants to go: no faster back than `GIVE_GROUND`."""
+    """One half-plane (1, ...) per walker (...) with a preferred velocity: backwards at most `GIVE_GROUND`."""
     wants = (
         preferred_velocity.x * preferred_velocity.x + preferred_velocity.y * preferred_velocity.y
         > GIVE_GROUND * GIVE_GROUND
@@ -192,8 +191,8 @@ def disturbed(preferred_velocity: PreferredVelocity, key: Any, side: Any = 0.0) 
 
     Args:
       preferred_velocity: (A,). key: for this step.
-      side: (A,), 1 for a preferred velocity drawn to the left, -1 to the right: it decides who meets head on and
-        neither has a reason to prefer a side.
+      side: (A,), 1 for a preferred velocity drawn to the left, -1 to the right: it decides between the sides for agents
+        that meet head on.
     """
     angle, size = jax.random.uniform(key, (2, *preferred_velocity.x.shape))
     angle, size = 2.0 * math.pi * angle, DISTURBANCE * size

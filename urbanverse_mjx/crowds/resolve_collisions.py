@@ -1,22 +1,22 @@
-"""Resolves collisions of a crowd step: no body ends it inside another, or deeper in one than before.
+"""Resolves collisions of a crowd step: no body ends the step inside another, or deeper in one than before.
 
-In:   where bodies are, where `orca` would have them, whether the ground there is free.
-Out:  where they go: each takes its whole step, or holds.
-When: every crowd step, after `orca`, inside jit; per env, alone or under `jax.vmap`.
+In:   positions of bodies, their positions after `orca`, whether the ground there is free. Out:  new positions: each
+body takes its whole step, or holds. When: every crowd step, after `orca`, inside jit; per env, alone or under
+`jax.vmap`.
 
-Half-planes promise nothing of the kind. Where a crowd is too dense they cannot all be kept, legs and wheels lag behind
-the velocity that was chosen, and an arc is not its chord. So every step is looked at once more as a whole, all pairs of
-bodies with it. A pair is safe if its bodies are apart afterwards or, where they were not apart before, no nearer:
+Half-planes do not guarantee this. Where a crowd is too dense they cannot all hold, legs and wheels lag behind the
+chosen velocity, and an arc is not its chord. So every step is checked once more as a whole, for all pairs of bodies. A
+pair is safe if its bodies are apart afterwards or, where they were not apart before, no nearer:
 
 * both go: their new places are compared;
 * one goes: its new place and the other's present one;
 * both hold: nothing changes.
 
-Who goes is built up from nobody, which is safe. In each round those are candidates who are safe with all who go and
-with the present places of all others; of two candidates whose new places clash the first is let go. Whoever joins is
-therefore safe with everybody, whether or not others join, after any number of rounds; more rounds let more of them
-follow into places that others leave. Holding is always safe, so the proof needs nothing of how steps were chosen, and
-overlap that is there (two who were put on each other) can only become less.
+The set of moving bodies starts empty, which is safe. In each round the candidates are the bodies that are safe with all
+moving ones and with the present places of all others; of two candidates whose new places conflict the first one is
+added. Each added body is therefore safe with all others, whether or not these are added later, after any number of
+rounds; more rounds let more bodies move into places that others leave. Holding is always safe, so the proof does not
+depend on how steps were chosen, and existing overlap (two bodies placed on each other) can only decrease.
 """
 
 import functools
@@ -31,13 +31,13 @@ from .batching import over_envs
 from .bodies import Bodies, Traits
 from .linear_program import HalfPlanes
 
-#: Rounds in which people may follow into a place that somebody leaves. Bodies keep more than a step's length apart
-#: where there is room (`AgentKind.margin`), so that hardly anybody needs the second.
+#: Rounds in which agents may move into a place that another agent leaves. Bodies keep more than a step's length apart
+#: where there is room (`AgentKind.margin`), so the second is rarely needed.
 _FOLLOWING_ROUNDS = 3
-#: Bits of a word in which conflicts are kept: a round is then as cheap as a look at each agent.
+#: Bits of a word in which conflicts are kept: a round then costs one operation per agent.
 _WORD_BITS = 32
-#: m by which bodies may enter each other, or pass a flat: rounding of two who touch and go on together, or of who
-#: slides along a wall. It does not add up: who is this deep already comes no deeper.
+#: m by which bodies may enter each other, or pass a flat: rounding for two that move on in contact, or for one that
+#: slides along a wall. It does not accumulate: a body this deep comes no deeper.
 _MAX_PENETRATION = 1e-4
 
 
@@ -57,7 +57,7 @@ def keeps_off(walls: HalfPlanes, rear: HalfPlanes, before: Bodies, after: Bodies
         half, horizon = end * traits.half_length[part], traits.wall_horizon[part]
         dx = new.x - old.x + half * (jnp.cos(new.heading) - jnp.cos(old.heading))
         dy = new.y - old.y + half * (jnp.sin(new.heading) - jnp.sin(old.heading))
-        # An offset is minus the free space over the horizon: the way there is that much, whatever the velocity.
+        # An offset is minus the free space over the horizon: that is the distance left, whatever the velocity.
         return jnp.all(rows.x * dx + rows.y * dy >= rows.offset * horizon - _MAX_PENETRATION, axis=0)
 
     found = kept(walls, slice(None), 1.0)
@@ -102,12 +102,12 @@ def packed(flags: Any) -> Any:
 
 
 def who_goes(into_place: Any, into_step: Any, may: Any) -> Any:
-    """(A, E) bool: who takes its step.
+    """(A, E) bool: agents that take their step.
 
     Args:
       into_place: (W, A, E) u32, see `packed`: the agent's step ends in the present places of these agents.
-      into_step: (W, A, E) u32: it ends in their steps (both say so of each other, but for rounding).
-      may: (A, E) bool: nothing else is in the way.
+      into_step: (W, A, E) u32: it ends in their steps (symmetric but for rounding). may: (A, E) bool: no other obstacle
+        prevents the step.
     """
     agents = may.shape[0]
     row = jnp.arange(agents)
@@ -134,14 +134,14 @@ def resolved(bodies: Bodies, after: Bodies, traits: Traits, may: Any, num_long: 
     row = jnp.arange(bodies.x.shape[0])
     pairs = (row[:, None] != row[:agents])[..., None] & traits.present[:, None] & like.present
     halves, long = (like.half_length, traits.half_length), slice(agents - num_long, agents)
-    # Who overlaps already may come no nearer; everybody else may come to the touch.
+    # Overlapping bodies may come no nearer; all others may come into contact.
     reach = traits.radius[:, None] + like.radius - _MAX_PENETRATION
     least = jnp.minimum(reach * reach, apart(here, bodies, halves, long))
     into_place = pairs & (apart(after, bodies, halves, long) < least)
     into_step = pairs[:agents] & (apart(after, after, (halves[0], halves[0]), long) < least[:agents])
     place, step = jax.lax.optimization_barrier((packed(into_place[:agents]), packed(into_step)))
     go = who_goes(place, step, may & ~into_place[agents:].any(0)) | ~like.present
-    # A disc that holds turns freely: nobody meets it any sooner for that.
+    # A disc that holds turns freely: that changes no distance.
     heading = jnp.where(go | (like.half_length == 0.0), after.heading, here.heading)
     rest = jnp.zeros_like(here.vx)
     held = Bodies(here.x, here.y, rest, rest, heading)

@@ -1,8 +1,7 @@
 """Where agents appear: on their routes, clear of each other and out of the robot's sight.
 
-In:   a table of places, who is there already, where the robot looks.
-Out:  a place.
-When: at reset for everybody, then for who has arrived, inside jit.
+In: a table of places, the present bodies, the robot's pose. Out: a place. When: at reset for all agents, then for those
+that arrive, inside jit.
 """
 
 from typing import Any, NamedTuple
@@ -12,10 +11,10 @@ import jax.numpy as jnp
 
 from .motion import wrapped
 
-#: m, within which a robot notices anybody, and beyond which somebody who appears is a few pixels: a person 30 m away
+#: m, within which an agent counts as visible to the robot; beyond it an agent covers a few pixels: a person 30 m away
 #: is 6 pixels high in the paper's frame of 135 rows at a field of view of 60°.
 NOTICED, SEEN = 4.0, 30.0
-#: rad, half the angle within which somebody is in sight, wider than the camera's field of view.
+#: rad, half the angle within which an agent is in sight, wider than the camera's field of view.
 HALF_VIEW = 1.0
 
 
@@ -31,7 +30,7 @@ class Observer(NamedTuple):
 
 
 def visible(observer: Observer, x: Any, y: Any) -> Any:
-    """(...) bool: the observer would see who appears or goes at places (...) m; what stands between is not asked."""
+    """(...) bool: the observer would see an agent appear or vanish at places (...) m; occlusion is not considered."""
     dx, dy = x - observer.x, y - observer.y
     distance = jnp.sqrt(dx * dx + dy * dy)
     ahead = jnp.abs(wrapped(jnp.arctan2(dy, dx) - observer.heading)) < HALF_VIEW
@@ -53,9 +52,9 @@ def choose(
     """One of the places (S, 2) m at random among those that will do.
 
     Args:
-      size: () m, radius of who appears; a place must be clear of the present bodies (B,) at x, y by a step (0.5 m);
-        their_size: m around each of them, with the way that it needs to stop.
-      hidden: the place must be out of the observer's sight; at reset anywhere a body's length away from it will do.
+      size: () m, radius of the new agent; a place must be clear of the present bodies (B,) at x, y by a step (0.5 m);
+        their_size: m around each of them, with its braking distance.
+      hidden: the place must be out of the observer's sight; at reset a body's length away from it suffices.
       reach: m; places nearer to the observer than this come first.
 
     Returns:

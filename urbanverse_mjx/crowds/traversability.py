@@ -26,7 +26,7 @@ class Traversability:
 
     Args:
       walls: `Flats` by surface. ground: `OpenGround` by surface.
-      kinds: (A,), those who walk first. traits: (A,).
+      kinds: (A,), walkers first. traits: (A,).
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class Traversability:
         self._vehicles = self._everybody[len(kinds) - num_wheeled(kinds) :]
 
     def _members(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Those of some rows who use each surface, where there are any."""
+        """The rows that use each surface, where there are any."""
         found = {surface: np.intersect1d(members, rows) for surface, members in self._surfaces.items()}
         return {surface: some for surface, some in found.items() if len(some)}
 
@@ -52,7 +52,7 @@ class Traversability:
         return bodies.x[some] + half * jnp.cos(heading), bodies.y[some] + half * jnp.sin(heading)
 
     def walls(self, bodies: Bodies, scene: Any) -> tuple[HalfPlanes, HalfPlanes]:
-        """Half-planes of everybody's surface: (M, A) at the front discs and (M, W) at the rear discs of vehicles."""
+        """Half-planes of every agent's surface: (M, A) at the front discs and (M, W) at the rear discs of vehicles."""
         traits = self._traits
 
         def at(rows: np.ndarray, end: float) -> HalfPlanes:
@@ -75,7 +75,8 @@ class Traversability:
         return at(self._everybody, 1.0), at(self._vehicles, -1.0)
 
     def stays(self, before: Bodies, after: Bodies, scene: Any) -> Any:
-        """(A,) bool: no place of a body's axis that is on free ground leaves it. Who is on none may go anywhere."""
+        """(A,) bool: no place of a body's axis that is on free ground leaves it. An agent off free ground may go
+        anywhere."""
         found = jnp.ones(len(self._everybody), bool)
         for end in _AXIS_POSITIONS:
             for surface, some in self._members(self._everybody if end == 1.0 else self._vehicles).items():
