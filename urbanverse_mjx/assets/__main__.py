@@ -14,7 +14,7 @@ from .importing.command import import_assets
 
 
 def build(out: pathlib.Path | None = None) -> None:
-    """Writes the catalogue of all 102,444 records as Parquet, into the cache unless told otherwise.
+    """Writes the catalogue of all 102,444 records as Parquet, into the cache by default.
 
     Args:
       out: file to write.
@@ -58,7 +58,7 @@ def index(jobs: int = 2) -> None:
 
 
 def hulls(jobs: int = 2, leaf: str | None = None, again: bool = False) -> None:
-    """Makes the collision hulls of every record whose mesh has none yet, and drops hulls nobody needs.
+    """Makes the collision hulls of every record whose mesh has none yet, and drops unused hulls.
 
     Args:
       jobs: processes at once.
@@ -74,7 +74,7 @@ def gallery(out: pathlib.Path | None = None, middle: str | None = None) -> None:
     """Draws a contact sheet per middle category (needs an OpenGL that renders off screen: MUJOCO_GL=egl or osmesa).
 
     Args:
-      out: folder to write into; the cache unless told otherwise.
+      out: folder to write into; default: the cache.
       middle: only this category.
     """
     from urbanverse_mjx.settings import cache_dir

@@ -63,7 +63,7 @@ class StreetComposer(Stage):
             self.put(label, x, side, from_kerb, self._degrees(facing, side) + turn, size)
 
     def trees(self, xs: Iterable[float], side: int, from_kerb: float, growth: str = "street") -> None:
-        """A row of trees, turned at random so that they look grown."""
+        """A row of trees, rotated at random for variety."""
         for x in xs:
             self.put("tree", x, side, from_kerb, self.uniform(-180, 180), catalogue.TREES[growth])
 
@@ -106,7 +106,7 @@ class StreetComposer(Stage):
     def scatter(
         self, labels: Sequence[str], count: int, side: int, x: tuple[float, float], from_kerb: tuple[float, float]
     ) -> int:
-        """Drops objects at seeded places where they touch nothing and leave a passage; returns how many found one."""
+        """Puts objects at seeded places without contact that leave a passage; returns the number placed."""
         placed = 0
         for _ in range(40 * count):
             if placed == count:

@@ -23,7 +23,7 @@ class Stage:
       sizes: m, (along, across, up) of what labels come in.
     """
 
-    #: Nothing here was filmed.
+    #: No part of the scene was filmed.
     source = Source(video="synthetic", licence="Apache-2.0", city="none", country="none")
 
     def __init__(

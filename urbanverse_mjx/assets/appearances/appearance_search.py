@@ -1,8 +1,8 @@
-"""How skies and grounds look: thumbnails, and ranking them against crops of a video as the paper does.
+"""Thumbnails of skies and grounds, and their ranking against crops of a video as in the paper.
 
-Grounds: pixel-wise mean squared error between crop and thumbnail. Skies: HSV histograms. Thumbnails are content: two
-sheets in the asset index (`ground_thumbnails.jpg`, `sky_thumbnails.jpg`), made by `build_thumbnails`; so nothing has
-to be painted to choose.
+Grounds: pixel-wise mean squared error between crop and thumbnail. Skies: HSV histograms. Thumbnails are stored: two
+sheets in the asset index (`ground_thumbnails.jpg`, `sky_thumbnails.jpg`), made by `build_thumbnails`, so ranking
+generates no images.
 """
 
 import dataclasses
@@ -65,7 +65,7 @@ _SHEETS = {
 def build_thumbnails(
     name: str, folder: str | os.PathLike[str] | None = None, progress: Callable[[Iterable], Iterable] = iter
 ) -> pathlib.Path:
-    """Paints all thumbnails of a sheet (two minutes) and writes it, into the asset index unless told otherwise."""
+    """Paints all thumbnails of a sheet (two minutes) and writes it, into the asset index by default."""
     records, paint, size = _SHEETS[v.choice(name, "sheet of thumbnails", _SHEETS)]
     all_of = records()
     sheet = np.zeros((-(-len(all_of) // _COLUMNS) * size[0], _COLUMNS * size[1], 3), np.uint8)
@@ -199,8 +199,8 @@ def rank_grounds(crops: np.ndarray | Sequence[np.ndarray], kind: str) -> list[tu
     """All materials of a kind by pixel-wise mean squared error against crops of the ground, best first.
 
     Args:
-      crops: one or more (h, w, 3) uint8 sRGB images of nothing but ground; each is brought to 32 x 32 pixels, and
-        the errors of several are averaged.
+      crops: one or more (h, w, 3) uint8 sRGB images of ground alone; each is brought to 32 x 32 pixels, and the errors
+        of several are averaged.
       kind: "road" or "sidewalk".
 
     Returns:
@@ -221,9 +221,9 @@ def ground_descriptor(crops: np.ndarray | Sequence[np.ndarray]) -> tuple[int, ..
     """Crops of the ground as 64 numbers of 8 bits, as `GroundRegion.descriptor` holds them.
 
     Each crop becomes 32 x 32 pixels, then 4 x 4 cells: 48 mean colours, and 16 times the standard deviation of the
-    cell's luminance (doubled, at most 255), which says how rough a surface looks wherever its joints lie. Several crops
-    are averaged: the errors |a - t|^2 of several crops a against one thumbnail t are that of their mean plus what does
-    not depend on t.
+    cell's luminance (doubled, at most 255), which measures the visible roughness independently of where the joints lie.
+    Several crops are averaged: the errors |a - t|^2 of several crops a against one thumbnail t are that of their mean
+    plus what does not depend on t.
     """
     cells = np.mean([_cells(crop) for crop in _checked(crops)], axis=0)
     return tuple(int(x) for x in np.round(np.clip(cells, 0.0, 255.0)))
@@ -343,7 +343,7 @@ def _roots(shares: np.ndarray) -> tuple[int, ...]:
 def _sky_descriptors() -> tuple[list[str], np.ndarray]:
     uids = [record.uid for record in sky_records()]
     thumbnails = _sheet("sky_thumbnails.jpg")
-    # A street camera sees the sky up to some 45 degrees: the lower half of the upper half.
+    # A street camera shows the sky up to some 45 degrees: the lower half of the upper half.
     half = SKY_THUMBNAIL[0] // 2
     return uids, np.array([sky_descriptor(thumbnails[uid][half // 2 : half]) for uid in uids], np.float64)
 
@@ -359,7 +359,7 @@ def own_ground_descriptor(uid: str) -> tuple[int, ...]:
 
 
 def own_sky_descriptor(uid: str) -> tuple[int, ...]:
-    """The descriptor that finds a sky of the collection first: what a street camera sees of it.
+    """The descriptor for which a sky of the collection ranks first: that of its part in a street camera's image.
 
     Raises:
       ValidationError: no such sky.

@@ -18,7 +18,7 @@ from .ground_patterns import SIZE
 
 @dataclasses.dataclass(frozen=True)
 class GroundMaterial:
-    """What a piece of ground looks like.
+    """The appearance of a piece of ground.
 
     Attributes:
       id, description: for search and matching.

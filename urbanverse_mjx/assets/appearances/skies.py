@@ -291,7 +291,7 @@ def _cloudless(sun: np.ndarray, weather: _Weather) -> tuple[np.ndarray, np.ndarr
     upper = _directions()[: HEIGHT // 2].reshape(-1, 3)
     sky, direct = _clear(upper, sun, weather.mie)
     sky = sky.reshape(HEIGHT // 2, WIDTH, 3)
-    # A camera sees walls as well as ground: a low sun counts as if it stood at 20 degrees.
+    # Images show walls as well as ground: exposure treats a low sun as one at 20 degrees.
     from_sun = float(direct @ LUMINANCE) * max(float(sun[2]), 0.35)
     from_sky = float(_irradiance(sky) @ LUMINANCE)
     return sky * (weather.diffuse / (1 - weather.diffuse) * from_sun / from_sky), direct

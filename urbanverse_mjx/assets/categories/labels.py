@@ -35,7 +35,7 @@ COLUMNS = ("vocabulary", "label", "leaf", "how")
 
 @dataclasses.dataclass(frozen=True)
 class Mapped:
-    """One label: `leaf` is None where no leaf stands for it, `how` says by what it was found."""
+    """One label: `leaf` is None where no leaf matches, `how` names the rule that found it."""
 
     vocabulary: str
     label: str
@@ -85,7 +85,7 @@ def read_vocabularies(folder: pathlib.Path) -> dict[str, list[str]]:
 
 
 def stored_vocabularies() -> dict[str, list[str]]:
-    """The same from the stored table, where the vocabularies' files are not at hand."""
+    """The same from the stored table, where the vocabularies' files are missing."""
     labels: dict[str, list[str]] = {name: [] for name in FILES}
     for vocabulary, label in mapped_labels():
         labels[vocabulary].append(label)

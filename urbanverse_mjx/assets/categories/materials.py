@@ -51,7 +51,7 @@ class Material:
 
 @dataclasses.dataclass(frozen=True)
 class Source:
-    """Where a number comes from; `address` is empty where no page was looked up."""
+    """Source of a number; `address` is empty where no page was read."""
 
     key: str
     title: str

@@ -50,7 +50,7 @@ def category_of(leaf: str) -> tuple[str, str, str]:
 
 @functools.cache
 def stand_ins() -> dict[str, tuple[str, ...]]:
-    """leaf -> leaves that look like it in a street, best first, for when the leaf itself has no records (a car is a
+    """leaf -> leaves of similar appearance in a street, best first, for when the leaf itself has no records (a car is a
     sedan). Reviewed data, `assets_index/stand_ins.json`.
 
     Raises:

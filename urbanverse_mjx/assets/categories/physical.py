@@ -39,13 +39,13 @@ SOLID_SPREAD, HOLLOW_SPREAD = 0.02, 0.12
 BUILD_SPREAD = 0.28
 MAKE_SPREAD = 0.3  # relative, to either side: mass of one make of a leaf that has several
 FRICTION_SPREAD = 0.1  # relative, to either side: wear, dirt and the paving
-DRAWS = 16  # numbers per record; `sample` says what each one is for
+DRAWS = 16  # numbers per record; `sample` documents the use of each
 SIZE_STEP, MASS_STEP = 1e-4, 1e-6  # m and kg that sizes and masses are rounded to
 
 
 @dataclasses.dataclass(frozen=True)
 class Measured:
-    """What a recipe knows of its meshes.
+    """Physical data that a recipe gives for its meshes.
 
     Attributes:
       extent: (n, 3) m, box in the asset frame (x towards the front).
@@ -102,7 +102,7 @@ def sample(row: Prior, draws: Floats, measured: Measured | None = None) -> Physi
     """Values of the records with these draws.
 
     Draws 0-1 are the size in common, 2-3, 4-5 and 6-7 length, width and height, 8 the fill, 9 the make, 10 the
-    friction, 11-12 build (people) or mass (what grows with nothing); the rest is spare.
+    friction, 11-12 build (people) or mass (where it does not depend on size); the rest is unused.
 
     Raises:
       ValidationError: measured values of another number of records, or not above 0.

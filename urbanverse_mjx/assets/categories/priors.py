@@ -66,13 +66,13 @@ RESTS = ("fixed", "hangs", "stands", "rolls", "parked", "alive")
 FRONTS = ("none", "end", "side")
 TRAVERSABILITY = ("pass through", "push through", "obstacle")
 COMPOSITIONS = ("single", "group", "scene")
-#: published: the note begins with the key of a page in sources.csv that was looked up; standard: the numbers follow the
-#: document that the note names, from memory; typical: what the note says.
+#: published: the note begins with the key of a page in sources.csv that was read; standard: the numbers follow the
+#: document that the note names, from memory; typical: an estimate, with its reason in the note.
 BASES = ("standard", "published", "typical")
 
 #: What a record's mass grows with: its bounding box; its height squared (people stand in many poses, posts are
-#: slender); its front face or its ground face (sheets, screens, tables); its length; or nothing (a tripod weighs the
-#: same folded): then it is drawn from the row's mass range.
+#: slender); its front face or its ground face (sheets, screens, tables); its length; or none of these (a tripod weighs
+#: the same folded): then it is drawn from the row's mass range.
 GROWTHS = ("box", "height", "face", "ground", "length", "nothing")
 
 Range = tuple[float, float, float]
@@ -97,7 +97,7 @@ class Make:
 
     @property
     def surface(self) -> str:
-        """The material one sees and touches."""
+        """The material of the visible surface."""
         return next(iter(self.shares))
 
 

@@ -1,8 +1,8 @@
 """Published dimensions and masses of real objects, each with the page it was read on, and how far the records are off.
 
-`assets_index/published.csv`: an empty cell is a figure that the page does not give. Where several pages speak of a
-leaf, the median of their figures counts as the truth of the leaf. A figure that does not count stands in
-`published_set_aside.csv` with the reason: the page measures something else than the box of the leaf's object.
+`assets_index/published.csv`: an empty cell is a figure that the page does not give. Where several pages give figures of
+a leaf, their median is the leaf's reference value. Excluded figures are in `published_set_aside.csv` with the reason:
+the page measures something other than the box of the leaf's object.
 """
 
 import dataclasses
@@ -70,7 +70,7 @@ def published() -> tuple[Published, ...]:
 
 @functools.cache
 def set_aside() -> tuple[SetAside, ...]:
-    """The figures that were looked up and do not count.
+    """The excluded figures.
 
     Raises:
       ValidationError: a row without any figure, address or reason; a leaf that does not exist.

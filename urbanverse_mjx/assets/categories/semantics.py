@@ -25,7 +25,7 @@ from .ontology import UnknownLabelError
 EXACT, GUESSED = 1.0, 0.9
 MOST_EMBEDDED = 0.79  # below a guess by more than what a query may add for colours and materials
 LETTERS = (3, 4, 5)
-WORD_WEIGHT = 2.0  # a whole word in common says more than its letters
+WORD_WEIGHT = 2.0  # a common whole word has more weight than its letters
 
 
 class TextEmbedder(Protocol):
@@ -95,8 +95,7 @@ def rank_leaves(label: str, count: int = 5, embedder: TextEmbedder | None = None
       count: how many.
       embedder: None for letters and words; see `neural.SentenceEmbedder`.
 
-    Raises:
-      UnknownLabelError: nothing in common with any name.
+    Raises: UnknownLabelError: no word or letters in common with any name.
     """
     if embedder is None:
         scores = np.minimum(default_index().scores(label), MOST_EMBEDDED)

@@ -72,7 +72,7 @@ def connected_pieces(mesh: AssetMesh, part_faces: Sequence[int] | None = None) -
 
     Args:
       part_faces: number of faces of each part the mesh was assembled from, so that parts which merely touch stay apart;
-        without it pieces are told apart by shared vertices alone.
+        without it shared vertices alone separate the pieces.
     """
     counts = [len(mesh.faces)] if part_faces is None else list(part_faces)
     pieces = []
@@ -160,7 +160,7 @@ def split_piece(vertices: np.ndarray, faces: np.ndarray, budget: int, allowance:
 
 
 def _cost(a: Piece, b: Piece, union: Piece) -> float:
-    """What a union takes away from who moves along the ground: m^3 of space, and ground that it newly covers."""
+    """Cost of a union for robots on the ground: m^3 of space, and ground that it newly covers."""
     space = max(union.volume - a.volume - b.volume, 0.0)
     if union.corners[:, 2].min() > HIGH:
         return HIGH_WEIGHT * space
@@ -267,8 +267,8 @@ def decompose(mesh: AssetMesh, budget: int, part_faces: Sequence[int] | None = N
         solids = [(v, f) for v, f in connected_pieces(mesh, part_faces) if v[:, 2].max() > FOOT_PLATE + 1e-4]
         parts = [p for v, f in solids for p in split_piece(v, f, budget, allowance)]
         pieces = merge_pieces(parts, budget)
-    # CoACD cuts a voxel copy of the mesh, which stands out of it by up to a voxel: a hull stays within the mesh's box,
-    # but for what corners of a coarse circle need beside it.
+    # CoACD cuts a voxel copy of the mesh, which exceeds it by up to a voxel: hulls are limited to the mesh's box,
+    # except where the corners of a coarse circle need more.
     slack = np.array([BESIDE, BESIDE, 0.0]) * mesh.extent if mesh.extent[2] > FLUSH_HEIGHT else np.inf
     low, high = mesh.vertices.min(0) - slack, mesh.vertices.max(0) + slack
     rounded = [np.round(np.clip(simplified(p.corners), low, high) / MILLIMETRE).astype(np.int32) for p in pieces]

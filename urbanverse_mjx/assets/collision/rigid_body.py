@@ -1,4 +1,4 @@
-"""Mass properties of an asset as other simulators want them: one rigid body of even density inside its hulls."""
+"""Mass properties of an asset for other simulators: one rigid body of uniform density inside its hulls."""
 
 import dataclasses
 import functools
@@ -37,7 +37,7 @@ class RigidBody:
 
 
 def convex_surface(corners: np.ndarray) -> trimesh.Trimesh:
-    """The convex hull of (n, 3) corners as a closed surface, wound outwards; shared, so nobody may change it."""
+    """The convex hull of (n, 3) corners as a closed surface, wound outwards; cached, so it must not be changed."""
     return _convex_surface(np.ascontiguousarray(corners, np.float64).tobytes())
 
 

@@ -1,6 +1,6 @@
 """Assets for other tools: GLB, OBJ, MJCF or USD, and beside each the annotation under the official field names.
 
-All files are in metres. GLB is y up with its front along +z, as glTF wants; OBJ, MJCF and USD keep the asset frame
+All files are in metres. GLB is y up with its front along +z, as glTF requires; OBJ, MJCF and USD keep the asset frame
 (+x front, +y left, z up, origin on the ground under the centre).
 """
 
@@ -24,7 +24,7 @@ OBJ_REMARK = "metres; z up, front along +x"
 
 
 def official_annotation(record: AssetRecord) -> dict[str, Any]:
-    """What a record says, under the field names and in the units of UrbanVerse-100K's annotation files."""
+    """A record under the field names and in the units of UrbanVerse-100K's annotation files."""
     top, middle, leaf = record.category
     return {
         "uid": record.uid,

@@ -9,7 +9,7 @@ from urbanverse_mjx.datatypes import AssetMesh, AssetRecord
 
 from ..collision.rigid_body import rigid_body
 
-# MuJoCo's own defaults of torsional (m) and rolling (m) friction; a record knows the sliding one alone.
+# MuJoCo's own defaults of torsional (m) and rolling (m) friction; a record has the sliding one alone.
 TORSIONAL, ROLLING = 0.005, 0.0001
 
 

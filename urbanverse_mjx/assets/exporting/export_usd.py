@@ -20,8 +20,8 @@ def write_usd(
 ) -> None:
     """Writes a stage (`.usda` or `.usdc`), z up, in metres and kilograms.
 
-    `/asset` is a rigid body with the record's mass, `/asset/visual` is seen, `/asset/collision` holds the hulls,
-    `/asset/looks` the materials. What one person cannot move is kinematic: it keeps its mass and its place.
+    `/asset` is a rigid body with the record's mass, `/asset/visual` is rendered, `/asset/collision` holds the hulls,
+    `/asset/looks` the materials. An object that one person cannot move is kinematic: it keeps its mass and its pose.
 
     Args:
       texture_file: PNG, relative to the stage.

@@ -1,6 +1,6 @@
 """Pieces that every USD stage of ours is made of: the stage itself, meshes, surfaces, contact materials, mass.
 
-Stages are z up, in metres and kilograms, as Isaac Sim wants them.
+Stages are z up, in metres and kilograms, as Isaac Sim requires.
 """
 
 import importlib.util
@@ -124,7 +124,7 @@ def bind_contact(shape: Any, contact: Any) -> None:
 
 
 def add_body(root: Any, solid: RigidBody, movable: bool) -> None:
-    """A rigid body with its mass; what nobody moves is kinematic: it keeps its mass and its place."""
+    """A rigid body with its mass; an immovable object is kinematic: it keeps its mass and its pose."""
     from pxr import Gf, UsdPhysics
 
     body = UsdPhysics.RigidBodyAPI.Apply(root.GetPrim())

@@ -27,7 +27,7 @@ def thumbnails(out: pathlib.Path | None = None, only: Literal["ground", "sky"] |
     """Paints the thumbnails of all skies and grounds (some three minutes on one core).
 
     Args:
-      out: folder; the asset index unless told otherwise.
+      out: folder; default: the asset index.
       only: one of the two.
     """
     for kind in ("ground", "sky") if only is None else (only,):

@@ -46,7 +46,8 @@ def scene_of(meshes: Sequence[AssetMesh], yaw: float = 0.0, gap: float = 0.12) -
     # Without gloss: on a plane of few and large faces a highlight shows their edges.
     spec.add_material(name="floor", rgba=[0.62, 0.64, 0.66, 1], specular=0.0, shininess=0.0)
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], material="floor")
-    # The row runs from left to right as the camera, on the +x side, sees it: along +y; every mesh is turned by itself.
+    # The row runs from left to right in the image of the camera on the +x side: along +y; every mesh is rotated
+    # separately.
     turned = [_turned_box(m, yaw) for m in meshes]
     step = gap * max(max(high[1] - low[1], 0.5 * (high[2] - low[2])) for low, high in turned)
     y = 0.0
@@ -120,7 +121,7 @@ def render_masked(mesh: AssetMesh, size: tuple[int, int], yaw_deg: float = -32.0
 def _seen(
     meshes: Sequence[AssetMesh], size: tuple[int, int], yaw_deg: float, elevation_deg: float = ELEVATION
 ) -> Iterator[mujoco.Renderer]:
-    """A renderer that looks at meshes in a row."""
+    """A renderer of meshes in a row."""
     model, bounds = scene_of(meshes, np.radians(yaw_deg))
     model.vis.global_.fovy = 20.0
     width, height = size

@@ -56,7 +56,7 @@ def draw(mesh: AssetMesh, path: pathlib.Path) -> pathlib.Path:
 def draw_missing(
     records: Sequence[AssetRecord], progress: Callable[[int, int], object] = lambda done, total: None
 ) -> tuple[int, int]:
-    """Draws the records that have no image yet; one that was interrupted goes on where it stopped.
+    """Draws the records that have no image yet; after an interruption a new call continues.
 
     Returns:
       (images drawn, images that were there).

@@ -1,7 +1,7 @@
 """What is said of an imported asset: by its own annotation file, by a vision model, or by the prior of its leaf.
 
-The official annotation JSON of UrbanVerse-100K is read as it is, under its own field names and units; fields that this
-package does not use are kept. What no one says, the leaf's prior and the measured mesh supply.
+The official annotation JSON of UrbanVerse-100K is read under its own field names and units; fields that this package
+does not use are kept. The leaf's prior and the measured mesh supply missing values.
 """
 
 import dataclasses
@@ -50,7 +50,7 @@ def _one_of(options: Sequence[str]) -> Check:
 
 
 def _stiffness(value: Any, where: str) -> float:
-    """MPa: the official schema says MPa, its toolkit's table Pa; nothing is stiffer than diamond's 1.2e6 MPa."""
+    """MPa: the official schema says MPa, its toolkit's table Pa; diamond's 1.2e6 MPa is the upper limit."""
     stiffness = v.number(value, where, above=0.0, maximum=2e12)
     return stiffness / 1e6 if stiffness > 1.3e6 else stiffness
 
@@ -180,7 +180,7 @@ class Measured:
 def describe(
     leaf: str, uid: str, measured: Measured, fields: Mapping[str, Any], licence: str, provenance: str, params: dict
 ) -> tuple[AssetRecord, dict[str, Any]]:
-    """(record, whole annotation under the official names): what is said, and the leaf's prior where nothing is.
+    """(record, whole annotation under the official names): annotated values, and the leaf's prior where there are none.
 
     Sizes are always the measured ones. Where a mass is annotated but no force, the force follows from the mass.
     """
@@ -245,6 +245,6 @@ def describe(
 
 
 def catalogue_row(record: AssetRecord, whole: Mapping[str, Any]) -> dict[str, Any]:
-    """The asset's row in a table with the columns of `assets.records.catalogue`; None where nothing is known."""
+    """The asset's row in a table with the columns of `assets.records.catalogue`; None where no value is known."""
     known = dict(whole) | {"recipe": record.recipe, "movable": record.movable}
     return {name: known.get(name) for name in SCHEMA.names if name != "params"}

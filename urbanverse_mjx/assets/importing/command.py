@@ -18,13 +18,12 @@ def import_assets(
 ) -> None:
     """Imports the GLB, glTF and OBJ files below a folder into your own index, beside the packaged one.
 
-    What the annotation files beside them do not say comes from a vision endpoint, if URBANVERSE_VISION_URL and
-    URBANVERSE_VISION_MODEL (and URBANVERSE_VISION_KEY) are set, else from what is usual for the category that the
-    file's name tells. An interrupted import goes on where it was when it is started again.
+    Values missing in the annotation files next to them come from a vision endpoint, if URBANVERSE_VISION_URL and
+    URBANVERSE_VISION_MODEL (and URBANVERSE_VISION_KEY) are set, else from the priors of the category in the file's
+    name. An interrupted import continues when it is started again.
 
     Args:
-      folder: where the files lie.
-      licence: licence of the files that state none, e.g. CC-BY-4.0; without it they are refused.
+      folder: of the files. licence: licence of the files that state none, e.g. CC-BY-4.0; without it they are refused.
       jobs: processes at once.
       again: also files that an earlier import has done.
       pictures: draw four views of each asset.

@@ -52,7 +52,7 @@ def context() -> Any:
 def contained(function: Callable[..., Any], *args: Any, bounds: Bounds = Bounds()) -> Outcome:
     """Calls `function(*args)` in a fresh process and waits for it.
 
-    Nothing that happens there is raised here: refusals, errors, crashes and exceeded bounds come back as an outcome.
+    No exception of that process is raised here: refusals, errors, crashes and exceeded bounds come back as an outcome.
     """
     chosen = context()
     here, there = chosen.Pipe(duplex=False)
@@ -124,7 +124,7 @@ def _child(there: Connection, bounds: Bounds, function: Callable[..., Any], args
 def _limit(bounds: Bounds) -> None:
     seconds = int(bounds.seconds) + 1
     limits = [("RLIMIT_CPU", seconds * 2), ("RLIMIT_FSIZE", bounds.file_bytes), ("RLIMIT_CORE", 0)]
-    # Data, not address space: renderers reserve much of the latter and use little. macOS knows neither well.
+    # Data, not address space: renderers reserve much of the latter and use little. macOS enforces neither reliably.
     limits.append(("RLIMIT_DATA", bounds.memory))
     for name, value in limits:
         with contextlib.suppress(AttributeError, ValueError, OSError):

@@ -1,7 +1,7 @@
 """The nine forms of corruption that the UrbanVerse paper counts in web-crawled assets, each measured and named.
 
-The paper had people look; these are rules over the mesh, the leaf that it is said to be, and the names in the file. A
-object that is thin, scattered or rough by nature (a poster, a flock, a hedge) is judged by its leaf's prior.
+The paper had people inspect assets; these are rules over the mesh, its annotated leaf, and the names in the file. An
+object that is thin, scattered or rough by nature (a poster, a flock, a hedge) is compared with its leaf's prior.
 """
 
 import dataclasses
@@ -33,7 +33,7 @@ MANY = 300  # faces; statistics of surfaces say little below
 DEGENERATE = 0.3  # share of faces without area
 SHREDS, SHRED_FACES = 0.4, 3  # share of the area in components of so few faces
 NOISE_ANGLE, NOISE_NORMALS = 0.8, 0.7  # rad, mean bend; share of faces whose direction no other has
-HALF_OPEN = 0.12  # horizontal area vectors that nothing balances, over the whole area
+HALF_OPEN = 0.12  # sum of the horizontal area vectors over the whole area (0 for a closed surface)
 THIN, BOARD = 0.02, 0.15  # least over middle side; boards may have one face alone
 TERRAIN_UP, TERRAIN_FLAT, TERRAIN_COVER, LEVEL = 0.85, 0.35, 0.6, 0.7
 BASE_HEIGHT, BASE_AREA, BASE_SIDE = 0.12, 2.5, 1.6
@@ -88,7 +88,7 @@ def _several(shape: Shape, source: Source, row: Prior | None) -> Iterator[Findin
     ]
     volumes = np.array([np.prod(np.maximum(high - low, 1e-4)) for low, high in boxes])
     large = volumes > PARTNER * volumes.max()
-    # A rack's hoops are alike and make up a rack; two cars are alike and make up nothing as wide as they are long.
+    # A rack's equal hoops form one asset; two equal cars do not form one of a plausible shape.
     alike = (
         row is not None
         and volumes[large].min() > ALIKE * volumes.max()

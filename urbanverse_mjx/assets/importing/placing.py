@@ -26,8 +26,8 @@ UNITS = {
 }
 SLACK = math.log(1.25)  # beyond the leaf's least and greatest, still believed without a change
 STRETCHED = math.log(2.0)  # beyond them after the best scale: the proportions are another object's
-# How much better (in the logarithm of a side) z up must fit than y up before it is believed: glTF says that y is up, an
-# OBJ file mostly says nothing, and one that says z up is believed unless y up fits far better.
+# How much better (in the logarithm of a side) z up must fit than y up before it is taken: glTF defines y as up, most
+# OBJ files state no axis, and a file that states z up is trusted unless y up fits far better.
 Z_UP = {True: math.log(2.0), None: math.log(1.1), False: -math.log(2.0)}
 OFF_MEDIAN = 0.25  # weight of the distance from the leaf's median sizes beside the misfit
 # One ground side over the other before a mesh is turned a quarter: of the leaf's median, and of the mesh. What is about
@@ -76,10 +76,10 @@ def place(
 
     Args:
       vertices: (V, 3) that faces use, in the file's frame.
-      y_up: what the file says; None where it does not.
+      y_up: stated by the file; None where it states none.
       row: prior of its leaf.
       sizes: annotated `height`, `length`, `width` in m, any of them.
-      front_view: annotated view (0 to 3) that shows the front; view k looks from k quarters counter-clockwise.
+      front_view: annotated view (0 to 3) that shows the front; view k is from k quarters counter-clockwise.
     """
     steps: list[str] = []
     upright, lying = TO_GLTF.T, np.eye(3)

@@ -1,4 +1,4 @@
-"""Loads a screened file: triangles, texture coordinates, images, and what the file says of itself."""
+"""Loads a screened file: triangles, texture coordinates, images, and the file's own metadata."""
 
 import dataclasses
 import os

@@ -53,9 +53,9 @@ class Options:
     Attributes:
       licence: of files that state none; without it they are refused.
       jobs: processes at once.
-      again: also what the journal says is done.
+      again: also files that the journal lists as done.
       pictures: draw four views of each asset.
-      endpoint: vision model that annotates what has no annotation; None leaves that to the priors.
+      endpoint: vision model for files without an annotation; None: the priors alone.
       bounds: of each process.
     """
 
@@ -200,7 +200,7 @@ def _run(
         )
         with writing:
             if not known:
-                # One whole line at a time: whoever reads the journal sees a file as done or not at all.
+                # One whole line at a time, so that a reader of the journal finds a file either done or not listed.
                 journal.write(json.dumps(dataclasses.asdict(entry)) + "\n")
                 journal.flush()
             entries.append(entry)
@@ -285,7 +285,7 @@ def _import_file(
 
 
 def _ask(task: Task, options: Options, notes: list[str]) -> tuple[Task, Outcome]:
-    """The task with what the vision endpoint says; where it says nothing usable, the priors must do."""
+    """The task with the vision endpoint's annotation; without a usable answer the priors apply."""
     assert options.endpoint is not None
     outcome = contained(write_preview, task, bounds=options.bounds)
     if outcome.reason:

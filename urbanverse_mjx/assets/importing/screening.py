@@ -1,4 +1,4 @@
-"""Looks at a mesh file's structure before any reader does, and refuses what would hurt: cheap, and in few bytes.
+"""Checks a mesh file's structure before any reader loads it, with little memory, and refuses dangerous files.
 
 A glTF file is checked against its own numbers: lengths of chunks, buffers, views and accessors, the tree of nodes, and
 the files it asks for. Only what passes is handed to the reader.

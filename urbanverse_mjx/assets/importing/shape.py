@@ -1,4 +1,4 @@
-"""What the triangles of a file look like, whatever its unit: measured once, asked by `corruption`."""
+"""Unit-independent measures of a file's triangles, computed once for `corruption`."""
 
 import dataclasses
 import functools

@@ -1,4 +1,4 @@
-"""Asks an OpenAI-compatible endpoint what four images show; nothing is sent unless one is configured."""
+"""Sends four images to an OpenAI-compatible endpoint for annotation; nothing is sent unless one is configured."""
 
 import base64
 import json

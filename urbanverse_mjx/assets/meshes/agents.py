@@ -1,4 +1,4 @@
-"""What moving people and vehicles look like: a few meshes for each kind of agent, carried by every bank.
+"""Appearances of moving people and vehicles: a few meshes for each kind of agent, part of every bank.
 
 In:   recipes.
 Out:  `AgentAppearance`s, those of a kind in the order in which agents take them.
@@ -16,7 +16,7 @@ from urbanverse_mjx.datatypes import AgentAppearance, ValidationError
 
 from .recipe import all_recipes
 
-#: Kind, leaf and variants. Those in a stride come first: who stands and talks are few.
+#: Kind, leaf and variants. Walking poses come first: few agents stand and talk.
 _APPEARANCES = (
     ("pedestrian", "pedestrian adult", (0, 1, 3, 5, 2, 4)),
     ("pedestrian", "elderly person", (0,)),

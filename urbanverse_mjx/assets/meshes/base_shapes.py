@@ -1,4 +1,4 @@
-"""What is measured once on every base shape: its exact box and volume, the colours one sees of it, its silhouettes.
+"""Measurements of every base shape, made once: its exact box and volume, its visible colours, its silhouettes.
 
 One row per record of the base index in `assets_index/shapes.parquet`, written together with the index by
 `python -m urbanverse_mjx.assets index`, so that 102,444 records need no mesh to be made, filtered and matched.
@@ -27,7 +27,7 @@ from .mesh_builder import BuiltAsset
 from .table_files import read_rows
 
 FILE = "shapes.parquet"
-#: Views from which an object is looked at: yaw in degrees that it is turned by, as `gallery.render_row` does.
+#: Views of an object: yaw in degrees by which it is rotated, as in `gallery.render_row`.
 YAWS = (-32.0, 0.0, 90.0, 180.0)
 ELEVATION = 14.0  # degrees, of the camera over the horizon; the same image as a thumbnail's
 GRID, CELLS = 24, 4  # pixels of a silhouette's side; cells of its layout's side
@@ -61,9 +61,9 @@ class BaseShape:
     Attributes:
       uid: of its record in the base index.
       extent: (3,) m, exact box of the mesh; volume: m^3, `enclosed_volume`.
-      make_known: whether the recipe says what it is made of or weighs; else that was drawn from the leaf's prior.
-      colors: (C, 3) uint8 what one sees of it, most first; share: (C,) of the visible area, sums to 1.
-      light: (C,) how bright the renderer's light falls on it; paint: (C,) which take a tint in full.
+      make_known: whether the recipe gives material or mass; else they were drawn from the leaf's prior.
+      colors: (C, 3) uint8 visible colours, most frequent first; share: (C,) of the visible area, sums to 1.
+      light: (C,) brightness of the renderer's light on it; paint: (C,) colours that take a tint in full.
       layouts: (V, 16) uint8 filled share of the silhouette's 4x4 cells, row by row from the top, per view of `YAWS`.
       aspects: (V,) width over height of the silhouettes.
     """
@@ -85,7 +85,7 @@ def enclosed_volume(mesh: AssetMesh, part_faces: Sequence[int]) -> float:
 
     Within a part, vertices that were split at creases are joined again; a connected piece is closed where every edge
     belongs to an even number of triangles, and encloses |sum of a . (b x c)| / 6 (divergence theorem). Awnings, nets
-    and the like, which enclose next to nothing, count as 2 % of their box.
+    and similar meshes, which enclose almost no volume, count as 2 % of their box.
     """
     points = mesh.vertices.astype(np.float64)
     total, start = 0.0, 0
@@ -102,7 +102,7 @@ def enclosed_volume(mesh: AssetMesh, part_faces: Sequence[int]) -> float:
 def _closed(corners: NDArray, faces: NDArray, count: int) -> float:
     """m^3 enclosed by the closed pieces among triangles: (F, 3, 3) corners, (F, 3) numbers of joined vertices."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    real = edges[:, 0] != edges[:, 1]  # joining may close a sliver to nothing
+    real = edges[:, 0] != edges[:, 1]  # joining may collapse a sliver
     graph = sparse.coo_matrix((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), (count, count))
     pieces, label = sparse.csgraph.connected_components(graph, directed=False)
     keys, times = np.unique(edges[real, 0] * count + edges[real, 1], return_counts=True)

@@ -24,7 +24,7 @@ def glb_bytes(mesh: AssetMesh, about: Mapping[str, Any] | None = None, copyright
     """The mesh as one binary glTF file.
 
     Args:
-      about: JSON object for `asset.extras`, where other tools look for what a file is.
+      about: JSON object for `asset.extras`, where other tools look for metadata.
       copyright_text: for `asset.copyright`; left out when empty.
     """
     # trimesh counts v from the bottom, as `AssetMesh` does, and turns it over for glTF itself.

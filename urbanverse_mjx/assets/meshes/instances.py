@@ -4,8 +4,8 @@ A leaf's sizes are drawn from its prior; the base shape that fits best takes the
 
     scale = box / box of the base,  volume = volume of the base * product of the scale.
 
-No axis is stretched by more than the leaf's `stretch` relative to another; where an object would look wrong at once
-(people, signs, wheels) the axes concerned share one scale. Only + - * / and square roots are used.
+No axis is stretched by more than the leaf's `stretch` relative to another; where any distortion is visible (people,
+signs, wheels) the axes concerned share one scale. Only + - * / and square roots are used.
 """
 
 import dataclasses
@@ -120,7 +120,7 @@ def place(leaf: str, uids: Sequence[str], extents: Floats) -> Placed:
         )
     drawn = sample_uids(leaf, uids)
     wanted = np.stack([drawn.length, drawn.width, drawn.height], axis=1)
-    # The base's longer ground side takes the length, whichever way its front looks.
+    # The base's longer ground side takes the length, whatever the direction of its front.
     lies_across = extents[:, 1] > extents[:, 0]
     sides = np.where(lies_across[:, None], extents[:, [1, 0, 2]], extents)  # (b, 3) as LONG, SHORT, UP
     rule = proportion(leaf)

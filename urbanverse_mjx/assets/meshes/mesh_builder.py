@@ -49,7 +49,7 @@ class BuiltAsset:
     part_faces: tuple[int, ...] = ()
 
     def scaled(self, scale: np.ndarray) -> "BuiltAsset":
-        """The asset with its axes scaled by (3,) factors; what it weighs, where it says so, stays."""
+        """The asset with its axes scaled by (3,) factors; a given mass is kept."""
         mesh = dataclasses.replace(self.mesh, vertices=self.mesh.vertices * scale)
         return dataclasses.replace(self, mesh=mesh, volume=self.volume * float(np.prod(scale)))
 
@@ -59,7 +59,7 @@ class BuiltAsset:
         return np.where(scale > 0, scale, scale[scale > 0].mean())
 
     def to_box(self, size: Sequence[float | None] | np.ndarray) -> "BuiltAsset":
-        """The asset scaled so that its box is size (x, y, z), m, as `box_scale` says."""
+        """The asset scaled so that its box is size (x, y, z), m, by `box_scale`."""
         return self.scaled(self.box_scale(size))
 
 
@@ -123,7 +123,7 @@ class MeshBuilder:
     ) -> None:
         """Adds any shape, in one colour, or with an image where the shape has UV.
 
-        Edges that bend more than `crease_deg` look sharp, others are shaded smoothly.
+        Edges that bend more than `crease_deg` are shaded sharp, others smoothly.
         """
         if (color is None) == (image is None):
             raise ValueError("part: found both or neither of color and image, needed exactly one.")

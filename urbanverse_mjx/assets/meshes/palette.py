@@ -1,4 +1,4 @@
-"""Named colours of street objects (sRGB, 0-255), so that all recipes agree on what painted steel looks like."""
+"""Named colours of street objects (sRGB, 0-255), so that all recipes share the colours of materials."""
 
 from collections.abc import Sequence
 

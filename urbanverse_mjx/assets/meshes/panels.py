@@ -8,18 +8,18 @@ NORMALS = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0),
 
 
 def face_size(size: Point3, face: str) -> tuple[float, float]:
-    """(across, up) of a box face as `panel` sees it."""
+    """(across, up) of a box face in the convention of `panel`."""
     x, y, z = (float(s) for s in size)
     return {"x": (y, z), "y": (x, z), "z": (y, x)}[face[1]]
 
 
 def panel_corners(at: np.ndarray, width: float, height: float, facing: str | float, tilt_deg: float) -> np.ndarray:
-    """(4, 3) corners, m, of a panel centred at `at`, counter-clockwise for who looks at its face."""
+    """(4, 3) corners, m, of a panel centred at `at`, counter-clockwise seen from its front."""
     if isinstance(facing, str):
         normal = np.array(NORMALS[facing], float)
     else:
         normal = np.array([np.cos(np.radians(facing)), np.sin(np.radians(facing)), 0.0])
-    # Lying panels read with their top towards +x when seen from above, as text on the road does for who walks along +x.
+    # Lying panels read with their top towards +x when seen from above, as text on the road does for traffic along +x.
     up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.5 else np.array([1.0, 0.0, 0.0])
     right = np.cross(up, normal)
     lean = np.radians(tilt_deg)

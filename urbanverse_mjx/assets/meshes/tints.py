@@ -40,7 +40,7 @@ FREE_MIDDLES = frozenset(
         "watercraft vehicle",
     }
 )
-#: Leaves below those whose colour says what they are all the same.
+#: Leaves below those with a characteristic colour, which keep it.
 MEANING_LEAVES = frozenset(
     {
         "combat tactical  vehicle",

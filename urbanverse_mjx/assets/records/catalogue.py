@@ -2,12 +2,12 @@
 
 The first records of a leaf are its base shapes as the recipes build them; the others are instances of them, with boxes
 drawn from the prior of the leaf (`instances`). A leaf without any base shape has records drawn from the prior alone:
-their sizes, matter, mass, force and affordances are there and agree, `recipe` is null, and no field pretends to know a
-mesh. Everything physical follows from the measured box and volume and the leaf's row, so that the fields of a record
-agree; the base index's own masses (`AssetIndex`, what streets weigh) stay as they are. `movable` means, as in
+their sizes, materials, mass, force and affordances are present and consistent, `recipe` is null, and fields that need a
+mesh are empty. All physical fields follow from the measured box and volume and the leaf's row, so that the fields of a
+record agree; the base index's own masses (`AssetIndex`, used in streets) stay unchanged. `movable` means, as in
 `AssetRecord`, that one person can move it.
 
-A record's uid holds its leaf and number alone. It depends on nothing else in the table but its leaf's base shapes.
+A record's uid holds its leaf and number alone. Of the rest of the table it depends only on its leaf's base shapes.
 """
 
 import hashlib
@@ -72,7 +72,7 @@ SCHEMA = pa.schema(
 # The clearance of the official example (a 6.1 m long car) is 1.5 m; a bollard is passed at an arm's width.
 CLEARANCE_LEAST, CLEARANCE_PER_METRE, CLEARANCE_MOST = 0.2, 0.25, 1.5
 SAME_MAKE = 0.05  # shared share of the materials below which two makes are alike
-# Materials that count as one when a base shape's make is looked for.
+# Materials that count as one in the search for a base shape's make.
 _KIN = {
     "green wood": "wood",
     "hardwood": "wood",
@@ -123,7 +123,7 @@ def build_leaf(leaf: str, index: AssetIndex, count: int | None = None) -> pa.Tab
     if uids:
         placed = place(leaf, uids, np.array([s.extent for s in shapes]))
         volume = np.array([s.volume for s in shapes])[placed.base] * placed.scale.prod(1)
-        # What a shape is made of by its recipe, its instances are made of; where it says nothing, each draws its own.
+        # Instances have the materials that the recipe gives their base shape; where it gives none, each draws its own.
         known = np.array([s.make_known for s in shapes])[placed.base]
         make = np.where(known, values.make[placed.base], sample_uids(leaf, uids).make)
         measured = Measured(placed.extent, volume, make)
@@ -243,7 +243,7 @@ def _table(row: Prior, uids: Sequence[str], values: Physical, shown: Sequence[Sh
         "surface_hardness": [s.hardness for s in surfaces],
         "surface_finish": [s.finish for s in surfaces],
         "surface_roughness": [s.roughness for s in surfaces],
-        "frontView": [0] * count,  # by our convention every front looks along +x, which view 0 sees
+        "frontView": [0] * count,  # by our convention every front faces +x, which view 0 shows
         "colors": colors,
         "colors_composition": color_shares,
         "recipe": [s.record.recipe for s in shown] or none,
@@ -273,7 +273,7 @@ def _clearance(row: Prior, values: Physical) -> Any:
 
 
 def _traversable_by(row: Prior) -> list[str]:
-    """Who may go over or through it: people on what is walkable and through what gives way, wheels on flat ground."""
+    """Agents that may go over or through it: people on walkable and through yielding objects, wheels on flat ground."""
     who = []
     if row.walkable or row.traversability != "obstacle":
         who += ["pedestrian", "legged robot"]

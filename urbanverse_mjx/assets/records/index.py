@@ -94,8 +94,8 @@ class AssetIndex:
         return self._by_uid[uid]
 
     def by_label(self, label: str) -> tuple[AssetRecord, ...]:
-        """The records for a label: its leaf's own, else those of the leaf that stands in for it ("car" is a sedan as
-        long as no recipe builds the leaf "car"); empty where nothing like it has records.
+        """The records for a label: its leaf's own, else those of its substitute leaf ("car" is a sedan as long as no
+        recipe builds the leaf "car"); empty where no similar leaf has records.
 
         Raises:
           UnknownLabelError: no leaf is called so.

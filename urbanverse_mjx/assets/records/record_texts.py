@@ -1,4 +1,4 @@
-"""What a record says of itself in words: description, main colours, class-specific attributes."""
+"""Texts of a record: description, main colours, class-specific attributes."""
 
 import dataclasses
 import json
@@ -14,7 +14,7 @@ from ..categories.priors import Make, Prior
 from ..meshes.base_shapes import BaseShape
 from ..meshes.tints import BASIC, color_names, is_free, tinted
 
-LEAST_COLOR = 0.08  # share of what one sees below which a colour is not a main one
+LEAST_COLOR = 0.08  # share of the visible surface below which a colour is not a main one
 MOST_COLORS = 4
 # Parameters of recipes that a tint or a scale makes untrue.
 _UNSTABLE = ("color", "colour", "roof", "length", "width", "height", "size", "side", "shoulder_height", "variant")
@@ -22,7 +22,7 @@ _UNSTABLE = ("color", "colour", "roof", "length", "width", "height", "size", "si
 
 @dataclasses.dataclass(frozen=True)
 class Shown:
-    """What a record looks like: its base's record and measures; scale and tint are None for the base itself."""
+    """The appearance of a record: its base's record and measures; scale and tint are None for the base itself."""
 
     record: AssetRecord
     shape: BaseShape

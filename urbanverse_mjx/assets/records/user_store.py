@@ -1,7 +1,7 @@
 """The user's own assets: meshes from files, kept in the cache beside an index of their own.
 
 A record whose recipe is `file` names its mesh by `params["path"]`, a GLB below the store's folder, and by the SHA-256
-of that file; its hulls lie beside the GLB. `assets.importing` writes the store; nothing here writes.
+of that file; its hulls are next to the GLB. `assets.importing` writes the store; this module only reads it.
 """
 
 import functools
@@ -39,7 +39,7 @@ def file_mesh(record: AssetRecord) -> AssetMesh:
     """The mesh of a record whose recipe is `file`.
 
     Raises:
-      ValidationError: the file is missing, is another one than was imported, or has another box than the record says.
+      ValidationError: the file is missing, differs from the imported one, or has another box than the record.
     """
     return _read(mesh_file(record), str(record.params.get("sha256")), record.extent_xyz, record.uid)
 

@@ -1,8 +1,8 @@
-"""How an object looks, in 61 numbers of 8 bits: 44 for colours, 16 for the silhouette, 1 for its aspect.
+"""Appearance of an object as 61 numbers of 8 bits: 44 for colours, 16 for the silhouette, 1 for its aspect.
 
-Computed from an image and its mask, or straight from a record's parameters (the colours that one sees of its base
-shape, after the tint, under the light of our thumbnails), so that matching needs no rendering. They fit the
-`descriptor` of a scene graph's object.
+Computed from an image and its mask, or straight from a record's parameters (the visible colours of its base shape,
+after the tint, under the light of our thumbnails), so that matching needs no rendering. They fit the `descriptor` of a
+scene graph's object.
 """
 
 import dataclasses

@@ -1,4 +1,4 @@
-"""`LabelPrior`s from the ontology, the priors and the index: what the distillation is told about labels."""
+"""`LabelPrior`s from the ontology, the priors and the index: the distillation's knowledge about labels."""
 
 import functools
 
@@ -10,7 +10,7 @@ from ..categories.ontology import UnknownLabelError, category_of, nearest_leaves
 from ..categories.priors import prior
 from ..records.index import AssetIndex, build_mesh
 
-#: What drives or is parked on the carriageway; everything else that stands in a street stands beside it.
+#: Labels that drive or park on the carriageway; all others stand next to it.
 _ON_ROAD = ("private vehicle", "public vehicle", "construction vehicle", "emergency vehicle")
 #: What moves about by itself, and may be anywhere.
 _ANYWHERE = ("person", "animal", "robot")
@@ -59,7 +59,7 @@ class LabelPriors:
             stands_on=stands_on(leaf),
             fixed=known.rest not in ("alive", "rolls"),
             faces_road=house,
-            # Of a house one side is seen: its shape tells nothing that its size does not.
+            # A capture shows one side of a house, so its shape adds no information to its size.
             shapes=() if house else tuple(_surface(r) for r in records),
         )
 

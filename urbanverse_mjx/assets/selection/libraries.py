@@ -5,8 +5,8 @@
     skies = library("sky")
     uids = skies.get_uids_conditioned(seasons=["winter"], snow=True)
 
-The names are those that users of the official toolkit know. A module joins by a line in `MODULES` and a function
-`library` that returns an object with these methods.
+The names are those of the official toolkit. A module is added by a line in `MODULES` and a function `library` that
+returns an object with these methods.
 """
 
 import importlib

@@ -1,9 +1,9 @@
-"""The paper's three steps from an object of a scene graph to assets: meaning, box, look.
+"""The paper's three steps from an object of a scene graph to assets: meaning, box, appearance.
 
-1. Semantic: the label's leaves (`semantics.rank_leaves`); a leaf without shapes is stood in for.
+1. Semantic: the label's leaves (`semantics.rank_leaves`); a leaf without shapes gets a substitute.
 2. Geometric: of their records the 1,000 whose boxes need the least distortion to become the object's.
-3. Appearance: of those the ones that look most like the crop, by the built-in descriptor (`descriptors`) computed from
-   the records' parameters, or by DINOv2 over thumbnails (`neural.ImageEmbedder`).
+3. Appearance: of those the ones most similar to the crop, by the built-in descriptor (`descriptors`) computed from the
+   records' parameters, or by DINOv2 over thumbnails (`neural.ImageEmbedder`).
 """
 
 import dataclasses
@@ -37,8 +37,7 @@ class Match:
     Attributes:
       uid, leaf: of the asset.
       distortion: mean |log| of the factors between the boxes' sides; 0 for equal boxes, 0.1 for 10 % a side.
-      appearance_distance: distance of the descriptors, or 1 - cosine of the embeddings; None where nothing was known of
-        appearance.
+      appearance_distance: distance of the descriptors, or 1 - cosine of the embeddings; None without a descriptor.
       yaw: rad, quarter turn of the asset that fits its box best, 0 or pi / 2.
       base: uid of the base shape that it is an instance of (its own for a base shape).
     """
@@ -82,9 +81,8 @@ class Matcher:
           slack: of the candidates only those whose distortion is at most this much above the least one's; None: all.
           turn_gain: distortion that a quarter turn must save, so that a square box does not turn a front away.
 
-        Raises:
-          UnknownLabelError: the label means nothing.
-          ValidationError: a size not above 0, a descriptor that is not ours.
+        Raises: UnknownLabelError: no leaf matches the label. ValidationError: a size not above 0, a descriptor that is
+        not ours.
         """
         box = np.asarray(size, dtype=np.float64)
         if box.shape != (3,) or not (np.isfinite(box).all() and (box > 0).all()):

@@ -1,4 +1,4 @@
-"""Embeddings by neural networks, for who has them: sentences (sentence-transformers) and images (DINOv2).
+"""Optional embeddings by neural networks: sentences (sentence-transformers) and images (DINOv2).
 
 Optional (`pip install "urbanverse_mjx[embeddings]"`); the first use of a model downloads its weights unless a folder
 that holds them is named.

@@ -1,4 +1,4 @@
-"""What the catalogue holds for a free label, in one dictionary: for people who look before they search."""
+"""Summary of the catalogue for a free label, in one dictionary."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ def overview(label: str, objects: ObjectLibrary | None = None) -> dict[str, Any]
     """The leaf a label means, its records, their medians and ranges, and the words they can be filtered by.
 
     Raises:
-      UnknownLabelError: the label means nothing.
+      UnknownLabelError: no leaf matches the label.
     """
     objects = objects or library()
     (leaf, score), *others = rank_leaves(label, 4)

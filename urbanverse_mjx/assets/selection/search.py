@@ -1,4 +1,4 @@
-"""Search over all records, by the names that users of the official toolkit know.
+"""Search over all records, with the names of the official toolkit.
 
     from urbanverse_mjx.assets.selection.search import library
 
@@ -109,7 +109,7 @@ class ObjectLibrary:
             synonyms included.
 
         Raises:
-          ValidationError: an unknown filter or value, a range that is empty, a query that means nothing.
+          ValidationError: an unknown filter or value, a range that is empty, a query without a match.
         """
         mask = self.mask(**conditions)
         if query is None:
@@ -220,7 +220,7 @@ class ObjectLibrary:
         mask = np.zeros(self.table.num_rows, bool)
         for word in [wanted] if isinstance(wanted, str) else wanted:
             levels = [name for name in LEVELS if word in self._codes(name)[1]]
-            # A name may stand at two levels ("road"); the finer one alone would surprise who asks for all of them.
+            # A name may exist at two levels ("road"); the finer one alone would miss records that users expect.
             if not levels:
                 levels, word = [LEVELS[2]], ontology.match_label(word)
             for name in levels:

@@ -1,7 +1,7 @@
 """`Canvas`: a scene composed by hand, object by object, on ground of any outline.
 
 Ground is laid first (later pieces are cut out of earlier ones), then objects are put down, by coordinates or along an
-`Edge` (a kerb, a wall, a path). Nothing here fills a street: every object is one call or one row of a table. `problems`
+`Edge` (a kerb, a wall, a path). No function fills a street: every object is one call or one row of a table. `problems`
 lists faults of the composition; `graph` makes the scene graph.
 """
 
@@ -242,7 +242,7 @@ class Canvas(Stage):
             self.put(label, *line.at(s, d), line.facing(facing), variant)
 
     def trees(self, line: Edge, at: Iterable[float], d: float, growth: str = "street") -> None:
-        """Trees of a growth along an edge, turned so that they look grown."""
+        """Trees of a growth along an edge, each rotated for variety."""
         for s in at:
             self.put("tree", *line.at(s, d), self.uniform(-180.0, 180.0), size=catalogue.TREES[growth])
 
@@ -283,7 +283,7 @@ class Canvas(Stage):
         return tuple(regions)
 
     def _camera_path(self) -> list[tuple[float, float, float, float]]:
-        """The trajectory at eye level, a point every 5 m, looking ahead."""
+        """The trajectory at eye level, a point every 5 m, yaw along it."""
         path = []
         for a, b in itertools.pairwise(self.trajectory):
             steps = max(1, round(math.dist(a, b) / 5.0))
@@ -309,7 +309,7 @@ def _ground_descriptor(material: str) -> tuple[int, ...]:
 
 
 def _sky_descriptor(uid: str) -> tuple[int, ...]:
-    # What a camera on a street sees of a sky: the lower half of the upper half, as skies are ranked.
+    # The part of a sky in a street camera's image, by which skies are ranked: the lower half of the upper half.
     image = appearance_search.StoredSheet("sky_thumbnails.jpg").load([uid])[0]
     half = image.shape[0] // 2
     return appearance_search.sky_descriptor(image[half // 2 : half])

@@ -21,7 +21,7 @@ Plane = tuple[float, float, float]
 
 #: m, raster of all corners: along a long skewed seam a coarser one leaves overlaps that the compiler refuses.
 GRID = 1e-5
-#: m², crumbs of regions up to this are given to nobody: nothing can stand on them.
+#: m², fragments of regions up to this are dropped: no object fits on them.
 CRUMB = 1e-4
 
 
@@ -93,8 +93,7 @@ def strip(points: Sequence[Corner], width: float) -> list[Corner]:
 def layer_at(layers: Sequence[Layer], x: float, y: float) -> Layer:
     """What lies uppermost at a place.
 
-    Raises:
-      ValidationError: nothing lies there.
+    Raises: ValidationError: no ground there.
     """
     point = shapely.Point(x, y)
     for layer in reversed(layers):
@@ -112,8 +111,8 @@ def top_at(layers: Sequence[Layer], x: float, y: float) -> float:
 class Cut:
     """A straight line (m) that parts what is visible of a layer, or of all where none is named.
 
-    Convex pieces need fewer prisms; and as an engine looks prisms up by boxes along the axes, long skewed ones are
-    looked at from too far away.
+    Convex pieces need fewer prisms; and as engines look prisms up by axis-aligned boxes, long ones at an angle are
+    found from too far away.
     """
 
     layer: str | None

@@ -1,8 +1,8 @@
 """How large the objects of hand-made scenes are, and in which variants they come.
 
 (along the heading, across, up) in metres; several rows are several variants of a label: a bag that stands, one that has
-spread. They are the boxes of the base assets, so that nothing is stretched where a graph is materialised; an object
-comes in the next size each time unless `variant` names one.
+spread. They are the boxes of the base assets, so that materialisation stretches no asset; an object comes in the next
+size each time unless `variant` names one.
 """
 
 from ...datatypes.toml_table import table

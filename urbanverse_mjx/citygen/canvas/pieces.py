@@ -105,6 +105,6 @@ def chain(canvas: Canvas, label: str, points: Sequence[Corner], variant: int = 0
 
 
 def apron(canvas: Canvas, name: str, corners: Sequence[Corner], z: float, width: float = 2.4) -> None:
-    """Ground under the fronts around an outline: less deep than any house, so that nobody walks behind them."""
+    """Ground under the fronts around an outline: less deep than any house, so that no path leads behind them."""
     wider = shapely.Polygon(corners).buffer(width, join_style="mitre")
     canvas.ground(name, "sidewalk", [(x, y) for x, y in wider.exterior.coords[:-1]], z)

@@ -1,4 +1,4 @@
-"""`Filler`: puts objects onto a block where nothing stands, and keeps a lane free for whoever walks."""
+"""`Filler`: puts objects onto free places of a block, and keeps a lane free for walking."""
 
 import math
 import random
@@ -22,7 +22,7 @@ APART = 0.06
 STEP, WANDER = 2.0, 11.0
 #: m at both ends of the road that stay free.
 ENDS = 4.0
-#: m before and after a crosswalk that nothing stands on.
+#: m kept free before and after a crosswalk.
 MOUTH = CROSSWALK_HALF + 0.5
 
 
@@ -122,7 +122,7 @@ class Filler:
         """Adds an object if its place is free.
 
         Args:
-          foot: m above the ground where it hangs; None: it stands. free: nothing is asked. lane: it may stand in the
+          foot: m above the ground where it hangs; None: it stands. free: without any check. lane: it may stand in the
             lane.
         """
         x, y = self.at(s, side, v)

@@ -41,7 +41,7 @@ def _house(filler: Filler, frontage: float) -> stock.Item:
     profile = filler.plan.profile
     wanted = (MOST_DEEP, frontage, filler.uniform(*profile.height))
     house = stock.draw(stock.pick(profile.houses, filler.rng), filler.rng, wanted)
-    # Fronts may be stretched: towards what was wanted, by as much as looks right.
+    # Fronts may be stretched towards the desired size within plausible limits.
     size = [x * min(max(y / x, 1 / STRETCH), STRETCH) for x, y in zip(house.size, wanted, strict=True)]
     size[0] = min(house.size[0], 1.4 * MOST_DEEP)
     return stock.Item(house.label, tuple(round(x, 3) for x in size), house.descriptor)  # type: ignore[arg-type]

@@ -56,7 +56,7 @@ class StreetLine:
         return next((p for p in self.pieces if s < p.end), self.pieces[-1])
 
     def place(self, s: float, t: float, piece: Piece | None = None) -> Point:
-        """(x, y) of a place, square to its piece; beyond both ends the line goes on straight."""
+        """(x, y) of a place, square to its piece; beyond both ends the line continues straight."""
         piece = piece or self.piece_at(s)
         (ux, uy), (nx, ny) = piece.along, piece.across
         ds = s - piece.begin

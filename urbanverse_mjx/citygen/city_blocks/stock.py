@@ -27,7 +27,7 @@ GROWTHS = {"broad": 0, "round": 0, "wide": 1, "slim": 2, "blossom": 3, "street":
 
 @dataclasses.dataclass(frozen=True)
 class Item:
-    """A record's box (along the heading, across, up; m) and look."""
+    """A record's box (along the heading, across, up; m) and appearance."""
 
     label: str
     size: tuple[float, float, float]

@@ -1,7 +1,7 @@
 """An old lane with one pavement: on its other side the doors open straight onto the road.
 
 Neighbours live outdoors: chairs and plants at the doors, motorcycles at the walls, washing machines going up. In the
-middle a chapel looks over a little square, reached by the only crossing; after it the lane turns to the right.
+middle a chapel faces a little square, reached by the only crossing; after it the lane turns to the right.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge, edges
@@ -96,7 +96,7 @@ KERBSIDE_FAR = (
     ("guard stone", 31.2, 0.0, 3),
 )
 
-#: On the pavement, in the way: label, s, d from the kerb, facing, variant.
+#: Obstacles on the pavement: label, s, d from the kerb, facing, variant.
 PEOPLE = (
     ("elderly person", 3.3, 2.65, "street", 1),
     ("pedestrian adult", 10.9, 0.7, "+", 0),

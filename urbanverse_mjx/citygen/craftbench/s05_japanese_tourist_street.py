@@ -1,6 +1,6 @@
 """A lane of old shops up to a shrine in the season: coaches, vans and rickshaws have taken the pavements.
 
-Low kerbs, poles in the way, vending machines at the walls, visitors who stop wherever the view is best.
+Low kerbs, poles on the path, vending machines at the walls, visitors that stop for the view.
 """
 
 from ..canvas.canvas import Canvas, Edge, edge, edges
@@ -96,7 +96,7 @@ RIGHT_PARKED = (
     (("motorcycle", 4.0, 250.0, 0), ("motorcycle", 5.1, 256.0, 0)),
 )
 
-#: Along the kerbs where nobody has parked.
+#: Along the kerbs without parked vehicles.
 LEFT_KERB = (
     (
         ("utility pole", 3.0, "+", 0),

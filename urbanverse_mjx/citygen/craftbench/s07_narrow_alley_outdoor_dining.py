@@ -1,7 +1,7 @@
 """An old town's alley on a warm afternoon: every house is a kitchen, and goods still have to get past the guests.
 
-It runs 46 m east between walls that step in and out, opens into a little court with a well and a chapel on its
-terrace, and goes on north to a street. Guests, boards, barrels and a van that should not be there leave 1.1-1.6 m.
+It runs 46 m east between walls that step in and out, opens into a little court with a well and a chapel on its terrace,
+and continues north to a street. Guests, boards, barrels and a wrongly parked van leave 1.1-1.6 m.
 """
 
 from ..canvas import ground_layers as lay
@@ -80,7 +80,7 @@ def _first_arm(c: Canvas) -> None:
             ("advertising board", 10.3, 1.0, "-"),
             ("bench", 17.25, 2.05, "street", 2),
             ("potted plant", 13.9, 2.1, "street", 1),
-            # the pizzeria's deck: plants between the guests and those who pass
+            # the pizzeria's deck: plants between the guests and the alley
             ("plant pot", 18.7, 0.75, 0.0, 0),
             ("potted plant", 24.1, 0.7, 0.0, 0),
             ("plant pot", 28.9, 0.75, 0.0, 0),
@@ -183,7 +183,7 @@ def _court(c: Canvas) -> None:
     c.put("plant pot", 57.6, 7.6, 0.0, 0)
     c.put("pedestrian adult", 58.6, 6.9, 200.0)
     c.put("sculpture", 58.9, 9.6, 180.0, 0)
-    # two who play, and who listens
+    # two musicians and a listener
     people(
         c,
         [

@@ -1,4 +1,4 @@
-"""A shopping street whose red bicycle lane is everybody's: a van unloads on it, hire bikes spill over its kerb.
+"""A shopping street with a blocked red bicycle lane: a van unloads on it, hire bikes reach over its kerb.
 
 96 m between a cross road and a paved end, pavements of 4.4 and 4.6 m on both sides, a side street in the middle. On the
 north the lane runs behind a bus island; cable trenches, terraces, goods and hire scooters make the pavements slalom.

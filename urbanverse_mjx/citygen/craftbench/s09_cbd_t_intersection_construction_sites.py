@@ -36,7 +36,7 @@ def _ground(c: Canvas) -> None:
     c.ground("avenue", "road", box(0, -7.0, LENGTH, 7.0))
     c.ground("stem", "road", stem)
     c.ground("stem_end", "sidewalk", box(44.0, 59.0, 54.0, 62.0), PAVED)
-    # ground that is nobody's pavement: the site, the pit
+    # ground outside the pavements: the site, the pit
     c.ground("site", "road", box(9.0, 10.6, 27.0, 30.0), PAVED)
     c.ground("tower_lot", "road", box(68.4, 22.2, 88.8, 42.8), PAVED)
     c.ground("pit", "road", box(68.5, -11.4, 77.5, -8.4), -0.3)
@@ -143,7 +143,7 @@ def _site(c: Canvas) -> None:
 
 
 def _trench(c: Canvas) -> None:
-    """The closed south pavement and the way round on the road."""
+    """The closed south pavement and the diversion on the road."""
     chain(c, "fence", [(67.9, -7.25), (78.1, -7.25)], 1, 1.3)
     chain(c, "fence", [(67.6, -11.8), (67.6, -7.4)], 1, 1.3)
     chain(c, "fence", [(78.4, -7.4), (78.4, -11.8)], 1, 1.3)
@@ -340,7 +340,7 @@ def _stem(c: Canvas) -> None:
     )
     table(c, *EAST.at(35.4, 3.9), (90.0, 270.0))
     table(c, *EAST.at(38.6, 3.8), (90.0, 270.0))
-    # a manhole in the middle of the street, and who waits because of it
+    # a manhole in the middle of the street, and vehicles waiting at it
     c.put("manhole cover", 50.9, 28.6, 0.0)
     for x, y, turn in ((49.6, 30.4, 90.0), (49.6, 26.8, -90.0), (52.0, 30.4, 90.0)):
         c.put("traffic barricade", x, y, turn)

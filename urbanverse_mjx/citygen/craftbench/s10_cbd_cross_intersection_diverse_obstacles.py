@@ -1,4 +1,4 @@
-"""Where two business streets cross: four corners, and on each another kind of object in the way.
+"""Where two business streets cross: four corners, and on each another kind of obstacle.
 
 Arms of 40 m, pavements of 4.5 and 5 m, kerbs of 15 cm and of 5 cm on the tower's side. A bus queue, hotel luggage, a
 sale's boxes and a burst main line the long street; market stalls, terraces, a heap of hire scooters and planters the
@@ -220,7 +220,7 @@ def _north_east(c: Canvas) -> None:
 
 
 def _south_west(c: Canvas) -> None:
-    """A sale's boxes; hire scooters and those who deliver meals."""
+    """A sale's boxes; hire scooters and meal couriers."""
     for s in (4.0, 23.0):
         c.put("street light", *SW_LONG.at(s, 0.5), -90.0, 1)
     c.along(

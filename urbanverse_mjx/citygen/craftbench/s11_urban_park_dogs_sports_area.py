@@ -328,7 +328,7 @@ def _bandstand(c: Canvas) -> None:
 
 
 def _paths(c: Canvas) -> None:
-    """What lies, stands and goes on the paths."""
+    """Objects, people and animals on the paths."""
     c.put("sculpture", 39.5, 26.5, -90.0, 1)
     for x, y, turn in ((44.6, 29.6, -140.0), (34.4, 29.6, -40.0), (34.4, 23.4, 40.0), (44.9, 26.5, 180.0)):
         c.put("bench", x, y, turn, 0)
@@ -339,7 +339,7 @@ def _paths(c: Canvas) -> None:
         c.put("lamppost", x, y, 0.0, 0)
     for x, y in ((77.5, 14.0), (77.5, 42.0), (58.0, 50.5)):
         c.put("lamppost", x, y, 0.0, 0)
-    # the branch over the north path, and who saws it up
+    # the branch over the north path, and the workers that saw it up
     c.put("tree debris", 48.2, 48.0, 70.0, 2)
     c.put("tree debris", 50.6, 49.4, 10.0, 1)
     c.put("gardener", 46.0, 48.9, 0.0)

@@ -1,4 +1,4 @@
-"""A courtyard behind the town hall: a fountain in a sunken square, and everybody's chairs around it.
+"""A courtyard behind the town hall: a fountain in a sunken square with chairs around it.
 
 The square (38 by 26 m) lies 20 cm below the walk that runs along its four fronts; ramps lead down in four places and
 nowhere else. Stalls, a concert, a wedding, terraces, a scaffold and planters stand on both levels; a passage in the

@@ -54,7 +54,7 @@ def cafe(site: Site, a: Corner, b: Corner, deep: float, zone: BaseGeometry | Non
 
 
 def stall(site: Site, x: float, y: float, degrees: float, zone: BaseGeometry | None) -> bool:
-    """A stall, who keeps it, and what is piled around it."""
+    """A stall, its keeper, and goods piled around it."""
     label = site.rng.choice(("street food stall", "street food stall", "canopy", "table", "table", "counter"))
     size = site.size_of(label)
     if not site.put(label, x, y, degrees, zone, size):

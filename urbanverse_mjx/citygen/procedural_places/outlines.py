@@ -42,7 +42,7 @@ def steps(rng: random.Random, low: float, high: float, end: float) -> list[float
 
 
 def winding(rng: random.Random, legs: int, low: float, high: float, most: float) -> list[Corner]:
-    """A line of legs that turns both ways, by up to `most` degrees at a bend and never back."""
+    """A polyline that bends to both sides, by up to `most` degrees at a bend and never backwards."""
     heading, x, y = rng.uniform(-20.0, 20.0), 0.0, 0.0
     points = [(0.0, 0.0)]
     for _ in range(legs):

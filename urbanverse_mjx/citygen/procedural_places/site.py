@@ -19,7 +19,7 @@ from .outlines import Corner, corners, ring
 
 #: m that a lane stays free: a robot of 0.4 m radius and the 20 cm cells in which paths are planned.
 LANE = 1.25
-#: m of ground behind the fronts: less than any house is deep, so that nobody walks behind them.
+#: m of ground behind the fronts: less than any house is deep, so that no path leads behind them.
 APRON = 2.4
 #: Hulls within `REACH` (m) of a point of the raster (`CELL`, m) at most: of 16 slots, the raster may miss some.
 MOST_HULLS, REACH, CELL = 14, 0.95, 0.3

@@ -137,7 +137,7 @@ def residential(scene_id: str, rng: random.Random) -> Site:
 
 
 def _yards(site: Site, street: Street, side: int) -> None:
-    """Front yards: a hedge, fence, wall or nothing towards the pavement, a gap before each door."""
+    """Front yards: a hedge, fence, wall or no border towards the pavement, a gap before each door."""
     rng, zone = site.rng, street.walk(side)
     y = street.y(side, street.path(side) + 0.4)
     x = 1.0
@@ -189,7 +189,7 @@ def crossing(scene_id: str, rng: random.Random) -> Site:
     traffic(site, street, share=0.3, parked=0.1, apart=4.6)
     for side in (1, -1):
         furnish(site, street, side, 1.8, 1.2, 1.3)
-        for x in crossings:  # who waits to cross
+        for x in crossings:  # people waiting to cross
             for _ in range(rng.randint(2, 9)):
                 place = x + rng.uniform(-4.5, 4.5), street.y(side, rng.uniform(0.4, min(3.5, street.width(side))))
                 site.put(rng.choice(stock.MIXES["people"]), *place, rng.uniform(-180, 180), street.walk(side))
@@ -197,7 +197,7 @@ def crossing(scene_id: str, rng: random.Random) -> Site:
 
 
 def _stop(site: Site, street: Street, side: int) -> None:
-    """A bus stop with who waits there, sometimes the bus; rails or bollards along the kerb elsewhere."""
+    """A bus stop with waiting people, sometimes the bus; rails or bollards along the kerb elsewhere."""
     rng, zone = site.rng, street.walk(side)
     for _ in range(rng.randint(1, 3)):
         x = rng.uniform(6.0, street.length - 6.0)

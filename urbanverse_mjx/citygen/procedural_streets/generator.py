@@ -1,8 +1,8 @@
 """Procedural scenes, the baseline that cousins of real layouts are compared with.
 
 In the manner of URBAN-SIM's generator (docs/sources/reference_systems.md a.2, e.2): five hard-coded street templates
-with random sizes, filled zone by zone from fixed lists of objects, each drawn alone and put at a random free place.
-Nothing is copied from a city; what makes streets look lived in (groups, rows, blocked pavements) is missing on purpose.
+with random sizes, filled zone by zone from fixed lists of objects, each drawn alone and put at a random free place. It
+follows no city, and omits groups, rows and blocked pavements on purpose.
 """
 
 import math

@@ -165,7 +165,7 @@ def _regions(
 def _apart(piece: shapely.Polygon, beside: Sequence[BaseGeometry]) -> Iterator[shapely.Polygon]:
     """The piece, cut back by two millimetres from what it lies over: where a cut meets a long edge that runs askew, its
     corner is snapped, and the edge leaves its neighbour's by up to half of one."""
-    exact = shapely.set_precision(piece, 0.0)  # on its grid it would share nothing
+    exact = shapely.set_precision(piece, 0.0)  # on its grid it would share no corner
     over = [other for other in beside if exact.intersection(other).area > MAX_OVERLAP]
     if not over:
         yield piece

@@ -6,7 +6,7 @@ from ..section import StreetSection
 
 SECTION = StreetSection(length=68.0, carriageway=6.4, left=3.8, right=4.4, crosswalks=(20.0, 50.0))
 
-#: Scooters as their riders left them: across the way, in twos and threes.
+#: Carelessly parked scooters: across the pavement, in twos and threes.
 SCOOTERS = (
     (6.2, LEFT, 1.0, 35.0),
     (9.4, LEFT, 1.5, 100.0),

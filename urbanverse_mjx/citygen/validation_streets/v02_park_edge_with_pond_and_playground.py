@@ -121,7 +121,7 @@ def _pond(c: Canvas) -> None:
         c.put("duck", *polar(POND, bearing, reach), turn)
     c.put("swan", 23.0, 4.0, 30.0, 0)
     c.put("swan", 28.0, -3.0, 210.0, 1)
-    # benches look over the water from the outer side of the ring
+    # benches face the water from the outer side of the ring
     for bearing in (40.0, 115.0, 150.0, 215.0, 335.0):
         c.put("bench", *polar(POND, bearing, 12.0), bearing + 180.0, 0)
     for bearing in (28.0, 127.0, 228.0, 345.0):

@@ -74,7 +74,7 @@ def _fronts(c: Canvas) -> None:
 
 
 def _stalls(c: Canvas) -> None:
-    """Three rings of stalls: the inner one looks outward, the outer ones look inward, people queue between."""
+    """Three rings of stalls: the inner one faces outward, the outer ones inward, people queue between."""
     c.put("obelisk", *CROSS, 20.0, 0)
     for bearing in (45.0, 135.0, 225.0, 315.0):
         c.put("guard stone", *polar(CROSS, bearing, 1.5), bearing, 0)

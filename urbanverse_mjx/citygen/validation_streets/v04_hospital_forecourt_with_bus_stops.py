@@ -1,4 +1,4 @@
-"""Before a hospital: a drive bends in from the street past the entrance and out again, two bus stops lie on the way.
+"""Before a hospital: a drive bends in from the street past the entrance and out again, with two bus stops on it.
 
 The street runs east in the south. Its northern pavement (4 m) crosses both mouths of the drive on zebras; inside the
 drive lies a garden with paths, and a raised crossing leads from it to the entrance. Wheelchairs, visitors, taxis that
@@ -201,7 +201,7 @@ def _entrance(c: Canvas) -> None:
             ("security guard", 40.4, 21.0, -90.0),
         ],
     )
-    # on the drive: who waits, who is brought
+    # on the drive: waiting people, arriving patients
     c.put("ambulance", 41.4, 16.9, 180.0)
     c.put("taxi", 25.0, 16.9, 180.0)
     c.put("sedan", 14.9, 8.0, 90.0)

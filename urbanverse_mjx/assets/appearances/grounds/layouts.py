@@ -1,6 +1,6 @@
 """How units (bricks, slabs, setts, stones) are laid: courses, herringbone, basket weave, hexagons, arcs, cells.
 
-Every layout wraps around and says, for each pixel, how far it is from the edge of its unit and which unit that is.
+Every layout tiles and gives, for each pixel, the distance to the edge of its unit and the unit's number.
 """
 
 import dataclasses

@@ -155,7 +155,7 @@ def panot(colour: Colour, figure: str) -> Callable[[Board], Surface]:
 
 
 def planks(colour: Colour) -> Callable[[Board], Surface]:
-    """Boards of 140 mm across the way (along v), with grain, knots and a gap of 6 mm."""
+    """Boards of 140 mm across the path (along v), with grain, knots and a gap of 6 mm."""
 
     def make(board: Board) -> Surface:
         count = round(board.metres / 0.14)

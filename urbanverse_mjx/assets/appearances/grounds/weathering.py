@@ -1,4 +1,4 @@
-"""The named conditions of materials: how they look, how they are described, and what they do to friction."""
+"""The named conditions of materials: appearance, description and effect on friction."""
 
 import dataclasses
 from collections.abc import Callable

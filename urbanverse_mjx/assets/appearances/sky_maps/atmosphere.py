@@ -32,7 +32,7 @@ SUN_LUX = 133_100.0
 GROUND_ALBEDO = 0.2
 
 _HEIGHTS, _COSINES = 24, 192
-_LOWEST = -0.30  # cosine of the lowest sun the tables know
+_LOWEST = -0.30  # cosine of the lowest sun in the tables
 #: Optical depth of pure air at 550 nm; turbidity is what air with haze has more of (Linke's idea).
 _AIR_DEPTH = 13.558e-6 * RAYLEIGH_HEIGHT
 

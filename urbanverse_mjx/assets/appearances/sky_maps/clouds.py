@@ -1,10 +1,10 @@
 """Clouds: heaps and rolls as a field of water in the air with light marched through it, veils and decks as sheets.
 
-A heap cloud field is a box of 16 km that repeats, 256 x 256 columns and a dozen levels. Its shape is fractal noise
-warped by fractal noise, cut off at the wanted cover, flat below, bulging above. Sunlight is carried down level by level
-along the sun's slant, so that every place knows how much cloud lies between it and the sun; what scatters more than
-once is the sum of two exponentials (Wrenninge 2013's octaves). Views march through the levels over a round earth, which
-gives the perspective towards the horizon; far clouds drown in haze.
+A field of cumulus clouds is a box of 16 km that repeats, 256 x 256 columns and a dozen levels. Its shape is fractal
+noise warped by fractal noise, cut off at the wanted cover, flat below, bulging above. Sunlight is carried down level by
+level along the sun's slant, which gives the amount of cloud between each place and the sun; multiple scattering is the
+sum of two exponentials (Wrenninge 2013's octaves). Views march through the levels over a round earth, which gives the
+perspective towards the horizon; far clouds fade into haze.
 """
 
 import dataclasses

@@ -231,7 +231,7 @@ def _developed(
     sky: np.ndarray, sunlight: np.ndarray, sun: np.ndarray, record: SkyRecord, rng: np.random.Generator
 ) -> SkyMap:
     """Adds the land, and exposes and balances the image as a camera would."""
-    # A camera sees walls as well as ground: a low sun counts as if it stood at 20 degrees.
+    # Images show walls as well as ground: exposure treats a low sun as one at 20 degrees.
     facing = max(float(sun[2]), 0.35) if sun[2] > 0 else 0.0
     total = _irradiance(sky) + sunlight * facing
     luminance = float(total @ LUMINANCE)

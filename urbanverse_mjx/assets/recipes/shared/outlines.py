@@ -78,5 +78,5 @@ def level(z: float, half_x: float, half_y: float, x: float = 0.0, count: int = 1
 
 
 def desk_panel(b: MeshBuilder, image: Image.Image, at: Point3, across: float, depth: float) -> None:
-    """An image lying face up, read by who sits at +x: `across` along y, `depth` along x."""
+    """An image lying face up, legible from +x: `across` along y, `depth` along x."""
     b.panel(image.rotate(180), at, across, depth, "+z")

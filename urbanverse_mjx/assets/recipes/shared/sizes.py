@@ -1,7 +1,7 @@
 """The last step of a recipe: what was drawn is brought to the size of its kind, in metres.
 
-`size_of` says the size that a variant has by the prior of its leaf; `made`, `varied` and `varied_cm` build a drawing
-and scale it to a size given by hand, `fitted` and `fitted_as` an asset that is built already.
+`size_of` gives a variant's size by the prior of its leaf; `made`, `varied` and `varied_cm` build a drawing and scale it
+to a given size, `fitted` and `fitted_as` an asset that is built already.
 """
 
 import dataclasses
@@ -24,7 +24,7 @@ SPREAD: tuple[Size, ...] = ((0.0, 0.0, 0.0), (-0.42, -0.34, -0.3), (0.3, 0.2, 0.
 SIDE_JITTER = 0.012
 #: The same of the whole of what has grown or is filled by hand: no two apples are alike, but the kind keeps its size.
 WHOLE_JITTER = 0.015
-#: How far one axis may be stretched against another before round parts look oval.
+#: Largest stretch of one axis relative to another without visibly oval round parts.
 GREATEST_DISTORTION = 1.35
 
 
@@ -45,7 +45,7 @@ def size_of(leaf: str, variant: int, spread: tuple[Size, ...] = SPREAD) -> Size:
 
 
 def hull_volume(built: BuiltAsset) -> float:
-    """m^3 of the convex hull, for forms whose open skin encloses nothing."""
+    """m^3 of the convex hull, for forms whose open surface encloses no volume."""
     return float(ConvexHull(built.mesh.vertices).volume)
 
 

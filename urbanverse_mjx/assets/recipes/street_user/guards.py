@@ -1,4 +1,4 @@
-"""People who keep order: security guards and traffic controllers."""
+"""Security guards and traffic controllers."""
 
 import numpy as np
 

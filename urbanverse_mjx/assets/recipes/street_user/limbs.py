@@ -23,7 +23,7 @@ def two_links(start: np.ndarray, end: np.ndarray, lengths: tuple[float, float], 
 
 
 def reach_hand(figure: Figure, k: int, at: Point3, bend: Point3 | None = None) -> None:
-    """Hand k (0 left, 1 right) at a point; the elbow bends backwards and down unless told."""
+    """Hand k (0 left, 1 right) at a point; the elbow bends backwards and down by default."""
     h, side = figure.person.height, 1.0 - 2.0 * k
     aim = bend if bend is not None else (-0.4, 0.3 * side, -1.0)
     elbow, wrist = two_links(figure.shoulders[k], np.asarray(at, float), (UPPER_ARM * h, FOREARM * h), aim)
@@ -31,7 +31,7 @@ def reach_hand(figure: Figure, k: int, at: Point3, bend: Point3 | None = None) -
 
 
 def reach_foot(figure: Figure, k: int, ankle: Point3, bend: Point3 = (1.0, 0.0, 0.35)) -> None:
-    """Ankle k at a point; the knee bends forwards and up unless told."""
+    """Ankle k at a point; the knee bends forwards and up by default."""
     h, side = figure.person.height, 1.0 - 2.0 * k
     hip = figure.hip + [0, side * HIP_HALF * h, 0]
     joints = two_links(hip, np.asarray(ankle, float), (THIGH * h, SHANK * h), bend)

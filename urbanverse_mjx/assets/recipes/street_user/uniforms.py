@@ -1,4 +1,4 @@
-"""People whom one knows by what they wear at work: fire, rescue, medicine, guards, maintenance, gardens, traffic."""
+"""People in working clothes: fire, rescue, medicine, guards, maintenance, gardens, traffic."""
 
 import dataclasses
 

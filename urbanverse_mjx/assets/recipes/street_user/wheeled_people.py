@@ -1,4 +1,4 @@
-"""People on small wheels: kick scooters, wheelchairs, roller skates; and infants, who have none yet."""
+"""People on small wheels: kick scooters, wheelchairs, roller skates; and infants."""
 
 import numpy as np
 

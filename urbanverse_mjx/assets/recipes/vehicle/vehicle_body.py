@@ -276,7 +276,7 @@ class Body:
         grid = np.array([[[np.interp(b, lines, along[:, k, a]) for k in range(3)] for b in t] for a in range(len(s))])
         u, v = np.meshgrid((t - t0) / (t1 - t0), (s - s0) / (s1 - s0))
         at, _, _ = self._upper(np.array([(s0 + s1) / 2]))
-        # In front s runs down and t to the right as one looks at it, at the back the other way round.
+        # In front s runs down and t to the viewer's right, at the back the reverse.
         if at[0, 0] > 0:
             grid, u, v = grid[::-1], u[::-1], 1 - v[::-1]
         else:

@@ -152,7 +152,7 @@ def sconce(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 @recipe("sewing machine", 2, name="house_fixtures.sewing_machine")
 def sewing_machine(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """White electric machine with thread, black cast-iron one with gold lines; who sews sits at +x, needle left."""
+    """White electric machine with thread, black cast-iron one with gold lines; seat at +x, needle at the left."""
     b = MeshBuilder(roughness=0.35)
     style = ("white electric", "black cast-iron")[variant]
     body, base = (("white", "light grey"), ("black", "wood"))[variant]

@@ -1,4 +1,4 @@
-"""Machines and supplies of shops and offices. Who uses them sits or stands at +x."""
+"""Machines and supplies of shops and offices. The user sits or stands at +x."""
 
 import numpy as np
 

@@ -180,7 +180,7 @@ def computer_monitor(variant: int, rng: np.random.Generator) -> BuiltAsset:
 def key_rows(
     b: MeshBuilder, rows: list[list[float]], at: Point2, z: float, pitch: float, color: Color, accent: Color
 ) -> None:
-    """Rows of keys; each row lists its keys' widths in pitches (negative: a gap), from the left of who types at +x."""
+    """Rows of keys; each row lists its keys' widths in pitches (negative: a gap), from the left of the user at +x."""
     top: list[Color] = [color, accent]
     for r, row in enumerate(rows):
         y = at[1]

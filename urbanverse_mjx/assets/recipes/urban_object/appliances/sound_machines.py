@@ -270,7 +270,7 @@ def camera(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 @recipe("corded phone", 3, name="sound_machines.corded_phone")
 def corded_phone(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Red dial telephone, office telephone with keys, black dial one; who calls sits at +x."""
+    """Red dial telephone, office telephone with keys, black dial one; the caller sits at +x."""
     b = MeshBuilder(roughness=0.3)
     style = ("red dial", "office", "black dial")[variant]
     body: Color = ("red", "light grey", "black")[variant]

@@ -80,7 +80,7 @@ BOTTLES = {leaf: tuple(_kind(**row) for row in rows) for leaf, rows in _TABLE["k
 
 
 def register(leaf: str) -> None:
-    """Registers the round bottles of a leaf that has nothing but those."""
+    """Registers the round bottles of a leaf without other recipes."""
     kinds = BOTTLES[leaf]
 
     def build(variant: int, rng: np.random.Generator) -> BuiltAsset:

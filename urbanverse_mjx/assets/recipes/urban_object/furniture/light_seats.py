@@ -1,5 +1,5 @@
 """Framed seats and children's furniture: deck chairs, office chairs, rockers, hammocks, cots. The sitter looks along +x
-(who lies in a hammock, a cradle or a cot lies along y)."""
+(in a hammock, a cradle or a cot a person lies along y)."""
 
 import numpy as np
 

@@ -163,7 +163,7 @@ def _grand(b: MeshBuilder, wood: Color) -> None:
 
 @recipe("piano", 3, name="drums_pianos.piano")
 def piano(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Black upright, black grand with its lid up, brown upright with candle holders; who plays sits at +x."""
+    """Black upright, black grand with its lid up, brown upright with candle holders; the player sits at +x."""
     b = MeshBuilder(roughness=0.25)
     style = ("black upright", "grand", "brown upright")[variant]
     wood: Color = ("black", "black", "wood")[variant]

@@ -195,7 +195,7 @@ def trumpet(variant: int, rng: np.random.Generator) -> BuiltAsset:
 
 @recipe("accordion", 2, hulls=1, name="wind_instruments.accordion")
 def accordion(variant: int, rng: np.random.Generator) -> BuiltAsset:
-    """Red piano accordion, black button accordion with pearl: keys at the left of who looks, bellows, bass buttons."""
+    """Red piano accordion, black button accordion with pearl: keys at the viewer's left, bellows, bass buttons."""
     b = MeshBuilder(roughness=0.25)
     style = ("red piano", "black button")[variant]
     body: Color = ("red", "black")[variant]

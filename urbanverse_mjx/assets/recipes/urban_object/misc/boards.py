@@ -1,4 +1,4 @@
-"""What teachers and photographers set up: blackboards, whiteboards, tripods. The written side looks along +x."""
+"""Equipment of teachers and photographers: blackboards, whiteboards, tripods. The written side looks along +x."""
 
 import numpy as np
 from PIL import Image, ImageDraw

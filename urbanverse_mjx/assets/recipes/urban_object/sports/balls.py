@@ -44,12 +44,12 @@ def sphere(b: MeshBuilder, image: Image.Image, radius: float = 0.1, columns: int
     la, lo = np.meshgrid(lat, lon, indexing="ij")
     grid = radius * np.stack([np.cos(la) * np.cos(lo), np.cos(la) * np.sin(lo), np.sin(la)], -1)
     b.sheet(grid + [0, 0, radius], image=image)
-    # Seams of an image leave the sheet open, so that it encloses nothing; the ball inside carries the volume.
+    # Seams of an image leave the sheet open, so that it encloses no volume; the ball inside gives the volume.
     b.ball(0.985 * radius, (0, 0, radius), "dark grey", segments=columns, rings=rows)
 
 
 def _tilted(points: np.ndarray, degrees: float) -> np.ndarray:
-    """Directions as the ball sees them once it has rolled a little, so that no seam stands upright."""
+    """Directions in the frame of a ball rolled by a small angle, so that no seam is vertical."""
     return points @ Rotation.from_euler("xyz", (degrees, 0.6 * degrees, 0.4 * degrees), degrees=True).as_matrix().T
 
 

@@ -1,4 +1,4 @@
-"""Machines and weights of gyms and gardens; who trains looks along +x."""
+"""Machines and weights of gyms and gardens; the user faces +x."""
 
 import numpy as np
 from PIL import Image

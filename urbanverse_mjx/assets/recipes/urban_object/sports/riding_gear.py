@@ -1,4 +1,4 @@
-"""What rides on wheels, water, snow and wind: skateboards, surfboards, paddles, skis, kites. Noses look along +x."""
+"""Gear to ride on wheels, water, snow and wind: skateboards, surfboards, paddles, skis, kites. Noses look along +x."""
 
 import numpy as np
 

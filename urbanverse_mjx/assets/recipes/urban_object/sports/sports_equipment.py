@@ -49,7 +49,7 @@ def trampoline(variant: int, rng: np.random.Generator) -> BuiltAsset:
                 sides=6,
             )
         b.ring(0.92 * r, 0.012, (0, 0, 1.48), "charcoal", segments=28, sides=4)
-        # The net is drawn by its cords, which lets one look and drop objects through it.
+        # The net is modelled by its cords, so that it is see-through and objects pass.
         for z in np.linspace(h + 0.1, 1.36, 5):
             b.ring(0.93 * r, 0.004, (0, 0, z), "dark grey", segments=28, sides=3)
         for k in range(32):
