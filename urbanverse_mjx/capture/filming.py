@@ -19,7 +19,7 @@ from .street import GROUND_PREFIX
 
 GROUND_TRUTH_FILE = "truth.json"
 _BATCH = 8
-#: From the renderer's camera (looks along -z, +y up) to OpenCV's (looks along +z, +y down).
+#: From the renderer's camera axes (view along -z, +y up) to OpenCV's (view along +z, +y down).
 _FLIP = np.diag([1.0, -1.0, -1.0])
 
 
@@ -56,7 +56,7 @@ def film_scene(
     options: FilmOptions | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Recording:
-    """Films one scene; beside the recording, `truth.json` holds the true graph of all that stands in it.
+    """Films one scene; `truth.json` in the recording's folder holds the true graph of its objects and ground.
 
     Args:
       bank, scene: what is filmed.
@@ -117,7 +117,7 @@ class _Labels:
 
 def _render(bank: SceneBank, scene: int, path: CameraPath, options: FilmOptions) -> Iterator[tuple[np.ndarray, ...]]:
     """RGB (H, W, 3) u8, depth (H, W) m, slot and category (H, W) of every frame."""
-    # Warp takes a second to import: only those who film pay.
+    # Importing Warp takes a second, so it is imported on first use.
     from ..simulation.rendering.renderer import Renderer
 
     size = options.height, options.width

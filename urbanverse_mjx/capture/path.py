@@ -16,11 +16,11 @@ class WalkOptions:
     """How near to objects a walker goes and how smoothly; set by hand.
 
     Attributes:
-      min_clearance: m: nobody walks nearer to an object than half a shoulder's width and a hand.
-      comfort_clearance: m: paths nearer than this to objects cost more.
+      min_clearance: m, least distance to objects: half a shoulder's width and a hand. comfort_clearance: m: paths
+        nearer than this to objects cost more.
       corner_window: m, window over which corners are rounded.
-      lookahead: m, how far ahead the point of the path is that the walker heads for.
-      turn_step: s, time step on which turns are spread.
+      lookahead: m, distance along the path to the point that the walker heads for. turn_step: s, time step on which
+        turns are spread.
     """
 
     min_clearance: float = 0.35
@@ -41,11 +41,10 @@ class PathOptions:
       speed: m/s; 1.4 is a usual walking speed.
       rate: frames per second.
       height: m of the camera above the ground.
-      sway: rad, how far the camera looks to both sides in turn; sway_period: s of one turn to and fro.
-      pitch: rad, looking up.
-      turn_time: s over which a change of direction is spread; whoever films turns about in some seconds (at 3 s by
-        60° a second), not from one frame to the next.
-      frames: exactly so many, going round again where the path is too short; None = the path once.
+      sway: rad, amplitude of the camera's yaw to both sides; sway_period: s of one oscillation. pitch: rad, upwards.
+        turn_time: s over which a change of direction is spread; a person that films turns about in some seconds (at 3 s
+        by 60° a second), not from one frame to the next. frames: their exact number, repeating the path where it is too
+        short; None = the path once.
     """
 
     speed: float = 1.4
@@ -93,7 +92,7 @@ def walk(bank: SceneBank, scene: int, options: PathOptions | None = None) -> Cam
     lengths = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))]
     step = options.speed / options.rate
     count = options.frames or max(1, int(lengths[-1] / step))
-    # Round trips end where they began: whoever goes on begins anew.
+    # Round trips end where they began, so the path can repeat.
     along = (np.arange(count) * step) % lengths[-1]
     place = _at(along, lengths, ring)
     time_s = np.arange(count) / options.rate
@@ -119,7 +118,7 @@ def _heading(ring: np.ndarray, lengths: np.ndarray, time_s: np.ndarray, options:
 
 
 def camera_poses(position: np.ndarray, yaw: np.ndarray, pitch: float | np.ndarray = 0.0) -> np.ndarray:
-    """(n, 4, 4) T_world_camera, OpenCV axes, of level cameras at (n, 3) m that look along yaw (n,) and up by pitch."""
+    """(n, 4, 4) T_world_camera, OpenCV axes, of cameras without roll at (n, 3) m with yaw (n,) and pitch upwards."""
     # The columns are the camera's right, down and forward for yaw 0.
     level = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     turns = np.stack([yaw, -np.broadcast_to(pitch, np.shape(yaw)), np.zeros_like(yaw)], -1)

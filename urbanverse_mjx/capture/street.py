@@ -12,7 +12,7 @@ from ..geometry.polygons import filled
 from ..geometry.raster import outline
 
 CELL = 0.2  # m: a path is smoothed afterwards, and streets of 200 m stay under 200,000 cells
-#: m above the ground between which something is in the way of a person with a camera.
+#: m above the ground between which an object blocks a person with a camera.
 _MIN_OBSTACLE_HEIGHT, _MAX_OBSTACLE_HEIGHT = 0.3, 2.0
 GROUND_PREFIX = "ground:"
 

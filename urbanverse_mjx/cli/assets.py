@@ -1,4 +1,4 @@
-"""`urbanverse assets`: look into the asset index, and rebuild what it holds."""
+"""`urbanverse assets`: queries the asset index, and rebuilds its contents."""
 
 import difflib
 import json
@@ -153,7 +153,7 @@ def _print_table(records: Sequence) -> None:
     _print_rows(r.to_json() for r in records)
 
 
-#: What looks into the index; `assets.__main__.COMMANDS` holds what makes it. One line a command.
+#: Commands that query the index; `assets.__main__.COMMANDS` holds those that build it. One line a command.
 COMMANDS = {
     "list": list_assets,
     "find": find,

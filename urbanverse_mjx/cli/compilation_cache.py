@@ -1,8 +1,8 @@
 """What JAX keeps of its compilations, where one of these files is damaged.
 
-A file that was cut off JAX notices and compiles its program again, but neither replaces the file nor says which it is:
-it would compile again, with a warning, in every later process. A changed bit it notices only where it packs files with
-zlib; zstd's files, which it writes where that library is installed, hold no checksum: one is kept here.
+JAX detects a truncated file and compiles its program again, but neither replaces nor names the file, so every later
+process would compile again, with a warning. It detects a changed bit only where it packs files with zlib; zstd's files,
+which it writes where that library is installed, hold no checksum, so this module keeps one.
 """
 
 import contextlib

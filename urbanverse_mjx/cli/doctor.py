@@ -1,7 +1,7 @@
 """`urbanverse doctor`: what this machine has, and the command that fixes what is missing.
 
-Every check runs in a process of its own, so that a package that crashes, hangs or lies about itself costs one line
-of the table and nothing else. Exit status 0 when everything the main job needs is there, 1 otherwise.
+Every check runs in a process of its own, so that a package that crashes, hangs or gives wrong information about itself
+affects one line of the table only. Exit status 0 if all requirements of `make train` are met, 1 otherwise.
 """
 
 import argparse

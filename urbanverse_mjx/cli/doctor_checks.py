@@ -190,7 +190,7 @@ def check_warp() -> Finding:
 
 
 def check_renderer() -> Finding:
-    """Draws a red box on a blue plane from above and looks at the pixels."""
+    """Draws a red box on a blue plane from above and checks the pixels."""
     import mujoco
     import mujoco_warp as mjw
     import mujoco_warp_pbr as pbr

@@ -13,7 +13,7 @@ from .. import pipeline
 
 @dataclasses.dataclass(frozen=True)
 class GenArgs:
-    """Make compiled digital cousins of a video; goes on where an earlier run stopped; prints one JSON line."""
+    """Make compiled digital cousins of a video; continues an earlier run; prints one JSON line."""
 
     source: Annotated[pathlib.Path, tyro.conf.Positional]
     """A video, a folder of frames, the folder of a recording (posed frames with depth and masks), or graph.json."""

@@ -36,7 +36,7 @@ COMMANDS = {
     "list-envs": ("list_envs", "list the registered environments and their presets"),
     "doctor": ("doctor", "say what this machine has and how to fix what is missing"),
 }
-#: Commands that run on a machine with a bank and nothing to make one.
+#: Commands that run on a machine with a bank and without the libraries that make one.
 ON_A_BANK = frozenset({"train", "evaluate", "benchmark", "export-policy", "export-gait", "list-envs"})
 
 

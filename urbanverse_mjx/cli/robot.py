@@ -1,4 +1,4 @@
-"""`urbanverse robot`: what a robot's description says, and how well spheres fit its collision shapes."""
+"""`urbanverse robot`: prints a robot's description and how well spheres fit its collision shapes."""
 
 import dataclasses
 import json

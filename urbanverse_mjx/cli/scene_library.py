@@ -16,8 +16,8 @@ from ..scene import library
 class LibraryArgs(LibraryOptions):
     """Build sets of scenes into the cache: cousins, compiled scenes, one bank each; prints one JSON line per set.
 
-    Goes on where it stopped. Exit status 1 where a layout failed, a scene's hash is not the committed one, or more
-    hulls come within a robot's reach than the physics model has slots for.
+    Continues an interrupted build. Exit status 1 where a layout failed, a scene's hash is not the committed one, or
+    more hulls come within a robot's reach than the physics model has slots for.
     """
 
     sets: Annotated[tuple[str, ...], tyro.conf.Positional] = ()

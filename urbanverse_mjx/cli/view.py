@@ -13,7 +13,7 @@ from ..pipeline.viewing import ViewOptions
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ViewArgs(ViewOptions):
-    """Look at a street in a web page and watch a policy drive in it; Ctrl-C ends it."""
+    """Shows a street in a web page with a policy driving in it; Ctrl-C ends it."""
 
     scene: Annotated[str | None, tyro.conf.Positional] = None
     """A shipped street, a scene of the built library, a graph.json, a compiled scene's folder or a bank's .npz."""

@@ -1,8 +1,8 @@
 """Arrays by name in one compressed `.npz`, read only where every bit of them is as it was written.
 
-The archive holds a CRC-32 of each array. `zipfile` compares it only for who reads an array to its end, and numpy trusts
-the shape in an array's header before that: here every array is read to its end, and its header must fit its size.
-Files from before this module existed hold the same checksums.
+The archive holds a CRC-32 of each array. `zipfile` compares it only when an array is read to its end, and numpy trusts
+the shape in an array's header before that. Here every array is read to its end, and its header must fit its size. Files
+from before this module existed hold the same checksums.
 """
 
 import contextlib
@@ -77,14 +77,14 @@ def load_cached(path: pathlib.Path, kind: str, names: Collection[str]) -> dict[s
 
 
 def discard(path: pathlib.Path, reason: str) -> None:
-    """Renames a file of the cache that cannot be used, and says so in one line on standard error."""
+    """Renames a file of the cache that cannot be used, and reports it in one line on standard error."""
     kept = ""
-    with contextlib.suppress(OSError):  # another process was faster, or nothing can be written here
+    with contextlib.suppress(OSError):  # another process was faster, or the folder is read-only
         kept = f" kept as {v.set_aside(path).name},"
     sys.stderr.write(f"{reason.rstrip('.')};{kept} building it anew\n")
 
 
 def save_cached(path: pathlib.Path, arrays: Mapping[str, np.ndarray]) -> None:
-    """Writes arrays into the cache; one that cannot be written to costs time at the next start, nothing else."""
+    """Writes arrays into the cache; if that fails, the next start only takes longer."""
     with contextlib.suppress(OSError):
         save(path, arrays)

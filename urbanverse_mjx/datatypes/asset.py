@@ -1,4 +1,4 @@
-"""`AssetRecord` (one line of the asset index), `AssetMesh` (what it looks like) and `HullSet` (what it collides as).
+"""`AssetRecord` (one line of the asset index), `AssetMesh` (its visual mesh) and `HullSet` (its collision hulls).
 
 Asset frame: +x front, +y left, z up, origin at the centre of the footprint on the ground.
 """
@@ -28,8 +28,8 @@ class AssetRecord:
       volume: m^3 of solid material's outer shape; mass: kg.
       materials: dominant materials, most first.
       friction_coefficient: sliding friction.
-      movable: whether a person could shift it; required_force: N to make it slide.
-      licence, provenance: who may use it and where it comes from.
+      movable: whether a person can move it; required_force: N to make it slide.
+      licence, provenance: terms of use and source.
     """
 
     uid: str
@@ -133,7 +133,7 @@ class AssetMesh:
 
 @dataclasses.dataclass(frozen=True)
 class AgentAppearance:
-    """How one kind of moving agent may look: its mesh stands on the ground, its front along +x.
+    """An appearance of one kind of moving agent: its mesh stands on the ground, its front along +x.
 
     Attributes:
       kind: row of `crowds.KINDS`. category: leaf of the ontology.

@@ -17,8 +17,8 @@ def changed_groups(
     forgotten: whatever takes their place may have other bytes.
 
     Args:
-      groups: name of a group -> its files. record: the JSON file with the checksums; where it cannot be read or
-        written nothing is known.
+      groups: name of a group -> its files. record: the JSON file with the checksums; where it cannot be read or written
+        no checksum is known.
 
     Returns:
       group -> its first such file.

@@ -15,7 +15,7 @@ class EpisodeResult:
     """One evaluated episode.
 
     Attributes:
-      agent: who drove; scene: scene id; episode: row of the scene's episode table; seed.
+      agent: name of the policy; scene: scene id; episode: row of the scene's episode table; seed.
       result: one of `RESULTS`.
       steps: control steps; duration: s.
       route_completion: share of the route reached, [0, 1].
@@ -73,7 +73,7 @@ class EpisodeResult:
 
     @property
     def success(self) -> bool:
-        """Reached the goal without touching anything (the paper's SR), also where an episode goes on after contact."""
+        """Reached the goal without contact (the paper's SR), also where an episode continues after contact."""
         return self.result == "goal" and not self.touched
 
     @property

@@ -14,7 +14,7 @@ from . import validation as v
 
 GROUND_KINDS = ("none", "road", "road_marking", "crosswalk", "sidewalk", "ground")
 KIND_INDEX = {name: i for i, name in enumerate(GROUND_KINDS)}
-#: Paint on top of another region: it is drawn, carries nothing and may overlap.
+#: Paint on top of another region: it is drawn, has no collision prism and may overlap.
 PAINT_KINDS = ("road_marking",)
 #: Where a pavement robot may be. Leaving these ends an episode as "off the traversable area".
 TRAVERSABLE_KINDS = ("crosswalk", "sidewalk", "ground")

@@ -1,8 +1,8 @@
 """JSON Schema (draft 2020-12) of the files that people write, made from the datatypes' fields and docstrings.
 
-Fields, which of them may be missing, their types and what they mean come from the dataclasses; bounds that their
-`__post_init__` checks stand in `_BOUNDS`. A schema never refuses what the datatype loads. What no schema says (ids that
-are unique, rings that do not cross themselves, finite numbers) the datatype still checks.
+Fields, whether they are optional, their types and meanings come from the dataclasses; bounds that their `__post_init__`
+checks are in `_BOUNDS`. A schema never refuses a file that the datatype loads. The datatype also checks what a schema
+cannot express (unique ids, rings that do not cross themselves, finite numbers).
 """
 
 import dataclasses
@@ -29,7 +29,7 @@ _RING = {"minItems": 3, "maxItems": 512, "items": {"items": _COORDINATE}}
 _PLANE = {"items": False, "prefixItems": [{"type": "number", **b} for b in (_SLOPE, _SLOPE, _COORDINATE)]}
 _OBJECTS, _REGIONS = {"maxItems": scene_graph.MAX_OBJECTS}, {"minItems": 1, "maxItems": scene_graph.MAX_REGIONS}
 _GROUND: dict[str, Any] = {"kind": _KIND, "polygon": _RING, "plane": _PLANE}
-#: Datatype -> field -> what its `__post_init__` asks for beside the type.
+#: Datatype -> field -> bounds that its `__post_init__` checks in addition to the type.
 _BOUNDS: dict[type, dict[str, Any]] = {
     scene_graph.GraphObject: {
         "center": {"items": _COORDINATE},

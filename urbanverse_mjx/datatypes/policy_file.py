@@ -1,4 +1,4 @@
-"""What a policy file (ONNX) says about itself: `PolicyRecord`, JSON under `METADATA_KEY` in the file's metadata."""
+"""Metadata of a policy file (ONNX): `PolicyRecord`, JSON under `METADATA_KEY` in the file's metadata."""
 
 import dataclasses
 import json
@@ -23,7 +23,7 @@ class TensorRecord:
     Attributes:
       name: in the file. shape: axes, the first one `BATCH`. dtype: "uint8" or "float32".
       unit: of its numbers, SI or "1". meaning: what they are.
-      normalisation: what the caller must do to the numbers, or that nothing is to be done.
+      normalisation: scaling that the caller must apply to the numbers, or none.
     """
 
     name: str

@@ -24,7 +24,7 @@ FILE = "recording.json"
 UNREADABLE = (OSError, SyntaxError, Image.DecompressionBombError)
 #: Value of a surface image where the sky is seen; 0 is anything else, others index `ground.GROUND_KINDS`.
 SKY = 255
-#: Steps of a depth image (m) unless its recording says otherwise: 16 bits then reach 327 m.
+#: Steps of a depth image (m) unless its recording gives another: 16 bits then reach 327 m.
 DEPTH_UNIT = 0.005
 MAX_FRAMES = 100_000
 MAX_DETECTIONS = 65_535  # per frame: masks are 16-bit and 0 is "none"
@@ -87,10 +87,10 @@ class Frame:
       time_s: s since the first frame of the video.
       rgb: file of the image (PNG or JPEG), relative to the recording's folder like the others.
       depth: 16-bit PNG, planar depth (along the camera's z) in the recording's `depth_unit_m`, 0 = unknown; or None.
-      masks: 16-bit PNG, 0 = nothing, k = `detections[k - 1]`; or None.
+      masks: 16-bit PNG, 0 = no object, k = `detections[k - 1]`; or None.
       surfaces: 8-bit PNG, codes of `ground.GROUND_KINDS`, 0 = anything else, 255 = sky; or None.
       T_world_camera: 4 rows of 4, rigid; None where the frame could not be registered.
-      detections: what `masks` numbers.
+      detections: in the numbering of `masks`.
     """
 
     time_s: float

@@ -16,15 +16,15 @@ class RobotSpec:
       mjcf: MJCF text with one free root body, no ground and no light. Every collision geom is a sphere.
       root_body: name of the free body.
       foot_geoms: names of collision geoms that may touch the ground (wheels, feet).
-      camera: name of the camera the policy sees through.
+      camera: name of the policy's camera.
       circumradius: m, farthest collision point from the root body's origin, in any joint position.
       spawn_height: m, root origin above the ground at rest.
       max_speed: m/s, max_yaw_rate: rad/s: the commands are clipped to these.
       physics_timestep: s, at most 0.010.
-      command: (2,) (v m/s, omega rad/s) -> (nu,) actuator commands, or (3,) what the gait of a robot on legs is told
+      command: (2,) (v m/s, omega rad/s) -> (nu,) actuator commands, or the (3,) command of a legged robot's gait
         (`simulation.gait_engine`); pure, runs under jit.
       waypoint_to_velocity: (waypoint (2,) m in the body frame, control period s) -> (v, omega); the ideal PD.
-      planner_radius, planner_height, step_height: m, what routes are made for.
+      planner_radius, planner_height, step_height: m, dimensions for route planning.
     """
 
     name: str

@@ -78,9 +78,9 @@ class SceneBank:
       sky_sun_irradiance (S, 3) f32; scene_sky (Z,) i32, scene_sky_yaw (Z,) f32.
 
     meta: {"schema", "scene_ids": [Z], "splits": [Z] of `SPLITS` or others, "categories": [A], "skies": [S],
-      "object_ids": [Z lists], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
-      the last being how moving people and vehicles may look: names of kinds, rows of the meshes and categories. Banks
-      in the cache hold their key there as well, "key": hexadecimal digits over everything that they are made of.
+    "object_ids": [Z lists], "hashes": {...}, "grid_reach": m, "agents": {"kind": [L], "mesh": [L], "category": [L]}},
+    the last being the appearances of moving people and vehicles: names of kinds, rows of the meshes and categories.
+    Banks in the cache hold their key there as well, "key": a hexadecimal hash of all their inputs.
     """
 
     hull_vertices: np.ndarray
@@ -205,7 +205,7 @@ class SceneBank:
         v.choice(meta.get("schema"), f"{path}: schema", (SCHEMA,))
         names = {f.name for f in dataclasses.fields(SceneBank)} - {"meta"}
         if "slot_mesh" in arrays and not {"slot_movable", "slot_mass"} & set(arrays):
-            # Written before anything could be pushed: nothing can.
+            # A file from before movable objects existed: no object is movable.
             shape = arrays["slot_mesh"].shape
             arrays |= {"slot_movable": np.zeros(shape, np.uint8), "slot_mass": np.zeros(shape, np.float32)}
         if names != set(arrays):

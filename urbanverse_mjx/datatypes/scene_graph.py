@@ -22,7 +22,7 @@ def _descriptor(value: Any, where: str) -> tuple[int, ...] | None:
 
 
 def _optional(value: Any, where: str) -> None:
-    """An optional field is left out of the file when there is nothing to say, never null."""
+    """An optional field without a value is left out of the file, never null."""
     if "descriptor" in value and value["descriptor"] is None:
         raise v.fail(f"{where}.descriptor", "null", f"1 to {MAX_DESCRIPTOR} whole numbers", "remove the field")
 
@@ -155,7 +155,7 @@ class SceneGraph(JsonDatatype):
       objects: at most 5,000.
       ground: at least one region, at most 1,000.
       sky_descriptor: appearance of the sky or None (any sky).
-      camera_path: (n, 4) of x, y, z (m), yaw (rad): the way the trajectory went; may be empty.
+      camera_path: (n, 4) of x, y, z (m), yaw (rad): the camera's trajectory; may be empty.
     """
 
     KIND: ClassVar[str] = "scene graph"

@@ -47,7 +47,7 @@ class AgentShapes(NamedTuple):
 
 
 class AgentMotion(NamedTuple):
-    """How A agents move through one control step: evenly, pushed by nothing.
+    """The motion of A agents through one control step: linear in time, unaffected by contacts.
 
     Attributes:
       position: (A, 3) m of the middle of the footprint, heading: (A,) rad, both at the beginning.
@@ -148,7 +148,7 @@ class Simulator(Protocol):
 
 @runtime_checkable
 class Renderer(Protocol):
-    """Draws what a robot's camera sees in a scene of a bank."""
+    """Renders the image of a robot's camera in a scene of a bank."""
 
     def __call__(
         self,
@@ -159,12 +159,12 @@ class Renderer(Protocol):
         agents: AgentMotion | None = None,
         bodies: Bodies | None = None,
     ) -> dict[str, Array]:
-        """One frame: "rgb" (H, W, 3) u8, and "depth" (H, W) f32 m, 0 where nothing was hit, of those that the renderer
-        was made for.
+        """One frame: "rgb" (H, W, 3) u8, and "depth" (H, W) f32 m, 0 where no ray hit, of those that the renderer was
+        made for.
 
         Args:
           scene: row of the bank. xpos: m, xquat: wxyz, T_world_body of the robot's bodies (`SimState`).
-          appearance_seed: 0 = as the bank says; other numbers stand for other appearances.
-          agents: where they are; None leaves them out. bodies: objects that stand elsewhere than in the bank.
+          appearance_seed: 0 = that of the bank; other numbers select other appearances. agents: their poses; None
+            leaves them out. bodies: objects that moved from their places in the bank.
         """
         ...

@@ -31,7 +31,7 @@ class ValidationError(ValueError):
 
 
 def fail(where: str, found: str, needed: str, hint: str = "") -> ValidationError:
-    """Returns the error (to raise) that says where, what was found, what was needed and what to try."""
+    """Returns the error (to raise) that states the place, what was found, what was needed and what to try."""
     tail = f"; {hint}" if hint else ""
     return ValidationError(f"{where}: found {found}, needed {needed}{tail}.")
 
@@ -153,7 +153,7 @@ def unique(names: Iterable[str], where: str) -> None:
 def mapping(
     value: Any, where: str, required: Iterable[str], optional: Iterable[str] = (), hint: str = ""
 ) -> Mapping[str, Any]:
-    """A JSON object with all required keys and no key that nobody reads."""
+    """A JSON object with all required keys and no unknown key."""
     if not isinstance(value, Mapping):
         raise fail(where, show(value), "a JSON object")
     required, optional = tuple(required), tuple(optional)
@@ -263,7 +263,8 @@ def sync(path: pathlib.Path) -> None:
     try:
         os.fsync(handle)
     except OSError as error:
-        # File systems that do not know this for folders (some network ones) answer so; others report a failing disk.
+        # File systems without this operation for folders (some network ones) raise these; other errors mean a failing
+        # disk.
         if error.errno not in (errno.EINVAL, errno.ENOTSUP):
             raise
     finally:
