@@ -5,17 +5,19 @@
 writes benchmarks/protocols/NAME.json with 64 episodes of every scene of a bank, spread evenly over the scene's episode
 table, in random order, with their seeds and the scene's canonical hash. The same bank, name and seed give the same
 file. `--half` keeps to paths within the first half of each scene, at most 100 m of it, under the name NAME_half.
-Prints one JSON line. Existing lists are replaced only with --force: that makes another benchmark of them.
+Prints one JSON line. Existing lists are replaced only with --force: that makes another benchmark of them, which
+`--version` numbers. `--pin` keeps the episodes of a list and writes down anew what its scenes and robots are.
 """
 
 import argparse
+import dataclasses
 import json
 import pathlib
 import sys
 
 from urbanverse_mjx.datatypes import SceneBank, ValidationError
-from urbanverse_mjx.evaluation.frozen import freeze
-from urbanverse_mjx.pipeline.benchmarking import benchmark_bank
+from urbanverse_mjx.evaluation.frozen import Protocol, freeze
+from urbanverse_mjx.pipeline.benchmarking import benchmark_bank, pinned_robots
 
 FOLDER = pathlib.Path(__file__).parent / "protocols"
 EPISODES, HALF = 64, 100.0
@@ -31,15 +33,22 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--episodes", type=int, default=EPISODES)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=pathlib.Path, default=FOLDER, help="folder of the list")
+    parser.add_argument("--version", type=int, default=1, help="of the benchmark")
     parser.add_argument("--force", action="store_true", help="replace a list that is there")
+    parser.add_argument("--pin", action="store_true", help="keep the list; pin today's scenes and robots")
     args = parser.parse_args(argv)
     name = f"{args.name}_half" if args.half else args.name
     path = args.out / f"{name}.json"
     try:
-        if path.exists() and not args.force:
+        if path.exists() and not (args.force or args.pin):
             raise ValidationError(f"{path}: found a frozen list, needed none; --force replaces it.")
         bank = SceneBank.load(args.bank) if args.bank else benchmark_bank(args.name)
-        protocol = freeze(name, bank, args.episodes, args.seed, args.extra, HALF if args.half else None)
+        if args.pin:
+            protocol = Protocol.load(path)
+        else:
+            protocol = freeze(name, bank, args.episodes, args.seed, args.extra, HALF if args.half else None)
+            protocol = dataclasses.replace(protocol, version=args.version)
+        protocol = protocol.pinned(bank, pinned_robots())
         protocol.save(path)
     except ValidationError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -5,23 +5,28 @@ Out:  the file; the bank with the frozen episodes in place of its own tables, an
 When: once per benchmark; before every run.
 
 A file holds the canonical hash of each scene, and start, goal, way and seed of every episode: tables that are planned
-anew do not change a benchmark, and a scene that has changed is refused by its name.
+anew do not change a benchmark, and a scene that has changed is refused by its name. It also holds what the scenes and
+the robots are (`pins`): a benchmark whose map, hulls, light or robot has changed is another one, and needs another
+version. Lists of other people may leave the pins out.
 """
 
 import dataclasses
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ..datatypes import SceneBank, ValidationError
+from ..datatypes import RobotSpec, SceneBank, ValidationError
 from ..datatypes import validation as v
 from ..datatypes.hashing import content_hash
+from .pins import changed_part, checked, robot_pin, scene_pins
 from .rollouts import EpisodeSet
 
-SCHEMA = "urbanverse.protocol/1"
+SCHEMA = "urbanverse.protocol/2"
+#: Lists without version, pins and robots.
+_SCHEMA_BEFORE = "urbanverse.protocol/1"
 #: Runs of the protocol `paper`: every scene once each (paper: "five runs per scene").
 RUNS = 5
 KINDS = ("paper", "full")
@@ -56,11 +61,17 @@ class FrozenEpisode:
 
 @dataclasses.dataclass(frozen=True)
 class FrozenScene:
-    """The episodes of one scene; hash: canonical, of its layout."""
+    """The episodes of one scene.
+
+    Attributes:
+      hash: canonical, of its layout.
+      pins: what `pins.scene_pins` says of it; empty in lists that hold none.
+    """
 
     id: str
     hash: str
     episodes: tuple[FrozenEpisode, ...]
+    pins: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         v.text(self.id, "scene.id")
@@ -75,14 +86,19 @@ class Protocol:
     Attributes:
       name: e.g. "craftbench". paper_scenes: ids of the scenes that the protocol `paper` drives.
       scenes: all of them, which the protocol `full` drives.
+      version: of the benchmark: whatever changes its scenes or robots makes another one.
+      robots: environment -> what `pins.robot_pin` says of its robot; others may drive, too.
     """
 
     name: str
     paper_scenes: tuple[str, ...]
     scenes: tuple[FrozenScene, ...]
+    version: int = 1
+    robots: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         v.text(self.name, "protocol.name")
+        v.integer(self.version, "protocol.version", 1)
         object.__setattr__(self, "paper_scenes", tuple(self.paper_scenes))
         object.__setattr__(self, "scenes", tuple(self.scenes))
         ids = [s.id for s in self.scenes]
@@ -92,11 +108,41 @@ class Protocol:
             v.choice(scene, f"protocol {self.name!r}.paper_scenes", ids)
 
     def content_hash(self) -> str:
-        """Canonical hash of the list."""
-        return content_hash(dataclasses.asdict(self))
+        """Canonical hash of name, scenes and episodes; pins are left out: lists of one hash drive the same."""
+        scenes = [
+            {"id": s.id, "hash": s.hash, "episodes": [dataclasses.asdict(e) for e in s.episodes]} for s in self.scenes
+        ]
+        return content_hash({"name": self.name, "paper_scenes": self.paper_scenes, "scenes": scenes})
 
     def to_json(self) -> dict[str, Any]:
-        return {"schema": SCHEMA, "hash": self.content_hash(), **dataclasses.asdict(self)}
+        body = dataclasses.asdict(self)
+        scenes = body.pop("scenes")
+        return {"schema": SCHEMA, "hash": self.content_hash(), **body, "scenes": scenes}
+
+    def pinned(self, bank: SceneBank, robots: Mapping[str, RobotSpec]) -> "Protocol":
+        """The list with what the scenes of a bank and some robots, by environment, are now.
+
+        Raises:
+          ValidationError: a scene that is missing or is another one.
+        """
+        self._check_hashes(bank, self.scenes)
+        rows = [bank.scene_ids.index(s.id) for s in self.scenes]
+        scenes = tuple(dataclasses.replace(s, pins=scene_pins(bank, r)) for s, r in zip(self.scenes, rows, strict=True))
+        return dataclasses.replace(self, scenes=scenes, robots={name: robot_pin(r) for name, r in robots.items()})
+
+    def check_robot(self, environment: str, robot: RobotSpec) -> None:
+        """Refuses a robot that has changed since the list was frozen; environments that it does not name may drive.
+
+        Raises:
+          ValidationError: another robot.
+        """
+        frozen = self.robots.get(environment)
+        if frozen is not None and frozen != robot_pin(robot):
+            raise ValidationError(
+                f"{environment}: found another robot {robot.name!r} than version {self.version} of benchmark "
+                f"{self.name!r} was frozen with; results do not compare. Use the code of that version, or freeze a new "
+                "version with `python -m benchmarks.freeze`."
+            )
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the file, an episode a line: a change shows as what it is."""
@@ -116,15 +162,23 @@ class Protocol:
         Raises:
           ValidationError: no protocol, or one whose content is not what its hash was taken of.
         """
-        m = v.mapping(v.read_json(path, "protocol"), "protocol", ("schema", "hash", "name", "paper_scenes", "scenes"))
-        v.choice(m["schema"], "protocol.schema", (SCHEMA,))
+        m = v.mapping(
+            v.read_json(path, "protocol"),
+            "protocol",
+            ("schema", "hash", "name", "paper_scenes", "scenes"),
+            ("version", "robots"),
+        )
+        v.choice(m["schema"], "protocol.schema", (SCHEMA, _SCHEMA_BEFORE))
         scenes = []
         for i, value in enumerate(v.items(m["scenes"], "protocol.scenes")):
-            s = v.mapping(value, f"protocol.scenes[{i}]", ("id", "hash", "episodes"))
+            s = v.mapping(value, f"protocol.scenes[{i}]", ("id", "hash", "episodes"), ("pins",))
             names = [f.name for f in dataclasses.fields(FrozenEpisode)]
             rows = [FrozenEpisode(**v.mapping(e, f"scene {s['id']!r}", names)) for e in v.items(s["episodes"], "rows")]
-            scenes.append(FrozenScene(s["id"], s["hash"], tuple(rows)))
-        found = Protocol(m["name"], tuple(m["paper_scenes"]), tuple(scenes))
+            pins = checked(s["pins"], f"scene {s['id']!r}.pins") if s.get("pins") else {}
+            scenes.append(FrozenScene(s["id"], s["hash"], tuple(rows), pins))
+        named = v.mapping(m.get("robots", {}), "protocol.robots", (), m.get("robots", {}))
+        robots = {name: v.text(pin, f"protocol.robots.{name}") for name, pin in named.items()}
+        found = Protocol(m["name"], tuple(m["paper_scenes"]), tuple(scenes), m.get("version", 1), robots)
         if found.content_hash() != m["hash"]:
             raise v.fail(
                 str(path), "episodes that do not fit their hash", "a list as it was frozen", "restore the file from git"
@@ -143,17 +197,13 @@ class Protocol:
         """
         v.choice(kind, "protocol", KINDS)
         scenes = [s for s in self.scenes if kind == "full" or s.id in self.paper_scenes][:limit]
-        hashes = bank.meta.get("hashes", {})
+        self._check_hashes(bank, scenes)
         for scene in scenes:
-            if scene.id not in bank.scene_ids:
+            part = changed_part(scene.pins, scene_pins(bank, bank.scene_ids.index(scene.id))) if scene.pins else None
+            if part is not None:
                 raise ValidationError(
-                    f"benchmark {self.name!r}: found no scene {scene.id!r} in the bank, needed it; build the bank with "
-                    "the command of this version."
-                )
-            if hashes.get(scene.id) != scene.hash:
-                raise ValidationError(
-                    f"scene {scene.id!r}: found hash {str(hashes.get(scene.id))[:12]}, needed {scene.hash[:12]} as "
-                    f"benchmark {self.name!r} was frozen; build the scenes of that version."
+                    f"scene {scene.id!r}: found other {part} than version {self.version} of benchmark {self.name!r} "
+                    "was frozen with; results do not compare. Build the scenes with the code of that version."
                 )
         count = [RUNS if kind == "paper" else len(s.episodes) for s in scenes]
         for scene, wanted in zip(scenes, count, strict=True):
@@ -167,6 +217,20 @@ class Protocol:
         seeds = [s.episodes[i].seed for s, n in zip(scenes, count, strict=True) for i in range(n)]
         episodes = EpisodeSet(which, number.astype(np.int32), 0, np.array(seeds, np.uint32))
         return Runs(self, kind, tuple(s.id for s in scenes), _with_episodes(bank, rows, scenes), episodes)
+
+    def _check_hashes(self, bank: SceneBank, scenes: Sequence[FrozenScene]) -> None:
+        hashes = bank.meta.get("hashes", {})
+        for scene in scenes:
+            if scene.id not in bank.scene_ids:
+                raise ValidationError(
+                    f"benchmark {self.name!r}: found no scene {scene.id!r} in the bank, needed it; build the bank with "
+                    "the command of this version."
+                )
+            if hashes.get(scene.id) != scene.hash:
+                raise ValidationError(
+                    f"scene {scene.id!r}: found hash {str(hashes.get(scene.id))[:12]}, needed {scene.hash[:12]} as "
+                    f"benchmark {self.name!r} was frozen; build the scenes of that version."
+                )
 
 
 @dataclasses.dataclass(frozen=True)

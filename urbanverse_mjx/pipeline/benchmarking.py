@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from .. import settings
-from ..datatypes import SceneBank, ValidationError
+from ..datatypes import RobotSpec, SceneBank, ValidationError
 from ..datatypes import validation as v
 from ..progress import Progress
 
@@ -115,13 +115,21 @@ def benchmark_bank(name: str, quiet: bool = False) -> SceneBank:
     return SceneBank.load(path)
 
 
+def pinned_robots() -> dict[str, RobotSpec]:
+    """The robots that benchmarks are frozen with, by environment."""
+    from ..envs import registry
+    from ..envs.robot import make_robot
+
+    return {name: make_robot(registry.get_default_config(name)) for name in ("CocoNav", "Go2Nav")}
+
+
 def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -> str:
     """Drives, writes everything into `out`, and returns the page."""
     from ..evaluation import benchmark
 
     contacts = benchmark.CONTACTS if options.contact == "both" else (options.contact,)
     tables, scenes, seconds, privileged = {}, {}, {}, False
-    title = f"{runs.protocol.name}, protocol {runs.kind}: {options.policy}"
+    title = f"{runs.protocol.name} version {runs.protocol.version}, protocol {runs.kind}: {options.policy}"
     for contact in contacts:
         began = time.monotonic()
         env, policy, batched, name, where = _prepare(options, runs, contact)
@@ -150,14 +158,13 @@ def _run(options: BenchmarkOptions, runs: Any, out: pathlib.Path, quiet: bool) -
 
 def _prepare(options: BenchmarkOptions, runs: Any, contact: str) -> tuple[Any, Any, bool, str, dict[str, Any]]:
     """The environment, the policy, whether it is asked outside JAX, its name, and what is recorded of it."""
-    from ..envs import registry
     from ..evaluation.agents import BASELINES
     from ..evaluation.planner import Planner
 
     name, path = options.policy, pathlib.Path(options.policy)
     if name in BASELINES or name == "planner":
         config = _config(options, runs, contact, False)
-        env = registry.load_nav_env(options.env_name or "CocoNav", config, runs.bank)
+        env = _env(runs, options.env_name or "CocoNav", config)
         policy = Planner(env) if name == "planner" else BASELINES[name]
         return env, policy, False, name, {"name": name, "privileged": name == "planner"}
     if name.endswith(".onnx") or (":" in name and not path.exists()):
@@ -194,7 +201,7 @@ def _prepare_external(options: BenchmarkOptions, runs: Any, contact: str) -> tup
         config = _config(options, runs, contact, policy.sees, policy.size)
         if PROPRIO in policy.observations:
             config = registry.with_overrides(config, {"observations.proprio": True})
-        env = registry.load_nav_env(options.env_name or "CocoNav", config, runs.bank)
+        env = _env(runs, options.env_name or "CocoNav", config)
     return env, policy, True, path.stem if name.endswith(".onnx") else name, where
 
 
@@ -210,7 +217,18 @@ def _trained_env(
     if chosen != environment:
         own = registry.same_task(own, chosen)
     config = _config(options, runs, contact, sees, trained=own.to_dict(), environment=chosen)
-    return registry.load_nav_env(chosen, config, runs.bank)
+    return _env(runs, chosen, config)
+
+
+def _env(runs: Any, environment: str, config: Any) -> Any:
+    """The environment; its own robot is the one that the benchmark was frozen with, a config may name another one."""
+    from ..envs import registry
+
+    env = registry.load_nav_env(environment, config, runs.bank)
+    default = registry.get_default_config(environment)
+    if all(config.get(key) == default.get(key) for key in ("robot", "drive")):
+        runs.protocol.check_robot(environment, env.robot)
+    return env
 
 
 #: s, longest episode (paper: a fixed horizon of 60 s).
@@ -281,6 +299,7 @@ def _record(options: BenchmarkOptions, runs: Any, env: Any, contact: str) -> dic
 
     return {
         "benchmark": runs.protocol.name,
+        "version": runs.protocol.version,
         "protocol": runs.kind,
         "list": runs.protocol.content_hash(),
         "scenes": {s.id: s.hash for s in runs.protocol.scenes if s.id in runs.scenes},
