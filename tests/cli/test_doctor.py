@@ -69,12 +69,31 @@ def test_without_numpy_the_doctor_still_answers(tmp_path: pathlib.Path) -> None:
     assert "numpy" in found["mujoco"]["detail"]
 
 
-def test_a_check_that_hangs_is_ended(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "mujoco.py").write_text("import time; time.sleep(100)")
+@pytest.mark.parametrize(
+    ("body", "limits", "detail"),
+    [
+        ("import time; time.sleep(100)", {"idle": 3.0}, "no answer, and nothing computed for 3 s"),
+        ("while True: pass", {"timeout": 1.0}, "no answer after 1 s of the processor's time"),
+    ],
+    ids=["waits", "computes"],
+)
+def test_a_check_that_never_ends_is_ended(body, limits, detail, tmp_path, monkeypatch) -> None:
+    (tmp_path / "mujoco.py").write_text(body)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(ROOT)]))
-    row = doctor.examine("mujoco", timeout=3.0)
+    row = doctor.examine("mujoco", **limits)
     assert row.finding.status == "problem"
-    assert row.finding.detail == "no answer within 3 s"
+    assert row.finding.detail == detail
+
+
+def test_a_slow_check_that_computes_is_waited_for(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a machine that is busy with other work: long by the clock, a little of the processor's time throughout."""
+    (tmp_path / "mujoco.py").write_text(
+        "import time\nend = time.monotonic() + 4\nwhile time.monotonic() < end:\n    sum(range(10**6))\n"
+        "    time.sleep(0.05)\nraise SystemExit('done')"
+    )
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(ROOT)]))
+    row = doctor.examine("mujoco", timeout=60.0, idle=2.0)
+    assert row.finding.detail == "SystemExit: done"
 
 
 def test_an_unwritable_cache_is_a_problem_with_its_fix(tmp_path: pathlib.Path) -> None:
@@ -107,12 +126,12 @@ def test_gpu_is_read_from_nvidia_smi(nvidia_smi, status, detail, tmp_path, monke
     assert bool(found.fix) == (status == "problem")
 
 
-def test_the_table_says_the_fix_below_the_problem() -> None:
+def test_a_line_says_the_fix_below_the_problem() -> None:
     rows = [
         doctor.Row("jax", True, doctor_checks.Finding("missing", "no module 'jax'", "pip install jax")),
         doctor.Row("gpu", False, doctor_checks.Finding("missing", "no NVIDIA GPU", "")),
     ]
-    lines = doctor.table(rows).splitlines()
+    lines = "\n".join(doctor.line(row) for row in rows).splitlines()
     assert lines[0].split() == ["jax", "missing", "no", "module", "'jax'"]
     assert lines[1].split() == ["fix:", "pip", "install", "jax"]
     assert lines[2].split()[:2] == ["gpu", "absent"]

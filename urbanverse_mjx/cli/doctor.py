@@ -11,13 +11,19 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 
 from .. import __version__
 from .doctor_checks import CHECKS, Finding, reinstall
 
-#: s; the first frame on a machine compiles the renderer's kernels (20 s on a GPU, docs/sources/measured.md).
+#: s of the processor's time: on a busy machine a sound check takes many times as long by the clock.
+#: The first frame on a machine compiles the renderer's kernels (20 s on a GPU, docs/sources/measured.md).
 TIMEOUT = 300.0
+#: s by the clock without computing, after which a check hangs.
+IDLE = 120.0
+#: Of one core: a process that gets less is waiting for something else than its turn.
+_IDLE_SHARE = 0.01
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,47 +35,88 @@ class Row:
     finding: Finding
 
 
-def examine(name: str, timeout: float = TIMEOUT) -> Row:
-    """Runs one check in a fresh interpreter; whatever happens to it becomes a finding."""
+def examine(name: str, timeout: float = TIMEOUT, idle: float = IDLE) -> Row:
+    """Runs one check in a fresh interpreter; whatever happens to it becomes a finding.
+
+    Args:
+      name: a key of `CHECKS`.
+      timeout: s of the processor's time that the check may take.
+      idle: s by the clock that it may stand still.
+    """
     required, package = CHECKS[name].required, CHECKS[name].package
     fix = reinstall(package) if package else "make setup"
     command = [sys.executable, "-m", "urbanverse_mjx.cli.doctor_checks", name]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
-    except subprocess.TimeoutExpired:
-        return Row(name, required, Finding("problem", f"no answer within {timeout:.0f} s", fix))
-    lines = done.stdout.strip().splitlines()
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            stdout, stderr = _answer(process, timeout, idle)
+        except TimeoutError as error:
+            return Row(name, required, Finding("problem", str(error), fix))
+        except BaseException:
+            process.kill()
+            raise
+    lines = stdout.strip().splitlines()
     try:
         return Row(name, required, Finding(**json.loads(lines[-1])))
     except (IndexError, TypeError, ValueError):
-        return Row(name, required, Finding("problem", f"the check {_ending(done)}", fix))
+        return Row(name, required, Finding("problem", f"the check {_ending(process.returncode, stderr)}", fix))
 
 
-def _ending(done: subprocess.CompletedProcess[str]) -> str:
-    how = f"ended with status {done.returncode}"
-    if done.returncode < 0:
-        how = f"was killed by {signal.Signals(-done.returncode).name}"
-    said = done.stderr.strip().splitlines()
+def _answer(process: subprocess.Popen[str], timeout: float, idle: float) -> tuple[str, str]:
+    """What the process wrote; kills it and raises TimeoutError where it computes for too long or stands still."""
+    worked = moved = 0.0
+    since = time.monotonic()
+    while True:
+        try:
+            return process.communicate(timeout=min(1.0, timeout, idle))
+        except subprocess.TimeoutExpired:
+            now = time.monotonic()
+            worked = max(worked, _processor_seconds(process.pid))
+        if worked - moved > _IDLE_SHARE * (now - since):
+            moved, since = worked, now
+        if worked >= timeout:
+            said = f"no answer after {timeout:.0f} s of the processor's time"
+        elif now - since >= idle:
+            said = f"no answer, and nothing computed for {idle:.0f} s"
+        else:
+            continue
+        process.kill()
+        process.communicate()
+        raise TimeoutError(said)
+
+
+def _processor_seconds(pid: int) -> float:
+    """Of a process and those that it started, such as compilers; 0 where psutil does not say."""
+    try:
+        import psutil
+
+        process = psutil.Process(pid)
+        times = [p.cpu_times() for p in (process, *process.children(recursive=True))]
+    except Exception:  # the doctor examines machines with broken packages; the process may also have just ended
+        return 0.0
+    return sum(t.user + t.system for t in times)
+
+
+def _ending(status: int, stderr: str) -> str:
+    how = f"ended with status {status}"
+    if status < 0:
+        how = f"was killed by {signal.Signals(-status).name}"
+    said = stderr.strip().splitlines()
     return f"{how}: {said[-1][:160]}" if said else how
 
 
-def examine_all(names: Sequence[str], workers: int = 2) -> list[Row]:
-    """Rows in the order of `names`. Two at a time: each loads a large library."""
+def examine_all(names: Sequence[str], workers: int = 2) -> Iterator[Row]:
+    """Rows in the order of `names`, each as soon as it is known. Two at a time: each loads a large library."""
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(examine, names))
+        yield from pool.map(examine, names)
 
 
-def table(rows: Sequence[Row]) -> str:
-    """The rows as text, with the fixes below what they fix."""
-    lines = []
-    for row in rows:
-        status = row.finding.status
-        if status == "missing" and not row.required:
-            status = "absent"
-        lines.append(f"{row.name:<13} {status:<8} {row.finding.detail}")
-        if row.finding.fix:
-            lines.append(f"{'':<13} {'':<8} fix: {row.finding.fix}")
-    return "\n".join(lines)
+def line(row: Row) -> str:
+    """One row as text, with the fix below what it fixes."""
+    status = row.finding.status
+    if status == "missing" and not row.required:
+        status = "absent"
+    text = f"{row.name:<13} {status:<8} {row.finding.detail}"
+    return f"{text}\n{'':<13} {'':<8} fix: {row.finding.fix}" if row.finding.fix else text
 
 
 def able(rows: Sequence[Row]) -> bool:
@@ -82,12 +129,18 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--only", nargs="+", choices=list(CHECKS), metavar="CHECK", help=f"of {', '.join(CHECKS)}")
     arguments = parser.parse_args(argv)
-    rows = examine_all(arguments.only or list(CHECKS))
+    names = arguments.only or list(CHECKS)
+    if not arguments.json:
+        sys.stderr.write(f"{len(names)} checks; on a new machine they compile kernels, for a minute or more\n")
+    rows = []
+    for row in examine_all(names):
+        rows.append(row)
+        if not arguments.json:
+            print(line(row), flush=True)
     if arguments.json:
         checks = {r.name: {"required": r.required, **dataclasses.asdict(r.finding)} for r in rows}
         print(json.dumps({"urbanverse": __version__, "able": able(rows), "checks": checks}, ensure_ascii=False))
     else:
-        print(table(rows))
         print()
         if able(rows):
             print("Everything the main job needs is here.")
