@@ -26,23 +26,23 @@ class BearingOptions:
     Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
 
     Attributes:
-      max_size: m; the middle of larger objects moves with the side that is seen: they are not used.
+      max_size: m; larger objects are not used, because their apparent centre depends on the visible side.
       min_views: fewest views of an object that is used to adjust poses.
       min_objects: fewest such objects.
-      middle_error: by this share of its width a view's middle may be beside the object's.
+      middle_error: share of its width by which a view's centre may be off the object's.
       direction_sigma: rad, standard error of a direction.
-      front_share: by this share of its width a view is nearer than the object's middle, give or take as much.
-      gates: standard errors from which on a view counts less, from round to round.
+      front_share: share of its width by which a view is nearer than the object's centre, and standard error of that.
+      gates: standard errors from which a view has less weight, one for each round.
       round_steps: Gauss-Newton steps of each round.
-      max_misfit_ratio: poses stay unless the median squared misfit of directions falls below this share of what it
-        was.
-      loose_noise: relative noise of depth that hardly constrains a place.
-      min_depth_views: fewest views of an object whose directions then tell where it is.
-      max_place_error: places that directions tell to this share of the distance judge the depth.
+      max_misfit_ratio: poses are kept unless the median squared misfit of directions falls below this share of its
+        former value.
+      loose_noise: relative noise of depth that hardly constrains a position.
+      min_depth_views: fewest views to locate an object by directions. max_place_error: positions from directions with
+        at most this error, as a share of the distance, are used to estimate the depth error.
       min_judging_views: fewest views of such objects.
-      min_depth_error: relative; distances differ by less where depth is perfect (0.8 % seen).
-      depth_share: share of the difference of distances that is the depth's own: with 5 % put in and drifting poses
-        8.8 % came out, the ground said 4.2 %.
+      min_depth_error: relative; distances differ by less where depth is perfect (0.8 % measured). depth_share: share of
+        the difference of distances that is due to depth: with 5 % injected and drifting poses 8.8 % was measured, from
+        the ground 4.2 %.
     """
 
     max_size: float = 2.5
@@ -67,8 +67,8 @@ _OPTIONS = BearingOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Bearings:
-    """What views say of where objects are, seen from above: frame (n,), viewpoint (n, 2) m, direction (n,) rad in the
-    world, half (n,) rad, half the width of what is seen; reach (n,) m from the viewpoint to its middle."""
+    """Directions from views to objects, in the ground plane: frame (n,), viewpoint (n, 2) m, direction (n,) rad in the
+    world, half (n,) rad, half the visible width; reach (n,) m from the viewpoint to its centre."""
 
     frame: np.ndarray
     viewpoint: np.ndarray
@@ -121,8 +121,9 @@ def adjust(views: Views, object_of_view: np.ndarray, poses: np.ndarray, depth: D
 def depth_error(views: Views, object_of_view: np.ndarray, poses: np.ndarray, scale: np.ndarray) -> float:
     """The relative error of the depth of objects, 0 where too few are seen from several places to tell.
 
-    What the ground says of it (`depth_scale`) holds for objects where both are measured alike, not where a network
-    guesses one and geometry gives the other. So objects are placed by their directions alone, and distances compared.
+    The estimate from the ground (`depth_scale`) is valid for objects where both are measured alike, not where a network
+    predicts the one and geometry gives the other. So objects are placed by their directions alone, and distances
+    compared.
     """
     problem = _whole_objects(
         views, object_of_view, poses, DepthScale(scale, _OPTIONS.loose_noise), _OPTIONS.min_depth_views

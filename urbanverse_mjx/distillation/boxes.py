@@ -9,7 +9,7 @@ from ..geometry import rotations
 from . import shapes, silhouettes
 from .bearings import Bearings
 
-#: Views used for one box, the nearest first; more add nothing but time.
+#: Views used for one box, the nearest first; more only take more time.
 MAX_VIEWS = 24
 #: rad: a quarter turn, and around the best of these.
 _COARSE_HEADINGS, _FINE_HEADINGS = np.radians(np.arange(0.0, 90.0, 1.5)), np.radians(np.arange(-1.5, 1.51, 0.15))
@@ -27,18 +27,18 @@ class BoxOptions:
     Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
 
     Attributes:
-      side_ratio: known extents farther apart than this factor tell which of two sides is the heading.
-      shape_blur: depth blurred by more than this share of an object's footprint hides its shape.
-      min_shown_side: m; objects at least as long still show their sides then.
-      heading_gain: a heading that is none of the sides' has at most this share of their misfit from the known shapes.
-      max_distance: objects farther (sum of log ratios of the sides) from every known size of their label are left as
-        they were seen.
-      missing_weight: what the depth, width and height lack (log) of a known size counts so much.
-      roof_ratio: by how much a roof is higher than the edge that is seen of it from below.
-      side_share: a side seen to less than this share of the known one is completed.
-      max_length_ratio: by how much an object may be longer than every known one of its label.
-      direction_points: points that a direction is taken from, at most.
-      grazing_sine: sine of the flattest angle at which a face is looked at rather than along (12°).
+      side_ratio: known extents that differ by more than this factor decide which of two sides is the heading.
+        shape_blur: depth blurred by more than this share of an object's footprint hides its shape.
+      min_shown_side: m; the sides of objects at least as long are still visible then. heading_gain: another heading
+        than those of the sides is taken where its misfit from the known shapes is at most this share of theirs.
+      max_distance: objects farther (sum of log ratios of the sides) from every known size of their label keep the
+        observed size.
+      missing_weight: weights of the missing depth, width and height (log) relative to a known size.
+      roof_ratio: factor by which a roof is higher than its edge visible from below. side_share: a side of which less
+        than this share of the known one is visible is completed.
+      max_length_ratio: factor by which an object may be longer than every known one of its label. direction_points:
+        largest number of points for a direction.
+      grazing_sine: sine of the flattest angle at which a face counts as visible (12°).
     """
 
     side_ratio: float = 1.12
@@ -168,12 +168,12 @@ def fit(
     """The box around corrected points.
 
     Args:
-      points: (p, 3) m. viewpoints: (v, 3) m, from where it was seen. prior: of its label.
+      points: (p, 3) m. viewpoints: (v, 3) m, camera positions. prior: of its label.
       noise: relative error of depth.
       top: m, height of its top where some view was not cut off there; None hides the top.
       sigma: m, standard error of the centre.
       seen: its views that the image's sides did not cut off, from above; None for none.
-      axis: rad, along or across which objects around stand; None where that is not known.
+      axis: rad, direction of the surrounding objects, modulo a quarter turn; None where unknown.
     """
     nearest = float(np.linalg.norm(viewpoints - points.mean(0), axis=1).min())
     blur = noise * nearest
@@ -266,8 +266,8 @@ def _turned(yaw: float, low: np.ndarray, high: np.ndarray, viewpoints: np.ndarra
 def _heading(size: np.ndarray, middle: np.ndarray, viewpoints: np.ndarray, prior: LabelPrior) -> int:
     """Quarter turns from the box's first axis to the object's heading.
 
-    Known sizes say which axis it is; where both fit, and for the end of the axis, the side that was looked at: fronts
-    of houses, signs and benches are what one walks past.
+    Known sizes select the axis; where both fit, and for the sign of the axis, the visible side decides: captures pass
+    fronts of houses, signs and benches.
     """
     towards = (viewpoints - middle)[:, :2]
     near = 1.0 / np.maximum(np.linalg.norm(towards, axis=1), 1.0) ** 2
@@ -307,10 +307,10 @@ def _complete(
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
     """Ends that no view could show, moved out to the nearest known size of the label.
 
-    What is measured is the face that was looked at most. The far end behind it is hidden if no camera looked at that,
-    too; the top if every view was cut off there, or no camera was above it (what stands back on a roof is not seen
-    from the street; such a top rises by `roof_ratio` at most). The other sides choose the known size; a hidden side may
-    be longer than what was seen of it, not shorter.
+    The measured face is the one most visible to the cameras. The far end behind it is hidden unless a camera faced it
+    too; the top is hidden if every view was cut off there, or no camera was above it (set-back parts of a roof are
+    invisible from the street; such a top rises by `roof_ratio` at most). The other sides select the known size; a
+    hidden side may be longer than its visible part, not shorter.
     """
     size = high - low
     offset = viewpoints[:, :2] - ((low + high) / 2)[:2]
@@ -335,7 +335,7 @@ def _complete(
             return low, high, (False, False, False)
         known = np.median(prior.extents, axis=0)
         longer = (np.arange(3) == front) & hidden & (known > size)
-    # Along the face that was looked at a hidden end shows as a gross lack alone.
+    # Along the visible face only a large missing length indicates a hidden end.
     longer[1 - front] &= size[1 - front] < _OPTIONS.side_share * known[1 - front]
     if not topless and known[2] > _OPTIONS.roof_ratio * size[2]:
         longer[2] = False

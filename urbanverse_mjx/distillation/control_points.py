@@ -55,7 +55,7 @@ def corrected(poses: np.ndarray, change: np.ndarray) -> np.ndarray:
 
 
 def odometry(correction: np.ndarray, at: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of what the odometry says of the correction (k, 4): (r, 4 k) slopes and (r,) what is to be made up."""
+    """Residuals of the odometry for the correction (k, 4): (r, 4 k) Jacobian and (r,) values."""
     count = len(correction)
     place = np.array([poses[int(column.argmax()), :3, 3] for column in at.T])
     step = np.diff(place, axis=0)

@@ -59,7 +59,7 @@ def collect(
     Args:
       object: (n,) which object each view shows. names: of the objects that are kept.
       describers: for any of "object", "ground", "sky".
-      folder: gets objects/, ground/ and sky/; None writes nothing.
+      folder: gets objects/, ground/ and sky/; None: no files are written.
     """
     best = _best_views(views, object_of_view, names)
     wanted = sorted({int(views.origin[v, 0]) for rows in best.values() for v in rows})
@@ -98,7 +98,7 @@ def _scenery(
         image, surfaces = recording.rgb(frame), recording.surfaces(frame)
         patches: dict[str, np.ndarray] = {}
         if surfaces is None:
-            # As the paper does where nothing is known: the upper half of the frame.
+            # As in the paper where the sky's region is unknown: the upper half of the frame.
             patches["sky"] = np.arange(image.shape[0])[:, None] < np.full(image.shape[1], image.shape[0] // 2)
         else:
             patches |= {GROUND_KINDS[k]: surfaces == k for k in np.unique(surfaces) if 0 < k != SKY}

@@ -81,7 +81,7 @@ def depth_scale(ground: GroundPoints, poses: np.ndarray) -> DepthScale:
 def _medians(
     frame: np.ndarray, kind: np.ndarray, value: np.ndarray, frames: int, kinds: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(frames, kinds) medians, NaN where there is nothing, and counts."""
+    """(frames, kinds) medians, NaN without a measurement, and counts."""
     cell = frame * kinds + kind
     order = np.lexsort((value, cell))
     counts = np.bincount(cell, minlength=frames * kinds)

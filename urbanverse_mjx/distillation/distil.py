@@ -1,4 +1,4 @@
-"""`distil`: a recording becomes a scene graph, and says on what evidence."""
+"""`distil`: converts a recording to a scene graph with its evidence."""
 
 import dataclasses
 import pathlib

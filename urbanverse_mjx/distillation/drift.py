@@ -1,11 +1,11 @@
 """Loop-consistent poses: where a trajectory comes by again, objects seen both times pull the two passes together.
 
 Drift is slow, so the correction is a shift and a turn about z at control points along the trajectory, linear in
-between. Every object seen in two passes says that both sightings are one place; between control points the odometry
-says that the turn hardly changes, changes evenly, and carries the path with it: a trajectory that bends by a degree is
-off by more the farther it goes. Wrong pairs are outvoted: their weight falls with the square of their misfit (Geman and
-McClure), whose scale shrinks from round to round (graduated non-convexity: Yang et al., "Graduated Non-Convexity for
-Robust Spatial Perception", 2020).
+between. Every object observed in two passes constrains both observations to one place; between control points the
+odometry constrains the turn to change little and linearly, and the path turns with it: the position error of a
+trajectory that bends by a degree grows with distance. Wrong pairs lose their influence: their weight falls with the
+square of their misfit (Geman and McClure), whose scale shrinks from round to round (graduated non-convexity: Yang et
+al., "Graduated Non-Convexity for Robust Spatial Perception", 2020).
 """
 
 import dataclasses

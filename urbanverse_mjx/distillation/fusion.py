@@ -25,8 +25,9 @@ class FusionOptions:
     Attributes:
       min_view_score: a view joins an object whose score with it is at least this: half a box overlaps under one
         label, or places two standard errors apart.
-      min_merge_score: from this score on two objects of the map are one, if they were hardly ever seen side by side.
-      max_squared_distance: in squared standard errors, three dimensions; places farther apart say nothing: 1 in 400.
+      min_merge_score: from this score on two objects of the map are merged, unless many frames show both.
+        max_squared_distance: in squared standard errors, three dimensions; positions farther apart are not compared: 1
+        in 400.
       information_kept: share of an object's information that remains when a view is added: poses drift, and errors of
         depth stay for some frames.
       max_shared_frames: share of the frames of the rarer of two objects that may show both if they are one.
@@ -64,8 +65,8 @@ class Placed:
 
     @functools.cached_property
     def gain(self) -> np.ndarray:
-        """(n, 3, 3) 1/m^2: 1 / sigma^2 along the line of sight, and across it what a view's middle says of the
-        object's: different sides are seen from different places."""
+        """(n, 3, 3) 1/m^2: 1 / sigma^2 along the line of sight, and across it the error of a view's centre relative to
+        the object's: different viewpoints show different sides."""
         line = self.center - self.viewpoint
         line /= np.maximum(np.linalg.norm(line, axis=1), 1e-6)[:, None]
         along = line[:, :, None] * line[:, None, :]
@@ -148,7 +149,7 @@ class _Map:
         self.votes[objects, labels] += scores
         self._inform(objects, placed, rows)
         ratio = placed.sigma[rows] / self.sigma[objects]
-        # Where depth is sharp every view adds what it sees; a nearer one may show a part alone.
+        # Where depth is sharp every view adds its points; a nearer one may show only a part.
         better = (ratio < 0.6) & (self.sigma[objects] > _OPTIONS.max_sigma)
         similar = ~better & ((ratio < 1.7) | (placed.sigma[rows] <= _OPTIONS.max_sigma))
         shrink = np.minimum(placed.sigma[rows, None], 0.25 * (placed.high - placed.low)[rows])

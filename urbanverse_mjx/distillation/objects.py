@@ -103,7 +103,7 @@ def _groups(object_of_view: np.ndarray) -> list[np.ndarray]:
 def objects_of(fused: Fused, prior_of: Callable[[str], LabelPrior]) -> list[FusedObject]:
     """The objects of all views in the order in which they were first seen.
 
-    Large ones come first: they show which way the street runs, and what stands around mostly stands along or across.
+    Large objects come first: they give the street's direction, and most other objects are aligned with or square to it.
     """
     groups = _groups(fused.object_of_view)
     label = [_label(fused, rows) for rows in groups]
@@ -140,8 +140,8 @@ class Street:
         return cls(center, np.exp(4j * np.array([t.yaw for t in objects])))
 
     def axis(self, place: np.ndarray) -> float | None:
-        """rad modulo a quarter turn, along or across which what is near (2,) m stands; None where nothing large is near
-        or it disagrees."""
+        """rad modulo a quarter turn, direction of the large objects near (2,) m; None where there are none or they
+        disagree."""
         weight = 1.0 / (1.0 + (np.linalg.norm(self.center - place, axis=1) / _OPTIONS.axis_radius) ** 2) ** 2
         agreed = (weight * self.turn).sum() / max(weight.sum(), 1e-9)
         agree = weight.sum() > _OPTIONS.min_axis_weight and abs(agreed) > _OPTIONS.min_axis_agreement
@@ -242,8 +242,7 @@ def _confidence(fused: Fused, rows: np.ndarray, box: boxes.Box, prior: LabelPrio
     """Probability that an object is there: every view speaks for it by the odds of its score, every frame that should
     have shown it and did not speaks against it by the odds of `missed_odds`.
 
-    A frame should have shown it if its middle is in the image, no farther than in its farthest view, and nothing
-    stands before it.
+    A frame should show it if its centre is in the image, no farther than in its farthest view, and not occluded.
     """
     camera, frames = fused.camera, np.unique(fused.views.frame[rows])
     offset = box.center - fused.poses[:, :3, 3]

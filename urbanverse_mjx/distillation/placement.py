@@ -20,10 +20,10 @@ class PlacementOptions:
     Set by hand; `benchmarks.fidelity` measures what comes of them (docs/decisions/generation.md).
 
     Attributes:
-      max_sigmas: standard errors of its depth that an object moves at most, beside `cell_error`.
+      max_sigmas: standard errors of its depth that an object moves at most, in addition to `cell_error`.
       cell_error: m; outlines of ground are drawn from cells.
       max_move: m; no object moves farther.
-      snap_distance: m; boxes whose foot is this near the ground stand on it.
+      snap_distance: m; boxes whose lower end is this near the ground stand on it.
     """
 
     max_sigmas: float = 3.0

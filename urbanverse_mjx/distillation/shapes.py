@@ -1,5 +1,4 @@
-"""Which way an object faces, told by the shapes that are known of its label: a heading under which its points lie on
-one.
+"""The heading of an object from the known shapes of its label: the heading at which its points lie on one.
 
 The sides of a box do not tell a walker's front from his side, nor a blob's length from its width; what is known of the
 label does. Points are laid on every known shape under every heading, the shape shifted to fit (iterative closest points

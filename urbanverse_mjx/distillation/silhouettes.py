@@ -1,4 +1,4 @@
-"""Which way an object faces, told by how wide it looks from here and there.
+"""The heading of an object from its angular width in several views.
 
 A direction to an object's rim does not care how blurred its depth is. The two directions to the rims of one view are
 tangents of the object's footprint: for the outward normal n of a tangent through the viewpoint e, c . n + h(n) = e . n,

@@ -6,9 +6,9 @@
         --minutes 16 --out perception.npz
 
 Frames are rendered while it trains, each from a random place with a random lens, appearance and camera fault; none is
-seen twice. The rate of learning follows the clock, so that any machine's run ends with it at zero. Prints one JSON line
-a progress report and a table at the end. Weights are written every minute and at the end; with `--state` all else that
-the learner knows, too: the same command after a killed or a paused (`--pause-after`) run goes on where that one was.
+used twice. The learning rate follows the clock, so that it ends at zero on any machine. Prints one JSON line a progress
+report and a table at the end. Weights are written every minute and at the end; with `--state` also the rest of the
+training state: the same command after a killed or a paused (`--pause-after`) run continues it.
 """
 
 import argparse
@@ -131,7 +131,7 @@ class Frame(NamedTuple):
 
 
 def predict(model: Any, variables: Any, views: Views, frames: int, batch: int, seed: int) -> Iterator[Frame]:
-    """Seeded frames with the same camera faults as in training; those that show nothing are left out."""
+    """Seeded frames with the same camera faults as in training; those without objects are left out."""
     apply = jax.jit(functools.partial(model.apply, train=False))
     draw = jax.jit(lambda keys: views(keys, dye=False))
     fault = jax.jit(jax.vmap(augment))

@@ -12,7 +12,7 @@ from .wrappers import wrap_for_training
 
 
 class EnvCheckError(AssertionError):
-    """A promise an environment does not keep; the message says which and what was seen."""
+    """An environment violates its contract; the message names the rule and the observed value."""
 
 
 def _require(condition: Any, promise: str, seen: object = "") -> None:

@@ -1,6 +1,6 @@
 """How high the ground is anywhere in a scene, from the bank's prisms: for critics, rewards and first poses.
 
-A policy that is said to be blind never sees it.
+It is not an observation of a blind policy.
 """
 
 import jax.numpy as jnp

@@ -239,7 +239,7 @@ def load_terrain_bank() -> SceneBank:
 
 
 def _load_built(path: pathlib.Path, keyed: bool, command: str) -> SceneBank:
-    """A bank that a command builds; `keyed` where the file's name says what it is made of."""
+    """A bank that a command builds; `keyed` where the file's name has a hash of its inputs."""
     if not path.is_file():
         raise ValidationError(f"scene bank: found none at {path}, needed one; run `{command}`.")
     bank = SceneBank.load(path)

@@ -64,7 +64,7 @@ class StagedBase[C](ModelNames, abc.ABC):
 
     @property
     def agent_appearances(self) -> tuple[int, ...]:
-        """Row of the bank's agents that each moving agent looks like."""
+        """Row of the bank's agents for each moving agent's appearance."""
         return ()
 
     def agents_of(self, carried: C, /) -> AgentMotion | None:
@@ -126,8 +126,8 @@ class StagedBase[C](ModelNames, abc.ABC):
     def step(self, state: State[C], action: Float[Array, " nu"]) -> State[C]:
         """One control step without auto-reset.
 
-        What wrappers keep in `info` and `metrics` stays there. Where an `EpisodeWrapper` of Brax counts the steps
-        (`info` has its `episode_done`), it alone says when time is out: as a truncation, not as an end.
+        Entries of wrappers in `info` and `metrics` are kept. Where an `EpisodeWrapper` of Brax counts the steps (`info`
+        has its `episode_done`), it alone applies the time limit, as a truncation.
         """
         carried, reward, done, metrics = self.advance(state.data, action)
         info = self.info_of(carried)

@@ -30,7 +30,7 @@ class Result(enum.IntEnum):
 @jax.tree_util.register_pytree_with_keys_class
 @dataclasses.dataclass(frozen=True)
 class State[C]:
-    """State of an environment, with the fields users of MuJoCo Playground know.
+    """State of an environment, with the fields of MuJoCo Playground's.
 
     Attributes:
       data: `NavState`, or what another environment carries.
@@ -71,7 +71,7 @@ class State[C]:
 
     @classmethod
     def tree_unflatten(cls, _: None, children: Iterable[Any]) -> "State[C]":
-        """For JAX, whose leaves may be anything: nothing is checked."""
+        """For JAX, whose leaves may have any type: without checks."""
         state = object.__new__(cls)
         for field, child in zip(dataclasses.fields(cls), children, strict=True):
             object.__setattr__(state, field.name, child)
@@ -126,7 +126,7 @@ class Carried:
 
     @property
     def xfrc_applied(self) -> Float[np.ndarray, "*batch nbody 6"]:
-        """N and N m, all 0: nothing pushes the robot but the street."""
+        """N and N m, all 0: only the street acts on the robot."""
         return np.zeros((*self.sim.xpos.shape[:-1], 6), np.float32)
 
     def replace(self, **changes: Any) -> Any:

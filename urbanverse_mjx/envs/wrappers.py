@@ -1,7 +1,7 @@
 """Training wrapper: batched, auto-resetting into a new scene, one frame a step.
 
-Brax's own AutoResetWrapper would restore the first state of each env for ever (its scene, start and goal), so
-it is not supported; `wrap_for_training` is handed to `brax.training.agents.ppo.train` as `wrap_env_fn`.
+Brax's own AutoResetWrapper would restore each env's first state (its scene, start and goal) at every reset, so it is
+not supported; `wrap_for_training` is handed to `brax.training.agents.ppo.train` as `wrap_env_fn`.
 """
 
 import dataclasses
@@ -20,10 +20,10 @@ from .types import StagedEnv, State
 class AutoResetEnv[C]:
     """A batch of staged envs: advance, begin anew where done (all carried state replaced), then observe once.
 
-    `reset(keys)` and `step(state, actions)` take a leading batch axis. Beside the env's own info the state holds
-    what Brax reads: steps, truncation, time_out, episode_done, episode_metrics (sums over the running episode).
-    After a done step, `obs` is the first observation of the next episode, while reward, metrics and info belong to
-    the step that ended; Brax's GAE never looks across `done`.
+    `reset(keys)` and `step(state, actions)` take a leading batch axis. Beside the env's own info the state holds what
+    Brax reads: steps, truncation, time_out, episode_done, episode_metrics (sums over the running episode). After a done
+    step, `obs` is the first observation of the next episode, while reward, metrics and info belong to the step that
+    ended; Brax's GAE does not bootstrap across `done`.
     """
 
     def __init__(self, env: StagedEnv[C], episode_length: int):

@@ -17,10 +17,10 @@ BatchAgent = Callable[[Mapping[str, np.ndarray]], np.ndarray]
 
 @runtime_checkable
 class Privileged(Protocol):
-    """An agent that is told more than any robot sees; inside jit like `Agent`."""
+    """An agent with more information than a robot's sensors give; inside jit like `Agent`."""
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> Any:
-        """What it wants to know of n episodes, as arrays with a leading axis n; scenes, rows: (n,) of the bank."""
+        """Its privileged data of n episodes, as arrays with a leading axis n; scenes, rows: (n,) of the bank."""
         ...
 
     def act(self, nav: NavState, known: Any, /) -> jax.Array:
@@ -43,7 +43,7 @@ class Recurrent(Protocol):
 
 @runtime_checkable
 class Beginning(Protocol):
-    """A `BatchAgent` that is told when episodes begin, to forget the ones before."""
+    """A `BatchAgent` that is notified when episodes begin, to reset its memory."""
 
     def begin(self, count: int) -> None:
         """`count` episodes begin together."""
@@ -65,7 +65,7 @@ def answer(
     """An agent's action in a state of one env, and what it remembers then.
 
     Args:
-      known: what `told` says of the env's episode. memory: of a `Recurrent`; () of the others.
+      known: result of `told` for the env's episode. memory: of a `Recurrent`; () of the others.
     """
     if isinstance(agent, Recurrent):
         return agent.act(obs, memory, key)
@@ -73,7 +73,7 @@ def answer(
 
 
 def told(agent: Agent | Privileged | Recurrent, scenes: np.ndarray, rows: np.ndarray, count: int = 1) -> Any:
-    """What a privileged agent is told of `count` times n episodes, leading axis count * n; () for the others."""
+    """Privileged data of `count` times n episodes, leading axis count * n; () for the others."""
     if not isinstance(agent, Privileged):
         return ()
     return jax.tree.map(lambda x: jnp.concatenate([x] * count), agent.prepare(scenes, rows))
@@ -92,7 +92,7 @@ def random(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
 
 
 def go_to_goal(obs: Mapping[str, Any], key: jax.Array) -> jax.Array:
-    """Heads straight for the goal and sees nothing: a waypoint one metre ahead in the goal's direction."""
+    """Drives straight to the goal without images: a waypoint one metre ahead in the goal's direction."""
     del key
     goal = obs["goal"]
     return goal / jnp.maximum(jnp.linalg.norm(goal), 1e-6)
@@ -126,7 +126,7 @@ def blank_image(agent: Any, images: Mapping[str, Sequence[int]] | None = None) -
     """The same agent with its camera covered (all pixels 0): what it does without seeing.
 
     Args:
-      images: shapes of the images that it looks at, for an environment that draws none.
+      images: shapes of its image observations, for an environment that draws none.
     """
     cover = _Cover(images or {})
     if isinstance(agent, Recurrent):

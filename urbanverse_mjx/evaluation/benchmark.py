@@ -21,7 +21,7 @@ from .report import write_csv
 from .rollouts import EpisodeSet, Rollout, result_counts
 from .scores import SCORES, Table, by_scene, over_runs, over_scenes, rounded, scores
 
-#: How contact is judged: it ends an episode (the paper), or it is counted and the robot goes on.
+#: Rule for contact: it ends an episode (the paper), or it is counted and the episode continues.
 CONTACTS = ("ends", "goes_on")
 #: Columns of the tables by what they are called for people.
 _LABELS = {
@@ -69,7 +69,7 @@ def drive(
     results: list[EpisodeResult] = []
     trajectories: list[np.ndarray] = []
     for first in range(0, len(episodes), at_once):
-        # The last batch is filled up with episodes that are driven for nothing: one size is compiled.
+        # The last batch is padded with repeated episodes, so that one size is compiled.
         rows = np.minimum(np.arange(first, first + at_once), len(episodes) - 1)
         real = min(at_once, len(episodes) - first)
 
@@ -98,8 +98,7 @@ def to_markdown(title: str, tables: Mapping[str, Mapping[str, Table]], by_scenes
     """The page of a benchmark.
 
     Args:
-      tables: way of judging contact -> policy -> summary. by_scenes: the same ways -> scene -> scores.
-      how: what ± means.
+      tables: contact rule -> policy -> summary. by_scenes: contact rule -> scene -> scores. how: what ± means.
     """
     lines = [f"# {title}", "", how]
     for contact, rows in tables.items():
@@ -121,7 +120,7 @@ _HEADINGS = {
 
 
 def _columns(contact: str) -> tuple[str, ...]:
-    # Where contact ends an episode whoever is at the goal has touched nothing.
+    # Where contact ends an episode, one that reaches the goal is without contact.
     return SCORES if contact == "goes_on" else tuple(s for s in SCORES if s != "reached")
 
 

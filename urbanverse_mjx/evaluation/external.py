@@ -1,8 +1,7 @@
 """Policies from outside: any Python callable; `onnx_policy` reads ONNX files.
 
-In:   `module:name`.
-Out:  `ExternalPolicy`: a `BatchAgent`, and what it looks at.
-When: once per run; asked every control step, outside jit.
+In:   `module:name`. Out:  `ExternalPolicy`: a `BatchAgent`, and its observations. When: once per run; called every
+control step, outside jit.
 """
 
 import dataclasses
@@ -29,9 +28,8 @@ class ExternalPolicy:
 
     Attributes:
       agent: observations of n envs -> actions (n, 2).
-      observations: names of what it is given, of `OBSERVATIONS`.
-      size: (height, width) of the images it looks at, None = whatever the preset draws.
-      record: what an ONNX file says about itself, None where it says nothing that we know.
+      observations: their names, of `OBSERVATIONS`. size: (height, width) of its images, None = that of the preset.
+        record: metadata of an ONNX file, None without metadata in our format.
     """
 
     agent: BatchAgent
@@ -59,7 +57,7 @@ class ExternalPolicy:
 
     @property
     def sees(self) -> bool:
-        """Whether it looks at images."""
+        """Whether it takes images."""
         return IMAGE in self.observations
 
     @property
@@ -78,7 +76,7 @@ def load_callable(name: str) -> ExternalPolicy:
     recorded in the report.
 
     Raises:
-      ValidationError: no such module or name, nothing that can be called, or observations that no environment has.
+      ValidationError: no such module or name, an object that cannot be called, or observations that no environment has.
     """
     module_name, _, attribute = name.partition(":")
     try:

@@ -40,8 +40,8 @@ class FrozenEpisode:
 
     Attributes:
       start: x, y, z of the ground (m), yaw (rad). goal: x, y, z (m).
-      way: waypoints x, y, z (m) of the shortest path, every 5 m and the goal. length: m, of the way.
-      seed: of what draws along the way.
+      way: waypoints x, y, z (m) of the shortest path, every 5 m and the goal. length: m, of the route. seed: of the
+        episode's random draws.
     """
 
     start: tuple[float, ...]

@@ -21,7 +21,7 @@ FALLEN = 0.3
 _ROBOT = "robot/"
 #: (N, 3) positions (m), (N,) headings (rad), () s -> (N, 3) commands.
 Commander = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
-#: The same places, () s -> (N,) bool: who need not go on.
+#: The same places, () s -> (N,) bool: walks that may stop.
 Finish = Callable[[np.ndarray, float], np.ndarray]
 
 
@@ -82,7 +82,7 @@ class _Walker:
         self.power = self.torque = 0.0
 
     def step(self, ctrl: np.ndarray) -> None:
-        """One control step with the servos told `ctrl` (J,)."""
+        """One control step with the servo targets `ctrl` (J,)."""
         model, data, body = self.model, self.data, self.body
         self.feet[:] = data.geom_xpos[body.feet]
         self.standing[:], self.touch, self.power, self.torque = False, False, 0.0, 0.0
@@ -159,12 +159,12 @@ def walk(
     """Walks N robots at once, each alone in its world.
 
     Args:
-      models: of grounds with the robot (`simulation.reference.c_mujoco.truth_model`); ground: (N,) which each walks on.
-      qpos: (N, nq) first positions, at rest.
-      commander: what the robots are told, asked every control step.
+      models: of grounds with the robot (`simulation.reference.c_mujoco.truth_model`); ground: (N,) row of each walk.
+        qpos: (N, nq) first positions, at rest.
+      commander: gives the robots' commands at every control step.
       speed_limit: (J,) rad/s of the motors.
       kicks: control step -> (N, 2) m/s, world frame, by which the trunk's velocity changes at its beginning.
-      finish: who stops; None = nobody before the end.
+      finish: walks that stop; None = none before the end.
     """
     substeps = round(gait.control_dt / robot.physics_timestep)
     bodies = [_Body(model, robot) for model in models]

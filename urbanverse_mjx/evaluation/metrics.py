@@ -1,8 +1,8 @@
 """SR, CT, RC, DTG and relatives with 95 % intervals.
 
 SR: share of episodes that reach the goal without a hit. CT: mean share of episode time in contact (the paper's
-definition; near 0 where an episode ends at contact, so the share of episodes with a hit stands beside it).
-RC: mean share of the route reached. DTG: mean distance to the goal at the end, m. SPL: Anderson et al. 2018.
+definition; near 0 where an episode ends at contact, so the share of episodes with a hit is reported too). RC: mean
+share of the route reached. DTG: mean distance to the goal at the end, m. SPL: Anderson et al. 2018.
 
 With people (scenario dynamic): agent_hits, share of episodes that end by touching an agent; people_distance, mean over
 episodes of the least distance to a person, m; IT, mean share of time within 0.45 m of one (Hall's intimate distance);
@@ -36,14 +36,14 @@ def drawn_counts(scenes: Sequence[str]) -> np.ndarray | None:
     """(draws, n) how often each of n episodes counts in each draw of a bootstrap of two stages.
 
     Scenes are drawn with replacement, then from each drawn scene as many episodes as it has, with replacement: the
-    episodes of one scene are alike, and who asks how a policy does on streets like these must draw streets (Davison and
+    episodes of one scene are correlated, and an interval for streets of this kind has to draw streets (Davison and
     Hinkley 1997, section 3.8).
 
     Args:
       scenes: the scene of each episode.
 
     Returns:
-      None where all episodes are in one scene, which says nothing about another.
+      None where all episodes are in one scene, which gives no interval over scenes.
     """
     ids, which = np.unique(np.asarray(scenes), return_inverse=True)
     if len(ids) < 2:

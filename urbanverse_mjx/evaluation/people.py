@@ -1,4 +1,4 @@
-"""How near a robot came to people in an episode, counted along the way."""
+"""Distances of a robot to people, accumulated during an episode."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple

@@ -1,17 +1,17 @@
-"""The privileged planner: a policy that knows the scene, the ceiling that a benchmark is measured against.
+"""The privileged planner: a policy with full knowledge of the scene, the upper reference of a benchmark.
 
 In:   the scene's clearance maps, an episode's route fields, the robot's pose and speed.
 Out:  a waypoint, the same action as any policy's.
 When: every control step, inside jit, per env.
 
-It judges a few hundred commands of two phases each by driving a simple model of the robot ahead: a lag of first order
-on speed and yaw rate (`Motion`), the robot's collision spheres as discs on the ground. What counts is the distance left
-at the end (`route_fields`), how near the discs come to hulls and wheels to edges, and touching nothing, which goes
-before all else: a command is taken only while some continuation of it stays clear, to stand still among them. That is
-the dynamic window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global
-dynamic window planning (Brock, Khatib 1999).
+It evaluates a few hundred commands of two phases each by simulating a simple model of the robot: a lag of first order
+on speed and yaw rate (`Motion`), the robot's collision spheres as discs on the ground. The cost is the distance left at
+the end (`route_fields`) and the nearness of discs to hulls and of wheels to edges. Freedom of contact is a hard
+constraint: a command is taken only if some continuation of it, such as standing still, stays clear. That is the dynamic
+window approach (Fox, Burgard, Thrun 1997) with a cost-to-go in place of its heading term, as in global dynamic window
+planning (Brock, Khatib 1999).
 
-It is told of moving agents, too, where it shall be: their discs go on as they move now.
+Optionally it includes moving agents: their discs are extrapolated at constant velocity.
 """
 
 import dataclasses
@@ -44,8 +44,8 @@ class Motion:
       speed_lag, turn_lag: s, time constants; the second one's of a turn on the spot.
       eases: m/s, speed at which the turn's lag is half of that: a robot on wheels that roll turns in more easily.
       pivot: m, how far behind the root body's origin the point lies that moves straight ahead (the rear axle).
-      curvature: 1/m, of the tightest bend; infinite for who turns on the spot.
-      dead: m/s and rad/s, half axes of the ellipse of commands (v, omega) at which it stays where it is; 0 for none.
+      curvature: 1/m, of the tightest bend; infinite for a robot that turns on the spot. dead: m/s and rad/s, half axes
+        of the ellipse of commands (v, omega) at which it stands still; 0 for none.
     """
 
     speed_lag: float
@@ -56,7 +56,7 @@ class Motion:
     dead: tuple[float, float] = (0.0, 0.0)
 
     def obeyed(self, v: Any, omega: Any) -> tuple[Any, Any]:
-        """What comes of a command (v, omega) in the end: nothing where it is too small to move the robot."""
+        """The velocity that a command (v, omega) reaches: 0 where it is too small to move the robot."""
         if not all(self.dead):
             return v, omega
         moves = ((v / self.dead[0]) ** 2 + (omega / self.dead[1]) ** 2 >= 1.0).astype(jnp.float32)
@@ -73,8 +73,8 @@ class Motion:
         return pose + dt * jnp.stack([c * mean_v - s * side, s * mean_v + c * side, mean_w]), new_v, new_w
 
 
-#: Robot -> motion; tests/evaluation/test_planner.py drives COCO's and the Go2's in C MuJoCo, whose gait stands
-#: where it is told to walk slower than that (docs/decisions/go2.md); others get `DEFAULT`.
+#: Robot -> motion; tests/evaluation/test_planner.py compares COCO's and the Go2's with C MuJoCo; the Go2's gait stands
+#: still at smaller commands (docs/decisions/go2.md); other robots get `DEFAULT`.
 MOTIONS = {
     "coco_differential": Motion(0.32, 0.60, 0.23, np.inf, 0.9),
     "coco_ackermann": Motion(0.32, 0.20, 0.23, np.tan(0.35) / 0.456),
@@ -89,7 +89,7 @@ class Footprint:
 
     Attributes:
       discs: (D, 3) x, y, radius (m) of the collision spheres that can be the outermost.
-      feet: (F, 2) m, where it stands. half_width: m, farthest point beside its heading line. reach: m, farthest point.
+      feet: (F, 2) m, ground contacts. half_width: m, largest distance from its heading line. reach: m, farthest point.
     """
 
     discs: np.ndarray
@@ -116,7 +116,7 @@ def footprint(robot: RobotSpec) -> Footprint:
 
 
 class RouteField(NamedTuple):
-    """What the planner knows of one episode: see `RouteFields`."""
+    """The planner's data of one episode: see `RouteFields`."""
 
     origin: Any
     cost: Any
@@ -145,11 +145,10 @@ class _Ahead(NamedTuple):
 
 
 class Planner:
-    """The policy; `act` wants the env's whole state.
+    """The policy; `act` takes the env's whole state.
 
     Args:
-      env: whose scenes it shall know.
-      people: it is told of moving agents, too.
+      env: with the scenes. people: include moving agents.
     """
 
     def __init__(self, env: NavEnv, people: bool = True) -> None:
@@ -173,7 +172,7 @@ class Planner:
         )
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> RouteField:
-        """What it knows of n episodes: leading axis n.
+        """Its data of n episodes: leading axis n.
 
         Args:
           scenes, rows: (n,) rows of the bank and of the scenes' episode tables.
@@ -329,7 +328,7 @@ def _field_at(route: RouteField, pose: Any, ahead: float, side: float = 0.0) -> 
 
 
 class _Field(NamedTuple):
-    """Fields of scenes in half cells of the clearance maps, looked up without interpolation, which is off by 1 cm.
+    """Fields of scenes in half cells of the clearance maps, looked up without interpolation, with an error of 1 cm.
 
     Attributes:
       values: (n,) i16 mm, scene after scene. row: (Z,) place of a scene among them. shape: (X, Y). origin: (Z, 2) m.

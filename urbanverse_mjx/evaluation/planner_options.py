@@ -12,27 +12,25 @@ class PlannerOptions:
     Attributes:
       steps: s of each prediction at `reference_speed`: between two of them a robot moves less than its length.
       first_steps: how many of them the first phase lasts.
-      reference_speed: m/s, faster than which nothing drives; whoever is slower predicts as many metres ahead after
-        the first phase.
+      reference_speed: m/s, upper limit of all robots' speeds; for slower robots the prediction after the first phase
+        covers the same distance.
       speeds: shares of the top speed in the first phase.
       turns: shares of the top yaw rate in the first phase.
       later_speeds: shares of the top speed in the second phase.
       later_turns: shares of the top yaw rate in the second phase.
       follow_speeds: shares of the top speed at which the second phase may also follow the field downhill.
       follow_gain: (rad/s) / rad of that.
-      nose: m ahead of the robot where its field is sampled, too, so that its heading counts.
+      nose: m ahead of the robot of further samples of the field, which make its heading count.
       nose_angle: rad to both sides of it.
       touch_distance: m; nearer than this counts as touching.
-      margin: m, up to which nearness costs.
-      margin_time: m more per m/s.
-      margin_cost: of a second right beside something at 2 m/s (the slower pay as much for the metre).
+      margin: m, distance below which nearness has a cost. margin_time: m more per m/s. margin_cost: of a second at
+        distance 0 at 2 m/s (the cost per metre is the same at lower speed).
       touch_cost: of touching at once.
       goal_distance: m of route left that still count as arrived.
       edge_distance: m that wheels keep from an edge.
-      agent_distance: m that agents are kept away by.
-      agent_drift: m more per second ahead: nobody knows where they will go.
-      mean_weight: share of the mean distance left in the cost: of two commands that end alike the one that gets there
-        sooner is better.
+      agent_distance: m to keep from agents. agent_drift: m more per second ahead, for the uncertainty of their motion.
+        mean_weight: share of the mean distance left in the cost: of two commands with equal ends the faster one is
+        better.
     """
 
     steps: tuple[float, ...] = (0.2, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3)

@@ -20,8 +20,8 @@ class EpisodeSet:
 
     Attributes:
       scenes: (n,) i32 rows of the bank; episodes: (n,) i32 rows of the episode tables.
-      seed: for agents and streets that draw.
-      seeds: (n,) of each episode, whatever stands beside it; None = all from `seed`.
+      seed: of random agents and streets. seeds: (n,) of each episode, independent of the others; None = all from
+        `seed`.
     """
 
     scenes: np.ndarray
@@ -64,7 +64,7 @@ def fixed_episodes(env: NavEnv, count: int, seed: int = 0) -> EpisodeSet:
 
 
 class _Tally(NamedTuple):
-    """What is counted along the way, per env; touches: how often contact began; people: `PeopleTally` or None.
+    """Counts during the episode, per env; touches: how often contact began; people: `PeopleTally` or None.
 
     memory: of each agent what it remembers, () of one that does not.
     """
@@ -99,8 +99,8 @@ class Rollout:
     All agents share one batch and one compilation; each env asks every agent and follows its own.
 
     Args:
-      chunk: how often agents are asked in a call. hold: control steps for which an answer is kept, so that an env with
-        shorter ones, whose poses make a smooth film, is driven as the one that the agents know.
+      chunk: number of agent calls in one compiled call. hold: control steps for which an action is kept, so that agents
+        act at their own rate in an env with shorter control steps, whose poses make a smooth video.
     """
 
     def __init__(self, env: NavEnv, chunk: int = 20, hold: int = 1):

@@ -1,4 +1,4 @@
-"""How far it is from anywhere to an episode's goal, for who knows the scene: the planner's sense of direction.
+"""Distance from any place to an episode's goal: the planner's cost-to-go.
 
 In:   `ClearanceMaps`, goals.
 Out:  `RouteFields`, a field for each episode, in a window around its route.

@@ -1,9 +1,9 @@
-"""`RouteFollower`: a scripted controller that knows the reference route and the distances to hulls and edges.
+"""`RouteFollower`: a scripted controller with the reference route and the distances to hulls and edges.
 
 A dynamic window (Fox, Burgard and Thrun, "The Dynamic Window Approach to Collision Avoidance", 1997): of some dozen
 commands held for a while it takes the one whose arc keeps clear of hulls and edges and ends nearest to a point of the
-route ahead. It looks up distances that the environment holds anyway and prepares nothing, so it labels states for
-imitation at a fraction of what `Planner` costs, which plans better. It knows no moving agents but for their distance.
+route ahead. It looks up distances that the environment has already and needs no preparation, so it labels states for
+imitation at a fraction of the cost of `Planner`, which plans better. Of moving agents it uses the distance only.
 """
 
 import itertools
@@ -24,8 +24,8 @@ SPEEDS = (0.0, 0.2, 0.4, 0.7, 1.0)
 TURNS = (-1.0, -0.6, -0.35, -0.2, -0.1, 0.0, 0.1, 0.2, 0.35, 0.6, 1.0)
 #: s into the future at which a drive is checked, with the command held.
 TIMES = (0.2, 0.4, 0.6, 0.9, 1.2, 1.6)
-#: m of clearance below which a drive costs more and more, and below which it counts as a contact: the looked-up
-#: distances are off by half a cell of 0.2 m.
+#: m of clearance below which the cost of a drive rises, and below which it counts as a contact: the looked-up distances
+#: are off by half a cell of 0.2 m.
 SHY, TOUCH = 0.4, 0.02
 #: m that the feet may be nearer to an edge than hulls to the body: the edge's distance is that of the nearest cell
 #: that is not wholly walkable.
@@ -53,7 +53,7 @@ def route_point(start: Any, waypoints: Any, position: Any) -> Any:
 
 
 class RouteFollower:
-    """The controller; `act` wants the env's whole state, see `agents.Privileged`.
+    """The controller; `act` takes the env's whole state, see `agents.Privileged`.
 
     Args:
       env: with `action_mode="waypoint"`.
@@ -77,7 +77,7 @@ class RouteFollower:
         self._root = env.mj_model.body(robot.root_body).id
 
     def prepare(self, scenes: np.ndarray, rows: np.ndarray) -> None:
-        """Nothing; the state tells the route."""
+        """No data; the state contains the route."""
 
     def act(self, nav: NavState, known: None = None) -> Any:
         """(2,) waypoint in [-1, 1]."""

@@ -60,13 +60,13 @@ def _sums(results: Sequence[EpisodeResult]) -> np.ndarray:
 
 
 def _ratios(sums: np.ndarray) -> np.ndarray:
-    """(..., scores) from (..., scores, 2); NaN where there is nothing to divide by."""
+    """(..., scores) from (..., scores, 2); NaN where the denominator is 0."""
     least = np.array([_MIN_DISTANCE if name == "failures" else 1e-9 for name in SCORES])
     return np.where(sums[..., 1] > least, sums[..., 0] / np.maximum(sums[..., 1], 1e-9), np.nan)
 
 
 def scores(results: Sequence[EpisodeResult]) -> dict[str, Score]:
-    """Score -> value over all episodes together; None where it has no meaning (a rate per metre of who stood still)."""
+    """Score -> value over all episodes together; None where it is undefined (a rate per metre without motion)."""
     return {name: _plain(x) for name, x in zip(SCORES, _ratios(_sums(results)), strict=True)}
 
 
@@ -92,8 +92,8 @@ def over_runs(results: Sequence[EpisodeResult], runs: Sequence[int]) -> Table:
 def over_scenes(results: Sequence[EpisodeResult]) -> Table:
     """Score -> mean over all episodes, standard error and 95 % interval of a bootstrap that draws scenes.
 
-    Scenes differ more than the episodes of one: whoever wants to know how a policy does on streets like these, not on
-    these streets, must draw streets.
+    Scenes differ more than the episodes of one: an estimate for streets of this kind, not only for these streets, has
+    to draw streets.
     """
     ids = list(dict.fromkeys(r.scene for r in results))
     sums = np.array([_sums([r for r in results if r.scene == scene]) for scene in ids])

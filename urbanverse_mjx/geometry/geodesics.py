@@ -1,4 +1,4 @@
-"""Cheapest ways to a goal over the passable cells of a grid, in 16 directions."""
+"""Cheapest paths to a goal over the passable cells of a grid, in 16 directions."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -25,9 +25,9 @@ STEPS: Mapping[Step, Sequence[Step]] = {
 
 
 def extra_near(distance: Any, clearance: float, most: float = 1.5, reach: float = 0.6) -> Any:
-    """What a metre costs more near objects: `most` at `clearance` (m) from them, nothing `reach` m farther on.
+    """Extra cost of a metre near objects: `most` at `clearance` (m) from them, 0 from `reach` m farther on.
 
-    The defaults are what people's ways and the planner's are priced by.
+    The defaults are the costs of people's routes and of the planner's.
 
     Args:
       distance: (...) m to the nearest object.
@@ -73,7 +73,7 @@ class GridGraph:
         self._backwards = self.edges.T.tocsr()
 
     def to_goal(self, goal: int, limit: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) cost from every node to a goal node, inf where there is no way that costs at most `limit`, and (n,) the
-        next node on the way (itself at the end)."""
+        """(n,) cost from every node to a goal node, inf where no path costs at most `limit`, and (n,) the next node on
+        the path (itself at the end)."""
         cost, following = csgraph.dijkstra(self._backwards, indices=goal, limit=limit, return_predecessors=True)
         return cost, np.where(following < 0, np.arange(len(following)), following)

@@ -72,7 +72,7 @@ def closed(mask: np.ndarray, reach: float, side: float) -> np.ndarray:
     i, j = np.nonzero(mask)
     window = np.s_[max(0, i.min() - pad) : i.max() + pad + 1, max(0, j.min() - pad) : j.max() + pad + 1]
     near = ndimage.distance_transform_edt(~mask[window]) * side <= reach
-    near = np.pad(near, 1)  # beyond the window nothing is near
+    near = np.pad(near, 1)  # beyond the window no cell is near
     filled = mask.copy()
     filled[window] |= (ndimage.distance_transform_edt(near) * side > reach)[1:-1, 1:-1]
     return filled

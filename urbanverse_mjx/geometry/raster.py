@@ -1,5 +1,4 @@
-"""What is solid, as cells seen from above: drawn from convex shapes by who needs it, with cell sizes and cut-offs of
-the caller's."""
+"""Solid cells of a ground grid, from convex shapes, with the caller's cell sizes and cut-offs."""
 
 from collections.abc import Callable, Iterable
 

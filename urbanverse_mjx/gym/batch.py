@@ -45,8 +45,8 @@ class Batch[C]:
 
     Args:
       env: an environment of `envs.registry`.
-      observations: names of what the policy gets; None: all that the task's policy may know, so nothing whose name
-        begins with "privileged".
+      observations: names of the policy's observations; None: all that the task's policy may have, without those whose
+        names begin with "privileged".
 
     Raises:
       ValidationError: a name that the environment does not observe.
@@ -95,7 +95,7 @@ class Batch[C]:
         return carried, self._observe(carried), self._fresh_info(carried, len(keys))
 
     def _merge(self, mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
-        """`new` where the mask says so."""
+        """`new` where the mask is set."""
         return jax.tree.map(functools.partial(_where, mask), new, old)
 
     def _advance(
@@ -112,7 +112,7 @@ class Batch[C]:
         return Transition(carried, self._observe(carried), reward, terminated, truncated, info, info)
 
     def _step_or_begin(self, carried: C, over: Bool[Array, " n"], action: Float[Array, "n nu"]) -> Transition[C]:
-        """A step of the envs whose episode goes on; the others begin the next, with neither reward nor end."""
+        """A step of the envs whose episode continues; the others begin the next, with neither reward nor end."""
         stepped, reward, terminated, truncated, info = self._advance(carried, action)
         begun = jax.vmap(self.env.reset_episode)(carried)
         begun_info = self._fresh_info(begun, len(over))

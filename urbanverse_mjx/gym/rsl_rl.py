@@ -12,7 +12,7 @@ from .vector import UrbanVectorEnv
 
 
 class RslRlVecEnv(VecEnv):
-    """Episodes begin anew by themselves, and time that is out is told apart from other ends.
+    """Episodes restart automatically, and time-outs are distinguished from other ends.
 
     Each observation is a group of its name. Images of (height, width, 3) uint8 become (3, height, width) f32 in [0, 1];
     all else is the memory that JAX wrote.

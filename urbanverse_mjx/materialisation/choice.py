@@ -10,7 +10,8 @@ Vector = tuple[float, float, float]
 
 #: Cousins that are drawn together, and how many entries of a ranking a seed chooses among for each of them.
 BATCH, POOL_PER_COUSIN = 5, 2
-#: How far an asset is scaled as a whole, and how far one axis may leave the others before people and chairs look wrong.
+#: Limits of an asset's uniform scale, and of one axis relative to the others, beyond which people and chairs look
+#: distorted.
 SCALE = (0.8, 1.25)
 STRETCH = (0.92, 1.09)
 #: House fronts and fences come in any size.
@@ -32,8 +33,8 @@ def one_each[T](ranking: Sequence[T], ranked: bool, count: int, draw: Callable[[
 
     Args:
       ranking: at least one entry, best first.
-      ranked: whether the order says how well an entry fits: then the first cousin gets the best. Otherwise all fit
-        equally well, and every one is drawn.
+      ranked: whether the order is by fit: then the first cousin gets the best. Otherwise all fit equally well, and any
+        may be drawn.
       draw: number of an entry; the smallest are drawn first.
     """
     drawn = [0] if ranked else []

@@ -1,4 +1,4 @@
-"""Somebody walked or drove where the camera went: nothing solid may stand there, whatever a detector made of it."""
+"""Keeps the camera's path free: the camera passed there, so solid objects detected on it are wrong."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -58,7 +58,7 @@ def obstructing(
     """Numbers of the objects that stand where the camera went.
 
     Args:
-      floors: m, height of the ground below each; None: each stands on the ground that its foot is on, nothing hangs.
+      floors: m, height of the ground below each; None: each stands on the ground below it, none hangs.
     """
     heights = [body.placed.position[2] for body in bodies] if floors is None else floors
     return [k for k, body in enumerate(bodies) if blocks(body, strip, heights[k])]

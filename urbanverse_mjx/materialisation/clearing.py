@@ -1,4 +1,5 @@
-"""No two objects in one place: nothing twice, then small moves; what finds no room is left out and named."""
+"""Removes overlap of objects: duplicates go, then objects move slightly; those without a free place are left out and
+listed."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -10,7 +11,7 @@ from ..datatypes import GraphObject, PlacedObject
 from . import overlap
 from .shortlists import LeftOut
 
-#: Share of the smaller one's ground that two objects of one label share when they are the same thing found twice.
+#: Share of the smaller one's ground that two objects of one label share when they are one object detected twice.
 SAME_PLACE = 0.5
 
 
@@ -19,7 +20,7 @@ class Cleared:
     """What stands where, and what was done for it; see `cousins.Cousin`.
 
     Attributes:
-      no_room: (id of an object that was left out for want of room, id of the one in its way).
+      no_room: (id of an object that was left out for lack of space, id of the one that overlaps it).
     """
 
     placed: tuple[PlacedObject, ...]

@@ -49,11 +49,10 @@ class Cousin:
     """A layout and how it came about.
 
     Attributes:
-      layout: what stands where.
-      left_out: nodes that stand nowhere, and why.
-      moved: (object id, m) of objects moved to end a penetration.
+      layout: the placed objects. left_out: omitted nodes with the reason. moved: (object id, m) of objects moved to end
+        a penetration.
       unresolved: pairs of ids of fixed objects that still penetrate.
-      chosen: object id -> the asset and how well it fits.
+      chosen: object id -> the asset and the quality of its fit.
       raised: ids of ground regions that got a kerb.
       materials: the pieces of ground with all cousins' materials. sky: this cousin's.
     """
@@ -79,9 +78,8 @@ def materialise_cousins(
     """The first cousins of a graph; the same inputs give the same layouts, and more of them begin with the same ones.
 
     Args:
-      graph: what the scene holds; descriptors, where it has them, choose looks (see `describe`).
-      count: cousins, 1 to `MOST`.
-      seed: chooses among what fits equally well.
+      graph: of the scene; descriptors, where it has them, select the appearance (see `describe`). count: cousins, 1 to
+        `MOST`. seed: selects among equal fits.
       kerb: m, of sidewalks whose step to the road the graph does not show; 0 leaves them.
       objects: the catalogue; default: the packaged one.
       hulls_of: collision hulls of a record.
@@ -230,7 +228,7 @@ def _stand(
     graph: SceneGraph,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> list[overlap.Body]:
-    """Every object's asset in its place: what stands on the ground first, then what stands on that."""
+    """Every object's asset in its place: objects on the ground first, then those on top of them."""
     path = _trajectory(graph)
     bodies: dict[str, overlap.Body] = {}
     tops: list[standing.Top] = []
@@ -245,8 +243,7 @@ def _stand(
 
 
 def _trajectory_strip(graph: SceneGraph) -> BaseGeometry:
-    """Where the camera went. What was composed is meant to stand where it is: nobody walked the trajectory of such a
-    graph."""
+    """The camera's path. Composed graphs keep all objects: no camera followed the trajectory of such a graph."""
     filmed = () if COMPOSED.match(graph.source.video) else graph.camera_path
     return clearance.walked(np.array(filmed).reshape(-1, 4))
 
@@ -264,7 +261,7 @@ def _floor_of(obj: GraphObject, support: overlap.Support) -> float:
 def _without_obstructing(
     bodies: Sequence[overlap.Body], strip: BaseGeometry, floors: Sequence[float]
 ) -> tuple[list[overlap.Body], list[LeftOut]]:
-    """Objects without those that stand where the camera went, and these: somebody passed through them."""
+    """Objects off the camera's path, and those on it, through which the camera passed."""
     gone = set(clearance.obstructing(bodies, strip, floors))
     reason = "the camera went through where it would stand"
     left_out = [LeftOut(bodies[k].placed.id, bodies[k].placed.label, reason) for k in sorted(gone)]
@@ -279,7 +276,7 @@ def _slimmer(
     graph: SceneGraph,
     hulls_of: Callable[[AssetRecord], HullSet],
 ) -> dict[str, Candidate]:
-    """For objects that found no room, or stood in another's way, an asset of theirs that touches nothing, where there
+    """For objects without a free place, or that block another, an asset of their shortlist without contact, where there
     is one: a crown that begins higher, a shorter car."""
     now = {body.placed.id: body for body in bodies}
     found: dict[str, Candidate] = {}

@@ -1,7 +1,7 @@
 """Ground that the camera never saw, because objects stood in front of it: parked cars leave holes in a road.
 
-Who is let go over such a hole falls for ever. Holes, and what is missing under objects that stand, are given to the
-ground beside them.
+A free body over such a hole falls without end. Holes, and missing ground under standing objects, are added to the
+ground next to them.
 """
 
 import dataclasses
@@ -15,7 +15,7 @@ from ..assets.categories.priors import prior
 from ..datatypes import PAINT_KINDS, GraphObject, GroundRegion, SceneGraph
 from . import overlap
 
-#: m²: larger holes are courtyards or what nobody looked at. Share of a hole that houses may cover, else it is theirs.
+#: m²: larger holes are courtyards or were not observed. Share of a hole that houses may cover, else it is theirs.
 LARGEST, HOUSES = 400.0, 0.2
 #: m around an object that has ground under it; m that its foot may be off the ground beside it; m to that ground.
 MARGIN, FOOT, REACH = 0.3, 0.5, 3.0
@@ -23,7 +23,7 @@ MARGIN, FOOT, REACH = 0.3, 0.5, 3.0
 SLIVER, GAPE = 0.02, 0.02
 #: m: corners of outlines lie on whole millimetres, as graphs keep them.
 GRID = 1e-3
-#: Kinds that grow under objects only where nothing else borders on the hole.
+#: Kinds that grow under objects only where no other kind borders on the hole.
 LAST = frozenset({"crosswalk"})
 
 
@@ -31,7 +31,7 @@ def fill(graph: SceneGraph, leaves: Mapping[str, str]) -> SceneGraph:
     """The graph with ground where objects hid it.
 
     Args:
-      leaves: label -> leaf; objects of other labels are not looked at.
+      leaves: label -> leaf; objects of other labels are ignored.
     """
     carrying = [r for r in graph.ground if r.kind not in PAINT_KINDS]
     shapes = {r.id: shapely.Polygon(r.polygon) for r in carrying}
@@ -68,7 +68,7 @@ def _under(
     houses: BaseGeometry,
     carrying: Sequence[GroundRegion],
 ) -> list[BaseGeometry]:
-    """What is missing under objects that stand at the height of the ground beside them."""
+    """Missing ground under objects that stand at the height of the ground next to them."""
     support = overlap.Support([(shapely.Polygon(r.polygon), r.kind, r.plane) for r in carrying])
     found = []
     for obj in graph_objects:

@@ -10,7 +10,7 @@ import shapely
 from ..datatypes import GraphObject, GroundRegion, SceneGraph
 from ..datatypes.ground import height_at
 
-#: m, height of a kerb that nothing is known about (paper, section on scene creation).
+#: m, height of a kerb of unknown height (paper, section on scene creation).
 KERB = 0.15
 #: m of step at a border from which a graph shows a kerb itself; fitted planes differ by less where there is none.
 SEEN = 0.05
@@ -22,9 +22,9 @@ WALKED, DRIVEN = ("sidewalk", "ground"), ("road", "crosswalk")
 def raise_sidewalks(graph: SceneGraph, kerb: float = KERB) -> tuple[SceneGraph, tuple[str, ...]]:
     """The graph with kerbs, and the ids of the regions that were raised.
 
-    Pieces of sidewalk and ground that touch each other are judged together: one step of `SEEN` or more against the road
-    anywhere says that the graph knows its kerbs, dropped ones included. Otherwise they rise until the median step is
-    `kerb`, and the objects that stand on them with them. A graph without road stays as it is.
+    Pieces of sidewalk and ground that touch each other are treated together: if one step to the road anywhere is `SEEN`
+    or more, the graph has its kerbs, dropped ones included. Otherwise they rise until the median step is `kerb`, and
+    the objects that stand on them with them. A graph without road stays as it is.
     """
     walked = [r for r in graph.ground if r.kind in WALKED]
     driven = [r for r in graph.ground if r.kind in DRIVEN]

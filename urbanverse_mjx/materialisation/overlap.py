@@ -20,10 +20,10 @@ from ..geometry.polygons import rectangle
 TOUCH = 0.01
 LIMIT = 0.5  # m, the farthest an object is moved from where the graph has it
 STEP = 0.05  # m
-#: m: steps up to this are kerbs; m of a step, and m² of an object's outline over it, below which it stands beside it.
+#: m: steps up to this are kerbs; m of a step, and m² of an object's outline over it, below which it stands next to it.
 HIGHEST_KERB, KERB_TOUCH, SHARED_KERB = 0.35, 0.02, 1e-3
 DIRECTIONS = 16
-#: Never moved: what is rooted in the ground. Trees and poles stand where the street's rhythm wants them.
+#: Never moved: objects anchored in the ground. Trees and poles keep their regular spacing.
 ROOTED = frozenset(
     {"tree", "street light", "lamppost", "traffic light", "utility pole", "bus shelter", "fountain", "manhole cover"}
 )
@@ -196,7 +196,7 @@ class Support:
         return [a * place.x + b * place.y + c]
 
     def in_kerb(self, body: Body, offset: tuple[float, float]) -> bool:
-        """Whether an object that stands on the ground reaches into higher ground beside it: a wheel in the kerb."""
+        """Whether an object on the ground reaches into higher ground next to it: a wheel in the kerb."""
         foot = body.placed.position[2]
         for prism in body.prisms:
             if prism.low > foot + HIGHEST_KERB:
@@ -240,7 +240,7 @@ def _within_reach(body: Body, bounds: tuple[float, float, float, float]) -> bool
 
 
 def _free_offset(body: Body, bodies: Sequence[Body], support: Support, kerbs: bool) -> tuple[float, float] | None:
-    """The least offset from the graph's place at which the object touches nothing, or None within `LIMIT`."""
+    """The smallest offset from the graph's place at which the object is free of contact, or None within `LIMIT`."""
     stuck = kerbs and support.in_kerb(body, body.offset)
     others = [o for o in bodies if o is not body and _within_reach(body, o.bounds)]
     for ring in range(1, round(LIMIT / STEP) + 1):
@@ -259,8 +259,8 @@ def resolve(bodies: Sequence[Body], support: Support, kerbs: bool = False) -> li
 
     With `kerbs` objects also leave higher ground that they reach into; one that cannot stays where it is.
 
-    Of a pair the movable and lighter object gives way first, rooted objects never. A move is taken only to a place
-    where the object touches nothing at all, so every move lowers the number of penetrations.
+    Of a pair the movable and lighter object moves first, anchored objects never. A move is taken only to a place
+    without any contact, so every move lowers the number of penetrations.
     """
     pairs, stuck = penetrating_pairs(bodies), set[int]()
     # An object in a kerb is its own other one.

@@ -20,10 +20,10 @@ from .choice import Vector
 SLACK = 0.08
 #: Distortion that turning an asset by a quarter must save; a bench of 0.65 x 1.8 m saves 0.68.
 TURN_GAIN = 0.2
-#: How many matches are looked at.
+#: Number of matches considered.
 DEPTH = 40
-#: What has an appearance of its own; all else comes in series (lamps, bollards, chairs of one cafe) and looks alike
-#: where boxes and descriptors do.
+#: Categories whose objects are chosen one by one; all others come in series (lamps, bollards, chairs of one cafe) and
+#: share an asset where boxes and descriptors are similar.
 SINGLES = frozenset({"street user", "vehicle", "building"})
 #: Sides (a factor) and descriptors (mean difference of a number) within which objects are of one series.
 ALIKE_SIDE, ALIKE_DESCRIPTOR = 1.15, 12.0
@@ -101,7 +101,7 @@ def leaf_for(label: str, matcher: Matcher) -> str:
     """The leaf that a label's assets come from.
 
     Raises:
-      ValidationError: the label means nothing, or the ground itself; the message says which.
+      ValidationError: no leaf matches the label, or it means the ground itself; the message states which.
     """
     try:
         nearest, score = rank_leaves(label, 1)[0]
@@ -131,7 +131,7 @@ def shortlist(series: Series, matcher: Matcher, objects: ObjectLibrary) -> list[
 
 
 def affordances(record: AssetRecord) -> tuple[object, ...]:
-    """What one can do with an asset and what it does to who comes along."""
+    """Affordances and traversability of an asset."""
     row = prior(record.leaf)
     return (
         record.movable,

@@ -1,4 +1,4 @@
-"""What an object stands on: the ground, another object, or nothing, because it hangs."""
+"""The support of an object: the ground, another object, or none, because it hangs."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from . import overlap
 SNAP = 0.3
 #: m: how far off any ground the ground's height still counts (house fronts stand behind the pavement).
 REACH = 10.0
-#: What never hangs, whatever a box says: its lower part was hidden.
+#: Categories that never hang, whatever their box: the lower part was hidden.
 GROUNDED = frozenset({"parked", "rolls", "alive"})
 #: Factor over the greatest height that is known of a leaf up to which a hidden lower part explains a high foot.
 HIDDEN = 1.1
@@ -65,7 +65,7 @@ def place_on_support(obj: GraphObject, leaf: str, support: overlap.Support, tops
         return Placement(foot, size[2])
     row = prior(leaf)
     reaches = row.rest != "hangs" and 0.0 < head - below <= HIDDEN * row.height[2]
-    if foot < below:  # sunk, or seen through a wrong depth: nothing here is built below the ground
+    if foot < below:  # sunk, or from a wrong depth: no object is placed below the ground
         return Placement(below, size[2])
     if reaches:
         return Placement(below, head - below)

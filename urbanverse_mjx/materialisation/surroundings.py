@@ -18,18 +18,18 @@ from .choice import one_each, pick
 
 #: Kinds that the large collection has materials for; the others have a few of their own.
 COLLECTED = ("road", "sidewalk")
-#: Conditions of a ground, and times of a sky, that fit any street of which nothing is known.
+#: Conditions of a ground, and times of a sky, that fit a street without descriptors.
 PLAIN_CONDITIONS = frozenset({"dry", "worn", "cracked", "patched"})
 DAYTIMES = frozenset({"morning", "noon", "afternoon", "evening"})
-#: Hellinger's distance of HSV histograms from which a sky is like none that is known (1: nothing in common).
+#: Hellinger's distance of HSV histograms from which a sky is like no stored one (1: disjoint).
 STRANGE_SKY = 0.9
-#: m between regions of a kind that are one piece and wear one material.
+#: m between regions of a kind that are one piece and have one material.
 GAP = 0.05
 
 
 @dataclasses.dataclass(frozen=True)
 class RankedAppearance:
-    """A material or a sky, and how far it is from what was seen (None where nothing was seen)."""
+    """A material or a sky, and its distance from the descriptor (None without a descriptor)."""
 
     uid: str
     distance: float | None
@@ -47,8 +47,8 @@ class Ground:
 def grounds(graph: SceneGraph, count: int, seed: int) -> list[Ground]:
     """Materials of every piece of ground for `count` cousins.
 
-    Regions of a kind that touch are one piece. All roads of a street wear one material, pavements may differ. Where a
-    graph names materials (see `_parted`), regions wear theirs.
+    Regions of a kind that touch are one piece. All roads of a street have one material, pavements may differ. Where a
+    graph names materials (see `_parted`), regions have theirs.
     """
     found = []
     for kind in dict.fromkeys(r.kind for r in graph.ground):

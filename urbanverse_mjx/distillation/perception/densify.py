@@ -24,17 +24,15 @@ class DepthOptions:
     Set by hand; the table of depth in docs/decisions/gen_perception.md measures what comes of them.
 
     Attributes:
-      ground_range: m: farther ground is seen too flat for its level to tell how far it is.
-      level_range: m: ground points within so far of the camera tell on what level their kind lies.
+      ground_range: m: beyond it the viewing angle is too flat to derive distance from the ground's height. level_range:
+        m: ground points within this distance of the camera give the height of their kind of ground.
       min_level_points: fewest of them.
       point_error: relative error (1 sigma) of a single point's depth.
       foot_error: relative error of the depth of an object's foot.
       guess_error: relative error of the network's depth after scaling.
-      shared_point_error: relative error that points of one mask share (they are on one side of the object): more
-        points do not help beyond.
-      foot_share: share of a mask's height within which its lowest pixels stand on the ground; above are the gaps
-        between wheels.
-      min_points: fewest points of an object that tell its depth.
+      shared_point_error: relative error that points of one mask share (they are on one side of the object), a lower
+        limit of the mean's error. foot_share: share of a mask's height within which its lowest pixels are on the
+        ground; above are the gaps between wheels. min_points: fewest points of an object for its depth.
     """
 
     ground_range: float = 40.0
@@ -77,7 +75,7 @@ def levels(metric: Metric) -> Levels:
 def dense_depth(
     row: int, observation: FrameObservation, structure: Structure, metric: Metric, ground: Levels
 ) -> np.ndarray:
-    """(H, W) f32 m along the axis of a registered frame's camera; 0 where nothing is known.
+    """(H, W) f32 m along the axis of a registered frame's camera; 0 where unknown.
 
     Args:
       row: of the registered frames. observation: what the straightened frame shows.

@@ -1,7 +1,7 @@
 """Faces and number plates by the Haar cascades that OpenCV 4 brings along (Viola and Jones 2001).
 
-They find faces that look at the camera, from the side, and plates of one line, from about 24 pixels on; a detector by
-deep learning misses less. OpenCV 5 no longer ships the cascades' files.
+They find frontal faces, profiles and plates of one line, from about 24 pixels on; neural detectors miss fewer. OpenCV 5
+no longer ships the cascades' files.
 """
 
 import pathlib
@@ -45,7 +45,7 @@ class HaarDetector:
         self._cascades = cascades
 
     def __call__(self, rgb: np.ndarray, /) -> np.ndarray:
-        """(k, 4) left, top, right, bottom; profiles are looked for on both sides."""
+        """(k, 4) left, top, right, bottom; profiles of both sides."""
         grey = cv2.equalizeHist(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY))
         found = [np.zeros((0, 4))]
         for number, cascade in enumerate(self._cascades):

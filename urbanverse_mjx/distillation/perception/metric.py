@@ -1,4 +1,4 @@
-"""Structure becomes metric and upright: the camera is carried at a known height above the ground that it sees."""
+"""Makes the structure metric and upright: the camera's height above the visible ground is known."""
 
 import dataclasses
 
@@ -63,7 +63,7 @@ class Metric:
 def to_metric(structure: Structure, codes: np.ndarray, camera_height: float) -> Metric:
     """Finds each piece's ground, turns it level, scales until its cameras are at their height, and joins the pieces.
 
-    A piece that sees no ground takes the speed of the others. One that fits nowhere is left out.
+    A piece without visible ground takes the speed of the others. One without a fit is left out.
 
     Args:
       codes: (o,) u8 surface code that each observation's pixel shows, see `Frame.surfaces`.
@@ -114,7 +114,7 @@ def _owner(structure: Structure, rows: list[np.ndarray]) -> np.ndarray:
 
 def _stand(structure: Structure, rows: np.ndarray, on_ground: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Up (3,) of a piece in the structure's axes, and each camera's height (k,) in its unit above the points of the
-    ground (g, 3), NaN where it sees none."""
+    ground (g, 3), NaN where none are visible."""
     cameras = structure.poses[rows, :3, 3]
     rough = -structure.poses[rows, :3, 1].mean(0)
     rough /= np.linalg.norm(rough)
@@ -153,7 +153,8 @@ def _upright(structure: Structure, rows: np.ndarray, up: np.ndarray, scale: floa
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
     poses[:, :3, :3] = turn @ structure.poses[rows, :3, :3]
     poses[:, :3, 3] = structure.poses[rows, :3, 3] @ T[:3, :3].T + T[:3, 3]
-    # All that it saw itself, whichever piece saw it more often: where little is missing, that says how they are turned.
+    # All points of the piece, also those that other pieces saw more often: where little is missing, they determine the
+    # rotation.
     seen = np.bincount(structure.point[np.isin(structure.frame, rows)], minlength=len(structure.points)) >= 2
     points = structure.points[seen] @ T[:3, :3].T + T[:3, 3]
     return Piece(rows, structure.registered[rows], model, poses, points, T)
@@ -215,7 +216,7 @@ def _heights(points: np.ndarray, cameras: np.ndarray, up: np.ndarray) -> np.ndar
 
 
 def _level(up: np.ndarray, cameras: np.ndarray) -> np.ndarray:
-    """(3, 3) rotation that turns up to z and the way from the first camera to the farthest to x."""
+    """(3, 3) rotation that maps up to z and the direction from the first camera to the farthest to x."""
     return _axes(up, cameras[np.argmax(np.linalg.norm(cameras - cameras[0], axis=1))] - cameras[0])
 
 

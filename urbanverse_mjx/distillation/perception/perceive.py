@@ -47,13 +47,14 @@ def perceive(
     name: str = "tour",
     progress: Callable[[int, int], None] | None = None,
 ) -> Recording:
-    """Makes a recording of frames, and beside it `perception.json`: what was found and lost on the way.
+    """Makes a recording of frames, and `perception.json` with the counts of each step.
 
     Args:
       folder: of the recording.
-      source: what the recording says of where the video comes from.
-      name: becomes the recording's id; characters that an id cannot hold become "_".
-      progress: called with (steps done, steps in all): three for a frame's pose, one to look at it, one to write it.
+      source: source of the video for the recording. name: becomes the recording's id; characters that an id cannot hold
+        become "_".
+      progress: called with (steps done, steps in all): three for a frame's pose, one for its perception, one for
+        writing it.
 
     Raises:
       ValidationError: too few frames with a pose, too little ground, no write access.

@@ -1,9 +1,9 @@
 """Pieces of a trajectory whose place to each other no match tells: where they break, and how they are joined again.
 
-A walker who turns about before a bare wall leaves the images before and after without a match. Each piece alone is
-right, upright and metric. What is missing is a turn about z and a shift, and the shift is nearly known: the camera goes
-on at the speed at which it went. The turn is the one at which walls, poles and cars that one piece saw stand where
-others saw them: both saw the street around the place where they meet.
+When a camera turns about before a bare wall, the images before and after have no match. Each piece alone is correct,
+upright and metric. A rotation about z and a shift are unknown, and the shift is nearly known: the camera continues at
+its speed. The rotation is the one at which walls, poles and cars of both pieces coincide, since both show the street
+around the place where they meet.
 """
 
 import dataclasses
@@ -22,13 +22,12 @@ class CutOptions:
     Set by hand; the table of poses in docs/decisions/gen_perception.md measures what comes of them.
 
     Attributes:
-      window: steps on either side that tell how fast the walker goes.
+      window: steps on either side for the walker's speed.
       min_frames: fewest frames of a piece.
       jump_ratio: a step so many times as long as those around it is a jump to a place that looks similar.
-      break_ratio: where steps grow or shrink so many times at once the unit has changed.
-      max_range: m; what is nearer to where two pieces meet is compared.
-      max_below: m below the cameras, down to which it is.
-      max_above: m above the cameras, up to which it is.
+      break_ratio: where steps grow or shrink by this factor at once the unit has changed. max_range: m; points nearer
+        to where two pieces meet are compared. max_below: m below the cameras, their lower limit. max_above: m above the
+        cameras, their upper limit.
       coarse_search: rad from one turn to the next, rad to either side, m of a cell, m from one shift to the next.
       fine_search: the same around the best of the coarse ones.
       meeting_error: m, by which the place where two pieces meet may be off.
@@ -63,7 +62,7 @@ class JoinOptions:
       min_share: share of a piece's occupied cells that must be found again.
       other_turn_ratio: how many times better the best turn must be than any turn farther away than `other_turn`.
       other_turn: rad.
-      model_turn_ratio: how many times better it must be than the turn that the model itself says, to `model_turn`.
+      model_turn_ratio: how many times better it must be than the turn of the model itself, to `model_turn`.
       model_turn: rad.
     """
 
@@ -83,9 +82,9 @@ class Piece:
 
     Attributes:
       rows: (k,) of the structure's registered frames. frames: (k,) their numbers, rising.
-      model: pieces of one model also know, if less surely, how they are turned to each other.
-      poses: (k, 4, 4) T_piece_camera, z up. points: (p, 3) m, what it saw.
-      T_unit: (4, 4) from the structure's unit and axes, with the scale in it.
+      model: pieces of one model also have a relative rotation, with a larger error.
+      poses: (k, 4, 4) T_piece_camera, z up. points: (p, 3) m, its structure. T_unit: (4, 4) from the structure's unit
+        and axes, with the scale in it.
     """
 
     rows: np.ndarray
@@ -112,7 +111,7 @@ def cut(model: np.ndarray, registered: np.ndarray, poses: np.ndarray) -> list[np
 
 def _cut(rows: np.ndarray, steps: np.ndarray, common: float) -> list[np.ndarray]:
     """Rows (k,) of one model, (k - 1,) steps a frame between them and its common step, at the worst place and on."""
-    # Whoever stands still for a while has not changed units, and does not jump when going on.
+    # A pause of the walker is neither a change of the unit nor a jump.
     floor = 0.1 * common + 1e-12
     worst, at = 1.0, -1
     for k in range(len(steps)):

@@ -1,4 +1,4 @@
-"""Faces and plates become unreadable before a frame is stored. Nothing in this module sends frames anywhere."""
+"""Faces and plates become unreadable before a frame is stored. This module sends no frames anywhere."""
 
 import dataclasses
 import importlib
@@ -56,7 +56,7 @@ class Blur:
 
 
 def _coarse(part: np.ndarray) -> np.ndarray:
-    """An image whose detail is gone: means of at most 4 x 4 cells. Unlike a blur, nothing can be sharpened again."""
+    """An image whose detail is gone: means of at most 4 x 4 cells. Unlike a blur, it cannot be undone by sharpening."""
     height, width = part.shape[:2]
     cells = cv2.resize(part, (min(4, width), min(4, height)), interpolation=cv2.INTER_AREA)
     return cv2.resize(cells, (width, height), interpolation=cv2.INTER_NEAREST)

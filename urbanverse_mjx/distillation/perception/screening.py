@@ -54,7 +54,7 @@ def measure(rgb: np.ndarray) -> Measures:
 
 
 def turned(before: Measures, after: Measures) -> float:
-    """Share of the width by which the image moved sideways, by phase correlation; 0 where nothing matches.
+    """Share of the width by which the image moved sideways, by phase correlation; 0 without a match.
 
     Source: Kuglin and Hines, "The phase correlation image alignment method", 1975. OpenCV's `phaseCorrelate` sums the
     response around the peak, which tells noise from a match no longer: 0.27 for noise, 0.24 for a turn by half a width.
@@ -65,7 +65,7 @@ def turned(before: Measures, after: Measures) -> float:
     peak = np.fft.irfft2(cross / np.maximum(np.abs(cross), 1e-9), _MOTION_SIZE)
     _, column = np.unravel_index(np.argmax(peak), _MOTION_SIZE)
     shift = min(column, _MOTION_SIZE[1] - column) / _MOTION_SIZE[1]
-    # Two images with nothing in common have a highest peak too, of about 0.05 at this size.
+    # Unrelated images also have a highest peak, of about 0.05 at this size.
     return float(shift) if peak.max() > 0.1 else 0.0
 
 

@@ -36,22 +36,22 @@ class MappingOptions:
         wide).
       min_focal: the least that a street camera has: an action camera, 120° wide.
       max_focal: the most: a phone's second lens.
-      max_distortion: k1; no lens for filming bends more: what comes out beyond is a structure that collapsed.
-      min_model: frames; smaller models beside a larger one say little about where they stand.
+      max_distortion: k1; no camera lens has more: a larger result means that the structure collapsed. min_model:
+        frames; smaller models next to a larger one cannot be located reliably.
       min_shared_points: models that share a frame are one if at least so many points that it shows are in both.
-      contrast: SIFT's least contrast, COLMAP's own. With less, the bricks of a near wall crowd out all else, and what
-        is seen of one plane alone fits two poses: on three of twelve captures the trajectory then bent by 50 to 90°
-        before a wall.
+      contrast: SIFT's least contrast, COLMAP's own. With less, matches on the bricks of a near wall outnumber all
+        others, and matches on a single plane fit two poses: on three of twelve captures the trajectory then bent by 50
+        to 90° before a wall.
       pair_error: pixels by which matches of two frames may miss. COLMAP's own errors (4, 12, 4) are for images of
         several thousand pixels and let the wrong one of a wall's two poses pass.
       pose_error: pixels by which matches of a new frame may miss.
       point_error: pixels by which points may miss.
-      short_clip: clips of fewer frames keep `short_pair_error`: the focal length comes from all pairs, and with 2
-        nine soft frames of a corridor gave a lens half too long.
+      short_clip: clips of fewer frames keep `short_pair_error`: the focal length comes from all pairs, and with 2 nine
+        blurred frames of a corridor gave a lens half too long.
       short_pair_error: pixels, `pair_error` of short clips.
-      first_errors: pixels, the error allowed to the two frames that a model begins with. It likes to begin before
-        walls, where most matches are. Where the trajectory breaks, the structure is made again with the next of
-        these, and the one that breaks least is taken.
+      first_errors: pixels, the error allowed to the two frames that a model begins with. COLMAP prefers to begin at
+        walls, where most matches are. Where the trajectory breaks, the structure is built again with the next of these,
+        and the one with the smallest break is taken.
       focal_digits: decimals of the focal length, pixels, that the mapping starts from.
     """
 
@@ -81,8 +81,8 @@ class StructureOptions:
 
     Attributes:
       features: most per frame; 3,000 fill half a megapixel.
-      overlap: each frame is matched with so many after it. Never with later ones: streets repeat themselves, and of
-        the matches found at 16 frames and more the greater part were two houses, windows or signs that look alike.
+      overlap: each frame is matched with so many after it. Never with later ones: streets repeat themselves, and most
+        matches found at 16 frames and more joined two similar houses, windows or signs.
       focal: pixels of the frames, where it is known; None to find it.
     """
 

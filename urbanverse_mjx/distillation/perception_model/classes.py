@@ -1,8 +1,8 @@
 """What the perception model tells apart: the sky, the kinds of ground, and groups of the ontology's leaves
 (`classes.json`).
 
-A group is called by the leaf that stands for it, so that the asset search knows its name. Within a group the perception
-model says which of the leaves it was shown an object looks most like (`shown.json`): sizes are known by leaf.
+A group has the name of a representative leaf, which the asset search accepts. Within a group the perception model gives
+the most similar leaf of its training set (`shown.json`), because sizes are known by leaf.
 """
 
 import functools
@@ -20,7 +20,7 @@ from ...datatypes.recording import SKY
 SKY_CLASS = 0
 #: Classes 1 to 5 are `GROUND_KINDS` of the same number.
 FIRST_OBJECT = len(GROUND_KINDS)
-#: Objects of no group: seen, told apart from the ground, and not reported.
+#: Objects of no group: distinguished from the ground, and not reported.
 OTHER = "other"
 _GROUND_PREFIX = "ground:"
 
@@ -33,7 +33,7 @@ def groups() -> dict[str, tuple[str, ...]]:
 
 @functools.cache
 def _shown() -> dict[str, tuple[str, ...]]:
-    """Name of each group -> those of its leaves that are told apart."""
+    """Name of each group -> its leaves that are distinguished."""
     return _read("shown.json")
 
 
@@ -44,7 +44,7 @@ def _read(name: str) -> dict[str, tuple[str, ...]]:
 
 @functools.cache
 def leaves() -> tuple[str, ...]:
-    """The leaves that are told apart, by number; those of a group follow each other."""
+    """The distinguished leaves, by number; those of a group are consecutive."""
     return tuple(itertools.chain(*_shown().values()))
 
 
@@ -94,7 +94,7 @@ def class_table(categories: Sequence[str]) -> np.ndarray:
 
 
 def surface_codes() -> np.ndarray:
-    """(classes,) u8: what a `Recording`'s surface image says of each class."""
+    """(classes,) u8: code of each class in a `Recording`'s surface image."""
     codes = np.zeros(len(names()), np.uint8)
     codes[SKY_CLASS] = SKY
     codes[1:FIRST_OBJECT] = np.arange(1, FIRST_OBJECT)

@@ -13,7 +13,7 @@ from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, Seen
 #: Peaks below this are noise; Panoptic-DeepLab keeps those above 0.1 within 7 pixels.
 MIN_PEAK, PEAK_WINDOW = 0.1, 7
 MAX_OBJECTS = 200
-#: Output pixels: fewer say nothing about an object.
+#: Output pixels: smaller objects are dropped.
 MIN_PIXELS = 12
 #: Output pixels from where a pixel points to the peak that may still take it.
 MAX_MISS = 12.0
@@ -24,8 +24,8 @@ TRUST = (-2.78, 1.23, 2.64, -4.05, 1.4)
 
 @dataclasses.dataclass(frozen=True)
 class FoundObject:
-    """One object in one image: number of its class, chance in [0, 1] that it is right, which of `classes.leaves()` it
-    looks like, and on what the chance rests (see `_evidence`)."""
+    """One object in one image: number of its class, probability in [0, 1] that it is right, the most similar of
+    `classes.leaves()`, and the features behind the probability (see `_evidence`)."""
 
     kind: int
     score: float

@@ -15,7 +15,7 @@ from . import classes, weights
 from .decode import Decoded, decode
 from .network import LEAF_STRIDE, OUTPUT_STRIDE, SIZE, STRIDE, Seen
 
-#: Objects less likely right than this are not reported: fused over frames, false ones stand where nothing is.
+#: Objects with a lower probability are not reported: fused over frames, false ones would be placed on free ground.
 MIN_SCORE = 0.5
 
 

@@ -50,7 +50,7 @@ class Seen(NamedTuple):
 
 
 class _Conv(nn.Module):
-    """Convolution, batch normalisation and, unless told otherwise, ReLU."""
+    """Convolution, batch normalisation and, by default, ReLU."""
 
     features: int
     kernel: int = 3

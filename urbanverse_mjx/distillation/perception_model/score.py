@@ -1,4 +1,4 @@
-"""How well the perception model sees: recall and precision of objects by class, overlap of surfaces, error of depth."""
+"""Accuracy of the perception model: recall and precision of objects by class, overlap of surfaces, error of depth."""
 
 import dataclasses
 from typing import Any
@@ -10,7 +10,7 @@ from .decode import Decoded
 
 #: Intersection over union from which a mask counts as found (the threshold of panoptic quality, Kirillov et al. 2019).
 MIN_IOU = 0.5
-#: Objects smaller than this, in output pixels, are neither asked for nor held against the perception model.
+#: Objects smaller than this, in output pixels, count neither as missed nor as false.
 MIN_PIXELS = 25
 
 

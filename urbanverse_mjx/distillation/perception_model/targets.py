@@ -12,7 +12,7 @@ from .network import CANONICAL_FOCAL, DEPTH_UNIT, LEAF_STRIDE, OFFSET_UNIT, OUTP
 #: Standard deviation of a centre's bump, output pixels: half the 8 full-size pixels of Panoptic-DeepLab; of objects
 #: with fewer output pixels than `small_object` half of that again, or two that stand close together would share a peak.
 SIGMA, SIGMA_SMALL = 4.0, 2.0
-#: Instances with fewer output pixels have no centre: nobody could say what they are.
+#: Instances with fewer output pixels have no centre: they cannot be recognised.
 MIN_PIXELS = 12
 NEAREST, FARTHEST = 0.2, 120.0  # m, depths that count
 
@@ -137,7 +137,7 @@ def loss(seen: Seen, wanted: GroundTruth, counts: jax.Array) -> tuple[jax.Array,
     """Of a batch: () and its parts.
 
     Args:
-      seen, wanted: with a leading axis n; counts: (n,) 0 for frames that show nothing, such as a wall's inside.
+      seen, wanted: with a leading axis n; counts: (n,) 0 for frames without objects, such as a wall's inside.
     """
     weight = counts[:, None, None] * jnp.ones_like(seen.centre)
     total = jnp.maximum(weight.sum(), 1.0)

@@ -1,4 +1,4 @@
-"""Random views into the streets of a bank: where a camera stands and looks, and what it sees there.
+"""Random views into the streets of a bank: camera poses and their images with ground truth.
 
 Of this package this module and the training command alone import the renderer: they make what the perception model
 learns from.
@@ -26,13 +26,13 @@ class ViewOptions:
     """Where cameras stand, where they point, and what is drawn anew; set by hand.
 
     Attributes:
-      ground_shares: how often cameras stand on each kind of ground: robots and people on the pavement, cyclists and
-        cars on the road.
+      ground_shares: shares of cameras on each kind of ground: robots and people on the pavement, cyclists and cars on
+        the road.
       places: per scene and kind of ground, drawn from the map's cells.
       ahead_share: share of the views along the street.
-      plain_share: share of the images whose objects keep their colours: where everything is dyed anew, neighbouring
-        houses always differ, and a model that saw nothing else takes two similar ones for one.
-      min_distance: m; a frame whose near fifth is closer than this shows the inside of something.
+      plain_share: share of the images whose objects keep their colours: with new colours in all images, neighbouring
+        houses would always differ, and the model would take two similar ones for one.
+      min_distance: m; a frame whose near fifth is closer than this shows the inside of an object.
     """
 
     ground_shares: tuple[tuple[str, float], ...] = (
@@ -52,7 +52,7 @@ _OPTIONS = ViewOptions()
 
 @dataclasses.dataclass(frozen=True)
 class Views:
-    """Draws random frames of a bank with the ground truth about them.
+    """Draws random frames of a bank with their ground truth.
 
     Attributes:
       places: (Z, K, places, 3) f32 m, points on the ground by scene and kind of `ground_shares`; weights: (Z, K) f32.
@@ -135,7 +135,8 @@ class Views:
         viewpoint = place + jnp.array([0.0, 0.0, 1.0]) * jax.random.uniform(
             keys[3], (), minval=HEIGHTS[0], maxval=HEIGHTS[1]
         )
-        # Most look along the street (which runs along x) or a little to a side, as walkers do; the rest anywhere.
+        # Most views are along the street (along x) or a little to a side, as those of walkers; the others in any
+        # direction.
         along, anywhere, noise, straight = jax.random.split(keys[4], 4)
         ahead = jnp.pi * jax.random.bernoulli(along) + 0.4 * jax.random.normal(noise)
         yaw = jnp.where(
@@ -151,7 +152,7 @@ class Views:
 
 
 def camera_quaternion(yaw: jax.Array, pitch: jax.Array, roll: jax.Array) -> jax.Array:
-    """(4,) wxyz T_world_camera of a camera that looks along -z with +y up; pitch > 0 looks up; rad."""
+    """(4,) wxyz T_world_camera of a camera with its view along -z and +y up; pitch > 0 is upwards; rad."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     ahead = jnp.array([c * jnp.cos(pitch), s * jnp.cos(pitch), jnp.sin(pitch)])
     right = jnp.array([s, -c, 0.0])

@@ -34,7 +34,7 @@ def shipped() -> pathlib.Path:
 
 
 def save(path: str | os.PathLike[str], variables: Any, record: dict[str, Any]) -> pathlib.Path:
-    """Writes parameters and running statistics; `record` says how they were trained."""
+    """Writes parameters and running statistics; `record` describes their training."""
     flat = traverse_util.flatten_dict(jax.device_get(dict(variables)), sep="/")
     body: dict[str, Any] = {}
     for name, x in flat.items():

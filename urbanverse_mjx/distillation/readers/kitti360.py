@@ -64,7 +64,7 @@ def read_kitti360(
     """Writes a recording of a stretch of a sequence, and beside it `boxes.json`: the static objects near it.
 
     Raises:
-      ValidationError: a file is missing or not in KITTI-360's format; nothing is called a recording before all is read.
+      ValidationError: a file is missing or not in KITTI-360's format; no recording is written before all is read.
     """
     root, name = pathlib.Path(root), options.sequence
     camera, T_imu_camera = _calibration(root / "calibration", options.camera)

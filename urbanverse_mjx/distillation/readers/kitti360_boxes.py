@@ -47,7 +47,7 @@ class Kitti360Box:
 
 
 def read_boxes(path: str | os.PathLike[str]) -> list[Kitti360Box]:
-    """Reads a sequence's file; classes that the label images do not know are passed over.
+    """Reads a sequence's file; classes that are not in the label images are skipped.
 
     Raises:
       ValidationError: no such file, no XML, or a node that is not as described above.

@@ -70,7 +70,7 @@ def _fast() -> ConfigDict:
             "engine": {"num_prism_slots": 8, "num_contacts": 12, "iterations": 6, "line_steps": 8},
             # rad that an action of 1 turns hip, thigh and calf away from the standing pose.
             "action_scale": (0.4, 1.0, 1.0),
-            "history": 5,  # control steps that the policy sees
+            "history": 5,  # control steps in the policy's observation
             "terrain": {
                 # Shares of episodes; a kind that the bank does not have is left out.
                 "shares": {"flat": 0.2, "kerbs": 0.4, "stairs": 0.1, "slopes": 0.15, "rough": 0.15},

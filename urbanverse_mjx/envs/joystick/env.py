@@ -33,7 +33,7 @@ _MAX_SPEED = 1e3
 _MIN_REWARD = -5.0
 #: m from the rim of a scene, where an episode ends.
 _RIM_DISTANCE = 1.0
-#: m in front of and beside the trunk, where critics are told the ground's height: (63, 2).
+#: m ahead of and beside the trunk, places of the ground heights that critics observe: (63, 2).
 SCAN = np.array([(x, y) for x in np.linspace(-0.6, 0.75, 9) for y in np.linspace(-0.45, 0.45, 7)], np.float32)
 #: Unit that brings forces (N) near 1.
 _FORCE_SCALE = 0.01
@@ -46,11 +46,11 @@ class _GaitFields(NamedTuple):
       key: typed PRNG key. sim: the engine's `SimState`. body: see `Body`.
       kind: () i32, row of the terrain kinds; levels: (T,) i32, the env's level of each, which outlives an episode.
       command: (3,) m/s, m/s, rad/s; hold: () s until the next one.
-      target: (J,) rad, what the last action asked of the servos; action: (J,) the action itself.
+      target: (J,) rad, targets of the servos from the last action; action: (J,) the action itself.
       joint_speed: (J,) rad/s at the end of the last step.
-      history: (H, 9 + 3 J) what the sensors said, newest first.
+      history: (H, 9 + 3 J) sensor readings, newest first.
       feet: (F, 3) m; air_time: (F,) s.
-      distance, distance_asked: () m along the commands, gone and asked for.
+      distance, distance_asked: () m along the commands, covered and commanded.
       steps: () i32; result: () i32, see `Result`.
     """
 
@@ -177,7 +177,7 @@ class JoystickEnv(StagedBase[GaitState]):
         target = jnp.clip(legs.stand + legs.scale * action, legs.limits[:, 0], legs.limits[:, 1])
         asked = jnp.where(gait.body.delay > 0, gait.target, target)
         angles = gait.sim.qpos[7:]
-        # The servo believes its encoder, which says joint_bias too much.
+        # The servo uses its encoder, which reads joint_bias too much.
         ctrl = angles + gait.body.strength * (asked - gait.body.joint_bias - angles)
         kick = draw_push(push, config.randomization, self.dt)
         sim = self.engine.step(gait.sim._replace(qvel=gait.sim.qvel.at[:6].add(kick)), ctrl)
@@ -297,7 +297,8 @@ class JoystickEnv(StagedBase[GaitState]):
         return jnp.where(finite, result, Result.NON_FINITE).astype(jnp.int32)
 
     def _privileged(self, gait: GaitState) -> jax.Array:
-        """What a critic may know: the sensors without noise, velocity, feet, the ground around, this robot's body."""
+        """Observation of critics: the sensors without noise, velocity, feet, the ground around, this robot's
+        parameters."""
         sim, legs, n = gait.sim, self._legs, self._legs.number
         sensed = self._sensed(sim)
         bend = sensed[6 : 6 + n] - legs.stand

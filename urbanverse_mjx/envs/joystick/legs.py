@@ -1,4 +1,4 @@
-"""What a walking task must know of a legged robot, read from its MJCF: joints, servos, feet."""
+"""Data of a legged robot for a walking task, read from its MJCF: joints, servos, feet."""
 
 import jax.numpy as jnp
 import mujoco

@@ -8,7 +8,7 @@ from .env import JoystickEnv
 
 
 def make_joystick_env(config: ConfigDict, bank: SceneBank) -> JoystickEnv:
-    """A `JoystickEnv` with the engine its config asks for; nothing is drawn."""
+    """A `JoystickEnv` with the engine of its config, without a renderer."""
     from ...simulation.engines import make_engine
 
     robot = make_robot(config)

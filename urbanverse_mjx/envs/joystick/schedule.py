@@ -8,7 +8,7 @@ from ml_collections import ConfigDict
 
 from ...datatypes import SceneBank, ValidationError
 
-#: m; an episode that asked for a shorter path says nothing about the level.
+#: m; an episode with a shorter commanded path does not change the level.
 _MIN_REQUEST = 2.0
 
 
@@ -50,14 +50,14 @@ class TerrainLevels:
         """(T,) levels after an episode on `kind`: harder where it went well, easier where it did not.
 
         Args:
-          lasted: () bool, it ended by its time alone. distance, asked: () m along the commands, gone and asked for.
+          lasted: () bool, it ended by its time alone. distance, asked: () m along the commands, covered and commanded.
         """
         count = self.scenes.shape[1]
         share, long = distance / jnp.maximum(asked, 1e-3), asked > _MIN_REQUEST
         up = long & lasted & (share > self._config.promote)
         down = ~lasted | (long & (share < self._config.demote))
         level = levels[kind] + up.astype(jnp.int32) - down.astype(jnp.int32)
-        # Who has done the last level goes on at any, so that none is forgotten.
+        # After the last level an env continues at a random one, so that training covers all levels.
         level = jnp.where(level >= count, jax.random.randint(key, (), 0, count, jnp.int32), jnp.maximum(level, 0))
         return levels.at[kind].set(level)
 

@@ -1,9 +1,8 @@
 """Clearance maps, to the centimetre: how far it is from anywhere in a scene to what stands there, and to the edge of
 the ground a robot may be on.
 
-In:   a `SceneBank`.
-Out:  `ClearanceMaps`, two signed distance fields of each scene.
-When: once per bank, on the host; for those who may know the scene, such as `evaluation.planner`.
+In:   a `SceneBank`. Out:  `ClearanceMaps`, two signed distance fields of each scene. When: once per bank, on the host;
+for privileged code such as `evaluation.planner`.
 
 `surroundings` tells critics and rewards about the same in cells of 0.2 m; a robot that shall pass where 10 cm are left
 needs it finer, with signs, and up to the corners of the hulls instead of those of their boxes.
@@ -23,7 +22,7 @@ from ...geometry.raster import Shape, nearest, outline, to_outline
 
 #: m, side of a cell: that of a compiled scene's map.
 CELL = 0.05
-#: m, distances are not told beyond this.
+#: m, distances are cut off here.
 FAR = 1.0
 #: m, what rises less above the ground is no obstacle: hulls that lie in the pavement, such as lids.
 LOW = 0.005
@@ -66,7 +65,7 @@ def build_clearance_maps(bank: SceneBank, scenes: Sequence[int], height: float) 
 
 
 def _finer(coarse: np.ndarray, times: int, shape: tuple[int, int]) -> np.ndarray:
-    """Every cell as `times` x `times` ones, the last ones repeated where the map goes on."""
+    """Every cell as `times` x `times` ones, the last ones repeated to the map's border."""
     fine = np.kron(coarse, np.ones((times, times)))[: shape[0], : shape[1]]
     missing = [(0, n - m) for n, m in zip(shape, fine.shape, strict=True)]
     return np.pad(fine, missing, mode="edge")

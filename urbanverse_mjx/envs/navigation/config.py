@@ -27,7 +27,7 @@ def _paper() -> ConfigDict:
             "impl": "auto",
             "num_slots": 16,
             "scenes": "train",
-            # 16 scenes for 100 episodes in the paper; all at once costs nothing here (docs/decisions/presets.md).
+            # 16 scenes for 100 episodes in the paper; all at once has no cost here (docs/decisions/presets.md).
             "schedule": {
                 "resident_scenes": 0,  # 0 = all
                 "episodes_per_swap": 100,
@@ -84,7 +84,7 @@ def _paper() -> ConfigDict:
 
 
 def _crowd() -> dict[str, Any]:
-    """Who moves in the streets of `dynamic`; the sizes are those for which throughput is reported."""
+    """Moving agents in the streets of `dynamic`; the sizes are those for which throughput is reported."""
     return {
         # Agent slots of an env, by kind: 16 around the robot.
         "slots": {"pedestrian": 11, "wheelchair": 1, "scooter": 1, "cyclist": 1, "car": 2},
@@ -97,7 +97,8 @@ def _crowd() -> dict[str, Any]:
             "construction": 0.6,
             "residential": 0.5,
         },
-        # m around the robot where agents are put, about as far as one sees a person at 135 rows (crowds/spawning.py).
+        # m around the robot where agents are placed, about the range at which a person is visible at 135 rows
+        # (crowds/spawning.py).
         "reach": 30.0,
         # What share of avoiding each other people leave to the robot: 0 = all theirs, 1 = as to one another.
         "yielding": 0.5,
@@ -158,7 +159,7 @@ def _fast() -> ConfigDict:
 
 
 def _cpu() -> ConfigDict:
-    """The paper's task on a laptop: a smaller image and other reward weights, nothing else."""
+    """The paper's task on a laptop: only a smaller image and other reward weights."""
     config = _paper()
     config.preset = "cpu"
     config.vision_config.height, config.vision_config.width = 27, 48

@@ -1,4 +1,4 @@
-"""What differs from episode to episode beside the street: grip, mass, and how the street looks."""
+"""Randomisation of each episode, besides the street: friction, mass and appearance."""
 
 import jax
 import jax.numpy as jnp
@@ -7,7 +7,7 @@ from ml_collections import ConfigDict
 
 from ...datatypes import SimState, ValidationError
 
-#: Values of `config.randomization` that change nothing.
+#: Values of `config.randomization` without any effect.
 OFF = {"friction_scale": (1.0, 1.0), "mass_scale": (1.0, 1.0), "appearance": 0.0}
 #: Numbers that a key is folded with, so that what is drawn here leaves all other draws as they were.
 _FRICTION, _MASS, _APPEARANCE = 101, 102, 103

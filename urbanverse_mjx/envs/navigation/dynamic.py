@@ -29,11 +29,11 @@ from .dynamic_tables import POOL, kept_tables
 
 #: s, at most, between two steps of a crowd: those for which `crowds` was measured.
 _CROWD_DT = 0.1
-#: m/s that nobody exceeds: who covers more ground in a control step has appeared elsewhere.
+#: m/s, upper limit of all agents: one that moves farther in a control step was placed elsewhere.
 _MAX_AGENT_SPEED = 12.0
 #: m between body and body that Hall (The Hidden Dimension, 1966) calls intimate and personal distance.
 INTIMATE, PERSONAL = 0.45, 1.2
-#: m; distances to people are not told beyond.
+#: m; distances to people are cut off here.
 FAR = 30.0
 #: Numbers that a key is folded with, so that what is drawn here leaves all other draws as they were.
 _BEGIN, _STEP = 201, 1000
@@ -52,10 +52,10 @@ PEOPLE_METRICS = (
 
 
 def slot_kinds(config: ConfigDict) -> tuple[str, ...]:
-    """The kind of every agent slot of `config.crowd.slots`, those who walk first.
+    """The kind of every agent slot of `config.crowd.slots`, walkers first.
 
     Raises:
-      ValidationError: an unknown kind, a negative number, or nobody.
+      ValidationError: an unknown kind, a negative number, or no agent.
     """
     for name, number in config.slots.items():
         if name not in KINDS or number < 0:
@@ -75,7 +75,7 @@ def slot_shapes(kinds: tuple[str, ...]) -> AgentShapes:
 
 
 def slot_appearances(kinds: tuple[str, ...], bank: SceneBank) -> tuple[int, ...]:
-    """Row of the bank's agents that each slot looks like, the appearances of a kind in turn.
+    """Row of the bank's agents for each slot's appearance, those of a kind in turn.
 
     Raises:
       ValidationError: the bank carries no appearance of a kind.
@@ -98,7 +98,7 @@ class DynamicStreet:
     Args:
       bank: the scenes; scenes: (n,) rows of it in use.
       config: `config.crowd` of an environment.
-      ctrl_dt: s, the control step. robot: whom people see.
+      ctrl_dt: s, the control step. robot: avoided by the agents.
 
     Raises:
       ValidationError: see `slot_kinds`; a share outside [0, 1].
@@ -155,7 +155,7 @@ class DynamicStreet:
         return crowd, self.motion(before, crowd, sim.scene)
 
     def places(self, crowd: Crowd, scene: Int[Array, ""]) -> AgentMotion:
-        """Where everybody is, standing still."""
+        """Poses of all agents, at rest."""
         body = crowd.bodies
         places = jnp.stack([body.x, body.y], -1)
         cell = cell_of(places, self._origin[scene], POOL * CELL, self._height.shape[1:])
@@ -166,7 +166,7 @@ class DynamicStreet:
         )
 
     def motion(self, before: Crowd, after: Crowd, scene: Int[Array, ""]) -> AgentMotion:
-        """How everybody moves from one state to the next; who appears elsewhere is absent meanwhile."""
+        """Motion of all agents from one state to the next; an agent that is placed elsewhere is absent meanwhile."""
         start, end = self.places(before, scene), self.places(after, scene)
         velocity = (end.position - start.position) / self._dt
         there = jnp.sum(velocity * velocity, -1) < _MAX_AGENT_SPEED**2

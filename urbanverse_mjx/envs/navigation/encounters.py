@@ -16,11 +16,11 @@ from ...crowds import KINDS, behaviours
 from ...crowds.behaviours import ROAM, Script
 from ...datatypes import ValidationError
 
-#: m that one who starts somewhere keeps from objects, and others' centres from each other.
+#: m from an agent's start to objects, and between the centres of agents.
 _OBJECT_CLEARANCE, _AGENT_DISTANCE = KINDS["pedestrian"].radius + 0.1, 0.75
-#: m from the robot's start within which nobody is put.
+#: m around the robot's start without agents.
 _START_RADIUS = 2.2
-#: m/s, about what a robot drives: who cuts its way sets out so that both may meet.
+#: m/s, typical speed of a robot: crossing agents start so that both may meet.
 _ROBOT_SPEED = 1.2
 
 Pose = tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]
@@ -51,7 +51,7 @@ def _head_on(pose: Pose, left: Float[Array, ""]) -> Script:
 
 
 def _cross(pose: Pose, left: Float[Array, ""]) -> Script:
-    # From the side that the draw says: turned about, the left is the right.
+    # From the drawn side: rotated by half a turn, left is right.
     x, y, heading = pose
     return behaviours.cross(x, y, heading + jnp.where(left > 0.0, 0.0, jnp.pi), distance=0.0, aside=2.5)
 
@@ -79,7 +79,7 @@ def _queue(pose: Pose, left: Float[Array, ""]) -> Script:
 #: far aside it is (m, left positive, drawn from [-1.2, 1.2]).
 ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Float[Array, ""]], Script]]] = {
     "head_on": (1, (8.0, 16.0), _head_on),
-    # Who crosses has 2.5 m at 1.34 m/s to the route, in which a robot covers 2.2 m.
+    # A crossing agent has 2.5 m at 1.34 m/s to the route, in which a robot covers 2.2 m.
     "cross": (1, (2.5 * _ROBOT_SPEED / 1.34 + 1.0, 2.5 * _ROBOT_SPEED / 1.34 + 3.0), _cross),
     "obstruct": (1, (4.0, 14.0), _obstruct),
     "overtaken": (1, (3.0, 6.0), _overtaken),
@@ -89,7 +89,7 @@ ENCOUNTERS: dict[str, tuple[int, Ranges, Callable[[Pose, Float[Array, ""]], Scri
 
 
 class Encounters:
-    """Draws who does what.
+    """Draws the behaviour of each agent.
 
     Args:
       config: probability of each of `ENCOUNTERS` in an episode.
@@ -119,7 +119,8 @@ class Encounters:
         waypoints: Float[Array, "W 3"],
         clearance: Callable[[Float[Array, "n 2"]], Float[Array, "n 2"]],
     ) -> Script | None:
-        """The script of an episode, `ROAM` in the rows of what does not take place; None where nothing ever does.
+        """The script of an episode, `ROAM` in the rows of encounters that do not take place; None if all have
+        probability 0.
 
         Args:
           key: typed, used up. start: (3+,) m; waypoints: (W, 3) m.

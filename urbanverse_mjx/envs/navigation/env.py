@@ -24,7 +24,7 @@ from .surroundings import Surroundings
 
 #: cos of the tilt at which a robot counts as fallen (60 degrees).
 _MIN_UP = 0.5
-#: (15, 2) m in the heading frame, where critics are told the distance to hulls and edges.
+#: (15, 2) m in the heading frame, places of the distances to hulls and edges that critics observe.
 PROBES = np.array([(x, y) for x in (0.0, 0.6, 1.2, 1.8, 2.4) for y in (-0.6, 0.0, 0.6)], np.float32)
 #: (20, 16, 2) m in the heading frame, 7.6 m along by 6 m across: where `privileged_map` tells the same distances.
 MAP_PROBES = np.stack(np.meshgrid(np.linspace(-1.4, 6.2, 20), np.linspace(-3.0, 3.0, 16), indexing="ij"), -1).astype(
@@ -276,7 +276,7 @@ class NavEnv(StagedBase[NavState]):
 
     @property
     def agent_appearances(self) -> tuple[int, ...]:
-        """Row of the bank's agents that each moving agent looks like."""
+        """Row of the bank's agents for each moving agent's appearance."""
         return () if self.dynamic is None else slot_appearances(self.dynamic.kinds, self.bank)
 
     def agents_of(self, nav: NavState) -> AgentMotion | None:
@@ -380,7 +380,7 @@ class NavEnv(StagedBase[NavState]):
         frame = self.renderer(sim.scene, sim.xpos, sim.xquat, seed, self.agents_of(nav), sim.bodies)
         if not self._config.vision_config.depth:
             return frame["rgb"]
-        # The renderer writes 0 where nothing was hit: as far as one can say.
+        # The renderer writes 0 where no ray hit: the largest depth.
         metres = jnp.where(frame["depth"] > 0.0, frame["depth"], jnp.inf)
         depth = jnp.clip(metres * 10.0, 0.0, 255.0).astype(jnp.uint8)
         return jnp.concatenate([frame["rgb"], depth[..., None]], axis=-1)

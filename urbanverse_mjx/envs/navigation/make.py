@@ -28,7 +28,7 @@ def make_wheeled_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
 
 
 def make_walking_env(config: ConfigDict, bank: SceneBank) -> NavEnv:
-    """A `NavEnv` of a robot on legs, whose gait is told body velocities; else as `make_wheeled_env`.
+    """A `NavEnv` of a robot on legs, whose gait takes body velocities; else as `make_wheeled_env`.
 
     Raises:
       ValidationError: as there; moving agents, or actions that are joint angles.
@@ -75,7 +75,7 @@ def walking_engine(
     """The engine that a config asks for, at the rate of the gait in it.
 
     Raises:
-      ValidationError: moving agents around a robot with a gait, which no engine knows yet.
+      ValidationError: moving agents around a robot with a gait, which no engine supports yet.
     """
     from ...robots.go2 import load_gait
     from ...simulation.engines import make_engine

@@ -115,7 +115,7 @@ def _quick() -> ConfigDict:
 
 
 def ppo_config(preset: str = "paper") -> ConfigDict:
-    """A fresh configuration; of another `algorithm` where it says so, as that of `quick` does.
+    """A new configuration; its `algorithm` may be another one, as for `quick`.
 
     Raises:
       ValidationError: unknown preset.

@@ -28,7 +28,8 @@ def scenario_of(config: ConfigDict) -> str:
 
 
 def bank_for(scenario: str, bank: SceneBank) -> SceneBank:
-    """The bank as a scenario has it: `clean` keeps ground, sky and episodes alone; nothing hides or blocks the way."""
+    """The bank as a scenario has it: `clean` keeps ground, sky and episodes alone; no object hides or blocks the
+    path."""
     if scenario != "clean":
         return bank
     ground = np.array([name.startswith("ground:") for name in bank.meta["categories"]] + [False])[bank.slot_category]

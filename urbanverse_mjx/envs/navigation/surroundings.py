@@ -1,6 +1,6 @@
 """How far it is to the next object and to the edge of the walkable ground, anywhere in a scene.
 
-Critics and rewards may know it; a policy may not. Distances are looked up in a grid made once per bank.
+For critics and rewards, not for policies. Distances are looked up in a grid made once per bank.
 """
 
 import functools
@@ -22,7 +22,7 @@ from ...geometry.raster import Shape, nearest
 CELL = 0.2
 #: From so many hulls on (seconds of work) the fields of a bank are kept in the cache.
 KEEP_FROM = 20_000
-#: m, distances are not told beyond this: one unsigned byte holds them in centimetres.
+#: m, distances are cut off here: one unsigned byte holds them in centimetres.
 FAR = 2.55
 
 
@@ -71,7 +71,7 @@ def _ground_height(bank: SceneBank, scene: int) -> float:
     return float(np.median(bank.episode_start[scene, : int(bank.num_episodes[scene]), 2]))
 
 
-#: m, nothing below this height above the pavement counts: a wheel passes over it.
+#: m, hulls below this height above the pavement do not count: a wheel passes over them.
 LOW = 0.05
 
 

@@ -31,7 +31,7 @@ def limit_norm(vector: Float[Array, " n"], limit: float) -> Float[Array, " n"]:
 
 
 def route_length(start: Float[Array, "3"], waypoints: Float[Array, "W 3"]) -> Float[Array, ""]:
-    """Length (m) of the polyline start (3,), waypoints (W, 3); repeated waypoints add nothing."""
+    """Length (m) of the polyline start (3,), waypoints (W, 3); repeated waypoints add no length."""
     points = jnp.concatenate([start[None, :2], waypoints[:, :2]])
     return jnp.linalg.norm(jnp.diff(points, axis=0), axis=-1).sum()
 
@@ -60,11 +60,11 @@ def route_completed(
     left: Float[Array, ""],
     driven: Float[Array, ""],
 ) -> Float[Array, ""]:
-    """Metres of a route of `length` m that are behind somebody at `p_xy` (2,), for the paper's RC.
+    """Metres of a route of `length` m completed at `p_xy` (2,), for the paper's RC.
 
-    On the route it is the nearest point's place. Who takes another way may come near a later part of the route, or near
-    its end with a wall between: no less can be left than the straight line to the goal, and nobody is farther along
-    the shortest path than he has driven.
+    On the route it is the nearest point's place. A robot on another route may come near a later part of this one, or
+    near its end with a wall between. So the remaining distance is at least the straight line to the goal, and the
+    completed one at most the distance driven.
 
     Args:
       left: () m, straight to the goal. driven: () m.
@@ -103,7 +103,7 @@ def reward_position(distance: Float[Array, ""], std: float) -> Float[Array, ""]:
 def reward_velocity_cosine(velocity_xy: Float[Array, "2"], to_goal_xy: Float[Array, "2"]) -> Float[Array, ""]:
     """Cosine between the velocity and the direction to the goal (paper R_V), 0 at rest.
 
-    The speed enters below 5 cm/s so that the jitter of a standing robot earns nothing.
+    The speed enters below 5 cm/s so that the jitter of a standing robot earns no reward.
     """
     norm = jnp.maximum(jnp.linalg.norm(velocity_xy), 0.05) * jnp.maximum(jnp.linalg.norm(to_goal_xy), 1e-6)
     return velocity_xy @ to_goal_xy / norm

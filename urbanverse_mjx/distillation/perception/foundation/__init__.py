@@ -1,4 +1,4 @@
-"""Foundation models behind `Predictor`, for who has the weights: OWLv2, SAM 2, Mask2Former, metric depth."""
+"""Foundation models behind `Predictor`, which need their weights: OWLv2, SAM 2, Mask2Former, metric depth."""
 
 from .predictor import FoundationPredictor
 

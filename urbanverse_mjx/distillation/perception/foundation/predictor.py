@@ -23,7 +23,7 @@ class FoundationPredictor:
     """`Predictor` by four models. Make it with `load`.
 
     Attributes:
-      labels: what is looked for; detector, segmenter, ground, depth: the models; codes: surfaces of ground's classes.
+      labels: to search for; detector, segmenter, ground, depth: the models; codes: surfaces of ground's classes.
     """
 
     labels: tuple[str, ...]
@@ -45,13 +45,14 @@ class FoundationPredictor:
         return FoundationPredictor(tuple(labels), detector, segmenter, ground, depth, grounds.surface_codes(names))
 
     def __call__(self, rgb: np.ndarray, focal: float, /) -> FrameObservation:
-        """See `Predictor`; the metric model knows no lens, so its depth is corrected by the scale that poses give."""
+        """See `Predictor`; the metric model does not take a lens, so its depth is corrected by the scale of the
+        poses."""
         image = Image.fromarray(rgb)
         found = boxes.suppressed(self._detect(image))
         masks, kept = boxes.paint(self._masks(image, found), found.score)
         objects = tuple(Detection(self.labels[found.label[k]], float(found.score[k])) for k in kept)
         surfaces = self.codes[self._classes(image)]
-        # What an object's mask covers is the object, whatever the ground's model says.
+        # Object masks override the ground model.
         return FrameObservation(np.where(masks >= 0, 0, surfaces).astype(np.uint8), masks, objects, self._depth(image))
 
     def _detect(self, image: Image.Image) -> boxes.Boxes:
