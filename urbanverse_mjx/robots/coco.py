@@ -35,8 +35,8 @@ STEP_HEIGHT = 0.02  # m, tests/robots/test_coco_drive.py drives both robots over
 
 def _differential(command: Any) -> Any:
     speed, yaw_rate = command[0], command[1]
-    # In a bend the mass, ahead of the rear axle, wants to go straight on: it pulls the axle sideways round and forward.
-    # A servo holds a torque only by a difference of speed, which is given in advance: (m/s) per N on one rear wheel.
+    # In a bend the inertia of the mass ahead of the rear axle pulls the axle sideways and forward. A servo holds a
+    # torque only by a difference of speed, which is fed forward: (m/s) per N on one rear wheel.
     give = body.WHEEL_RADIUS**2 / body.make_servo("differential").wheel
     arm = body.TOTAL_MASS * (body.CENTRE_X - body.REAR_AXLE_X)
     half = 0.5 * body.TRACK * yaw_rate + give * arm * speed * yaw_rate / body.TRACK
@@ -46,7 +46,7 @@ def _differential(command: Any) -> Any:
 
 def _ackermann(command: Any) -> Any:
     speed, yaw_rate = command[0], command[1]
-    # At rest nothing turns: the angle is then only held at its side.
+    # At rest the wheels do not turn: the angle is then only kept on its side.
     angle = jnp.arctan2(body.WHEELBASE * yaw_rate, jnp.maximum(speed, STANDSTILL))
     angle = jnp.clip(angle, -body.MAX_STEER, body.MAX_STEER)
     turn = speed * jnp.tan(angle) / body.WHEELBASE

@@ -31,7 +31,7 @@ BODY_MASS, BODY_INERTIA = 25.0, 2.5
 WHEEL_MASS, WHEEL_INERTIA = 1.0, 0.1
 TOTAL_MASS = BASE_MASS + BODY_MASS + 4 * WHEEL_MASS  # total_mass: 79
 
-# --- Contact (coco.json, friction_usd_second_hand: static 0.7, dynamic 0.6; MuJoCo knows one coefficient) ---
+# --- Contact (coco.json, friction_usd_second_hand: static 0.7, dynamic 0.6; MuJoCo has one coefficient) ---
 TYRE_FRICTION = 0.7
 BODY_FRICTION = 0.6
 

@@ -25,7 +25,7 @@ _TYPES = {
 }
 #: Corners of the circles of cylinders and capsules: 48 miss a circle of 0.2 m by 0.4 mm.
 _CORNERS = 48
-#: Groups of geoms: what a camera sees, and what only collides.
+#: Groups of geoms: visual, and collision only.
 _SEEN, _COLLIDES = 2, 3
 
 
@@ -53,9 +53,9 @@ def replace_by_spheres(
 ) -> tuple[tuple[str, ...], tuple[Fit, ...]]:
     """Replaces every colliding geom of `spec` that is no sphere.
 
-    A foot on a body that turns about a hinge is a wheel, and becomes one that rolls alike; so does a foot that is a
-    cylinder or capsule, about its own axis. Other feet reach as low as they did. The shapes no longer collide; where
-    the MJCF has nothing for cameras to see, they are what is seen.
+    A foot on a body that turns about a hinge is a wheel, and becomes one with the same rolling radius; so does a foot
+    that is a cylinder or capsule, about its own axis. Other feet keep their lowest height. The shapes no longer
+    collide; where the MJCF has no visual geoms, they become the visual ones.
 
     Args:
       model: what `spec` compiles to. feet: names of the geoms that may touch the ground. where: begins an error.

@@ -4,7 +4,7 @@ In:   a folder with robot.json, or that file; or the name of a robot that comes 
 Out:  `RobotSpec`.
 When: once, at construction.
 
-docs/tutorials/own_robot.md says what the file holds and what the MJCF must be like.
+docs/tutorials/own_robot.md describes the file and the requirements on the MJCF.
 """
 
 import functools
@@ -200,7 +200,7 @@ def reach(model: mujoco.MjModel, root: int) -> float:
 
 
 def _drive(body: Any, model: mujoco.MjModel, limits: dict[str, float], where: str) -> Command:
-    """(v, omega) -> what the robot is told, see `RobotSpec.command`."""
+    """(v, omega) -> the robot's command, see `RobotSpec.command`."""
     kinds = {
         "differential": ("left", "right", "wheel_radius", "track"),
         "ackermann": ("left", "right", "wheel_radius", "track", "steer", "wheelbase"),

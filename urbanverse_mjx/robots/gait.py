@@ -4,8 +4,8 @@ In:   what sensors say, a command.
 Out:  joint angles for position servos.
 When: 50 times a second, inside jit (xp = jax.numpy) or on the host (xp = numpy).
 
-The walking task, whoever judges a gait, and the navigation task on top of it all use the functions of this file, so an
-observation cannot mean two objects.
+The walking task, the evaluation of gaits, and the navigation task on top of it all use the functions of this file, so
+an observation has one definition.
 """
 
 import dataclasses
@@ -24,7 +24,7 @@ RATE_UNIT, JOINT_RATE_UNIT = 0.25, 0.05
 
 
 def sensor_frame(xp: Any, angular: Any, gravity: Any, bend: Any, joint_speed: Any, command: Any, action: Any) -> Any:
-    """(..., 9 + 3 J) one control step of what a gait sees.
+    """(..., 9 + 3 J) one control step of a gait's observation.
 
     Args:
       xp: numpy or jax.numpy.
@@ -48,9 +48,8 @@ class Gait:
 
     Attributes:
       kernels, biases: of its dense layers, (n_in, n_out) and (n_out,) f32; ELU between them, tanh behind the last.
-      stand: (J,) rad; scale: (J,) rad that an action of 1 turns a joint away from there.
-      history: control steps that it sees; control_dt: s.
-      meta: robot, and how it came to be (command, seed, steps, versions).
+      stand: (J,) rad; scale: (J,) rad, offset of a joint from there for an action of 1. history: control steps of its
+        observation; control_dt: s. meta: robot, and its training (command, seed, steps, versions).
     """
 
     kernels: tuple[np.ndarray, ...]

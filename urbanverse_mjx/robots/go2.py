@@ -1,11 +1,9 @@
 """The Unitree Go2, a quadruped of 15 kg.
 
-In:   nothing; a gait file.
-Out:  `RobotSpec`; `Gait`.
-When: once, at construction.
+In: none; a gait file. Out:  `RobotSpec`; `Gait`. When: once, at construction.
 
-Its actuators take joint angles. Which angles make it walk is a policy's work (`envs.joystick`); whoever navigates tells
-its gait a body velocity (`simulation.gait_engine`).
+Its actuators take joint angles. A policy (`envs.joystick`), its gait, gives the angles for walking; navigation commands
+the gait by a body velocity (`simulation.gait_engine`).
 """
 
 import functools

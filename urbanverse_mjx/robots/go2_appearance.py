@@ -1,4 +1,4 @@
-"""What a camera sees of the Go2: trunk, head, motors and legs out of MuJoCo's own shapes, placed by eye.
+"""Visual geoms of the Go2: trunk, head, motors and legs from MuJoCo's primitive shapes, placed manually.
 
 In:   the side of a leg.
 Out:  MJCF text of geoms that neither collide nor weigh anything.

@@ -1,8 +1,6 @@
 """The Unitree Go2's body as MJCF text: masses, joints, motors, collision spheres and what is seen.
 
-In:   nothing.
-Out:  MJCF text of one free body without ground and light.
-When: once, at construction.
+In: none. Out: MJCF text of one free body without ground and light. When: once, at construction.
 
 Sources of the numbers, as docs/sources/go2.json lists them: "urdf" = unitree_ros go2_description.urdf at d6f13aa,
 "menagerie" = mujoco_menagerie unitree_go2/go2.xml at 2ffe3e3, "rl_lab" = unitree_rl_lab's Go2 velocity task at e72a072,

@@ -1,12 +1,12 @@
-"""MuJoCo Menagerie's Go2 in place of our own numbers and shapes, for who has it on disk.
+"""MuJoCo Menagerie's Go2 instead of our own parameters and shapes, from a copy on disk.
 
 In:   a folder `unitree_go2` of mujoco_menagerie, with go2.xml and assets/.
 Out:  MJCF text like `go2_body.make_mjcf`.
 When: once, at construction.
 
-From there come masses, inertias and places of all links, joint ranges, torque limits, rotor inertias and the meshes
-that a camera sees. Collision spheres, servos, standing pose and camera stay ours: engines know spheres alone, and a
-gait was trained with these servos. Joints have no dry friction (menagerie 0.2 N m), for which engines have no rows.
+It supplies masses, inertias and positions of all links, joint ranges, torque limits, rotor inertias and the visual
+meshes. Collision spheres, servos, standing pose and camera stay ours: engines support spheres alone, and a gait was
+trained with these servos. Joints have no dry friction (menagerie 0.2 N m), for which engines have no rows.
 """
 
 import pathlib

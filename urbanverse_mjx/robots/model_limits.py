@@ -1,6 +1,6 @@
 """What a robot's MJCF asks MuJoCo to make, before MuJoCo makes it: a few bytes can ask for all of the memory.
 
-Counted are elements that multiply others (`replicate`, `composite`, `flexcomp`) and pictures and height fields by their
+Counted are elements that multiply others (`replicate`, `composite`, `flexcomp`) and images and height fields by their
 sizes, in the file and in those that it includes.
 """
 
@@ -18,7 +18,7 @@ MAX_ELEMENTS = 20_000
 MAX_PIXELS = 64 * 10**6
 _MAX_DEPTH = 20
 _PNG = b"\x89PNG\r\n\x1a\n"
-#: Elements that make others -> the attribute that says how many of each.
+#: Elements that make others -> the attribute with their number.
 _COUNTS = {"replicate": "count", "composite": "count", "flexcomp": "count"}
 #: Elements with as many values as the product of these attributes.
 _GRIDS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}

@@ -21,7 +21,7 @@ def clip_velocity(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
 
 
 def gait_command(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
-    """(3,) m/s ahead, m/s left, rad/s, as a gait is told them, for (v, omega)."""
+    """(3,) m/s ahead, m/s left, rad/s, the command of a gait, for (v, omega)."""
     v, omega = clip_velocity(velocity, max_speed, max_yaw_rate)
     return jnp.stack([v, 0.0 * v, omega])
 
@@ -29,9 +29,9 @@ def gait_command(velocity: Any, max_speed: float, max_yaw_rate: float) -> Any:
 def pd_velocity(waypoint: Any, control_period: float, max_speed: float, max_yaw_rate: float) -> tuple[Any, Any]:
     """Reach the waypoint, and face it, within one horizon.
 
-    The horizon is the time to a waypoint at full reach at full speed, so a waypoint 1 m ahead means full speed at
-    every control rate; it is never shorter than the control period, which would overshoot. A waypoint beside or behind
-    the robot gives no speed and a turn at full rate: on the spot, for whoever can.
+    The horizon is the time to a waypoint at full reach at full speed, so a waypoint 1 m ahead means full speed at every
+    control rate; it is never shorter than the control period, which would overshoot. A waypoint beside or behind the
+    robot gives no speed and a turn at full rate: on the spot where the robot can.
 
     Args:
       waypoint: (2,) m, x forward and y left, in the body frame.

@@ -43,7 +43,7 @@ class WheelDrive:
         speed, yaw_rate = clip_velocity(velocity, self.max_speed, self.max_yaw_rate)
         told = jnp.zeros(self.size)
         if self.steer is not None:
-            # At rest nothing turns: the angle is then only held at its side.
+            # At rest the wheels do not turn: the angle is then only kept on its side.
             angle = jnp.arctan2(self.wheelbase * yaw_rate, jnp.maximum(speed, STANDSTILL))
             angle = jnp.clip(angle, -self.max_steer, self.max_steer)
             told, yaw_rate = told.at[self.steer].set(angle), speed * jnp.tan(angle) / self.wheelbase

@@ -15,7 +15,7 @@ from . import grids
 from .geometry import SceneGeometry, Sky
 from .hulls import ConvexPart, convex_part, hull_table
 
-#: Free rows and columns of grid cells around what a scene holds, so that a robot that left it finds nothing.
+#: Empty rows and columns of grid cells around a scene, so that a robot outside it finds no hull.
 _GRID_MARGIN = 2
 
 

@@ -85,11 +85,11 @@ def compile_scene(
 
     Args:
       controller: drives every episode once over the ground.
-      size: what routes are planned for. rules: what the episode table holds.
+      size: of the robot for route planning. rules: of the episode table.
       source: builds meshes and hulls of records; default: the packaged recipes and hull store.
-      freeze_unstable: whether what would not keep its place for two seconds at rest (`stability.displacements`: a
-        bicycle without its stand) is not movable in the compiled scene; the folder's `layout.json` says so too.
-      place: the city and country that `metadata.json` tells: the `source` of the layout's graph.
+      freeze_unstable: whether objects that do not keep their place for two seconds at rest (`stability.displacements`:
+        a bicycle without its stand) become fixed in the compiled scene and in the folder's `layout.json`. place: the
+        city and country for `metadata.json`: the `source` of the layout's graph.
 
     Raises:
       ValidationError: overlapping ground, no room for episodes, an unknown asset, or a folder in the way.
@@ -122,7 +122,7 @@ def compile_scene(
 
 
 def check_out_dir(out_dir: pathlib.Path) -> None:
-    """Refuses to write where something else than a compiled scene or nothing lies.
+    """Refuses to write over anything other than a compiled scene.
 
     Raises:
       ValidationError: it names what lies there.

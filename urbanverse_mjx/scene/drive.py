@@ -100,7 +100,7 @@ def _initial_states(
 
 
 def _judge(pose: np.ndarray, goal: np.ndarray, space: FreeSpace, time: float, limit: float) -> Drive | None:
-    """A finished drive, or None while it goes on."""
+    """A finished drive, or None while it continues."""
     if not np.isfinite(pose).all():
         return Drive(-1.0, "unstable")
     if np.linalg.norm(pose[:2] - goal) < ARRIVED:

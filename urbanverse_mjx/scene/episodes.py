@@ -44,9 +44,9 @@ class EpisodeRules:
     """What a table holds (paper: goals 10-30 m away; here 256 rows, 32 goals, waypoints every 5 m).
 
     Attributes:
-      rows, goals: how many. distance: (low, high) m, straight from start to goal.
+      rows, goals: their numbers. distance: (low, high) m, straight from start to goal.
       detour: longest path in straight distances. spacing: m between waypoints.
-      yaw: rad, the start may look this far off its first segment.
+      yaw: rad, largest deviation of the start's yaw from its first segment.
       line_share, crossing_share: wanted shares of rows with a free straight line, and of rows over a crosswalk.
     """
 
@@ -113,7 +113,7 @@ def _no_room(found: str) -> Exception:
 def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
     """(n, 2) planning cells for starts and goals: sidewalk where there is any, well away from everything.
 
-    Islands much smaller than the largest connected place are left out: ways there are short and say little.
+    Islands much smaller than the largest connected place are left out: routes there are too short.
     """
     place, _ = ndimage.label(space.cost > 0, np.ones((3, 3)))
     sizes = np.bincount(place.ravel())
@@ -126,7 +126,7 @@ def _end_cells(space: FreeSpace, size: RobotSize) -> np.ndarray:
 
 
 def _candidate_pool(space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rng: np.random.Generator) -> list[_Row]:
-    """Ways to `rules.goals` goals that have enough of them and, while places last, keep their distance."""
+    """Paths to `rules.goals` goals that have enough of them and, if possible, keep their distance."""
     order = rng.permutation(len(cells))
     pool: list[_Row] = []
     taken: list[np.ndarray] = []
@@ -147,9 +147,9 @@ def _candidate_pool(space: FreeSpace, cells: np.ndarray, rules: EpisodeRules, rn
 def _candidates(
     space: FreeSpace, cells: np.ndarray, goal: np.ndarray, number: int, rules: EpisodeRules, rng: np.random.Generator
 ) -> list[_Row]:
-    """Ways to one goal from starts whose straight distances fill the allowed range evenly.
+    """Paths to one goal from starts whose straight distances fill the allowed range evenly.
 
-    Every other start is looked for in sight of the goal: in a full street such places are rare.
+    Every other start is searched in sight of the goal: in a full street such places are rare.
     """
     field = GoalField(space, goal)
     end = space.coarse_center(goal)

@@ -1,4 +1,5 @@
-"""Maps in the files of CraftBench-Nav (docs/sources/reference_systems.md b.2): `map.json` and `layers.npz`, both ways.
+"""Maps in the files of CraftBench-Nav (docs/sources/reference_systems.md b.2): `map.json` and `layers.npz`, reading and
+writing.
 
 Theirs are images: row 0 at y_max, column 0 at x_min. Ours count from the lower corner, x first.
 """
@@ -29,8 +30,8 @@ class ExchangeMap:
 
     Attributes:
       scene: id. map: ground height, kind and clearance.
-      top: (X, Y) float32 m, height of the highest object in a cell, NaN where there is nothing.
-      info: further fields of `map.json`: how the map was made.
+      top: (X, Y) float32 m, height of the highest object in a cell, NaN without ground. info: further fields of
+        `map.json`: how the map was made.
     """
 
     scene: str
@@ -88,7 +89,7 @@ def load_map(folder: str | os.PathLike[str]) -> ExchangeMap:
     x, y = (v.number(grid[k], f"{path}: grid.{k}", -LIMIT, LIMIT) for k in ("x_min", "y_max"))
     layers = _layers(folder / "layers.npz", (height, width), len(kinds))
     kind = np.array([GROUND_KINDS.index(k) for k in kinds], np.uint8)[layers["kind"]]
-    # Ground of no kind is stood on by nobody.
+    # Cells without a kind are never occupied by a robot.
     ground = np.where(kind == 0, np.float32(np.nan), layers["ground"])
     kind = np.where(np.isnan(ground), np.uint8(0), kind)
     origin = np.array([x, round(y - height * res, 9)])

@@ -43,7 +43,7 @@ class SceneMap:
       origin: (2,) m, lower corner; resolution: m.
       height: (X, Y) float32 m of the ground's top at the cell's centre, NaN where there is none.
       kind: (X, Y) uint8 over `ground.GROUND_KINDS`, paint included.
-      clearance: (X, Y) float32 m of free height above the ground, `FREE` where nothing hangs below 6.4 m.
+      clearance: (X, Y) float32 m of free height above the ground, `FREE` where no hull hangs below 6.4 m.
     """
 
     origin: np.ndarray
@@ -67,9 +67,8 @@ class EpisodeTable:
       start: (E, 4) x, y, z of the ground, yaw; goal: (E, 3).
       waypoints: (E, W, 3) every 5 m along the geodesic, the last is the goal and repeats.
       num_waypoints: (E,) i32; length: (E,) geodesic m.
-      line_free: (E,) bool, nothing stands on the straight line from start to goal.
-      crosses_road: (E,) bool, the way uses a crosswalk.
-      drive_time: (E,) s the planner took without obstacles, -1 where it was not driven.
+      line_free: (E,) bool, the straight line from start to goal is free. crosses_road: (E,) bool, the path uses a
+        crosswalk. drive_time: (E,) s of the controller without obstacles, -1 where it was not driven.
     """
 
     start: np.ndarray

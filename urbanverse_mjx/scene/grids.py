@@ -6,10 +6,10 @@ from ..geometry.grids import Grid
 
 #: Side of a cell, m.
 CELL = 1.0
-#: A robot's circumradius (0.55 m holds COCO with its front axle turned, robots/coco.py) plus the way it goes in
-#: one control step at the task's 2.0 m/s and 5 Hz: hulls farther away cannot be touched before the next look-up.
+#: A robot's circumradius (0.55 m holds COCO with its front axle turned, robots/coco.py) plus the distance of one
+#: control step at the task's 2.0 m/s and 5 Hz: hulls farther away cannot be touched before the next look-up.
 REACH = 0.55 + 2.0 * 0.2
-#: Above the highest ground nothing of a robot reaches higher than this, m (planner height 1.0 m and as much again).
+#: Largest height of a robot's parts above the highest ground, m (planner height 1.0 m and as much again).
 HEADROOM = 2.0
 
 

@@ -21,7 +21,7 @@ THICKNESS = 0.3
 PAINT_LIFT = 0.003
 #: Frames of regions sit on this raster (m), a power of two: float32 holds it exactly, so seams stay level.
 _FRAME_RASTER = 1 / 64
-#: m within which a road borders on a crosswalk, and the least border that says where the traffic goes.
+#: m within which a road borders on a crosswalk, and the shortest border that gives the direction of traffic.
 _MIN_BORDER = 0.05
 
 
@@ -139,7 +139,7 @@ def region_mesh(
     on_tile = ring @ _turned(turn) / tile if turn else ring / tile
     vertices, uv, faces = [top], [on_tile], [triangulate(ring)]
     if paint:
-        faces.append(faces[0][:, ::-1])  # a mesh has at least four faces; paint is seen from below by nobody
+        faces.append(faces[0][:, ::-1])  # a mesh has at least four faces; paint is never visible from below
     else:
         sides = _skirt(top, _lowest(region) - THICKNESS, tile, len(ring))
         vertices, uv, faces = ([a, b] for a, b in zip((top, on_tile, faces[0]), sides, strict=True))

@@ -1,4 +1,4 @@
-"""Convex hulls as the runtime wants them: corners, outward triangles and planes, padded to one size."""
+"""Convex hulls in the runtime's format: corners, outward triangles and planes, padded to one size."""
 
 import dataclasses
 import functools
@@ -11,8 +11,8 @@ from ..datatypes import validation as v
 from ..datatypes.asset import MAX_HULL_VERTICES
 from ..datatypes.scene_bank import MAX_HULL_TRIANGLES
 
-#: Triangles smaller than this share of the hull's squared size are slivers of Qhull's triangulation of flat
-#: facets; their neighbours lie in the same plane and meet the same edges, so dropping them changes nothing.
+#: Triangles smaller than this share of the hull's squared size are slivers of Qhull's triangulation of flat facets;
+#: their neighbours lie in the same plane and meet the same edges, so dropping them does not change the hull.
 _SLIVER = 1e-12
 
 
@@ -40,7 +40,8 @@ class ConvexPart:
 
 
 def convex_part(points: np.ndarray, where: str = "hull") -> ConvexPart:
-    """The convex hull of `points` (n, 3); the same points give the same part, which nobody may write to.
+    """The convex hull of `points` (n, 3); the same points give the same part, which is cached and must not be written
+    to.
 
     Raises:
       ValidationError: fewer than four points, all in one plane, or more than 32 corners.

@@ -101,10 +101,10 @@ def folder(name: str) -> pathlib.Path:
 
 
 def bank_path(name: str) -> pathlib.Path:
-    """The bank of a set; nothing is built.
+    """The bank of a set, which must have been built.
 
     Raises:
-      ValidationError: no such set, or it was not built; the message says by what command it is.
+      ValidationError: no such set, or it was not built; the message names the command that builds it.
     """
     path = folder(name) / BANK
     if not path.is_file():

@@ -12,14 +12,14 @@ from .geometry import SceneMap
 from .ground import Region, kind_index, plane_height
 
 RESOLUTION = 0.05
-#: Clearance of a cell with nothing above it, and the height (m) from which on nothing counts (navbench's format).
+#: Clearance of a cell without a hull above it, and the height (m) from which hulls do not count (navbench's format).
 FREE, CEILING = 9.99, 6.4
 #: Ground-free cells around the regions, m.
 _MAP_MARGIN = 0.5
 
 
 def ground_map(regions: Sequence[Region]) -> SceneMap:
-    """Height and kind of the ground; nothing stands on it yet."""
+    """Height and kind of the ground, without objects."""
     rings = [np.asarray(r.polygon) for r in regions]
     low, high = np.min([r.min(0) for r in rings], 0), np.max([r.max(0) for r in rings], 0)
     origin = np.floor((low - _MAP_MARGIN) / RESOLUTION) * RESOLUTION
@@ -58,7 +58,7 @@ def with_clearance(
 
 
 def tops(scene_map: SceneMap, hulls: Sequence[np.ndarray], rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """(X, Y) float32 m: height of the highest object in each cell, ground included, NaN where there is nothing.
+    """(X, Y) float32 m: height of the highest object in each cell, ground included, NaN without ground.
 
     Of a hull the height of its highest corner counts, as of its lowest in `with_clearance`.
     """

@@ -75,7 +75,7 @@ def scene_mjcf(
 def scene_spec(scene: SceneGeometry, sky: Sky | None = None, visuals: bool = False) -> mujoco.MjSpec:
     """The same scene as an `MjSpec` in memory; a robot can be attached to it."""
     text, files = scene_mjcf(scene, sky, visuals)
-    # MjSpec looks files up by their name alone.
+    # MjSpec finds files by their name alone.
     return mujoco.MjSpec.from_string(text, assets={path.split("/")[-1]: body for path, body in files.items()})
 
 

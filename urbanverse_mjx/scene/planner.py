@@ -48,13 +48,13 @@ class RobotSize:
 
 @dataclasses.dataclass(frozen=True)
 class PriceList:
-    """What a way costs and on how coarse a grid it is looked for.
+    """The cost of a path and the resolution of its search grid.
 
     Attributes:
-      kinds: price of a metre by kind of ground; other kinds are never entered.
+      kinds: cost of a metre by kind of ground; other kinds are never entered.
       pool: cells of the map along a side of a planning cell.
-      kerb: m of sidewalk that climbing one kerb is worth. Above 0 a straight line is taken only where it is no dearer
-        than the way it replaces.
+      kerb: m of sidewalk with the cost of climbing one kerb. Above 0 a straight line is taken only where it costs no
+        more than the path it replaces.
     """
 
     kinds: Mapping[str, float]
@@ -76,7 +76,7 @@ ROBOTS: dict[str, RobotSize] = {
 
 @dataclasses.dataclass(frozen=True)
 class FreeSpace:
-    """The 5 cm map as a robot sees it.
+    """The 5 cm map for a robot's size.
 
     Attributes:
       map: what it was made from.
@@ -126,8 +126,8 @@ class FreeSpace:
         return np.logical_and.reduceat(self.free[i, j], first[:-1])
 
     def line_prices(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """(n,) what the straight ways from a to b, (n, 2) m each, cost, free or not; their length where nothing has a
-        price."""
+        """(n,) cost of the straight lines from a to b, (n, 2) m each, free or not; their length where all costs are
+        1."""
         length = np.linalg.norm(b - a, axis=1)
         if self.price is None:
             return length
@@ -155,7 +155,7 @@ def free_space(scene_map: SceneMap, size: RobotSize, prices: PriceList = WALK) -
 
 def whole_crosswalks(scene_map: SceneMap) -> SceneMap:
     """The map with the road between the stripes of a crosswalk as crosswalk: the authors' maps hold the stripes alone,
-    and ways would weave from one to the next."""
+    and paths would weave from one to the next."""
     stripes = scene_map.kind == KIND_INDEX["crosswalk"]
     road = np.isin(scene_map.kind, [KIND_INDEX["road"], KIND_INDEX["road_marking"]])
     between = closed(stripes, _MAX_STRIPE_GAP, scene_map.resolution) & road
@@ -176,7 +176,7 @@ def _edges(height: np.ndarray, step: float) -> np.ndarray:
 
 
 class GoalField:
-    """Cheapest ways from everywhere to one goal."""
+    """Cheapest paths from everywhere to one goal."""
 
     def __init__(self, space: FreeSpace, goal: np.ndarray) -> None:
         """`goal`: (2,) numbers of a passable planning cell."""
@@ -187,7 +187,7 @@ class GoalField:
         self.cost: np.ndarray = costs * space.pool * space.map.resolution
 
     def paths(self, starts: np.ndarray) -> list[np.ndarray]:
-        """For planning cells (n, 2) with finite cost the taut ways (k, 2) m from there to the goal."""
+        """For planning cells (n, 2) with finite cost the shortened paths (k, 2) m from there to the goal."""
         paths = []
         for start in starts:
             cells = np.array(self._search.traceback(tuple(int(c) for c in start)))[::-1]
@@ -234,7 +234,7 @@ def _costs_along(space: FreeSpace, path: np.ndarray) -> np.ndarray:
 def _pull(count: int) -> Generator[tuple[int, int], bool | None, list[int]]:
     """Cuts every stretch short that a straight line may replace, longest strides tried first by doubling.
 
-    Yields two of the numbers of the path's `count` points, is told whether the line between them may be taken, and
+    Yields two of the numbers of the path's `count` points, receives whether the line between them may be taken, and
     returns the numbers of the points that stay.
     """
     kept, here, last = [0], 0, count - 1

@@ -31,7 +31,7 @@ def convex_parts(polygon: np.ndarray, max_corners: int = 8) -> list[np.ndarray]:
     """Splits a simple counter-clockwise ring (n, 2) into few convex rings that cover it exactly.
 
     No part is cut inside: the only cuts are diagonals that remove a reflex corner, or that keep a convex part at
-    `max_corners` or fewer. Corners of the parts are corners of the polygon, so nothing is rounded.
+    `max_corners` or fewer. Corners of the parts are corners of the polygon, so no corner is rounded.
     """
     ring = without_straight_corners(polygon)
     rings = [list(range(len(ring)))]

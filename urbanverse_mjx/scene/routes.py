@@ -91,7 +91,7 @@ class RoutePlanner:
     def choose(self, seed: int = 0) -> list[Wanted]:
         """Twelve routes that show the scene: to either end of the longest path and to its middle, from far and near.
 
-        Empty where nothing is walkable for the robot.
+        Empty without walkable ground for the robot.
         """
         rng = np.random.default_rng([seed, 12])
         cells = self._places()
@@ -123,7 +123,7 @@ class RoutePlanner:
         return cells[on_sidewalk if on_sidewalk.any() else roomy]
 
     def _field(self, cell: tuple[int, int]) -> GoalField:
-        """Ways to a planning cell; the last few are kept."""
+        """Paths to a planning cell; the last few are kept."""
         if cell not in self._fields:
             if len(self._fields) == 4:
                 del self._fields[next(iter(self._fields))]

@@ -1,4 +1,4 @@
-"""Whether a scene stays as it is when what is movable is let go: two seconds of C MuJoCo."""
+"""Whether movable objects keep their places as free bodies: two seconds of C MuJoCo."""
 
 import dataclasses
 
@@ -14,7 +14,8 @@ SECONDS = 2.0
 TIMESTEP = 0.005
 #: m and rad from which an object has moved: hulls may overlap by 1 cm and settle by as much; a tipping object turns.
 SHIFT, TILT = 0.05, np.radians(10.0)
-#: m around what is movable within which fixed objects count: who has come farther has moved anyway.
+#: m around movable objects within which fixed objects are included: an object that comes farther counts as moved
+#: anyway.
 REACH = 0.5
 
 
@@ -32,9 +33,9 @@ def displacements(
 ) -> list[Displacement]:
     """The movable objects that leave their place within `seconds` at rest, the farthest first; empty when all stay.
 
-    Everything movable hangs on a free joint and starts where the scene has it; nothing pushes it but gravity and
-    contact. A state that is no longer finite counts as moved without end. `shift` (m) and `tilt` (rad): from
-    which an object has moved.
+    Every movable object has a free joint and starts in its place; only gravity and contacts act on it. A state that is
+    not finite counts as an infinite displacement. `shift` (m) and `tilt` (rad): thresholds from which an object has
+    moved.
     """
     scene = _around_movable(scene)
     if not scene.object_movable.any():

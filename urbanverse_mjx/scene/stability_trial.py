@@ -1,4 +1,4 @@
-"""Whether a whole scene stands still: everything that nothing holds is let go for two seconds, cars and benches too.
+"""Stability of a whole scene: all objects without a fixture, also cars and benches, are free bodies for two seconds.
 
 Held are: what hangs (awnings, signs, air conditioners), what is rooted (trees, lamps, bollards), what lives and keeps
 its own balance, and houses, because the ground ends a few metres behind their fronts.
@@ -17,7 +17,7 @@ from .stability import Displacement, displacements
 
 #: m over the ground from which an object's lowest point hangs.
 HANGS = 0.3
-#: How objects rest (`assets.categories.priors`) that are not let go.
+#: Kinds of support (`assets.categories.priors`) of objects that stay fixed.
 HELD = frozenset({"fixed", "alive", "hangs"})
 #: m and rad below which an object counts as still.
 SHIFT, TILT = 0.05, np.radians(5.0)
@@ -25,7 +25,7 @@ SHIFT, TILT = 0.05, np.radians(5.0)
 
 @dataclasses.dataclass(frozen=True)
 class StabilityTrial:
-    """How many objects were let go, ids of those that hang, and what moved, the farthest first."""
+    """Number of free objects, ids of those that hang, and of those that moved, the farthest first."""
 
     standing: int
     hanging: tuple[str, ...]

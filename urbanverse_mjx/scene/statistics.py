@@ -42,8 +42,8 @@ class SectionOptions:
       spacing: m between cross-sections.
       pooled_cells: cells of the map along a cell of the grid that their middle lines are found on.
       direction_radius: m from a cross-section's middle within which the middle line's direction is taken.
-      max_width_ratio: a cross-section that is this much wider than twice the distance to the nearest rim looks into a
-        corner.
+      max_width_ratio: a cross-section that is this much wider than twice the distance to the nearest border reaches
+        into a corner.
     """
 
     spacing: float = 0.5
@@ -91,7 +91,7 @@ def scene_statistics(geometry: SceneGeometry) -> dict[str, Any]:
 
 
 def house_mask(geometry: SceneGeometry) -> np.ndarray:
-    """(O,) bool: which objects are houses, whose ground nobody walks on."""
+    """(O,) bool: which objects are houses, whose ground is not walkable."""
     sizes = np.array([mesh.extent for mesh in geometry.meshes])[geometry.object_mesh].reshape(-1, 3)
     tall = (sizes[:, :2].min(1, initial=np.inf) >= HOUSE_SIDE) & (sizes[:, 2] >= HOUSE_HEIGHT)
     known = ontology.categories()
@@ -209,12 +209,12 @@ def _nearest(places: np.ndarray) -> np.ndarray:
 
 
 def _share(rows: np.ndarray) -> float:
-    """Share of True in (n,) bool, 0 of nothing."""
+    """Share of True in (n,) bool, 0 for n = 0."""
     return round(float(rows.mean()), 4) if len(rows) else 0.0
 
 
 def _quantiles(values: np.ndarray) -> dict[str, float]:
-    """The 10th, 50th and 90th percentile, nothing of nothing."""
+    """The 10th, 50th and 90th percentile, empty for no values."""
     if not len(values):
         return {}
     return {f"p{q}": round(float(np.percentile(values, q)), 3) for q in (10, 50, 90)}

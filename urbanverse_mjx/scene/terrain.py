@@ -4,9 +4,9 @@ In:   a seed.
 Out:  `SceneGeometry` of each kind and level; `SceneBank` of all.
 When: once, before training; it needs no asset.
 
-The ground is made of the same planar prisms as a street's, so both engines and C MuJoCo know it already. Kerbs run
-straight across a scene along y, where the boxes around the prisms are tight; a robot that starts with any heading meets
-them at any angle.
+The ground is made of the same planar prisms as a street's, so both engines and C MuJoCo support it. Kerbs run straight
+across a scene along y, where the boxes around the prisms are tight; a robot that starts with any heading meets them at
+any angle.
 """
 
 import dataclasses
@@ -168,7 +168,7 @@ def terrain_regions(kind: str, level: int, seed: int = 0) -> list[GroundRegion]:
 
 
 def _image() -> np.ndarray:
-    """(32, 32, 3) u8, a grey checkerboard: one sees the robot move over it."""
+    """(32, 32, 3) u8, a grey checkerboard, which makes the robot's motion visible."""
     board = (np.indices((32, 32)) // 16).sum(0) % 2
     return np.where(board[..., None], 150, 125).astype(np.uint8) * np.ones(3, np.uint8)
 

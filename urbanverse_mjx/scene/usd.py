@@ -145,8 +145,8 @@ def _add_asset(
 def _add_light(stage: Any, scene: SceneGeometry, sky: Sky, folder: pathlib.Path) -> None:
     """The panorama as dome light and the sun's disc beside it.
 
-    In a dome light's latitude-longitude image the middle column looks along +z, columns run towards -x, and +y is up
-    (UsdLux, OpenEXR). Turned up by 90° about x the middle looks along -y and columns run clockwise seen from above;
+    In a dome light's latitude-longitude image the middle column is the direction +z, columns run towards -x, and +y is
+    up (UsdLux, OpenEXR). After a rotation by 90° about x the middle is -y and columns run clockwise seen from above;
     ours run counter-clockwise with the middle along +x: mirrored, and turned by 90° about z, they agree.
     """
     from pxr import Gf, Sdf, UsdLux

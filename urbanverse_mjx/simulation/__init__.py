@@ -1,4 +1,4 @@
-"""The engines and the renderer: what happens in a scene, and what it looks like, one env at a time under `jax.vmap`."""
+"""The engines and the renderer: physics and images of a scene, one env at a time under `jax.vmap`."""
 
 import pathlib
 

@@ -12,7 +12,7 @@ from ..precision import full_precision
 from .collision_slots import body_contact, body_slots
 from .physics_model import make_physics_model
 
-#: Pairs of a sphere and an agent that may touch at once: one who stands against a flat side of COCO touches three.
+#: Pairs of a sphere and an agent that may touch at once: an agent at a flat side of COCO touches three.
 AGENT_CONTACTS = 6
 
 
@@ -28,7 +28,7 @@ class Substeps(NamedTuple):
 
 
 class EngineBase:
-    """The part of an engine that does not depend on who computes the physics; for the arguments see the engines.
+    """The part of an engine that is independent of the physics backend; for the arguments see the engines.
 
     Raises:
       ValidationError: a control period that is no multiple of the time step, no slots, or a bank whose grids do not
@@ -61,7 +61,7 @@ class EngineBase:
             )
         self.num_slots = v.integer(num_slots, "engine.num_slots", 0)
         self.num_prism_slots = v.integer(num_prism_slots, "engine.num_prism_slots", 1)
-        #: Farthest that a hull may be and still be touched before the next look-up, m.
+        #: m, largest distance of a hull that can be touched before the next look-up.
         self.reach = robot.circumradius + robot.max_speed * control_dt
         grid_reach = float(bank.meta["grid_reach"])
         if self.reach > grid_reach + 1e-6:

@@ -46,7 +46,7 @@ def make_engine(
     if physics_dt is not None and physics_dt != robot.physics_timestep:
         robot = with_timestep(robot, physics_dt)
     if choose_impl(impl) == "warp":
-        # Warp takes a second to import, and says so: only those who use it pay.
+        # Warp takes a second to import and prints a message, so it is imported on first use.
         from .warp_engine import WarpEngine
 
         return WarpEngine(

@@ -1,8 +1,7 @@
 """`GaitEngine`: a robot on legs as a `Simulator` that takes body velocities.
 
-In:   an engine at the gait's rate, the gait; then `SimState` and what the gait is told.
-Out:  `SimState`.
-When: every control step of whoever steers, inside jit, alone or under any nesting of `jax.vmap`.
+In: an engine at the gait's rate, the gait; then `SimState` and the gait's command. Out: `SimState`. When: every control
+step of the navigation policy, inside jit, alone or under any nesting of `jax.vmap`.
 
 A control step is several steps of the gait, each of which feels, thinks and asks the servos, as on the robot. What the
 gait remembers travels in `SimState.carry` behind what the engine below keeps there.

@@ -37,7 +37,7 @@ def check_kernels(cache: pathlib.Path) -> None:
 
 
 def _modules(cache: pathlib.Path) -> list[pathlib.Path]:
-    """Folders of finished modules; Warp builds each in a folder whose name goes on, and renames it."""
+    """Folders of finished modules; Warp builds each in a folder with a longer name, and renames it."""
     with contextlib.suppress(OSError):
         return [path for path in sorted(cache.glob("wp_*")) if path.is_dir() and (path / f"{path.name}.meta").exists()]
     return []

@@ -1,4 +1,4 @@
-"""The physics model: the robot alone, with what the engine must know of its collision spheres.
+"""The physics model: the robot alone, with the engine's tables of its collision spheres.
 
 In:   `RobotSpec`.
 Out:  `PhysicsModel`: MuJoCo and MJX models without one hull, and constants per sphere.
@@ -77,7 +77,7 @@ class PhysicsModel:
 
     Attributes:
       spec: the robot.
-      model: MuJoCo's model of the robot alone, nothing visual in it.
+      model: MuJoCo's model of the robot alone, without visual geoms.
       mjx_model: the same for MJX.
       spheres: see `SphereTable`; limits: see `LimitTable`.
       root: number of the free body.

@@ -1,7 +1,7 @@
 """Calls from jitted JAX code into Warp: one world's call that works alone and under any nesting of `jax.vmap`.
 
-Whoever is called stands in a registry under a small number, and compiled code carries that number alone: JAX and Warp
-keep compiled functions for ever, and so a deleted renderer can give its memory back.
+A registry maps a small number to each callee, and compiled code holds that number alone: JAX and Warp keep compiled
+functions for ever, and this way a deleted renderer releases its memory.
 """
 
 import collections
@@ -27,7 +27,7 @@ _device_locks: collections.defaultdict[str, threading.RLock] = collections.defau
 
 
 def register(owner: Any) -> int:
-    """A number under which `owner` is found for as long as somebody holds it."""
+    """A number under which `owner` is found while a reference to it exists."""
     with _lock:
         number = next(_numbers)
         _registry[number] = owner
@@ -57,7 +57,7 @@ def jax_callable(
 ) -> Any:
     """A call from JAX into Warp: (number of the owner, arrays, output_dims=shapes by name) -> outputs in their order.
 
-    Warp takes what goes in and out from a function's signature, which is written here after the two tables. JAX keeps
+    Warp reads inputs and outputs from a function's signature, which is generated here from the two tables. JAX keeps
     every call for ever, so each kind is to be made once.
 
     Args:
@@ -131,7 +131,7 @@ def batched_call(batch: Callable[..., Any]) -> Callable[..., Any]:
 
     Returns:
       A pure function for one world, jitted; under (nested) `jax.vmap` all axes are flattened into one call of `batch`.
-      Tracing it, for shapes alone or for a vmap, runs nothing.
+      Tracing it, for shapes alone or for a vmap, launches no kernel.
     """
 
     @jax.custom_batching.custom_vmap

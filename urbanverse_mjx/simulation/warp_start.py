@@ -7,7 +7,7 @@ import tempfile
 
 import warp
 
-#: What Warp's native library writes to standard error where it finds no driver; nothing switches it off.
+#: Message of Warp's native library on standard error where it finds no driver; it has no switch.
 NO_DRIVER = "Warp CUDA warning: Could not find or load the NVIDIA CUDA driver"
 
 
@@ -24,7 +24,7 @@ def has_cuda_driver() -> bool:
 
 
 def start_warp() -> None:
-    """Starts Warp once per process; on a machine without CUDA the absence of its driver is no news and is not told.
+    """Starts Warp once per process; on a machine without CUDA its message about the missing driver is suppressed.
 
     Whatever else Warp writes while it starts is passed on.
     """

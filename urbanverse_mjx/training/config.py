@@ -17,7 +17,7 @@ def default_ppo_config(preset: str = "paper", environment: str = "CocoNav") -> C
     return registry.get_ppo_config(environment, preset)
 
 
-#: Fields of our configs that `ppo.train` of Brax knows by the same name.
+#: Fields of our configs with the same name in Brax's `ppo.train`.
 _SAME = (
     "num_envs",
     "unroll_length",

@@ -1,8 +1,8 @@
 """Imitation of a privileged teacher by a student with a camera: DAgger, the student drives and the teacher labels.
 
-Every iteration steps all envs for a few control steps, mostly by the student and in some envs by the teacher, asks the
-teacher what it would have done in each visited state, and fits the student to these answers; nothing older is kept.
-(Ross et al., "A Reduction of Imitation Learning and Structured Prediction to No-Regret Online Learning", 2011.)
+Every iteration steps all envs for a few control steps, mostly by the student and in some envs by the teacher, queries
+the teacher's action in each visited state, and fits the student to these labels; older data are dropped. (Ross et al.,
+"A Reduction of Imitation Learning and Structured Prediction to No-Regret Online Learning", 2011.)
 
 Half of the envs are seen in a mirror (`sequences`).
 """
@@ -20,8 +20,8 @@ from .networks import PIXELS
 from .sequences import LATERAL_ACTION, epochs, mirror_lateral, mirrored_target, mirrored_view, relit
 from .student import SEEN, Student
 
-#: (parameters, `State` of n envs, key) -> actions (n, action_size): a teacher. A network asks for the observations
-#: alone, a planner for where the robot stands.
+#: (parameters, `State` of n envs, key) -> actions (n, action_size): a teacher. A network uses the observations alone, a
+#: planner the robot's pose.
 Teacher = Callable[[Any, Any, jax.Array], jax.Array]
 
 
@@ -29,15 +29,14 @@ def default_dagger_config() -> ConfigDict:
     """A fresh configuration.
 
     Fields:
-      algorithm: "dagger", by which a saved policy says what it is.
-      num_envs, unroll_length: envs, and control steps of an iteration.
+      algorithm: "dagger", the type tag of a saved policy. num_envs, unroll_length: envs, and control steps of an
+        iteration.
       epochs, minibatches: passes over an iteration's states, and parts (of envs) that a pass is cut into.
       teacher_share: of the envs that the teacher drives; `warm_up` env-steps long it falls from 1 to that.
-      noise: standard deviation of what is added to the student's actions.
+      noise: standard deviation of the noise on the student's actions.
       auxiliary: weight of the predicted map in the loss.
-      mirror: half of the envs are seen in a mirror.
-      light, pixel_noise: share by which brightness, contrast and colour of a sequence differ, and standard deviation
-        of each pixel, both of the full range.
+      mirror: half of the envs have mirrored observations. light, pixel_noise: share by which brightness, contrast and
+        colour of a sequence differ, and standard deviation of each pixel, both of the full range.
     """
     return ConfigDict(
         {
@@ -112,10 +111,9 @@ class Dagger:
     """The algorithm over a wrapped env (`wrap_for_training`).
 
     Args:
-      env: batched and auto-resetting; its observations hold `SEEN`, `privileged_map` and what the teacher sees.
-      teacher: (parameters, state of the envs, key) -> actions.
-      config: see `default_dagger_config`.
-      teacher_params: its parameters; may be set later, as long as shapes stay what they were.
+      env: batched and auto-resetting; its observations hold `SEEN`, `privileged_map` and those of the teacher. teacher:
+        (parameters, state of the envs, key) -> actions. config: see `default_dagger_config`. teacher_params: its
+        parameters; may be set later with the same shapes.
     """
 
     def __init__(self, env: Any, teacher: Teacher, config: ConfigDict, teacher_params: Any = None) -> None:
@@ -128,7 +126,7 @@ class Dagger:
         self._optimizer = optax.chain(optax.clip_by_global_norm(config.max_grad_norm), optax.scale_by_adam())
         self.steps_per_iteration = int(config.num_envs) * int(config.unroll_length)
         self._reset = jax.jit(env.reset)
-        # The teacher's parameters are an argument: what is compiled does not depend on who teaches.
+        # The teacher's parameters are an argument, so compiled code does not depend on the teacher.
         self._compiled: Any = jax.jit(self._iterate, donate_argnums=0)
 
     def compile(self) -> None:

@@ -59,8 +59,8 @@ def export_onnx(source: pathlib.Path, out: pathlib.Path) -> PolicyRecord:
     """Writes the newest policy under `source` as the ONNX file `out`; returns what its metadata say.
 
     Raises:
-      ValidationError: no policy there, another ending than .onnx, or an answer that differs from JAX's by more than
-        `TOLERANCE` over `OBSERVATIONS` random observations; nothing is written then.
+      ValidationError: no policy there, another ending than .onnx, or an output that differs from JAX's by more than
+        `TOLERANCE` over `OBSERVATIONS` random observations; no file is written then.
     """
     if out.suffix != ".onnx":
         raise ValidationError(f"export-onnx: found {out.name!r} to write, needed a name that ends in .onnx.")
@@ -138,7 +138,7 @@ def _student_step(network: Any, params: Any, values: tuple[jax.Array, ...]) -> t
     obs = {name: x[None] for name, x in zip(SEEN, values, strict=False)}
     goal = values[SEEN.index("goal")]
     memory = values[len(SEEN)] if network.memory else jnp.zeros((goal.shape[0], 0))
-    # Who drives gives zeros when an episode begins.
+    # The caller passes zeros when an episode begins.
     begins = jnp.zeros((1, goal.shape[0]), bool)
     action, memory, _ = network.apply(params, obs, memory, begins)
     return action[0], memory
@@ -241,7 +241,7 @@ def _about(name: str, config: dict[str, Any]) -> tuple[str, str, str]:
 
 
 def _view(config: dict[str, Any]) -> str:
-    """How much the camera of the config's robot sees."""
+    """Field of view of the camera of the config's robot."""
     import mujoco
 
     from ..envs.robot import make_robot

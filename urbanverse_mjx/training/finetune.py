@@ -1,8 +1,8 @@
 """PPO of a student with a camera after imitation: it learns from its own episodes what its teacher could not show it.
 
-A privileged teacher drives as close to objects as it can measure; a student that sees images has to keep a distance
-that only its own mistakes can teach. The critic sees what the teacher sees and learns alone at first, the steps of the
-actor are small, and the teacher's answers stay in the loss as an anchor that fades. Algorithm: Schulman et al.,
+A privileged teacher with exact distances drives close to objects; a student with images needs larger margins, which it
+can learn only from its own failures. The critic has the teacher's observations and trains alone at first, the steps of
+the actor are small, and the teacher's labels stay in the loss with a weight that falls. Algorithm: Schulman et al.,
 "Proximal Policy Optimization Algorithms", 2017, over whole sequences, so that a memory is trained through time; the
 anchor: Schmitt et al., "Kickstarting Deep Reinforcement Learning", 2018.
 """
@@ -31,8 +31,8 @@ def default_finetune_config() -> ConfigDict:
       learning_rate, final_learning_rate: of the actor, from the end of `critic_only` to the end of the training.
       critic_learning_rate: constant. critic_only: env-steps in which the actor does not change.
       noise: standard deviation of the actions around the student's; it does not learn.
-      imitation, final_imitation: weight of the teacher's answers in the loss, at the begin and at the end.
-      reward_scaling: rewards are multiplied by this before the critic sees them.
+      imitation, final_imitation: weight of the teacher's labels in the loss, at the begin and at the end.
+        reward_scaling: factor of the rewards for the critic.
       auxiliary, mirror, light, pixel_noise: as in `dagger.default_dagger_config`.
       map_layers, critic_hidden: of the critic.
     """
@@ -88,9 +88,9 @@ class Batch(NamedTuple):
     """What an iteration learns from; all (T, n, ...).
 
     Attributes:
-      obs: `SEEN`, mirrored where the env is. privileged: what the critic sees, never mirrored.
-      action: as the student took it, not clipped. mean: of the distribution that it was drawn from.
-      label: the teacher's answer. target: the map to predict. begins: bool.
+      obs: `SEEN`, mirrored where the env is. privileged: the critic's observation, never mirrored. action: of the
+        student, not clipped. mean: of the distribution that it was drawn from.
+      label: the teacher's action. target: the map to predict. begins: bool.
       advantage, returns: f32, in scaled rewards.
     """
 
@@ -115,7 +115,7 @@ def advantages(
       discount, trace: gamma and lambda.
 
     Returns:
-      (T, n). An end is an end, a timeout too: the critic sees how much of the time is left.
+      (T, n). Time-outs count as ends too, because the critic observes the time left.
     """
 
     def back(carry: tuple[jax.Array, jax.Array], step: tuple[jax.Array, ...]) -> tuple[Any, jax.Array]:
@@ -138,11 +138,10 @@ class Finetune:
     """The algorithm over a wrapped env (`wrap_for_training`).
 
     Args:
-      env: batched and auto-resetting; its observations hold `student.SEEN`, `privileged`, `privileged_map` and what
-        the teacher sees.
-      teacher: (parameters, state of the envs, key) -> actions.
-      dagger_config: the student was trained by; names its network. config: see `default_finetune_config`.
-      teacher_params: its parameters; may be set later, as long as shapes stay what they were.
+      env: batched and auto-resetting; its observations hold `student.SEEN`, `privileged`, `privileged_map` and those of
+        the teacher. teacher: (parameters, state of the envs, key) -> actions. dagger_config: of the student's training,
+        with its network. config: see `default_finetune_config`. teacher_params: its parameters; may be set later with
+        the same shapes.
     """
 
     def __init__(

@@ -38,14 +38,13 @@ def distil(
       env: not wrapped; its observations hold `student.SEEN` and `privileged_map`.
       config: see `dagger.default_dagger_config`, with `num_timesteps` and `num_checkpoints`.
       folder: run folder; checkpoints/<steps>/, state.npz, state-before.npz, log.jsonl and TensorBoard events go there.
-      teacher: asked in every visited state.
-      resume: go on from the newest checkpoint there, to the digits of a run that never stopped, as long as
-        `num_timesteps` stays what it was. Where that checkpoint is damaged, from the one before it, with a line on
-        standard error.
+      teacher: labels every visited state. resume: continue from the newest checkpoint there, bit-equal to an
+        uninterrupted run if `num_timesteps` is unchanged. Where that checkpoint is damaged, from the one before it,
+        with a line on standard error.
 
     Raises:
-      ValidationError: a folder in use, nothing to resume or nothing left to do, or a resumed run that would train
-        something else.
+      ValidationError: a folder in use, no run to resume or one that is complete, or a resumed run with another
+        configuration.
     """
     folder = folder.absolute()
     learner = Dagger(wrap_for_training(env, env.config.episode_length), teacher, config)
@@ -65,7 +64,7 @@ def distil(
 
     def on_iteration(number: int, state: DaggerState, said: dict[str, float]) -> None:
         ended = said.pop("ended")
-        # Shares of no episodes say nothing.
+        # Shares of no episodes are undefined.
         shares = {f"episode/{k}": said.pop(k) for k in ("success", "hit", "off_traversable", "timeout")}
         log((number - done) * each, {**(shares if ended else {}), **{f"training/{k}": x for k, x in said.items()}})
         if number % every == 0 or number == iterations:
@@ -112,7 +111,7 @@ def _newest_state(folder: pathlib.Path, like: DaggerState) -> DaggerState:
 def _replace_missing_policy(
     environment: str, env: Any, config: ConfigDict, folder: pathlib.Path, params: Any, steps: int
 ) -> None:
-    """Writes the policy of the state that a run goes on from, where a kill or damage took it."""
+    """Writes the policy of the state from which a run continues, if a kill or damage removed it."""
     checkpoints = folder / "checkpoints"
     path = policy_path(checkpoints, steps)
     with contextlib.suppress(ValidationError):

@@ -1,4 +1,4 @@
-"""Networks for tasks without pixels: an actor on what the robot feels, a critic that may know more.
+"""Networks for tasks without pixels: an actor on proprioception, a critic with privileged observations.
 
 Observations come in units near 1 (`envs.joystick`), so no statistics of them are kept that could drift.
 """

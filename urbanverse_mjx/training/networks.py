@@ -134,7 +134,7 @@ class Actor(nn.Module):
 
 
 class Critic(nn.Module):
-    """Value of a state; sees what the actor sees, and privileged values if given."""
+    """Value of a state; from the actor's observations, and privileged values if given."""
 
     trunk: Trunk
     privileged: bool

@@ -118,7 +118,7 @@ def save_policy(folder: pathlib.Path, params: Any, spec: PolicySpec) -> pathlib.
     import orbax.checkpoint as ocp
 
     path = policy_path(folder, spec.steps)
-    # Orbax would wait for all processes of a training over several hosts, of which the others write nothing.
+    # Orbax would wait for all processes of a training over several hosts, of which only the first writes.
     me = jax.process_index()
     alone = ocp.options.MultiprocessingOptions(me, {me}, "policy" if jax.process_count() > 1 else None)
     writer = ocp.Checkpointer(ocp.PyTreeCheckpointHandler(multiprocessing_options=alone), multiprocessing_options=alone)

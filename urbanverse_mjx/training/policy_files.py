@@ -37,7 +37,7 @@ def check(path: pathlib.Path) -> None:
     """
     body = v.read_json(path, "policy")
     if not isinstance(body, dict) or not set(SEAL) & set(body):
-        return  # from before there were checksums, or no policy, which its reader says better
+        return  # from before there were checksums, or no policy, for which its reader gives the better error
     files = body.get("files")
     if not isinstance(files, dict) or body.get("checksum") != _checksum(body):
         raise v.fail(str(path), "other content than its checksum says", _NEEDED)

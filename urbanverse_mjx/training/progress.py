@@ -1,4 +1,4 @@
-"""Where a training says how it goes: a progress bar, a JSONL log and TensorBoard."""
+"""Progress of a training: a progress bar, a JSONL log and TensorBoard."""
 
 import json
 import pathlib
@@ -17,7 +17,7 @@ class TrainingLog:
     Args:
       folder: run folder; `log.jsonl` and TensorBoard's event file go there.
       total: env-steps of the whole run, start: steps already done by earlier segments.
-      quiet: nothing on standard error.
+      quiet: print no progress on standard error.
     """
 
     def __init__(self, folder: pathlib.Path, total: int, start: int = 0, quiet: bool = False):
@@ -69,7 +69,7 @@ def _how_it_goes(values: Mapping[str, float]) -> str:
 
 
 def _tidy(name: str) -> str:
-    """Brax files losses and episode sums under "episode/"; ours are told apart by name."""
+    """Brax files losses and episode sums under "episode/"; ours have names of their own."""
     loss = ("total_loss", "policy_loss", "v_loss", "entropy_loss", "kl_mean", "learning_rate")
     base = name.removeprefix("episode/")
     return f"training/{base}" if base in loss else name

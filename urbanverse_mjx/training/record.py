@@ -23,7 +23,7 @@ MAY_CHANGE = ("num_timesteps", "num_checkpoints")
 
 @dataclasses.dataclass(frozen=True)
 class RunRequest:
-    """What a caller says about a run; None, and keys left out, are not said.
+    """A caller's settings of a run; None and missing keys mean not given.
 
     Attributes:
       environment: registered name; preset: of the environment and of PPO.
@@ -133,10 +133,10 @@ def begin_segment(
     from_steps: int,
     start_from: pathlib.Path | None = None,
 ) -> RunRecord:
-    """The record with one more segment; nothing is written. A run that goes on has `from_steps` above 0.
+    """The record with one more segment, not written to a file. A resumed run has `from_steps` above 0.
 
     Raises:
-      ValidationError: a run that goes on would train something else than its record says.
+      ValidationError: a resumed run with settings other than those of its record.
     """
     earlier: tuple[dict[str, Any], ...] = ()
     if from_steps:

@@ -83,15 +83,15 @@ def train(
       env: not wrapped.
       ppo_config: see `config.default_ppo_config`.
       folder: run folder; checkpoints/<steps>/, log.jsonl and TensorBoard events go there.
-      resume: go on from the newest checkpoint there. Brax restores the networks, not Adam's moments and not the
-        episodes under way: those start anew, with another seed, and the step counter goes on. `environment`, the
-        env's config and scenes and `ppo_config` must be the run's own but for `record.MAY_CHANGE`.
-      start_from: a policy whose networks to begin with, e.g. one that drove another robot; a new critic where it has
-        none. Not with `resume`.
+      resume: continue from the newest checkpoint there. Brax restores the networks, but neither Adam's moments nor the
+        running episodes: those start anew, with another seed, and the step counter continues. `environment`, the env's
+        config and scenes and `ppo_config` must be the run's own but for `record.MAY_CHANGE`.
+      start_from: a policy with the initial networks, e.g. one of another robot; with a new critic if it has none. Not
+        with `resume`.
 
     Raises:
-      ValidationError: sizes that do not divide, a folder in use, nothing to resume, a resumed run that would train
-        something else, networks of other shapes to start from.
+      ValidationError: sizes that do not divide, a folder in use, no run to resume, a resumed run with another
+        configuration, networks of other shapes to start from.
     """
     ppo = load_ppo()
     folder = folder.absolute()
@@ -159,8 +159,8 @@ def join_processes(coordinator: str, num_processes: int | None, process_id: int 
     `num_envs` counts the envs of all of them. Only the first writes.
 
     Args:
-      coordinator: "host:port" of the first process; "auto" where JAX knows the cluster (Slurm, Open MPI, Kubernetes).
-      num_processes, process_id: how many there are, and which this is; needed unless "auto".
+      coordinator: "host:port" of the first process; "auto" where JAX detects the cluster (Slurm, Open MPI, Kubernetes).
+        num_processes, process_id: their number, and that of this one; needed unless "auto".
 
     Raises:
       ValidationError: a coordinator without numbers, or a number outside its range.

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from ..datatypes import ValidationError
 
-#: Held by the process at work, whose id stands in it.
+#: Locked by the running process; contains its id.
 LOCK = ".lock"
 #: What Orbax calls a checkpoint before it is whole.
 _HALF_A_CHECKPOINT = "checkpoints/[0-9]*.orbax-checkpoint-tmp*"

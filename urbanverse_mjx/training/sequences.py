@@ -29,7 +29,7 @@ def mirror_lateral(values: jax.Array, mirrored: jax.Array, lateral: tuple[int, .
 
 
 def mirrored_view(obs: Mapping[str, jax.Array], mirrored: jax.Array) -> dict[str, jax.Array]:
-    """`SEEN` of n envs as the student sees them; proprio is (forward, lateral, yaw rate, action x, action y)."""
+    """`SEEN` of n envs as the student's inputs; proprio is (forward, lateral, yaw rate, action x, action y)."""
     wide = mirrored[:, None, None, None]
     return {
         PIXELS: jnp.where(wide, obs[PIXELS][:, :, ::-1], obs[PIXELS]),

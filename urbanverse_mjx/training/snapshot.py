@@ -1,4 +1,4 @@
-"""The whole state of a training as one file, from which it goes on as if it had never stopped.
+"""The whole state of a training as one file, from which it continues bit-equal.
 
 A pytree's leaves, random keys included, in the order in which JAX flattens it; the structure itself comes from the
 algorithm, which makes the same one anew.

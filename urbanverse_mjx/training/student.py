@@ -1,7 +1,7 @@
 """The network of a student: camera, goal and proprioception to an action, with or without a memory.
 
-It also predicts the distances around the robot (`privileged_map`) from the features that the action is made of, which
-training may ask for as an auxiliary loss: a policy that can tell them has looked at its surroundings.
+It also predicts the distances around the robot (`privileged_map`) from the features of the action, as an optional
+auxiliary loss that makes the features encode the surroundings.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from flax import linen as nn
 from .map_networks import MAP_SHAPE
 from .networks import PIXELS, Encoder, goal_features
 
-#: Observations that a student sees.
+#: Observations of a student.
 SEEN = (PIXELS, "goal", "proprio")
 #: Cells of the predicted map, a quarter of `privileged_map`'s: (X, Y, hull and edge).
 PREDICTED = (10, 8, 2)
@@ -39,7 +39,7 @@ class Student(nn.Module):
       layers: (depth, kernel, stride) of the conv layers. hidden: units of the dense layers.
       memory: units of the GRU; 0 = none.
       dtype: of the convolutions' arithmetic.
-      single_step: sequences have one step, so nothing is scanned: ONNX has no scan over a batch of unknown size.
+      single_step: sequences have one step, without a scan: ONNX has no scan over a batch of unknown size.
     """
 
     layers: Sequence[tuple[int, int, int]]

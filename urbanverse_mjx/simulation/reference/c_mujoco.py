@@ -45,10 +45,10 @@ class Trace:
 
     Attributes:
       qpos: (N, S, nq) after each physics step.
-      hit: (N, S) bool: the robot touched an object, or something that is no foot touched the ground.
+      hit: (N, S) bool: the robot touched an object, or a part other than a foot touched the ground.
       objects: N sets of the ids of the objects touched.
-      ground: (N,) bool, whether something that is no foot touched the ground.
-      met: (N, S) bool, hit, or a foot against a kerb; None where nobody looked: hits alone.
+      ground: (N,) bool, whether a part other than a foot touched the ground. met: (N, S) bool, hit, or a foot against a
+        kerb; None if only hits were recorded.
     """
 
     qpos: np.ndarray
@@ -63,11 +63,11 @@ class ParityReport:
     """Differences of an engine from C MuJoCo, per drive; positions of the robot's body.
 
     Attributes:
-      before: (N,) m, largest until the robot first meets anything (the whole drive where it does not): what it hits, or
-        a kerb that a foot stands against, where rolling over the edge or not is a matter of micrometres.
+      before: (N,) m, largest until the robot first meets an obstacle (else over the whole drive): an object, or a kerb
+        against a foot, where micrometres decide whether it rolls over the edge.
       before_time: (N,) s into the drive, when that was.
       onset: (N,) i32 physics steps between the first touches; 0 where neither touches, -1 where only one does.
-      after: (N,) m, one second after that; NaN where there is nothing to meet or the drive ends earlier.
+      after: (N,) m, one second after that; NaN where there is no obstacle or the drive ends earlier.
       after_time: (N,) s into the drive, when that was.
       hit: (N,) bool, touched in C MuJoCo.
       objects_agree: (N,) bool: the engine names only objects that were touched, and the same about the ground.

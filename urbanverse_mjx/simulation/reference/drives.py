@@ -1,4 +1,4 @@
-"""Drives for comparing engines: where robots start, what they are told, and what they are meant to meet.
+"""Drives for comparing engines: starts, commands and intended obstacles.
 
 In:   the bank, the robot, a seed.
 Out:  `Drives`.
@@ -16,7 +16,7 @@ from ...geometry import rotations
 
 #: What a drive is meant to meet; an aimed one starts where an episode does and heads for an object at any angle.
 KINDS = ("free", "ramp", "kerb", "graze", "head_on", "wedge", "aimed")
-#: Proposals looked at together, and how often, before a scene counts as having no such place.
+#: Proposals per round, and rounds, before a scene counts as having no such place.
 _PROPOSALS, _ROUNDS = 64, 6
 #: m between the robot's shell and whatever a drive shall not meet.
 _CLEARANCE = 0.3
@@ -37,7 +37,7 @@ class Drives:
       scene: (N,) i32 rows of the bank.
       qpos: (N, nq) f32 starts, at rest.
       ctrl: (T, N, nu) f32 actuator commands.
-      kind: (N,) what each is meant to meet, of `KINDS`; empty where nobody said.
+      kind: (N,) intended obstacle of each, of `KINDS`; empty if not given.
     """
 
     scene: np.ndarray
@@ -176,7 +176,7 @@ def _between_objects(street: _Street, robot: RobotSpec, rng: np.random.Generator
 
 
 def _good_starts(street: _Street, robot: RobotSpec, plan: _Plan) -> np.ndarray:
-    """Numbers of the plans that start on flat ground with nothing in the way."""
+    """Numbers of the plans that start on flat ground without an obstacle."""
     corners = robot.planner_radius * 0.8 * np.array([(0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)])
     height = street.height((plan.place[:, None] + corners).reshape(-1, 2)).reshape(-1, len(corners))
     free = street.clearance(np.column_stack([plan.place, height[:, 0] + _WIDEST_HEIGHT]))
@@ -184,7 +184,7 @@ def _good_starts(street: _Street, robot: RobotSpec, plan: _Plan) -> np.ndarray:
 
 
 def _suits(kind: str, street: _Street, robot: RobotSpec, path: np.ndarray) -> bool:
-    """Whether a path (k, 2) meets what a drive of the kind shall, and nothing else."""
+    """Whether a path (k, 2) meets the obstacle of its kind of drive, and no other."""
     ground = street.height(path)
     free = street.clearance(np.column_stack([path, np.full(len(path), ground[0] + _WIDEST_HEIGHT)])).min()
     if np.isnan(ground).any():

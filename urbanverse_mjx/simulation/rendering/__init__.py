@@ -1,1 +1,1 @@
-"""What a camera sees: the render model of a bank, and the kernels that draw the streets of a batch of envs."""
+"""Camera images: the render model of a bank, and the kernels that draw the streets of a batch of envs."""

@@ -1,4 +1,4 @@
-"""Cameras that people look through: towards a point, and behind a robot."""
+"""Cameras for videos and images: towards a point, and behind a robot."""
 
 from typing import Any
 
@@ -19,11 +19,10 @@ _BATCH = 16
 
 
 def look_at(camera_position: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> np.ndarray:
-    """(4,) wxyz rotation R_world_camera of a camera at `camera_position` that looks at `target` with `up` upwards (3,)
-    each.
+    """(4,) wxyz rotation R_world_camera of a camera at `camera_position` towards `target` with `up` upwards (3,) each.
 
     Raises:
-      ValidationError: camera position and target coincide, or the camera would look along `up`.
+      ValidationError: camera position and target coincide, or the view is along `up`.
     """
     back = np.asarray(camera_position, np.float64) - np.asarray(target, np.float64)
     right = np.cross(np.asarray(up, np.float64), back)

@@ -1,6 +1,6 @@
 """The render model: one MjModel with every mesh, texture and material of a bank, N slots and the robot's surfaces.
 
-All geoms hang on the world body, so the model has no joint and no dynamics: who renders writes the geoms' poses.
+All geoms belong to the world body, so the model has no joint and no dynamics: the renderer writes the geoms' poses.
 Hulls are not in it, because the renderer builds a search tree for every mesh it is given.
 """
 
@@ -46,14 +46,13 @@ class RenderModel:
     """What the renderer draws.
 
     Attributes:
-      model: compiled; geoms [0, N) are the slots, [N, N + R) what moves: the robot's visual geoms, then one geom for
-        each agent; all are meshes.
-      vertices (ΣV, 3), normals (ΣVn, 3) f32: `model.mesh_vert` and `mesh_normal` turned back into the frames in
-        which the meshes were authored (the compiler moves every mesh to its inertial frame).
-      num_slots: N. absent_material: a material nobody sees, for empty slots.
-      robot_body (R,) i32, robot_position (R, 3) f32, robot_rotation (R, 3, 3) f32: T_body_geom.
-      robot_half (R, 2, 3) f32: centre and half size of the box around each robot geom in the geom's frame.
-      labels (R, 2) i32: "object" and "category" of what moves.
+      model: compiled; geoms [0, N) are the slots, [N, N + R) the moving ones: the robot's visual geoms, then one geom
+        for each agent; all are meshes. vertices (ΣV, 3), normals (ΣVn, 3) f32: `model.mesh_vert` and `mesh_normal`
+        turned back into the frames in which the meshes were authored (the compiler moves every mesh to its inertial
+        frame).
+      num_slots: N. absent_material: an invisible material, for empty slots. robot_body (R,) i32, robot_position (R, 3)
+        f32, robot_rotation (R, 3, 3) f32: T_body_geom. robot_half (R, 2, 3) f32: centre and half size of the box around
+        each robot geom in the geom's frame. labels (R, 2) i32: "object" and "category" of the moving geoms.
       num_bodies: bodies of the robot's model, the world included (1 without a robot), and behind them the agents.
       num_agents: how many of the bodies are agents.
       cameras: the robot's cameras by name.
@@ -233,7 +232,7 @@ def _cameras(robot: mujoco.MjModel) -> dict[str, RobotCamera]:
 
 
 def _add_agents(spec: mujoco.MjSpec, bank: SceneBank, appearances: Sequence[int]) -> np.ndarray:
-    """Adds a geom for each agent, which looks like row `appearances[i]` of the bank's agents; (A, 2, 3) their boxes."""
+    """Adds a geom for each agent, with the mesh of row `appearances[i]` of the bank's agents; (A, 2, 3) their boxes."""
     boxes, known = [], len(bank.agents["mesh"])
     for appearance in appearances:
         if not 0 <= appearance < known:
@@ -263,14 +262,14 @@ def build_render_model(bank: SceneBank, robot: RobotSpec | None, appearances: Se
       appearances: row of the bank's agents for each agent.
 
     Raises:
-      ValidationError: the bank shows nothing, the robot has a visual geom without a surface, or the bank has no such
-        appearance.
+      ValidationError: the bank has no visual mesh, the robot has a visual geom without a surface, or the bank has no
+        such appearance.
     """
     if bank.num_meshes == 0 or bank.slot_mesh.size == 0:
         raise ValidationError("bank.slot_mesh: found no visual slot or no mesh; needed at least one; rebuild the bank")
     spec = mujoco.MjSpec()
     spec.stat.extent = 1.0
-    # `visual.map` has a field whose name is taken by nothing else: the far and near planes, in extents.
+    # `visual.map` holds the far and near planes, in extents of the model (here 1 m).
     spec.visual.map.znear, spec.visual.map.zfar = NEAR, FAR
     spec.visual.headlight.active = 0
     _add_bank(spec, bank)

@@ -1,4 +1,4 @@
-"""All that we take from mujoco-warp-pbr's private modules; nothing else imports them.
+"""All names used of mujoco-warp-pbr's private modules; no other module imports these.
 
 Its public calls draw worlds of its own. Streets share one tree and differ by tables, so that our kernels call its Warp
 functions of materials, blurred skies and tone, and its makers of the tables that these read.

@@ -1,7 +1,7 @@
 """`Renderer`: what robots see, for many envs at once and each in its own scene, inside jitted JAX code.
 
-Warp draws, on the CPU and on CUDA, by our own walk through search trees that are built once (`street_*.py`) and with
-mujoco-warp-pbr's materials; this module is the only one that the rest of the program knows of either.
+Warp draws, on the CPU and on CUDA, by our own traversal of search trees that are built once (`street_*.py`) and with
+mujoco-warp-pbr's materials; the rest of the program uses both through this module only.
 """
 
 import concurrent.futures
@@ -23,7 +23,7 @@ from .model import build_render_model
 from .settings import AGENT_LABEL, NOWHERE, OUTPUTS, ROBOT_LABEL, SHADINGS, SKY_LABEL, Settings
 from .street_batch import StreetBatch, Streets
 
-#: m and 1 - cos of half the angle from which an object stands elsewhere than in the bank, to be seen at all.
+#: m and 1 - cos of half the angle from which an object counts as moved from its place in the bank.
 _MIN_SHIFT, _MIN_TURN = 1e-3, 1e-6
 
 __all__ = ["AGENT_LABEL", "OUTPUTS", "ROBOT_LABEL", "SKY_LABEL", "Renderer"]
@@ -54,15 +54,14 @@ def _call_into_warp(moved: bool) -> Any:
 class Renderer:
     """Draws scenes of a bank, with or without a robot in them.
 
-    Pixel rows go from top to bottom. Depth is planar: the distance along the camera's axis, 0 where nothing was hit.
-    "object" is the visual slot and "category" the row of `bank.meta["categories"]`; -1 is the sky, -2 the robot;
-    agents are -3 in "object" and have a category.
-    Normals are unit and in the world's frame, 0 for the sky. Colours are sRGB, and depend on nothing but the scene,
-    the robot's pose and the camera.
+    Pixel rows go from top to bottom. Depth is planar: the distance along the camera's axis, 0 where no ray hit.
+    "object" is the visual slot and "category" the row of `bank.meta["categories"]`; -1 is the sky, -2 the robot; agents
+    are -3 in "object" and have a category. Normals are unit and in the world's frame, 0 for the sky. Colours are sRGB,
+    and depend only on the scene, the robot's pose and the camera.
 
     Args:
       bank: the scenes.
-      robot: its visual geoms (MJCF group 2) are drawn and its camera is looked through; None for empty streets.
+      robot: its visual geoms (MJCF group 2) are drawn and its camera gives the view; None for empty streets.
       height, width: pixels.
       outputs: any of "rgb", "depth", "category", "object", "normal".
       shadows: whether the sun casts shadows.
@@ -72,10 +71,10 @@ class Renderer:
       samples: rays per pixel along each side (2 = four rays).
       shading: "pbr" (glTF materials, mirrored sky, tone mapping) or "matte" (the same light without highlights,
         a third more frames on a CPU).
-      appearance: by what share appearances may differ: a frame drawn with an `appearance_seed` other than 0 shows every
-        object, and the light, brighter or darker and in another tone by up to this share. 0 leaves that out.
-      agents: row of the bank's agents (`SceneBank.agents`) that each moving agent looks like.
-      bodies: how many objects may stand elsewhere than in the bank, see `Bodies`.
+      appearance: range of random appearances: a frame with an `appearance_seed` other than 0 changes brightness and hue
+        of every object, and of the light, by up to this share. 0 disables it. agents: row of the bank's agents
+        (`SceneBank.agents`) for each moving agent. bodies: largest number of objects moved from their places in the
+        bank, see `Bodies`.
 
     Raises:
       ValidationError: an unknown output or camera, a size below one, or an appearance outside [0, 1).
@@ -143,9 +142,9 @@ class Renderer:
 
         Args:
           scene: () i32 row of the bank; xpos (nbody, 3) m, xquat (nbody, 4) wxyz: T_world_body (`SimState`).
-          appearance_seed: () i32, 0 = as the bank says; other numbers stand for other appearances, see `appearance`.
-          agents: where they are (position, heading, present); None leaves them out.
-          bodies: objects that stand elsewhere; None = all stand where the bank has them.
+          appearance_seed: () i32, 0 = that of the bank; other numbers select other appearances, see `appearance`.
+            agents: their poses (position, heading, present); None leaves them out. bodies: moved objects; None = all in
+            their places of the bank.
 
         Returns:
           the outputs asked for: "rgb" (H, W, 3) u8, "depth" (H, W) f32 m, "category" and "object" (H, W) i32,
@@ -176,8 +175,7 @@ class Renderer:
         """One frame through a free camera.
 
         Args:
-          scene: () i32.
-          position (3,) m, quaternion (4,) wxyz: T_world_camera; the camera looks along its -z, its +y is up.
+          scene: () i32. position (3,) m, quaternion (4,) wxyz: T_world_camera; the view is along -z, +y is up.
           fovy: () vertical field of view, rad.
           xpos, xquat: the robot's bodies; None leaves the robot out of the image, far below the ground.
           appearance_seed: () i32, agents, bodies: see `__call__`.
@@ -215,7 +213,7 @@ class Renderer:
         return jnp.where(gone & (bodies.object_index >= 0), bodies.object_index, -1), bodies.position, bodies.quaternion
 
     def _agent_bodies(self, agents: AgentMotion | None) -> tuple[jax.Array, jax.Array]:
-        """Places (A, 3) and quaternions (A, 4); who is not there is far below the ground."""
+        """Positions (A, 3) and quaternions (A, 4); absent agents are far below the ground."""
         number = self._model.num_agents
         hidden = jnp.tile(jnp.array([0.0, 0.0, NOWHERE]), (number, 1))
         if agents is None:
@@ -233,9 +231,9 @@ class Renderer:
 
         Args:
           inputs: scene (n,) int, xpos (n, nbody) vec3, xquat (n, nbody) vec4, and the cameras' positions (n,) vec3,
-            quaternions (n,) vec4, vertical fields of view (n,) float and seeds of appearances (n,) int; slots of
-            objects that stand elsewhere (n, bodies) int, -1 = none, where there may be any.
-          outputs: of `OUTPUTS`, with a leading axis of n; without a pixel where not asked for.
+            quaternions (n,) vec4, vertical fields of view (n,) float and seeds of appearances (n,) int; slots of moved
+            objects (n, bodies) int, -1 = none, if `bodies` is above 0. outputs: of `OUTPUTS`, with a leading axis of n;
+            without pixels where not requested.
         """
         scene = inputs[0]
         if scene.shape[0] == 0:

@@ -14,8 +14,8 @@ from .pbr_private import prefilter_sky, sky_harmonics, srgb_to_linear
 #: nearest mip level and the nearest texel of the blurred skies draw the same street 24 % faster (368 instead of 302
 #: frames/s a core, 36x64, 110 slots, shading pbr).
 _LINEAR, _NEAREST = wp.TextureFilterMode.LINEAR, wp.TextureFilterMode.CLOSEST
-#: The blurred copies of a sky that rough surfaces mirror: width, roughness levels, samples a texel. Streets are
-#: rough, so that at 64 texels around (5.6 degrees) nothing is lost; sharper mirrors read the sky itself.
+#: The blurred copies of a sky for reflections of rough surfaces: width, roughness levels, samples a texel. Streets are
+#: rough, so 64 texels around (5.6 degrees) suffice; sharper reflections read the sky itself.
 BLUR_WIDTH, BLUR_LEVELS, BLUR_SAMPLES = 64, 8, 128
 
 
@@ -23,9 +23,8 @@ BLUR_WIDTH, BLUR_LEVELS, BLUR_SAMPLES = 64, 8, 128
 class Skies:
     """Sky textures of a bank, in the form in which a pbr context takes them.
 
-    radiance, prefiltered: (S,) Warp texture arrays, the latter None where nothing glossy is drawn; sh: (S, 9) diffuse
-      light as spherical harmonics;
-    width: texels around; owners: the texture objects, which live as long as this does.
+    radiance, prefiltered: (S,) Warp texture arrays, the latter None without gloss; sh: (S, 9) diffuse light as
+    spherical harmonics; width: texels around; owners: the texture objects, which live as long as this does.
     """
 
     radiance: wp.array

@@ -12,8 +12,8 @@ SHADINGS = ("pbr", "matte")
 OUTPUTS = ("rgb", "depth", "category", "object", "normal")
 #: Display colour of the sky where none is drawn (sky=False).
 PLAIN_SKY = (0.62, 0.74, 0.88, 1.0)
-#: The tone mapper takes off what gloss adds to every surface, and darkens shade by it; this lifts it again. Chosen by
-#: eye on the shipped streets.
+#: The tone mapper subtracts the light that gloss adds to every surface, which darkens shade; this factor compensates.
+#: Chosen visually on the shipped streets.
 PBR_EXPOSURE = 1.3
 #: Height (m) of what is not to be seen, deep under every street.
 NOWHERE = -1.0e4

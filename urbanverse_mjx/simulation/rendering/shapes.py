@@ -1,4 +1,4 @@
-"""Primitive geoms as meshes, so that the renderer meets nothing but triangles.
+"""Primitive geoms as meshes, so that the renderer handles only triangles.
 
 Analytic rays against MuJoCo's primitives doubled the registers of the drawing kernel (115 instead of 58 for CUDA's
 sm_90), although few pixels show a robot's own wheels.

@@ -219,7 +219,7 @@ def sky_polynomials(harmonics: np.ndarray, yaw: np.ndarray) -> np.ndarray:
 
 
 class StreetBatch:
-    """Draws a batch of worlds; holds their cameras and the poses of their robots' parts, and nothing else.
+    """Draws a batch of worlds; holds only their cameras and the poses of their robots' parts.
 
     Args:
       threads: the batch is drawn in so many pieces, which may run at the same time.

@@ -23,7 +23,7 @@ BLOCK = (64, 14)
 def build_draw_kernel(settings: Settings, far: float, sky_width: int) -> wp.Kernel:
     """The kernel for images of one size; dim (worlds, pixels).
 
-    far: m, nothing is seen beyond; sky_width: texels around a sky.
+    far: m, end of all rays; sky_width: texels around a sky.
     """
     height, width, samples = settings.height, settings.width, settings.samples
     want_rgb, want_depth, want_category, want_object, want_normal = (name in settings.outputs for name in OUTPUTS)

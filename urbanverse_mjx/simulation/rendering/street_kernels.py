@@ -1,8 +1,8 @@
 """Warp functions that find what a ray meets in a still street with one robot in it.
 
-Everything stands in tables of 16-byte rows, read with one load each. A street is a search tree over its objects, each
-of which leads on into the tree of its mesh: one loop walks both, nearest first. Nothing is copied per world but the
-poses of the robot's parts, which are met after the street, if a ray passes near them at all.
+All data are in tables of 16-byte rows, read with one load each. A street is a search tree over its objects, each of
+which leads on into the tree of its mesh: one loop traverses both, nearest first. Only the poses of the robot's parts
+are copied per world; these are tested after the street, if a ray passes near them.
 """
 
 # Kernels are Warp's language in Python's clothes; Warp itself checks their types when it compiles them.
@@ -102,7 +102,7 @@ def make_rays(moved: bool) -> tuple[Any, Any]:
     def nearest_hit(
         street: Street, views: Views, root: int, world: int, origin: wp.vec3, direction: wp.vec3, limit: float
     ) -> Hit:
-        """What a ray meets first of the street below `root` and of the robot's parts that the camera sees."""
+        """First hit of a ray with the street below `root` and with the robot's parts in the camera's view."""
         first = world * (street.num_parts + 1)
         found = nearest(
             street.nodes,
@@ -207,7 +207,7 @@ def place(
         p = xquat[w, body[i]]
         place = xpos[w, body[i]]
         frame = wp.quat_to_matrix(wp.quat(p[1], p[2], p[3], p[0]))
-        # A state that blew up: the robot goes where nobody looks.
+        # A state that is not finite: the robot is drawn far outside the view.
         if not (wp.isfinite(place) and wp.isfinite(p)):
             place = wp.vec3(0.0, 0.0, hidden)
             frame = wp.identity(n=3, dtype=float)
@@ -226,7 +226,7 @@ def place(
             if obj >= 0:
                 ball = load(street.balls, obj)
             else:
-                # Nobody sees it, and it makes the ball around all parts no larger.
+                # It is out of view, and does not enlarge the bounding sphere of all parts.
                 absent = 1
                 place = xyz(balls[w * (number + 1)])
         middle = place + frame @ xyz(ball)

@@ -280,12 +280,12 @@ def make_walks(moved: bool) -> tuple[Any, Any]:
     """`nearest` and `any_hit` for streets in which objects stand where the bank has them, or (moved) may not.
 
     Such objects are the `number` parts from `first` on; moved (of this world): which object each is. Where there are
-    none the compilers drop all that is told of them.
+    none the compilers remove this code.
     """
 
     of_moved = str(moved).lower()
 
-    # Warp knows functions in C++ by the decorator's name.
+    # Warp names functions in C++ by the decorator's name.
     @wp.func_native((_LINE + _NEAREST).replace("MOVED", of_moved))
     def nearest(
         nodes: wp.uint64,

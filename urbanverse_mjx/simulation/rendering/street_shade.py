@@ -213,7 +213,7 @@ def make_shade(settings: Settings, is_hidden: Any) -> Any:
 
 
 def make_background(settings: Settings, sky_width: int) -> Any:
-    """background(street, skies, scene, direction, spread): light from where nothing stands."""
+    """background(street, skies, scene, direction, spread): light from the sky."""
     sky, gloss = settings.sky, settings.shading == "pbr"
 
     @wp.func

@@ -58,13 +58,13 @@ def _read(tree: wp.uint64, number: int, corners: wp.array2d[wp.vec3], links: wp.
 
 @wp.kernel(module="unique", module_options={"enable_backward": False})
 def _find_roots(tree: wp.uint64, roots: wp.array[int]):
-    """dim groups; -1 = nothing is in the group."""
+    """dim groups; -1 = the group is empty."""
     group = wp.tid()
     roots[group] = wp.bvh_get_group_root(tree, group)
 
 
 def as_floats(numbers: np.ndarray) -> np.ndarray:
-    """The same 32 bits, to stand beside floats in a row."""
+    """The same 32 bits as a float, for a row of floats."""
     return np.ascontiguousarray(numbers, np.int32).view(np.float32)
 
 
