@@ -1,7 +1,7 @@
 """Worker processes that end with the process that started them.
 
-The workers of a `ProcessPoolExecutor` wait for work on a pipe whose other end they hold themselves, so those of a
-process that SIGKILL ended wait for ever. Every pool and every process that this package starts watches its parent.
+The workers of a `ProcessPoolExecutor` wait for work on a pipe whose other end they hold themselves, so the workers of a
+killed process (SIGKILL) wait for ever. Every pool and every process that this package starts watches its parent.
 """
 
 import concurrent.futures
@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-#: s between two looks at who the parent is, where the operating system does not say that it has ended.
+#: s between two checks of the parent's id, where the operating system gives no notice of its end.
 _INTERVAL = 0.5
 
 
@@ -66,7 +66,7 @@ def results_as_completed(
 ) -> Iterator[tuple[int, Any]]:
     """Calls `function(*task)` for every task, in as many processes as asked for but no more than there are tasks.
 
-    One worker is this process itself: nothing is started.
+    With one worker the work runs in this process.
 
     Yields:
       (number of the task, its result), as they end.

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, ProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-#: s between two lines where standard error is no terminal: a log that stands still for longer looks like a hang.
+#: s between two lines where standard error is no terminal: a log without output for longer looks like a hang.
 LINE_EVERY = 10.0
 
 #: Takes what is done and the total, where that is known by now.
@@ -34,11 +34,11 @@ def _count(task: rich.progress.Task) -> str:
 class Progress:
     """Progress of one task or several, as a context manager.
 
-    Where standard error is no terminal, every `LINE_EVERY` seconds a line tells of the task that began last, whether it
-    has come on or not; work that ends sooner prints nothing.
+    Where standard error is no terminal, every `LINE_EVERY` seconds a line reports the task that began last, with or
+    without progress; shorter work prints no line.
 
     Args:
-      quiet: print nothing at all.
+      quiet: print no progress.
     """
 
     def __init__(self, quiet: bool = False) -> None:

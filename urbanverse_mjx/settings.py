@@ -9,8 +9,8 @@
 | `URBANVERSE_PROTOCOL_ROOT` | the frozen benchmarks | `benchmarks/protocols/` beside the package, else inside it |
 | `URBANVERSE_BANK` | the scene bank that environments load | the shipped streets, in the cache |
 | `URBANVERSE_VISION_URL` | OpenAI-compatible endpoint that describes imported assets, up to `/v1` | none: priors |
-| `URBANVERSE_VISION_KEY` | its key, where it wants one | none |
-| `URBANVERSE_VISION_MODEL` | the model it shall use | none: needed with the address |
+| `URBANVERSE_VISION_KEY` | its key, if it needs one | none |
+| `URBANVERSE_VISION_MODEL` | its model | none: needed with the address |
 | `URBANVERSE_THREADS` | worker threads on the CPU | the cores this process may use |
 | `JAX_COMPILATION_CACHE_DIR` | where commands keep what JAX compiled; "" for nowhere | `jax/` in the cache folder |
 """
@@ -43,8 +43,8 @@ def cache_dir(*parts: str) -> pathlib.Path:
 
 
 def use_compilation_cache() -> pathlib.Path:
-    """Lets JAX keep what it compiles in the cache folder, at most 4 GiB of it, and take it from there in later
-    processes. To be called before anything imports JAX; what the environment says already stays.
+    """Lets JAX keep what it compiles in the cache folder, at most 4 GiB of it, and read it in later processes. Call it
+    before JAX is imported; values of the environment have priority.
 
     Returns:
       the folder that JAX uses.
@@ -71,7 +71,7 @@ def imported_assets() -> pathlib.Path:
 
 @dataclasses.dataclass(frozen=True)
 class VisionEndpoint:
-    """Where images are sent to be described; `key` is empty where the endpoint wants none."""
+    """Where images are sent to be described; `key` is empty where the endpoint needs none."""
 
     url: str
     model: str
@@ -79,7 +79,7 @@ class VisionEndpoint:
 
 
 def vision_endpoint() -> VisionEndpoint | None:
-    """The endpoint that the environment names, or None: without an address nothing is ever sent.
+    """The endpoint that the environment names, or None: without an address nothing is sent.
 
     Raises:
       ValidationError: an address that is not http or https, or no model beside it.
@@ -175,8 +175,8 @@ def _bank_path(prefix: str, scenes: Any) -> pathlib.Path:
     """A file in the cache named by everything that a bank is made of: a stale bank is never found.
 
     Args:
-      prefix: what the name begins with.
-      scenes: JSON value that says which graphs, by the digests of their files, and with which options.
+      prefix: beginning of the name. scenes: JSON value with the graphs, by the digests of their files, and their
+        options.
     """
     libraries = {name: _version(name) for name in _BANK_LIBRARIES}
     parts = {"scenes": scenes, "code": versions.of("bank"), "libraries": libraries, "assets": assets_digest()}

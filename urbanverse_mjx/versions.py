@@ -1,8 +1,8 @@
 """Version numbers of the code that makes what caches hold.
 
-A key in a cache is made of data (graphs, tables, options, versions of libraries) and of these numbers, never of source
-text: an edited comment makes nothing anew. A test compares the modules behind each number with stored digests of their
-syntax trees and fails at every change of meaning, so that whoever makes one either raises the number or says that the
+A key in a cache is a hash of data (graphs, tables, options, versions of libraries) and of these numbers, never of
+source text: an edited comment invalidates no cache. A test compares the modules behind each number with stored digests
+of their syntax trees and fails at every change of code; the developer then raises the number or confirms that the
 change has no effect (`tests/project/test_versions.py`).
 """
 

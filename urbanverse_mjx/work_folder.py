@@ -1,7 +1,7 @@
-"""Temporary folders that outlive nobody: the next run removes what a killed one left.
+"""Temporary folders; the next run removes those of a killed one.
 
-A folder's owner holds a lock on a file in it for as long as it lives; the operating system lets go of the lock however
-the owner ends. Only folders with such a file are ever removed, so nothing that a user put there is.
+A folder's owner holds a lock on a file in it for as long as it lives; the operating system releases the lock however
+the owner ends. Only folders with such a file are ever removed, never a user's files.
 """
 
 import contextlib

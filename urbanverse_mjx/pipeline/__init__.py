@@ -6,7 +6,7 @@
     bank = pipeline.build_bank(["graph.json"], ["test"])
     pipeline.play("rollout.mp4", pipeline.PlayOptions(agent="go_to_goal"))
 
-Names are imported when they are first used: nothing heavy is loaded before.
+Names are imported on first use, so that importing the package loads no heavy module.
 """
 
 import importlib

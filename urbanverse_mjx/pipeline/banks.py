@@ -105,8 +105,7 @@ def build_terrain_bank(seed: int = 0, levels: int = 10) -> SceneBank:
 
 
 def cached_bank(path: pathlib.Path, build: Callable[[], SceneBank]) -> SceneBank:
-    """The bank of a file in the cache; built where there is none, a damaged one, or one of something else than its name
-    says.
+    """The bank of a file in the cache; built where it is missing, damaged, or does not match the key in its name.
 
     A wrong file is renamed and stays beside the new one, with a line on standard error.
 

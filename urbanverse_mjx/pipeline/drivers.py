@@ -8,7 +8,7 @@ from ..datatypes import SceneBank, ValidationError
 if TYPE_CHECKING:
     from ..viewer.session import Machine
 
-#: (height, width) px of the camera picture for a policy that does not look.
+#: (height, width) px of the camera image for a policy without images.
 IMAGE_SIZE = (90, 160)
 
 
@@ -79,7 +79,7 @@ def _fresh_config(env_name: str | None, people: bool, size: tuple[int, int]) -> 
 
 
 def _trained_config(environment: str, trained: Any, people: bool, env_name: str | None) -> tuple[str, Any]:
-    """The environment's name and its config as a policy knows it, with the engine that suits this machine."""
+    """The environment's name and the config of a policy, with the engine that suits this machine."""
     from ml_collections import ConfigDict
 
     from ..envs import registry

@@ -1,4 +1,4 @@
-"""Which errors are about what the user gave, and the one sentence that says so. Imports the standard library alone."""
+"""Which errors concern the user's input, and their one-sentence message. Imports the standard library alone."""
 
 import errno
 import os

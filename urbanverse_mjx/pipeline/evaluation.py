@@ -34,7 +34,7 @@ SHOWN = 3
 def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any, dynamic: bool) -> ConfigDict:
     """The config a policy was trained with, everything as the bank describes it; with people where `dynamic`.
 
-    Policies from before there were people know nothing of a crowd: they meet that of their preset.
+    Policies from before there were people have no crowd in their config: they get that of their preset.
     """
     values = dict(trained)
     if dynamic:
@@ -45,14 +45,13 @@ def evaluation_config(environment: str, trained: Mapping[str, Any], scenes: Any,
 
 @dataclasses.dataclass(frozen=True)
 class _Entrants:
-    """Who drives the same episodes.
+    """The policies of an evaluation, on the same episodes.
 
     Attributes:
       name: of the one that the evaluation is about.
       environment: registered name.
-      env: with a renderer where somebody looks.
-      groups: environments with the agents that drive in each side by side, by name.
-      record: where the policy comes from.
+      env: with a renderer if any policy needs images. groups: environments with their agents by name, simulated
+        together. record: origin of the policy.
     """
 
     name: str
@@ -75,7 +74,7 @@ def _scripted(
     preset: str,
     overrides: Mapping[str, Any],
 ) -> _Entrants:
-    """A rule alone; nothing is drawn."""
+    """A rule alone, without a renderer."""
     from ..evaluation.planner import Planner
 
     values = registry.get_default_config(environment, preset).to_dict()
@@ -106,7 +105,7 @@ def _trained(
     config = evaluation_config(environment, trained.to_dict(), scenes, dynamic)
     config = registry.with_overrides(config, overrides)
     env = registry.load_nav_env(environment, config, bank)
-    # Without a renderer: nothing is drawn for those who do not look.
+    # Without a renderer, for policies without images.
     blind = NavEnv(env.config, env.bank, env.robot, env.engine, None)
     images = {name: shape for name, shape in spec.observations.items() if name.startswith("pixels/")}
     unseeing = {"go_to_goal": go_to_goal, "trained_blank_image": blank_image(act, images)}
@@ -154,8 +153,8 @@ def evaluate_policy(
 ) -> dict[str, Any]:
     """Drives the same episodes by all agents, writes report and video, returns agent -> metrics.
 
-    A trained policy has three to be compared with: `untrained` (the same networks before training), `go_to_goal`
-    (straight ahead, sees nothing) and `trained_blank_image` (the trained policy with its camera covered).
+    A trained policy is compared with three others: `untrained` (the same networks before training), `go_to_goal`
+    (straight to the goal, without images) and `trained_blank_image` (the trained policy with its camera covered).
 
     Args:
       policy: a policy folder, or one of `SCRIPTED`.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True)
 class PlayOptions:
-    """Who drives where, and what the video shows."""
+    """Policy, scenes and contents of the video."""
 
     agent: str = "go_to_goal"
     """zero, random, go_to_goal, planner, or trained (needs --policy)."""
@@ -126,7 +126,7 @@ def _chosen(options: PlayOptions) -> tuple["Agent | Privileged | None", str, "Co
                 f"--env-name: found {name!r}, whose robot has no goal to drive to, needed a navigation environment "
                 "such as CocoNav or Go2Nav."
             )
-        # Rules do not look, so nothing is rendered while they drive.
+        # Rules need no images, so they run without a renderer.
         config = registry.with_overrides(config, {"scenes": options.scenes, "vision": False})
         return BASELINES.get(options.agent), name, config
     if options.agent != "trained":

@@ -10,8 +10,8 @@ from ..work_folder import work_folder
 from . import banks
 from .library.building import graph_of
 
-#: Procedural scenes that the preset `quick` has beside the shipped streets, so that it trains on as many streets as a
-#: few minutes allow, and is judged on eight that it has never seen.
+#: Procedural scenes of the preset `quick` in addition to the shipped streets: it trains on as many streets as a few
+#: minutes allow, and is evaluated on eight held-out ones.
 QUICK_TRAIN = tuple(f"procedural_{k:03d}" for k in range(8))
 QUICK_TEST = tuple(f"procedural_{k:03d}" for k in range(144, 150))
 

@@ -22,14 +22,13 @@ def plan_routes(
     """Plans routes over a scene's map for a robot and writes them as CraftBench-Nav does.
 
     Args:
-      scene: folder with map.json and layers.npz: a compiled scene, or a map that the authors' tools made.
-      out: folder to write: maps/<scene>/, routes/<scene>.json and routes/<scene>/.
-      robot: whom the routes are for: delivery, quadruped or wheelchair.
+      scene: folder with map.json and layers.npz: a compiled scene, or a map of the authors' tools. out: folder to
+        write: maps/<scene>/, routes/<scene>.json and routes/<scene>/.
+      robot: kind of robot for the routes: delivery, quadruped or wheelchair.
       annotations: folder of <scene>.json files, starts and goals to plan; None: twelve routes are chosen.
       seed: chooses among equally good starts.
 
-    Returns:
-      the routes; one that could not be planned says why.
+    Returns: the routes; one that could not be planned has the reason.
 
     Raises:
       ValidationError: no such robot, a folder without a map, or annotations of another scene.

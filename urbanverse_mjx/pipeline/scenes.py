@@ -39,7 +39,7 @@ def compile_graph(
       half: 1 or 2 for that half of the street alone, cut across its middle; 0 for all of it.
 
     Raises:
-      ValidationError: whatever is wrong with the graph; then nothing is written.
+      ValidationError: the graph is invalid; no file is written then.
     """
     from ..scene.compiler import check_out_dir
     from ..scene.ground import check_regions

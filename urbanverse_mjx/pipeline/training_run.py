@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True)
 class TrainOptions:
-    """Where a run lies and begins, how it is evaluated, and who trains with it."""
+    """Folder, start, evaluation and processes of a run."""
 
     logdir: pathlib.Path = pathlib.Path("runs")
     """Where new run folders go."""
@@ -49,14 +49,14 @@ def train(
 
     Args:
       request: environment, preset and overrides (`urbanverse_mjx.training.record.RunRequest`); None for the defaults.
-      quiet: say nothing on standard error.
+      quiet: print no progress on standard error.
 
     Returns:
       metrics by agent, where the policy was evaluated; environment, preset, steps, env_steps_per_second, the seconds
       of each part, and the run's folder.
 
     Raises:
-      ValidationError: unknown names or keys, or a request that differs from the record of the run that goes on.
+      ValidationError: unknown names or keys, or a request that differs from the record of the resumed run.
     """
     from ..training.record import RunRequest, configs_of, resumed_configs
     from ..training.run import join_processes
@@ -137,7 +137,7 @@ def _train(
 
 
 def _imitate(name: str, env: Any, config: Any, folder: pathlib.Path, resume: bool, quiet: bool) -> "TrainingResult":
-    """A student that imitates `RouteFollower`, which knows the route and what stands around the robot."""
+    """A student that imitates `RouteFollower`, which uses the route and the obstacles around the robot."""
     import jax
 
     from ..evaluation.route_follower import RouteFollower

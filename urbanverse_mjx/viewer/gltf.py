@@ -125,8 +125,8 @@ def _solid(part: Part, materials: _Materials) -> trimesh.Trimesh:
 def with_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Normals of the vertices (V, 3) of faces (F, 3): the mean of the faces around, weighted by their area.
 
-    A face that looks elsewhere than its corners' mean gets corners of its own: so do both sides of a sheet, whose
-    normals add up to nothing.
+    A face with a normal far from the mean of its corners gets corners of its own; so do both sides of a sheet, whose
+    normals cancel.
 
     Returns:
       (W,) the vertex that each new one is a copy of, (F, 3) faces over the new ones, and (W, 3) unit normals.

@@ -38,7 +38,7 @@ def segments(points: np.ndarray) -> np.ndarray:
 
 
 class HullsInReach:
-    """The hulls that an engine looks at around a robot: those nearest to it, at most `num_slots`.
+    """The hulls in an engine's slots around a robot: the nearest ones, at most `num_slots`.
 
     Args:
       machine: whose environment has the robot, the bank and the number of slots.

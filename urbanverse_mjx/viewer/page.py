@@ -86,11 +86,11 @@ class Page:
     # What the loop does.
 
     def run(self, until: Callable[[], bool] = lambda: False) -> None:
-        """Obeys orders and drives until `stop` is called, or `until` says so."""
+        """Processes the page's requests and runs the simulation until `stop` is called, or `until` returns True."""
         late = time.monotonic()
         while not (self._stopped or until()):
             self._obey()
-            # Nobody looks: nobody drives.
+            # The simulation pauses while no browser is connected.
             if not self.playing or not self._server.get_clients():
                 time.sleep(_IDLE)
                 late = time.monotonic()
@@ -221,7 +221,7 @@ class Page:
         self._tick()
 
     def _share(self, client: viser.ClientHandle | None) -> None:
-        """Sends a recording of what was driven so far to who asked for it."""
+        """Sends a recording of the drive so far to the browser that requested it."""
         if client is None:
             return
         self._say("writing the recording")

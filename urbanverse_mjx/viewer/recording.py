@@ -42,7 +42,7 @@ def set_initial_view(server: viser.ViserServer, session: Session) -> None:
 
 @contextlib.contextmanager
 def private_server() -> Iterator[viser.ViserServer]:
-    """A viser server on a free port of this machine that nobody is told of."""
+    """A viser server on a free local port, for the recording only."""
     server = start_server("127.0.0.1", 0)
     try:
         yield server

@@ -53,7 +53,7 @@ def _geom(model: mujoco.MjModel, geom: int, poses: np.ndarray) -> Part:
 
 
 def _given(values: np.ndarray, material: int, default: float) -> float:
-    """A material's number; MuJoCo says -1 where none is given."""
+    """A material's number; MuJoCo has -1 where none is given."""
     return float(values[material]) if material >= 0 and values[material] >= 0.0 else default
 
 

@@ -1,8 +1,7 @@
 """Robots of one environment that drive episodes of one scene, step by step, every state kept.
 
-In:   an environment, who drives, a scene and rows of its episode table.
-Out:  `Frame`s: the states, as stepping the environment gives them.
-When: while somebody looks at them; nothing here knows of a page.
+In: an environment, its drivers (policies), a scene and rows of its episode table. Out:  `Frame`s: the states, as
+stepping the environment gives them. When: while a page shows them; this module does not depend on the page.
 """
 
 import dataclasses
@@ -23,12 +22,12 @@ IMAGE = "pixels/front"
 
 @dataclasses.dataclass(frozen=True)
 class Driver:
-    """Who drives.
+    """A policy and how to call it.
 
     Attributes:
       name: shown to people.
-      agent: asked inside jit, see `evaluation.agents`; a `BatchAgent` where `outside`.
-      outside: whether it is asked outside jit, as an ONNX file is.
+      agent: called inside jit, see `evaluation.agents`; a `BatchAgent` where `outside`. outside: whether it is called
+        outside jit, as an ONNX file is.
     """
 
     name: str
@@ -63,12 +62,12 @@ class Machine:
         self.observe = jax.jit(jax.vmap(env.observe))
         self.act = jax.jit(jax.vmap(self._act))
         self.advance = jax.jit(jax.vmap(self._advance))
-        # Without pixels nothing is drawn: who asks for the image of one robot does not draw the others.
+        # Without pixels, so that a request for the image of one robot does not render the others.
         self._image = jax.jit(lambda nav: env.observe(nav)[IMAGE])
         self.agents = jax.jit(jax.vmap(self._agents))
 
     def camera_image(self, nav: NavState) -> np.ndarray | None:
-        """(H, W, 3) u8 of the camera of one robot, or None where the environment draws nothing; nav: its state."""
+        """(H, W, 3) u8 of the camera of one robot, or None without a renderer; nav: its state."""
         if self.env.renderer is None:
             return None
         return np.asarray(self._image(nav))[..., :3]
@@ -94,9 +93,9 @@ class Session:
     """Episodes of one scene under way, all by one driver.
 
     Args:
-      machine: the environment and who drives.
-      scene: row of the bank. rows: (n,) of the scene's episode table, one for each robot; robots do not meet.
-      seed: of drivers and streets that draw. keys: (n,) of the episodes in its place, as `EpisodeSet.keys`.
+      machine: the environment and its drivers. scene: row of the bank. rows: (n,) of the scene's episode table, one for
+        each robot; robots do not interact. seed: of random drivers and streets. keys: (n,) of the episodes in its
+        place, as `EpisodeSet.keys`.
 
     Raises:
       ValidationError: no such scene or row, or no robot.
@@ -147,8 +146,8 @@ class Session:
         """One control step of all robots; ended ones stand still.
 
         Args:
-          by_hand: robot -> its action (A,) from a person, in the driver's place; the driver is asked all the same, so
-            that it knows what it has seen when it takes over again.
+          by_hand: robot -> its action (A,) from a person, instead of the driver's; the driver is still called, so that
+            its memory is current when it takes over again.
 
         Raises:
           ValidationError: the driver answers with something else than finite actions.
@@ -186,7 +185,7 @@ class Session:
         return action
 
     def camera_image(self, index: int, robot: int = 0) -> np.ndarray | None:
-        """(H, W, 3) u8: what the camera of a robot shows in a frame; None where the environment draws nothing."""
+        """(H, W, 3) u8: image of a robot's camera in a frame; None without a renderer."""
         return self.machine.camera_image(jax.tree.map(lambda x: x[robot], self.frames[index].nav))
 
     def agents(self, index: int, robot: int = 0) -> AgentMotion | None:
@@ -199,6 +198,6 @@ class Session:
         return np.array([positions[robot] for positions in self._root_positions[: index + 1]])
 
     def outcome(self, index: int, robot: int = 0) -> str | None:
-        """How a robot's episode has ended by a frame, of `datatypes.RESULTS`; None while it goes on."""
+        """How a robot's episode has ended by a frame, of `datatypes.RESULTS`; None while it continues."""
         result = int(np.asarray(self.frames[index].nav.result)[robot])
         return RESULTS[result - 1] if result else None

@@ -12,7 +12,8 @@ from ..datatypes import SceneBank
 from ..geometry import rotations
 from .gltf import Part, Surface, glb
 
-#: m, of the dome that shows the sky, around the middle of the street: beyond every street, nearer than the page sees.
+#: m, of the dome that shows the sky, around the middle of the street: larger than every street, within the page's far
+#: plane.
 _DOME = 600.0
 _DOME_ROWS, _DOME_COLUMNS = 32, 64
 

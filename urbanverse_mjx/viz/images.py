@@ -14,7 +14,7 @@ from ..simulation.rendering.cameras import look_at
 from ..simulation.rendering.renderer import Renderer
 
 VIEW_HEIGHT = 1.6
-#: rad; a normal lens sees about this much from top to bottom on a wide image.
+#: rad; about the vertical field of view of a normal lens on a wide image.
 FOV = np.radians(55.0)
 
 
@@ -88,7 +88,7 @@ class Studio:
         return self.view(scene, target + back * needed / 2 / np.tan(fov / 2), target, fov, up)
 
     def eye_level(self, scene: int, row: int = 0, distance: float = 8.0) -> np.ndarray:
-        """(H, W, 3) uint8: what a person sees who stands where episode `row` starts, looking the way it goes."""
+        """(H, W, 3) uint8: view of a person at the start of episode `row`, along its route."""
         x, y, z, yaw = self.bank.episode_start[scene, row].astype(np.float64)
         camera_position = np.array([x, y, z + VIEW_HEIGHT])
         return self.view(

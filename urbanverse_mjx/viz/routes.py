@@ -1,4 +1,4 @@
-"""A scene from above as a map, with the ways that robots drove on it, coloured by how they ended."""
+"""A scene from above as a map, with the paths that robots drove, coloured by their results."""
 
 from collections.abc import Sequence
 
@@ -10,8 +10,8 @@ from ..geometry.grids import cell_of
 from ..geometry.raster import outline
 from .graphs import GROUND_COLOURS
 
-#: Share of white in the ground's colours, so that ways and objects stand out, and sRGB of what stands and of how an
-#: episode ended.
+#: Share of white in the ground's colours, so that paths and objects stand out, and sRGB of objects and of the results
+#: of episodes.
 _WHITE_SHARE = 0.55
 OBJECT, OVERHEAD = (92, 88, 92), (180, 190, 172)
 ENDS = {
@@ -71,7 +71,7 @@ def route_image(
 
 
 def _extent(bank: SceneBank, scene: int, trajectories: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """(2,), (2,) m: the ground of the scene that anybody could walk or drive on, and all ways."""
+    """(2,), (2,) m: bounds of the scene's walkable and drivable ground and of all paths."""
     cells = np.argwhere(bank.map_kind[scene] > 0)
     resolution = float(bank.map_resolution)
     points = np.concatenate([bank.map_origin[scene] + (cells + 0.5) * resolution, *trajectories])
@@ -101,7 +101,7 @@ def _outlines(bank: SceneBank, scene: int) -> list[tuple[np.ndarray, tuple[int, 
 
 
 def _with_legend(image: Image.Image, ends: Sequence[str]) -> Image.Image:
-    """The image above a line that says how many episodes ended how."""
+    """The image above a line with the number of episodes of each result."""
     whole = Image.new("RGB", (image.width, image.height + _LEGEND), (255, 255, 255))
     whole.paste(image, (0, 0))
     draw, x = ImageDraw.Draw(whole), 8

@@ -21,18 +21,18 @@ SIZE, MAP_SIZE = (768, 400), (960, 540)
 #: Steep, or houses hide narrow streets.
 ELEVATION = np.radians(74.0)
 SAMPLES = 2
-#: What begins lower than this (m) above the ground is drawn as being in the way, the rest as a shade.
+#: Hulls that begin lower than this (m) above the ground are drawn as obstacles, the others as shade.
 _OBSTACLE_HEIGHT = 1.0
 _OBSTACLE, _SHADE = (70, 62, 60), 0.82
 _ROUTES = ((214, 66, 40), (40, 96, 190), (32, 140, 90), (150, 60, 160), (230, 150, 20), (20, 150, 170))
-#: Where a person looks from: at least this far (m) from anything, at objects this near and far (m) and this far (rad)
-#: to the side.
+#: Viewpoint of a person: at least this far (m) from any hull, with objects at these least and largest distances (m) and
+#: up to this angle (rad) to the side.
 _VIEW_CLEARANCE, _VIEW_RANGE, _VIEW_HALF_ANGLE = 1.2, (3.0, 25.0), np.radians(35.0)
 
 
 @dataclasses.dataclass(frozen=True)
 class Viewpoint:
-    """(x, y, z) m of a camera, and what it looks at."""
+    """(x, y, z) m of a camera, and of its target."""
 
     camera_position: np.ndarray
     target: np.ndarray
@@ -65,7 +65,7 @@ def viewpoints(scene: CompiledScene) -> list[Viewpoint]:
     score = (straight & (away > _VIEW_RANGE[0]) & (away < _VIEW_RANGE[1])).sum(1) * (
         away.min(1, initial=np.inf) > _VIEW_CLEARANCE
     )
-    score = score[: max(1, len(walk) - 6)]  # the last metres look nowhere
+    score = score[: max(1, len(walk) - 6)]  # the last metres have no view
     found = []
     for part in np.array_split(np.arange(len(score)), 2):
         if len(part):
@@ -82,7 +82,7 @@ def _viewpoint(scene: CompiledScene, place: np.ndarray, ahead: np.ndarray) -> Vi
 
 
 def route_map(scene: CompiledScene) -> np.ndarray:
-    """(H, W, 3) u8: ground by kind, what is in the way, and the delivery robot's routes; north up."""
+    """(H, W, 3) u8: ground by kind, obstacles, and the delivery robot's routes; north up."""
     m = scene.geometry.map
     colours = np.array([GROUND_COLOURS[kind] for kind in GROUND_KINDS], np.float64)
     colour = colours[m.kind]

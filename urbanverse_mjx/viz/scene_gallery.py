@@ -1,7 +1,7 @@
 """A page of scene cards: images and numbers of compiled scenes, to be searched and sorted in a browser.
 
-The page stands alone beside its images: no server, no other site. A file beside a scene's images says what they
-were drawn from, so that a second run draws what changed alone.
+The page needs only its images: no server, no other site. A file in a scene's image folder holds the hashes of their
+inputs, so that a second run draws only changed scenes.
 """
 
 import collections
@@ -90,7 +90,7 @@ def make_card(folder: pathlib.Path, out: pathlib.Path, draw: Draw) -> Card:
 
 
 def _known(record: pathlib.Path) -> dict[str, Any]:
-    """What a card's images were drawn from and their names; nothing where the file is none."""
+    """Input hashes of a card's images and their names; empty without a valid file."""
     try:
         body = v.read_json(record, "card") if record.is_file() else {}
     except ValidationError:

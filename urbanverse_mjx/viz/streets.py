@@ -1,6 +1,6 @@
 """`python -m urbanverse_mjx.viz.streets`: two images of each shipped street, into `runs/streets/`.
 
-Each street from above and from the pavement, lit and shaded as a policy sees it.
+Each street from above and from the pavement, with the light and shading of a policy's image.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from ..datatypes.validation import write_atomically
 from ..settings import default_bank_path
 from .images import Studio
 
-#: Where a person stands on each street's pavement and where they look: x, y, z in metres.
+#: Camera position on each street's pavement and its target: x, y, z in metres.
 PAVEMENT_VIEWS: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
     "residential_bins": ((28.3, 5.7, 1.75), (14.0, 5.6, 1.3)),
     "commercial_cafes": ((1.2, 7.3, 1.75), (16.0, 6.3, 1.3)),

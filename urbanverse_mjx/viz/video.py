@@ -1,4 +1,4 @@
-"""Rollouts as H.264 videos: the robot from behind, what its camera sees, and how far the goal is."""
+"""Rollouts as H.264 videos: the robot from behind, its camera image, and the distance to the goal."""
 
 import pathlib
 from collections.abc import Sequence
@@ -57,7 +57,7 @@ def write_video(
         raise v.fail("video", f"frames of shapes {sorted(shapes)}", "at least one frame, all of one even size")
 
     def write(temporary: pathlib.Path) -> None:
-        # imageio's annotations do not know the methods of its ffmpeg plugin.
+        # imageio's annotations lack the methods of its ffmpeg plugin.
         writer: Any
         with imageio.get_writer(
             temporary,

@@ -1,7 +1,7 @@
 """Many sources, each in a process of its own, with a journal and retries.
 
-The journal (`journal.jsonl`) gets a line when a source starts, fails or is done; a batch that was killed goes on with
-what it does not call done. What a source's own process does, even to die, touches no other.
+The journal (`journal.jsonl`) gets a line when a source starts, fails or is done; a killed batch continues with the
+sources that are not done. A failure or crash of one source's process does not affect others.
 """
 
 import dataclasses
@@ -26,7 +26,7 @@ from .run_folder import key_of
 from .stages import GenerationOptions
 
 JOURNAL = "journal.jsonl"
-#: Exit status of a source that is wrong itself: trying it again changes nothing.
+#: Exit status for an invalid source, for which a retry is useless.
 WRONG_INPUT = 2
 _LAST_WORDS = 400  # characters of a failed process's last line that the journal keeps
 
@@ -46,7 +46,7 @@ class Journal:
             os.fsync(file.fileno())
 
     def last(self) -> dict[str, Mapping[str, Any]]:
-        """source -> its last event; a line that a kill cut short counts for nothing."""
+        """source -> its last event; an incomplete line of a killed process is ignored."""
         events: dict[str, Mapping[str, Any]] = {}
         if self._path.is_file():
             for line in self._path.read_text(encoding="utf-8").splitlines():
@@ -62,7 +62,7 @@ def read_list(path: pathlib.Path) -> list[pathlib.Path]:
     """The sources that a list names, each once.
 
     Raises:
-      ValidationError: no such file, or nothing in it.
+      ValidationError: no such file, or an empty one.
     """
     if not path.is_file():
         raise v.fail(str(path), "no such file", "a text file with one source a line", "check the path")

@@ -29,7 +29,7 @@ def list_categories(endpoint: VisionEndpoint, images: Sequence[pathlib.Path]) ->
 
 
 def request(model: str, images: Sequence[bytes]) -> dict[str, Any]:
-    """The question with PNG images, as the chat completions of OpenAI's interface want it."""
+    """The question with PNG images, in the format of OpenAI's chat completions."""
     content: list[dict[str, Any]] = [{"type": "text", "text": _ASK.format(leaves=", ".join(ontology.categories()))}]
     for image in images:
         url = "data:image/png;base64," + base64.b64encode(image).decode()

@@ -1,4 +1,4 @@
-"""Which model looks at the frames: the small network that comes with the package, or foundation models."""
+"""The perception model for the frames: the package's small network, or foundation models."""
 
 import pathlib
 
@@ -18,8 +18,8 @@ def make_predictor(video: VideoOptions, frames: pathlib.Path | None = None) -> P
     """The model that the options name.
 
     Args:
-      frames: folder of the capture's images. Where an endpoint is configured and frames were blurred it lists what to
-        look for in some of them; else the ontology does.
+      frames: folder of the capture's images. Where an endpoint is configured and frames were blurred it lists the
+        labels to search for from some of them; else the ontology does.
 
     Raises:
       ValidationError: no weights, a missing package, or no such perception.

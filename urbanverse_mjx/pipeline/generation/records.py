@@ -1,4 +1,4 @@
-"""`materialisation.json`: for every node what was chosen and how well it fits, and who was left out and why."""
+"""`materialisation.json`: for every node the chosen asset and its fit, and the nodes left out with the reason."""
 
 import dataclasses
 from collections.abc import Sequence

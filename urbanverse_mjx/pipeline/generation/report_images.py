@@ -1,4 +1,4 @@
-"""Images of a report: frames with masks, thumbnails of what was matched, cousins from eye level and above."""
+"""Images of a report: frames with masks, thumbnails of the matched assets, cousins from eye level and above."""
 
 import pathlib
 from collections.abc import Callable, Sequence
@@ -12,10 +12,10 @@ from ...assets.selection.search import library
 from ...datatypes import Recording, SceneBank, SceneGraph, ValidationError
 from ...viz.images import Studio
 
-#: How many frames are shown, and from how many places of the trajectory the cousins are looked at.
+#: Number of frames shown, and of views of the cousins along the trajectory.
 FRAMES, VIEWS = 4, 3
 VIEW_SIZE, ABOVE_SIZE = (640, 360), (1000, 460)
-#: Rays a pixel and side, and how steeply one looks down (m over 8 m) and from above (rad).
+#: Rays a pixel and side, and downward slope of views (m over 8 m) and of those from above (rad).
 SAMPLES, LOOK_DOWN, ELEVATION = 2, 0.4, np.radians(78.0)
 _QUALITY = 88
 
@@ -40,7 +40,7 @@ def masked_frames(recording: Recording, colours: dict[str, str], folder: pathlib
 
 
 def _overlaid(image: np.ndarray, masks: np.ndarray, tints: Sequence[tuple[int, int, int]]) -> np.ndarray:
-    table = np.array([*tints, (0, 0, 0)], np.float64)  # -1, nothing, picks the last
+    table = np.array([*tints, (0, 0, 0)], np.float64)  # -1, no object, picks the last
     tinted = 0.55 * image + 0.45 * table[masks]
     shown = np.where(masks[..., None] >= 0, tinted, 0.8 * image + 40.0)
     edge = np.zeros(masks.shape, bool)
@@ -107,8 +107,8 @@ def viewpoints(graph: SceneGraph) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def viewpoint_rows(graph: SceneGraph) -> list[int]:
-    """Rows of the trajectory that `viewpoints` are at: evenly along it, each the one nearby that looks most along the
-    way."""
+    """Rows of the trajectory that `viewpoints` are at: evenly along it, each the nearby one whose yaw is most along the
+    path."""
     path = np.array(graph.camera_path)
     step = np.gradient(path[:, :2], axis=0) if len(path) > 1 else np.zeros((1, 2))
     ahead = np.cos(path[:, 3]) * step[:, 0] + np.sin(path[:, 3]) * step[:, 1]

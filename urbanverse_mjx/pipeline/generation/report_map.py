@@ -24,8 +24,8 @@ def extent(graph: SceneGraph) -> tuple[float, float, float, float]:
 
 
 def seen_from_above(recording: Recording, area: Sequence[float]) -> np.ndarray:
-    """(rows, columns, 4) uint8: mean colour of what the depth puts into each cell of an area, y upwards, alpha 0 where
-    nothing is known."""
+    """(rows, columns, 4) uint8: mean colour of the depth points in each cell of an area, y upwards, alpha 0 without
+    points."""
     x0, y0, x1, y1 = area
     columns, rows = math.ceil((x1 - x0) / CELL), math.ceil((y1 - y0) / CELL)
     colour, count = np.zeros((rows * columns, 3)), np.zeros(rows * columns)

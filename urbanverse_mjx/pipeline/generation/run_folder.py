@@ -1,4 +1,4 @@
-"""The folder of one run: what is done is written down, so that a killed run goes on where it stopped.
+"""The folder of one run, with a record of finished stages, so that a killed run can continue.
 
 `run.json` holds for every finished stage the key of what it was made from (its options, and the key of the stage
 before). A stage whose key and files are there is not done again. Files appear whole or not at all.
@@ -51,7 +51,7 @@ class RunFolder:
     def open(path: str | os.PathLike[str], source: str) -> Iterator["RunFolder"]:
         """Makes or takes up a run's folder, for one process at a time.
 
-        What a killed run left half made is swept out; of a run that fails before its first stage is done nothing stays.
+        Unfinished parts of a killed run are removed; a run that fails before its first stage is done leaves no files.
 
         Raises:
           ValidationError: no write access, a file or other files in the way, another process in it, or a record of
@@ -77,7 +77,7 @@ class RunFolder:
             _sweep(path)
             try:
                 if not (path / FILE).is_file():
-                    # At once: by its record a killed run knows its folder again.
+                    # Written at once, so that the next run recognises the folder of a killed one.
                     v.write_json(path / FILE, run.record)
                 yield run
             finally:
@@ -119,9 +119,9 @@ _HALF_A_FILE = re.compile(
 
 
 def _sweep(folder: pathlib.Path) -> None:
-    """Removes what a killed run left half made, and nothing else: folders as `replacing` makes them, parts of files.
+    """Removes only unfinished parts of a killed run: folders as `replacing` makes them, parts of files.
 
-    Only for who holds the run's lock.
+    The caller must hold the run's lock.
     """
     for place in (folder, *(path for path in folder.glob("cousins/*") if path.is_dir())):
         sweep(place)

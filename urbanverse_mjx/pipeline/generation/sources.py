@@ -21,10 +21,10 @@ class Input:
 
 
 def recognise(source: str | pathlib.Path) -> Input:
-    """Says what a source is, and checks what can be checked before any work.
+    """Determines the kind of a source, and makes all checks that need no work.
 
     Raises:
-      ValidationError: nothing is there, or it is none of the four; graphs and recordings are read and must be valid.
+      ValidationError: it does not exist, or is none of the four; graphs and recordings are read and must be valid.
     """
     path = pathlib.Path(source).expanduser().absolute()
     if path.is_dir() and (path / RECORDING_FILE).is_file():

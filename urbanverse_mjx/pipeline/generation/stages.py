@@ -26,11 +26,11 @@ class GenerationOptions:
     """How cousins are made.
 
     Attributes:
-      cousins: how many, 1 to 64. seed: chooses among what fits equally well.
+      cousins: their number, 1 to 64. seed: selects among equal fits.
       kerb: m, of sidewalks whose step to the road the source does not show.
       usd: whether to write each scene as USD too. pictures: whether the report has rendered images.
-      workers: processes that compile; None for as many as there are cores.
-      video: what is known of a video or folder of frames, and how it is looked at.
+      workers: processes that compile; None for one per core. video: metadata of a video or folder of frames, and
+        options of its perception.
     """
 
     cousins: int = 5
@@ -48,7 +48,7 @@ def generate(
     options: GenerationOptions | None = None,
     quiet: bool = True,
 ) -> dict[str, Any]:
-    """Makes compiled cousins of a source in a folder, or goes on with what an earlier run left there.
+    """Makes compiled cousins of a source in a folder, or continues an earlier run there.
 
     Args:
       source: graph.json, a recording's folder, a folder of frames, or a video.
@@ -59,7 +59,7 @@ def generate(
       id, folder, number of objects in the graph and in each cousin, seconds by stage.
 
     Raises:
-      ValidationError: what is wrong with the source or the folder; nothing half-written stays.
+      ValidationError: the source or the folder is invalid; no partly written file stays.
     """
     options = options or GenerationOptions()
     v.integer(options.cousins, "--cousins", 1, 64)

@@ -1,4 +1,4 @@
-"""What is known of a video, and how it is looked at."""
+"""Metadata of a video and options of its perception."""
 
 import dataclasses
 
@@ -11,8 +11,8 @@ class VideoOptions:
       rate: frames taken per second.
       camera_height: m above the ground that is walked on: it gives the metric scale.
       perception: model that finds objects: "eye", the built-in one, or "foundation"; models: folder of the latter.
-      blur: detector of faces and plates that are made unreadable before a frame is stored; None looks for none.
-      licence, city, country: of the video, for the records.
+      blur: detector of faces and plates that are made unreadable before a frame is stored; None: no blurring. licence,
+        city, country: of the video, for the records.
     """
 
     rate: float = 2.0

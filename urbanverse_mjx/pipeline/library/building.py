@@ -1,4 +1,4 @@
-"""A layout of a set -> its cousins, compiled; and all scenes of a set -> one bank. Goes on where it stopped."""
+"""A layout of a set -> its cousins, compiled; and all scenes of a set -> one bank. An interrupted build continues."""
 
 import dataclasses
 import pathlib

@@ -27,16 +27,16 @@ from ..generation.distilling import DESCRIBE
 
 #: Pixels of the images: a bollard 8 m away is still 14 pixels high.
 SIZE = (320, 180)
-#: s between frames; rad that the camera looks to both sides in turn, and frames of one turn to and fro.
+#: s between frames; rad, amplitude of the camera's yaw to both sides, and frames of one oscillation.
 PERIOD, SWAY, SWAY_FRAMES = 1.7, np.radians(38.0), 7
 PITCH = np.radians(5.0)
-#: m that a walker keeps from objects, and how far the way is moved for it.
+#: m that a walker keeps from objects, and the largest shift of the path for it.
 _WALKER_CLEARANCE, _MAX_SHIFT = 0.3, 3.0
 
 
 @dataclasses.dataclass(frozen=True)
 class Capture:
-    """A filmed block: its bank of one scene, the recording with the ground truth beside it, and the distilled graph."""
+    """A filmed block: its bank of one scene, the recording with its ground truth, and the distilled graph."""
 
     bank: SceneBank
     recording: Recording
@@ -67,7 +67,7 @@ def film(profile: CityProfile, seed: int, name: str, folder: pathlib.Path, lengt
 
 
 def _one_episode(ground_truth: SceneGraph) -> EpisodeTable:
-    """What a bank wants of every scene; nobody drives here."""
+    """Data that a bank needs of every scene; this one has no drive."""
     (x, y, z, _), (gx, gy, gz, _) = ground_truth.camera_path[0], ground_truth.camera_path[-1]
     goal, no = np.array([[gx, gy, gz]]), np.zeros(1, bool)
     return EpisodeTable(

@@ -46,7 +46,7 @@ class LibraryBuild:
 
 
 def build_library(name: str, options: LibraryOptions | None = None, quiet: bool = True) -> LibraryBuild:
-    """Builds a set of scenes into the cache: cousins, compiled scenes, one bank. Goes on where it stopped.
+    """Builds a set of scenes into the cache: cousins, compiled scenes, one bank. An interrupted build continues.
 
     Args:
       name: of a set in scenes/library.json.
