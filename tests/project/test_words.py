@@ -51,7 +51,6 @@ PLACES = {
     "way": (
         "tests/evaluation/test_benchmark.py",
         "urbanverse_mjx/evaluation/frozen.py",
-        "urbanverse_mjx/pipeline/library/captures.py",
     ),
 }
 PART = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
