@@ -64,7 +64,10 @@ class TrainingLog:
 
 def _how_it_goes(values: Mapping[str, float]) -> str:
     if "episode/success" in values:
-        return f"success {values['episode/success']:.0%}, route {values.get('episode/route_completion', 0.0):.0%}"
+        # Imitation counts how episodes end and has no share of the route.
+        known = {"success": "success", "hit": "hit", "route": "route_completion"}
+        keys = {word: f"episode/{key}" for word, key in known.items()}
+        return ", ".join(f"{word} {values[key]:.0%}" for word, key in keys.items() if key in values)
     return f"return {values.get('episode/sum_reward', 0.0):.2f}, length {values.get('episode/length', 0.0):.0f}"
 
 
